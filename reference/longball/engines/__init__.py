@@ -1,0 +1,1 @@
+"""How numbers are made: each engine solves a scene into a result."""

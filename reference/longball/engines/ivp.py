@@ -1,0 +1,434 @@
+"""The reference engine: `scipy.integrate.solve_ivp` with terminal events.
+
+The events are where solve_ivp is weakest, in two ways. It looks for a change of sign between its
+steps, so that a ball that dips and comes back within a step is not seen: here every event is a
+function that changes sign once (for the bat see `longball.engines.contact`; for the ground the
+lowest point of a dip is an event too). And it finds the event on its interpolant, whose order is
+lower than that of its steps: here the last step is taken again, onto the event.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import cast
+
+import numpy as np
+import scipy.integrate
+import scipy.optimize
+from numpy.typing import NDArray
+
+from longball.engines import contact
+from longball.engines.contact import Acceleration
+from longball.engines.engine import Arrival, BatSection, CannotSolve, Stop, Stops, Touch
+from longball.model.motion import Forces, PlaneState, acceleration
+from longball.model.numbers import DOUBLES, Doubles
+
+METHODS = ("RK23", "RK45", "DOP853", "Radau", "BDF", "LSODA")
+
+State = PlaneState[float]
+Array = NDArray[np.float64]
+Event = Callable[[float, Array], float]
+
+
+@dataclass(frozen=True)
+class Surface:
+    """Something that a flight can reach: where a function of the state changes sign.
+
+    Attributes
+    ----------
+    name
+        Under which a flight reports it.
+    value, rate
+        The function, and its derivative in time.
+    direction
+        +1 if the function rises through zero there, -1 if it falls.
+    place
+        Puts a state that is within rounding of the surface onto it.
+    leaves
+        Whether the flight starts on the surface, which then is not an arrival.
+    """
+
+    name: str
+    value: Callable[[State], float]
+    rate: Callable[[State], float]
+    direction: int
+    place: Callable[[State], State] = lambda state: state
+    leaves: bool = False
+
+    def event(self, start: float) -> Event:
+        """Return the terminal event for solve_ivp, for a flight that begins at `start`."""
+
+        def event(time: float, y: Array) -> float:
+            value = self.value(PlaneState(*y.tolist()))
+            if not self.leaves:
+                return value
+            # Divided by the time, the root at the start is gone and the next one stays.
+            return value / (time - start) if time > start else float(-self.direction)
+
+        event.terminal = True  # type: ignore[attr-defined]
+        event.direction = self.direction  # type: ignore[attr-defined]
+        return event
+
+
+@dataclass(frozen=True)
+class Leg:
+    """The accepted steps of a piece of a flight: times, s, and states, a column each."""
+
+    times: Array
+    states: Array
+
+    def at(self, step: int) -> tuple[float, State]:
+        """Return time and state of a step."""
+        return float(self.times[step]), PlaneState(*self.states[:, step].tolist())
+
+    def before(self, time: float) -> tuple[float, State]:
+        """Return the last step that is not after a time."""
+        return self.at(max(0, int(np.searchsorted(self.times, time, side="right")) - 1))
+
+    def ending_in(self, time: float, state: State) -> Leg:
+        """Return the leg with another end."""
+        return Leg(np.append(self.times[:-1], time), np.column_stack([self.states[:, :-1], state]))
+
+
+@dataclass(frozen=True)
+class Ivp:
+    """Flights by `scipy.integrate.solve_ivp`.
+
+    Attributes
+    ----------
+    method
+        Any of solve_ivp's methods, by name.
+    rtol, atol
+        Tolerances of its steps, relative and absolute (m and m/s). With DOP853 at the default
+        1e-13 landings are good to 1e-12 m; a tenth of that costs a quarter more time
+        (`python -m analysis accuracy`).
+    """
+
+    method: str = "DOP853"
+    rtol: float = 1e-13
+    atol: float = 1e-13
+
+    def __post_init__(self) -> None:
+        if self.method not in METHODS:
+            raise ValueError(f"method {self.method!r} is not one of {', '.join(METHODS)}")
+        smallest = 100 * np.finfo(float).eps  # below this solve_ivp raises it with a warning
+        if not smallest <= self.rtol < 1:
+            raise ValueError(f"rtol = {self.rtol} is not between {smallest:.3g} and 1")
+        if not 0 < self.atol < 1:
+            raise ValueError(f"atol = {self.atol} is not between 0 and 1")
+
+    @property
+    def numbers(self) -> Doubles:
+        """Double precision."""
+        return DOUBLES
+
+    @property
+    def description(self) -> str:
+        """Name, method and tolerances."""
+        return f"ivp {self.method} rtol={self.rtol:g} atol={self.atol:g}"
+
+    @property
+    def flight_error(self) -> float:
+        """Relative error of a state at the end of a flight.
+
+        The steps' errors add up: ten tolerances bound what was measured of DOP853 over 10,000
+        pitches (`python -m analysis accuracy`).
+        """
+        return 10 * max(self.rtol, self.atol)
+
+    def fly(self, start: State, forces: Forces[float], stops: Stops[float]) -> Arrival[float]:
+        """Fly until the first stop; see `longball.engines.engine.Engine.fly`."""
+        accelerate = acceleration(forces, DOUBLES)
+        floor = stops.floor
+        if floor is not None and _rests_on(floor, start, accelerate):
+            return Arrival("floor", 0.0, start, Leg(np.zeros(1), np.array([start]).T))
+        surfaces = _stop_surfaces(start, stops, accelerate)
+        # Only lift can turn a falling ball up again, below the ground perhaps, within one step.
+        # Bottoms and tops of the path alternate, so that none is found twice.
+        turns = itertools.cycle(_turning_points(accelerate))
+        legs: list[Leg] = []
+        time, state = 0.0, start
+        while True:
+            turn = [next(turns)] if floor is not None and forces.lift is not None else []
+            leg, met = self._advance(accelerate, time, state, stops.time_limit, surfaces + turn)
+            legs.append(leg)
+            time, state = leg.at(-1)
+            if met is None:
+                return Arrival("time", time, state, _joined(legs))
+            if floor is not None and met.name == "bottom" and self._dipped(state, floor, time):
+                # The way down through the floor, from the parabola around the bottom.
+                back = math.sqrt(2 * (floor - state.z) / met.rate(state))
+                time, state = self._settle(
+                    accelerate, surfaces[0], leg.before(time - back), time - back
+                )
+                met = surfaces[0]
+            if met.name in ("floor", "wall", "vertical"):
+                return Arrival(cast(Stop, met.name), time, state, _joined(legs))
+
+    def touch(
+        self,
+        pitch: Arrival[float],
+        forces: Forces[float],
+        bat: BatSection[float],
+        stops: Stops[float],
+    ) -> Touch[float]:
+        """Find how a pitch meets the bat; see `longball.engines.engine.Engine.touch`."""
+        accelerate = acceleration(forces, DOUBLES)
+        gravity = forces.gravity or 0.0
+        way = cast(Leg, pitch.record)
+        step = next(
+            (
+                step
+                for step, duration in enumerate(np.diff(way.times).tolist())
+                if not contact.cannot_touch(way.at(step)[1], duration, bat, gravity)
+            ),
+            len(way.times) - 1,
+        )
+        time, state = way.at(step)
+        error = contact.margin_error(bat, way.at(0)[1].z, self.flight_error)
+        gap = contact.distance(state, bat) - bat.reach
+        if gap < -error:
+            raise CannotSolve(
+                f"the ball starts inside the bat: {gap + bat.reach:.6g} m from its axis, "
+                f"where the two touch at {bat.reach:.6g} m; release it farther from the plate"
+            )
+        at_once = gap <= error and contact.radial_velocity(state, bat) < 0
+        ends = _search_ends(bat, stops, accelerate)
+        closest = -math.inf
+        approaching = contact.radial_velocity(state, bat) < 0
+        max_step = contact.longest_step(state, bat, forces)
+        while True:
+            turn = _radial_turn(bat, accelerate, +1 if approaching else -1)
+            leg, met = self._advance(
+                accelerate, time, state, stops.time_limit, [*ends, turn], max_step
+            )
+            end_time, end = leg.at(-1)
+            margin = bat.reach - contact.distance(end, bat)
+            closest = max(closest, margin)
+            if abs(margin) <= error:
+                return Touch(margin, None, doubt=contact.doubt(margin, error))
+            if margin > 0:
+                if at_once:
+                    return Touch(margin, True, time, state)
+                found = self._first_touching(accelerate, leg, bat, met is turn)
+                return Touch(margin, True, *found)
+            if met is not turn:
+                if met is not None and met.name == "vertical":
+                    raise CannotSolve(
+                        "the pitch turns vertical over the plate, where a lift that is always up "
+                        "has no direction; use lift_direction = fixed_spin_axis"
+                    )
+                return Touch(closest, False)
+            time, state, approaching = end_time, end, not approaching
+
+    def _first_touching(
+        self, accelerate: Acceleration, leg: Leg, bat: BatSection[float], at_closest: bool
+    ) -> tuple[float, State]:
+        """Find where the distance falls to reach, on a leg along which it only falls."""
+        surface = _bat_surface(bat)
+        end_time, end = leg.at(-1)
+        if at_closest:
+            # A straight line through the closest point: d² = d_min² + V² (t - t_min)².
+            d = contact.distance(end, bat)
+            speed = math.hypot(bat.cos * end.u, end.w)
+            guess = end_time - math.sqrt((bat.reach - d) * (bat.reach + d)) / speed
+            if guess > leg.times[0]:
+                base = leg.before(guess)
+                time, state = self._settle(accelerate, surface, base, guess)
+                if leg.times[0] <= time <= end_time and surface.rate(state) < 0:
+                    return time, state
+        # A strongly curved path: bisect, step by step.
+        start = leg.at(0)
+        guess = scipy.optimize.brentq(
+            lambda t: surface.value(self._step(accelerate, *start, t)), start[0], end_time
+        )
+        return self._settle(accelerate, surface, leg.before(guess), guess)
+
+    def _dipped(self, bottom: State, floor: float, time: float) -> bool:
+        if time == 0.0:
+            return False
+        error = self.flight_error * max(1.0, abs(floor))
+        return DOUBLES.positive(
+            floor - bottom.z, error, "whether the ball touches the ground at the bottom of a dip"
+        )
+
+    def _advance(
+        self,
+        accelerate: Acceleration,
+        time: float,
+        state: State,
+        end: float,
+        surfaces: list[Surface],
+        max_step: float = math.inf,
+    ) -> tuple[Leg, Surface | None]:
+        """Fly until the first surface is met, and settle on it; None if `end` comes first."""
+        if not all(map(math.isfinite, accelerate(state.u, state.w))):
+            raise CannotSolve("the forces at launch are beyond the range of double precision")
+        solution = scipy.integrate.solve_ivp(
+            _right_hand_side(accelerate),
+            (time, end),
+            np.array(state),
+            method=self.method,
+            rtol=self.rtol,
+            atol=self.atol,
+            max_step=max_step,
+            events=[surface.event(time) for surface in surfaces],
+        )
+        if solution.status < 0:
+            raise CannotSolve(
+                f"solve_ivp gave up at t = {solution.t[-1]:.6g} s: {solution.message}"
+            )
+        leg = Leg(solution.t, solution.y)
+        if solution.status == 0:
+            return leg, None
+        met = next(s for s, found in zip(surfaces, solution.t_events, strict=True) if found.size)
+        guess, _ = leg.at(-1)
+        settled = self._settle(accelerate, met, leg.at(-2), guess)
+        return leg.ending_in(*settled), met
+
+    def _settle(
+        self, accelerate: Acceleration, surface: Surface, base: tuple[float, State], guess: float
+    ) -> tuple[float, State]:
+        """Step again from an accepted step onto a surface, from a guess of the time there.
+
+        Newton's method on the step itself: the answer is as good as the steps are, whatever the
+        interpolant that the guess came from.
+        """
+        time, state = guess, self._step(accelerate, *base, guess)
+        for _ in range(_NEWTON_STEPS):
+            rate = surface.rate(state)
+            if rate == 0.0:
+                break
+            dt = -surface.value(state) / rate
+            du, dw = accelerate(state.u, state.w)
+            time += dt
+            if abs(dt) * math.hypot(du, dw) <= _NUDGE * math.hypot(state.u, state.w):
+                state = PlaneState(
+                    state.s + dt * (state.u + 0.5 * dt * du),
+                    state.z + dt * (state.w + 0.5 * dt * dw),
+                    state.u + dt * du,
+                    state.w + dt * dw,
+                )
+                break
+            state = self._step(accelerate, *base, time)
+        return time, surface.place(state)
+
+    def _step(self, accelerate: Acceleration, time: float, state: State, end: float) -> State:
+        """Integrate to a given time, in one step if the tolerances allow it."""
+        if end == time:
+            return state
+        solver = getattr(scipy.integrate, self.method)(
+            _right_hand_side(accelerate),
+            time,
+            state,
+            end,
+            rtol=self.rtol,
+            atol=self.atol,
+            first_step=abs(end - time),
+        )
+        while solver.status == "running":
+            message = solver.step()
+        if solver.status == "failed":
+            raise CannotSolve(f"{self.method} gave up at t = {solver.t:.6g} s: {message}")
+        return PlaneState(*solver.y.tolist())
+
+
+# Newton's method squares the error; at a double root (a graze, a tangential landing) it halves it,
+# and forty halvings of a millisecond reach a femtosecond.
+_NEWTON_STEPS = 40
+
+# A Taylor step of second order that changes the velocity by this fraction is exact to its square,
+# 1e-16.
+_NUDGE = 1e-8
+
+
+def _right_hand_side(accelerate: Acceleration) -> Callable[[float, Array], Sequence[float]]:
+    def right_hand_side(_: float, y: Array) -> Sequence[float]:
+        _, _, u, w = y.tolist()  # doubles of Python: numpy's are five times slower one by one
+        return (u, w, *accelerate(u, w))
+
+    return right_hand_side
+
+
+def _stop_surfaces(start: State, stops: Stops[float], accelerate: Acceleration) -> list[Surface]:
+    """Return the surfaces that stop a flight; the floor first, if there is one."""
+    surfaces = []
+    if (floor := stops.floor) is not None:
+        surfaces.append(
+            Surface(
+                "floor",
+                lambda y: y.z - floor,
+                lambda y: y.w,
+                -1,
+                lambda y: y._replace(z=floor),
+                leaves=start.z == floor,
+            )
+        )
+    if (wall := stops.wall) is not None:
+        surfaces.append(
+            Surface("wall", lambda y: y.s - wall, lambda y: y.u, +1, lambda y: y._replace(s=wall))
+        )
+    if stops.vertical:
+        surfaces.append(
+            Surface(
+                "vertical",
+                lambda y: y.u,
+                lambda y: accelerate(y.u, y.w)[0],
+                -1,
+                lambda y: y._replace(u=0.0),
+            )
+        )
+    return surfaces
+
+
+def _turning_points(accelerate: Acceleration) -> tuple[Surface, Surface]:
+    """Return where the path has a bottom, and where it has a top."""
+
+    def fall(y: State) -> float:
+        return accelerate(y.u, y.w)[1]
+
+    return Surface("bottom", lambda y: y.w, fall, +1), Surface("top", lambda y: y.w, fall, -1)
+
+
+def _search_ends(
+    bat: BatSection[float], stops: Stops[float], accelerate: Acceleration
+) -> list[Surface]:
+    """Return what ends the search for the bat besides a turn of the distance."""
+    past = Surface("past", lambda y: bat.x + bat.cos * y.s + bat.reach, lambda y: bat.cos * y.u, -1)
+    start_over_the_ground = PlaneState(0.0, math.inf, 0.0, 0.0)
+    return [past, *_stop_surfaces(start_over_the_ground, replace(stops, wall=None), accelerate)]
+
+
+def _radial_turn(bat: BatSection[float], accelerate: Acceleration, direction: int) -> Surface:
+    """Return where the distance to the bat's axis is least (+1) or greatest (-1)."""
+    return Surface(
+        "turn",
+        lambda y: contact.radial_velocity(y, bat),
+        lambda y: contact.radial_acceleration(y, bat, accelerate),
+        direction,
+    )
+
+
+def _bat_surface(bat: BatSection[float]) -> Surface:
+    """Return where ball and bat touch."""
+    return Surface(
+        "bat", lambda y: contact.depth(y, bat), lambda y: contact.radial_velocity(y, bat), -1
+    )
+
+
+def _rests_on(floor: float, start: State, accelerate: Acceleration) -> bool:
+    """Tell whether a ball on the floor does not leave it."""
+    rising = start.w > 0 or (start.w == 0 and accelerate(start.u, start.w)[1] > 0)
+    return start.z <= floor and not rising
+
+
+def _joined(legs: list[Leg]) -> Leg:
+    if len(legs) == 1:
+        return legs[0]
+    return Leg(
+        np.concatenate([leg.times for leg in legs]),
+        np.concatenate([leg.states for leg in legs], axis=1),
+    )

@@ -1,0 +1,684 @@
+"""The impulse between ball and bat, derived from momentum and restitution, and its consequences.
+
+The module reads from top to bottom like the paper's Appendix A, whose equations are cited as
+(A1) to (A10); equations of the main text are cited by their printed number. Rotation of the two
+bodies is left out, as it is there. After the derivation come the laws that the result obeys, each
+proved in the components of three-dimensional vectors with a general unit normal, then what the
+paper's coefficient of restitution (Eq. 10) means, and last the printer that writes
+:mod:`longball.model.impact` from the derived expressions::
+
+    python -m longball.model.derivation            # write impact.py
+    python -m longball.model.derivation --check    # fail if impact.py is not what would be written
+
+A law is a function that returns a residual: what must be zero for the law to hold. It takes the
+collision rule as an argument, so that a rule which breaks the law can be seen to leave a residual.
+"""
+
+from __future__ import annotations
+
+import argparse
+import ast
+import sys
+from collections.abc import Callable, Sequence
+from functools import cache
+from pathlib import Path
+from typing import NamedTuple
+
+# SymPy has no type stubs; "unused-ignore" lets a project-wide setting take this over.
+import sympy as sp  # type: ignore[import-untyped, unused-ignore]
+
+# --------------------------------------------------------------------------------------------------
+# Notation
+# --------------------------------------------------------------------------------------------------
+
+BALL_MASS = sp.Symbol("m", positive=True)
+BAT_MASS = sp.Symbol("M", positive=True)
+REDUCED_MASS = sp.Symbol("mu", positive=True)
+IMPULSE = sp.Symbol(r"\bar{F} \Delta t", real=True)
+BETA = sp.Symbol("beta", real=True)
+# Zero is allowed: the two roots of the restitution relation then coincide.
+RESTITUTION = sp.Symbol(r"\tilde{e}", nonnegative=True)
+# The normal points from the bat to the ball, so a ball that is about to hit has a negative one.
+NORMAL_SPEED = sp.Symbol(r"(\tilde{\mathbf{V}} \cdot \mathbf{n})", negative=True)
+
+VELOCITY = sp.Matrix(sp.symbols("V_x V_y V_z", real=True))
+BAT_VELOCITY = sp.Matrix(sp.symbols("V_bx V_by V_bz", real=True))
+NORMAL = sp.Matrix(sp.symbols("n_x n_y n_z", real=True))
+
+# Section III.C: r = m / M_eff, and the e from which Eq. 10 makes the ẽ of the collision.
+MASS_RATIO = sp.Symbol("r", positive=True)
+PRINTED_E = sp.Symbol("e", nonnegative=True)
+APPARENT_RESTITUTION = sp.Symbol("e_A", real=True)
+
+# The same vectors as letters, for equations that are meant to be read.
+_V, _V_BAT, _V_RELATIVE = sp.symbols(r"\mathbf{V} \mathbf{V}_{b} \tilde{\mathbf{V}}")
+_V_AFTER, _V_BAT_AFTER, _V_RELATIVE_AFTER = sp.symbols(
+    r"\mathbf{V}' \mathbf{V}_{b}' \tilde{\mathbf{V}}'"
+)
+_N = sp.Symbol(r"\mathbf{n}")
+_NORMAL_SPEED_AFTER = sp.Symbol(r"(\tilde{\mathbf{V}}' \cdot \mathbf{n})")
+_ENERGY_CHANGE = sp.Symbol(r"\Delta E", real=True)
+
+
+class After(NamedTuple):
+    """Velocities of the two bodies after the collision, column vectors in m/s."""
+
+    ball: sp.Matrix
+    bat: sp.Matrix
+
+
+Rule = Callable[[sp.Matrix, sp.Matrix, sp.Matrix], After]
+"""A collision rule: velocity of the ball, velocity of the bat, unit normal -> velocities after."""
+
+
+def on_unit_normal(expression: sp.Expr) -> sp.Expr:
+    """Reduce an expression by |n| = 1 to a form that is zero exactly if it vanishes there.
+
+    Parameters
+    ----------
+    expression : sympy.Expr
+        A rational expression in the components of the normal and any other symbols.
+
+    Returns
+    -------
+    sympy.Expr
+        The factored remainder of the numerator on division by n·n - 1, over the denominator.
+
+    Notes
+    -----
+    n·n - 1 has leading coefficient one in n_z, so the remainder is unique; and the polynomial is
+    irreducible, so what vanishes on the whole unit sphere is a multiple of it.
+    """
+    numerator, denominator = sp.fraction(sp.together(expression))
+    remainder = sp.rem(sp.expand(numerator), NORMAL.dot(NORMAL) - 1, NORMAL[2])
+    return sp.factor(remainder / denominator)
+
+
+# --------------------------------------------------------------------------------------------------
+# The derivation: Appendix A
+# --------------------------------------------------------------------------------------------------
+
+
+def ball_velocity_after(velocity: sp.Expr, normal: sp.Expr, impulse: sp.Expr) -> sp.Expr:
+    """Velocity of the ball after an impulse along the normal (A1).
+
+    Written for anything that adds and scales: column vectors in the proofs, letters in `steps`.
+    """
+    return velocity + normal * impulse / BALL_MASS
+
+
+def bat_velocity_after(velocity: sp.Expr, normal: sp.Expr, impulse: sp.Expr) -> sp.Expr:
+    """Velocity of the bat, which receives the opposite impulse by Newton's third law (A2)."""
+    return velocity - normal * impulse / BAT_MASS
+
+
+@cache
+def inverse_reduced_mass() -> sp.Expr:
+    """Factor 1/μ by which the impulse changes the relative velocity: (A1) minus (A2), giving (A3).
+
+    Returns
+    -------
+    sympy.Expr
+        1/m + 1/M.
+
+    Raises
+    ------
+    ValueError
+        If the three components do not share one factor: the change is not along the normal then.
+    """
+    before = VELOCITY - BAT_VELOCITY
+    after = ball_velocity_after(VELOCITY, NORMAL, IMPULSE) - bat_velocity_after(
+        BAT_VELOCITY, NORMAL, IMPULSE
+    )
+    change = after - before
+    factors = {sp.cancel(change[i] / (IMPULSE * NORMAL[i])) for i in range(3)}
+    if len(factors) != 1:
+        raise ValueError(f"the relative velocity does not change along the normal: {factors}")
+    return sp.expand(factors.pop())
+
+
+@cache
+def reduced_mass() -> sp.Expr:
+    """Mass μ that the impulse meets, in terms of m and M (A3)."""
+    return sp.cancel(1 / inverse_reduced_mass())
+
+
+def restitution_equation() -> sp.Expr:
+    """Polynomial in β whose roots satisfy the restitution relation (A4) to (A6).
+
+    Returns
+    -------
+    sympy.Expr
+        (Ṽ'·n)² - ẽ² (Ṽ·n)² with Ṽ'·n = Ṽ·n + β and β = F̄Δt/μ. Squaring takes the moduli off
+        both sides, and no root is added because both sides are non-negative.
+    """
+    normal_speed_after = NORMAL_SPEED + BETA
+    return sp.expand(normal_speed_after**2 - RESTITUTION**2 * NORMAL_SPEED**2)
+
+
+@cache
+def roots() -> tuple[sp.Expr, sp.Expr]:
+    """Both values of β that satisfy the restitution relation, told apart by what the ball does.
+
+    Returns
+    -------
+    penetrating : sympy.Expr
+        β₁ (A7). It leaves Ṽ'·n = ẽ Ṽ·n, of the sign it had: the ball goes on into the bat. At
+        ẽ = 1 it vanishes, and the ball would pass through as if there were no bat.
+    rebounding : sympy.Expr
+        β₂ (A8). It leaves Ṽ'·n = -ẽ Ṽ·n: the bodies separate, as they must.
+
+    Raises
+    ------
+    ValueError
+        If the roots are not one of each kind.
+    """
+    found = [sp.factor(root) for root in sp.solve(restitution_equation(), BETA)]
+    rebounding = [root for root in found if sp.expand(NORMAL_SPEED + root).is_nonnegative]
+    penetrating = [root for root in found if sp.expand(NORMAL_SPEED + root).is_nonpositive]
+    if not (len(found) == 2 and len(rebounding) == 1 and len(penetrating) == 1):
+        raise ValueError(f"expected one rebounding and one penetrating root, found {found}")
+    return penetrating[0], rebounding[0]
+
+
+@cache
+def impulse() -> sp.Expr:
+    """Impulse F̄Δt along the normal, in terms of μ, ẽ and Ṽ·n (A9), (A10); Eq. 9 times Δt."""
+    _, rebounding = roots()
+    (solution,) = sp.solve(sp.Eq(BETA, IMPULSE / REDUCED_MASS), IMPULSE)
+    return sp.factor(solution.subs(BETA, rebounding))
+
+
+def collide(velocity: sp.Matrix, bat_velocity: sp.Matrix, normal: sp.Matrix) -> After:
+    """Velocities after the collision of two free bodies under the derived impulse.
+
+    Parameters
+    ----------
+    velocity, bat_velocity : sympy.Matrix, shape (3, 1)
+        Velocities before, in m/s.
+    normal : sympy.Matrix, shape (3, 1)
+        Unit normal, from the bat to the ball.
+
+    Returns
+    -------
+    After
+        In terms of m, M and ẽ.
+    """
+    normal_speed = (velocity - bat_velocity).dot(normal)
+    strength = impulse().xreplace({REDUCED_MASS: reduced_mass(), NORMAL_SPEED: normal_speed})
+    return After(
+        ball_velocity_after(velocity, normal, strength),
+        bat_velocity_after(bat_velocity, normal, strength),
+    )
+
+
+# --------------------------------------------------------------------------------------------------
+# What the collision keeps, and what it changes
+# --------------------------------------------------------------------------------------------------
+
+
+def momentum_residual(rule: Rule = collide) -> sp.Matrix:
+    """Change of the total momentum m V + M V_b: zero, as noted below (A2)."""
+    after = rule(VELOCITY, BAT_VELOCITY, NORMAL)
+    change = BALL_MASS * (after.ball - VELOCITY) + BAT_MASS * (after.bat - BAT_VELOCITY)
+    return change.applyfunc(on_unit_normal)
+
+
+def tangential_residual(rule: Rule = collide) -> sp.Matrix:
+    """Change of the velocities tangential to the contact, ball and bat in two columns: zero.
+
+    The averaged force has no tangential part (the paper sets it along n above (A4)).
+    """
+
+    def tangential(vector: sp.Matrix) -> sp.Matrix:
+        return vector - vector.dot(NORMAL) * NORMAL
+
+    after = rule(VELOCITY, BAT_VELOCITY, NORMAL)
+    changes = sp.Matrix.hstack(
+        tangential(after.ball - VELOCITY), tangential(after.bat - BAT_VELOCITY)
+    )
+    return changes.applyfunc(on_unit_normal)
+
+
+def restitution_residual(rule: Rule = collide) -> sp.Expr:
+    """Ṽ⁺·n + ẽ Ṽ·n, the restitution relation (A5) with the sign of a rebound: zero."""
+    after = rule(VELOCITY, BAT_VELOCITY, NORMAL)
+    before = VELOCITY - BAT_VELOCITY
+    return on_unit_normal((after.ball - after.bat + RESTITUTION * before).dot(NORMAL))
+
+
+def galilean_residual(rule: Rule = collide) -> sp.Matrix:
+    """Effect of a common velocity of both bodies, beyond being added after as before: zero.
+
+    Ball and bat in two columns.
+    """
+    common = sp.Matrix(sp.symbols("U_x U_y U_z", real=True))
+    at_rest = rule(VELOCITY, BAT_VELOCITY, NORMAL)
+    moving = rule(VELOCITY + common, BAT_VELOCITY + common, NORMAL)
+    changes = sp.Matrix.hstack(
+        moving.ball - common - at_rest.ball, moving.bat - common - at_rest.bat
+    )
+    return changes.applyfunc(on_unit_normal)
+
+
+@cache
+def energy_change(rule: Rule = collide) -> sp.Expr:
+    """Change of the kinetic energy of both bodies, in terms of μ, ẽ and Ṽ·n.
+
+    Returns
+    -------
+    sympy.Expr
+        -½ μ (1 - ẽ²) (Ṽ·n)², factored so that it is accurate near ẽ = 1.
+
+    Notes
+    -----
+    Nothing of this is assumed. The energies of the bodies are written in components, V_x is
+    eliminated in favour of Ṽ·n and m in favour of μ; that all other components, the normal and
+    M then drop out is the result.
+    """
+    after = rule(VELOCITY, BAT_VELOCITY, NORMAL)
+    change = (
+        BALL_MASS * (after.ball.dot(after.ball) - VELOCITY.dot(VELOCITY))
+        + BAT_MASS * (after.bat.dot(after.bat) - BAT_VELOCITY.dot(BAT_VELOCITY))
+    ) / 2
+    (v_x,) = sp.solve((VELOCITY - BAT_VELOCITY).dot(NORMAL) - NORMAL_SPEED, VELOCITY[0])
+    in_normal_speed = on_unit_normal(change.subs(VELOCITY[0], v_x))
+    (ball_mass,) = sp.solve(sp.Eq(1 / REDUCED_MASS, inverse_reduced_mass()), BALL_MASS)
+    return sp.factor(in_normal_speed.subs(BALL_MASS, ball_mass))
+
+
+def energy_creating_restitutions() -> sp.Set:
+    """Values of ẽ >= 0 at which the two bodies together gain energy: ẽ > 1."""
+    gain = sp.cancel(energy_change() / (REDUCED_MASS * NORMAL_SPEED**2))
+    return sp.solveset(gain > 0, RESTITUTION, sp.Interval(0, sp.oo))
+
+
+# --------------------------------------------------------------------------------------------------
+# What the printed coefficient of restitution means: Eq. 10
+# --------------------------------------------------------------------------------------------------
+
+
+def printed_restitution() -> sp.Expr:
+    """Coefficient of restitution as Eq. 10 prints it, with r = m / M_eff."""
+    return PRINTED_E * (1 + MASS_RATIO) + MASS_RATIO
+
+
+@cache
+def apparent_restitution() -> sp.Expr:
+    """Rebound speed over incident speed of a ball that meets a bat at rest head-on.
+
+    Returns
+    -------
+    sympy.Expr
+        (ẽ - r) / (1 + r), Nathan's e_A (Am. J. Phys. 71, 134 (2003), the paper's nathan03), from
+        the derived collision with a bat of mass M_eff = m / r.
+    """
+    incident_speed = sp.Symbol("v", positive=True)
+    velocity = -incident_speed * NORMAL
+    after = collide(velocity, sp.zeros(3, 1), NORMAL)
+    ratio = on_unit_normal(after.ball.dot(NORMAL) / incident_speed)
+    return sp.cancel(ratio.subs(BAT_MASS, BALL_MASS / MASS_RATIO))
+
+
+def restitution_from_apparent() -> sp.Expr:
+    """Coefficient of restitution that a measured e_A stands for: `apparent_restitution` inverted.
+
+    Returns
+    -------
+    sympy.Expr
+        e_A (1 + r) + r: Eq. 10, with e_A where the paper has e.
+    """
+    (solution,) = sp.solve(sp.Eq(APPARENT_RESTITUTION, apparent_restitution()), RESTITUTION)
+    return sp.collect(sp.expand(solution), APPARENT_RESTITUTION)
+
+
+def apparent_from_printed() -> sp.Expr:
+    """Apparent restitution of a collision whose ẽ comes from Eq. 10: the paper's e itself."""
+    return sp.cancel(apparent_restitution().subs(RESTITUTION, printed_restitution()))
+
+
+def energy_creating_mass_ratios() -> sp.Rel:
+    """Condition on r = m / M_eff under which Eq. 10 creates energy: r > (1 - e) / (1 + e).
+
+    Returns
+    -------
+    sympy.Rel
+        Equivalent to ẽ > 1, since Eq. 10 rises linearly with r for every e >= 0.
+
+    Raises
+    ------
+    ValueError
+        If Eq. 10 does not rise linearly with r: the condition is not a single threshold then.
+    """
+    excess = printed_restitution() - energy_creating_restitutions().inf
+    slope = sp.diff(excess, MASS_RATIO)
+    if not (slope.is_positive and sp.diff(slope, MASS_RATIO) == 0):
+        raise ValueError(f"the printed restitution does not rise linearly with r: slope {slope}")
+    (threshold,) = sp.solve(excess, MASS_RATIO)
+    return sp.Gt(MASS_RATIO, threshold)
+
+
+# --------------------------------------------------------------------------------------------------
+# The derivation as one reads it
+# --------------------------------------------------------------------------------------------------
+
+
+class Step(NamedTuple):
+    """One line of the derivation: a title, a sentence, and what the sentence says in symbols."""
+
+    title: str
+    explanation: str
+    equation: sp.Basic
+
+
+def steps() -> list[Step]:
+    """List the derivation and its consequences in order, to be printed with `sympy.latex`.
+
+    Returns
+    -------
+    list of Step
+        The right-hand sides are the expressions that the functions above derive.
+    """
+    penetrating, rebounding = roots()
+    momentum = BALL_MASS * _V + BAT_MASS * _V_BAT
+    momentum_after = BALL_MASS * _V_AFTER + BAT_MASS * _V_BAT_AFTER
+    return [
+        Step(
+            "Ball",
+            "The contact force, averaged over the contact, acts along the normal (A1).",
+            sp.Eq(_V_AFTER, ball_velocity_after(_V, _N, IMPULSE)),
+        ),
+        Step(
+            "Bat",
+            "The bat receives the opposite impulse (A2).",
+            sp.Eq(_V_BAT_AFTER, bat_velocity_after(_V_BAT, _N, IMPULSE)),
+        ),
+        Step(
+            "Momentum",
+            "Equal and opposite impulses leave the total momentum as it was.",
+            sp.Eq(momentum_after, momentum),
+        ),
+        Step(
+            "Reduced mass",
+            "Subtracting the two shows by which factor the impulse changes the relative velocity.",
+            sp.Eq(1 / REDUCED_MASS, inverse_reduced_mass()),
+        ),
+        Step(
+            "Relative velocity",
+            "So the relative velocity changes along the normal only (A3).",
+            sp.Eq(_V_RELATIVE_AFTER, _V_RELATIVE + _N * IMPULSE / REDUCED_MASS),
+        ),
+        Step(
+            "Normal component",
+            "Its normal component changes by β, the impulse over the reduced mass (A4).",
+            sp.Eq(_NORMAL_SPEED_AFTER, NORMAL_SPEED + BETA),
+        ),
+        Step(
+            "Restitution",
+            "The restitution relation (A5), squared, is quadratic in β (A6).",
+            sp.Eq(sp.Mul(*(BETA - root for root in roots())), 0),
+        ),
+        Step(
+            "Discarded root",
+            "This root keeps the sign of the normal component, so the ball would go on into the "
+            "bat; at a restitution of one there would be no force at all (A7).",
+            sp.Eq(BETA, penetrating),
+        ),
+        Step(
+            "Root of the rebound",
+            "This root reverses the normal component (A8).",
+            sp.Eq(BETA, rebounding),
+        ),
+        Step(
+            "Impulse",
+            "With β known, the impulse follows (A10).",
+            sp.Eq(IMPULSE, impulse()),
+        ),
+        Step(
+            "Energy",
+            "The kinetic energies of both bodies change by an amount that depends on nothing but "
+            "the reduced mass, the restitution and the normal component.",
+            sp.Eq(_ENERGY_CHANGE, energy_change()),
+        ),
+        Step(
+            "Energy created",
+            "The two bodies together gain energy exactly for these restitutions.",
+            sp.Contains(RESTITUTION, energy_creating_restitutions()),
+        ),
+        Step(
+            "Apparent restitution",
+            "A ball that meets a bat at rest, of effective mass m/r, head-on leaves with this "
+            "fraction of its speed (Nathan 2003).",
+            sp.Eq(APPARENT_RESTITUTION, apparent_restitution()),
+        ),
+        Step(
+            "Apparent restitution, inverted",
+            "Solved for the restitution, so that a measured fraction can be used.",
+            sp.Eq(RESTITUTION, restitution_from_apparent()),
+        ),
+        Step(
+            "Printed restitution",
+            "Eq. 10 as printed is the same formula: its e stands where the apparent one belongs.",
+            sp.Eq(RESTITUTION, printed_restitution()),
+        ),
+        Step(
+            "Energy created as printed",
+            "The printed restitution exceeds one, and so creates energy, exactly for these ratios "
+            "of the ball's mass to the effective mass of the bat.",
+            energy_creating_mass_ratios(),
+        ),
+    ]
+
+
+# --------------------------------------------------------------------------------------------------
+# From expressions to impact.py
+# --------------------------------------------------------------------------------------------------
+
+_TEMPLATE = '''\
+"""The impulse between ball and bat, as executed.
+
+Generated from the expressions of :mod:`longball.model.derivation`; do not edit. To regenerate::
+
+    python -m longball.model.derivation
+
+Only + - * / and whole numbers occur, so the functions serve every kind of number alike: float,
+Fraction, mpf, arb, and arrays, elementwise.
+"""
+
+from typing import Any
+
+Number = Any  # float, mpf, arb or array: whatever adds, multiplies and divides
+
+
+def reduced_mass(m: Number, M: Number) -> Number:  # noqa: N803  (the paper's letters)
+    """Mass that the impulse between two free bodies meets: 1/μ = 1/m + 1/M.
+
+    Parameters
+    ----------
+    m, M : number
+        Masses of ball and bat, in kg.
+
+    Returns
+    -------
+    number
+        μ, in kg. The paper's Appendix A, below Eq. (A2).
+    """
+    return {reduced_mass}
+
+
+def impulse(reduced_mass: Number, restitution: Number, normal_speed: Number) -> Number:
+    """Impulse that the ball receives along the normal; the bat receives the opposite.
+
+    Parameters
+    ----------
+    reduced_mass : number
+        μ, in kg.
+    restitution : number
+        ẽ, dimensionless.
+    normal_speed : number
+        Ṽ·n, velocity of the ball relative to the bat along the normal from bat to ball, in m/s.
+        Negative for a ball that approaches.
+
+    Returns
+    -------
+    number
+        -μ (1 + ẽ) (Ṽ·n), in N·s. The paper's Eq. (A10) times Δt, which is its Eq. (9).
+    """
+    return {impulse}
+
+
+def velocity_after(
+    velocity: tuple[Number, Number, Number],
+    normal: tuple[Number, Number, Number],
+    mass: Number,
+    impulse: Number,
+) -> tuple[Number, Number, Number]:
+    """Velocity of the ball after the impulse.
+
+    Parameters
+    ----------
+    velocity : three numbers
+        Velocity of the ball before, in m/s.
+    normal : three numbers
+        Unit normal, from bat to ball.
+    mass : number
+        Mass of the ball, in kg.
+    impulse : number
+        Impulse along the normal, in N·s.
+
+    Returns
+    -------
+    tuple of three numbers
+        V + (J/m) n, in m/s. The paper's Eq. (A1).
+    """
+    vx, vy, vz = velocity
+    nx, ny, nz = normal
+    return (
+        {velocity_x},
+        {velocity_y},
+        {velocity_z},
+    )
+
+
+def energy_change(reduced_mass: Number, restitution: Number, normal_speed: Number) -> Number:
+    """Change of the kinetic energy of ball and bat together.
+
+    Parameters
+    ----------
+    reduced_mass : number
+        μ, in kg.
+    restitution : number
+        ẽ, dimensionless.
+    normal_speed : number
+        Ṽ·n before the collision, in m/s.
+
+    Returns
+    -------
+    number
+        -½ μ (1 - ẽ²) (Ṽ·n)², in J; positive if ẽ > 1. Not in the paper: it follows from the
+        energies of both bodies, and is factored so as not to cancel near ẽ = 1.
+    """
+    return {energy_change}
+'''
+
+
+class _ProductsForPowers(ast.NodeTransformer):
+    """Write x**2 as x * x, which every number type has and rounds once; no higher power occurs."""
+
+    def visit_BinOp(self, node: ast.BinOp) -> ast.expr:
+        self.generic_visit(node)
+        if isinstance(node.op, ast.Pow) and ast.unparse(node.right) == "2":
+            return ast.BinOp(node.left, ast.Mult(), node.left)
+        return node
+
+
+def plain_arithmetic(expression: sp.Expr, names: dict[sp.Symbol, str]) -> str:
+    """Print an expression as Python that works for every kind of number.
+
+    Parameters
+    ----------
+    expression : sympy.Expr
+        What to print.
+    names : dict of sympy.Symbol to str
+        Name in Python for each symbol.
+
+    Returns
+    -------
+    str
+        Source text of + - * / on names and whole numbers.
+
+    Raises
+    ------
+    ValueError
+        If the expression needs more than that, or has a fraction on its own, like the half in
+        x + 1/2: Python would round it to a double before any other number type could see it.
+    """
+    renamed = expression.xreplace({symbol: sp.Symbol(name) for symbol, name in names.items()})
+    tree = _ProductsForPowers().visit(ast.parse(str(renamed), mode="eval").body)
+    allowed = (ast.Name, ast.Load, ast.BinOp, ast.UnaryOp, ast.USub)
+    operators = (ast.Add, ast.Sub, ast.Mult, ast.Div)
+    for node in ast.walk(tree):
+        whole_number = isinstance(node, ast.Constant) and isinstance(node.value, int)
+        known_name = not isinstance(node, ast.Name) or node.id in names.values()
+        bare_fraction = (
+            isinstance(node, ast.BinOp)
+            and isinstance(node.left, ast.Constant)
+            and isinstance(node.right, ast.Constant)
+        )
+        plain = whole_number or isinstance(node, allowed + operators)
+        if not (plain and known_name) or bare_fraction:
+            raise ValueError(f"{renamed} is not plain arithmetic: {ast.dump(node)}")
+    return ast.unparse(tree)
+
+
+def generate() -> str:
+    """Source text of impact.py, from the derived expressions."""
+    scalars = {
+        REDUCED_MASS: "reduced_mass",
+        RESTITUTION: "restitution",
+        NORMAL_SPEED: "normal_speed",
+    }
+    vectors = {BALL_MASS: "mass", IMPULSE: "impulse"}
+    vectors |= dict(zip(VELOCITY, ("vx", "vy", "vz"), strict=True))
+    vectors |= dict(zip(NORMAL, ("nx", "ny", "nz"), strict=True))
+    x, y, z = ball_velocity_after(VELOCITY, NORMAL, IMPULSE)
+    return _TEMPLATE.format(
+        reduced_mass=plain_arithmetic(reduced_mass(), {BALL_MASS: "m", BAT_MASS: "M"}),
+        impulse=plain_arithmetic(impulse(), scalars),
+        velocity_x=plain_arithmetic(x, vectors),
+        velocity_y=plain_arithmetic(y, vectors),
+        velocity_z=plain_arithmetic(z, vectors),
+        energy_change=plain_arithmetic(energy_change(), scalars),
+    )
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Write impact.py next to this file, or check that it is what would be written.
+
+    Returns
+    -------
+    int
+        Exit status: 0, or 1 if `--check` finds a difference.
+    """
+    parser = argparse.ArgumentParser(
+        prog="python -m longball.model.derivation",
+        description="Write impact.py from the derived impulse.",
+    )
+    parser.add_argument("--check", action="store_true", help="write nothing; fail on a difference")
+    check = parser.parse_args(arguments).check
+    target = Path(__file__).with_name("impact.py")
+    text = generate()
+    if not check:
+        target.write_text(text, encoding="utf-8")
+    elif not target.exists() or target.read_text(encoding="utf-8") != text:
+        print(
+            f"{target} is not what the derivation generates; "
+            "run `python -m longball.model.derivation` to write it anew.",
+            file=sys.stderr,
+        )
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,105 @@
+"""What the model asks of a number system: doubles today, any precision tomorrow.
+
+The chain of an at-bat and every formula of the model are written over these two protocols,
+so that they stand once for doubles, for mpmath and for ball arithmetic.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, Protocol, Self, TypeVar
+
+from longball.model.result import Number
+
+
+class Real(Protocol):
+    """A real number that can be added, subtracted, multiplied and divided."""
+
+    def __add__(self, other: Any, /) -> Self: ...
+    def __radd__(self, other: Any, /) -> Self: ...
+    def __sub__(self, other: Any, /) -> Self: ...
+    def __rsub__(self, other: Any, /) -> Self: ...
+    def __mul__(self, other: Any, /) -> Self: ...
+    def __rmul__(self, other: Any, /) -> Self: ...
+    def __truediv__(self, other: Any, /) -> Self: ...
+    def __rtruediv__(self, other: Any, /) -> Self: ...
+    def __neg__(self) -> Self: ...
+    def __abs__(self) -> Self: ...
+
+
+N = TypeVar("N", bound=Real)
+
+Vector = tuple[N, N, N]
+
+
+class Undecided(ArithmeticError):
+    """A question whose answer lies within the error of the numbers at hand."""
+
+
+class Numbers(Protocol[N]):
+    """A number system."""
+
+    @property
+    def pi(self) -> N:
+        """The constant, as precise as the system."""
+
+    @property
+    def rounding(self) -> float:
+        """Relative error of one operation; 0 where the number carries its own error."""
+
+    def exact(self, value: float) -> N:
+        """Return the double `value` itself, not a rounded or decimal relative of it."""
+
+    def sqrt(self, x: N) -> N:
+        """Return the square root of ``x >= 0``."""
+
+    def cos_sin(self, angle: N) -> tuple[N, N]:
+        """Return cosine and sine of an angle in radians."""
+
+    def positive(self, x: N, error: N, question: str) -> bool:
+        """Tell whether ``x > 0``, where `x` may be off by `error`.
+
+        Raises
+        ------
+        Undecided
+            If the sign of `x` is not certain; the message contains `question`.
+        """
+
+    def report(self, x: N) -> Number:
+        """Return `x` as a result writes it."""
+
+
+class Doubles:
+    """IEEE 754 double precision."""
+
+    pi = math.pi
+    rounding = 2.0**-53  # half an ulp of 1, relative
+
+    def exact(self, value: float) -> float:
+        """Return the double itself."""
+        return value
+
+    def sqrt(self, x: float) -> float:
+        """Return the correctly rounded square root."""
+        return math.sqrt(x)
+
+    def cos_sin(self, angle: float) -> tuple[float, float]:
+        """Return cosine and sine of an angle in radians."""
+        return math.cos(angle), math.sin(angle)
+
+    def positive(self, x: float, error: float, question: str) -> bool:
+        """Tell whether ``x > 0``; see `Numbers.positive`."""
+        # Exact zero with no error is a clean "no"; everything inside the error is not decided.
+        if abs(x) > error or x == error == 0.0:
+            return x > 0.0
+        raise Undecided(
+            f"{question} cannot be decided in double precision: "
+            f"the value {x:.3g} lies within its error {error:.3g}"
+        )
+
+    def report(self, x: float) -> Number:
+        """Return the double as it is."""
+        return float(x)
+
+
+DOUBLES = Doubles()

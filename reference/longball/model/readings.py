@@ -1,0 +1,181 @@
+"""The ledger of readings: every place where the paper is silent, ambiguous or wrong.
+
+Each entry is a named switch of a scene's ``reading`` block. The default is the first option.
+Nothing in the code decides one of these silently.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Literal, Self
+
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    SerializerFunctionWrapHandler,
+    model_serializer,
+    model_validator,
+)
+
+SpeedTable = Literal["columns_swapped", "as_printed"]
+SpeedSpread = Literal["standard_deviation", "as_printed"]
+EffectiveMass = Literal["inertia_over_r_squared", "as_printed"]
+BatBallRestitution = Literal["as_printed", "nathan", "plain"]
+ReducedMass = Literal["bat_mass", "effective_mass"]
+Inertia = Literal["solid_cylinder", "thin_rod", "about_centre"]
+LiftDirection = Literal["fixed_spin_axis", "always_up"]
+GroundContact = Literal["centre", "surface"]
+SampleSpace = Literal["pitches", "batted", "fair"]
+Fig7Parameters = Literal["caption", "text"]
+
+
+class Reading(BaseModel):
+    """One reading of the paper: an option for every switch of the ledger."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+
+    speed_table: SpeedTable = "columns_swapped"
+    speed_spread: SpeedSpread = "standard_deviation"
+    effective_mass: EffectiveMass = "inertia_over_r_squared"
+    bat_ball_restitution: BatBallRestitution = "as_printed"
+    reduced_mass: ReducedMass = "bat_mass"
+    inertia: Inertia = "solid_cylinder"
+    offset_spread: float = Field(default=0.0366, gt=0.0, description="m")
+    cell_width: float = Field(default=0.144, gt=0.0, description="m")
+    lift_direction: LiftDirection = "fixed_spin_axis"
+    ground_contact: GroundContact = "centre"
+    sample_space: SampleSpace = "pitches"
+    fig7_parameters: Fig7Parameters = "caption"
+
+    @model_validator(mode="after")
+    def _no_contradiction(self) -> Self:
+        if self.bat_ball_restitution == "plain" and self.reduced_mass == "effective_mass":
+            raise ValueError(
+                "bat_ball_restitution = plain takes the bat's whole mass, "
+                "reduced_mass = effective_mass does not; the two together are what "
+                "bat_ball_restitution = nathan says"
+            )
+        return self
+
+    @model_serializer(mode="wrap")
+    def _only_what_differs(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        default = type(self).model_fields
+        return {
+            name: value for name, value in handler(self).items() if value != default[name].default
+        }
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A line of the ledger.
+
+    Attributes
+    ----------
+    switch
+        Name of the switch in a scene's ``reading`` block.
+    options
+        What it can be set to; the default comes first.
+    place
+        Where in the paper the question arises.
+    why
+        One sentence on what is silent, ambiguous or wrong.
+    """
+
+    switch: str
+    options: tuple[str, ...]
+    place: str
+    why: str
+
+
+LEDGER: tuple[Entry, ...] = (
+    Entry(
+        "speed_table",
+        ("columns_swapped", "as_printed"),
+        "Table II",
+        "The headings exchange mean and spread: 139.1 km/h is a mean speed, 4.58 km/h its spread.",
+    ),
+    Entry(
+        "speed_spread",
+        ("standard_deviation", "as_printed"),
+        "Eq. 2",
+        "The exponent lacks its 2: as printed the density integrates to 1/√2, and its σ is "
+        "√2 times the standard deviation.",
+    ),
+    Entry(
+        "effective_mass",
+        ("inertia_over_r_squared", "as_printed"),
+        "Sec. III.C",
+        "M_eff = I/r̃ as printed has the unit kg m; a mass is I/r̃².",
+    ),
+    Entry(
+        "bat_ball_restitution",
+        ("as_printed", "nathan", "plain"),
+        "Sec. III.C",
+        "ẽ = e(1 + r) + r with r = m/M_eff inverts Nathan's e_A = (e - r)/(1 + r), so that e "
+        "stands where e_A belongs and ẽ > 1 creates energy towards the barrel. "
+        "nathan: ẽ = e with μ from M_eff. plain: ẽ = e with μ from M.",
+    ),
+    Entry(
+        "reduced_mass",
+        ("bat_mass", "effective_mass"),
+        "Eq. for F̄, Sec. III.C",
+        "μ is printed with the bat's mass M, while ẽ uses M_eff. "
+        "Used with bat_ball_restitution = as_printed; the other two bring their own μ.",
+    ),
+    Entry(
+        "inertia",
+        ("solid_cylinder", "thin_rod", "about_centre"),
+        "Sec. III.A, III.C",
+        "A uniform cylinder about its end B has M(L²/3 + r_b²/4); a thin rod ML²/3; "
+        "M(L²/12 + r_b²/4) about the centre is a slip that raises P(e) to the paper's height.",
+    ),
+    Entry(
+        "offset_spread",
+        ("0.0366", "0.0732"),
+        "Sec. III.A",
+        "0.0366 m is called the diameter of the ball; it is its radius. Any length in metres.",
+    ),
+    Entry(
+        "cell_width",
+        ("0.144",),
+        "Sec. II, III",
+        "The aim is drawn in cell indices and used in metres. A third of the plate's width "
+        "(0.432 m), or any width in metres; P_y = (index - 3) width.",
+    ),
+    Entry(
+        "lift_direction",
+        ("fixed_spin_axis", "always_up"),
+        "Sec. III.B",
+        "The lift is only said to be perpendicular to the velocity. A backspin axis fixed at "
+        "launch is continuous and lets steep pop-ups loop; the upward perpendicular flips at "
+        "the vertical.",
+    ),
+    Entry(
+        "ground_contact",
+        ("centre", "surface"),
+        "Sec. III.C",
+        "Does the ball land when its centre or when its surface reaches the ground?",
+    ),
+    Entry(
+        "sample_space",
+        ("pitches", "batted", "fair"),
+        "Sec. IV",
+        "Are misses and fouls among the 1,000 samples? "
+        "fair: landed within 45° of the line from the plate to the pitcher.",
+    ),
+    Entry(
+        "fig7_parameters",
+        ("caption", "text"),
+        "Fig. 7",
+        "The caption says C₁ = 242 m, σ = 52.2 m; the text 271 m, 59.8 m. "
+        "The text's own P(0.42) ≈ 0.17 agrees with the caption.",
+    ),
+    Entry(
+        "masses",
+        ("ball.mass = 0.145, bat.mass = 0.9",),
+        "not printed",
+        "Neither mass is given. NPB's rules allow balls of 141.7 to 148.8 g; 0.9 kg is a typical "
+        "bat. Set in the scene's ball and bat blocks.",
+    ),
+)

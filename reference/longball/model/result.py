@@ -1,0 +1,112 @@
+"""The result of a scene, as it is written on one line of JSON.
+
+The keys are fixed: other implementations write them, and the judge reads them.
+"""
+
+from __future__ import annotations
+
+import json
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, model_serializer
+
+Outcome = Literal[
+    "batted",
+    "missed",
+    "beyond_bat",
+    "separating",
+    "landed",
+    "crossed",
+    "struck",
+    "grounded",
+    "airborne",
+]
+
+
+class _Strict(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+
+
+class Bounded(_Strict):
+    """A number as a decimal string, with the radius that an engine proves for it."""
+
+    value: str = Field(
+        pattern=r"^[+-]?\d+(\.\d+)?([eE][+-]?\d+)?$", description="decimal string of N digits"
+    )
+    radius: str | None = Field(
+        default=None,
+        pattern=r"^\d+(\.\d+)?([eE][+-]?\d+)?$",
+        description="proven bound on the error; null where none is proven",
+    )
+
+    @model_serializer
+    def _radius_stays_when_null(self) -> dict[str, str | None]:
+        return {"value": self.value, "radius": self.radius}
+
+
+Number = Annotated[float, Field(description="a double")] | Bounded
+Triple = tuple[Number, Number, Number]
+
+
+class Plate(_Strict):
+    """The pitch at x = 0 as if there were no bat."""
+
+    time: Number = Field(description="s, since release")
+    position: Triple = Field(description="m; its z is the height z'_b")
+    velocity: Triple = Field(description="m/s")
+
+
+class Contact(_Strict):
+    """First touching of ball and bat, or how close the pitch came."""
+
+    time: Number | None = Field(default=None, description="s, since release")
+    position: Triple | None = Field(default=None, description="m, ball's centre at touching")
+    normal: Triple | None = Field(default=None, description="unit vector from the axis to the ball")
+    bat_velocity: Triple | None = Field(default=None, description="m/s, of the bat at the contact")
+    normal_speed: Number | None = Field(
+        default=None, description="m/s, velocity of the ball relative to the bat along the normal"
+    )
+    margin: Number | None = Field(
+        default=None,
+        description="m, R + r_b minus the closest distance of the undisturbed pitch; "
+        "negative for a miss",
+    )
+
+
+class Impact(_Strict):
+    """The impulse and what it does."""
+
+    restitution: Number = Field(description="ẽ, between ball and bat")
+    impulse: Number = Field(description="N s, along the normal")
+    velocity: Triple = Field(description="m/s, of the ball, after")
+    energy_change: Number = Field(description="J, of ball and bat together")
+
+
+class Landing(_Strict):
+    """Where the ball comes down."""
+
+    time: Number = Field(description="s, since the start of the scene")
+    hang_time: Number = Field(description="s, since contact or launch")
+    position: Triple = Field(description="m")
+    velocity: Triple = Field(description="m/s")
+    distance: Number = Field(description="m, horizontal, from the plate")
+
+
+class Result(_Strict):
+    """What an engine answers to one scene."""
+
+    id: str | None = Field(description="the scene's id; null if its line had none")
+    outcome: Outcome | None = Field(default=None, description="absent if there is an error")
+    plate: Plate | None = None
+    contact: Contact | None = None
+    impact: Impact | None = None
+    landing: Landing | None = None
+    engine: str | None = Field(default=None, description="who computed it, and how")
+    error: str | None = Field(
+        default=None, description="what could not be solved, where, and how to mend it"
+    )
+
+    def line(self) -> str:
+        """Return the result as one line of JSON, without the quantities it does not have."""
+        known = self.model_dump(mode="json", exclude_none=True)
+        return json.dumps({"id": self.id} | known, ensure_ascii=False, allow_nan=False)

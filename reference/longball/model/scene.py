@@ -1,0 +1,320 @@
+"""The scene: everything that an engine is told, and nothing that it is not.
+
+A scene is one JSON object in SI units and radians. Each kind of scene takes only the blocks it
+needs; an unknown key is an error that names it; a value that is left out is the paper's. A number
+of a scene means the double nearest to what is written, exactly.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import Annotated, Any, Literal, NoReturn, Self, get_args
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+
+from longball.model.readings import Reading
+
+
+class SceneError(ValueError):
+    """A line that is not a scene; the message says what is wrong, and where."""
+
+    def __init__(self, message: str, scene_id: str | None = None) -> None:
+        super().__init__(message)
+        self.scene_id = scene_id
+
+
+class _Block(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+
+
+Positive = Annotated[float, Field(gt=0.0)]
+NotNegative = Annotated[float, Field(ge=0.0)]
+Point = tuple[float, float, float]
+
+
+class Ball(_Block):
+    """The baseball. NPB allows 141.7 to 148.8 g and 22.9 to 23.5 cm around."""
+
+    mass: Positive = Field(default=0.145, description="kg; not printed in the paper")
+    radius: Positive = Field(default=0.0366, description="m; paper, Sec. III.A")
+    restitution: float = Field(
+        default=0.42, ge=0.0, le=1.0, description="e; the paper's runs from 0.41 to 0.45"
+    )
+
+
+class Air(_Block):
+    """What acts on the ball in flight (paper, Sec. III.B)."""
+
+    density: NotNegative = Field(default=1.29, description="kg/m³")
+    drag_coefficient: NotNegative = Field(default=0.4, description="C_D")
+    lift_coefficient: float = Field(default=0.2, description="C_L; negative for topspin")
+
+
+class Launch(_Block):
+    """A ball that is already in the air."""
+
+    position: Point = Field(description="m, of the ball's centre")
+    velocity: Point = Field(description="m/s")
+
+
+class Pitch(_Block):
+    """A throw toward a point of the plane x = 0 (paper, Sec. III)."""
+
+    speed: Positive = Field(
+        default=36.9125,
+        description="m/s; default: the mean of Eq. 3, 0.45 · 139.1 + 0.55 · 127.8 = 132.885 km/h",
+    )
+    release: Point = Field(default=(18.44, 0.0, 1.8), description="m; x > 0")
+    aim: tuple[float, float] = Field(
+        default=(0.0, 1.8), description="m, [y, z] of the point aimed at; default: the middle cell"
+    )
+
+    @model_validator(mode="after")
+    def _in_front_of_the_plate(self) -> Self:
+        if self.release[0] <= 0.0:
+            _refuse(f"release[0] = {self.release[0]} must be positive: in front of the plate")
+        return self
+
+
+class Bat(_Block):
+    """A uniform solid cylinder along y (paper, Sec. III.A)."""
+
+    mass: Positive = Field(default=0.9, description="kg; not printed in the paper")
+    length: Positive = Field(default=1.0, description="m")
+    radius: Positive = Field(default=0.033, description="m")
+
+
+class Rotation(_Block):
+    """The swing of an impact: a rotation about the bat's end B."""
+
+    angular_speed: float = Field(default=34.0, description="rad/s, about an axis through B")
+    tilt: float = Field(
+        default=math.radians(5.0),
+        description="rad, of that axis from the vertical; default: the mean of 0° to 10°",
+    )
+
+
+class Swing(Rotation):
+    """The swing of an at-bat: a rotation, at a height chosen from where the pitch would cross."""
+
+    height_offset: float = Field(
+        default=0.0, description="m, σ_b: height of the bat's axis above the pitch at x = 0"
+    )
+
+
+# m: a position written with ten digits at the height of a bat is off by less than this.
+TOUCHING = 1e-9
+
+
+class Incoming(_Block):
+    """The ball at the moment it touches the bat."""
+
+    position: Point = Field(description="m, of the ball's centre, R + r_b from the bat's axis")
+    velocity: Point = Field(description="m/s")
+    bat_height: float = Field(description="m, z_b of the bat's axis")
+
+
+class Ground(_Block):
+    """The surface that the ball lands on."""
+
+    height: float = Field(default=0.0, description="m")
+
+
+class _Scene(_Block):
+    id: str = Field(min_length=1, description="returned with the result")
+    ball: Ball = Ball()
+    reading: Reading = Reading()
+
+    def line(self) -> str:
+        """Return the scene as one line of JSON with every default but the reading's written out."""
+        blocks = self.model_dump(mode="json")
+        head = {key: blocks.pop(key) for key in ("id", "kind")}
+        return json.dumps(head | blocks, ensure_ascii=False, allow_nan=False)
+
+
+class _FlyingScene(_Scene):
+    air: Air | None = Field(default=Air(), description="null: no air at all")
+    gravity: float = Field(default=9.8, ge=0.0, description="m/s², downwards; paper, Sec. III.B")
+    time_limit: Positive = Field(
+        default=60.0, description="s of flight, after which the ball is reported airborne"
+    )
+
+    def floor(self, ground: Ground) -> float:
+        """Return the height of the ball's centre at landing, m."""
+        surface = self.reading.ground_contact == "surface"
+        return ground.height + self.ball.radius if surface else ground.height
+
+    def _refuse_underground(self, key: str, z: float, floor: float) -> None:
+        if z < floor:
+            _refuse(f"{key} = {z} is underground: the ball lands at height {floor}")
+
+
+class FlightScene(_FlyingScene):
+    """A ball from launch to landing."""
+
+    kind: Literal["flight"] = "flight"
+    launch: Launch
+    ground: Ground = Ground()
+
+    @model_validator(mode="after")
+    def _above_ground(self) -> Self:
+        self._refuse_underground(
+            "launch.position[2]", self.launch.position[2], self.floor(self.ground)
+        )
+        return self
+
+
+class PitchScene(_FlyingScene):
+    """A throw from the mound to the plane x = 0 above a ground at height 0."""
+
+    kind: Literal["pitch"] = "pitch"
+    pitch: Pitch = Pitch()
+
+    @property
+    def ground(self) -> Ground:
+        """The paper's field: a pitch scene does not name another."""
+        return Ground()
+
+    @model_validator(mode="after")
+    def _above_ground(self) -> Self:
+        self._refuse_underground("pitch.release[2]", self.pitch.release[2], self.floor(self.ground))
+        return self
+
+
+class ImpactScene(_Scene):
+    """Ball and bat at the moment of touching."""
+
+    kind: Literal["impact"] = "impact"
+    bat: Bat = Bat()
+    swing: Rotation = Rotation()
+    incoming: Incoming
+
+    @model_validator(mode="after")
+    def _touching(self) -> Self:
+        x, _, z = self.incoming.position
+        distance = math.hypot(x, z - self.incoming.bat_height)
+        reach = self.ball.radius + self.bat.radius
+        if abs(distance - reach) > TOUCHING:
+            where = "inside the bat" if distance < reach else "away from the bat"
+            _refuse(
+                f"incoming.position is {where}: its distance from the bat's axis is "
+                f"{distance} m, and the two touch at R + r_b = {reach} m"
+            )
+        return self
+
+
+class AtBatScene(_FlyingScene):
+    """Pitch, swing, contact, impact and flight."""
+
+    kind: Literal["at-bat"] = "at-bat"
+    pitch: Pitch = Pitch()
+    bat: Bat = Bat()
+    swing: Swing = Swing()
+    ground: Ground = Ground()
+
+    @model_validator(mode="after")
+    def _above_ground(self) -> Self:
+        self._refuse_underground("pitch.release[2]", self.pitch.release[2], self.floor(self.ground))
+        return self
+
+
+Scene = FlightScene | PitchScene | ImpactScene | AtBatScene
+KINDS: dict[str, type[Scene]] = {
+    "flight": FlightScene,
+    "pitch": PitchScene,
+    "impact": ImpactScene,
+    "at-bat": AtBatScene,
+}
+
+
+def parse_scene(line: str | bytes) -> Scene:
+    """Return the scene written on a line of JSON.
+
+    Raises
+    ------
+    SceneError
+        With a sentence that names the key at fault and says what it takes.
+    """
+    text = _text(line)
+    data = _json(text)
+    if not isinstance(data, dict):
+        raise SceneError(f"not a scene: a JSON object is needed, this is {_short(data)}")
+    scene_id = data["id"] if isinstance(data.get("id"), str) else None
+    kind = data.get("kind")
+    if not isinstance(kind, str) or kind not in KINDS:
+        given = f"{_short(kind)} is not a kind of scene" if "kind" in data else "is missing"
+        raise SceneError(f"kind: {given}; it is one of {', '.join(KINDS)}", scene_id)
+    try:
+        return KINDS[kind].model_validate_json(text)
+    except ValidationError as error:
+        raise SceneError(explain(error, KINDS[kind]), scene_id) from None
+
+
+def explain(error: ValidationError, model: type[BaseModel]) -> str:
+    """Say in a sentence a fault what is wrong with the data that were to become a `model`."""
+    return "; ".join(_explain_fault(dict(fault), model) for fault in error.errors())
+
+
+def _text(line: str | bytes) -> str:
+    if isinstance(line, str):
+        return line
+    try:
+        return line.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise SceneError(
+            f"not UTF-8 text: byte {error.start + 1} is 0x{line[error.start]:02x}"
+        ) from None
+
+
+def _json(text: str) -> Any:
+    try:
+        return json.loads(text, object_pairs_hook=_each_key_once)
+    except json.JSONDecodeError as error:
+        raise SceneError(f"not JSON: {error.msg} at character {error.pos + 1}") from None
+    except RecursionError:
+        raise SceneError("not a scene: its brackets are nested too deeply") from None
+
+
+def _each_key_once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    block = dict(pairs)
+    if len(block) < len(pairs):
+        keys = [key for key, _ in pairs]
+        twice = next(key for key in keys if keys.count(key) > 1)
+        raise SceneError(f"{twice}: the key is given twice in one block")
+    return block
+
+
+def _explain_fault(fault: dict[str, Any], model: type[BaseModel]) -> str:
+    location = fault["loc"]
+    where = "".join(f"[{step}]" if isinstance(step, int) else f".{step}" for step in location)
+    where = where.removeprefix(".")
+    match fault["type"]:
+        case "extra_forbidden":
+            block = _block(model, location[:-1])
+            return f"{where}: unknown key; the keys here are {', '.join(block.model_fields)}"
+        case "missing":
+            return f"{where}: is missing"
+        case "value_error":
+            sentence = str(fault["ctx"]["error"])
+            return f"{where}: {sentence}" if where else sentence
+    sentence = fault["msg"].removeprefix("Input ").replace("should be", "must be")
+    return f"{where}: {sentence} (got {_short(fault['input'])})"
+
+
+def _block(model: type[BaseModel], location: tuple[str | int, ...]) -> type[BaseModel]:
+    """Return the model of the block at a location inside a model."""
+    for step in location:
+        annotation = model.model_fields[str(step)].annotation
+        options = (annotation, *get_args(annotation))
+        model = next(o for o in options if isinstance(o, type) and issubclass(o, BaseModel))
+    return model
+
+
+def _short(value: Any) -> str:
+    text = repr(value)
+    return text if len(text) <= 40 else text[:37] + "..."
+
+
+def _refuse(sentence: str) -> NoReturn:
+    raise ValueError(sentence)

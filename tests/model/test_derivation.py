@@ -1,0 +1,359 @@
+"""The derivation of the impulse: each step, each law, and that no law is proved of everything."""
+
+import pytest
+import sympy as sp
+from longball.model import derivation
+from longball.model.derivation import (
+    APPARENT_RESTITUTION,
+    BALL_MASS,
+    BAT_MASS,
+    BAT_VELOCITY,
+    BETA,
+    MASS_RATIO,
+    NORMAL,
+    NORMAL_SPEED,
+    PRINTED_E,
+    REDUCED_MASS,
+    RESTITUTION,
+    VELOCITY,
+    After,
+    collide,
+    on_unit_normal,
+    plain_arithmetic,
+)
+
+HALF = sp.Rational(1, 2)
+
+# A head-on collision worked by hand: m = 1, M = 3, so μ = 3/4; V = -7, V_b = 1, so Ṽ = -8; ẽ = 1/2.
+# Then Ṽ' = 4, β = 12, F̄Δt = 9, V' = 2, V_b' = -2, and the energies sum to 26 before, 8 after.
+# Apart from that, r = 1/4 makes e_A = 1/5 of ẽ = 1/2.
+BY_HAND = {
+    "m": 1,
+    "M": 3,
+    "mu": sp.Rational(3, 4),
+    r"\tilde{e}": HALF,
+    r"\mathbf{n}": 1,
+    r"\mathbf{V}": -7,
+    r"\mathbf{V}_{b}": 1,
+    r"\tilde{\mathbf{V}}": -8,
+    r"(\tilde{\mathbf{V}} \cdot \mathbf{n})": -8,
+    "beta": 12,
+    r"\bar{F} \Delta t": 9,
+    r"\mathbf{V}'": 2,
+    r"\mathbf{V}_{b}'": -2,
+    r"\tilde{\mathbf{V}}'": 4,
+    r"(\tilde{\mathbf{V}}' \cdot \mathbf{n})": 4,
+    r"\Delta E": -18,
+    "r": sp.Rational(1, 4),
+    "e": sp.Rational(1, 5),
+    "e_A": sp.Rational(1, 5),
+}
+
+
+def at_hand_values(expression):
+    """Put in the values of the collision worked by hand."""
+    symbols = expression.free_symbols
+    assert {symbol.name for symbol in symbols} <= BY_HAND.keys()
+    return expression.subs({symbol: BY_HAND[symbol.name] for symbol in symbols})
+
+
+# ---- the derivation ------------------------------------------------------------------------------
+
+
+def test_the_reduced_mass_follows_from_the_two_masses():
+    m, M = BALL_MASS, BAT_MASS
+    assert derivation.inverse_reduced_mass() == 1 / m + 1 / M
+    assert sp.simplify(derivation.reduced_mass() - m * M / (m + M)) == 0
+
+
+def test_the_restitution_relation_is_the_papers_quadratic():
+    w, e = NORMAL_SPEED, RESTITUTION
+    printed = (BETA + w * (1 - e)) * (BETA + w * (1 + e))
+    assert sp.expand(derivation.restitution_equation() - printed) == 0
+
+
+def test_the_roots_are_the_papers():
+    w, e = NORMAL_SPEED, RESTITUTION
+    penetrating, rebounding = derivation.roots()
+    assert sp.expand(penetrating + w * (1 - e)) == 0
+    assert sp.expand(rebounding + w * (1 + e)) == 0
+
+
+def test_the_discarded_root_lets_the_ball_go_on_into_the_bat():
+    penetrating, _ = derivation.roots()
+    assert penetrating.subs(RESTITUTION, 1) == 0
+    assert sp.expand(NORMAL_SPEED + penetrating - RESTITUTION * NORMAL_SPEED) == 0
+
+
+def test_the_kept_root_parts_the_bodies():
+    _, rebounding = derivation.roots()
+    assert sp.expand(NORMAL_SPEED + rebounding + RESTITUTION * NORMAL_SPEED) == 0
+
+
+def test_without_restitution_the_bodies_stay_together():
+    """The roots coincide at ẽ = 0: the choice between them cannot matter there."""
+    penetrating, rebounding = (root.subs(RESTITUTION, 0) for root in derivation.roots())
+    assert penetrating == rebounding == -NORMAL_SPEED
+
+
+def test_the_impulse_is_the_papers():
+    expected = -REDUCED_MASS * (1 + RESTITUTION) * NORMAL_SPEED
+    assert sp.expand(derivation.impulse() - expected) == 0
+
+
+def test_an_oblique_collision_worked_by_hand():
+    """As head-on above, but with Ṽ = (-12, 0, 0) and n = (2, 2, 1)/3, so Ṽ·n = -8 and F̄Δt = 9."""
+    after = collide(sp.Matrix([-10, 1, 2]), sp.Matrix([2, 1, 2]), sp.Matrix([2, 2, 1]) / 3)
+    assert at_hand_values(after.ball) == sp.Matrix([-4, 7, 5])
+    assert at_hand_values(after.bat) == sp.Matrix([0, -1, 1])
+
+
+# ---- the laws ------------------------------------------------------------------------------------
+
+
+def heavy_bat(velocity, bat_velocity, normal):
+    """A bat that nothing moves."""
+    return After(collide(velocity, bat_velocity, normal).ball, bat_velocity)
+
+
+def rough_bat(velocity, bat_velocity, normal):
+    """A bat with friction, equal and opposite."""
+    after = collide(velocity, bat_velocity, normal)
+    relative = velocity - bat_velocity
+    friction = (relative - relative.dot(normal) * normal) / 10
+    return After(after.ball - friction / BALL_MASS, after.bat + friction / BAT_MASS)
+
+
+def weak_impulse(velocity, bat_velocity, normal):
+    """Half the impulse."""
+    after = collide(velocity, bat_velocity, normal)
+    return After((after.ball + velocity) / 2, (after.bat + bat_velocity) / 2)
+
+
+def bat_speed_forgotten(velocity, bat_velocity, normal):
+    """An impulse from the ball's own velocity, instead of that relative to the bat."""
+    after = collide(velocity, sp.zeros(3, 1), normal)
+    return After(after.ball, bat_velocity + after.bat)
+
+
+def no_collision(velocity, bat_velocity, normal):
+    """Both bodies go on as they came."""
+    return After(velocity, bat_velocity)
+
+
+LAWS = {
+    "momentum": derivation.momentum_residual,
+    "tangential": derivation.tangential_residual,
+    "restitution": derivation.restitution_residual,
+    "galilean": derivation.galilean_residual,
+}
+
+
+@pytest.mark.parametrize(
+    ("rule", "broken"),
+    [
+        (collide, set()),
+        (heavy_bat, {"momentum", "restitution"}),
+        (rough_bat, {"tangential"}),
+        (weak_impulse, {"restitution"}),
+        (bat_speed_forgotten, {"restitution", "galilean"}),
+        (no_collision, {"restitution"}),
+    ],
+)
+def test_the_derived_rule_obeys_every_law_and_others_break_theirs(rule, broken):
+    residuals = {name: sp.Matrix([law(rule)]) for name, law in LAWS.items()}
+    assert {name for name, residual in residuals.items() if not residual.is_zero_matrix} == broken
+
+
+def test_the_residuals_cover_both_bodies_in_every_component():
+    """A residual of fewer components would prove less than it says."""
+    assert derivation.momentum_residual().shape == (3, 1)
+    assert derivation.tangential_residual().shape == (3, 2)
+    assert derivation.galilean_residual().shape == (3, 2)
+
+    def bat_pushed(velocity, bat_velocity, normal):
+        after = collide(velocity, bat_velocity, normal)
+        return After(after.ball, after.bat + sp.Matrix([normal[1], -normal[0], 0]))
+
+    assert not derivation.tangential_residual(bat_pushed)[:, 1].is_zero_matrix
+    assert not derivation.momentum_residual(bat_pushed).is_zero_matrix
+
+
+def test_a_bat_that_leaves_its_frame_is_seen():
+    def bat_damped(velocity, bat_velocity, normal):
+        return After(collide(velocity, bat_velocity, normal).ball, bat_velocity / 2)
+
+    assert derivation.galilean_residual(bat_damped)[:, 0].is_zero_matrix
+    assert not derivation.galilean_residual(bat_damped)[:, 1].is_zero_matrix
+
+
+def test_the_unit_normal_is_used_and_nothing_more():
+    nx, ny, nz = NORMAL
+    assert on_unit_normal(nx**2 + ny**2 + nz**2) == 1
+    assert on_unit_normal(nx**4 - (1 - ny**2 - nz**2) ** 2) == 0
+    assert on_unit_normal(nx**2 + ny**2) != 0
+    assert on_unit_normal(VELOCITY.dot(NORMAL) - BAT_VELOCITY.dot(NORMAL)) != 0
+
+
+def test_the_energy_balance_follows_from_the_energies_of_both_bodies():
+    change = derivation.energy_change()
+    expected = -REDUCED_MASS * (1 - RESTITUTION**2) * NORMAL_SPEED**2 / 2
+    assert change.free_symbols == {REDUCED_MASS, RESTITUTION, NORMAL_SPEED}
+    assert sp.expand(change - expected) == 0
+
+
+def test_friction_would_show_in_the_energy_balance():
+    """The balance is of the rule that is given, not a formula that any rule would return."""
+    assert derivation.energy_change(no_collision) == 0
+    assert derivation.energy_change(rough_bat).has(*BAT_VELOCITY)
+
+
+def test_the_energy_balance_is_factored():
+    """A factor 1 - ẽ² would lose digits to cancellation near ẽ = 1."""
+    factors = sp.Mul.make_args(derivation.energy_change())
+    assert RESTITUTION - 1 in factors
+    assert RESTITUTION + 1 in factors
+
+
+def test_energy_is_created_exactly_above_one():
+    assert derivation.energy_creating_restitutions() == sp.Interval.open(1, sp.oo)
+
+
+# ---- the printed coefficient of restitution ------------------------------------------------------
+
+
+def test_the_printed_restitution_is_eq_10():
+    e, r = PRINTED_E, MASS_RATIO
+    assert sp.expand(derivation.printed_restitution() - (e + e * r + r)) == 0
+
+
+def test_the_apparent_restitution_is_nathans():
+    expected = (RESTITUTION - MASS_RATIO) / (1 + MASS_RATIO)
+    assert sp.cancel(derivation.apparent_restitution() - expected) == 0
+
+
+def test_the_printed_restitution_is_the_inverse_of_nathans():
+    inverse = derivation.restitution_from_apparent()
+    assert inverse.subs(APPARENT_RESTITUTION, PRINTED_E).equals(derivation.printed_restitution())
+    assert derivation.apparent_from_printed() == PRINTED_E
+
+
+def test_the_printed_restitution_exceeds_one_exactly_above_a_mass_ratio():
+    e, r = PRINTED_E, MASS_RATIO
+    condition = derivation.energy_creating_mass_ratios()
+    assert isinstance(condition, sp.StrictGreaterThan)
+    assert condition.lhs == r
+    assert sp.cancel(condition.rhs - (1 - e) / (1 + e)) == 0
+
+
+@pytest.mark.parametrize("e", [sp.Rational(41, 100), sp.Rational(45, 100), sp.Integer(0)])
+@pytest.mark.parametrize("nudge", [-1, 0, 1])
+def test_beyond_that_mass_ratio_and_only_there_the_energy_grows(e, nudge):
+    """The condition on r and the energy of the two bodies are computed apart, and must agree."""
+    r = (1 - e) / (1 + e) + sp.Rational(nudge, 10**9)
+    values = {PRINTED_E: e, MASS_RATIO: r}
+    restitution = derivation.printed_restitution().subs(values)
+    gain = derivation.energy_change().subs({RESTITUTION: restitution})
+    gain = gain.subs({REDUCED_MASS: 1, NORMAL_SPEED: -1})
+    assert sp.sign(gain) == nudge
+    assert bool(derivation.energy_creating_mass_ratios().subs(values)) == (nudge > 0)
+
+
+# ---- the derivation as one reads it --------------------------------------------------------------
+
+
+def test_every_step_holds_in_the_collision_worked_by_hand():
+    false_there = {
+        "Discarded root",
+        "Energy created",  # ẽ = 1/2 creates none,
+        "Energy created as printed",  # and r = 1/4 is below 2/3
+    }
+    outcome = {step.title: at_hand_values(step.equation) for step in derivation.steps()}
+    assert set(outcome.values()) <= {sp.true, sp.false}
+    assert {title for title, holds in outcome.items() if holds == sp.false} == false_there
+
+
+def test_the_discarded_root_satisfies_the_printed_quadratic_too():
+    equations = {step.title: step.equation for step in derivation.steps()}
+    discarded = equations["Discarded root"].rhs
+    assert sp.expand(equations["Restitution"].lhs.subs(BETA, discarded)) == 0
+
+
+def test_steps_can_be_printed():
+    steps = derivation.steps()
+    assert len({step.title for step in steps}) == len(steps)
+    for step in steps:
+        assert step.explanation.endswith(".")
+        assert sp.latex(step.equation)
+
+
+# ---- from expressions to source ------------------------------------------------------------------
+
+X, Y = sp.symbols("x y")
+
+
+@pytest.mark.parametrize(
+    ("expression", "source"),
+    [
+        (X**2 * Y, "a * a * b"),
+        (X / Y**2, "a / (b * b)"),
+        ((X + Y) ** 2, "(a + b) * (a + b)"),
+        (3 * X / 2, "3 * a / 2"),
+        (-X / 2 - Y, "-a / 2 - b"),
+    ],
+)
+def test_plain_arithmetic(expression, source):
+    assert plain_arithmetic(expression, {X: "a", Y: "b"}) == source
+
+
+@pytest.mark.parametrize(
+    "expression",
+    [
+        sp.sqrt(X),
+        sp.sin(X),
+        X**3,
+        X**Y,
+        sp.pi * X,
+        sp.Float("0.5") * X,
+        X + HALF,  # a double in Python, whatever x is
+        X + sp.Symbol("unnamed"),
+    ],
+)
+def test_what_is_not_plain_arithmetic_is_refused(expression):
+    with pytest.raises(ValueError, match="not plain arithmetic"):
+        plain_arithmetic(expression, {X: "a", Y: "b"})
+
+
+def test_the_command_writes_and_checks(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(derivation, "__file__", str(tmp_path / "derivation.py"))
+    written = tmp_path / "impact.py"
+    assert derivation.main(["--check"]) == 1
+    assert not written.exists()
+    assert derivation.main([]) == 0
+    assert written.read_text(encoding="utf-8") == derivation.generate()
+    capsys.readouterr()
+    assert derivation.main(["--check"]) == 0
+    assert capsys.readouterr().err == ""
+    altered = derivation.generate().replace("restitution + 1", "restitution - 1")
+    written.write_text(altered, encoding="utf-8")
+    assert derivation.main(["--check"]) == 1
+    assert "run `python -m longball.model.derivation`" in capsys.readouterr().err
+    assert written.read_text(encoding="utf-8") == altered
+
+
+def test_a_derivation_that_goes_wrong_says_so(monkeypatch):
+    """The guards are there for whoever edits the derivation."""
+    monkeypatch.setattr(derivation, "NORMAL", sp.Matrix(sp.symbols("n_x n_y n_z", positive=True)))
+    monkeypatch.setattr(
+        derivation,
+        "ball_velocity_after",
+        lambda velocity, normal, impulse: velocity + sp.Matrix([impulse, 0, 0]),
+    )
+    with pytest.raises(ValueError, match="along the normal"):
+        derivation.inverse_reduced_mass.__wrapped__()
+    monkeypatch.setattr(derivation, "restitution_equation", lambda: BETA**2)
+    with pytest.raises(ValueError, match="one rebounding and one penetrating"):
+        derivation.roots.__wrapped__()
+    monkeypatch.setattr(derivation, "printed_restitution", lambda: PRINTED_E * MASS_RATIO**2)
+    with pytest.raises(ValueError, match="linearly"):
+        derivation.energy_creating_mass_ratios()

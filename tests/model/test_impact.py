@@ -1,0 +1,286 @@
+"""The impulse as executed: generated, and right in every kind of number."""
+
+import ast
+import math
+import subprocess
+import sys
+from fractions import Fraction
+from pathlib import Path
+
+import mpmath
+import numpy as np
+import pytest
+from flint import arb, fmpq
+from hypothesis import given
+from hypothesis import strategies as st
+from longball.model import derivation, impact
+
+SOURCE = Path(impact.__file__)
+UNIT_ROUNDOFF = Fraction(1, 2**53)
+
+
+def gamma(operations, unit_roundoff=UNIT_ROUNDOFF):
+    """Bound on the relative error of so many roundings (Higham 2002, Lemma 3.1)."""
+    return operations * unit_roundoff / (1 - operations * unit_roundoff)
+
+
+# ---- exact collisions ----------------------------------------------------------------------------
+
+
+def fractions(low, high):
+    """Fractions of a size that doubles hold exactly, so that no input is rounded."""
+    return st.integers(math.ceil(low * 2**12), math.floor(high * 2**12)).map(
+        lambda numerator: Fraction(numerator, 2**12)
+    )
+
+
+def unit_normal(a, b):
+    """Rational point on the unit sphere, by stereographic projection."""
+    scale = 1 + a * a + b * b
+    return 2 * a / scale, 2 * b / scale, (scale - 2) / scale
+
+
+vectors = st.tuples(*[fractions(-60, 60)] * 3)
+normals = st.builds(unit_normal, fractions(-3, 3), fractions(-3, 3))
+masses = fractions(0.125, 2)
+restitutions = fractions(0, 1.5)
+speeds = fractions(-100, 100)
+
+
+def dot(a, b):
+    return sum(x * y for x, y in zip(a, b, strict=True))
+
+
+def minus(a, b):
+    return tuple(x - y for x, y in zip(a, b, strict=True))
+
+
+@given(vectors, vectors, normals, masses, masses, restitutions)
+def test_collisions_in_exact_arithmetic(velocity, bat_velocity, normal, m, M, restitution):
+    """Momentum, tangential velocity, restitution and energy, without a rounding error."""
+    assert dot(normal, normal) == 1
+    approach = minus(velocity, bat_velocity)
+    mu = impact.reduced_mass(m, M)
+    strength = impact.impulse(mu, restitution, dot(approach, normal))
+    ball = impact.velocity_after(velocity, normal, m, strength)
+    bat = impact.velocity_after(bat_velocity, normal, M, -strength)
+    separation = minus(ball, bat)
+
+    assert 1 / mu == 1 / m + 1 / M
+    for i in range(3):
+        assert m * ball[i] + M * bat[i] == m * velocity[i] + M * bat_velocity[i]
+    assert dot(separation, normal) == -restitution * dot(approach, normal)
+    for before, after in ((velocity, ball), (bat_velocity, bat)):
+        change = minus(after, before)
+        assert change == tuple(dot(change, normal) * component for component in normal)
+
+    energy = (m * dot(velocity, velocity) + M * dot(bat_velocity, bat_velocity)) / 2
+    energy_after = (m * dot(ball, ball) + M * dot(bat, bat)) / 2
+    change = impact.energy_change(mu, restitution, dot(approach, normal))
+    assert change == energy_after - energy
+    if dot(approach, normal) != 0:
+        assert (change > 0) == (restitution > 1)
+        assert (change == 0) == (restitution == 1)
+
+
+@given(vectors, vectors, vectors, normals, masses, masses, restitutions)
+def test_a_common_velocity_is_only_added(velocity, bat_velocity, common, normal, m, M, restitution):
+    mu = impact.reduced_mass(m, M)
+
+    def struck(velocity, bat_velocity):
+        speed = dot(minus(velocity, bat_velocity), normal)
+        return impact.velocity_after(velocity, normal, m, impact.impulse(mu, restitution, speed))
+
+    def moving(vector):
+        return tuple(x + u for x, u in zip(vector, common, strict=True))
+
+    assert struck(moving(velocity), moving(bat_velocity)) == moving(struck(velocity, bat_velocity))
+
+
+# ---- every kind of number ------------------------------------------------------------------------
+
+
+def assert_rounded_well(convert, back, unit_roundoff, m, M, restitution, speed, velocity, normal):
+    """Compare with exact arithmetic on the same inputs; the bounds count the roundings.
+
+    `convert` rounds once, if it must; `back` is exact.
+    """
+    mu = impact.reduced_mass(m, M)
+    strength = impact.impulse(mu, restitution, speed)
+    change = impact.energy_change(mu, restitution, speed)
+
+    computed = back(impact.reduced_mass(convert(m), convert(M)))
+    assert abs(computed - mu) <= gamma(3, unit_roundoff) * mu
+
+    # The reduced mass is rounded once on its way in, so one is added to the operations of each.
+    rounded_mu = convert(mu)
+    computed = back(impact.impulse(rounded_mu, convert(restitution), convert(speed)))
+    assert abs(computed - strength) <= gamma(4, unit_roundoff) * abs(strength)
+
+    # Dividing by 2 is exact, the other six are not. No allowance for cancellation near ẽ = 1.
+    computed = back(impact.energy_change(rounded_mu, convert(restitution), convert(speed)))
+    assert abs(computed - change) <= gamma(7, unit_roundoff) * abs(change)
+
+    # Mass and velocity are exact; impulse and normal are rounded on their way in.
+    exact = impact.velocity_after(velocity, normal, m, strength)
+    computed = impact.velocity_after(
+        tuple(map(convert, velocity)), tuple(map(convert, normal)), convert(m), convert(strength)
+    )
+    for before, component, truth, found in zip(velocity, normal, exact, computed, strict=True):
+        size = abs(before) + abs(strength * component / m)
+        assert abs(back(found) - truth) <= gamma(5, unit_roundoff) * size
+
+
+near_one = st.builds(
+    lambda sign, power: 1 + sign * Fraction(1, 2**power),
+    st.sampled_from([-1, 1]),
+    st.integers(8, 52),
+)
+collisions = st.tuples(masses, masses, restitutions | near_one, speeds, vectors, normals)
+
+
+@given(collisions)
+def test_doubles_lose_no_more_than_their_roundings(collision):
+    assert_rounded_well(float, Fraction, UNIT_ROUNDOFF, *collision)
+
+
+def to_mpf(x):
+    rounded = mpmath.libmp.from_rational(x.numerator, x.denominator, mpmath.mp.prec, "n")
+    return mpmath.mp.make_mpf(rounded)
+
+
+@given(collisions)
+def test_mpmath_at_40_digits_loses_no_more_than_its_roundings(collision):
+    with mpmath.workdps(40):
+        assert mpmath.mp.prec > 130  # or the 40 digits were not in force
+        assert_rounded_well(
+            to_mpf,
+            lambda x: Fraction(*mpmath.libmp.to_rational(x._mpf_)),
+            Fraction(1, 2**mpmath.mp.prec),
+            *collision,
+        )
+
+
+def ball(x, radius=0.0):
+    return arb(fmpq(x.numerator, x.denominator)) + arb(0, radius)
+
+
+def middle_and_radius(enclosure):
+    """Both without rounding: arb's own containment test would round a fraction to a ball first."""
+    parts = enclosure.mid().man_exp(), enclosure.rad().man_exp()
+    middle, radius = (Fraction(int(man)) * Fraction(2) ** int(exp) for man, exp in parts)
+    return middle, radius
+
+
+def contains(enclosure, x):
+    middle, radius = middle_and_radius(enclosure)
+    return abs(x - middle) <= radius
+
+
+@given(collisions, st.integers(-8, 8))
+def test_ball_arithmetic_contains_the_exact_result(collision, off):
+    """Also when the inputs are known to a millionth only, and the truth is anywhere inside."""
+    m, M, restitution, speed, velocity, normal = collision
+    radius = 2.0**-20
+
+    def wide(x):
+        return ball(x + Fraction(radius) * off / 8, radius)
+
+    mu = impact.reduced_mass(m, M)
+    strength = impact.impulse(mu, restitution, speed)
+    after = impact.velocity_after(velocity, normal, m, strength)
+    change = impact.energy_change(mu, restitution, speed)
+    for known in (ball, wide):
+        assert contains(impact.reduced_mass(known(m), known(M)), mu)
+        scalars = known(mu), known(restitution), known(speed)
+        assert contains(impact.impulse(*scalars), strength)
+        assert contains(impact.energy_change(*scalars), change)
+        enclosures = impact.velocity_after(
+            tuple(map(known, velocity)), tuple(map(known, normal)), known(m), known(strength)
+        )
+        assert all(map(contains, enclosures, after))
+
+
+def test_ball_arithmetic_is_tight():
+    """Containment alone would be met by the whole line."""
+    m, M, restitution, normal = (ball(Fraction(x, 1000)) for x in (145, 900, 420, 600))
+    speed = arb(-70)
+    mu = impact.reduced_mass(m, M)
+    strength = impact.impulse(mu, restitution, speed)
+    # Impulse and velocity add up here, so nothing cancels.
+    after = impact.velocity_after((-speed,) * 3, (normal,) * 3, m, strength)
+    # Each input and each operation costs 2^-52 at most: 16 of them for the velocity, less for the
+    # others; one more covers the upward rounding of the radii.
+    for result in (mu, strength, impact.energy_change(mu, restitution, speed), *after):
+        middle, radius = middle_and_radius(result)
+        assert radius <= abs(middle) * 17 / 2**52
+
+
+def test_arrays_give_each_element_what_a_double_gets():
+    rng = np.random.default_rng(20101)
+    m, M, restitution, speed = rng.uniform(0.1, 1.2, (4, 50))
+    velocity, normal = rng.normal(size=(2, 3, 50))
+    mu = impact.reduced_mass(m, M)
+    strength = impact.impulse(mu, restitution, -speed)
+    change = impact.energy_change(mu, restitution, -speed)
+    after = impact.velocity_after(tuple(velocity), tuple(normal), m, strength)
+    for i in range(50):
+        mu_i = impact.reduced_mass(float(m[i]), float(M[i]))
+        strength_i = impact.impulse(mu_i, float(restitution[i]), -float(speed[i]))
+        assert mu[i] == mu_i
+        assert strength[i] == strength_i
+        assert change[i] == impact.energy_change(mu_i, float(restitution[i]), -float(speed[i]))
+        after_i = impact.velocity_after(
+            velocity[:, i].tolist(), normal[:, i].tolist(), float(m[i]), strength_i
+        )
+        assert tuple(component[i] for component in after) == after_i
+
+
+def test_a_known_collision():
+    """The collision worked by hand in test_derivation, so that the sign of n is told too."""
+    mu = impact.reduced_mass(1, 3)
+    strength = impact.impulse(mu, 0.5, -8.0)
+    normal = (Fraction(2, 3), Fraction(2, 3), Fraction(1, 3))
+    assert (mu, strength) == (0.75, 9.0)
+    assert impact.energy_change(mu, 0.5, -8.0) == -18.0
+    assert impact.velocity_after((-10, 1, 2), normal, 1, 9) == (-4, 7, 5)
+
+
+# ---- the file ------------------------------------------------------------------------------------
+
+
+def test_the_file_is_what_the_derivation_generates():
+    assert SOURCE.read_text(encoding="utf-8") == derivation.generate()
+
+
+def test_the_file_holds_nothing_but_plain_arithmetic():
+    """A float literal would cap every other number type at 53 bits; a call would exclude some."""
+    tree = ast.parse(SOURCE.read_text(encoding="utf-8"))
+    imported = [node for node in ast.walk(tree) if isinstance(node, (ast.Import, ast.ImportFrom))]
+    assert [ast.unparse(node) for node in imported] == ["from typing import Any"]
+    for returned in (node for node in ast.walk(tree) if isinstance(node, ast.Return)):
+        for node in ast.walk(returned):
+            assert not isinstance(node, (ast.Call, ast.Pow, ast.FloorDiv))
+            if isinstance(node, ast.Constant):
+                assert type(node.value) is int
+
+
+def test_the_impulse_runs_without_sympy():
+    """Engines import it, and SymPy alone takes longer to load than most scenes to solve."""
+    code = (
+        "import sys; import longball.model.impact; "
+        "print(sorted({'sympy', 'numpy', 'mpmath', 'flint'} & sys.modules.keys()))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        env={"PYTHONPATH": str(SOURCE.parents[2])},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert done.stdout.strip() == "[]"
+
+
+@pytest.mark.parametrize("name", ["reduced_mass", "impulse", "velocity_after", "energy_change"])
+def test_units_are_documented(name):
+    assert any(unit in getattr(impact, name).__doc__ for unit in (", in kg", ", in N·s", ", in J"))
