@@ -2,6 +2,7 @@
 
 import pytest
 import sympy as sp
+
 from longball.model import derivation
 from longball.model.derivation import (
     APPARENT_RESTITUTION,

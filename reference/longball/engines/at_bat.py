@@ -11,6 +11,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Generic
 
+from pydantic import ValidationError
+
 from longball.engines.engine import Arrival, BatSection, CannotSolve, Engine, Stops, Touch
 from longball.model import result as written
 from longball.model.bat import bat_velocity, couple, lever
@@ -61,7 +63,8 @@ def solve_with_restitutions(
 def _reason(error: ArithmeticError | ValueError) -> str:
     if isinstance(error, Undecided | CannotSolve):
         return str(error)
-    return f"the numbers leave the range of the engine: {error}"
+    what = "a quantity is not finite" if isinstance(error, ValidationError) else str(error)
+    return f"the numbers leave the range of the engine: {what}"
 
 
 # --- a ball that is already in the air ------------------------------------------------------------
