@@ -189,10 +189,11 @@ class Ivp:
         )
         time, state = way.at(step)
         error = contact.margin_error(bat, way.at(0)[1].z, self.flight_error)
-        gap = contact.distance(state, bat) - bat.reach
+        distance = contact.distance(state, bat)
+        gap = distance - bat.reach
         if gap < -error:
             raise CannotSolve(
-                f"the ball starts inside the bat: {gap + bat.reach:.6g} m from its axis, "
+                f"the ball starts inside the bat: {distance:.6g} m from its axis, "
                 f"where the two touch at {bat.reach:.6g} m; release it farther from the plate"
             )
         at_once = gap <= error and contact.radial_velocity(state, bat) < 0
@@ -255,6 +256,8 @@ class Ivp:
             floor - bottom.z, error, "whether the ball touches the ground at the bottom of a dip"
         )
 
+    # A trial step may overflow; the step control then takes a shorter one or gives up.
+    @np.errstate(all="ignore")
     def _advance(
         self,
         accelerate: Acceleration,
@@ -316,6 +319,7 @@ class Ivp:
             state = self._step(accelerate, *base, time)
         return time, surface.place(state)
 
+    @np.errstate(all="ignore")
     def _step(self, accelerate: Acceleration, time: float, state: State, end: float) -> State:
         """Integrate to a given time, in one step if the tolerances allow it."""
         if end == time:
