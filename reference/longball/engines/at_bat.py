@@ -56,6 +56,7 @@ def solve_with_restitutions(
 
     The pitch and its touching of the bat, which do not depend on it, are solved once.
     """
+    engine = as_read(engine, scene)
     try:
         meeting = meet(scene, engine)
     except (ArithmeticError, ValueError) as error:
