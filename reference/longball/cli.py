@@ -15,7 +15,6 @@ from pathlib import Path
 from typing import Annotated, Any, BinaryIO, NoReturn
 
 import typer
-from pydantic import ValidationError
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
@@ -24,7 +23,6 @@ from longball import __version__, engines
 from longball.engines.lines import solve_lines
 from longball.home_run import (
     PAPER_CURVES,
-    RESTITUTIONS,
     AtBats,
     Estimate,
     Fit,
@@ -36,8 +34,8 @@ from longball.home_run import (
     scenes,
     with_restitution,
 )
-from longball.model.readings import LEDGER, Reading
-from longball.model.scene import AtBatScene, SceneError, explain, parse_scene
+from longball.model.readings import LEDGER, Entry, Reading
+from longball.model.scene import AtBatScene, SceneError, parse_scene
 
 app = typer.Typer(
     help="The precision reference for a simulator of baseball at-bats.",
@@ -93,7 +91,9 @@ def solve_command(
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="Where results go; stdout if not given.")
     ] = None,
-    engine: Annotated[str, typer.Option(help="Who computes: " + ", ".join(engines.ENGINES))] = "ivp",
+    engine: Annotated[
+        str, typer.Option(help="Who computes: " + ", ".join(engines.ENGINES))
+    ] = "ivp",
     method: Annotated[
         str | None, typer.Option(help="ivp: a method of solve_ivp; DOP853 if not given.")
     ] = None,
@@ -383,16 +383,12 @@ def readings(
 ) -> None:
     """Print the ledger of readings, and what each one does to P(e)."""
     check_workers(workers)
-    switches = [
-        (entry, option, as_reading(entry.switch, option))
-        for entry in LEDGER
-        for option in entry.options
-    ]
-    effects: dict[Reading, Estimate] = {}
+    lines = [(entry, option) for entry in LEDGER for option in entry.options]
+    effects: dict[Reading | None, Estimate] = {}
     if samples:
-        different = list(dict.fromkeys(reading for *_, reading in switches))
-        with progress_bar("readings", len(different)) as advance:
-            for done, reading in enumerate(different, 1):
+        switched = dict.fromkeys(reading for line in lines if (reading := reading_with(*line)))
+        with progress_bar("readings", len(switched)) as advance:
+            for done, reading in enumerate(switched, 1):
                 base = AtBatScene(id="base", reading=reading)
                 (struck,) = monte_carlo(
                     base, paper_at_bats(reading), [e], samples, seed, workers=workers
@@ -400,14 +396,75 @@ def readings(
                 effects[reading] = estimate(e, struck, reading)
                 advance(done)
     if as_json:
-        print(json.dumps(ledger_data(switches, effects), ensure_ascii=False))
+        print(json.dumps(ledger_as_data(lines, effects), ensure_ascii=False))
         return
     table = plain_table("switch", "option", *([f"P({e:g})", "95 %"] if samples else []))
-    for entry, option, reading in switches:
-        default = " (default)" if option == entry.options[0] else ""
-        row = effects.get(reading)
+    for entry, option in lines:
+        row = effects.get(reading_with(entry, option))
         numbers = [f"{row.p:.4f}", f"{row.low:.4f} to {row.high:.4f}"] if row else []
+        default = " (default)" if option == entry.options[0] else ""
         table.add_row(entry.switch, option + default, *numbers)
     show(table)
     for entry in LEDGER:
         print(f"{entry.switch} ({entry.place}): {entry.why}")
+
+
+def reading_with(entry: Entry, option: str) -> Reading | None:
+    """Return the default reading with one switch set; None for what is no switch of a reading."""
+    if entry.switch not in Reading.model_fields:
+        return None
+    return Reading.model_validate({entry.switch: option_value(option)})
+
+
+def ledger_as_data(
+    lines: Sequence[tuple[Entry, str]], effects: dict[Reading | None, Estimate]
+) -> dict[str, Any]:
+    """Return what --json prints."""
+    rows = []
+    for entry, option in lines:
+        row = effects.get(reading_with(entry, option))
+        effect = {"e": row.e, "p": row.p, "low": row.low, "high": row.high} if row else {}
+        default = option == entry.options[0]
+        rows.append({"switch": entry.switch, "option": option, "default": default} | effect)
+    ledger = [{"switch": x.switch, "place": x.place, "why": x.why} for x in LEDGER]
+    return {"rows": rows, "ledger": ledger}
+
+
+# --- people ---------------------------------------------------------------------------------------
+
+
+def plain_table(*columns: str) -> Table:
+    """Return an empty table for standard output."""
+    table = Table(box=None, pad_edge=False, header_style="")
+    for column in columns:
+        table.add_column(column, no_wrap=True)
+    return table
+
+
+def show(table: Table) -> None:
+    """Print a table as wide as it is, whatever reads it."""
+    console = Console(highlight=False, width=200, color_system=None)
+    with console.capture() as printed:
+        console.print(table)
+    print("\n".join(line.rstrip() for line in printed.get().splitlines()))
+
+
+@contextmanager
+def progress_bar(what: str, total: int) -> Iterator[Callable[[int], None]]:
+    """Show progress on standard error while it is a terminal; yields a function of what is done."""
+    bar = Progress(
+        TextColumn(what),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeRemainingColumn(),
+        console=say,
+        disable=not say.is_terminal,
+        transient=True,
+    )
+    with bar:
+        task = bar.add_task(what, total=total)
+        yield lambda done: bar.update(task, completed=done)
+
+
+if __name__ == "__main__":
+    main()

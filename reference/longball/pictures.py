@@ -48,7 +48,9 @@ def draw_probability(axes: Axes, estimates: Sequence[Estimate], fit: Fit | None)
     axes.set_xlabel("coefficient of restitution e of the ball")
     axes.set_ylabel("probability of a home run P(e)")
     axes.set_ylim(bottom=0.0)
-    axes.legend(fontsize="small", frameon=False)
+    axes.legend(
+        loc="lower left", bbox_to_anchor=(0.0, 1.01), ncols=2, fontsize="small", frameon=False
+    )
 
 
 def save_probability(path: Path, estimates: Sequence[Estimate], fit: Fit | None) -> None:
