@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
 from longball.engines import contact, create
 from longball.engines.at_bat import meet, solve
 from longball.engines.engine import BatSection, Stops
