@@ -49,6 +49,9 @@ PHASES = 8
 # A smooth error changes by p times the change of log h; this much more is a jump, and below it a
 # jump is lost in what is allowed to bend a line.
 JUMP = 0.15
+# Means over phases keep some noise; their differences are taken between steps so far apart that it
+# is not blown up.
+FAR = 4.0
 # An order is held to theory with this tolerance, besides its own interval.
 TOLERANCE = 0.1
 # An interval wider than this does not tell an order from the next.
@@ -390,9 +393,9 @@ class _Measured:
         `order` is a guess, which is needed only without the truth.
         """
         if self.truth is None:
-            rungs = self.rungs(jumps)
+            rungs, ratio = self.rungs(jumps), FAR if jumps else 1.0
             return np.array(
-                [errors_without_truth(rungs, values, order) for values in self.means(jumps)]
+                [errors_without_truth(rungs, values, order, ratio) for values in self.means(jumps)]
             )
         values = self.values if jumps else self.values[:, :, :1]
         off = np.linalg.norm(values - self.truth[:, None, None, :], axis=-1)
@@ -568,10 +571,10 @@ def draw_convergence(axes: Axes, report: ConvergenceReport) -> None:
             label += f", order {order.order:.2f}"
             line = [order.constant * step**order.order for step, _ in fitted]
             axes.plot([step for step, _ in fitted], line, "-", color="0.6", linewidth=1, zorder=1)
-        hollow = {"markerfacecolor": "none", "markersize": 5, "linestyle": "none"}
-        (drawn,) = axes.plot(*_columns(shown), marker=marker, **hollow)
-        filled = {"color": drawn.get_color(), "markersize": 5, "linestyle": "none"}
-        axes.plot(*_columns(fitted), marker=marker, label=label, **filled)
+        steps, errors = _columns(shown)
+        (drawn,) = axes.plot(steps, errors, marker, markersize=5, markerfacecolor="none")
+        steps, errors = _columns(fitted)
+        axes.plot(steps, errors, marker, markersize=5, color=drawn.get_color(), label=label)
     axes.set(xscale="log", yscale="log", xlabel="step, s", ylabel="error, SI units")
     axes.legend(fontsize="small", frameon=False)
 

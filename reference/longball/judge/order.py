@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,11 +20,14 @@ Array = NDArray[np.float64]
 FEWEST = 5
 # A range narrower than this factor in h would call any smooth curve a line.
 NARROWEST = 4.0
-# Half a tenth: orders are held to 0.1, so that a range that gives them to this is good enough,
-# and the finest of those is nearest to the limit h -> 0.
-GOOD_ENOUGH = 0.05
+# Orders are held to 0.1; a range that is bent at an end moves the slope by about as much as it
+# widens the interval, so that a fifth of that is good enough, and the finest of such ranges is
+# nearest to the limit h -> 0.
+GOOD_ENOUGH = 0.02
 # The errors do not fall: a floor, of rounding or of a limit that is not the truth.
 FLAT = 0.2
+# The errors fall: less than the lowest order of any scheme, more than a floor with its noise.
+FALLING = 0.5
 
 
 @dataclass(frozen=True)
@@ -75,9 +77,10 @@ def fit_line(steps: Array, errors: Array, first: int, last: int) -> PowerLaw:
 def fit_power_law(steps: Array, errors: Array) -> PowerLaw | None:
     """Find the asymptotic range and fit it.
 
-    Of all ranges of at least `FEWEST` steps and a factor `NARROWEST` in which errors fall, those
-    are kept whose interval is narrow: within `GOOD_ENOUGH`, or within one and a half times the
-    narrowest. Of these the one with the finest step wins, and the longest if there are several.
+    Of all ranges of at least `FEWEST` steps and a factor `NARROWEST` in which errors fall, and
+    below which they do not fall on, those are kept whose interval is narrow: within `GOOD_ENOUGH`,
+    or within one and a half times the narrowest. Of these the one with the finest step wins, and
+    the longest if there are several.
 
     Parameters
     ----------
@@ -98,6 +101,7 @@ def fit_power_law(steps: Array, errors: Array) -> PowerLaw | None:
         if h[first] >= NARROWEST * h[last]
         and (law := fit_line(h, e, first, last)).order - FLAT > 0
         and law.half_width < law.order
+        and not _falls_on(h[last + 1 :], e[last + 1 :])
     ]
     if not laws:
         return None
@@ -113,6 +117,18 @@ def fit_power_law(steps: Array, errors: Array) -> PowerLaw | None:
         int(there[best.first]),
         int(there[best.last]),
     )
+
+
+def _falls_on(steps: Array, errors: Array) -> bool:
+    """Tell whether the errors of the steps below a range still fall, so that it is not the last.
+
+    By the median of all slopes between two of them, which a stray error does not move.
+    """
+    if len(steps) < 3:
+        return False
+    x, y = np.log(steps), np.log(errors)
+    slopes = [(y[i] - y[j]) / (x[i] - x[j]) for i in range(len(x)) for j in range(i)]
+    return float(np.median(slopes)) > FALLING
 
 
 def typical(errors: Array) -> Array:
@@ -143,23 +159,34 @@ def typical(errors: Array) -> Array:
     return result
 
 
-def errors_without_truth(steps: Array, values: Array, order: float) -> Array:
-    """Return |q(h) - q(0)| as the differences of neighbouring steps tell it.
+def errors_without_truth(steps: Array, values: Array, order: float, ratio: float = 1.0) -> Array:
+    """Return |q(h) - q(0)| as the differences from finer steps tell it.
 
-    If q(h) = q(0) + C h^p, then q(h_k) - q(h_l) = C h_k^p (1 - (h_l/h_k)^p) for the next finer
-    step l. The finest step has no finer one, and no error.
+    If q(h) = q(0) + C h^p, then q(h_k) - q(h_l) = C h_k^p (1 - (h_l/h_k)^p).
 
     Parameters
     ----------
-    steps, values, order
-        s, descending; (step, component), NaN where there is none; a guess of p, which is exact for
-        a constant ratio of the steps and is improved by repeating with what is found.
+    steps, values
+        s, descending; (step, component), NaN where there is none.
+    order
+        A guess of p. It is exact for a constant ratio of the steps, and improved by repeating with
+        what is found.
+    ratio
+        A step is held against the next one that is finer by more than this factor. Noise in the
+        values counts (1 + (h_l/h_k)^p) / (1 - (h_l/h_k)^p) times.
+
+    Returns
+    -------
+    errors
+        NaN for the finest steps, which have no finer one.
     """
     errors = np.full(len(steps), np.nan)
     there = np.flatnonzero(np.isfinite(values).all(axis=1))
-    for coarse, fine in pairwise(there):
-        difference = float(np.linalg.norm(values[coarse] - values[fine]))
-        errors[coarse] = difference / (1 - (steps[fine] / steps[coarse]) ** order)
+    for coarse in there:
+        finer = there[steps[there] * ratio < steps[coarse]]
+        if len(finer):
+            difference = float(np.linalg.norm(values[coarse] - values[finer[0]]))
+            errors[coarse] = difference / (1 - (steps[finer[0]] / steps[coarse]) ** order)
     return errors
 
 
