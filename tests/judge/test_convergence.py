@@ -61,12 +61,12 @@ def test_a_rounding_floor_is_left_out():
 
 
 def test_a_straight_stretch_above_a_range_that_is_less_clean_is_not_taken():
-    """Order 2 to the eye from 0.1 to 0.01, and order 1 in the end, with more scatter."""
+    """Order 2 from 0.1 to 0.01 to the eye, and order 1 in the end with a scatter of 10 %."""
     steps = np.geomspace(0.1, 1e-5, 21)
     scatter = np.where(steps < 0.01, 0.1, 0.0) * np.random.default_rng(4).standard_normal(21)
     law = fit_power_law(steps, (steps**2 + 1e-3 * steps) * np.exp(scatter))
-    assert law.order == pytest.approx(1, abs=0.15)
-    assert steps[law.first] < 0.002
+    assert law.order == pytest.approx(1, abs=0.2)
+    assert steps[law.first] < 0.005
 
 
 def test_the_interval_holds_the_order_nineteen_times_in_twenty():
