@@ -179,6 +179,9 @@ class Ivp:
         accelerate = acceleration(forces, DOUBLES)
         gravity = forces.gravity or 0.0
         way = cast(Leg, pitch.record)
+        # The bat is put at the height of this very state. Settled from it, a few milliseconds
+        # away, the closest approach shares its error, which then is none of the margin's.
+        plate = pitch.time, pitch.state
         step = next(
             (
                 step
@@ -188,7 +191,7 @@ class Ivp:
             len(way.times) - 1,
         )
         time, state = way.at(step)
-        error = contact.margin_error(bat, way.at(0)[1].z, self.flight_error)
+        error = contact.margin_error(bat, pitch.state, self.flight_error)
         gap = contact.distance(state, bat) - bat.reach
         if gap < -error:
             raise CannotSolve(
@@ -203,7 +206,7 @@ class Ivp:
         while True:
             turn = _radial_turn(bat, accelerate, +1 if approaching else -1)
             leg, met = self._advance(
-                accelerate, time, state, stops.time_limit, [*ends, turn], max_step
+                accelerate, time, state, stops.time_limit, [*ends, turn], max_step, plate
             )
             end_time, end = leg.at(-1)
             margin = bat.reach - contact.distance(end, bat)
@@ -213,7 +216,7 @@ class Ivp:
             if margin > 0:
                 if at_once:
                     return Touch(margin, True, time, state)
-                found = self._first_touching(accelerate, leg, bat, met is turn)
+                found = self._first_touching(accelerate, leg, bat, met is turn, plate)
                 return Touch(margin, True, *found)
             if met is not turn:
                 if met is not None and met.name == "vertical":
@@ -225,7 +228,12 @@ class Ivp:
             time, state, approaching = end_time, end, not approaching
 
     def _first_touching(
-        self, accelerate: Acceleration, leg: Leg, bat: BatSection[float], at_closest: bool
+        self,
+        accelerate: Acceleration,
+        leg: Leg,
+        bat: BatSection[float],
+        at_closest: bool,
+        plate: tuple[float, State],
     ) -> tuple[float, State]:
         """Find where the distance falls to reach, on a leg along which it only falls."""
         surface = _bat_surface(bat)
@@ -236,8 +244,7 @@ class Ivp:
             speed = math.hypot(bat.cos * end.u, end.w)
             guess = end_time - math.sqrt((bat.reach - d) * (bat.reach + d)) / speed
             if guess > leg.times[0]:
-                base = leg.before(guess)
-                time, state = self._settle(accelerate, surface, base, guess)
+                time, state = self._settle(accelerate, surface, plate, guess)
                 if leg.times[0] <= time <= end_time and surface.rate(state) < 0:
                     return time, state
         # A strongly curved path: bisect, step by step.
@@ -245,7 +252,7 @@ class Ivp:
         guess = scipy.optimize.brentq(
             lambda t: surface.value(self._step(accelerate, *start, t)), start[0], end_time
         )
-        return self._settle(accelerate, surface, leg.before(guess), guess)
+        return self._settle(accelerate, surface, plate, guess)
 
     def _dipped(self, bottom: State, floor: float, time: float) -> bool:
         if time == 0.0:
@@ -263,8 +270,12 @@ class Ivp:
         end: float,
         surfaces: list[Surface],
         max_step: float = math.inf,
+        base: tuple[float, State] | None = None,
     ) -> tuple[Leg, Surface | None]:
-        """Fly until the first surface is met, and settle on it; None if `end` comes first."""
+        """Fly until the first surface is met, and settle on it; None if `end` comes first.
+
+        It is settled from `base`, or else from the last step before it.
+        """
         if not all(map(math.isfinite, accelerate(state.u, state.w))):
             raise CannotSolve("the forces at launch are beyond the range of double precision")
         solution = scipy.integrate.solve_ivp(
@@ -286,7 +297,7 @@ class Ivp:
             return leg, None
         met = next(s for s, found in zip(surfaces, solution.t_events, strict=True) if found.size)
         guess, _ = leg.at(-1)
-        settled = self._settle(accelerate, met, leg.at(-2), guess)
+        settled = self._settle(accelerate, met, base or leg.at(-2), guess)
         return leg.ending_in(*settled), met
 
     def _settle(
