@@ -76,9 +76,7 @@ def longest_step(state: PlaneState[float], bat: BatSection[float], forces: Force
     return bat.reach / (4 * fastest)
 
 
-def margin_error(
-    bat: BatSection[float], plate: PlaneState[float], flight_error: float
-) -> float:
+def margin_error(bat: BatSection[float], plate: PlaneState[float], flight_error: float) -> float:
     """Return a bound on the error of the margin at the closest approach, m.
 
     The bat is put at the height where the pitch crosses the plate, and the closest approach is

@@ -331,7 +331,7 @@ class Ivp:
         """Integrate to a given time, in one step if the tolerances allow it."""
         if end == time:
             return state
-        solver = getattr(scipy.integrate, self.method)(
+        solver = getattr(scipy.integrate, _ONE_STEP.get(self.method, self.method))(
             _right_hand_side(accelerate),
             time,
             state,
@@ -346,6 +346,10 @@ class Ivp:
             raise CannotSolve(f"{self.method} gave up at t = {solver.t:.6g} s: {message}")
         return PlaneState(*solver.y.tolist())
 
+
+# A multistep method cannot take its last step again: from one state alone it starts at order 1,
+# and reaches its tolerance in many steps whose errors add up.
+_ONE_STEP = {"BDF": "Radau", "LSODA": "DOP853"}
 
 # Newton's method squares the error; at a double root (a graze, a tangential landing) it halves it,
 # and forty halvings of a millisecond reach a femtosecond.
