@@ -240,7 +240,7 @@ def parse_scene(line: str | bytes) -> Scene:
     data = _json(text)
     if not isinstance(data, dict):
         raise SceneError(f"not a scene: a JSON object is needed, this is {_short(data)}")
-    scene_id = data["id"] if isinstance(data.get("id"), str) else None
+    scene_id = data["id"] if _is_text(data.get("id")) else None
     kind = data.get("kind")
     if not isinstance(kind, str) or kind not in KINDS:
         given = f"{_short(kind)} is not a kind of scene" if "kind" in data else "is missing"
@@ -258,6 +258,8 @@ def explain(error: ValidationError, model: type[BaseModel]) -> str:
 
 def _text(line: str | bytes) -> str:
     if isinstance(line, str):
+        if not _is_text(line):
+            raise SceneError("not Unicode text: it holds half of a surrogate pair")
         return line
     try:
         return line.decode("utf-8-sig")
@@ -269,11 +271,17 @@ def _text(line: str | bytes) -> str:
 
 def _json(text: str) -> Any:
     try:
-        return json.loads(text, object_pairs_hook=_each_key_once)
+        # Python refuses to convert whole numbers of thousands of digits, as a protection.
+        return json.loads(text, object_pairs_hook=_each_key_once, parse_int=float)
     except json.JSONDecodeError as error:
         raise SceneError(f"not JSON: {error.msg} at character {error.pos + 1}") from None
     except RecursionError:
         raise SceneError("not a scene: its brackets are nested too deeply") from None
+
+
+def _is_text(value: Any) -> bool:
+    """Tell whether a value is a string that can be written: no half of a surrogate pair."""
+    return isinstance(value, str) and not any("\ud800" <= c <= "\udfff" for c in value)
 
 
 def _each_key_once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
@@ -298,6 +306,8 @@ def _explain_fault(fault: dict[str, Any], model: type[BaseModel]) -> str:
         case "value_error":
             sentence = str(fault["ctx"]["error"])
             return f"{where}: {sentence}" if where else sentence
+        case "json_invalid":  # pydantic's parser is stricter than Python's
+            return f"not JSON: {fault['ctx']['error']}"
     sentence = fault["msg"].removeprefix("Input ").replace("should be", "must be")
     return f"{where}: {sentence} (got {_short(fault['input'])})"
 
