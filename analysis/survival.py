@@ -68,7 +68,13 @@ def answer(result: Result) -> str:
     if result.outcome is not None:
         return result.outcome
     assert result.error is not None
-    for sort in ("cannot be decided", "inside the bat", "gave up", "vertical over the plate"):
+    for sort in (
+        "cannot be decided",
+        "inside the bat",
+        "gave up",
+        "evaluations",
+        "vertical over the plate",
+    ):
         if sort in result.error:
             return f"error: {sort}"
     return f"error: {result.error}"
