@@ -151,12 +151,12 @@ class Verlet(Stepped[float]):
         before, after = PlaneState(*numbers[:4]), PlaneState(*numbers[4:])
         if not found:
             return Arrival("time", count * self.dt, after, start)
-        stop, time, state = self._stop(count, before, after, stops)
+        stop, time, state = self.stop_between(count, before, after, stops)
         if time > stops.time_limit:
             return Arrival("time", (count - 1) * self.dt, before, start)
         return Arrival(stop, time, state, start)
 
-    def _stop(
+    def stop_between(
         self, count: int, before: State, after: State, stops: Stops[float]
     ) -> tuple[Stop, float, State]:
         """Return what is met first in step number `count`, and where."""
