@@ -67,7 +67,8 @@ class Estimate(_Strict):
 
     value: float
     standard_error: float | None = Field(
-        description="null where the data do not determine the number"
+        description="0 where the number was held; null where the data do not determine it, "
+        "or leave it at the end of the range that was searched"
     )
 
 
@@ -139,7 +140,12 @@ class Aims(_Strict):
 
     cells: tuple[int, int, int, int, int] = Field(description="pitches in cells 1 to 5")
     maximum_likelihood: AimFit = Field(
-        description="of the counts: each cell has the integral of the density over it"
+        description="of the places themselves, or of cells if the table gives no more: "
+        "a cell has the integral of the density over it"
+    )
+    gain_over_one_normal: float = Field(
+        description="twice the logarithm of how much likelier that mixture is than one normal "
+        "distribution, with its two parameters less; 4 is nothing (Akaike)"
     )
     least_squares: AimFit = Field(
         description="the density at a cell's number laid through the cell's share, as in Fig. 3"
@@ -265,6 +271,7 @@ def _lines(fitted: FittedPitches) -> Iterator[str]:
         yield _row(label, *(_number(getattr(fit, key), 1.0, 3) for fit in aims))
     yield _row("peaks", *(str(fit.peaks) for fit in aims))
     yield _row("R²", *(f"{fit.r_squared:.4f}" for fit in aims))
+    yield _row("2 Δ ln L over one normal", f"{aim.gain_over_one_normal:.1f}")
     yield _row("pitches in cells 1 to 5", ", ".join(map(str, aim.cells)))
 
     if fitted.height is not None:
@@ -278,9 +285,10 @@ def _lines(fitted: FittedPitches) -> Iterator[str]:
             f"p = {fitted.height.p_value_of_lower_four:.2g}",
         )
     yield ""
+    yield "± is one standard error, ? where there is none to give."
     yield (
-        f"± is one standard error. homerun draws from: {fitted.draw_from.replace('_', ' ')}; "
-        f"a cell across is {fitted.columns.cell_width:g} m wide, numbered from the pitcher's left."
+        f"A cell across is {fitted.columns.cell_width:g} m wide, numbered from the pitcher's left. "
+        f"To draw from: {fitted.draw_from.replace('_', ' ')}."
     )
 
 

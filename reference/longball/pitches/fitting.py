@@ -33,6 +33,7 @@ from longball.pitches.fitted import (
 from longball.pitches.table import (
     ROWS_NAMED,
     SPEED_UNITS,
+    Booleans,
     Columns,
     Counts,
     Floats,
@@ -46,6 +47,8 @@ from longball.pitches.table import (
 if TYPE_CHECKING:
     import pandas as pd
 
+Errors = tuple[float | None, ...]
+
 # Relative error of a standard error from so many replicates: 1/√(2 · 200) = 5 %.
 REPLICATES = 200
 
@@ -58,6 +61,10 @@ FEWEST_PITCHES = 20
 
 # The grid of Fig. 1 across the plate: boundaries of the five cells, the outer ones open.
 CELL_EDGES = np.array([-np.inf, 1.5, 2.5, 3.5, 4.5, np.inf])
+
+# Where a table gives places and not cells, they are counted in tenths of a cell, 14 mm: a fit does
+# not see so fine a step, and its cost does not grow with the table.
+FINE_EDGES = np.concatenate([[-np.inf], np.linspace(-3.0, 9.0, 121), [np.inf]])
 
 # The means of Fig. 3 as printed: the outer cells of the strike zone.
 EDGES_OF_THE_ZONE = (2.0, 4.0)
@@ -111,8 +118,8 @@ def fit_pitches(
         straight=dict(straight.most_common()),
         breaking=dict(breaking.most_common()),
         speed=_fit_speeds(pitches, bin_width, replicates, generator),
-        aim=fit_aims(_count_cells(pitches.across), replicates, generator),
-        height=None if pitches.height is None else describe_heights(_count_cells(pitches.height)),
+        aim=_fit_aims(pitches, replicates, generator),
+        height=None if pitches.height is None else _describe_heights(_count_cells(pitches.height)),
         bootstrap_replicates=replicates,
         bootstrap_seed=seed,
         draw_from=draw_from,
@@ -334,13 +341,16 @@ def _middles(edges: Floats) -> tuple[Floats, float]:
 # --- across the plate: Fig. 3 ---------------------------------------------------------------------
 
 
-def fit_aims(counts: Counts, replicates: int, generator: np.random.Generator) -> Aims:
-    """Fit Eq. 4 to the counts of the five cells, shape (5,)."""
+def _fit_aims(pitches: Pitches, replicates: int, generator: np.random.Generator) -> Aims:
+    cells = _count_cells(pitches.across)
+    edges = CELL_EDGES if pitches.columns.place_unit == "cell" else FINE_EDGES
+    likeliest, errors, gain = _likeliest_aim(np.histogram(pitches.across, edges)[0], edges)
     return Aims(
-        cells=_five(counts),
-        maximum_likelihood=likeliest_aim(counts, CELL_EDGES),
-        least_squares=_aim_through(counts, None, replicates, generator),
-        least_squares_at_edges=_aim_through(counts, EDGES_OF_THE_ZONE, replicates, generator),
+        cells=_five(cells),
+        maximum_likelihood=_aim_fit(likeliest, errors, cells, likeliest.shares(CELL_EDGES)),
+        gain_over_one_normal=gain,
+        least_squares=_aim_through(cells, None, replicates, generator),
+        least_squares_at_edges=_aim_through(cells, EDGES_OF_THE_ZONE, replicates, generator),
     )
 
 
@@ -361,11 +371,9 @@ class _Aim(NamedTuple):
         """Return the integral of the density over each cell."""
         from scipy.special import ndtr
 
-        def between(mean: float) -> Floats:
-            below: Floats = np.diff(ndtr((edges - mean) / self.spread))
-            return below
-
-        return self.weight * between(self.left) + (1.0 - self.weight) * between(self.right)
+        left, right = (np.diff(ndtr((edges - mean) / self.spread)) for mean in self[1:3])
+        mixed: Floats = self.weight * left + (1.0 - self.weight) * right
+        return mixed
 
     def sorted(self) -> _Aim:
         if self.left <= self.right:
@@ -379,62 +387,75 @@ class _Aim(NamedTuple):
         return int(np.sum(rises[:-1] & ~rises[1:]))
 
 
-# Where the search for Eq. 4 may go, in cells: beyond, five cells cannot tell one fit from another.
-_LOWEST = (0.0, -2.0, -2.0, 0.05)
-_HIGHEST = (1.0, 8.0, 8.0, 5.0)
+# Where the search for Eq. 4 may go. The means lie in the grid: what is aimed at is on the chart.
+# The spread, in cells: narrower or wider, five cells see no difference.
+_LOWEST = _Aim(0.0, 0.5, 0.5, 0.05)
+_HIGHEST = _Aim(1.0, 5.5, 5.5, 5.0)
 # Where it begins: two peaks at the edges of the strike zone; two broad ones; one beside the other.
 _STARTS = (_Aim(0.5, 2.0, 4.0, 0.8), _Aim(0.5, 1.5, 4.5, 1.3), _Aim(0.8, 3.0, 4.5, 1.2))
+_ONE_NORMAL = _Aim(1.0, 3.0, 3.0, 1.2)
+
+# What of Eq. 4 is searched for: all of it; q and the spread; a mean and the spread.
+_EVERYTHING = (True, True, True, True)
+_MEANS_HELD = (True, False, False, True)
+_LEFT_ALONE = (False, True, False, True)
 
 
-def likeliest_aim(counts: Counts, edges: Floats) -> AimFit:
-    """Return the likeliest mixture of Eq. 4 for counts in cells with these boundaries.
+def _likeliest_aim(counts: Counts, edges: Floats) -> tuple[_Aim, Errors, float]:
+    """Fit Eq. 4 to counts in cells with these boundaries.
 
-    Parameters
-    ----------
-    counts
-        Pitches a cell, shape (n,), n >= 5.
-    edges
-        In cells, shape (n + 1,); the outer ones may be infinite.
+    Returns
+    -------
+    tuple
+        The likeliest mixture, its errors by Fisher's information, and twice the logarithm of how
+        much more likely it is than the likeliest single normal distribution.
     """
-    total = counts.sum()
+    total = int(counts.sum())
     shares = counts / total
 
-    def deviance_residuals(theta: Floats) -> Floats:
-        expected = np.maximum(_Aim(*theta).shares(edges), 1e-300)
+    def deviance_residuals(aim: _Aim) -> Floats:
+        # Far from every pitch a share underflows; there its logarithm only has to be very low.
+        expected = np.maximum(aim.shares(edges), 1e-300)
         log_ratio = np.log(np.where(counts > 0, shares, 1.0) / expected) * (counts > 0)
         deviance = 2.0 * (shares * log_ratio - shares + expected)
         # Rounding can leave less than zero where a cell is met exactly.
         residuals: Floats = np.sign(shares - expected) * np.sqrt(np.maximum(deviance, 0.0))
         return residuals
 
-    found = _nearest(deviance_residuals, _STARTS)
-    errors = _fisher_errors(found, edges, int(total))
-    return _aim_fit(found, errors, r_squared(shares, found.shares(edges)))
+    found, cost = _nearest(deviance_residuals, _STARTS, _EVERYTHING)
+    _, cost_of_one = _nearest(deviance_residuals, (_ONE_NORMAL,), _LEFT_ALONE)
+    return found, _fisher_errors(found, edges, total), 2.0 * total * (cost_of_one - cost)
 
 
-def _fisher_errors(aim: _Aim, edges: Floats, total: int) -> tuple[float | None, ...]:
-    """Return the errors by Fisher's information n Σ (∂P_j)(∂P_j)ᵀ / P_j, or None if it is singular.
+def _fisher_errors(aim: _Aim, edges: Floats, total: int) -> Errors:
+    """Return the errors by Fisher's information n Σ (∂P_j)(∂P_j)ᵀ / P_j.
 
     The derivatives are central differences; their error, 1e-10 or so, is far below any use of an
     error bar.
     """
     step = 1e-5
-    theta = np.array(aim)
+    theta, free = np.array(aim), _within(aim)
     slopes = np.stack(
         [
             (_Aim(*(theta + move)).shares(edges) - _Aim(*(theta - move)).shares(edges)) / (2 * step)
-            for move in step * np.eye(4)
+            for move in step * np.eye(4)[free]
         ]
     )
-    expected = np.maximum(aim.shares(edges), 1e-300)
-    return _errors_from((slopes / expected) @ slopes.T * total)
-
-
-def _errors_from(information: Floats) -> tuple[float | None, ...]:
-    # Singular to 8 digits: the differences above cannot tell such a matrix from a singular one.
+    information = (slopes / np.maximum(aim.shares(edges), 1e-300)) @ slopes.T * total
+    # Singular to 8 digits: the differences cannot tell such a matrix from a singular one.
     if not np.linalg.cond(information) < 1e8:
-        return (None,) * len(information)
-    return tuple(np.sqrt(np.diag(np.linalg.inv(information))).tolist())
+        return (None,) * 4
+    errors = iter(np.sqrt(np.diag(np.linalg.inv(information))).tolist())
+    return tuple(next(errors) if determined else None for determined in free)
+
+
+def _within(aim: _Aim) -> Booleans:
+    """Tell which parameters ended inside the range of the search, not at its end."""
+    theta, low, high = np.array(aim), np.array(_LOWEST), np.array(_HIGHEST)
+    # The search stays inside; that near to an end it would have gone on.
+    near = 1e-4 * (high - low)
+    inside: Booleans = (theta > low + near) & (theta < high - near)
+    return inside
 
 
 def _aim_through(
@@ -445,48 +466,58 @@ def _aim_through(
 ) -> AimFit:
     """Lay the density of Eq. 4, at the number of each cell, through the cells' shares."""
     y = np.arange(1.0, 6.0)
+    starts = _STARTS if means is None else (_Aim(0.5, *means, 0.8),)
+    free = _EVERYTHING if means is None else _MEANS_HELD
 
     def fit(drawn: Counts, starts: tuple[_Aim, ...]) -> _Aim:
         shares = drawn / drawn.sum()
-        return _nearest(lambda theta: _Aim(*theta).density(y) - shares, starts, means)
+        return _nearest(lambda aim: aim.density(y) - shares, starts, free)[0]
 
-    found = fit(counts, _STARTS)
-    errors = _bootstrap(counts, lambda drawn: fit(drawn, (found,)), replicates, generator)
-    return _aim_fit(found, errors, r_squared(counts / counts.sum(), found.density(y)))
+    found = fit(counts, starts)
+    spreads = _bootstrap(counts, lambda drawn: fit(drawn, (found,)), replicates, generator)
+    errors = tuple(
+        spread if determined else None
+        for spread, determined in zip(spreads, _within(found), strict=True)
+    )
+    return _aim_fit(found, errors, counts, found.density(y))
 
 
 def _nearest(
-    residuals: Callable[[Floats], Floats],
-    starts: tuple[_Aim, ...],
-    means: tuple[float, float] | None = None,
-) -> _Aim:
-    """Return the parameters of least squares; with `means`, of q and the spread alone."""
+    residuals: Callable[[_Aim], Floats], starts: tuple[_Aim, ...], free: tuple[bool, ...]
+) -> tuple[_Aim, float]:
+    """Return the parameters with the least sum of squares, and half that sum.
+
+    Only the `free` ones move from where they start.
+    """
     from scipy.optimize import least_squares
 
-    free = np.array([True, means is None, means is None, True])
+    moving = np.array(free)
+    low, high = np.array(_LOWEST)[moving], np.array(_HIGHEST)[moving]
 
-    def whole(part: Floats) -> Floats:
-        theta = np.array((0.0, *(means or (0.0, 0.0)), 0.0))
-        theta[free] = part
-        return theta
+    def whole(start: _Aim, part: Floats) -> _Aim:
+        theta = np.array(start)
+        theta[moving] = part
+        return _Aim(*theta.tolist())
 
-    bounds = np.array(_LOWEST)[free], np.array(_HIGHEST)[free]
-    tries = [
-        least_squares(
-            lambda part: residuals(whole(part)),
-            np.clip(np.array(start)[free], bounds[0] + 1e-3, bounds[1] - 1e-3),
-            bounds=bounds,
+    ends = []
+    for start in starts:
+        # least_squares wants to start inside; a thousandth is far from any end that it may seek.
+        inside = np.clip(np.array(start)[moving], low + 1e-3, high - 1e-3)
+        found = least_squares(
+            lambda part, start=start: residuals(whole(start, part)),
+            inside,
+            bounds=(low, high),
+            # A step or a gain this small is far below every error bar.
             xtol=1e-10,
             ftol=1e-12,
             gtol=1e-12,
         )
-        for start in starts
-    ]
-    best = min(tries, key=lambda each: float(each.cost))
-    return _Aim(*whole(best.x).tolist()).sorted()
+        ends.append((float(found.cost), whole(start, found.x)))
+    cost, best = min(ends, key=lambda end: end[0])
+    return best.sorted(), cost
 
 
-def _aim_fit(aim: _Aim, errors: tuple[float | None, ...], determination: float) -> AimFit:
+def _aim_fit(aim: _Aim, errors: Errors, counts: Counts, fitted: Floats) -> AimFit:
     weight, left, right, spread = (
         Estimate(value=value, standard_error=error)
         for value, error in zip(aim, errors, strict=True)
@@ -497,14 +528,14 @@ def _aim_fit(aim: _Aim, errors: tuple[float | None, ...], determination: float) 
         spread=spread,
         weight=weight,
         peaks=aim.peaks(),
-        r_squared=determination,
+        r_squared=r_squared(counts / counts.sum(), fitted),
     )
 
 
 # --- height: Fig. 4 -------------------------------------------------------------------------------
 
 
-def describe_heights(counts: Counts) -> Heights:
+def _describe_heights(counts: Counts) -> Heights:
     """Return the shares of the five cells, and whether the lower four of them are equal."""
     from scipy.stats import chisquare
 
@@ -539,7 +570,7 @@ def _bootstrap(
     fit: Callable[[Counts], tuple[float, ...]],
     replicates: int,
     generator: np.random.Generator,
-) -> tuple[float | None, ...]:
+) -> tuple[float, ...]:
     """Return the spread of what is fitted to counts that are drawn from the observed shares."""
     total = int(counts.sum())
     shares = counts.ravel() / total

@@ -236,7 +236,8 @@ def _frame(table: str | Path | TextIO | pd.DataFrame) -> tuple[str, pd.DataFrame
 
     if isinstance(table, pd.DataFrame):
         return "table", table
-    source = Path(table if isinstance(table, str | Path) else table.name).name
+    path = table if isinstance(table, str | Path) else getattr(table, "name", "table")
+    source = Path(path).name
     try:
         # The header is read as a row: pandas would rename a column that is there twice, and take
         # the first column for an index where rows are longer than the header.
