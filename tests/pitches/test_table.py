@@ -227,6 +227,14 @@ def test_the_example():
     assert int(pitches.straight.sum()) == 1450
 
 
+def test_pitchers_throw_away_from_the_batter():
+    """Outside is the first-base side for a right-handed batter: the pitcher's left."""
+    frame = pd.read_csv(EXAMPLE)
+    for hand, side in (("R", -1), ("L", 1)):
+        same_hand = frame[(frame.stand == hand) & (frame.p_throws == hand)]
+        assert side * (read_pitches(same_hand).across.mean() - 3) > 0.3
+
+
 def test_importing_it_loads_nothing_heavy():
     heavy = {"pandas", "scipy", "matplotlib"}
     code = f"import sys, longball.pitches; print(sorted({heavy} & set(sys.modules)))"

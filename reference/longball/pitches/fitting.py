@@ -140,10 +140,10 @@ def _enough(pitches: Pitches) -> None:
                 f"{pitches.columns.pitch_type}: only {len(speeds)} {name} balls; a fit with its "
                 f"errors needs at least {FEWEST_PITCHES}"
             )
-        if np.ptp(speeds) == 0.0:
+        if speeds.var() <= _variance_of_rounding(pitches.columns):
             raise PitchesError(
-                f"{pitches.columns.speed}: all {len(speeds)} {name} balls are equally fast, "
-                "which no normal distribution describes"
+                f"{pitches.columns.speed}: the {len(speeds)} {name} balls differ no more than by "
+                "the step in which their speeds are written, which no normal curve describes"
             )
 
 
@@ -232,7 +232,8 @@ def _likeliest_speeds(pitches: Pitches, edges: Floats, counts: Counts) -> SpeedF
     total = len(pitches.speed)
     share = float(np.mean(pitches.straight))
     (mean_1, spread_1), (mean_2, spread_2) = (
-        _likeliest_normal(pitches.speed[chosen]) for chosen in (pitches.straight, ~pitches.straight)
+        _likeliest_normal(pitches.speed[chosen], _variance_of_rounding(pitches.columns))
+        for chosen in (pitches.straight, ~pitches.straight)
     )
     values = (mean_1.value, spread_1.value, mean_2.value, spread_2.value, share)
     return SpeedFit(
@@ -245,13 +246,19 @@ def _likeliest_speeds(pitches: Pitches, edges: Floats, counts: Counts) -> SpeedF
     )
 
 
-def _likeliest_normal(speed: Floats) -> tuple[Estimate, Estimate]:
+def _variance_of_rounding(columns: Columns) -> float:
+    """Return what speeds that are written in steps gain in variance, m²/s² (Sheppard)."""
+    return (columns.speed_resolution * SPEED_UNITS[columns.speed_unit]) ** 2 / 12.0
+
+
+def _likeliest_normal(speed: Floats, rounding: float) -> tuple[Estimate, Estimate]:
     """Return mean and standard deviation, with errors that hold for other shapes too.
 
+    The variance that `rounding` has added is taken off.
     For normal data the fourth moment is 3, and the error of the standard deviation Fisher's
     s/√(2n); with heavier tails it is larger (Huber's sandwich of Fisher's information).
     """
-    mean, spread = float(speed.mean()), float(speed.std())
+    mean, spread = float(speed.mean()), math.sqrt(speed.var() - rounding)
     fourth_moment = float(np.mean(((speed - mean) / spread) ** 4))
     return (
         Estimate(value=mean, standard_error=spread / math.sqrt(len(speed))),
