@@ -204,7 +204,7 @@ def verdict(printed: Printed, method: str, value: float, error: float | None) ->
         if abs(value - widened) < 2.0 * error:
             return f"too wide by its bins: Sheppard's rule gives {widened:.3g}"
     if method == "least_squares" and printed.part == "aim":
-        return "biased: a density at a cell's number is not the cell's share"
+        return "biased: a density at a cell's number is not its share"
     z = abs(value - printed.value) / error
     return f"off by {z:.1f} standard errors" + (": chance" if z < 3.0 else ", unexplained")
 
@@ -254,12 +254,13 @@ def determine(draws: int) -> Rows:
     return rows
 
 
-def _quantiles(what: str, width: float, values: list[float]) -> dict[str, Any]:
-    low, middle, high = np.quantile(values, (0.05, 0.5, 0.95))
+def _quantiles(what: str, width: float, values: list[float | None]) -> dict[str, Any]:
+    known = [value for value in values if value is not None]
+    low, middle, high = np.quantile(known, (0.05, 0.5, 0.95))
     return {
         "what": what,
         "bin_width": width,
-        "draws": len(values),
+        "draws": len(known),
         "low": low,
         "median": middle,
         "high": high,

@@ -322,6 +322,35 @@ def test_the_text_says_what_was_used_and_what_was_not():
     assert all(len(line) <= 100 for line in text.splitlines())
 
 
+@pytest.mark.parametrize(
+    ("width", "sentence"),
+    [
+        (0.0, "a bin has a positive width"),
+        (math.nan, "a bin has a positive width"),
+        (40.0, "bin_width = 40 km/h puts these speeds into 2 bins; it takes 5 to 1000"),
+        (1e-6, "it takes 5 to 1000"),
+    ],
+)
+def test_bins_that_are_none(width, sentence):
+    with pytest.raises(PitchesError, match=sentence):
+        fit_pitches(draw(1548, 0, METRES), METRES, KINDS, bin_width=width)
+
+
+def test_a_bootstrap_of_one_is_none():
+    with pytest.raises(PitchesError, match="replicates = 1"):
+        fit_pitches(EXAMPLE, replicates=1)
+
+
+def test_what_equal_and_empty_cells_leave_undetermined():
+    table = draw(1000, 0, CELLS).assign(cell=[1, 2, 3, 4, 5] * 200, height=[1, 2, 3, 4] * 250)
+    columns = CELLS.model_copy(update={"height": "height"})
+    fitted = fit_pitches(table, columns, KINDS, replicates=2)
+    assert fitted.aim.least_squares.r_squared is None
+    assert fitted.height.shares[4].value == 0.0
+    assert fitted.height.shares[4].standard_error is None
+    assert "0.0000 ± ?" in as_text(fitted)
+
+
 def test_a_handful_of_pitches_is_not_fitted():
     table = pd.DataFrame({"kind": ["straight"] * 5 + ["breaking"] * 30, "kmh": 140.0, "cell": 3})
     with pytest.raises(PitchesError, match="kind: only 5 straight balls"):
@@ -329,5 +358,3 @@ def test_a_handful_of_pitches_is_not_fitted():
     table = pd.DataFrame({"kind": ["straight", "breaking"] * 30, "kmh": 140.0, "cell": 3})
     with pytest.raises(PitchesError, match="kmh: the 30 straight balls differ no more than"):
         fit_pitches(table, CELLS, KINDS)
-    with pytest.raises(PitchesError, match="a bin has a positive width"):
-        fit_pitches(EXAMPLE, bin_width=0.0)

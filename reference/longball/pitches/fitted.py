@@ -80,8 +80,9 @@ class SpeedFit(_Strict):
     breaking_mean: Estimate = Field(description="m/s, μ₂")
     breaking_spread: Estimate = Field(description="m/s, standard deviation")
     weight: Estimate = Field(description="p, of the straight balls")
-    r_squared: float = Field(
-        description="coefficient of determination of the mixture against the histogram"
+    r_squared: float | None = Field(
+        description="coefficient of determination of the mixture against the histogram; null if "
+        "all its bins are equally full"
     )
 
     def mixture(self) -> SpeedMixture:
@@ -102,7 +103,9 @@ class AimFit(_Strict):
     spread: Estimate = Field(description="cells, the standard deviation of both")
     weight: Estimate = Field(description="q, of the left one")
     peaks: int = Field(description="maxima of the fitted density: 1 or 2")
-    r_squared: float = Field(description="coefficient of determination against the five cells")
+    r_squared: float | None = Field(
+        description="coefficient of determination against the five cells; null if all are equal"
+    )
 
     def mixture(self, cell_width: float) -> AimMixture:
         """Return the fitted distribution, for cells of a width in m."""
@@ -256,7 +259,7 @@ def _lines(fitted: FittedPitches) -> Iterator[str]:
         ("p, weight of straight", "weight", 1.0, 4),
     ):
         yield _row(label, *(_number(getattr(fit, key), scale, digits) for fit in fits))
-    yield _row("R² of the mixture", *(f"{fit.r_squared:.4f}" for fit in fits))
+    yield _row("R² of the mixture", *(_determination(fit.r_squared) for fit in fits))
 
     aim = fitted.aim
     yield ""
@@ -270,7 +273,7 @@ def _lines(fitted: FittedPitches) -> Iterator[str]:
     ):
         yield _row(label, *(_number(getattr(fit, key), 1.0, 3) for fit in aims))
     yield _row("peaks", *(str(fit.peaks) for fit in aims))
-    yield _row("R²", *(f"{fit.r_squared:.4f}" for fit in aims))
+    yield _row("R²", *(_determination(fit.r_squared) for fit in aims))
     yield _row("2 Δ ln L over one normal", f"{aim.gain_over_one_normal:.1f}")
     yield _row("pitches in cells 1 to 5", ", ".join(map(str, aim.cells)))
 
@@ -303,3 +306,7 @@ def _number(estimate: Estimate, scale: float, digits: int) -> str:
     if estimate.standard_error == 0.0:
         return f"{value} (held)"
     return f"{value} ± {scale * estimate.standard_error:.{digits}f}"
+
+
+def _determination(value: float | None) -> str:
+    return "?" if value is None else f"{value:.4f}"

@@ -56,6 +56,9 @@ REPLICATES = 200
 # 3 to 5 km/h give the printed R² = 0.9942; bins of 1 km/h are too noisy (analysis/pitch_fits.py).
 BIN_WIDTH = 3.0
 
+# Five numbers are fitted to the histogram; and more bins than this hold next to nothing each.
+FEWEST_BINS, MOST_BINS = 5, 1000
+
 # Below this the errors given here, all of them for large samples, would be a pretence.
 FEWEST_PITCHES = 20
 
@@ -97,11 +100,14 @@ def fit_pitches(
     Raises
     ------
     PitchesError
-        If the table cannot be used, or a class has too few pitches.
+        If the table cannot be used, a class has too few pitches or all of one speed, or the
+        bins are too few or too many.
     """
     types = types or PitchTypes()
     pitches = table if isinstance(table, Pitches) else read_pitches(table, columns, types)
     _enough(pitches)
+    if replicates < 2:
+        raise PitchesError(f"replicates = {replicates}: a bootstrap takes at least 2")
     generator = np.random.default_rng(seed)
     straight = Counter(np.array(pitches.types)[pitches.straight].tolist())
     breaking = Counter(np.array(pitches.types)[~pitches.straight].tolist())
@@ -126,9 +132,11 @@ def fit_pitches(
     )
 
 
-def r_squared(observed: Floats, fitted: Floats) -> float:
-    """Return the coefficient of determination, 1 - Σ(o - f)² / Σ(o - ō)²."""
+def r_squared(observed: Floats, fitted: Floats) -> float | None:
+    """Return the coefficient of determination, 1 - Σ(o - f)² / Σ(o - ō)²; None if all o agree."""
     spread = np.sum((observed - observed.mean()) ** 2)
+    if np.ptp(observed) == 0.0:
+        return None
     return float(1.0 - np.sum((observed - fitted) ** 2) / spread)
 
 
@@ -140,7 +148,7 @@ def _enough(pitches: Pitches) -> None:
                 f"{pitches.columns.pitch_type}: only {len(speeds)} {name} balls; a fit with its "
                 f"errors needs at least {FEWEST_PITCHES}"
             )
-        if speeds.var() <= _variance_of_rounding(pitches.columns):
+        if np.ptp(speeds) == 0.0 or speeds.var() <= _variance_of_rounding(pitches.columns):
             raise PitchesError(
                 f"{pitches.columns.speed}: the {len(speeds)} {name} balls differ no more than by "
                 "the step in which their speeds are written, which no normal curve describes"
@@ -225,6 +233,11 @@ def _bins(speed: Floats, bin_width: float, columns: Columns) -> Floats:
     # A speed that is written v is between v - step/2 and v + step/2, and bins end there too.
     first = math.floor((speed.min() - step / 2) / width)
     last = math.ceil((speed.max() - step / 2) / width)
+    if not FEWEST_BINS <= last - first <= MOST_BINS:
+        raise PitchesError(
+            f"bin_width = {bin_width:g} km/h puts these speeds into {last - first} bins; "
+            f"it takes {FEWEST_BINS} to {MOST_BINS} of them"
+        )
     return (np.arange(first, last + 1) * width + step / 2).astype(np.float64)
 
 
@@ -331,7 +344,7 @@ def _least_squares_speeds(
 
 def _r_squared_of_speeds(
     curve: NormalCurve, edges: Floats, counts: Counts, values: SpeedValues
-) -> float:
+) -> float | None:
     mean_1, spread_1, mean_2, spread_2, p = values
     v, width = _middles(edges)
     per_deviation = math.sqrt(2.0 / curve.factor)
@@ -547,8 +560,9 @@ def _describe_heights(counts: Counts) -> Heights:
     from scipy.stats import chisquare
 
     total = int(counts.sum())
+    # An empty cell has no error of this kind: √0 would say that it is empty for certain.
     shares = [
-        Estimate(value=share, standard_error=math.sqrt(share * (1.0 - share) / total))
+        Estimate(value=share, standard_error=math.sqrt(share * (1.0 - share) / total) or None)
         for share in (counts / total).tolist()
     ]
     lower_four = chisquare(counts[:4])
