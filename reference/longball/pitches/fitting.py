@@ -74,7 +74,7 @@ EDGES_OF_THE_ZONE = (2.0, 4.0)
 
 
 def fit_pitches(
-    table: str | Path | TextIO | pd.DataFrame | Pitches,
+    table: str | Path | TextIO | pd.DataFrame,
     columns: Columns | None = None,
     types: PitchTypes | None = None,
     *,
@@ -88,7 +88,7 @@ def fit_pitches(
     Parameters
     ----------
     table, columns, types
-        As `longball.pitches.table.read_pitches` takes them; or what it returned.
+        As `longball.pitches.read_pitches` takes them.
     bin_width
         km/h, of the histogram of speeds; rounded to a whole number of the steps in which the
         table writes its speeds, so that every bin holds equally many of them.
@@ -104,7 +104,7 @@ def fit_pitches(
         bins are too few or too many.
     """
     types = types or PitchTypes()
-    pitches = table if isinstance(table, Pitches) else read_pitches(table, columns, types)
+    pitches = read_pitches(table, columns, types)
     _enough(pitches)
     if replicates < 2:
         raise PitchesError(f"replicates = {replicates}: a bootstrap takes at least 2")
@@ -165,6 +165,11 @@ class NormalCurve(NamedTuple):
     """
 
     factor: float
+
+    @property
+    def sigma_per_deviation(self) -> float:
+        """How many of its standard deviations the curve's σ is: 1, or √2 as printed."""
+        return math.sqrt(2.0 / self.factor)
 
     def __call__(self, v: Floats, mean: float, sigma: float) -> Floats:
         """Return the curve at the speeds `v`, in the inverse of their unit."""
@@ -329,9 +334,8 @@ def _least_squares_speeds(
     curve: NormalCurve, edges: Floats, counts: Counts, start: SpeedValues
 ) -> SpeedValues:
     v, width = _middles(edges)
-    per_deviation = math.sqrt(2.0 / curve.factor)  # σ of the curve, per standard deviation
     (mean_1, sigma_1), (mean_2, sigma_2) = (
-        curve.fit(v, count / (count.sum() * width), mean, per_deviation * spread)
+        curve.fit(v, count / (count.sum() * width), mean, curve.sigma_per_deviation * spread)
         for count, mean, spread in zip(counts, start[0:4:2], start[1:4:2], strict=True)
     )
     straight, breaking = curve(v, mean_1, sigma_1), curve(v, mean_2, sigma_2)
@@ -339,7 +343,13 @@ def _least_squares_speeds(
     # The sum of squares is a parabola in p: within [0, 1] it is least where clipping puts it.
     apart = straight - breaking
     weight = float(np.clip((everything - breaking) @ apart / (apart @ apart), 0.0, 1.0))
-    return mean_1, sigma_1 / per_deviation, mean_2, sigma_2 / per_deviation, weight
+    return (
+        mean_1,
+        sigma_1 / curve.sigma_per_deviation,
+        mean_2,
+        sigma_2 / curve.sigma_per_deviation,
+        weight,
+    )
 
 
 def _r_squared_of_speeds(
@@ -347,9 +357,8 @@ def _r_squared_of_speeds(
 ) -> float | None:
     mean_1, spread_1, mean_2, spread_2, p = values
     v, width = _middles(edges)
-    per_deviation = math.sqrt(2.0 / curve.factor)
-    mixture = p * curve(v, mean_1, per_deviation * spread_1) + (1.0 - p) * curve(
-        v, mean_2, per_deviation * spread_2
+    mixture = p * curve(v, mean_1, curve.sigma_per_deviation * spread_1) + (1.0 - p) * curve(
+        v, mean_2, curve.sigma_per_deviation * spread_2
     )
     return r_squared(counts.sum(axis=0) / (counts.sum() * width), mixture)
 
