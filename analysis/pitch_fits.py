@@ -85,8 +85,8 @@ PRINTED = (
 )
 
 
-def run(report: Path, full: bool) -> None:
-    """Write report/pitch_fits.md with its tables and figures; `full`: with more random draws."""
+def run(report: Path, full: bool) -> str:
+    """Write tables and figures and return the section; `full`: with more random draws."""
     tables, figures = report / "tables", report / "figures"
     for folder in (tables, figures):
         folder.mkdir(parents=True, exist_ok=True)
@@ -120,8 +120,7 @@ def run(report: Path, full: bool) -> None:
         # Without the date and the name of the program the same numbers give the same file.
         figure.savefig(figures / f"pitch_fits_{name}.png", dpi=150, metadata={"Software": None})
 
-    text = write(example, synthetic, counterparts, coverage, determination, grid, classes)
-    (report / "pitch_fits.md").write_text(text, encoding="utf-8")
+    return write(example, synthetic, counterparts, coverage, determination, grid, classes)
 
 
 # --- pitches drawn from what is printed -----------------------------------------------------------
