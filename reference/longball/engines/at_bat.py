@@ -23,15 +23,16 @@ from longball.model.scene import AtBatScene, FlightScene, ImpactScene, PitchScen
 def solve(scene: Scene, engine: Engine[N]) -> Result:
     """Return the result of a scene; what cannot be solved is a result with an error."""
     try:
-        match scene:
-            case FlightScene():
-                return solve_flight(scene, engine)
-            case PitchScene():
-                return solve_pitch(scene, engine)
-            case ImpactScene():
-                return solve_impact(scene, engine)
-            case AtBatScene():
-                return strike(scene, meet(scene, engine), engine)
+        with engine.numbers.arithmetic():
+            match scene:
+                case FlightScene():
+                    return solve_flight(scene, engine)
+                case PitchScene():
+                    return solve_pitch(scene, engine)
+                case ImpactScene():
+                    return solve_impact(scene, engine)
+                case AtBatScene():
+                    return strike(scene, meet(scene, engine), engine)
     except (Undecided, CannotSolve) as reason:
         return _unsolved(scene, engine, str(reason))
     except (ArithmeticError, ValueError) as error:
@@ -307,7 +308,8 @@ def meet(scene: AtBatScene, engine: Engine[N]) -> Meeting[N]:
 def strike(scene: AtBatScene, meeting: Meeting[N], engine: Engine[N]) -> Result:
     """Finish an at-bat from where pitch and bat meet.
 
-    `scene` may differ in the ball's restitution from the scene that was met.
+    `scene` may differ in the ball's restitution from the scene that was met. Whoever calls this
+    or `meet` by itself does so within the engine's `numbers.arithmetic()`.
     """
     numbers = engine.numbers
     delivery, touch, height = meeting.delivery, meeting.touch, meeting.height
