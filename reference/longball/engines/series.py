@@ -28,6 +28,7 @@ def extend(
     u: MutableSequence[N],
     w: MutableSequence[N],
     speed: MutableSequence[N],
+    first: int = 0,
 ) -> None:
     """Write the coefficients ``speed[n]``, ``u[n + 1]`` and ``w[n + 1]`` from those before.
 
@@ -40,19 +41,23 @@ def extend(
     u, w
         Coefficients of the velocity, (m/s)/sⁿ, known up to n; room for one more.
     speed
-        Coefficients of V, (m/s)/sⁿ, known up to n - 1; ``speed[0]``, which is not zero, is given
-        by the caller, who knows how to take a root.
+        Coefficients of V, (m/s)/sⁿ, known up to n - 1, and up to `first` from the caller, who
+        knows how to take a root.
+    first
+        Order of the first coefficient of V that is not zero: 0, or 1 for a flight that starts
+        from rest, which V leaves as g t.
     """
-    if n > 0:
-        # V_0 V_n is half of (u·u + w·w)_n less the other products of V·V; each occurs twice but
-        # for the one in the middle.
-        half = u[0] * u[n] + w[0] * w[n]
-        for i in range(1, (n + 1) // 2):
-            half += u[i] * u[n - i] + w[i] * w[n - i] - speed[i] * speed[n - i]
-        if n % 2 == 0:
-            m = n // 2
+    if n > first:
+        # V_first V_n is half of the coefficient of order n + first of u·u + w·w, less the other
+        # products of V·V in it; each product occurs twice but for the one in the middle.
+        last = n + first
+        half = u[first] * u[n] + w[first] * w[n]
+        for i in range(first + 1, (last + 1) // 2):
+            half += u[i] * u[last - i] + w[i] * w[last - i] - speed[i] * speed[last - i]
+        if last % 2 == 0:
+            m = last // 2
             half += (u[m] * u[m] + w[m] * w[m] - speed[m] * speed[m]) / 2
-        speed[n] = half / speed[0]
+        speed[n] = half / speed[first]
     along = speed[0] * u[n]
     aside = speed[0] * w[n]
     for i in range(1, n + 1):
