@@ -198,6 +198,7 @@ class Path:
         self._steps: list[Step] = []
         self._end = start
         self._core = _core(start.u, start.w, arb(0))
+        self._upright = start.u.is_zero() and forces.lift is None
         # What a rounding of the launch's speed is, is no speed.
         self._negligible = (abs(start.u) + abs(start.w)) * arb(2) ** -bits
 
@@ -217,7 +218,9 @@ class Path:
         core = _at_rest_if(self._core, self._negligible)
         motion = _motion(core, self._forces, self._longest, self._bits)
         error = arb_poly([arb(0, motion.early), arb(0, motion.late)])
-        u, w = motion.u + error, motion.w + error
+        # Nothing pushes a ball aside that flies straight up and down.
+        u = motion.u if self._upright else motion.u + error
+        w = motion.w + error
         s, z = self._end.s + u.integral(), self._end.z + w.integral()
         step = Step(start, motion.length, s, z, u, w)
         h = motion.length
@@ -285,7 +288,7 @@ def _motion(core: Core, forces: Forces[arb], longest: arb, bits: int) -> Motion:
 
     # The error stays below `tube` as long as the speeds stay below `fastest`, and the other way
     # round: drag only brakes, lift only turns.
-    tube = size / 1024
+    tube = size / 1024 + 4 * core.error
     fastest = size + core.error + tube
     rate = (strength - 3 * drag) / 2 * fastest
     growth = (rate * h).exp().upper() if not rate <= 0 else arb(1)
