@@ -297,8 +297,8 @@ class Collocation:
         if left_out is None:
             return _MOST_SHORTER
         # The last coefficients rise with the n-th power of the length.
-        ratio = self.tolerance / max(left_out, self.tolerance**2)
-        aim = _SAFETY * float(ratio) ** (1 / len(self.rule.nodes))
+        ratio = float(self.tolerance / max(left_out, self.tolerance**2))
+        aim: float = _SAFETY * ratio ** (1 / len(self.rule.nodes))
         return max(_MOST_SHORTER, min(_MOST_LONGER, aim))
 
     def _first_length(self, dynamics: Dynamics, start: State, longest: Mpf) -> Mpf:
@@ -398,8 +398,8 @@ class Collocation:
         return None
 
 
-# A step that fails costs more than one that is a tenth too short. Beyond these limits the law of the
-# n-th power says little: the coefficients have not begun to fall, or are all rounding.
+# A step that fails costs more than one that is a tenth too short. Beyond these limits the law of
+# the n-th power says little: the coefficients have not begun to fall, or are all rounding.
 _SAFETY, _MOST_SHORTER, _MOST_LONGER = 0.9, 0.25, 2.0
 
 # The derivative by a complex step has no rounding error to balance: any tiny step will do.
