@@ -26,15 +26,16 @@ from longball.model.scene import AtBatScene, FlightScene, ImpactScene, PitchScen
 def solve(scene: Scene, engine: Engine[N]) -> Result:
     """Return the result of a scene; what cannot be solved is a result with an error."""
     try:
-        match scene:
-            case FlightScene():
-                return solve_flight(scene, engine)
-            case PitchScene():
-                return solve_pitch(scene, engine)
-            case ImpactScene():
-                return solve_impact(scene, engine)
-            case AtBatScene():
-                return strike(scene, meet(scene, engine), engine)
+        with engine.numbers.arithmetic():
+            match scene:
+                case FlightScene():
+                    return solve_flight(scene, engine)
+                case PitchScene():
+                    return solve_pitch(scene, engine)
+                case ImpactScene():
+                    return solve_impact(scene, engine)
+                case AtBatScene():
+                    return strike(scene, meet(scene, engine), engine)
     except (ArithmeticError, ValueError) as error:
         return _unsolved(scene, engine, _reason(error))
 
@@ -47,14 +48,16 @@ def solve_with_restitutions(
     The pitch and its touching of the bat, which do not depend on it, are solved once.
     """
     try:
-        meeting = meet(scene, engine)
+        with engine.numbers.arithmetic():
+            meeting = meet(scene, engine)
     except (ArithmeticError, ValueError) as error:
         return [_unsolved(scene, engine, _reason(error))] * len(restitutions)
     results = []
     for e in restitutions:
         one = scene.model_copy(update={"ball": scene.ball.model_copy(update={"restitution": e})})
         try:
-            results.append(strike(one, meeting, engine))
+            with engine.numbers.arithmetic():
+                results.append(strike(one, meeting, engine))
         except (ArithmeticError, ValueError) as error:
             results.append(_unsolved(one, engine, _reason(error)))
     return results
@@ -337,7 +340,8 @@ def meet(scene: AtBatScene, engine: Engine[N]) -> Meeting[N]:
 def strike(scene: AtBatScene, meeting: Meeting[N], engine: Engine[N]) -> Result:
     """Finish an at-bat from where pitch and bat meet.
 
-    `scene` may differ in the ball's restitution from the scene that was met.
+    `scene` may differ in the ball's restitution from the scene that was met. Whoever calls this
+    or `meet` by itself does so within the engine's `numbers.arithmetic()`.
     """
     numbers = engine.numbers
     delivery, touch, height = meeting.delivery, meeting.touch, meeting.height
