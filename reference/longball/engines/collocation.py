@@ -142,16 +142,16 @@ def _antiderivative(series: list[Mpf], half: Mpf, at_start: Mpf) -> list[Mpf]:
 
 @dataclass(frozen=True)
 class Segment:
-    """A step of a flight: the state as Legendre series of x, from -1 at its begin to `last`.
+    """A step of a flight: the state as Legendre series of x, from `first` to `last`.
 
     Attributes
     ----------
-    begin
-        s, since the launch.
+    begin, until
+        When the segment begins and ends, s since the launch.
     half
         s; the time is ``begin + half (1 + x)``.
-    last
-        Where the segment ends: 1 if it was not cut short.
+    first, last
+        -1, and 1 unless the segment was cut short.
     start, end
         The states at its ends, exactly those of the neighbouring segments.
     series
@@ -161,30 +161,32 @@ class Segment:
     """
 
     begin: Mpf
+    until: Mpf
     half: Mpf
+    first: Mpf
     last: Mpf
     start: State
     end: State
-    series: PlaneState[list[Mpf]]
+    series: tuple[list[Mpf], list[Mpf], list[Mpf], list[Mpf]]
     at_nodes: list[State]
     context: MPContext
 
     def time(self, x: Mpf) -> Mpf:
         """Return the time at x, s since the launch."""
-        return self.begin + self.half * (1 + x)
+        return self.until if x == self.last else self.begin + self.half * (1 + x)
 
     def state(self, x: Mpf) -> State:
         """Return the state at x."""
-        if x == -1:
+        if x == self.first:
             return self.start
         if x == self.last:
             return self.end
-        values = legendre(x, len(self.series.s) - 1)
+        values = legendre(x, len(self.series[0]) - 1)
         return PlaneState(*(self.context.fdot(series, values) for series in self.series))
 
     def ending(self, x: Mpf, state: State) -> Segment:
         """Return the segment cut short at x, where the state is as given."""
-        return replace(self, last=x, end=state)
+        return replace(self, until=self.time(x), last=x, end=state)
 
 
 @dataclass(frozen=True)
@@ -265,40 +267,39 @@ class Collocation:
     context: MPContext
     tolerance: Mpf
 
-    def segments(
-        self, dynamics: Dynamics, begin: Mpf, start: State, end: Mpf
-    ) -> Iterator[Segment]:
+    def segments(self, dynamics: Dynamics, begin: Mpf, start: State, end: Mpf) -> Iterator[Segment]:
         """Fly from a time and state to the time `end`, a segment at a time.
 
         Raises
         ------
         CannotSolve
-            If the steps become too short to advance the time.
+            If no step is short enough.
         """
         state, fastest = start, self._speed(start)
+        shortest = self.tolerance * (end - begin)
         length = self._first_length(dynamics, start, end - begin)
         while begin < end:
-            final = length >= end - begin
             length = min(length, end - begin)
-            if begin + length * self.tolerance == begin:
+            until = end if length == end - begin else begin + length
+            segment, left_out = self._step(dynamics, begin, until, state, fastest)
+            if segment is not None and left_out <= self.tolerance:
+                yield segment
+                begin, state, fastest = until, segment.end, max(fastest, self._speed(segment.end))
+            elif length < shortest:
                 raise CannotSolve(
-                    f"the motion is not smooth enough at t = {float(begin):.6g} s for "
-                    f"steps that give {self.context.dps} digits"
+                    f"no step from t = {float(begin):.6g} s on is short enough to satisfy the "
+                    f"equations of motion to {self.context.dps} digits"
                 )
-            segment, left_out = self._step(dynamics, begin, state, length / 2, fastest)
-            if segment is None:
-                length /= 4
-                continue
-            # The last coefficients fall and rise with the n-th power of the length.
-            ratio = self.tolerance / max(left_out, self.tolerance**2)
-            factor = float(ratio) ** (1 / len(self.rule.nodes))
-            if ratio < 1:
-                length *= max(0.25, 0.9 * factor)
-                continue
-            yield segment
-            state, fastest = segment.end, max(fastest, self._speed(segment.end))
-            begin = end if final else begin + length
-            length *= min(2.0, 0.9 * factor)
+            length *= self._change_of_length(left_out)
+
+    def _change_of_length(self, left_out: Mpf | None) -> float:
+        """Return by how much the next step should be longer than the last; None: it failed."""
+        if left_out is None:
+            return _MOST_SHORTER
+        # The last coefficients rise with the n-th power of the length.
+        ratio = float(self.tolerance / max(left_out, self.tolerance**2))
+        aim: float = _SAFETY * ratio ** (1 / len(self.rule.nodes))
+        return max(_MOST_SHORTER, min(_MOST_LONGER, aim))
 
     def _first_length(self, dynamics: Dynamics, start: State, longest: Mpf) -> Mpf:
         """Guess a step, s, in which the velocity changes by as much as its size."""
@@ -313,9 +314,10 @@ class Collocation:
         return self.numbers.sqrt(u * u + w * w)
 
     def _step(
-        self, dynamics: Dynamics, begin: Mpf, start: State, half: Mpf, fastest: Mpf
+        self, dynamics: Dynamics, begin: Mpf, until: Mpf, start: State, fastest: Mpf
     ) -> tuple[Segment | None, Mpf]:
         """Take a step; return it with what it leaves out, relative; None if Newton diverges."""
+        half = (until - begin) / 2
         rough = self._roughly(dynamics, float(start.u), float(start.w), float(half))
         if rough is None:
             return None, None
@@ -345,7 +347,7 @@ class Collocation:
         tail = max(abs(c) for series in (du_series, dw_series) for c in series[-3:])
         u_series = _antiderivative(du_series, half, start.u)
         w_series = _antiderivative(dw_series, half, start.w)
-        series = PlaneState(
+        series = (
             _antiderivative(u_series, half, start.s),
             _antiderivative(w_series, half, start.z),
             u_series,
@@ -359,9 +361,8 @@ class Collocation:
                 self.rule.integrals @ us, self.rule.integrals @ ws, us, ws, strict=True
             )
         ]
-        segment = Segment(
-            begin, half, self.context.one, start, end, series, at_nodes, self.context
-        )
+        one = self.context.mpf(1)
+        segment = Segment(begin, until, half, -one, one, start, end, series, at_nodes, self.context)
         return segment, half * tail / fastest_here if tail else tail
 
     def _roughly(
@@ -396,6 +397,10 @@ class Collocation:
             previous = change
         return None
 
+
+# A step that fails costs more than one that is a tenth too short. Beyond these limits the law of
+# the n-th power says little: the coefficients have not begun to fall, or are all rounding.
+_SAFETY, _MOST_SHORTER, _MOST_LONGER = 0.9, 0.25, 2.0
 
 # The derivative by a complex step has no rounding error to balance: any tiny step will do.
 _TINY = 1e-100
