@@ -18,6 +18,8 @@ STUDIES = {
     "at_bats": True,
     "home_runs": True,
     "readings": True,
+    "accuracy": True,
+    "survival": False,
 }
 
 REPORT = Path(__file__).parent.parent / "report"

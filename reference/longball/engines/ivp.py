@@ -179,6 +179,9 @@ class Ivp:
         accelerate = acceleration(forces, DOUBLES)
         gravity = forces.gravity or 0.0
         way = cast(Leg, pitch.record)
+        # The bat is put at the height of this very state. Settled from it, a few milliseconds
+        # away, the closest approach shares its error, which then is none of the margin's.
+        plate = pitch.time, pitch.state
         step = next(
             (
                 step
@@ -188,7 +191,7 @@ class Ivp:
             len(way.times) - 1,
         )
         time, state = way.at(step)
-        error = contact.margin_error(bat, way.at(0)[1].z, self.flight_error)
+        error = contact.margin_error(bat, pitch.state, self.flight_error)
         distance = contact.distance(state, bat)
         gap = distance - bat.reach
         if gap < -error:
@@ -204,7 +207,7 @@ class Ivp:
         while True:
             turn = _radial_turn(bat, accelerate, +1 if approaching else -1)
             leg, met = self._advance(
-                accelerate, time, state, stops.time_limit, [*ends, turn], max_step
+                accelerate, time, state, stops.time_limit, [*ends, turn], max_step, plate
             )
             end_time, end = leg.at(-1)
             margin = bat.reach - contact.distance(end, bat)
@@ -214,7 +217,7 @@ class Ivp:
             if margin > 0:
                 if at_once:
                     return Touch(margin, True, time, state)
-                found = self._first_touching(accelerate, leg, bat, met is turn)
+                found = self._first_touching(accelerate, leg, bat, met is turn, plate)
                 return Touch(margin, True, *found)
             if met is not turn:
                 if met is not None and met.name == "vertical":
@@ -226,7 +229,12 @@ class Ivp:
             time, state, approaching = end_time, end, not approaching
 
     def _first_touching(
-        self, accelerate: Acceleration, leg: Leg, bat: BatSection[float], at_closest: bool
+        self,
+        accelerate: Acceleration,
+        leg: Leg,
+        bat: BatSection[float],
+        at_closest: bool,
+        plate: tuple[float, State],
     ) -> tuple[float, State]:
         """Find where the distance falls to reach, on a leg along which it only falls."""
         surface = _bat_surface(bat)
@@ -237,8 +245,7 @@ class Ivp:
             speed = math.hypot(bat.cos * end.u, end.w)
             guess = end_time - math.sqrt((bat.reach - d) * (bat.reach + d)) / speed
             if guess > leg.times[0]:
-                base = leg.before(guess)
-                time, state = self._settle(accelerate, surface, base, guess)
+                time, state = self._settle(accelerate, surface, plate, guess)
                 if leg.times[0] <= time <= end_time and surface.rate(state) < 0:
                     return time, state
         # A strongly curved path: bisect, step by step.
@@ -246,7 +253,7 @@ class Ivp:
         guess = scipy.optimize.brentq(
             lambda t: surface.value(self._step(accelerate, *start, t)), start[0], end_time
         )
-        return self._settle(accelerate, surface, leg.before(guess), guess)
+        return self._settle(accelerate, surface, plate, guess)
 
     def _dipped(self, bottom: State, floor: float, time: float) -> bool:
         if time == 0.0:
@@ -266,8 +273,12 @@ class Ivp:
         end: float,
         surfaces: list[Surface],
         max_step: float = math.inf,
+        base: tuple[float, State] | None = None,
     ) -> tuple[Leg, Surface | None]:
-        """Fly until the first surface is met, and settle on it; None if `end` comes first."""
+        """Fly until the first surface is met, and settle on it; None if `end` comes first.
+
+        It is settled from `base`, or else from the last step before it.
+        """
         if not all(map(math.isfinite, accelerate(state.u, state.w))):
             raise CannotSolve("the forces at launch are beyond the range of double precision")
         solution = scipy.integrate.solve_ivp(
@@ -289,7 +300,7 @@ class Ivp:
             return leg, None
         met = next(s for s, found in zip(surfaces, solution.t_events, strict=True) if found.size)
         guess, _ = leg.at(-1)
-        settled = self._settle(accelerate, met, leg.at(-2), guess)
+        settled = self._settle(accelerate, met, base or leg.at(-2), guess)
         return leg.ending_in(*settled), met
 
     def _settle(
@@ -327,7 +338,7 @@ class Ivp:
         """Integrate to a given time, in one step if the tolerances allow it."""
         if end == time:
             return state
-        solver = getattr(scipy.integrate, self.method)(
+        solver = getattr(scipy.integrate, _ONE_STEP.get(self.method, self.method))(
             _right_hand_side(accelerate),
             time,
             state,
@@ -343,6 +354,10 @@ class Ivp:
         return PlaneState(*solver.y.tolist())
 
 
+# A multistep method cannot take its last step again: from one state alone it starts at order 1,
+# and reaches its tolerance in many steps whose errors add up.
+_ONE_STEP = {"BDF": "Radau", "LSODA": "DOP853"}
+
 # Newton's method squares the error; at a double root (a graze, a tangential landing) it halves it,
 # and forty halvings of a millisecond reach a femtosecond.
 _NEWTON_STEPS = 40
@@ -352,8 +367,23 @@ _NEWTON_STEPS = 40
 _NUDGE = 1e-8
 
 
+# A baseball's flight takes 500 evaluations. A feather in dense air settles to its final speed in
+# microseconds and then falls for a minute, which costs an explicit method millions.
+_MOST_EVALUATIONS = 1_000_000
+
+
 def _right_hand_side(accelerate: Acceleration) -> Callable[[float, Array], Sequence[float]]:
-    def right_hand_side(_: float, y: Array) -> Sequence[float]:
+    evaluations = 0
+
+    def right_hand_side(time: float, y: Array) -> Sequence[float]:
+        nonlocal evaluations
+        evaluations += 1
+        if evaluations > _MOST_EVALUATIONS:
+            raise CannotSolve(
+                f"the flight takes over {_MOST_EVALUATIONS} evaluations, at t = {time:.6g} s; "
+                "its equations are stiff or it loops without end: try method Radau, a looser "
+                "tolerance or a shorter time_limit"
+            )
         _, _, u, w = y.tolist()  # doubles of Python: numpy's are five times slower one by one
         return (u, w, *accelerate(u, w))
 
