@@ -63,6 +63,9 @@ _TOLERANCE = 2.0**8
 _ORDER_PER_BIT = 0.35
 
 _SHRINK = 0.95
+
+# The error of a velocity stays below this part of the speed.
+_TUBE = 1024
 _MOST_TRIALS = 1000
 
 # A flight of a minute has a hundred steps, one that loops with strong lift a thousand.
@@ -236,7 +239,8 @@ def _at_rest_if(core: Core, negligible: arb) -> Core:
     At V = 0 the series of the speed ends; from rest there is another one (see `extend`).
     """
     speed = abs(core.u) + abs(core.w)
-    if speed == 0 or not (speed <= negligible or speed <= core.error):
+    # An error that is no small part of the speed leaves no room for a step (see `_motion`).
+    if speed == 0 or not (speed <= negligible or speed <= 2 * _TUBE * core.error):
         return core
     return Core(arb(0), arb(0), (core.error + speed).upper())
 
@@ -285,7 +289,7 @@ def _motion(core: Core, forces: Forces[arb], longest: arb, bits: int) -> Motion:
 
     # The error stays below `tube` as long as the speeds stay below `fastest`, and the other way
     # round: drag only brakes, lift only turns.
-    tube = size / 1024
+    tube = size / _TUBE
     fastest = size + core.error + tube
     rate = (strength - 3 * drag) / 2 * fastest
     growth = (rate * h).exp().upper() if not rate <= 0 else arb(1)
