@@ -34,7 +34,7 @@ class Quantity(_Strict):
     attainable: float | None = Field(
         ge=0.0,
         description="error that double precision cannot avoid, in the quantity's unit (see the "
-        "header); null if an input's last bits decide the outcome, or were not told",
+        "header); null if the last bits of an input decide the outcome",
     )
     digits: float | None = Field(
         description="digits that double precision can get right, -log10(attainable / |value|); "
@@ -48,7 +48,7 @@ class Condition(_Strict):
     derivatives: dict[str, dict[str, float | None]] = Field(
         description="of the decisive quantities (the level depends on them) by each input that is "
         "not zero or may be varied about zero; null where a step in either direction changes the "
-        "outcome"
+        "outcome, or leaves it undecided"
     )
     rates: dict[str, float] = Field(
         description="speed, m/s, at which the ball crosses the surface of each event: "

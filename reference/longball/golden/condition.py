@@ -56,7 +56,8 @@ class Sensitivity:
     Attributes
     ----------
     derivatives
-        ∂Q/∂x by quantity and input; None where a step in either direction changes the outcome.
+        ∂Q/∂x by quantity and input; None where a step in either direction changes the outcome,
+        or was not told.
     fragile
         Whether a step of any input, in any direction, changes the outcome.
     """
@@ -124,7 +125,7 @@ def sensitivity(scene: Scene, result: Result, engine: Engine[Any]) -> Sensitivit
             there = solve(other, engine)
             if there.outcome == result.outcome:
                 ends.append((moved, dict(numbers_of(there))))
-            else:
+            elif there.outcome is not None:
                 fragile = True
         if len(ends) == 1:
             ends.append((x, here))
@@ -142,7 +143,7 @@ def _slope(name: str, ends: list[tuple[float, Mapping[str, Bounded]]]) -> float:
 def attainable_errors(scene: Scene, result: Result, found: Sensitivity) -> dict[str, float | None]:
     """Return the attainable error of each quantity, in its unit; see the module's docstring.
 
-    None if a step of some input changes the outcome in either direction.
+    None if a derivative is.
     """
     values = inputs(scene)
     height = _bat_height(scene, result)

@@ -98,7 +98,7 @@ def grazes() -> Iterator[Draft]:
     sides = (("", -1, range(3, 16)), ("under-", +1, (3, 6, 9, 12, 15)))
     for (name, side, powers), tilt in (
         *((row, math.radians(5.0)) for row in sides),
-        # A level swing moves the bat along the ball's path: the closing speed vanishes as well.
+        # A level swing carries the bat away from a ball that falls past it.
         (("level-", -1, (3, 6, 9, 12, 15)), 0.0),
     ):
         for power, (sign, word) in product(powers, ((1, "plus"), (-1, "minus"))):
@@ -187,7 +187,7 @@ def touching_at_release() -> Iterator[Draft]:
         )
         yield Draft(
             scene,
-            f"released at x = {x!r}, within 1e-7 m of touching: z'_b is a little below the release",
+            f"released at x = {x!r}, all but touching: z'_b is 1e-5 m below the release",
             ("at-release",),
         )
 
