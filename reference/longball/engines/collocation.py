@@ -353,7 +353,7 @@ class Collocation:
             residual += [a - b for (_, a), b in zip(there, dw, strict=True)]
             largest = max(map(abs, residual))
             fastest_here = max(fastest, *(self._hypot(u, w) for u, w in zip(us, ws, strict=True)))
-            if half * largest <= self.tolerance * fastest_here:
+            if half * largest <= _SOLVED * self.tolerance * fastest_here:
                 break
             if before is not None and largest * 100 > before:
                 return None, math.inf
@@ -434,6 +434,10 @@ _IDLE = 3
 # A step that fails costs more than one that is a tenth too short. Beyond these limits ρ is not
 # inverse to the length: the coefficients have not begun to fall, or there are too few to tell.
 _SAFETY, _MOST_SHORTER, _MOST_LONGER = 0.9, 0.5, 4.0
+
+# Where the refinement stops, relative to what a step may leave out: what remains must not pass for
+# a tail of the coefficients, which no shorter step would take away.
+_SOLVED = 1e-3
 
 # The derivative by a complex step has no rounding error to balance: any tiny step will do.
 _TINY = 1e-100

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import chain, pairwise
@@ -62,6 +63,10 @@ class MultiprecisionNumbers:
         self.context.dps = digits + _ROUNDING_GUARD
         self.pi: Mpf = +self.context.pi
         self.rounding = 2.0**-self.context.prec
+
+    def arithmetic(self) -> AbstractContextManager[None]:
+        """Return a context that does nothing: these numbers bring their own precision."""
+        return nullcontext()
 
     def exact(self, value: float) -> Mpf:
         """Return the double itself."""
