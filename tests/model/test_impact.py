@@ -13,6 +13,7 @@ import pytest
 from flint import arb, fmpq
 from hypothesis import given
 from hypothesis import strategies as st
+
 from longball.model import derivation, impact
 
 SOURCE = Path(impact.__file__)

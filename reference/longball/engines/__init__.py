@@ -1,1 +1,34 @@
 """How numbers are made: each engine solves a scene into a result."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from importlib import import_module
+from typing import Any
+
+from longball.engines.engine import Engine
+
+# Imported only when asked for: an engine brings its own heavy libraries.
+ENGINES: dict[str, tuple[str, str]] = {
+    "ivp": ("longball.engines.ivp", "Ivp"),
+}
+
+
+def create(name: str, **options: object) -> Engine[Any]:
+    """Return an engine by name.
+
+    Raises
+    ------
+    ValueError
+        If there is no such engine, or if it does not take an option or its value.
+    """
+    if name not in ENGINES:
+        raise ValueError(f"there is no engine {name!r}; the engines are {', '.join(ENGINES)}")
+    module, attribute = ENGINES[name]
+    family = getattr(import_module(module), attribute)
+    takes = [field.name for field in fields(family)]
+    for option in options:
+        if option not in takes:
+            raise ValueError(f"engine {name} takes {', '.join(takes)}; not {option}")
+    engine: Engine[Any] = family(**options)
+    return engine

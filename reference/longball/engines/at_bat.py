@@ -7,8 +7,11 @@ Appendix A, the flight to the ground.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Generic
+
+from pydantic import ValidationError
 
 from longball.engines.engine import Arrival, BatSection, CannotSolve, Engine, Stops, Touch
 from longball.model import result as written
@@ -33,10 +36,38 @@ def solve(scene: Scene, engine: Engine[N]) -> Result:
                     return solve_impact(scene, engine)
                 case AtBatScene():
                     return strike(scene, meet(scene, engine), engine)
-    except (Undecided, CannotSolve) as reason:
-        return _unsolved(scene, engine, str(reason))
     except (ArithmeticError, ValueError) as error:
-        return _unsolved(scene, engine, f"the numbers leave the range of the engine: {error}")
+        return _unsolved(scene, engine, _reason(error))
+
+
+def solve_with_restitutions(
+    scene: AtBatScene, restitutions: Sequence[float], engine: Engine[N]
+) -> list[Result]:
+    """Return the results of an at-bat struck with balls that differ in restitution only.
+
+    The pitch and its touching of the bat, which do not depend on it, are solved once.
+    """
+    try:
+        with engine.numbers.arithmetic():
+            meeting = meet(scene, engine)
+    except (ArithmeticError, ValueError) as error:
+        return [_unsolved(scene, engine, _reason(error))] * len(restitutions)
+    results = []
+    for e in restitutions:
+        one = scene.model_copy(update={"ball": scene.ball.model_copy(update={"restitution": e})})
+        try:
+            with engine.numbers.arithmetic():
+                results.append(strike(one, meeting, engine))
+        except (ArithmeticError, ValueError) as error:
+            results.append(_unsolved(one, engine, _reason(error)))
+    return results
+
+
+def _reason(error: ArithmeticError | ValueError) -> str:
+    if isinstance(error, Undecided | CannotSolve):
+        return str(error)
+    what = "a quantity is not finite" if isinstance(error, ValidationError) else str(error)
+    return f"the numbers leave the range of the engine: {what}"
 
 
 # --- a ball that is already in the air ------------------------------------------------------------
@@ -235,9 +266,10 @@ def _blow(
         (velocity[2], normal[2]),
         (bat[2], normal[2]),
     )
-    size = sum((abs(a * b) for a, b in terms), numbers.exact(0.0))
-    slack = size * (inherited + 6 * numbers.rounding)
-    closing = numbers.positive(-normal_speed, slack, "whether ball and bat approach or separate")
+    doubt = numbers.exact(0.0)
+    for a, b in terms:
+        doubt += abs(a * b) * (inherited + 6 * numbers.rounding)
+    closing = numbers.positive(-normal_speed, doubt, "whether ball and bat approach or separate")
     return Blow(position, velocity, normal, arm, bat, normal_speed, closing)
 
 

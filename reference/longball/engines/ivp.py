@@ -141,7 +141,16 @@ class Ivp:
 
     def fly(self, start: State, forces: Forces[float], stops: Stops[float]) -> Arrival[float]:
         """Fly until the first stop; see `longball.engines.engine.Engine.fly`."""
-        accelerate = acceleration(forces, DOUBLES)
+        try:
+            return self._fly(start, forces, stops)
+        except _TooMuchWork as work:
+            if not work.settled or self.method in ("Radau", "BDF"):
+                raise
+            # Stiff: nothing but rounding happens any more, and only an implicit step can be long.
+            return replace(self, method="Radau").fly(start, forces, stops)
+
+    def _fly(self, start: State, forces: Forces[float], stops: Stops[float]) -> Arrival[float]:
+        accelerate = _limited(acceleration(forces, DOUBLES), forces.gravity or 0.0)
         floor = stops.floor
         if floor is not None and _rests_on(floor, start, accelerate):
             return Arrival("floor", 0.0, start, Leg(np.zeros(1), np.array([start]).T))
@@ -176,9 +185,12 @@ class Ivp:
         stops: Stops[float],
     ) -> Touch[float]:
         """Find how a pitch meets the bat; see `longball.engines.engine.Engine.touch`."""
-        accelerate = acceleration(forces, DOUBLES)
         gravity = forces.gravity or 0.0
+        accelerate = _limited(acceleration(forces, DOUBLES), gravity)
         way = cast(Leg, pitch.record)
+        # The bat is put at the height of this very state. Settled from it, a few milliseconds
+        # away, the closest approach shares its error, which then is none of the margin's.
+        plate = pitch.time, pitch.state
         step = next(
             (
                 step
@@ -188,11 +200,12 @@ class Ivp:
             len(way.times) - 1,
         )
         time, state = way.at(step)
-        error = contact.margin_error(bat, way.at(0)[1].z, self.flight_error)
-        gap = contact.distance(state, bat) - bat.reach
+        error = contact.margin_error(bat, pitch.state, self.flight_error)
+        distance = contact.distance(state, bat)
+        gap = distance - bat.reach
         if gap < -error:
             raise CannotSolve(
-                f"the ball starts inside the bat: {gap + bat.reach:.6g} m from its axis, "
+                f"the ball starts inside the bat: {distance:.6g} m from its axis, "
                 f"where the two touch at {bat.reach:.6g} m; release it farther from the plate"
             )
         at_once = gap <= error and contact.radial_velocity(state, bat) < 0
@@ -203,7 +216,7 @@ class Ivp:
         while True:
             turn = _radial_turn(bat, accelerate, +1 if approaching else -1)
             leg, met = self._advance(
-                accelerate, time, state, stops.time_limit, [*ends, turn], max_step
+                accelerate, time, state, stops.time_limit, [*ends, turn], max_step, plate
             )
             end_time, end = leg.at(-1)
             margin = bat.reach - contact.distance(end, bat)
@@ -213,7 +226,7 @@ class Ivp:
             if margin > 0:
                 if at_once:
                     return Touch(margin, True, time, state)
-                found = self._first_touching(accelerate, leg, bat, met is turn)
+                found = self._first_touching(accelerate, leg, bat, met is turn, plate)
                 return Touch(margin, True, *found)
             if met is not turn:
                 if met is not None and met.name == "vertical":
@@ -225,7 +238,12 @@ class Ivp:
             time, state, approaching = end_time, end, not approaching
 
     def _first_touching(
-        self, accelerate: Acceleration, leg: Leg, bat: BatSection[float], at_closest: bool
+        self,
+        accelerate: Acceleration,
+        leg: Leg,
+        bat: BatSection[float],
+        at_closest: bool,
+        plate: tuple[float, State],
     ) -> tuple[float, State]:
         """Find where the distance falls to reach, on a leg along which it only falls."""
         surface = _bat_surface(bat)
@@ -236,8 +254,7 @@ class Ivp:
             speed = math.hypot(bat.cos * end.u, end.w)
             guess = end_time - math.sqrt((bat.reach - d) * (bat.reach + d)) / speed
             if guess > leg.times[0]:
-                base = leg.before(guess)
-                time, state = self._settle(accelerate, surface, base, guess)
+                time, state = self._settle(accelerate, surface, plate, guess)
                 if leg.times[0] <= time <= end_time and surface.rate(state) < 0:
                     return time, state
         # A strongly curved path: bisect, step by step.
@@ -245,7 +262,7 @@ class Ivp:
         guess = scipy.optimize.brentq(
             lambda t: surface.value(self._step(accelerate, *start, t)), start[0], end_time
         )
-        return self._settle(accelerate, surface, leg.before(guess), guess)
+        return self._settle(accelerate, surface, plate, guess)
 
     def _dipped(self, bottom: State, floor: float, time: float) -> bool:
         if time == 0.0:
@@ -255,6 +272,8 @@ class Ivp:
             floor - bottom.z, error, "whether the ball touches the ground at the bottom of a dip"
         )
 
+    # A trial step may overflow; the step control then takes a shorter one or gives up.
+    @np.errstate(all="ignore")
     def _advance(
         self,
         accelerate: Acceleration,
@@ -263,8 +282,12 @@ class Ivp:
         end: float,
         surfaces: list[Surface],
         max_step: float = math.inf,
+        base: tuple[float, State] | None = None,
     ) -> tuple[Leg, Surface | None]:
-        """Fly until the first surface is met, and settle on it; None if `end` comes first."""
+        """Fly until the first surface is met, and settle on it; None if `end` comes first.
+
+        It is settled from `base`, or else from the last step before it.
+        """
         if not all(map(math.isfinite, accelerate(state.u, state.w))):
             raise CannotSolve("the forces at launch are beyond the range of double precision")
         solution = scipy.integrate.solve_ivp(
@@ -286,7 +309,7 @@ class Ivp:
             return leg, None
         met = next(s for s, found in zip(surfaces, solution.t_events, strict=True) if found.size)
         guess, _ = leg.at(-1)
-        settled = self._settle(accelerate, met, leg.at(-2), guess)
+        settled = self._settle(accelerate, met, base or leg.at(-2), guess)
         return leg.ending_in(*settled), met
 
     def _settle(
@@ -316,11 +339,12 @@ class Ivp:
             state = self._step(accelerate, *base, time)
         return time, surface.place(state)
 
+    @np.errstate(all="ignore")
     def _step(self, accelerate: Acceleration, time: float, state: State, end: float) -> State:
         """Integrate to a given time, in one step if the tolerances allow it."""
         if end == time:
             return state
-        solver = getattr(scipy.integrate, self.method)(
+        solver = getattr(scipy.integrate, _ONE_STEP.get(self.method, self.method))(
             _right_hand_side(accelerate),
             time,
             state,
@@ -335,6 +359,10 @@ class Ivp:
             raise CannotSolve(f"{self.method} gave up at t = {solver.t:.6g} s: {message}")
         return PlaneState(*solver.y.tolist())
 
+
+# A multistep method cannot take its last step again: from one state alone it starts at order 1,
+# and reaches its tolerance in many steps whose errors add up.
+_ONE_STEP = {"BDF": "Radau", "LSODA": "DOP853"}
 
 # Newton's method squares the error; at a double root (a graze, a tangential landing) it halves it,
 # and forty halvings of a millisecond reach a femtosecond.
@@ -351,6 +379,38 @@ def _right_hand_side(accelerate: Acceleration) -> Callable[[float, Array], Seque
         return (u, w, *accelerate(u, w))
 
     return right_hand_side
+
+
+# A baseball's flight takes 500 evaluations. Strong lift can loop a ball a thousand times a second,
+# and a feather in dense air settles to its final speed in microseconds and then falls for a
+# minute: an explicit method would take millions.
+_MOST_EVALUATIONS = 200_000
+
+
+class _TooMuchWork(CannotSolve):
+    """A flight that takes more evaluations than any should; settled if its speed is its last."""
+
+    def __init__(self, settled: bool) -> None:
+        super().__init__(
+            f"the flight takes over {_MOST_EVALUATIONS} evaluations; "
+            "try a looser tolerance or a shorter time_limit"
+        )
+        self.settled = settled
+
+
+def _limited(accelerate: Acceleration, gravity: float) -> Acceleration:
+    """Return an acceleration that can be evaluated a limited number of times."""
+    evaluations = 0
+
+    def limited(u: float, w: float) -> tuple[float, float]:
+        nonlocal evaluations
+        evaluations += 1
+        du, dw = accelerate(u, w)
+        if evaluations > _MOST_EVALUATIONS:
+            raise _TooMuchWork(settled=math.hypot(du, dw) < 1e-3 * gravity)
+        return du, dw
+
+    return limited
 
 
 def _stop_surfaces(start: State, stops: Stops[float], accelerate: Acceleration) -> list[Surface]:

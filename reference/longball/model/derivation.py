@@ -24,8 +24,7 @@ from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
-# SymPy has no type stubs; "unused-ignore" lets a project-wide setting take this over.
-import sympy as sp  # type: ignore[import-untyped, unused-ignore]
+import sympy as sp
 
 # --------------------------------------------------------------------------------------------------
 # Notation

@@ -39,6 +39,10 @@ class Bounded(_Strict):
         description="proven bound on the error; null where none is proven",
     )
 
+    def __float__(self) -> float:
+        """Return the double nearest to the value."""
+        return float(self.value)
+
     @model_serializer
     def _radius_stays_when_null(self) -> dict[str, str | None]:
         return {"value": self.value, "radius": self.radius}

@@ -28,9 +28,13 @@ class _Block(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
 
 
-Positive = Annotated[float, Field(gt=0.0)]
-NotNegative = Annotated[float, Field(ge=0.0)]
-Point = tuple[float, float, float]
+# Sizes within which no product of the model's formulas overflows or underflows a double.
+LARGEST, SMALLEST = 1e30, 1e-30
+
+Quantity = Annotated[float, Field(ge=-LARGEST, le=LARGEST)]
+NotNegative = Annotated[float, Field(ge=0.0, le=LARGEST)]
+Positive = Annotated[float, Field(ge=SMALLEST, le=LARGEST)]
+Point = tuple[Quantity, Quantity, Quantity]
 
 
 class Ball(_Block):
@@ -48,7 +52,7 @@ class Air(_Block):
 
     density: NotNegative = Field(default=1.29, description="kg/m³")
     drag_coefficient: NotNegative = Field(default=0.4, description="C_D")
-    lift_coefficient: float = Field(default=0.2, description="C_L; negative for topspin")
+    lift_coefficient: Quantity = Field(default=0.2, description="C_L; negative for topspin")
 
 
 class Launch(_Block):
@@ -66,7 +70,7 @@ class Pitch(_Block):
         description="m/s; default: the mean of Eq. 3, 0.45 · 139.1 + 0.55 · 127.8 = 132.885 km/h",
     )
     release: Point = Field(default=(18.44, 0.0, 1.8), description="m; x > 0")
-    aim: tuple[float, float] = Field(
+    aim: tuple[Quantity, Quantity] = Field(
         default=(0.0, 1.8), description="m, [y, z] of the point aimed at; default: the middle cell"
     )
 
@@ -88,8 +92,8 @@ class Bat(_Block):
 class Rotation(_Block):
     """The swing of an impact: a rotation about the bat's end B."""
 
-    angular_speed: float = Field(default=34.0, description="rad/s, about an axis through B")
-    tilt: float = Field(
+    angular_speed: Quantity = Field(default=34.0, description="rad/s, about an axis through B")
+    tilt: Quantity = Field(
         default=math.radians(5.0),
         description="rad, of that axis from the vertical; default: the mean of 0° to 10°",
     )
@@ -98,7 +102,7 @@ class Rotation(_Block):
 class Swing(Rotation):
     """The swing of an at-bat: a rotation, at a height chosen from where the pitch would cross."""
 
-    height_offset: float = Field(
+    height_offset: Quantity = Field(
         default=0.0, description="m, σ_b: height of the bat's axis above the pitch at x = 0"
     )
 
@@ -112,13 +116,13 @@ class Incoming(_Block):
 
     position: Point = Field(description="m, of the ball's centre, R + r_b from the bat's axis")
     velocity: Point = Field(description="m/s")
-    bat_height: float = Field(description="m, z_b of the bat's axis")
+    bat_height: Quantity = Field(description="m, z_b of the bat's axis")
 
 
 class Ground(_Block):
     """The surface that the ball lands on."""
 
-    height: float = Field(default=0.0, description="m")
+    height: Quantity = Field(default=0.0, description="m")
 
 
 class _Scene(_Block):
@@ -135,7 +139,7 @@ class _Scene(_Block):
 
 class _FlyingScene(_Scene):
     air: Air | None = Field(default=Air(), description="null: no air at all")
-    gravity: float = Field(default=9.8, ge=0.0, description="m/s², downwards; paper, Sec. III.B")
+    gravity: NotNegative = Field(default=9.8, description="m/s², downwards; paper, Sec. III.B")
     time_limit: Positive = Field(
         default=60.0, description="s of flight, after which the ball is reported airborne"
     )
@@ -240,7 +244,7 @@ def parse_scene(line: str | bytes) -> Scene:
     data = _json(text)
     if not isinstance(data, dict):
         raise SceneError(f"not a scene: a JSON object is needed, this is {_short(data)}")
-    scene_id = data["id"] if isinstance(data.get("id"), str) else None
+    scene_id = data["id"] if _is_text(data.get("id")) else None
     kind = data.get("kind")
     if not isinstance(kind, str) or kind not in KINDS:
         given = f"{_short(kind)} is not a kind of scene" if "kind" in data else "is missing"
@@ -258,6 +262,8 @@ def explain(error: ValidationError, model: type[BaseModel]) -> str:
 
 def _text(line: str | bytes) -> str:
     if isinstance(line, str):
+        if not _is_text(line):
+            raise SceneError("not Unicode text: it holds half of a surrogate pair")
         return line
     try:
         return line.decode("utf-8-sig")
@@ -269,11 +275,17 @@ def _text(line: str | bytes) -> str:
 
 def _json(text: str) -> Any:
     try:
-        return json.loads(text, object_pairs_hook=_each_key_once)
+        # Python refuses to convert whole numbers of thousands of digits, as a protection.
+        return json.loads(text, object_pairs_hook=_each_key_once, parse_int=float)
     except json.JSONDecodeError as error:
         raise SceneError(f"not JSON: {error.msg} at character {error.pos + 1}") from None
     except RecursionError:
         raise SceneError("not a scene: its brackets are nested too deeply") from None
+
+
+def _is_text(value: Any) -> bool:
+    """Tell whether a value is a string that can be written: no half of a surrogate pair."""
+    return isinstance(value, str) and not any("\ud800" <= c <= "\udfff" for c in value)
 
 
 def _each_key_once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
@@ -298,7 +310,9 @@ def _explain_fault(fault: dict[str, Any], model: type[BaseModel]) -> str:
         case "value_error":
             sentence = str(fault["ctx"]["error"])
             return f"{where}: {sentence}" if where else sentence
-    sentence = fault["msg"].removeprefix("Input ").replace("should be", "must be")
+        case "json_invalid":  # pydantic's parser is stricter than Python's
+            return f"not JSON: {fault['ctx']['error']}"
+    sentence = fault["msg"].removeprefix("Input ").replace("should", "must")
     return f"{where}: {sentence} (got {_short(fault['input'])})"
 
 

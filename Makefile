@@ -1,0 +1,29 @@
+# Both main targets set everything up themselves: a Python >= 3.11, git and make are enough.
+
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+INSTALLED := $(VENV)/.installed
+
+.PHONY: report test lint clean
+
+report: $(INSTALLED)  ## write report/README.md with its tables and figures
+	$(BIN)/python -m analysis
+
+test: $(INSTALLED)  ## run the tests on all cores
+	$(BIN)/python -m pytest -n auto
+
+lint: $(INSTALLED)  ## run the linters
+	$(BIN)/ruff check
+	$(BIN)/ruff format --check
+	$(BIN)/mypy reference analysis
+	$(BIN)/lint-imports
+	$(BIN)/python -m longball.model.derivation --check
+
+$(INSTALLED): pyproject.toml constraints.txt
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[test,lint]'
+	touch $@
+
+clean:  ## remove what the other targets made
+	rm -rf $(VENV) .pytest_cache .mypy_cache .ruff_cache .hypothesis

@@ -1,0 +1,1 @@
+"""Longball's own studies: `python -m analysis [STUDY ...]` writes them into report/."""

@@ -1,0 +1,5 @@
+"""``python -m longball`` is the command line."""
+
+from longball.cli import main
+
+main()

@@ -1,0 +1,66 @@
+"""Pictures of P(e), drawn the same way by the command line and by the report."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from longball.home_run import PAPER_CURVES, Estimate, Fit
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+
+def draw_probability(axes: Axes, estimates: Sequence[Estimate], fit: Fit | None) -> None:
+    """Draw estimates with their intervals, the fit, and the paper's two printed curves (Fig. 7).
+
+    Told apart by marker and dash, so that a print in black and white shows the same.
+    """
+    e = [row.e for row in estimates]
+    low, high = min(e), max(e)
+    # A single restitution still gets a picture, as wide as one step of the paper's.
+    pad = 0.05 * (high - low) or 0.01
+    grid = [low - pad + (high - low + 2 * pad) * i / 200 for i in range(201)]
+    for (name, curve), dash in zip(PAPER_CURVES.items(), ("--", ":"), strict=True):
+        axes.plot(
+            grid,
+            [curve(x) for x in grid],
+            dash,
+            color="0.45",
+            label=f"paper's {name}: C₁ = {curve.c1:g} m, σ = {curve.sigma:g} m",
+        )
+    if fit:
+        label = f"fit: C₁ = {fit.curve.c1:.0f} m, σ = {fit.curve.sigma:.1f} m"
+        axes.plot(grid, [fit.curve(x) for x in grid], "-", color="C0", label=label)
+    axes.errorbar(
+        e,
+        [row.p for row in estimates],
+        yerr=[
+            [row.p - row.low for row in estimates],
+            [row.high - row.p for row in estimates],
+        ],
+        fmt="ko",
+        markersize=4,
+        capsize=3,
+        label=f"longball, 95 % of {estimates[0].trials} at-bats",
+    )
+    axes.set_xlabel("coefficient of restitution e of the ball")
+    axes.set_ylabel("probability of a home run P(e)")
+    axes.set_ylim(bottom=0.0)
+    axes.legend(
+        loc="lower left", bbox_to_anchor=(0.0, 1.01), ncols=2, fontsize="small", frameon=False
+    )
+
+
+def save_probability(path: Path, estimates: Sequence[Estimate], fit: Fit | None) -> None:
+    """Write the picture of P(e) to a file, in the format that its ending names."""
+    import matplotlib
+
+    matplotlib.use("agg")
+    import matplotlib.pyplot as plt
+
+    figure, axes = plt.subplots(figsize=(6.4, 4.2), layout="constrained")
+    draw_probability(axes, estimates, fit)
+    figure.savefig(path, dpi=150)
+    plt.close(figure)

@@ -1,0 +1,220 @@
+"""The command line, run as a user runs it."""
+
+from __future__ import annotations
+
+import csv
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+FLIGHT = b'{"id":"f","kind":"flight","launch":{"position":[0,0,1],"velocity":[30,2,20]}}'
+AT_BAT = b'{"id":"a","kind":"at-bat"}'
+
+
+def longball(*arguments: str, stdin: bytes = b"", **options) -> subprocess.CompletedProcess:
+    return subprocess.run(
+        [sys.executable, "-m", "longball", *arguments],
+        input=stdin,
+        capture_output=True,
+        timeout=120,
+        check=False,
+        **options,
+    )
+
+
+def results(run: subprocess.CompletedProcess) -> list[dict]:
+    return [json.loads(line) for line in run.stdout.splitlines()]
+
+
+class TestSolve:
+    def test_reads_stdin_and_answers_in_order(self):
+        run = longball("solve", "-", stdin=FLIGHT + b"\n\n" + AT_BAT)
+        assert run.returncode == 0
+        assert run.stderr == b""
+        assert [(r["id"], r["outcome"]) for r in results(run)] == [("f", "landed"), ("a", "batted")]
+
+    def test_reads_and_writes_files(self, tmp_path: Path):
+        source, output = tmp_path / "scenes.jsonl", tmp_path / "results.jsonl"
+        source.write_bytes(FLIGHT + b"\r\n" + AT_BAT + b"\r\n")
+        run = longball("solve", str(source), "-o", str(output))
+        assert run.returncode == 0
+        assert run.stdout == b""
+        assert len(output.read_bytes().splitlines()) == 2
+
+    def test_a_line_is_answered_before_the_next_is_read(self):
+        with subprocess.Popen(
+            [sys.executable, "-m", "longball", "solve"],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+        ) as process:
+            for _ in range(3):
+                process.stdin.write(FLIGHT + b"\n")
+                process.stdin.flush()
+                assert json.loads(process.stdout.readline())["outcome"] == "landed"
+            process.stdin.close()
+            assert process.wait(timeout=30) == 0
+
+    def test_bad_lines_are_answered_and_lose_nothing(self):
+        lines = [
+            AT_BAT,
+            AT_BAT[:-3],
+            b"\x80\xff\x00",
+            b'{"id":"n","kind":"pitch","gravity":NaN}',
+            FLIGHT,
+        ]
+        run = longball("solve", stdin=b"\n".join(lines))
+        assert run.returncode == 1
+        assert b"3 of 5 lines" in run.stderr
+        first, truncated, binary, nan, last = results(run)
+        assert first["outcome"] == "batted"
+        assert truncated["id"] is None
+        assert truncated["error"].startswith("line 2: not JSON")
+        assert "line 3: not UTF-8" in binary["error"]
+        assert nan["id"] == "n"
+        assert "line 4: gravity" in nan["error"]
+        assert last["outcome"] == "landed"
+
+    def test_an_empty_file_is_no_success(self):
+        run = longball("solve", stdin=b"\n")
+        assert run.returncode == 1
+        assert b"no scenes" in run.stderr
+
+    def test_workers_change_no_byte(self):
+        lines = b"\n".join(
+            FLIGHT.replace(b"30,2,20", f"30,{y / 10},20".encode()) for y in range(70)
+        )
+        one, two = (longball("solve", "--workers", n, stdin=lines) for n in ("1", "2"))
+        assert len(results(one)) == 70
+        assert one.stdout == two.stdout
+
+    @pytest.mark.parametrize(
+        ("arguments", "named"),
+        [
+            (["solve", "--engine", "verne"], "verne"),
+            (["solve", "--method", "Euler"], "Euler"),
+            (["solve", "--rtol", "1e-20"], "rtol"),
+            (["solve", "--atol", "-1"], "atol"),
+            (["solve", "/no/such/file"], "/no/such/file"),
+            (["solve", "--workers", "0"], "workers"),
+            (["solve", "-o", "/no/such/folder/file"], "/no/such/folder/file"),
+            (["homerun", "--reading", "inertia=rod"], "inertia"),
+            (["homerun", "--reading", "inertia"], "NAME=VALUE"),
+            (["homerun", "--reading", "nonsense=1"], "nonsense"),
+            (["homerun", "--set", "bat.mess=1"], "bat.mess"),
+            (["homerun", "--set", "pitch.speed=40"], "pitch.speed"),
+            (["homerun", "--set", "air=null", "--set", "air.density=1"], "air"),
+            (["homerun", "--e", "0.5:0.4:0.1"], "--e"),
+            (["homerun", "--e", "1.5"], "--e"),
+            (["homerun", "--e", "0:1:1e-9"], "--e"),
+            (["homerun", "--e", "x"], "--e"),
+            (["homerun", "--samples", "0"], "samples"),
+            (["homerun", "--method", "guess"], "guess"),
+            (["homerun", "--samples", "5", "--figure", "/tmp/x.nonsense"], "figure"),
+            (["nonsense"], "nonsense"),
+        ],
+    )
+    def test_a_wrong_call_says_what_is_wrong(self, arguments: list[str], named: str):
+        run = longball(*arguments)
+        assert run.returncode == 2
+        assert run.stdout == b""
+        assert named in run.stderr.decode()
+        assert b"Traceback" not in run.stderr
+
+    def test_the_source_is_not_overwritten(self, tmp_path: Path):
+        source = tmp_path / "scenes.jsonl"
+        source.write_bytes(FLIGHT)
+        assert longball("solve", str(source), "-o", str(source)).returncode == 2
+        assert source.read_bytes() == FLIGHT
+
+    def test_a_reader_that_leaves_early_is_no_traceback(self):
+        with subprocess.Popen(
+            [sys.executable, "-m", "longball", "solve"],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+        ) as process:
+            process.stdin.write(FLIGHT + b"\n")
+            process.stdin.flush()
+            process.stdout.readline()
+            process.stdout.close()
+            process.stdin.write(FLIGHT + b"\n")
+            process.stdin.close()
+            assert process.stderr.read() == b""
+            assert process.wait(timeout=30) == 1
+
+
+class TestHomerun:
+    def test_json_holds_the_contract(self):
+        run = longball("homerun", "--samples", "60", "--e", "0.41:0.45:0.02", "--json",
+                       "--workers", "1", "--reading", "inertia=about_centre")  # fmt: skip
+        assert run.returncode == 0
+        data = json.loads(run.stdout)
+        assert [row["e"] for row in data["rows"]] == [0.41, 0.43, 0.45]
+        for row in data["rows"]:
+            assert row["low"] <= row["p"] <= row["high"]
+            assert row["p"] == row["home_runs"] / row["trials"]
+        assert data["reading"] == {"inertia": "about_centre"}
+
+    def test_writes_table_picture_and_scenes(self, tmp_path: Path):
+        table, picture, scenes = (tmp_path / name for name in ("p.csv", "p.png", "s.jsonl"))
+        run = longball(
+            "homerun", "--samples", "12", "--e", "0.42,0.44", "--workers", "1",
+            "--csv", str(table), "--figure", str(picture), "--scenes", str(scenes),
+        )  # fmt: skip
+        assert run.returncode == 0
+        assert b"paper's caption" in run.stdout
+        assert [row["e"] for row in csv.DictReader(table.read_text().splitlines())] == [
+            "0.42",
+            "0.44",
+        ]
+        assert picture.read_bytes().startswith(b"\x89PNG")
+        solved = longball("solve", str(scenes))
+        assert solved.returncode == 0
+        assert [r["id"] for r in results(solved)][:2] == [
+            "sample-000000-e0.42",
+            "sample-000000-e0.44",
+        ]
+        assert len(results(solved)) == 24
+
+    def test_scenes_give_the_same_home_runs(self, tmp_path: Path):
+        scenes = tmp_path / "s.jsonl"
+        run = longball(
+            "homerun", "--samples", "100", "--e", "0.45", "--workers", "1", "--json",
+            "--reading", "inertia=about_centre", "--scenes", str(scenes),
+        )  # fmt: skip
+        far = [
+            r
+            for r in results(longball("solve", str(scenes)))
+            if r["outcome"] == "batted" and r["landing"]["distance"] >= 150
+        ]
+        assert len(far) == json.loads(run.stdout)["rows"][0]["home_runs"] > 0
+
+
+class TestReadings:
+    def test_prints_the_ledger(self):
+        run = longball("readings", "--samples", "0")
+        assert run.returncode == 0
+        assert "bat_ball_restitution" in run.stdout.decode()
+
+    def test_says_what_each_reading_does(self):
+        run = longball("readings", "--samples", "20", "--workers", "1", "--json")
+        rows = json.loads(run.stdout)["rows"]
+        assert all("p" in row for row in rows if row["switch"] != "masses")
+
+
+@pytest.mark.parametrize("command", [[], ["solve"], ["homerun"], ["readings"]])
+def test_help_shows_an_example(command: list[str]):
+    run = longball(*command, "--help")
+    assert run.returncode == 0
+    assert not command or b"Example: longball" in run.stdout
+
+
+@pytest.mark.parametrize("what", ["import longball", "import longball.cli"])
+def test_heavy_libraries_wait_until_they_are_needed(what: str):
+    heavy = "{'sympy', 'pandas', 'matplotlib', 'numba', 'flint', 'mpmath', 'joblib'}"
+    code = f"import sys; {what}; print(*({heavy} & set(sys.modules)))"
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, check=True)
+    assert run.stdout.strip() == b""
