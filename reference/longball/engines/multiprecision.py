@@ -273,20 +273,20 @@ class Multiprecision:
         if stops.floor is not None and self._rests_on(stops.floor, start, forces):
             return Arrival("floor", now, start, ())
         surfaces = self._stop_surfaces(start, forces, stops)
+        in_time = "whether the ball meets the {} before the time limit"
         way: list[Segment] = []
         for segment in self._segments(forces, now, start, stops.time_limit):
             way.append(segment)
             if met := self._first_met(segment, surfaces):
                 x, surface = met
-                state = surface.place(segment.state(x))
-                return Arrival(cast(Stop, surface.name), segment.time(x), state, tuple(way))
+                time, state = segment.time(x), surface.place(segment.state(x))
+                error = self.flight_error * stops.time_limit
+                self.numbers.positive(stops.time_limit - time, error, in_time.format(surface.name))
+                return Arrival(cast(Stop, surface.name), time, state, tuple(way))
         end = way[-1].end if way else start
         for surface in surfaces:
-            self.numbers.positive(
-                abs(surface.value(end)),
-                self._error(surface),
-                f"whether the ball meets the {surface.name} before the time limit",
-            )
+            beyond = abs(surface.value(end))
+            self.numbers.positive(beyond, self._error(surface), in_time.format(surface.name))
         return Arrival("time", stops.time_limit, end, tuple(way))
 
     def touch(
