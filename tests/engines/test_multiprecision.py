@@ -365,7 +365,8 @@ def test_a_landing_at_the_time_limit_is_not_guessed():
 
 
 def grazing(offset):
-    return AtBatScene(id="g", swing=Swing(height_offset=offset))
+    """A level swing over a pitch that falls: where they graze, the bat closes in on the ball."""
+    return AtBatScene(id="g", swing=Swing(tilt=0.0, height_offset=offset))
 
 
 @pytest.fixture(scope="module", params=[1e-15, -1e-15])

@@ -39,9 +39,9 @@ from longball.model.numbers import Undecided
 from longball.model.result import Bounded
 
 # Digits beyond those that are printed. What a step leaves out is 14 digits below; a flight of
-# dozens of steps stays 10 digits below, and those ten are for what the chain of an at-bat
-# magnifies: a clean contact shifts the landing by a few hundred times its own error, a graze with a
-# margin of 1e-15 m by a hundred million times. Rounding stays six digits below the steps' errors.
+# dozens of steps stays 10 digits below, and those ten are for what an at-bat magnifies: the blow
+# makes of an error of the contact a few hundred times as much at the landing, and in a graze with a
+# margin of 1e-15 m 1e9 times as much. Rounding stays six digits below what a step leaves out.
 _FLIGHT_GUARD = 10
 _STEP_GUARD = 14
 _ROUNDING_GUARD = 20
@@ -339,14 +339,13 @@ class Multiprecision:
     def _segments(
         self, forces: Forces[Mpf], begin: Mpf, start: State, end: Mpf
     ) -> Iterator[Segment]:
-        """Fly, in two pieces if the ball comes to rest at the apex of a vertical flight.
+        """Fly, in two pieces if the flight is vertical: up to its apex, and down.
 
-        Only there is the path less than smooth: V = |w| has a kink where w = 0. Any other flight
-        that comes near V = 0 is followed by steps as short as it takes.
+        There the ball is at rest, and V = |w| has a kink. Any other flight that comes near V = 0 is
+        followed by steps as short as it takes.
         """
         steps = _collocation(self.digits).segments
-        upright = start.u == 0 and forces.lift is None and forces.drag is not None
-        if not upright:
+        if start.u != 0 or forces.lift is not None:
             yield from steps(dynamics(forces, self.numbers), begin, start, end)
             return
         rising, falling = (upright_dynamics(forces, self.numbers, up) for up in (True, False))
