@@ -321,25 +321,26 @@ class Ivp:
         interpolant that the guess came from.
         """
         time, state = guess, self._step(accelerate, *base, guess)
+        smallest = math.inf
         for _ in range(_NEWTON_STEPS):
             rate = surface.rate(state)
             if rate == 0.0:
                 break
             dt = -surface.value(state) / rate
             du, dw = accelerate(state.u, state.w)
-            time += dt
-            if abs(dt) * math.hypot(du, dw) <= _NUDGE * math.hypot(state.u, state.w):
-                state = PlaneState(
-                    state.s + dt * (state.u + 0.5 * dt * du),
-                    state.z + dt * (state.w + 0.5 * dt * dw),
-                    state.u + dt * du,
-                    state.w + dt * dw,
-                )
-                # The bat is round: Newton's first dt may be too coarse where the step is not.
-                if abs(dt) <= math.ulp(time):
-                    break
+            if abs(dt) * math.hypot(du, dw) > _NUDGE * math.hypot(state.u, state.w):
+                time += dt
+                state = self._step(accelerate, *base, time)
                 continue
-            state = self._step(accelerate, *base, time)
+            if abs(dt) >= smallest:  # nothing is left but rounding
+                break
+            time, smallest = time + dt, abs(dt)
+            state = PlaneState(
+                state.s + dt * (state.u + 0.5 * dt * du),
+                state.z + dt * (state.w + 0.5 * dt * dw),
+                state.u + dt * du,
+                state.w + dt * dw,
+            )
         return time, surface.place(state)
 
     @np.errstate(all="ignore")
