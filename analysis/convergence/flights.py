@@ -75,7 +75,7 @@ def run(report: Path, full: bool) -> str:
         f"{'all reproduced' if held else 'not all reproduced'}: whoever takes the force at the "
         "old velocity, as the scheme is usually coded, loses an order and "
         f"{-error_at(PRINTED, 'old_recomputed'):.1f} to {-error_at(PRINTED, 'old_carried'):.1f} m "
-        "of range at 0.05 s; the half-step velocity of molecular dynamics does not mend it, because "
+        "of range at 0.05 s; the half-step velocity of molecular dynamics does not mend it: "
         "it is Euler's method for the velocity at half steps. The fourth treatment has two forms, "
         "with the predicted force carried into the next step or computed anew, and their errors "
         "differ in sign; they are two entries of the ledger for that reason. Below about "
