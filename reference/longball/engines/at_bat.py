@@ -35,18 +35,19 @@ from longball.model.scene import AtBatScene, FlightScene, ImpactScene, PitchScen
 def solve(scene: Scene, engine: Engine[N]) -> Result:
     """Return the result of a scene; what cannot be solved is a result with an error."""
     engine = as_read(engine, scene)
-    try:
-        match scene:
-            case FlightScene():
-                return solve_flight(scene, engine)
-            case PitchScene():
-                return solve_pitch(scene, engine)
-            case ImpactScene():
-                return solve_impact(scene, engine)
-            case AtBatScene():
-                return strike(scene, meet(scene, engine), engine)
-    except (ArithmeticError, ValueError) as error:
-        return _unsolved(scene, engine, _reason(error))
+    with engine.numbers.arithmetic():
+        try:
+            match scene:
+                case FlightScene():
+                    return solve_flight(scene, engine)
+                case PitchScene():
+                    return solve_pitch(scene, engine)
+                case ImpactScene():
+                    return solve_impact(scene, engine)
+                case AtBatScene():
+                    return strike(scene, meet(scene, engine), engine)
+        except (ArithmeticError, ValueError) as error:
+            return _unsolved(scene, engine, _reason(error))
 
 
 def solve_with_restitutions(
@@ -57,18 +58,20 @@ def solve_with_restitutions(
     The pitch and its touching of the bat, which do not depend on it, are solved once.
     """
     engine = as_read(engine, scene)
-    try:
-        meeting = meet(scene, engine)
-    except (ArithmeticError, ValueError) as error:
-        return [_unsolved(scene, engine, _reason(error))] * len(restitutions)
-    results = []
-    for e in restitutions:
-        one = scene.model_copy(update={"ball": scene.ball.model_copy(update={"restitution": e})})
+    with engine.numbers.arithmetic():
         try:
-            results.append(strike(one, meeting, engine))
+            meeting = meet(scene, engine)
         except (ArithmeticError, ValueError) as error:
-            results.append(_unsolved(one, engine, _reason(error)))
-    return results
+            return [_unsolved(scene, engine, _reason(error))] * len(restitutions)
+        results = []
+        for e in restitutions:
+            ball = scene.ball.model_copy(update={"restitution": e})
+            one = scene.model_copy(update={"ball": ball})
+            try:
+                results.append(strike(one, meeting, engine))
+            except (ArithmeticError, ValueError) as error:
+                results.append(_unsolved(one, engine, _reason(error)))
+        return results
 
 
 def _reason(error: ArithmeticError | ValueError) -> str:
@@ -343,7 +346,6 @@ class Meeting(Generic[N]):
 
 def meet(scene: AtBatScene, engine: Engine[N]) -> Meeting[N]:
     """Throw the pitch, put the bat where it is swung, and find how the two meet."""
-    engine = as_read(engine, scene)
     delivery = _deliver(scene, engine)
     if delivery.arrival.stop != "wall":
         return Meeting(delivery, None, None)
@@ -364,9 +366,10 @@ def meet(scene: AtBatScene, engine: Engine[N]) -> Meeting[N]:
 def strike(scene: AtBatScene, meeting: Meeting[N], engine: Engine[N]) -> Result:
     """Finish an at-bat from where pitch and bat meet.
 
-    `scene` may differ in the ball's restitution from the scene that was met.
+    `scene` may differ in the ball's restitution from the scene that was met. Whoever calls this
+    or `meet` by itself does so within the engine's `numbers.arithmetic()`, with an engine that is
+    `as_read`.
     """
-    engine = as_read(engine, scene)
     numbers = engine.numbers
     delivery, touch, height = meeting.delivery, meeting.touch, meeting.height
     plate = _plate(delivery, numbers)

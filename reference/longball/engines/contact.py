@@ -13,7 +13,7 @@ from collections.abc import Callable
 
 from longball.engines.engine import BatSection
 from longball.model.motion import Forces, PlaneState
-from longball.model.numbers import DOUBLES
+from longball.model.numbers import DOUBLES, N
 
 Acceleration = Callable[[float, float], tuple[float, float]]
 
@@ -29,14 +29,14 @@ def depth(state: PlaneState[float], bat: BatSection[float]) -> float:
     return 0.5 * (d - bat.reach) * (d + bat.reach)
 
 
-def radial_velocity(state: PlaneState[float], bat: BatSection[float]) -> float:
+def radial_velocity(state: PlaneState[N], bat: BatSection[N]) -> N:
     """Return d·v, m²/s, the derivative of `depth`: negative while the ball comes closer."""
     return (bat.x + bat.cos * state.s) * (bat.cos * state.u) + (state.z - bat.height) * state.w
 
 
 def radial_acceleration(
-    state: PlaneState[float], bat: BatSection[float], acceleration: Acceleration
-) -> float:
+    state: PlaneState[N], bat: BatSection[N], acceleration: Callable[[N, N], tuple[N, N]]
+) -> N:
     """Return the derivative of d·v, m²/s²."""
     du, dw = acceleration(state.u, state.w)
     across = bat.cos * state.u

@@ -103,13 +103,13 @@ class Ivp:
         Any of solve_ivp's methods, by name.
     rtol, atol
         Tolerances of its steps, relative and absolute (m and m/s). With DOP853 at the default
-        1e-13 landings are good to 1e-12 m; a tenth of that costs a quarter more time
-        (`python -m analysis accuracy`).
+        every landing of 700 batted balls was good to 3e-12 m, for 1.4 times the time of a plain
+        solve at 1e-12 (`python -m analysis accuracy`).
     """
 
     method: str = "DOP853"
-    rtol: float = 1e-13
-    atol: float = 1e-13
+    rtol: float = 5e-14
+    atol: float = 5e-14
 
     def __post_init__(self) -> None:
         if self.method not in METHODS:
@@ -335,7 +335,10 @@ class Ivp:
                     state.u + dt * du,
                     state.w + dt * dw,
                 )
-                break
+                # The bat is round: Newton's first dt may be too coarse where the step is not.
+                if abs(dt) <= math.ulp(time):
+                    break
+                continue
             state = self._step(accelerate, *base, time)
         return time, surface.place(state)
 
