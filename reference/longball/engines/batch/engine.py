@@ -120,24 +120,21 @@ class Batch:
                 return Touch(margin, True, time, state)
             case flights.GRAZES_BAT:
                 return Touch(margin, None, doubt=contact.doubt(margin, error))
-            case flights.FLOOR | flights.WALL | flights.TIME:
+            case flights.FLOOR | flights.WALL | flights.TIME_LIMIT:
                 return Touch(margin, False)
             case other:
                 raise reason(other, float(end["doubt"]), flight[0])
 
     def fly_all(self, starts: Records) -> Records:
         """Fly records of FLIGHT; return records of ARRIVAL, shape and order the same."""
-        arrivals = np.empty(starts.shape, ARRIVAL)
-        room = flights.desk(self.order)
-        flights.fly_all(starts, arrivals, room, self.order, self.truncation)
-        return arrivals
+        return flights.fly_all(starts, self.order, self.truncation)
 
 
 _STOPS: dict[int, Stop] = {
     flights.FLOOR: "floor",
     flights.WALL: "wall",
     flights.VERTICAL: "vertical",
-    flights.TIME: "time",
+    flights.TIME_LIMIT: "time",
 }
 
 

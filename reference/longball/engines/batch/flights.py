@@ -8,7 +8,7 @@ polynomials (`longball.engines.batch.roots`); a lane whose flight has ended take
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,22 +16,25 @@ from numpy.typing import NDArray
 from longball.engines import series
 from longball.engines.batch.expansion import (
     DRAG,
+    FORCES,
     GRAVITY,
+    LENGTH,
     LIFT,
     S_RANGE,
+    SPEED,
+    STEP,
+    TIME,
     Z_RANGE,
-    Expansion,
     S,
     U,
     W,
     Z,
     choose_steps,
     expand,
-    reciprocals,
     room,
     take_steps,
 )
-from longball.engines.batch.lanes import WIDTH, compiled
+from longball.engines.batch.lanes import WIDTH, borrowed, compiled
 from longball.engines.batch.roots import (
     NEVER,
     curvature,
@@ -62,7 +65,7 @@ FLIGHT = np.dtype(
 )
 
 # How a flight ends: at a stop; touching the bat; or without an answer, for a reason.
-FLOOR, WALL, VERTICAL, TIME, TOUCH = range(5)
+FLOOR, WALL, VERTICAL, TIME_LIMIT, TOUCH = range(5)
 GRAZES_FLOOR, GRAZES_BAT, INSIDE_BAT, OUT_OF_RANGE, TOO_LONG = range(10, 15)
 # While it flies: on its way, or for a moment at rest, at the apex of a flight straight up.
 FLYING, RESTING = -1, -2
@@ -94,75 +97,60 @@ _MOST_STEPS = 20_000
 _FAR = 16.0
 
 
+# Rows of a desk, on which one flight is worked on: the polynomials of its step as in an expansion,
+# and an event's polynomial with its derivatives.
+P, SLOPE, BEND = range(5, 8)
+
 _extend = compiled(series.extend)
 
 
-class Desk(NamedTuple):
-    """Room to work in: the series of sixteen flights, and the polynomials of one of them.
-
-    `p`, `slope` and `bend` hold an event's polynomial and its derivatives; `speed` holds V where a
-    single flight is expanded.
-    """
-
-    series: Expansion
-    inverse: Array
-    s: Array
-    z: Array
-    u: Array
-    w: Array
-    speed: Array
-    p: Array
-    slope: Array
-    bend: Array
-
-
-def desk(order: int) -> Desk:
-    """Return room for series of an order."""
-    short, long = np.zeros(order + 2), np.zeros(2 * order + 4)
-    return Desk(
-        room(order),
-        reciprocals(order),
-        *(short.copy() for _ in range(5)),
-        *(long.copy() for _ in range(3)),
-    )
-
-
-@compiled
-def fly_all(
-    flights: Records, arrivals: Records, desk: Desk, order: int, truncation: float
-) -> None:
+def fly_all(flights: Records, order: int, truncation: float) -> Records:
     """Fly every flight to its end.
 
     Parameters
     ----------
-    flights : records of FLIGHT
-    arrivals : records of ARRIVAL
-        Are overwritten.
-    desk
-        Room for series of this order.
+    flights : records of FLIGHT, shape (n,)
     order
         Of the series.
     truncation
         Size of the last terms of the velocity in a step, relative to the speed.
+
+    Returns
+    -------
+    records of ARRIVAL, shape (n,)
     """
-    x = desk.series
-    times = np.zeros(WIDTH)
-    flying = np.empty(WIDTH, np.int64)
+    arrivals = np.empty(len(flights), ARRIVAL)
+    desk = np.zeros((8, 2 * order + 4))
+    _fly_all(flights, arrivals, room(order), desk, np.zeros(WIDTH, np.int64), order, truncation)
+    return arrivals
+
+
+@compiled
+def _fly_all(
+    flights: Records,
+    arrivals: Records,
+    lanes: Array,
+    table: Array,
+    crew: NDArray[np.int64],
+    order: int,
+    truncation: float,
+) -> None:
+    x, desk, flying = borrowed(lanes), borrowed(table), borrowed(crew)
     next_one = 0
     for lane in range(WIDTH):
-        flying[lane] = _take_off(flights, arrivals, next_one, x, lane, times, desk, order, truncation)
+        flying[lane] = _take_off(flights, arrivals, next_one, x, lane, desk, order, truncation)
         next_one = flying[lane] + 1
     while flying.min() < len(flights):
-        expand(x, desk.inverse, order)
+        expand(x, order)
         choose_steps(x, order, truncation)
         take_steps(x, order)
         for lane in range(WIDTH):
             i = flying[lane]
             if i < len(flights) and not _goes_on(
-                flights[i], arrivals[i], x, lane, times, desk, order, truncation
+                flights[i], arrivals[i], x, lane, desk, order, truncation
             ):
                 flying[lane] = _take_off(
-                    flights, arrivals, next_one, x, lane, times, desk, order, truncation
+                    flights, arrivals, next_one, x, lane, desk, order, truncation
                 )
                 next_one = flying[lane] + 1
 
@@ -172,10 +160,9 @@ def _take_off(
     flights: Records,
     arrivals: Records,
     index: int,
-    x: Expansion,
+    x: Array,
     lane: int,
-    times: Array,
-    desk: Desk,
+    desk: Array,
     order: int,
     truncation: float,
 ) -> int:
@@ -183,14 +170,14 @@ def _take_off(
     while index < len(flights):
         flight, arrival = flights[index], arrivals[index]
         _clear(flight, arrival)
-        x.forces[DRAG, lane], x.forces[LIFT, lane] = flight.drag, flight.lift
-        x.forces[GRAVITY, lane] = flight.gravity
+        x[FORCES, DRAG, lane], x[FORCES, LIFT, lane] = flight.drag, flight.lift
+        x[FORCES, GRAVITY, lane] = flight.gravity
         _put(x, lane, flight.s, flight.z, flight.u, flight.w)
-        times[lane] = flight.time
+        x[STEP, TIME, lane] = flight.time
         if not _is_over(flight, arrival) and not _flies_freely(flight, arrival, desk):
             at_rest = flight.u == 0.0 and flight.w == 0.0
             if not at_rest or _leaves_rest(
-                flight, arrival, x, lane, times, desk, order, truncation
+                flight, arrival, x, lane, desk, order, truncation
             ):
                 break
         index += 1
@@ -198,8 +185,8 @@ def _take_off(
 
 
 @compiled
-def _put(x: Expansion, lane: int, s: float, z: float, u: float, w: float) -> None:
-    x.s[0, lane], x.z[0, lane], x.u[0, lane], x.w[0, lane] = s, z, u, w
+def _put(x: Array, lane: int, s: float, z: float, u: float, w: float) -> None:
+    x[S, 0, lane], x[Z, 0, lane], x[U, 0, lane], x[W, 0, lane] = s, z, u, w
 
 
 @compiled
@@ -242,24 +229,24 @@ def _is_over(flight: Any, arrival: Any) -> bool:
 
 
 @compiled
-def _flies_freely(flight: Any, arrival: Any, desk: Desk) -> bool:
+def _flies_freely(flight: Any, arrival: Any, desk: Array) -> bool:
     """Fly without a series where no air acts: not on this ball, or not on one that stays at rest."""
     stays = flight.u == 0.0 and flight.w == 0.0 and flight.gravity == 0.0
     if not stays and (flight.drag != 0.0 or flight.lift != 0.0):
         return False
-    desk.s[0], desk.s[1], desk.s[2] = flight.s, flight.u, 0.0
-    desk.z[0], desk.z[1], desk.z[2] = flight.z, flight.w, -0.5 * flight.gravity
-    desk.u[0], desk.u[1] = flight.u, 0.0
-    desk.w[0], desk.w[1] = flight.w, -flight.gravity
+    desk[S, 0], desk[S, 1], desk[S, 2] = flight.s, flight.u, 0.0
+    desk[Z, 0], desk[Z, 1], desk[Z, 2] = flight.z, flight.w, -0.5 * flight.gravity
+    desk[U, 0], desk[U, 1] = flight.u, 0.0
+    desk[W, 0], desk[W, 1] = flight.w, -flight.gravity
     time = flight.time
     while arrival.stop == FLYING:
         arrival.steps += 1
         taken = _settle(flight, arrival, desk, 1, time, flight.time_limit - time)
         time += taken
-        desk.s[0] += taken * desk.s[1]
-        desk.z[0] += taken * (desk.z[1] + taken * desk.z[2])
-        desk.w[0] += taken * desk.w[1]
-        desk.z[1] = desk.w[0]
+        desk[S, 0] += taken * desk[S, 1]
+        desk[Z, 0] += taken * (desk[Z, 1] + taken * desk[Z, 2])
+        desk[W, 0] += taken * desk[W, 1]
+        desk[Z, 1] = desk[W, 0]
     return True
 
 
@@ -267,19 +254,18 @@ def _flies_freely(flight: Any, arrival: Any, desk: Desk) -> bool:
 def _leaves_rest(
     flight: Any,
     arrival: Any,
-    x: Expansion,
+    x: Array,
     lane: int,
-    times: Array,
-    desk: Desk,
+    desk: Array,
     order: int,
     truncation: float,
 ) -> bool:
     """Take a flight from rest through its first step, in which V = g t + …; see `_goes_on`."""
-    s, z, u, w = desk.s, desk.z, desk.u, desk.w
-    s[0], z[0], u[0], w[0] = x.s[0, lane], x.z[0, lane], 0.0, 0.0
-    desk.speed[0], desk.speed[1] = 0.0, flight.gravity
+    s, z, u, w = desk[S], desk[Z], desk[U], desk[W]
+    s[0], z[0], u[0], w[0] = x[S, 0, lane], x[Z, 0, lane], 0.0, 0.0
+    desk[SPEED, 0], desk[SPEED, 1] = 0.0, flight.gravity
     for n in range(order):
-        _extend(n, flight.drag, flight.lift, flight.gravity, u, w, desk.speed, 1)
+        _extend(n, flight.drag, flight.lift, flight.gravity, u, w, desk[SPEED], 1)
     for k in range(order + 1):
         s[k + 1], z[k + 1] = u[k] / (k + 1), w[k] / (k + 1)
     # Every second coefficient of u and w is zero, so that the last two terms are among four.
@@ -289,81 +275,80 @@ def _leaves_rest(
         if last > 0.0:
             step = min(step, (truncation * flight.gravity / last) ** (1.0 / (k - 1)))
     arrival.steps += 1
-    taken = _settle(flight, arrival, desk, order, times[lane], step)
-    return _moves_on(arrival, x, lane, times, desk, order, taken)
+    taken = _settle(flight, arrival, desk, order, x[STEP, TIME, lane], step)
+    return _moves_on(arrival, x, lane, desk, order, taken)
 
 
 @compiled
 def _goes_on(
     flight: Any,
     arrival: Any,
-    x: Expansion,
+    x: Array,
     lane: int,
-    times: Array,
-    desk: Desk,
+    desk: Array,
     order: int,
     truncation: float,
 ) -> bool:
     """Take a flight to the end of its step, or of itself; tell whether it goes on."""
-    time, step = times[lane], x.step[0, lane]
+    time, step = x[STEP, TIME, lane], x[STEP, LENGTH, lane]
     arrival.steps += 1
     nothing_near = (
         flight.reach == 0.0
         and flight.vertical == 0.0
-        and x.u[0, lane] != 0.0
+        and x[U, 0, lane] != 0.0
         and time + step < flight.time_limit
-        and x.z[0, lane] - x.end[Z_RANGE, lane] > flight.floor + flight.floor_error
-        and x.s[0, lane] + x.end[S_RANGE, lane] < min(flight.mark, flight.wall)
+        and x[Z, 0, lane] - x[STEP, Z_RANGE, lane] > flight.floor + flight.floor_error
+        and x[S, 0, lane] + x[STEP, S_RANGE, lane] < min(flight.mark, flight.wall)
     )
     if nothing_near:
-        times[lane] = time + step
-        _put(x, lane, x.end[S, lane], x.end[Z, lane], x.end[U, lane], x.end[W, lane])
-        return _is_in_order(arrival, x, lane, times, step)
+        x[STEP, TIME, lane] = time + step
+        _put(x, lane, x[STEP, S, lane], x[STEP, Z, lane], x[STEP, U, lane], x[STEP, W, lane])
+        return _is_in_order(arrival, x, lane, step)
     for k in range(order + 1):
-        desk.s[k], desk.z[k] = x.s[k, lane], x.z[k, lane]
-        desk.u[k], desk.w[k] = x.u[k, lane], x.w[k, lane]
-    desk.s[order + 1], desk.z[order + 1] = x.s[order + 1, lane], x.z[order + 1, lane]
+        desk[S, k], desk[Z, k] = x[S, k, lane], x[Z, k, lane]
+        desk[U, k], desk[W, k] = x[U, k, lane], x[W, k, lane]
+    desk[S, order + 1], desk[Z, order + 1] = x[S, order + 1, lane], x[Z, order + 1, lane]
     taken = _settle(flight, arrival, desk, order, time, step)
-    if not _moves_on(arrival, x, lane, times, desk, order, taken):
+    if not _moves_on(arrival, x, lane, desk, order, taken):
         return False
     if arrival.stop == RESTING:
         arrival.stop = FLYING
-        return _leaves_rest(flight, arrival, x, lane, times, desk, order, truncation)
+        return _leaves_rest(flight, arrival, x, lane, desk, order, truncation)
     return True
 
 
 @compiled
 def _moves_on(
-    arrival: Any, x: Expansion, lane: int, times: Array, desk: Desk, order: int, taken: float
+    arrival: Any, x: Array, lane: int, desk: Array, order: int, taken: float
 ) -> bool:
     """Put the state after the step on the desk into the lane, unless the flight has ended."""
     if arrival.stop >= 0:
         return False
-    times[lane] += taken
+    x[STEP, TIME, lane] += taken
     _put(
         x,
         lane,
-        value(desk.s, order + 1, taken),
-        value(desk.z, order + 1, taken),
-        value(desk.u, order, taken),
-        value(desk.w, order, taken),
+        value(desk[S], order + 1, taken),
+        value(desk[Z], order + 1, taken),
+        value(desk[U], order, taken),
+        value(desk[W], order, taken),
     )
-    return _is_in_order(arrival, x, lane, times, taken)
+    return _is_in_order(arrival, x, lane, taken)
 
 
 @compiled
-def _is_in_order(arrival: Any, x: Expansion, lane: int, times: Array, taken: float) -> bool:
+def _is_in_order(arrival: Any, x: Array, lane: int, taken: float) -> bool:
     """Tell whether a flight has a state to go on from, and makes way."""
-    if not math.isfinite(x.s[0, lane] + x.z[0, lane] + x.u[0, lane] + x.w[0, lane]):
+    if not math.isfinite(x[S, 0, lane] + x[Z, 0, lane] + x[U, 0, lane] + x[W, 0, lane]):
         arrival.stop = OUT_OF_RANGE
-    elif times[lane] + taken == times[lane] or arrival.steps >= _MOST_STEPS:
+    elif x[STEP, TIME, lane] + taken == x[STEP, TIME, lane] or arrival.steps >= _MOST_STEPS:
         arrival.stop = TOO_LONG
     return bool(arrival.stop < 0)
 
 
 @compiled
 def _settle(
-    flight: Any, arrival: Any, desk: Desk, order: int, time: float, step: float
+    flight: Any, arrival: Any, desk: Array, order: int, time: float, step: float
 ) -> float:
     """Note what ends a flight within a step, if anything does; return how far the step goes.
 
@@ -371,22 +356,22 @@ def _settle(
     """
     stop, end = FLYING, step
     if not time + step < flight.time_limit:
-        stop, end = TIME, flight.time_limit - time
-    p, slope, bend = desk.p, desk.slope, desk.bend
+        stop, end = TIME_LIMIT, flight.time_limit - time
+    p, slope, bend = desk[P], desk[SLOPE], desk[BEND]
     if flight.reach > 0.0:
-        end_of_search = _search_length(flight, desk.s[0], desk.z[0], desk.u[0], desk.w[0], end)
+        end_of_search = _search_length(flight, desk[S, 0], desk[Z, 0], desk[U, 0], desk[W, 0], end)
         if end_of_search < end:
             stop, end = FLYING, end_of_search
-    if flight.lift == 0.0 and desk.u[0] == 0.0 and desk.w[0] > 0.0:
+    if flight.lift == 0.0 and desk[U, 0] == 0.0 and desk[W, 0] > 0.0:
         for k in range(order + 1):
-            p[k] = desk.w[k]
+            p[k] = desk[W, k]
         differentiate(p, order, slope)
         top, _ = first_fall(p, slope, bend, order, end, 0.0)
         if top != NEVER:
             stop, end = RESTING, top
     if flight.vertical != 0.0:
         for k in range(order + 1):
-            p[k] = desk.u[k]
+            p[k] = desk[U, k]
         differentiate(p, order, slope)
         upright, _ = first_fall(p, slope, bend, order, end, 0.0)
         if upright != NEVER:
@@ -397,9 +382,9 @@ def _settle(
         if reached != NEVER:
             stop, end = WALL, reached
     for k in range(order + 2):
-        p[k] = desk.z[k]
+        p[k] = desk[Z, k]
     p[0] -= flight.floor
-    landed, depth = first_fall(p, desk.w, bend, order + 1, end, flight.floor_error)
+    landed, depth = first_fall(p, desk[W], bend, order + 1, end, flight.floor_error)
     if math.isnan(landed):
         arrival.stop, arrival.doubt = GRAZES_FLOOR, depth
         return end
@@ -414,10 +399,10 @@ def _settle(
             _note_mark(
                 arrival,
                 time + passed,
-                value(desk.s, order + 1, passed),
-                value(desk.z, order + 1, passed),
-                value(desk.u, order, passed),
-                value(desk.w, order, passed),
+                value(desk[S], order + 1, passed),
+                value(desk[Z], order + 1, passed),
+                value(desk[U], order, passed),
+                value(desk[W], order, passed),
             )
     if flight.reach > 0.0 and _meets_bat(flight, arrival, desk, order, time, end, stop >= 0):
         return end
@@ -425,11 +410,11 @@ def _settle(
         _note_arrival(
             arrival,
             stop,
-            flight.time_limit if stop == TIME else time + end,
-            flight.wall if stop == WALL else value(desk.s, order + 1, end),
-            flight.floor if stop == FLOOR else value(desk.z, order + 1, end),
-            0.0 if stop == VERTICAL else value(desk.u, order, end),
-            value(desk.w, order, end),
+            flight.time_limit if stop == TIME_LIMIT else time + end,
+            flight.wall if stop == WALL else value(desk[S], order + 1, end),
+            flight.floor if stop == FLOOR else value(desk[Z], order + 1, end),
+            0.0 if stop == VERTICAL else value(desk[U], order, end),
+            value(desk[W], order, end),
         )
     elif stop == RESTING:
         arrival.stop = RESTING
@@ -437,13 +422,13 @@ def _settle(
 
 
 @compiled
-def _turn_over(wall: float, desk: Desk, order: int) -> None:
+def _turn_over(wall: float, desk: Array, order: int) -> None:
     """Put the polynomial ``wall - s`` on the desk."""
     for k in range(order + 1):
-        desk.p[k] = -desk.s[k]
-        desk.slope[k] = -desk.u[k]
-    desk.p[order + 1] = -desk.s[order + 1]
-    desk.p[0] += wall
+        desk[P, k] = -desk[S, k]
+        desk[SLOPE, k] = -desk[U, k]
+    desk[P, order + 1] = -desk[S, order + 1]
+    desk[P, 0] += wall
 
 
 @compiled
@@ -461,7 +446,7 @@ def _search_length(flight: Any, s: float, z: float, u: float, w: float, end: flo
 
 @compiled
 def _meets_bat(
-    flight: Any, arrival: Any, desk: Desk, order: int, time: float, end: float, last: bool
+    flight: Any, arrival: Any, desk: Array, order: int, time: float, end: float, last: bool
 ) -> bool:
     """Follow the distance to the bat through a step; tell whether that settles how they meet.
 
@@ -469,7 +454,7 @@ def _meets_bat(
     first minimum that is certainly nearer than `reach` (see `longball.engines.contact`). Where
     the ball first touches is noted on the way there.
     """
-    p, slope, bend = desk.p, desk.slope, desk.bend
+    p, slope, bend = desk[P], desk[SLOPE], desk[BEND]
     reach = flight.reach
     degree = _depth(flight, desk, order, end)
     differentiate(p, degree, slope)
@@ -480,8 +465,8 @@ def _meets_bat(
     if arrival.steps <= 1:
         gap = (
             math.hypot(
-                flight.bat_x + flight.bat_cos * desk.s[0],
-                desk.z[0] - flight.bat_height,
+                flight.bat_x + flight.bat_cos * desk[S, 0],
+                desk[Z, 0] - flight.bat_height,
             )
             - reach
         )
@@ -489,15 +474,15 @@ def _meets_bat(
             arrival.stop, arrival.doubt = INSIDE_BAT, gap
             return True
         if gap <= flight.margin_error and approaching:
-            _note_mark(arrival, time, desk.s[0], desk.z[0], desk.u[0], desk.w[0])
+            _note_mark(arrival, time, desk[S, 0], desk[Z, 0], desk[U, 0], desk[W, 0])
     begin = 0.0
     while True:
         sign = -1.0 if approaching else 1.0
         turn = first_zero(slope, bend, degree - 1, sign, 0.0, begin, end, bend_of_slope)
         until = min(turn, end)
         margin = reach - math.hypot(
-            flight.bat_x + flight.bat_cos * value(desk.s, order + 1, until),
-            value(desk.z, order + 1, until) - flight.bat_height,
+            flight.bat_x + flight.bat_cos * value(desk[S], order + 1, until),
+            value(desk[Z], order + 1, until) - flight.bat_height,
         )
         settled = last or turn != NEVER
         if settled:
@@ -511,10 +496,10 @@ def _meets_bat(
             _note_mark(
                 arrival,
                 time + touch,
-                value(desk.s, order + 1, touch),
-                value(desk.z, order + 1, touch),
-                value(desk.u, order, touch),
-                value(desk.w, order, touch),
+                value(desk[S], order + 1, touch),
+                value(desk[Z], order + 1, touch),
+                value(desk[U], order, touch),
+                value(desk[W], order, touch),
             )
         if settled and margin > 0.0:
             arrival.margin = margin
@@ -535,31 +520,31 @@ def _meets_bat(
 
 
 @compiled
-def _depth(flight: Any, desk: Desk, order: int, end: float) -> int:
+def _depth(flight: Any, desk: Array, order: int, end: float) -> int:
     """Put the polynomial ``(d² - reach²)/2`` on the desk; return its degree.
 
     The terms of s and z that stay below a hundredth of the rounding of `reach` are left out.
     """
-    p = desk.p
+    p = desk[P]
     cos = flight.bat_cos
     negligible = 1e-18 * flight.reach
     terms, size, power = 2, 1.0, end * end
     for k in range(2, order + 2):
-        size = (abs(cos * desk.s[k]) + abs(desk.z[k])) * power
+        size = (abs(cos * desk[S, k]) + abs(desk[Z, k])) * power
         power *= end
         if size > negligible:
             terms = k + 1
-    x0, z0 = flight.bat_x + cos * desk.s[0], desk.z[0] - flight.bat_height
+    x0, z0 = flight.bat_x + cos * desk[S, 0], desk[Z, 0] - flight.bat_height
     distance = math.hypot(x0, z0)
     p[0] = 0.5 * (distance - flight.reach) * (distance + flight.reach)
     for n in range(1, 2 * terms - 1):
         total = 0.0
         for j in range(max(0, n - terms + 1), min(n, terms - 1) + 1):
             k = n - j
-            xj = cos * desk.s[j] if j > 0 else x0
-            xk = cos * desk.s[k] if k > 0 else x0
-            zj = desk.z[j] if j > 0 else z0
-            zk = desk.z[k] if k > 0 else z0
+            xj = cos * desk[S, j] if j > 0 else x0
+            xk = cos * desk[S, k] if k > 0 else x0
+            zj = desk[Z, j] if j > 0 else z0
+            zk = desk[Z, k] if k > 0 else z0
             total += xj * xk + zj * zk
         p[n] = 0.5 * total
     return 2 * terms - 2

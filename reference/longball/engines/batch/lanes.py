@@ -9,6 +9,7 @@ neighbours hold and whatever the machine.
 
 from __future__ import annotations
 
+import math
 import operator
 from collections.abc import Callable
 from typing import Any, TypeVar, cast
@@ -53,40 +54,58 @@ class _Model(models.PrimitiveModel):  # type: ignore[misc]
         super().__init__(manager, lanes, _VECTOR)
 
 
-def aligned(rows: int) -> NDArray[np.float64]:
-    """Return zeros of shape (rows, WIDTH) at an address where a row fills whole cache lines."""
+def aligned(*shape: int) -> NDArray[np.float64]:
+    """Return zeros of shape (*shape, WIDTH) at an address where each row fills whole cache lines."""
     cache_line = 64  # bytes
-    room = np.zeros(rows * WIDTH + cache_line // 8)
+    size = math.prod(shape) * WIDTH
+    room = np.zeros(size + cache_line // 8)
     skip = (-room.ctypes.data % cache_line) // 8
-    return room[skip : skip + rows * WIDTH].reshape(rows, WIDTH)
+    return room[skip : skip + size].reshape(*shape, WIDTH)
+
+
+@intrinsic  # type: ignore[untyped-decorator]
+def borrowed(typing: Any, array: Any) -> Any:
+    """Return an array without its count of references; its owner must outlive it.
+
+    The counts are changed under a lock at every use of an array, which costs more than the use.
+    """
+
+    def code(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        whole = context.make_array(signature.args[0])(context, builder, args[0])
+        whole.meminfo = cgutils.get_null_value(whole.meminfo.type)
+        whole.parent = cgutils.get_null_value(whole.parent.type)
+        return whole._getvalue()
+
+    return array(array), code
 
 
 def _row(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-    """Return the address of a row of an array of shape (rows, WIDTH)."""
+    """Return the address of ``array[block, row]``, for an array of shape (blocks, rows, WIDTH)."""
     array = context.make_array(signature.args[0])(context, builder, args[0])
-    first = builder.mul(args[1], ir.Constant(args[1].type, WIDTH))
+    _, rows, width = cgutils.unpack_tuple(builder, array.shape)
+    first = builder.mul(builder.add(builder.mul(args[1], rows), args[2]), width)
     return builder.bitcast(builder.gep(array.data, [first]), _VECTOR.as_pointer())
 
 
 @intrinsic  # type: ignore[untyped-decorator]
-def load(typing: Any, array: Any, row: Any) -> Any:
-    """Return a row of an array of shape (rows, WIDTH)."""
+def load(typing: Any, array: Any, block: Any, row: Any) -> Any:
+    """Return ``array[block, row]`` of an array of shape (blocks, rows, WIDTH)."""
 
     def code(context: Any, builder: Any, signature: Any, args: Any) -> Any:
         return builder.load(_row(context, builder, signature, args), align=8)
 
-    return _LANES(array, types.intp), code
+    return _LANES(array, types.intp, types.intp), code
 
 
 @intrinsic  # type: ignore[untyped-decorator]
-def store(typing: Any, array: Any, row: Any, value: Any) -> Any:
-    """Write a row of an array of shape (rows, WIDTH)."""
+def store(typing: Any, array: Any, block: Any, row: Any, value: Any) -> Any:
+    """Write ``array[block, row]`` of an array of shape (blocks, rows, WIDTH)."""
 
     def code(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        builder.store(args[2], _row(context, builder, signature, args), align=8)
+        builder.store(args[3], _row(context, builder, signature, args), align=8)
         return context.get_dummy_value()
 
-    return types.void(array, types.intp, _LANES), code
+    return types.void(array, types.intp, types.intp, _LANES), code
 
 
 @intrinsic  # type: ignore[untyped-decorator]

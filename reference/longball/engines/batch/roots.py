@@ -20,6 +20,7 @@ Array = NDArray[np.float64]
 NEVER = math.inf
 # A search takes three to six walks; near a double root each halves the rest of the way.
 _LONGEST_WALK = 200
+_NOTHING = 1e-17  # of a time: a tenth of its rounding
 _SMALLEST = 1e-300  # stands for a curvature of zero
 
 
@@ -82,10 +83,12 @@ def first_zero(
             height = 0.0  # on the way up from a root
         root = math.sqrt(rate * rate + 2.0 * bend * height)
         step = (rate + root) / bend if rate > 0.0 else 2.0 * height / (root - rate)
+        stays = t + step == t
         t += step
         if not t <= end:
             return NEVER
-        if step <= 1e-16 * t:
+        # Above the parabola p has at most `bend step²` left here, and its slope is about `root`.
+        if stays or bend * step * step <= _NOTHING * t * root:
             return t
     return t
 
