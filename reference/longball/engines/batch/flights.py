@@ -34,7 +34,7 @@ from longball.engines.batch.expansion import (
     room,
     take_steps,
 )
-from longball.engines.batch.lanes import WIDTH, borrowed, compiled
+from longball.engines.batch.lanes import WIDTH, borrowed, compiled, fma
 from longball.engines.batch.roots import (
     NEVER,
     curvature,
@@ -325,14 +325,8 @@ def _moves_on(
     if arrival.stop >= 0:
         return False
     x[STEP, TIME, lane] += taken
-    _put(
-        x,
-        lane,
-        value(desk[S], order + 1, taken),
-        value(desk[Z], order + 1, taken),
-        value(desk[U], order, taken),
-        value(desk[W], order, taken),
-    )
+    s, z, u, w = _state(desk, order, taken)
+    _put(x, lane, s, z, u, w)
     return _is_in_order(arrival, x, lane, taken)
 
 
@@ -396,29 +390,34 @@ def _settle(
         if passed != NEVER:
             # Expanding anew from here lets what lies beyond share the rounding of this state.
             stop, end = FLYING, passed
-            _note_mark(
-                arrival,
-                time + passed,
-                value(desk[S], order + 1, passed),
-                value(desk[Z], order + 1, passed),
-                value(desk[U], order, passed),
-                value(desk[W], order, passed),
-            )
+            s, z, u, w = _state(desk, order, passed)
+            _note_mark(arrival, time + passed, s, z, u, w)
     if flight.reach > 0.0 and _meets_bat(flight, arrival, desk, order, time, end, stop >= 0):
         return end
     if stop >= 0:
+        s, z, u, w = _state(desk, order, end)
         _note_arrival(
             arrival,
             stop,
             flight.time_limit if stop == TIME_LIMIT else time + end,
-            flight.wall if stop == WALL else value(desk[S], order + 1, end),
-            flight.floor if stop == FLOOR else value(desk[Z], order + 1, end),
-            0.0 if stop == VERTICAL else value(desk[U], order, end),
-            value(desk[W], order, end),
+            flight.wall if stop == WALL else s,
+            flight.floor if stop == FLOOR else z,
+            0.0 if stop == VERTICAL else u,
+            w,
         )
     elif stop == RESTING:
         arrival.stop = RESTING
     return end
+
+
+@compiled
+def _state(desk: Array, order: int, t: float) -> tuple[float, float, float, float]:
+    """Return s, z, u, w at a time within the step on the desk."""
+    s, z, u, w = desk[S, order + 1], desk[Z, order + 1], 0.0, 0.0
+    for k in range(order, -1, -1):
+        s, z = fma(s, t, desk[S, k]), fma(z, t, desk[Z, k])
+        u, w = fma(u, t, desk[U, k]), fma(w, t, desk[W, k])
+    return s, z, u, w
 
 
 @compiled
@@ -493,14 +492,8 @@ def _meets_bat(
         if margin > 0.0 and math.isnan(arrival.mark_time):
             touch = first_zero(p, slope, degree, 1.0, 0.0, begin, until, bend_of_depth)
             touch = min(touch, until)
-            _note_mark(
-                arrival,
-                time + touch,
-                value(desk[S], order + 1, touch),
-                value(desk[Z], order + 1, touch),
-                value(desk[U], order, touch),
-                value(desk[W], order, touch),
-            )
+            s, z, u, w = _state(desk, order, touch)
+            _note_mark(arrival, time + touch, s, z, u, w)
         if settled and margin > 0.0:
             arrival.margin = margin
             _note_arrival(

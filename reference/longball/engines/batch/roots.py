@@ -71,11 +71,13 @@ def first_zero(
     """
     t = begin
     bend = max(bend, _SMALLEST)
-    for _ in range(_LONGEST_WALK):
-        height, rate = p[degree], 0.0
-        for k in range(degree - 1, -1, -1):
-            height = fma(height, t, p[k])
-            rate = fma(rate, t, slope[k])
+    height, rate = p[0], slope[0]
+    for walk in range(_LONGEST_WALK):
+        if walk > 0 or begin > 0.0:
+            height, rate = p[degree], 0.0
+            for k in range(degree - 1, -1, -1):
+                height = fma(height, t, p[k])
+                rate = fma(rate, t, slope[k])
         height, rate = sign * height - level, sign * rate
         if height <= 0.0:
             if rate <= 0.0:
@@ -103,13 +105,17 @@ def first_fall(
     then is NaN, and the second number the minimum. Otherwise the second number is 0.
     """
     bend = curvature(slope, degree - 1, end)
-    near = first_zero(p, slope, degree, 1.0, error, 0.0, end, bend)
-    if near == NEVER or error == 0.0:
-        return near, 0.0
-    rate = value(slope, degree - 1, near)
-    if rate < 0.0 and rate * rate > 4.0 * bend * error:
-        # So steep that even the strongest bend turns p only below -error.
-        return first_zero(p, slope, degree, 1.0, 0.0, near, end, bend), 0.0
+    zero = first_zero(p, slope, degree, 1.0, 0.0, 0.0, end, bend)
+    if error == 0.0:
+        return zero, 0.0
+    if zero == NEVER:
+        if first_zero(p, slope, degree, 1.0, error, 0.0, end, bend) == NEVER:
+            return NEVER, 0.0
+    else:
+        rate = value(slope, degree - 1, zero)
+        if rate < 0.0 and rate * rate > 4.0 * bend * error:
+            # So steep that even the strongest bend turns p only below -error.
+            return zero, 0.0
     return _fall_by_pieces(p, slope, scratch, degree, end, error, bend)
 
 
