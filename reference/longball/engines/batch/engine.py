@@ -1,52 +1,54 @@
-"""The batch engine: compiled Taylor series, one scene or many, with the same bits."""
+"""The batch engine, one scene at a time: a flight by compiled Taylor series."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, NamedTuple, cast
+from typing import Any, cast
 
 import numpy as np
 
 from longball.engines import contact
 from longball.engines.batch import flights
-from longball.engines.batch.flights import ARRIVAL, FLIGHT, Records
+from longball.engines.batch.flights import FLIGHT, Records
+from longball.engines.batch.records import (
+    Start,
+    Way,
+    approach_is_clear,
+    noted,
+    put_bat,
+    put_forces,
+    put_start,
+    put_stops,
+)
 from longball.engines.engine import Arrival, BatSection, CannotSolve, Stop, Stops, Touch
 from longball.model.motion import Forces, PlaneState
-from longball.model.numbers import DOUBLES, Doubles
+from longball.model.numbers import DOUBLES, Doubles, Undecided
 
 State = PlaneState[float]
 
 LOOSEST, TIGHTEST = 1e-4, 1e-14  # m
 
-# m before a wall (a plate): a pitch's state there is kept, to look for the bat from. Closer than
-# that the bat's depth polynomial is too short to lose digits; farther off there is no bat.
-APPROACH = 0.5
-
-
-class Start(NamedTuple):
-    """A time, s since launch, and the state then."""
-
-    time: float
-    state: State
-
-
-class Way(NamedTuple):
-    """What a flight remembers of its way: its launch, and where it was `APPROACH` from a wall."""
-
-    launch: Start
-    approach: Start
+_STOPS: dict[int, Stop] = {
+    flights.FLOOR: "floor",
+    flights.WALL: "wall",
+    flights.VERTICAL: "vertical",
+    flights.TIME_LIMIT: "time",
+}
 
 
 @dataclass(frozen=True)
 class Batch:
-    """Flights by Taylor series, compiled, sixteen at a time.
+    """Flights by Taylor series, compiled; many scenes go sixteen at a time.
+
+    `longball.engines.at_bat.solve` takes one scene; `longball.engines.batch.solve_all` takes many,
+    and gives the same bits.
 
     Attributes
     ----------
     tolerance
-        m, from 1e-4 to 1e-14: no position of a landing within 200 m is off by more, apart from
-        the rounding of doubles (a few 1e-14 m at that distance). A looser one is faster.
+        m, from 1e-4 to 1e-14: the error that truncated series may cause in the place of a landing,
+        up to 200 m away. The rounding of doubles adds some 1e-13 m there, whatever is asked for.
     """
 
     tolerance: float = 1e-13
@@ -59,13 +61,17 @@ class Batch:
 
     @property
     def truncation(self) -> float:
-        """Size of the last terms of a step's series, relative to the speed."""
+        """Size of the last terms of the velocity in a step, relative to the speed."""
         return 1e-3 * self.tolerance
 
     @property
     def order(self) -> int:
-        """Order of the series: -ln(truncation)/2 would cost least if all a step costs were it."""
-        return round(-0.5 * math.log(self.truncation)) + 3
+        """Order of the series.
+
+        An order N costs N² a step, and steps grow as truncation^(1/N): the cheapest is
+        -ln(truncation)/2, and somewhat more, as a step has costs besides.
+        """
+        return round(-0.5 * math.log(self.truncation)) + 5
 
     @property
     def numbers(self) -> Doubles:
@@ -84,17 +90,14 @@ class Batch:
 
     def fly(self, start: State, forces: Forces[float], stops: Stops[float]) -> Arrival[float]:
         """Fly until the first stop; see `longball.engines.engine.Engine.fly`."""
-        flight = np.zeros(1, FLIGHT)
-        put_start(flight, Start(0.0, start))
-        put_forces(flight, forces)
-        put_stops(flight, stops, self.flight_error)
-        end = self.fly_all(flight)[0]
-        stop = int(end["stop"])
+        launch = Start(0.0, start)
+        flight = self._flight(launch, forces, stops)
+        end = self.fly_all(flight)
+        stop = end["stop"].item()
         if stop not in _STOPS:
-            raise reason(stop, float(end["doubt"]), flight[0])
-        way = Way(Start(0.0, start), noted(end, "mark_"))
-        time, state = noted(end)
-        return Arrival(_STOPS[stop], time, state, way)
+            raise _reason(stop, end["doubt"].item(), flight)
+        time, state = _of_one(noted(end))
+        return Arrival(_STOPS[stop], time, state, Way(launch, _of_one(noted(end, "mark_"))))
 
     def touch(
         self,
@@ -105,84 +108,56 @@ class Batch:
     ) -> Touch[float]:
         """Find how a pitch meets the bat; see `longball.engines.engine.Engine.touch`."""
         way = cast(Way, pitch.record)
-        start = way.approach if bat.reach < APPROACH * abs(bat.cos) else way.launch
+        start = way.approach if approach_is_clear(bat) else way.launch
+        flight = self._flight(start, forces, stops)
         error = contact.margin_error(bat, way.launch.state.z, self.flight_error)
-        flight = np.zeros(1, FLIGHT)
-        put_start(flight, start)
-        put_forces(flight, forces)
-        put_stops(flight, stops, self.flight_error)
         put_bat(flight, bat, error)
-        end = self.fly_all(flight)[0]
-        margin = float(end["margin"])
-        match int(end["stop"]):
+        end = self.fly_all(flight)
+        stop, margin = end["stop"].item(), end["margin"].item()
+        match stop:
             case flights.TOUCH:
-                time, state = noted(end)
-                return Touch(margin, True, time, state)
+                return Touch(margin, True, *_of_one(noted(end)))
             case flights.GRAZES_BAT:
                 return Touch(margin, None, doubt=contact.doubt(margin, error))
             case flights.FLOOR | flights.WALL | flights.TIME_LIMIT:
                 return Touch(margin, False)
-            case other:
-                raise reason(other, float(end["doubt"]), flight[0])
+        raise _reason(stop, end["doubt"].item(), flight)
 
     def fly_all(self, starts: Records) -> Records:
-        """Fly records of FLIGHT; return records of ARRIVAL, shape and order the same."""
+        """Fly records of `flights.FLIGHT`; return records of `flights.ARRIVAL`, in order."""
         return flights.fly_all(starts, self.order, self.truncation)
 
-
-_STOPS: dict[int, Stop] = {
-    flights.FLOOR: "floor",
-    flights.WALL: "wall",
-    flights.VERTICAL: "vertical",
-    flights.TIME_LIMIT: "time",
-}
-
-
-def put_start(flight: Records, start: Start) -> None:
-    """Write where flights begin."""
-    flight["time"] = start.time
-    flight["s"], flight["z"], flight["u"], flight["w"] = start.state
+    def _flight(self, start: Start, forces: Forces[float], stops: Stops[float]) -> Records:
+        flight = np.zeros(1, FLIGHT)
+        put_start(flight, start)
+        put_forces(flight, forces)
+        put_stops(flight, stops, self.flight_error)
+        return flight
 
 
-def put_forces(flight: Records, forces: Forces[float]) -> None:
-    """Write what acts on the ball."""
-    flight["drag"] = forces.drag or 0.0
-    flight["lift"] = forces.lift or 0.0
-    flight["gravity"] = forces.gravity or 0.0
+def _of_one(start: Start) -> Start:
+    """Return what arrays of one element hold."""
+    return Start(start.time.item(), PlaneState(*(x.item() for x in start.state)))
 
 
-def put_stops(flight: Records, stops: Stops[float], flight_error: float) -> None:
-    """Write what ends a flight, and the place before a wall that is kept."""
-    floor = -math.inf if stops.floor is None else stops.floor
-    flight["time_limit"] = stops.time_limit
-    flight["floor"] = floor
-    flight["floor_error"] = flight_error * np.maximum(1.0, abs(floor))
-    flight["wall"] = math.inf if stops.wall is None else stops.wall
-    flight["vertical"] = stops.vertical
-    flight["mark"] = flight["wall"] - APPROACH
-
-
-def put_bat(flight: Records, bat: BatSection[float], error: float) -> None:
-    """Write the bat, and where the search for it ends: where x + cos s = -reach."""
-    flight["bat_x"], flight["bat_cos"] = bat.x, bat.cos
-    flight["bat_height"], flight["reach"] = bat.height, bat.reach
-    flight["margin_error"] = error
-    flight["wall"] = (-bat.reach - bat.x) / bat.cos
-    flight["mark"] = math.inf
-
-
-def noted(end: Any, prefix: str = "") -> Start:
-    """Return the time and state that an arrival holds under names with a prefix."""
-    time, s, z, u, w = (float(end[prefix + name]) for name in ("time", "s", "z", "u", "w"))
-    return Start(time, PlaneState(s, z, u, w))
-
-
-def reason(stop: int, doubt: float, flight: Any) -> ArithmeticError:
+def _reason(stop: int, doubt: float, flight: Any) -> ArithmeticError:
     """Say why a flight has no answer."""
     match stop:
-        case flights.VERTICAL:
-            return CannotSolve(
-                "the pitch turns vertical over the plate, where a lift that is always up "
-                "has no direction; use lift_direction = fixed_spin_axis"
+        case flights.GRAZES_FLOOR:
+            return Undecided(
+                "whether the ball touches the ground at the bottom of a dip cannot be decided in "
+                f"double precision: its height {doubt:.3g} m above the ground lies within its "
+                f"error {flight['floor_error'].item():.3g} m"
             )
-    return CannotSolve(f"{stop} {doubt}")
+        case flights.INSIDE_BAT:
+            reach = flight["reach"].item()
+            return CannotSolve(
+                f"the ball starts inside the bat: {reach + doubt:.6g} m from its axis, "
+                f"where the two touch at {reach:.6g} m; release it farther from the plate"
+            )
+        case flights.TOO_LONG:
+            return CannotSolve(
+                f"the flight takes more than {flights.MOST_STEPS} steps, or its steps shrink to "
+                "nothing: the ball all but comes to rest in the air, where the forces turn at once"
+            )
+    return CannotSolve("a quantity of the flight leaves the range of double precision")

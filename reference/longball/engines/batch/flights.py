@@ -90,7 +90,7 @@ ARRIVAL = np.dtype(
 
 # A flight of 60 s with the paper's ball takes some 100 steps; a ball that all but rests at its
 # apex takes three steps for each factor e of its speed there.
-_MOST_STEPS = 20_000
+MOST_STEPS = 20_000
 
 # Beyond this many reaches from the bat a step is not searched but shortened: the square of the
 # distance, of which reach² is to be told apart, is rounded to 16² half ulps of reach² at most.
@@ -176,9 +176,7 @@ def _take_off(
         x[STEP, TIME, lane] = flight.time
         if not _is_over(flight, arrival) and not _flies_freely(flight, arrival, desk):
             at_rest = flight.u == 0.0 and flight.w == 0.0
-            if not at_rest or _leaves_rest(
-                flight, arrival, x, lane, desk, order, truncation
-            ):
+            if not at_rest or _leaves_rest(flight, arrival, x, lane, desk, order, truncation):
                 break
         index += 1
     return index
@@ -318,9 +316,7 @@ def _goes_on(
 
 
 @compiled
-def _moves_on(
-    arrival: Any, x: Array, lane: int, desk: Array, order: int, taken: float
-) -> bool:
+def _moves_on(arrival: Any, x: Array, lane: int, desk: Array, order: int, taken: float) -> bool:
     """Put the state after the step on the desk into the lane, unless the flight has ended."""
     if arrival.stop >= 0:
         return False
@@ -335,15 +331,13 @@ def _is_in_order(arrival: Any, x: Array, lane: int, taken: float) -> bool:
     """Tell whether a flight has a state to go on from, and makes way."""
     if not math.isfinite(x[S, 0, lane] + x[Z, 0, lane] + x[U, 0, lane] + x[W, 0, lane]):
         arrival.stop = OUT_OF_RANGE
-    elif x[STEP, TIME, lane] + taken == x[STEP, TIME, lane] or arrival.steps >= _MOST_STEPS:
+    elif x[STEP, TIME, lane] + taken == x[STEP, TIME, lane] or arrival.steps >= MOST_STEPS:
         arrival.stop = TOO_LONG
     return bool(arrival.stop < 0)
 
 
 @compiled
-def _settle(
-    flight: Any, arrival: Any, desk: Array, order: int, time: float, step: float
-) -> float:
+def _settle(flight: Any, arrival: Any, desk: Array, order: int, time: float, step: float) -> float:
     """Note what ends a flight within a step, if anything does; return how far the step goes.
 
     The polynomials of the step are on the desk, u and w of degree `order`, s and z of one more.
