@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from longball.engines.batch import flights
 from longball.engines.batch.engine import Batch
-from longball.engines.batch.flights import FLIGHT, Records
+from longball.engines.batch.flights import FLIGHT
 from longball.engines.batch.lanes import compiled
 from longball.engines.batch.records import (
     Start,
@@ -377,7 +377,7 @@ def _meet(
     plane, flown = delivered.plane, delivered.flown
     height = flown.state.z + c["swing.height_offset"]
     bat = BatSection(plane.x, plane.cos, height, c["ball.radius"] + c["bat.radius"])
-    clear = approach_is_clear(bat)
+    clear = approach_is_clear(bat, flown.state.z)
     records = np.zeros(len(rows), FLIGHT)
     put_start(
         records,
@@ -453,9 +453,9 @@ def _delivered_at(delivered: Delivered, rows: NDArray[np.int64]) -> Delivered:
         FlightPlane(*_at((plane.x, plane.y, plane.cos, plane.sin), rows)),
         state(delivered.start),
         replace(
-            forces, drag=forces.drag[rows], lift=forces.lift[rows], gravity=forces.gravity[rows]
+            forces, drag=cast(Array, forces.drag)[rows], lift=cast(Array, forces.lift)[rows], gravity=cast(Array, forces.gravity)[rows]
         ),
-        Stops(time_limit=stops.time_limit[rows], floor=_at(stops.floor, rows)),
+        Stops(time_limit=stops.time_limit[rows], floor=cast(Array, stops.floor)[rows]),
         Flown(
             flown.stop[rows],
             flown.time[rows],

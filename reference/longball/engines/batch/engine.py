@@ -108,7 +108,7 @@ class Batch:
     ) -> Touch[float]:
         """Find how a pitch meets the bat; see `longball.engines.engine.Engine.touch`."""
         way = cast(Way, pitch.record)
-        start = way.approach if approach_is_clear(bat) else way.launch
+        start = way.approach if approach_is_clear(bat, pitch.state.z) else way.launch
         flight = self._flight(start, forces, stops)
         error = contact.margin_error(bat, way.launch.state.z, self.flight_error)
         put_bat(flight, bat, error)

@@ -70,9 +70,9 @@ GRAZES_FLOOR, GRAZES_BAT, INSIDE_BAT, OUT_OF_RANGE, TOO_LONG = range(10, 15)
 # While it flies: on its way, or for a moment at rest, at the apex of a flight straight up.
 FLYING, RESTING = -1, -2
 
-# One record a flight: how it ends; where (s, and the state); where it was when it passed the mark,
-# or first touched the bat; the margin of the bat; the steps taken. `doubt`, m: what lies within its error, if that is the reason for no
-# answer.
+# One record a flight: how it ends, when (s) and in what state; when and in what state it passed the
+# mark, or first touched the bat; the margin of the bat, m; the steps taken. `doubt`, m: what lies
+# within its error, if that is the reason for no answer.
 ARRIVAL = np.dtype(
     [
         ("stop", np.int64),
@@ -228,7 +228,7 @@ def _is_over(flight: Any, arrival: Any) -> bool:
 
 @compiled
 def _flies_freely(flight: Any, arrival: Any, desk: Array) -> bool:
-    """Fly without a series where no air acts: not on this ball, or not on one that stays at rest."""
+    """Fly without a series where no air acts, be it that the ball stays at rest."""
     stays = flight.u == 0.0 and flight.w == 0.0 and flight.gravity == 0.0
     if not stays and (flight.drag != 0.0 or flight.lift != 0.0):
         return False
@@ -350,7 +350,7 @@ def _settle(flight: Any, arrival: Any, desk: Array, order: int, time: float, ste
         end_of_search = _search_length(flight, desk[S, 0], desk[Z, 0], desk[U, 0], desk[W, 0], end)
         if end_of_search < end:
             stop, end = FLYING, end_of_search
-    if flight.lift == 0.0 and desk[U, 0] == 0.0 and desk[W, 0] > 0.0:
+    if flight.drag != 0.0 and flight.lift == 0.0 and desk[U, 0] == 0.0 and desk[W, 0] > 0.0:
         for k in range(order + 1):
             p[k] = desk[W, k]
         differentiate(p, order, slope)
@@ -431,10 +431,11 @@ def _search_length(flight: Any, s: float, z: float, u: float, w: float, end: flo
     if distance <= _FAR * flight.reach:
         return end
     # Drag only brakes and lift only turns, so the speed grows by at most g a second.
-    fastest = math.hypot(u, w) + flight.gravity * end
+    fastest: float = math.hypot(u, w) + flight.gravity * end
     if distance - flight.reach > fastest * end:
         return end
-    return (distance - 0.5 * _FAR * flight.reach) / fastest
+    far: float = distance - 0.5 * _FAR * flight.reach
+    return far / fastest
 
 
 @compiled

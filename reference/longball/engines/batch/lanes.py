@@ -17,7 +17,8 @@ from typing import Any, TypeVar, cast
 import numba
 import numpy as np
 from llvmlite import ir
-from numba.core import cgutils, types
+from numba.core import cgutils as untyped_tools
+from numba.core import types
 from numba.core.datamodel import models
 from numba.extending import intrinsic, overload, register_model
 from numpy.typing import NDArray
@@ -26,6 +27,7 @@ from numpy.typing import NDArray
 # elsewhere sixteen are spread over more registers, at no loss against eight.
 WIDTH = 16
 
+tools: Any = untyped_tools
 F = TypeVar("F", bound=Callable[..., Any])
 
 
@@ -37,7 +39,12 @@ def compiled(function: F) -> F:
     return cast(F, numba.njit(cache=True, nogil=True, error_model="numpy")(function))
 
 
-class Lanes(types.Type):  # type: ignore[misc]
+def operation(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Make a function that returns a signature and a writer of LLVM's code known to numba."""
+    return cast(Callable[..., Any], intrinsic(function))
+
+
+class Lanes(types.Type):
     """The type of a value of sixteen doubles."""
 
     def __init__(self) -> None:
@@ -48,14 +55,14 @@ _LANES = Lanes()
 _VECTOR = ir.VectorType(ir.DoubleType(), WIDTH)
 
 
-@register_model(Lanes)  # type: ignore[untyped-decorator]
-class _Model(models.PrimitiveModel):  # type: ignore[misc]
+@register_model(Lanes)
+class _Model(models.PrimitiveModel):
     def __init__(self, manager: Any, lanes: Any) -> None:
-        super().__init__(manager, lanes, _VECTOR)
+        super().__init__(manager, lanes, _VECTOR)  # type: ignore[no-untyped-call]
 
 
 def aligned(*shape: int) -> NDArray[np.float64]:
-    """Return zeros of shape (*shape, WIDTH) at an address where each row fills whole cache lines."""
+    """Return zeros of shape (*shape, WIDTH), each row of which fills whole cache lines."""
     cache_line = 64  # bytes
     size = math.prod(shape) * WIDTH
     room = np.zeros(size + cache_line // 8)
@@ -63,7 +70,7 @@ def aligned(*shape: int) -> NDArray[np.float64]:
     return room[skip : skip + size].reshape(*shape, WIDTH)
 
 
-@intrinsic  # type: ignore[untyped-decorator]
+@operation
 def borrowed(typing: Any, array: Any) -> Any:
     """Return an array without its count of references; its owner must outlive it.
 
@@ -72,8 +79,8 @@ def borrowed(typing: Any, array: Any) -> Any:
 
     def code(context: Any, builder: Any, signature: Any, args: Any) -> Any:
         whole = context.make_array(signature.args[0])(context, builder, args[0])
-        whole.meminfo = cgutils.get_null_value(whole.meminfo.type)
-        whole.parent = cgutils.get_null_value(whole.parent.type)
+        whole.meminfo = tools.get_null_value(whole.meminfo.type)
+        whole.parent = tools.get_null_value(whole.parent.type)
         return whole._getvalue()
 
     return array(array), code
@@ -82,12 +89,12 @@ def borrowed(typing: Any, array: Any) -> Any:
 def _row(context: Any, builder: Any, signature: Any, args: Any) -> Any:
     """Return the address of ``array[block, row]``, for an array of shape (blocks, rows, WIDTH)."""
     array = context.make_array(signature.args[0])(context, builder, args[0])
-    _, rows, width = cgutils.unpack_tuple(builder, array.shape)
+    _, rows, width = tools.unpack_tuple(builder, array.shape)
     first = builder.mul(builder.add(builder.mul(args[1], rows), args[2]), width)
     return builder.bitcast(builder.gep(array.data, [first]), _VECTOR.as_pointer())
 
 
-@intrinsic  # type: ignore[untyped-decorator]
+@operation
 def load(typing: Any, array: Any, block: Any, row: Any) -> Any:
     """Return ``array[block, row]`` of an array of shape (blocks, rows, WIDTH)."""
 
@@ -97,7 +104,7 @@ def load(typing: Any, array: Any, block: Any, row: Any) -> Any:
     return _LANES(array, types.intp, types.intp), code
 
 
-@intrinsic  # type: ignore[untyped-decorator]
+@operation
 def store(typing: Any, array: Any, block: Any, row: Any, value: Any) -> Any:
     """Write ``array[block, row]`` of an array of shape (blocks, rows, WIDTH)."""
 
@@ -108,7 +115,7 @@ def store(typing: Any, array: Any, block: Any, row: Any, value: Any) -> Any:
     return types.void(array, types.intp, types.intp, _LANES), code
 
 
-@intrinsic  # type: ignore[untyped-decorator]
+@operation
 def splat(typing: Any, x: Any) -> Any:
     """Return a double in every lane."""
 
@@ -124,11 +131,11 @@ def splat(typing: Any, x: Any) -> Any:
 def _intrinsic_of_llvm(name: str, arguments: int) -> Any:
     """Return an operation of LLVM on doubles and on lanes alike."""
 
-    @intrinsic  # type: ignore[untyped-decorator]
+    @operation
     def one(typing: Any, a: Any) -> Any:
         return a(a), code
 
-    @intrinsic  # type: ignore[untyped-decorator]
+    @operation
     def three(typing: Any, a: Any, b: Any, c: Any) -> Any:
         return a(a, a, a), code
 
@@ -136,7 +143,7 @@ def _intrinsic_of_llvm(name: str, arguments: int) -> Any:
         kind = args[0].type
         suffix = f"v{WIDTH}f64" if kind == _VECTOR else "f64"
         shape = ir.FunctionType(kind, [kind] * arguments)
-        function = cgutils.get_or_insert_function(builder.module, shape, f"llvm.{name}.{suffix}")
+        function = tools.get_or_insert_function(builder.module, shape, f"llvm.{name}.{suffix}")
         return builder.call(function, args)
 
     return one if arguments == 1 else three
@@ -148,17 +155,17 @@ magnitude = _intrinsic_of_llvm("fabs", 1)
 
 
 def _arithmetic(symbol: Callable[..., Any], instruction: str) -> None:
-    @intrinsic  # type: ignore[untyped-decorator]
-    def operation(typing: Any, a: Any, b: Any) -> Any:
+    @operation
+    def of_two(typing: Any, a: Any, b: Any) -> Any:
         def code(context: Any, builder: Any, signature: Any, args: Any) -> Any:
             return getattr(builder, instruction)(*args)
 
         return _LANES(_LANES, _LANES), code
 
-    @overload(symbol, strict=False)  # type: ignore[untyped-decorator]
+    @overload(symbol, strict=False)
     def on_lanes(a: Any, b: Any) -> Any:
         if isinstance(a, Lanes) and isinstance(b, Lanes):
-            return lambda a, b: operation(a, b)
+            return lambda a, b: of_two(a, b)
         return None
 
 

@@ -67,9 +67,13 @@ def put_bat(flight: Records, bat: BatSection[Any], error: Any) -> None:
     flight["mark"] = math.inf
 
 
-def approach_is_clear(bat: BatSection[Any]) -> Any:
-    """Tell whether the bat cannot be touched before the approach to the plate."""
-    return bat.reach < APPROACH * abs(bat.cos)
+def approach_is_clear(bat: BatSection[Any], plate: Any) -> Any:
+    """Tell whether the approach to the plate, at height `plate`, holds all that counts of a pitch.
+
+    Before it the ball is farther from the bat than the touching, and than at the plate.
+    """
+    far = APPROACH * abs(bat.cos)
+    return (bat.reach < far) & (abs(bat.height - plate) < far)
 
 
 def noted(end: Any, prefix: str = "") -> Start:

@@ -27,7 +27,7 @@ _SMALLEST = 1e-300  # stands for a curvature of zero
 @compiled
 def value(p: Array, degree: int, t: float) -> float:
     """Return p(t)."""
-    total = p[degree]
+    total: float = p[degree]
     for k in range(degree - 1, -1, -1):
         total = fma(total, t, p[k])
     return total
@@ -69,7 +69,7 @@ def first_zero(
     bend
         A bound on |p''| up to the end.
     """
-    t = begin
+    t: float = begin
     bend = max(bend, _SMALLEST)
     height, rate = p[0], slope[0]
     for walk in range(_LONGEST_WALK):
