@@ -61,8 +61,12 @@ class Batch:
 
     @property
     def truncation(self) -> float:
-        """Size of the last terms of the velocity in a step, relative to the speed."""
-        return 1e-3 * self.tolerance
+        """Size of the last terms of the velocity in a step, relative to the speed.
+
+        Landings of 400 launches at 3° to 88° were then off by a fourth of the tolerance at most,
+        and by 4e-14 m where rounding rules.
+        """
+        return 0.01 * self.tolerance
 
     @property
     def order(self) -> int:
@@ -85,8 +89,13 @@ class Batch:
 
     @property
     def flight_error(self) -> float:
-        """Relative error of a state at the end of a flight."""
-        return 10 * max(self.truncation, 10 * DOUBLES.rounding)
+        """Relative error of a state at the end of a flight.
+
+        A position is off by up to 11 truncations, in metres or as a part of it, a velocity by a
+        fourth of one, and where rounding rules by 3 half ulps: over 400 launches, measured in 34
+        digits.
+        """
+        return 20 * max(self.truncation, DOUBLES.rounding)
 
     def fly(self, start: State, forces: Forces[float], stops: Stops[float]) -> Arrival[float]:
         """Fly until the first stop; see `longball.engines.engine.Engine.fly`."""

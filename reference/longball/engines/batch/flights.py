@@ -358,10 +358,15 @@ def _settle(flight: Any, arrival: Any, desk: Array, order: int, time: float, ste
         if top != NEVER:
             stop, end = RESTING, top
     if flight.vertical != 0.0:
-        for k in range(order + 1):
-            p[k] = desk[U, k]
-        differentiate(p, order, slope)
-        upright, _ = first_fall(p, slope, bend, order, end, 0.0)
+        # From u = 0 it falls or rises with its first coefficient that is not zero: divided by the
+        # power of t before that, u has the same roots but the one at the start.
+        first = 0
+        while first < order - 1 and desk[U, first] == 0.0:
+            first += 1
+        for k in range(first, order + 1):
+            p[k - first] = desk[U, k]
+        differentiate(p, order - first, slope)
+        upright, _ = first_fall(p, slope, bend, order - first, end, 0.0)
         if upright != NEVER:
             stop, end = VERTICAL, upright
     if flight.wall < math.inf:
