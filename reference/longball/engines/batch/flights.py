@@ -366,7 +366,9 @@ def _settle(flight: Any, arrival: Any, desk: Array, order: int, time: float, ste
         for k in range(first, order + 1):
             p[k - first] = desk[U, k]
         differentiate(p, order - first, slope)
-        upright, _ = first_fall(p, slope, bend, order - first, end, 0.0)
+        upright = 0.0
+        if p[0] >= 0.0:
+            upright, _ = first_fall(p, slope, bend, order - first, end, 0.0)
         if upright != NEVER:
             stop, end = VERTICAL, upright
     if flight.wall < math.inf:
