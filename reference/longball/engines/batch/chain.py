@@ -453,7 +453,10 @@ def _delivered_at(delivered: Delivered, rows: NDArray[np.int64]) -> Delivered:
         FlightPlane(*_at((plane.x, plane.y, plane.cos, plane.sin), rows)),
         state(delivered.start),
         replace(
-            forces, drag=cast(Array, forces.drag)[rows], lift=cast(Array, forces.lift)[rows], gravity=cast(Array, forces.gravity)[rows]
+            forces,
+            drag=cast(Array, forces.drag)[rows],
+            lift=cast(Array, forces.lift)[rows],
+            gravity=cast(Array, forces.gravity)[rows],
         ),
         Stops(time_limit=stops.time_limit[rows], floor=cast(Array, stops.floor)[rows]),
         Flown(

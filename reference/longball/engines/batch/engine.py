@@ -166,7 +166,8 @@ def _reason(stop: int, doubt: float, flight: Any) -> ArithmeticError:
             )
         case flights.TOO_LONG:
             return CannotSolve(
-                f"the flight takes more than {flights.MOST_STEPS} steps, or its steps shrink to "
-                "nothing: the ball all but comes to rest in the air, where the forces turn at once"
+                f"the flight takes more than {flights.MOST_STEPS} steps, its steps shrink to "
+                "nothing where the ball all but comes to rest in the air, or an event of it has "
+                "three roots in one"
             )
     return CannotSolve("a quantity of the flight leaves the range of double precision")

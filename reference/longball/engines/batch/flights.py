@@ -393,6 +393,9 @@ def _settle(flight: Any, arrival: Any, desk: Array, order: int, time: float, ste
             stop, end = FLYING, passed
             s, z, u, w = _state(desk, order, passed)
             _note_mark(arrival, time + passed, s, z, u, w)
+    if math.isnan(end):
+        arrival.stop = TOO_LONG
+        return 0.0
     if flight.reach > 0.0 and _meets_bat(flight, arrival, desk, order, time, end, stop >= 0):
         return end
     if stop >= 0:
@@ -480,6 +483,9 @@ def _meets_bat(
     while True:
         sign = -1.0 if approaching else 1.0
         turn = first_zero(slope, bend, degree - 1, sign, 0.0, begin, end, bend_of_slope)
+        if math.isnan(turn):
+            arrival.stop = TOO_LONG
+            return True
         until = min(turn, end)
         margin = reach - math.hypot(
             flight.bat_x + flight.bat_cos * value(desk[S], order + 1, until),
@@ -493,7 +499,7 @@ def _meets_bat(
             return True
         if margin > 0.0 and math.isnan(arrival.mark_time):
             touch = first_zero(p, slope, degree, 1.0, 0.0, begin, until, bend_of_depth)
-            touch = min(touch, until)
+            touch = touch if touch < until else until
             s, z, u, w = _state(desk, order, touch)
             _note_mark(arrival, time + touch, s, z, u, w)
         if settled and margin > 0.0:

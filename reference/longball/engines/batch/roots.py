@@ -62,6 +62,8 @@ def first_zero(
 ) -> float:
     """Return where ``sign p - level`` first falls to zero in [begin, end], or NEVER.
 
+    NaN if the walk takes too long, as it does to a triple root.
+
     Parameters
     ----------
     p, slope
@@ -92,7 +94,7 @@ def first_zero(
         # Above the parabola p has at most `bend step²` left here, and its slope is about `root`.
         if stays or bend * step * step <= _NOTHING * t * root:
             return t
-    return t
+    return math.nan
 
 
 @compiled
@@ -131,12 +133,15 @@ def _fall_by_pieces(
     for _ in range(_LONGEST_WALK):
         sign = 1.0 if rising else -1.0
         turn = first_zero(slope, scratch, degree - 1, sign, 0.0, begin, end, bend_of_slope)
+        if math.isnan(turn):
+            return turn, 0.0
         if not rising:
             least = value(p, degree, min(turn, end))
             if turn != NEVER and abs(least) <= error:
                 return math.nan, least
             if least <= 0.0:
-                return min(first_zero(p, slope, degree, 1.0, 0.0, begin, end, bend), end), 0.0
+                zero = first_zero(p, slope, degree, 1.0, 0.0, begin, end, bend)
+                return (zero if zero < end else end), 0.0
         if turn == NEVER:
             return NEVER, 0.0
         begin = turn
