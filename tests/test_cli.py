@@ -166,7 +166,10 @@ class TestHomerun:
         )  # fmt: skip
         assert run.returncode == 0
         assert b"paper's caption" in run.stdout
-        assert [row["e"] for row in csv.DictReader(table.read_text().splitlines())] == ["0.42", "0.44"]
+        assert [row["e"] for row in csv.DictReader(table.read_text().splitlines())] == [
+            "0.42",
+            "0.44",
+        ]
         assert picture.read_bytes().startswith(b"\x89PNG")
         solved = longball("solve", str(scenes))
         assert solved.returncode == 0

@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 
 NEVER = math.inf
 # A search takes three to six walks; near a double root each halves the rest of the way.
-_LONGEST_WALK = 200
+_LONGEST_WALK = 1000
 _NOTHING = 1e-17  # of a time: a tenth of its rounding
 _SMALLEST = 1e-300  # stands for a curvature of zero
 
