@@ -395,7 +395,7 @@ def _meet(
     put_forces(records, delivered.forces)
     put_stops(records, delivered.stops, engine.flight_error)
     put_bat(records, bat, _margin_error(bat, delivered.start.z, engine.flight_error))
-    ends = engine.fly_all(records)
+    ends = engine.search_all(records)
     stop = ends["stop"]
     told = (stop <= flights.TOUCH) | (stop == flights.GRAZES_BAT)
     table.outcome[rows] = UNSOLVED

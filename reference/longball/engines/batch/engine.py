@@ -121,7 +121,7 @@ class Batch:
         flight = self._flight(start, forces, stops)
         error = contact.margin_error(bat, way.launch.state.z, self.flight_error)
         put_bat(flight, bat, error)
-        end = self.fly_all(flight)
+        end = self.search_all(flight)
         stop, margin = end["stop"].item(), end["margin"].item()
         match stop:
             case flights.TOUCH:
@@ -135,6 +135,13 @@ class Batch:
     def fly_all(self, starts: Records) -> Records:
         """Fly records of `flights.FLIGHT`; return records of `flights.ARRIVAL`, in order."""
         return flights.fly_all(starts, self.order, self.truncation)
+
+    def search_all(self, starts: Records) -> Records:
+        """Do the same for flights past a bat.
+
+        They are short, a hundredth of a second, and steps of half the order span them.
+        """
+        return flights.fly_all(starts, self.order // 2, self.truncation)
 
     def _flight(self, start: Start, forces: Forces[float], stops: Stops[float]) -> Records:
         flight = np.zeros(1, FLIGHT)

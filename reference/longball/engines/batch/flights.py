@@ -376,15 +376,18 @@ def _settle(flight: Any, arrival: Any, desk: Array, order: int, time: float, ste
         reached, _ = first_fall(p, slope, bend, order + 1, end, 0.0)
         if reached != NEVER:
             stop, end = WALL, reached
-    for k in range(order + 2):
-        p[k] = desk[Z, k]
-    p[0] -= flight.floor
-    landed, depth = first_fall(p, desk[W], bend, order + 1, end, flight.floor_error)
-    if math.isnan(landed):
-        arrival.stop, arrival.doubt = GRAZES_FLOOR, depth
-        return end
-    if landed != NEVER:
-        stop, end = FLOOR, landed
+    if desk[Z, 0] - _farthest(flight, desk[U, 0], desk[W, 0], end) <= (
+        flight.floor + flight.floor_error
+    ):
+        for k in range(order + 2):
+            p[k] = desk[Z, k]
+        p[0] -= flight.floor
+        landed, depth = first_fall(p, desk[W], bend, order + 1, end, flight.floor_error)
+        if math.isnan(landed):
+            arrival.stop, arrival.doubt = GRAZES_FLOOR, depth
+            return end
+        if landed != NEVER:
+            stop, end = FLOOR, landed
     if flight.reach == 0.0 and math.isnan(arrival.mark_time):
         _turn_over(flight.mark, desk, order)
         passed, _ = first_fall(p, slope, bend, order + 1, end, 0.0)
@@ -440,12 +443,20 @@ def _search_length(flight: Any, s: float, z: float, u: float, w: float, end: flo
     distance = math.hypot(flight.bat_x + flight.bat_cos * s, z - flight.bat_height)
     if distance <= _FAR * flight.reach:
         return end
-    # Drag only brakes and lift only turns, so the speed grows by at most g a second.
-    fastest: float = math.hypot(u, w) + flight.gravity * end
-    if distance - flight.reach > fastest * end:
+    if distance - flight.reach > _farthest(flight, u, w, end):
         return end
     far: float = distance - 0.5 * _FAR * flight.reach
-    return far / fastest
+    return end * far / _farthest(flight, u, w, end)
+
+
+@compiled
+def _farthest(flight: Any, u: float, w: float, duration: float) -> float:
+    """Return how far, m, a ball can get in a duration.
+
+    Drag only brakes and lift only turns, so the speed grows by at most g a second.
+    """
+    speed = math.sqrt(u * u + w * w)
+    return float((speed + flight.gravity * duration) * duration)
 
 
 @compiled
@@ -526,26 +537,23 @@ def _depth(flight: Any, desk: Array, order: int, end: float) -> int:
 
     The terms of s and z that stay below a hundredth of the rounding of `reach` are left out.
     """
-    p = desk[P]
-    cos = flight.bat_cos
+    p, x, z = desk[P], desk[SLOPE], desk[BEND]
     negligible = 1e-18 * flight.reach
-    terms, size, power = 2, 1.0, end * end
-    for k in range(2, order + 2):
-        size = (abs(cos * desk[S, k]) + abs(desk[Z, k])) * power
-        power *= end
-        if size > negligible:
+    terms, power = 2, 1.0
+    for k in range(order + 2):
+        x[k], z[k] = flight.bat_cos * desk[S, k], desk[Z, k]
+        if k > 1 and (abs(x[k]) + abs(z[k])) * power > negligible:
             terms = k + 1
-    x0, z0 = flight.bat_x + cos * desk[S, 0], desk[Z, 0] - flight.bat_height
-    distance = math.hypot(x0, z0)
+        power *= end
+    x[0] += flight.bat_x
+    z[0] -= flight.bat_height
+    distance = math.hypot(x[0], z[0])
     p[0] = 0.5 * (distance - flight.reach) * (distance + flight.reach)
     for n in range(1, 2 * terms - 1):
         total = 0.0
-        for j in range(max(0, n - terms + 1), min(n, terms - 1) + 1):
-            k = n - j
-            xj = cos * desk[S, j] if j > 0 else x0
-            xk = cos * desk[S, k] if k > 0 else x0
-            zj = desk[Z, j] if j > 0 else z0
-            zk = desk[Z, k] if k > 0 else z0
-            total += xj * xk + zj * zk
-        p[n] = 0.5 * total
+        for j in range(max(0, n - terms + 1), (n + 1) // 2):
+            total += x[j] * x[n - j] + z[j] * z[n - j]
+        if n % 2 == 0:
+            total += 0.5 * (x[n // 2] * x[n // 2] + z[n // 2] * z[n // 2])
+        p[n] = total
     return 2 * terms - 2
