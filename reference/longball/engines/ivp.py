@@ -332,7 +332,9 @@ class Ivp:
                 time += dt
                 state = self._step(accelerate, *base, time)
                 continue
-            if abs(dt) >= smallest:  # nothing is left but rounding
+            # Newton's method at least halves dt. If it does not, only rounding is left: s, too
+            # large to take up so small a change, would stay, and z move on alone.
+            if abs(dt) > 0.75 * smallest:
                 break
             time, smallest = time + dt, abs(dt)
             state = PlaneState(
