@@ -65,8 +65,8 @@ def test_numbers_with_digits_and_radius(value, radius):
     [
         "1.0", True, [], float("nan"), float("inf"), {"radius": "1"}, {"value": 1.0},
         {"value": "nan"}, {"value": "1,5"}, {"value": "0x1p3"}, {"value": ".5"}, {"value": ""},
-        {"value": "1\n"}, {"value": "\u0663"}, {"value": "1", "radius": "-1"}, {"value": "1", "radius": 0.5},
-        {"value": "1", "digits": 3},
+        {"value": "1\n"}, {"value": "\u0663"}, {"value": "1", "radius": "-1"},
+        {"value": "1", "radius": 0.5}, {"value": "1", "digits": 3},
     ],
 )  # fmt: skip
 def test_what_is_no_number(number):
