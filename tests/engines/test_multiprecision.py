@@ -437,9 +437,3 @@ def test_numbers_are_written_with_their_digits(x, text):
     """The pattern of `Bounded` is checked as it is made."""
     numbers = Multiprecision(5).numbers
     assert numbers.report(numbers.exact(x)) == Bounded(value=text)
-
-
-def test_a_flight_that_doubles_cannot_begin_is_an_error():
-    result = solve(flight((1e200, 0.0, 1e200)), ENGINE)
-    assert result.outcome is None
-    assert "no step" in result.error

@@ -157,6 +157,9 @@ class Ivp:
         floor = stops.floor
         if floor is not None and _rests_on(floor, start, accelerate):
             return Arrival("floor", 0.0, start, Leg(np.zeros(1), np.array([start]).T))
+        if start.u == start.w == 0.0 and forces.gravity is None:
+            # At rest with nothing to move it: without end, and no turning point to wait for.
+            return Arrival("time", stops.time_limit, start, Leg(np.zeros(1), np.array([start]).T))
         surfaces = _stop_surfaces(start, stops, accelerate)
         # Only lift can turn a falling ball up again, below the ground perhaps, within one step.
         # Bottoms and tops of the path alternate, so that none is found twice.
