@@ -88,7 +88,7 @@ class Path:
         self.axis = [c / length(heading) for c in cross(heading, vector((0, 0, 1)))]
         self.constants = constants
         self.order = 2 * digits
-        self.smallest = 10.0 ** -(digits + 4)
+        self.smallest = arb(10) ** -(digits + 4)
         self.pieces = []
         self._expand(arb(0), position, velocity)
 
@@ -119,12 +119,13 @@ class Path:
                 r[i].append(v[i][n] / (n + 1))
                 v[i].append(a / (n + 1))
         # The terms fall like those of a geometric series: where one is small, so are all after it.
-        reach = min(
-            (self.smallest / max(size, self.smallest)) ** (1 / n) if size else 1.0
-            for n in (self.order - 1, self.order)
-            for size in [max(float(abs(c[n])) for c in v)]
-        )
-        self.pieces.append((start, r, v, arb(reach)))
+        # In balls, since near rest they are beyond the range of a double.
+        reach = arb(1)
+        for n in (self.order - 1, self.order):
+            size = max(abs(c[n]).upper() for c in v)
+            if size > self.smallest:
+                reach = min(reach, (self.smallest / size).root(n).mid())
+        self.pieces.append((start, r, v, reach))
 
     def _go_on(self):
         start, _, _, reach = self.pieces[-1]

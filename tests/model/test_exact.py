@@ -122,7 +122,7 @@ def test_the_fall_ends_on_the_floor(w, depth):
         there = exact.fall(start, drag, gravity, time, mpmath.mp)
         assert abs(there.z) < 1e-26
         assert abs(there.w - end.w) < 1e-26
-    # In doubles the time has all its digits, in particular after a short fall.
+    # In doubles, too, the time has all its digits, in particular after a short fall.
     double = exact.fall_to_floor(PlaneState(0.0, depth, 0.0, float(w)), 0.005, 9.8, 0.0, math)
     assert double.time == pytest.approx(float(time), rel=1e-14)
     assert double.state.w == pytest.approx(float(end.w), rel=1e-14)
@@ -144,6 +144,14 @@ def test_the_weightless_turn_solves_the_equations(drag, lift):
     if lift:
         centre = S - sp.Rational(4, 5) / lift, Z + sp.Rational(3, 5) / lift
         assert vanishes((s - centre[0]) ** 2 + (z - centre[1]) ** 2 - 1 / lift**2)
+
+
+def test_a_feather_falls_for_long():
+    """exp(k_D h) would not fit a double: 10 km at the terminal speed of 3 cm/s, give or take."""
+    terminal = math.sqrt(9.8 / 1e4)
+    time, end = exact.fall_to_floor(PlaneState(0.0, 1e4, 0.0, 0.0), 1e4, 9.8, 0.0, math)
+    assert end.w == pytest.approx(-terminal, rel=1e-15)
+    assert time == pytest.approx(1e4 / terminal, rel=1e-7)
 
 
 # ---- invariants and balance laws -----------------------------------------------------------------

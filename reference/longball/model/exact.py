@@ -150,15 +150,15 @@ def fall_to_floor(
 
     ``w² = v² + (w₀² - v²) exp(-2 k_D h)`` with h = z₀ - floor, since d(w²)/dz = 2 (k_D w² - g) is
     linear in w²; ``exp τ = exp(k_D h) (v - w)/(v - w₀)`` inverts `fall`. Both are written with
-    differences that lose nothing in a short fall; h > 0 or w₀ < 0.
+    differences that lose nothing in a short fall, nor overflow in a long one; h > 0 or w₀ < 0.
     """
     terminal = _terminal_speed(drag, gravity, functions)
     q, depth = -start.w / terminal, drag * (start.z - floor)
-    # exp(k_D h) times the final speed over v; its excess over q is a difference of squares.
-    grown = functions.sqrt(q * q + functions.expm1(2 * depth))
-    w = -terminal * grown * functions.exp(-depth)
-    excess = functions.expm1(depth) + functions.expm1(2 * depth) / (grown + q)
-    time = functions.log1p(excess / (1 + q)) / functions.sqrt(gravity * drag)
+    spent = -functions.expm1(-2 * depth)
+    end = functions.sqrt(q * q + (1 - q) * (1 + q) * spent)
+    # end - q is a difference of squares over end + q.
+    tau = depth + functions.log1p((1 - q) * spent / (end + q))
+    time, w = tau / functions.sqrt(gravity * drag), -terminal * end
     return Moment(time, PlaneState(start.s, floor, start.u, w))
 
 
