@@ -269,23 +269,15 @@ def _motion(core: Core, forces: Forces[arb], longest: arb, bits: int) -> Motion:
         extend(n, drag, lift, gravity, us, ws, speeds, first)
     u, w, speed = (arb_poly([c.mid() for c in series]) for series in (us, ws, speeds))
 
-    # The bounds of the module's docstring; a polynomial at the ball around 0 of radius h sums the
-    # sizes of its terms.
-    along, aside = speed * u, speed * w
-    misses = (
-        u.derivative() + drag * along + lift * aside,
-        w.derivative() + drag * aside - lift * along + gravity,
-        strength * (u * u + w * w - speed * speed),
-    )
+    misses = _misses(u, w, speed, drag, lift, gravity)
     leading, following = speed[first], arb_poly(speed.coeffs()[first + 1 :])
     tolerance = _TOLERANCE * arb(2) ** -bits
 
     h = min(_guess(us, ws, speed, first, tolerance), float(longest))
     for _ in range(_MOST_TRIALS):
-        span = arb(0, h)
-        defect = sum((abs(miss(span)) for miss in misses), arb(0)).upper()
+        defect = _largest(misses, arb(h))
         size = start_speed + gravity * h
-        if h > 0 and abs(following(span)) * h < leading and defect * h <= tolerance * size:
+        if h > 0 and _largest([following], arb(h)) * h < leading and defect * h <= tolerance * size:
             break
         h *= _SHORTER
     else:
@@ -301,6 +293,24 @@ def _motion(core: Core, forces: Forces[arb], longest: arb, bits: int) -> Motion:
     if not early + late * h < tube:
         raise CannotSolve("the velocity is known too poorly for a step; take more digits")
     return Motion(u, w, arb(h), early.upper(), late.upper())
+
+
+def _misses(
+    u: arb_poly, w: arb_poly, speed: arb_poly, drag: arb, lift: arb, gravity: arb
+) -> list[arb_poly]:
+    """Return polynomials whose sizes add up to the δ of the module's docstring."""
+    along, aside = speed * u, speed * w
+    return [
+        u.derivative() + drag * along + lift * aside,
+        w.derivative() + drag * aside - lift * along + gravity,
+        (drag * drag + lift * lift).sqrt() * (u * u + w * w - speed * speed),
+    ]
+
+
+def _largest(polynomials: list[arb_poly], h: arb) -> arb:
+    """Bound the sum of the sizes of polynomials from 0 to h, by the sizes of their terms."""
+    either_side = arb(0, h)
+    return sum((abs(polynomial(either_side)) for polynomial in polynomials), arb(0)).upper()
 
 
 def _guess(us: list[arb], ws: list[arb], speed: arb_poly, first: int, tolerance: arb) -> float:
