@@ -291,7 +291,10 @@ def _motion(core: Core, forces: Forces[arb], longest: arb, bits: int) -> Motion:
     growth = (rate * h).exp().upper() if not rate <= 0 else arb(1)
     early, late = core.error * growth, defect * growth
     if not early + late * h < tube:
-        raise CannotSolve("the velocity is known too poorly for a step; take more digits")
+        raise CannotSolve(
+            "the bound on the velocity's error has grown as large as the speed, as it does under a "
+            "strong lift in the long run; take more digits, or a lower time_limit"
+        )
     return Motion(u, w, arb(h), early.upper(), late.upper())
 
 
@@ -482,9 +485,7 @@ class Surface:
         if coefficients[zeros] < 0:
             raise CannotSolve(f"the flight starts beyond the point where {self.question}")
         if not coefficients[zeros] > 0:
-            raise Undecided(
-                f"whether at launch {self.question} cannot be decided; take more digits"
-            )
+            raise Undecided(f"whether at launch {self.question} cannot be decided")
         if zeros == 0:
             return arb(0)
         rest = arb_poly(coefficients[zeros:])
