@@ -57,3 +57,7 @@ def main() -> None:
     except OSError as error:
         say.print(f"longball: {error.filename or 'output'}: {error.strerror}", markup=False)
         sys.exit(2)
+    except Exception as error:
+        # A mistake of longball's own. Who wants the traceback calls `app` from Python.
+        say.print(f"longball: unexpected {type(error).__name__}: {error}", markup=False)
+        sys.exit(1)

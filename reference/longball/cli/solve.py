@@ -27,10 +27,24 @@ def solve(
     ] = None,
     rtol: Annotated[float | None, typer.Option(help="ivp: relative tolerance.")] = None,
     atol: Annotated[float | None, typer.Option(help="ivp: absolute tolerance, m, m/s.")] = None,
+    digits: Annotated[
+        int | None, typer.Option(help="enclosure, multiprecision: of each number; 30.")
+    ] = None,
+    dt: Annotated[float | None, typer.Option(help="verlet: the step, s; 0.05.")] = None,
+    variant: Annotated[
+        str | None, typer.Option(help="verlet: treatment of the force, whatever the scene reads.")
+    ] = None,
     workers: Annotated[int, typer.Option(help="Processes; -1: one a core.")] = 1,
 ) -> None:
     """Solve scenes: one line of JSON in, one line of JSON out."""
-    options = {"method": method, "rtol": rtol, "atol": atol}
+    options = {
+        "method": method,
+        "rtol": rtol,
+        "atol": atol,
+        "digits": digits,
+        "dt": dt,
+        "variant": variant,
+    }
     try:
         solver = engines.create(engine, **{k: v for k, v in options.items() if v is not None})
     except ValueError as error:

@@ -99,16 +99,21 @@ class Verlet(Stepped[float]):
     ----------
     dt
         s, the step; 0.05 in the paper.
+    variant
+        Treatment of the force, whatever a scene's ``verlet_forces`` says; None: as it says.
     reading
         Of the ledger's switches for this scheme; the chain replaces it by each scene's.
     """
 
     dt: float = 0.05
     reading: Reading = field(default_factory=Reading)
+    variant: VerletForces | None = None
 
     def __post_init__(self) -> None:
         if not 0 < self.dt < math.inf:
             raise ValueError(f"dt = {self.dt} is not a positive number of seconds")
+        if self.variant not in (None, *TREATMENTS):
+            raise ValueError(f"variant {self.variant!r} is not one of {', '.join(TREATMENTS)}")
 
     @property
     def numbers(self) -> Doubles:
@@ -130,7 +135,9 @@ class Verlet(Stepped[float]):
         return 0.0
 
     def under(self, reading: Reading) -> Verlet:
-        """Return the engine under a reading."""
+        """Return the engine under a reading, but for the variant that it was made with."""
+        if self.variant is not None:
+            reading = reading.model_copy(update={"verlet_forces": self.variant})
         return replace(self, reading=reading)
 
     def fly(self, start: State, forces: Forces[float], stops: Stops[float]) -> Arrival[float]:
