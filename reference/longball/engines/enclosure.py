@@ -600,12 +600,8 @@ def _touch(
         )
     if not gap >= 0:
         raise Undecided(balls.open("whether the ball starts inside the bat or touches it", gap))
-    ends = replace(
-        stops,
-        wall=-(bat.x + bat.reach) / bat.cos,
-        vertical=forces.always_up and forces.lift is not None,
-    )
-    end = _first_stop(path, forces, ends, balls)
+    past = -(bat.x + bat.reach) / bat.cos
+    end = _first_stop(path, forces, replace(stops, wall=past), balls)
     closest = -gap
     for leg in _legs(path, forces, bat, end, balls):
         margin = bat.reach - balls.sqrt(_distance_squared(leg.end, bat))
