@@ -42,7 +42,7 @@ from longball.model.result import Bounded
 # Digits beyond those that are printed. What a step leaves out is 14 digits below; a flight of
 # dozens of steps stays 10 digits below, and those ten are for what an at-bat magnifies: the blow
 # makes of an error of the contact a few hundred times as much at the landing, and in a graze with a
-# margin of 1e-15 m 1e9 times as much. Rounding stays six digits below what a step leaves out.
+# margin of 1e-15 m 1e10 times as much. Rounding stays six digits below what a step leaves out.
 _FLIGHT_GUARD = 10
 _STEP_GUARD = 14
 _ROUNDING_GUARD = 20
