@@ -297,8 +297,8 @@ def words(
             "Even if every ball that is batted went over the fence, P could not exceed "
             f"{share:.3f} there, and the paper's P(0.42) is {paper:.2f}. So the paper's figure was "
             "not made by the scheme as printed (and as read here: the bat stands where it is), at "
-            "the printed step, with misses among the samples: its contact test looked between the steps, its step was shorter, or only "
-            "batted balls were counted."
+            "the printed step, with misses among the samples: its contact test looked between the "
+            "steps, its step was shorter, or only batted balls were counted."
         )
     sentences.append(
         f"Of the balls that are batted at 0.05 s, D is off by {np.median(np.abs(off)):.2g} m in "
