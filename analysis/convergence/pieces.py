@@ -20,7 +20,7 @@ from longball.model.readings import Reading
 from longball.model.scene import AtBatScene
 
 # Good to 1e-12 m (`python -m analysis accuracy`), and no error of an at-bat shown here is smaller
-# than a hundred times that.
+# than fifty times that.
 TRUTH = Ivp(rtol=3e-14, atol=1e-14)
 
 

@@ -296,9 +296,9 @@ def words(
         sentences.append(
             "Even if every ball that is batted went over the fence, P could not exceed "
             f"{share:.3f} there, and the paper's P(0.42) is {paper:.2f}. So the paper's figure was "
-            "not made by the scheme as printed, at the printed step, with misses among the "
-            "samples: its contact test looked between the steps, its step was shorter, or only "
-            "batted balls were counted."
+            "not made by the scheme as printed (and as read here: the bat stands where it is), at "
+            "the printed step, with misses among the samples: its contact test looked between the "
+            "steps, its step was shorter, or only batted balls were counted."
         )
     sentences.append(
         f"Of the balls that are batted at 0.05 s, D is off by {np.median(np.abs(off)):.2g} m in "
@@ -307,8 +307,9 @@ def words(
     failed = sum(int(struck[default, step, E].failed.sum()) for step in STEPS)
     if failed:
         sentences.append(
-            f"At all steps together {failed} at-bats are in the bat at a step that no straight "
-            "line from the step before leads to: Appendix B has no answer, and they are errors."
+            "To a ball that is in the bat at a step, while the straight line from the step before "
+            "passes the bat by, Appendix B has no answer; of all steps' at-bats at e = 0.42 these "
+            f"are {failed}, and they count as errors, not as home runs."
         )
     for case in CASES:
         p = probabilities[case.name, E]

@@ -238,7 +238,7 @@ def draw_shares(
         for rare, step in safe.items():
             axes.plot([step], [rare], "s", color="C3", markerfacecolor="none")
             axes.annotate(
-                f"{rare:g}: {step:.1e} s", (step, rare), (-90, 6), textcoords="offset points"
+                f"{rare:g}: {step:.1e} s", (step, rare), (9, -12), textcoords="offset points"
             )
         axes.set(xscale="log", yscale="log", xlabel="step Δt, s", ylabel="contacts missed")
         axes.legend()
