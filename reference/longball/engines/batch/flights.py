@@ -371,11 +371,15 @@ def _settle(flight: Any, arrival: Any, desk: Array, order: int, time: float, ste
             upright, _ = first_fall(p, slope, bend, order - first, end, 0.0)
         if upright != NEVER:
             stop, end = VERTICAL, upright
+    # The mark lies before the wall. A step ends there, for what lies beyond is to share the
+    # rounding of that state.
+    before_mark = flight.reach == 0.0 and math.isnan(arrival.mark_time)
+    reached = NEVER
     if flight.wall < math.inf:
-        _turn_over(flight.wall, desk, order)
+        _turn_over(flight.mark if before_mark else flight.wall, desk, order)
         reached, _ = first_fall(p, slope, bend, order + 1, end, 0.0)
         if reached != NEVER:
-            stop, end = WALL, reached
+            stop, end = FLYING if before_mark else WALL, reached
     if desk[Z, 0] - _farthest(flight, desk[U, 0], desk[W, 0], end) <= (
         flight.floor + flight.floor_error
     ):
@@ -388,14 +392,9 @@ def _settle(flight: Any, arrival: Any, desk: Array, order: int, time: float, ste
             return end
         if landed != NEVER:
             stop, end = FLOOR, landed
-    if flight.reach == 0.0 and math.isnan(arrival.mark_time):
-        _turn_over(flight.mark, desk, order)
-        passed, _ = first_fall(p, slope, bend, order + 1, end, 0.0)
-        if passed != NEVER:
-            # Expanding anew from here lets what lies beyond share the rounding of this state.
-            stop, end = FLYING, passed
-            s, z, u, w = _state(desk, order, passed)
-            _note_mark(arrival, time + passed, s, z, u, w)
+    if before_mark and end == reached:
+        s, z, u, w = _state(desk, order, end)
+        _note_mark(arrival, time + end, s, z, u, w)
     if math.isnan(end):
         arrival.stop = TOO_LONG
         return 0.0
