@@ -139,9 +139,9 @@ class Batch:
     def search_all(self, starts: Records) -> Records:
         """Do the same for flights past a bat.
 
-        They are short, a hundredth of a second, and steps of half the order span them.
+        They take a hundredth of a second, which steps of a lower order span.
         """
-        return flights.fly_all(starts, self.order // 2, self.truncation)
+        return flights.fly_all(starts, max(8, 2 * self.order // 5), self.truncation)
 
     def _flight(self, start: Start, forces: Forces[float], stops: Stops[float]) -> Records:
         flight = np.zeros(1, FLIGHT)

@@ -15,9 +15,9 @@ from longball.engines.engine import BatSection, Stops
 from longball.model.motion import Forces, PlaneState
 
 # m before a wall (the plate): a pitch is expanded anew there, and the search for the bat starts
-# there. A pitch crosses that distance in 15 ms, well within one step, and the square of the
+# there. A pitch crosses that distance in 8 ms, well within one step, and the square of the
 # distance to the bat, of which reach² = 0.005 m² is to be told apart, starts small.
-APPROACH = 0.5
+APPROACH = 0.25
 
 
 class Start(NamedTuple):
