@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from longball.engines.batch import flights
 from longball.engines.batch.engine import Batch
 from longball.engines.batch.flights import FLIGHT
-from longball.engines.batch.lanes import compiled
+from longball.engines.batch.lanes import kept
 from longball.engines.batch.records import (
     Start,
     approach_is_clear,
@@ -68,7 +68,7 @@ class Elementwise:
         return cos.reshape(np.shape(angle)), sin.reshape(np.shape(angle))
 
 
-@compiled
+@kept
 def _cos_sin(angle: Array, cos: Array, sin: Array) -> None:
     for i in range(len(angle)):
         cos[i], sin[i] = math.cos(angle[i]), math.sin(angle[i])

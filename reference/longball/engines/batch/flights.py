@@ -34,7 +34,7 @@ from longball.engines.batch.expansion import (
     room,
     take_steps,
 )
-from longball.engines.batch.lanes import WIDTH, borrowed, compiled, fma
+from longball.engines.batch.lanes import WIDTH, borrowed, compiled, fma, kept
 from longball.engines.batch.roots import (
     NEVER,
     curvature,
@@ -125,7 +125,7 @@ def fly_all(flights: Records, order: int, truncation: float) -> Records:
     return arrivals
 
 
-@compiled
+@kept
 def _fly_all(
     flights: Records,
     arrivals: Records,
