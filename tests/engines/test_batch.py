@@ -8,7 +8,7 @@ from typing import Any
 import mpmath
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from longball.engines import series
@@ -276,6 +276,7 @@ def test_neither_order_nor_number_nor_threads_change_a_bit() -> None:
         assert np.array_equal(few[name], column[100:107], equal_nan=column.dtype.kind == "f"), name
 
 
+@settings(deadline=None)  # the first call compiles
 @given(st.lists(st.floats(-40, 40), min_size=2 * WIDTH, max_size=2 * WIDTH))
 def test_lanes_follow_the_recurrence(velocities: list[float]) -> None:
     """The sums are taken in another order, so that the last digits may differ."""
@@ -311,6 +312,7 @@ def polynomial(*roots: float, scale: float = 1.0) -> tuple[Any, Any, Any, int]:
     return p, np.polynomial.polynomial.polyder(p), np.zeros(len(p) + 2), len(p) - 1
 
 
+@settings(deadline=None)  # the first call compiles
 @given(st.floats(1e-3, 0.9), st.lists(st.floats(0.05, 2.0), max_size=4))
 def test_the_first_root_is_found(first: float, further: list[float]) -> None:
     p, slope, _, degree = polynomial(first, *(first + distance for distance in further))

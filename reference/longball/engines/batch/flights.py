@@ -136,37 +136,38 @@ def _fly_all(
     truncation: float,
 ) -> None:
     x, desk, flying = borrowed(lanes), borrowed(table), borrowed(crew)
+    flying[:] = _NONE
     next_one = 0
-    for lane in range(WIDTH):
-        flying[lane] = _take_off(flights, arrivals, next_one, x, lane, desk, order, truncation)
-        next_one = flying[lane] + 1
-    while flying.min() < len(flights):
+    while True:
+        for lane in range(WIDTH):
+            while True:
+                if flying[lane] == _NONE:
+                    flying[lane] = _take_off(flights, arrivals, next_one, x, lane, desk)
+                    next_one = flying[lane] + 1
+                i = flying[lane]
+                if i >= len(flights) or x[U, 0, lane] != 0.0 or x[W, 0, lane] != 0.0:
+                    break
+                if not _leaves_rest(flights[i], arrivals[i], x, lane, desk, order, truncation):
+                    flying[lane] = _NONE
+        if flying.min() >= len(flights):
+            return
         expand(x, order)
         choose_steps(x, order, truncation)
         take_steps(x, order)
         for lane in range(WIDTH):
             i = flying[lane]
-            if i < len(flights) and not _goes_on(
-                flights[i], arrivals[i], x, lane, desk, order, truncation
-            ):
-                flying[lane] = _take_off(
-                    flights, arrivals, next_one, x, lane, desk, order, truncation
-                )
-                next_one = flying[lane] + 1
+            if i < len(flights) and not _goes_on(flights[i], arrivals[i], x, lane, desk, order):
+                flying[lane] = _NONE
+
+
+_NONE = -1  # flies in a lane
 
 
 @compiled
 def _take_off(
-    flights: Records,
-    arrivals: Records,
-    index: int,
-    x: Array,
-    lane: int,
-    desk: Array,
-    order: int,
-    truncation: float,
+    flights: Records, arrivals: Records, index: int, x: Array, lane: int, desk: Array
 ) -> int:
-    """Put the next flight that needs the lanes' series into a lane; return its index."""
+    """Put the next flight that needs a series into a lane; return its index."""
     while index < len(flights):
         flight, arrival = flights[index], arrivals[index]
         _clear(flight, arrival)
@@ -175,9 +176,7 @@ def _take_off(
         _put(x, lane, flight.s, flight.z, flight.u, flight.w)
         x[STEP, TIME, lane] = flight.time
         if not _is_over(flight, arrival) and not _flies_freely(flight, arrival, desk):
-            at_rest = flight.u == 0.0 and flight.w == 0.0
-            if not at_rest or _leaves_rest(flight, arrival, x, lane, desk, order, truncation):
-                break
+            break
         index += 1
     return index
 
@@ -278,15 +277,7 @@ def _leaves_rest(
 
 
 @compiled
-def _goes_on(
-    flight: Any,
-    arrival: Any,
-    x: Array,
-    lane: int,
-    desk: Array,
-    order: int,
-    truncation: float,
-) -> bool:
+def _goes_on(flight: Any, arrival: Any, x: Array, lane: int, desk: Array, order: int) -> bool:
     """Take a flight to the end of its step, or of itself; tell whether it goes on."""
     time, step = x[STEP, TIME, lane], x[STEP, LENGTH, lane]
     arrival.steps += 1
@@ -307,12 +298,7 @@ def _goes_on(
         desk[U, k], desk[W, k] = x[U, k, lane], x[W, k, lane]
     desk[S, order + 1], desk[Z, order + 1] = x[S, order + 1, lane], x[Z, order + 1, lane]
     taken = _settle(flight, arrival, desk, order, time, step)
-    if not _moves_on(arrival, x, lane, desk, order, taken):
-        return False
-    if arrival.stop == RESTING:
-        arrival.stop = FLYING
-        return _leaves_rest(flight, arrival, x, lane, desk, order, truncation)
-    return True
+    return _moves_on(arrival, x, lane, desk, order, taken)
 
 
 @compiled
@@ -322,6 +308,8 @@ def _moves_on(arrival: Any, x: Array, lane: int, desk: Array, order: int, taken:
         return False
     x[STEP, TIME, lane] += taken
     s, z, u, w = _state(desk, order, taken)
+    if arrival.stop == RESTING:
+        arrival.stop, u, w = FLYING, 0.0, 0.0
     _put(x, lane, s, z, u, w)
     return _is_in_order(arrival, x, lane, taken)
 
