@@ -18,6 +18,9 @@ STUDIES = {
     "at_bats": True,
     "home_runs": True,
     "readings": True,
+    "accuracy": True,
+    "survival": False,
+    "pitch_fits": False,
 }
 
 REPORT = Path(__file__).parent.parent / "report"

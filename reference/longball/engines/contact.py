@@ -13,7 +13,7 @@ from collections.abc import Callable
 
 from longball.engines.engine import BatSection
 from longball.model.motion import Forces, PlaneState
-from longball.model.numbers import DOUBLES
+from longball.model.numbers import DOUBLES, N
 
 Acceleration = Callable[[float, float], tuple[float, float]]
 
@@ -29,14 +29,14 @@ def depth(state: PlaneState[float], bat: BatSection[float]) -> float:
     return 0.5 * (d - bat.reach) * (d + bat.reach)
 
 
-def radial_velocity(state: PlaneState[float], bat: BatSection[float]) -> float:
+def radial_velocity(state: PlaneState[N], bat: BatSection[N]) -> N:
     """Return d·v, m²/s, the derivative of `depth`: negative while the ball comes closer."""
     return (bat.x + bat.cos * state.s) * (bat.cos * state.u) + (state.z - bat.height) * state.w
 
 
 def radial_acceleration(
-    state: PlaneState[float], bat: BatSection[float], acceleration: Acceleration
-) -> float:
+    state: PlaneState[N], bat: BatSection[N], acceleration: Callable[[N, N], tuple[N, N]]
+) -> N:
     """Return the derivative of d·v, m²/s²."""
     du, dw = acceleration(state.u, state.w)
     across = bat.cos * state.u
@@ -76,21 +76,24 @@ def longest_step(state: PlaneState[float], bat: BatSection[float], forces: Force
     return bat.reach / (4 * fastest)
 
 
-def margin_error(bat: BatSection[float], release_height: float, flight_error: float) -> float:
+def margin_error(bat: BatSection[float], plate: PlaneState[float], flight_error: float) -> float:
     """Return a bound on the error of the margin at the closest approach, m.
 
-    An error of the pitch's height moves ball and bat together, since the bat is put at the height
-    where the pitch crosses the plate, and an error of its time moves nothing. What is left is
+    The bat is put at the height where the pitch crosses the plate, and the closest approach is
+    found by a short step from there. So an error of the state at the plate moves ball and bat
+    together, and an error of the time moves nothing. What is left is
 
-    - the direction of flight times the way from the plate to the closest approach, which is
-      at most `reach`: reach · flight_error, doubled for the two ends;
-    - the rounding of heights of up to the release's, in the steps that lead from the last step
-      before the plate to the plate and to the approach, in z'_b + σ_b and in z - z_b: a dozen
-      half ulps; and of the distance itself: two half ulps of `reach`.
+    - the direction of flight at the plate, times the way from there to the closest approach.
+      Where the margin is in doubt that way is at most the bat's offset, and less than `reach` on a
+      level pitch; doubled for the curvature of either;
+    - the rounding of heights in that step, in z'_b + σ_b and in z - z_b, and that of distances
+      from the release in x + cos s and in the plane's own place: a dozen half ulps in all;
+      and of the distance itself: two half ulps of `reach`.
     """
-    height = max(abs(bat.height), abs(release_height))
-    rounding = DOUBLES.rounding * (12 * height + 2 * bat.reach)
-    return 2 * bat.reach * flight_error + rounding
+    way = max(bat.reach, abs(bat.height - plate.z))
+    height = max(abs(bat.height), abs(plate.z))
+    rounding = DOUBLES.rounding * (8 * height + 4 * abs(bat.x) + 2 * bat.reach)
+    return 2 * way * flight_error + rounding
 
 
 def doubt(margin: float, error: float) -> str:

@@ -7,6 +7,7 @@ so that they stand once for doubles, for mpmath and for ball arithmetic.
 from __future__ import annotations
 
 import math
+from contextlib import AbstractContextManager, nullcontext
 from typing import Any, Protocol, Self, TypeVar
 
 from longball.model.result import Number
@@ -47,6 +48,9 @@ class Numbers(Protocol[N]):
     def rounding(self) -> float:
         """Relative error of one operation; 0 where the number carries its own error."""
 
+    def arithmetic(self) -> AbstractContextManager[object]:
+        """Return the context in which + - * / of these numbers are as precise as the system."""
+
     def exact(self, value: float) -> N:
         """Return the double `value` itself, not a rounded or decimal relative of it."""
 
@@ -74,6 +78,10 @@ class Doubles:
 
     pi = math.pi
     rounding = 2.0**-53  # half an ulp of 1, relative
+
+    def arithmetic(self) -> AbstractContextManager[None]:
+        """Return a context that does nothing: doubles are what they are."""
+        return nullcontext()
 
     def exact(self, value: float) -> float:
         """Return the double itself."""

@@ -244,7 +244,7 @@ def parse_scene(line: str | bytes) -> Scene:
     data = _json(text)
     if not isinstance(data, dict):
         raise SceneError(f"not a scene: a JSON object is needed, this is {_short(data)}")
-    scene_id = _readable_id(data)
+    scene_id = data["id"] if _is_text(data.get("id")) else None
     kind = data.get("kind")
     if not isinstance(kind, str) or kind not in KINDS:
         given = f"{_short(kind)} is not a kind of scene" if "kind" in data else "is missing"
@@ -262,6 +262,8 @@ def explain(error: ValidationError, model: type[BaseModel]) -> str:
 
 def _text(line: str | bytes) -> str:
     if isinstance(line, str):
+        if not _is_text(line):
+            raise SceneError("not Unicode text: it holds half of a surrogate pair")
         return line
     try:
         return line.decode("utf-8-sig")
@@ -273,15 +275,17 @@ def _text(line: str | bytes) -> str:
 
 def _json(text: str) -> Any:
     try:
-        return json.loads(text, object_pairs_hook=_each_key_once)
+        # Python refuses to convert whole numbers of thousands of digits, as a protection.
+        return json.loads(text, object_pairs_hook=_each_key_once, parse_int=float)
     except json.JSONDecodeError as error:
         raise SceneError(f"not JSON: {error.msg} at character {error.pos + 1}") from None
     except RecursionError:
         raise SceneError("not a scene: its brackets are nested too deeply") from None
-    except SceneError:
-        raise
-    except ValueError:  # Python's guard against integers that take long to read
-        raise SceneError("not a scene: a whole number has thousands of digits") from None
+
+
+def _is_text(value: Any) -> bool:
+    """Tell whether a value is a string that can be written: no half of a surrogate pair."""
+    return isinstance(value, str) and not any("\ud800" <= c <= "\udfff" for c in value)
 
 
 def _each_key_once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
@@ -291,15 +295,6 @@ def _each_key_once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
         twice = next(key for key in keys if keys.count(key) > 1)
         raise SceneError(f"{twice}: the key is given twice in one block")
     return block
-
-
-def _readable_id(data: dict[str, Any]) -> str | None:
-    """Return the id of what may not be a scene; None if it is no text that can be written."""
-    given = data.get("id")
-    if not isinstance(given, str):
-        return None
-    # Half a surrogate pair passes as JSON, but is no character.
-    return None if any("\ud800" <= character <= "\udfff" for character in given) else given
 
 
 def _explain_fault(fault: dict[str, Any], model: type[BaseModel]) -> str:
@@ -315,7 +310,7 @@ def _explain_fault(fault: dict[str, Any], model: type[BaseModel]) -> str:
         case "value_error":
             sentence = str(fault["ctx"]["error"])
             return f"{where}: {sentence}" if where else sentence
-        case "json_invalid":  # what Python's own reader lets pass: half a surrogate pair
+        case "json_invalid":  # pydantic's parser is stricter than Python's
             return f"not JSON: {fault['ctx']['error']}"
     sentence = fault["msg"].removeprefix("Input ").replace("should", "must")
     return f"{where}: {sentence} (got {_short(fault['input'])})"

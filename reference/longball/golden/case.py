@@ -1,0 +1,175 @@
+"""A golden case as it stands on its line, and the header that explains the set."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterator
+from decimal import Decimal
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from longball.model.result import Bounded, Result
+from longball.model.scene import Scene
+
+Level = Literal["lower", "average", "higher"]
+
+# 2^-53: half an ulp of 1, relative; the largest error of rounding a number to a double.
+ROUNDING = 2.0**-53
+
+
+class _Strict(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+
+
+class Quantity(_Strict):
+    """A number of the expected result for those who compute in doubles."""
+
+    double: float = Field(description="the double nearest to the truth")
+    hex: str = Field(
+        pattern=r"^-?0x[01](\.[0-9a-f]+)?p[+-]\d+$",
+        description="that double in C's hexadecimal notation",
+    )
+    attainable: float | None = Field(
+        ge=0.0,
+        description="error that double precision cannot avoid, in the quantity's unit (see the "
+        "header); null if the last bits of an input decide the outcome",
+    )
+    digits: float | None = Field(
+        description="digits that double precision can get right, -log10(attainable / |value|); "
+        "null without an attainable error, or for a value of zero"
+    )
+
+
+class Condition(_Strict):
+    """How the result answers to its inputs."""
+
+    derivatives: dict[str, dict[str, float | None]] = Field(
+        description="of the decisive quantities (the level depends on them) by each input that is "
+        "not zero or may be varied about zero; null where a step in either direction changes the "
+        "outcome, or leaves it undecided"
+    )
+    rates: dict[str, float] = Field(
+        description="speed, m/s, at which the ball crosses the surface of each event: "
+        "plate |vx|, contact |d·v|/(R + r_b), landing |vz|; slow is hard"
+    )
+
+
+class Confirmation(_Strict):
+    """What the independent method said."""
+
+    engine: str = Field(description="who computed it, and how")
+    outcome: str | None = Field(description="null if it could not tell either")
+    agreement: float | None = Field(
+        ge=0.0,
+        description="largest difference from the expected values in units of 1e-30 of the "
+        "quantity's size (see the header); null if there is nothing to compare",
+    )
+
+
+class Case(_Strict):
+    """A scene, its proven result, and how hard it is."""
+
+    id: str = Field(min_length=1, description="of the case and of its scene; never given anew")
+    family: str
+    level: Level = Field(description="difficulty, by digits attainable; see the header")
+    comment: str = Field(description="what the case is there for")
+    flags: tuple[str, ...] = Field(description="each one is explained in the header")
+    scene: Annotated[Scene, Field(discriminator="kind")]
+    expected: Result = Field(
+        description="the result by the contract, in decimal strings with proven radii; with "
+        "`error` instead of an outcome if there is none to be had"
+    )
+    quantities: dict[str, Quantity] = Field(
+        description="every number of the result by its path, such as landing.position[0]"
+    )
+    condition: Condition | None = Field(description="null if there is no outcome")
+    confirmation: Confirmation
+
+    def attainable(self, quantity: str) -> float:
+        """Return the error that double precision cannot avoid, in the quantity's unit.
+
+        Parameters
+        ----------
+        quantity
+            Its path in the result, such as ``landing.distance``.
+
+        Returns
+        -------
+        float
+            Infinite if an input's last bits decide the outcome.
+
+        Raises
+        ------
+        KeyError
+            If the result has no such quantity.
+        """
+        error = self.quantities[quantity].attainable
+        return math.inf if error is None else error
+
+    def line(self) -> str:
+        """Return the case as a line of JSON; scene and result as the contract writes them."""
+        whole = self.model_dump(mode="json") | {
+            "scene": json.loads(self.scene.line()),
+            "expected": json.loads(self.expected.line()),
+        }
+        return json.dumps(whole, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+
+
+class Family(_Strict):
+    """A file of cases."""
+
+    file: str
+    cases: int
+    about: str
+
+
+class Header(_Strict):
+    """What one has to know to use the set."""
+
+    title: str
+    numbers: dict[str, str] = Field(description="the number contract: what each form means")
+    levels: dict[str, str]
+    flags: dict[str, str] = Field(description="every flag in use, and what it says")
+    families: dict[str, Family]
+    histories: dict[str, str] = Field(description="tables of flights, and what is in them")
+    made_by: dict[str, str] = Field(description="engines, and versions of the libraries")
+
+
+def numbers_of(result: Result) -> Iterator[tuple[str, Bounded]]:
+    """Yield every number of a result that is written with digits, with its path."""
+    for block in ("plate", "contact", "impact", "landing"):
+        part = getattr(result, block)
+        for name in type(part).model_fields if part is not None else ():
+            value = getattr(part, name)
+            if isinstance(value, Bounded):
+                yield f"{block}.{name}", value
+            elif isinstance(value, tuple):
+                for i, component in enumerate(value):
+                    yield f"{block}.{name}[{i}]", component
+
+
+def as_double(number: Bounded) -> float:
+    """Return the double nearest to a decimal number; Python rounds correctly.
+
+    A negative zero is a zero.
+    """
+    return float(Decimal(number.value)) + 0.0
+
+
+def decisive(result: Result) -> tuple[str, ...]:
+    """Return the paths of the quantities that an outcome is mainly asked for."""
+    match result.outcome:
+        case "batted" | "landed":
+            return "landing.distance", "landing.time"
+        case "missed" | "beyond_bat":
+            return ("contact.margin",)
+        case "struck":
+            return ("impact.impulse",)
+        case "separating":
+            return ("contact.normal_speed",)
+        case "crossed":
+            return "plate.time", "plate.position[2]"
+        case _:
+            return ()

@@ -1,0 +1,211 @@
+"""Verifying a golden set: files, form, what it says of itself, and every number once more."""
+
+from __future__ import annotations
+
+import random
+from collections import Counter
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from decimal import Decimal, localcontext
+from pathlib import Path
+
+from pydantic import ValidationError
+
+from longball.golden.case import Case, Header, as_double, decisive, numbers_of
+from longball.golden.files import CHECKSUMS, HEADER, checksum, schemas
+from longball.golden.reader import DATA
+from longball.golden.truth import confirm, prove
+from longball.model.result import Result
+
+
+@dataclass(frozen=True)
+class Report:
+    """What a check found.
+
+    Attributes
+    ----------
+    cases
+        Cases that were read.
+    solved_again
+        Cases that were solved again.
+    failures
+        A sentence for each thing that is not as it should be; none if all is well.
+    """
+
+    cases: int
+    solved_again: int
+    failures: tuple[str, ...]
+
+
+def check(
+    folder: Path = DATA,
+    *,
+    sample: int | None = None,
+    seed: int = 1,
+    independent: bool = True,
+    workers: int = 1,
+    progress: Callable[[int, int], None] = lambda done, total: None,
+) -> Report:
+    """Verify a golden set.
+
+    Parameters
+    ----------
+    folder
+        The set; the one that is shipped if not given.
+    sample
+        How many cases are solved again, drawn at random; all of them if not given.
+    seed
+        Where the draw comes from.
+    independent
+        Whether the second method, which takes a few times as long, solves them too.
+    workers
+        Processes; -1 for one a core.
+    progress
+        Called with the numbers of cases solved again, and of those to be.
+    """
+    from joblib import Parallel, delayed  # slow to import
+
+    failures = [*_wrong_files(folder)]
+    cases: list[Case] = []
+    top, fault = _read(Header, folder / HEADER)
+    if top is None:
+        return Report(0, 0, (*failures, f"{HEADER}: {fault}"))
+    for name, family in top.families.items():
+        found, wrong = _read_family(folder / family.file, name, family.cases)
+        cases += found
+        failures += wrong
+    twice = [name for name, count in Counter(case.id for case in cases).items() if count > 1]
+    failures += [f"{name}: the id is given twice" for name in twice]
+    failures += [sentence for case in cases for sentence in _inconsistent(case, top)]
+
+    chosen = cases
+    if sample is not None and sample < len(cases):
+        chosen = random.Random(seed).sample(cases, sample)
+    tasks = (delayed(solved_again)(case, independent) for case in chosen)
+    for done, found_wrong in enumerate(Parallel(n_jobs=workers, return_as="generator")(tasks), 1):
+        failures += found_wrong
+        progress(done, len(chosen))
+    return Report(len(cases), len(chosen), tuple(failures))
+
+
+# --- files ----------------------------------------------------------------------------------------
+
+
+def _wrong_files(folder: Path) -> Iterator[str]:
+    listing = folder / CHECKSUMS
+    if not listing.exists():
+        yield f"{CHECKSUMS}: there is no such file in {folder}"
+        return
+    listed = set()
+    for line in listing.read_text(encoding="utf-8").splitlines():
+        digest, _, name = line.partition("  ")
+        listed.add(name)
+        if not (folder / name).is_file():
+            yield f"{name}: listed in {CHECKSUMS}, but not there"
+        elif checksum(folder / name) != digest:
+            yield f"{name}: its SHA-256 is not the one in {CHECKSUMS}; the file was changed"
+    for path in sorted(folder.rglob("*")):
+        name = path.relative_to(folder).as_posix()
+        if path.is_file() and name not in listed | {CHECKSUMS} and not name.startswith("."):
+            yield f"{name}: not listed in {CHECKSUMS}"
+    for name, content in schemas().items():
+        path = folder / name
+        if path.exists() and path.read_text(encoding="utf-8") != content:
+            yield f"{name}: not the schema that this version of longball writes"
+
+
+def _read(model: type[Header], path: Path) -> tuple[Header | None, str]:
+    try:
+        return model.model_validate_json(path.read_bytes()), ""
+    except FileNotFoundError:
+        return None, "there is no such file"
+    except ValidationError as error:
+        return None, _first_fault(error)
+
+
+def _read_family(path: Path, family: str, count: int) -> tuple[list[Case], list[str]]:
+    if not path.is_file():
+        return [], [f"{path.name}: there is no such file"]
+    cases, failures = [], []
+    lines = path.read_bytes().splitlines()
+    for number, line in enumerate(lines, 1):
+        try:
+            case = Case.model_validate_json(line)
+        except ValidationError as error:
+            failures.append(f"{path.name}, line {number}: {_first_fault(error)}")
+            continue
+        cases.append(case)
+        if case.family != family:
+            failures.append(f"{case.id}: says that its family is {case.family}, not {family}")
+    if len(lines) != count:
+        failures.append(f"{path.name}: has {len(lines)} cases, {count} in {HEADER}")
+    return cases, failures
+
+
+def _first_fault(error: ValidationError) -> str:
+    fault = error.errors(include_url=False)[0]
+    return f"{'.'.join(map(str, fault['loc']))}: {fault['msg']}"
+
+
+# --- what a case says of itself -------------------------------------------------------------------
+
+
+def _inconsistent(case: Case, top: Header) -> Iterator[str]:
+    """Yield what in a case contradicts the header, or the rest of it."""
+    if case.scene.id != case.id or case.expected.id != case.id:
+        yield f"{case.id}: scene and expected result have other ids"
+    for flag in case.flags:
+        if flag not in top.flags:
+            yield f"{case.id}: the flag {flag} is not explained in {HEADER}"
+    if case.level not in top.levels:
+        yield f"{case.id}: the level {case.level} is not explained in {HEADER}"
+    expected = dict(numbers_of(case.expected))
+    if expected.keys() != case.quantities.keys():
+        yield f"{case.id}: quantities are not those of the expected result"
+        return
+    if case.condition and set(case.condition.derivatives) != set(decisive(case.expected)):
+        yield f"{case.id}: derivatives are not those of what is asked for"
+    for name, quantity in case.quantities.items():
+        number = expected[name]
+        if quantity.double != as_double(number):
+            yield (
+                f"{case.id}, {name}: {quantity.double!r} is not the double nearest to "
+                f"{number.value}"
+            )
+        if float.fromhex(quantity.hex) != quantity.double:
+            yield f"{case.id}, {name}: {quantity.hex} is not {quantity.double!r}"
+        if number.radius is None:
+            yield f"{case.id}, {name}: there is no proven radius"
+
+
+# --- every number once more -----------------------------------------------------------------------
+
+
+def solved_again(case: Case, independent: bool) -> list[str]:
+    """Solve a case again; return a sentence for each thing that comes out otherwise."""
+    failures = [f"{case.id}: {fault}" for fault in _apart(case.expected, prove(case.scene))]
+    if independent:
+        confirmation, agrees = confirm(case.scene, case.expected)
+        if not agrees and "unconfirmed" not in case.flags:
+            failures.append(
+                f"{case.id}: {confirmation.engine} does not agree: outcome "
+                f"{confirmation.outcome}, largest difference {confirmation.agreement} · 1e-30"
+            )
+    return failures
+
+
+def _apart(expected: Result, again: Result) -> Iterator[str]:
+    """Yield where two enclosures of the same truth do not meet."""
+    if expected.outcome != again.outcome:
+        yield f"expected {expected.outcome or expected.error}, now {again.outcome or again.error}"
+        return
+    now = dict(numbers_of(again))
+    with localcontext(prec=100):
+        for name, number in numbers_of(expected):
+            other = now[name]
+            distance = abs(Decimal(number.value) - Decimal(other.value))
+            if distance > Decimal(number.radius or 0) + Decimal(other.radius or 0):
+                yield (
+                    f"{name} is {number.value} ± {number.radius} in the file, "
+                    f"solved again {other.value} ± {other.radius}"
+                )

@@ -1,0 +1,211 @@
+"""How a result answers to its inputs, and what doubles can therefore get right.
+
+**Derivatives.** Each number of a scene that is an input of the model is moved by 2^-50 of itself
+to either side (a few ulps: the moved input is a double too), the whole scene is solved again, and
+the central difference taken. With 30 digits the difference of two results is known to fifteen
+digits less, which leaves more than enough of a quotient that is meant as a diagnostic of three
+digits; and the step is so short that even at a graze with a margin of 1e-15 m it is a small part
+of the margin.
+
+**Attainable error.** With u = 2^-53, the error of rounding to a double, relative,
+
+    attainable(Q) = u ( Σ_i |∂Q/∂x_i| |x_i|  +  |∂Q/∂σ_b| |z_b|  +  |Q| ).
+
+The first term: whoever reads the inputs as decimals, or multiplies each of them once, has errors
+that act like inputs that are off by half an ulp; a backward stable computation adds a small
+multiple of that for the roundings on its way. The second (at-bats): the bat is put at the height
+z_b = z'_b + σ_b, which a double holds to half an ulp of z_b, however small the offset σ_b that
+margin and normal hang on; this is no rounding of an input, and no input's derivative shows it,
+because pitch and bat move up and down together. The third: the result is rounded too. What an
+implementation loses beyond a small multiple of this is its own doing.
+
+N. J. Higham, Accuracy and Stability of Numerical Algorithms, Ch. 1: the rule of thumb that the
+forward error is the condition number times the backward error.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from decimal import Decimal
+from typing import Any
+
+from pydantic import ValidationError
+
+from longball.engines.at_bat import solve
+from longball.engines.engine import Engine
+from longball.golden.case import ROUNDING, Condition, as_double, decisive, numbers_of
+from longball.model.result import Bounded, Result
+from longball.model.scene import AtBatScene, Scene
+
+# Of an input; see the module's docstring. An input of zero is moved by this in its unit.
+STEP = 2.0**-50
+
+# These are no inputs of a formula: what the scene is called, read as, and cut off at.
+_NO_INPUTS = ("id", "kind", "reading", "time_limit")
+
+# A zero here is a force that the scene does not name, and not a small one.
+_ABSENT_AT_ZERO = ("air.density", "air.drag_coefficient", "air.lift_coefficient", "gravity")
+
+
+@dataclass(frozen=True)
+class Sensitivity:
+    """What inputs do to a result.
+
+    Attributes
+    ----------
+    derivatives
+        ∂Q/∂x by quantity and input; None where a step in either direction changes the outcome,
+        or was not told.
+    fragile
+        Whether a step of any input, in any direction, changes the outcome.
+    """
+
+    derivatives: Mapping[str, Mapping[str, float | None]]
+    fragile: bool
+
+
+def inputs(scene: Scene) -> dict[str, float]:
+    """Return the inputs of a scene by their paths, such as ``pitch.release[0]``."""
+    blocks = scene.model_dump(exclude=set(_NO_INPUTS))
+    found = dict(_leaves("", blocks))
+    if "launch" in blocks and not any(blocks["launch"]["velocity"][:2]):
+        # A vertical launch takes the heading +x; any other heading is a jump away from it.
+        del found["launch.velocity[0]"], found["launch.velocity[1]"]
+    return {path: x for path, x in found.items() if x or path not in _ABSENT_AT_ZERO}
+
+
+def _leaves(path: str, value: Any) -> Iterator[tuple[str, float]]:
+    if isinstance(value, dict):
+        for key, inner in value.items():
+            yield from _leaves(f"{path}.{key}" if path else key, inner)
+    elif isinstance(value, tuple):
+        for i, inner in enumerate(value):
+            yield from _leaves(f"{path}[{i}]", inner)
+    elif value is not None:
+        yield path, value
+
+
+def with_input(scene: Scene, path: str, value: float) -> Scene | None:
+    """Return the scene with another value of an input; None if there is no such scene."""
+    blocks = scene.model_dump()
+    name, _, index = path.removesuffix("]").partition("[")
+    *outer, key = name.split(".")
+    block = blocks
+    for step in outer:
+        block = block[step]
+    if index:
+        components = list(block[key])
+        components[int(index)] = value
+        block[key] = tuple(components)
+    else:
+        block[key] = value
+    try:
+        return type(scene).model_validate(blocks)
+    except ValidationError:
+        return None
+
+
+def sensitivity(scene: Scene, result: Result, engine: Engine[Any]) -> Sensitivity:
+    """Return the derivatives of every quantity of a result by every input.
+
+    The engine's digits, and those of the result, should be 25 or more.
+    """
+    here = dict(numbers_of(result))
+    derivatives: dict[str, dict[str, float | None]] = {name: {} for name in here}
+    fragile = False
+    for path, x in inputs(scene).items():
+        step = STEP * abs(x) if x else STEP
+        ends: list[tuple[float, Mapping[str, Bounded]]] = []
+        for moved in (x - step, x + step):
+            other = with_input(scene, path, moved)
+            if other is None:
+                continue
+            there = solve(other, engine)
+            if there.outcome == result.outcome:
+                ends.append((moved, dict(numbers_of(there))))
+            elif there.outcome is not None:
+                fragile = True
+        if len(ends) == 1:
+            ends.append((x, here))
+        for name in here:
+            derivatives[name][path] = _slope(name, ends) if ends else None
+    return Sensitivity(derivatives, fragile)
+
+
+def _slope(name: str, ends: list[tuple[float, Mapping[str, Bounded]]]) -> float:
+    (a, at_a), (b, at_b) = ends
+    difference = Decimal(at_b[name].value) - Decimal(at_a[name].value)
+    return float(difference / (Decimal(b) - Decimal(a)))
+
+
+def attainable_errors(scene: Scene, result: Result, found: Sensitivity) -> dict[str, float | None]:
+    """Return the attainable error of each quantity, in its unit; see the module's docstring.
+
+    None if a derivative is.
+    """
+    values = inputs(scene)
+    height = _bat_height(scene, result)
+    errors: dict[str, float | None] = {}
+    for name, number in numbers_of(result):
+        slopes = found.derivatives[name]
+        parts = [
+            None if (slope := slopes[path]) is None else abs(slope * x)
+            for path, x in values.items()
+        ]
+        by_offset = slopes.get("swing.height_offset", 0.0)
+        parts.append(None if by_offset is None else abs(by_offset * height))
+        if any(part is None for part in parts):
+            errors[name] = None
+            continue
+        total = math.fsum(part for part in parts if part is not None)
+        errors[name] = _three_digits(ROUNDING * (total + abs(as_double(number))))
+    return errors
+
+
+def _bat_height(scene: Scene, result: Result) -> float:
+    """Return z_b, m; 0 where no bat is put anywhere."""
+    if not isinstance(scene, AtBatScene) or result.plate is None:
+        return 0.0
+    return float(result.plate.position[2]) + scene.swing.height_offset
+
+
+def condition(result: Result, found: Sensitivity) -> Condition:
+    """Return what a golden case says about its condition."""
+    return Condition(
+        derivatives={
+            name: {
+                path: None if slope is None else _three_digits(slope)
+                for path, slope in found.derivatives[name].items()
+            }
+            for name in decisive(result)
+        },
+        rates=rates(result),
+    )
+
+
+def rates(result: Result) -> dict[str, float]:
+    """Return how fast the ball crosses the surface of each event, m/s."""
+    speeds = {}
+    if result.plate is not None:
+        speeds["plate"] = abs(float(result.plate.velocity[0]))
+    contact = result.contact
+    if contact is not None and contact.normal is not None:
+        assert contact.normal_speed is not None
+        assert contact.bat_velocity is not None
+        # V·n = Ṽ·n + V_b·n: the bat's cylinder stands still while it is touched.
+        speeds["contact"] = abs(
+            float(contact.normal_speed)
+            + math.fsum(
+                float(v) * float(n)
+                for v, n in zip(contact.bat_velocity, contact.normal, strict=True)
+            )
+        )
+    if result.landing is not None:
+        speeds["landing"] = abs(float(result.landing.velocity[2]))
+    return {name: _three_digits(speed) for name, speed in speeds.items()}
+
+
+def _three_digits(x: float) -> float:
+    return float(f"{x:.3g}")

@@ -1,0 +1,305 @@
+"""The regular families: what a simulator of at-bats meets every day, one knob at a time.
+
+A family is a function that returns its drafts. Ids count within a family and are never given anew:
+a case that is added comes last, a case that goes leaves its number empty.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from itertools import product
+
+from longball.golden.draft import Draft, between, five_digits, shares
+from longball.golden.hard import hard
+from longball.home_run import draw, paper_at_bats, scenes, with_restitution
+from longball.model.readings import Reading
+from longball.model.scene import (
+    Air,
+    AtBatScene,
+    Ball,
+    Bat,
+    FlightScene,
+    Ground,
+    ImpactScene,
+    Incoming,
+    Launch,
+    Pitch,
+    PitchScene,
+    Rotation,
+)
+
+# --- flights --------------------------------------------------------------------------------------
+
+
+def _flights(
+    family: str, count: int, air: Callable[[float, float], Air | None], comment: str
+) -> Iterator[Draft]:
+    """Yield launches from 5 to 65 m/s in all directions that leave the ground, a lattice of them.
+
+    `air` chooses the air from two numbers in [0, 1).
+    """
+    for i in range(count):
+        a, b, c, d, e, f, g, h, *_ = shares(i)
+        speed = between(5.0, 65.0, a)
+        # Batted balls fly forward; launches of every heading are there to keep signs apart.
+        elevation, heading = math.radians(150 * b - 60), math.radians(360 * c)
+        ahead = speed * math.cos(elevation)
+        velocity = (
+            five_digits(ahead * math.cos(heading)),
+            five_digits(ahead * math.sin(heading)),
+            five_digits(speed * math.sin(elevation)),
+        )
+        scene = FlightScene(
+            id=f"{family}-{i:04d}",
+            ball=Ball(mass=between(0.1417, 0.1488, d), radius=between(0.03645, 0.0374, e)),
+            air=air(f, g),
+            gravity=(9.8, 9.80665, 9.8, 1.62)[i % 4],  # the paper's, the standard one, the moon's
+            launch=Launch(
+                position=(0.0, between(-0.5, 0.5, h), between(0.5, 2.0, d)), velocity=velocity
+            ),
+            ground=Ground(height=0.0 if i % 3 else between(-5.0, 0.5, e)),
+        )
+        yield Draft(scene, comment)
+
+
+def flight_vacuum() -> Iterator[Draft]:
+    """No air at all: parabolas."""
+    comment = "a parabola: closed form known"
+    for draft in _flights("flight-vacuum", 40, lambda f, g: None, comment):
+        yield Draft(draft.scene, comment, ("closed-form",))
+
+
+def flight_drag() -> Iterator[Draft]:
+    """Drag and weight."""
+
+    def air(f: float, g: float) -> Air:
+        return Air(
+            density=between(0.9, 1.35, f),
+            drag_coefficient=between(0.15, 0.6, g),
+            lift_coefficient=0.0,
+        )
+
+    return _flights("flight-drag", 40, air, "drag without lift: 1/u² + (k_D/g)[…] is constant")
+
+
+def flight_lift() -> Iterator[Draft]:
+    """Lift and weight, topspin included."""
+
+    def air(f: float, g: float) -> Air:
+        return Air(
+            density=between(0.9, 1.35, f),
+            drag_coefficient=0.0,
+            lift_coefficient=between(-0.3, 0.3, g),
+        )
+
+    return _flights("flight-lift", 40, air, "lift without drag: energy and phugoid constants")
+
+
+def flight_both() -> Iterator[Draft]:
+    """Drag, lift and weight."""
+
+    def air(f: float, g: float) -> Air:
+        return Air(
+            density=between(0.9, 1.35, f),
+            drag_coefficient=between(0.15, 0.6, g),
+            lift_coefficient=between(-0.1, 0.35, (f + 7 * g) % 1.0),
+        )
+
+    return _flights("flight-both", 60, air, "all forces on")
+
+
+def flight_vertical() -> Iterator[Draft]:
+    """Straight up or down, in air or none, without lift: tan, tanh or a parabola."""
+    for i in range(20):
+        a, b, c, *_ = shares(i)
+        in_air = i % 4 != 0
+        upwards = i % 2 == 0
+        scene = FlightScene(
+            id=f"flight-vertical-{i:04d}",
+            air=Air(drag_coefficient=between(0.2, 0.5, a), lift_coefficient=0.0)
+            if in_air
+            else None,
+            launch=Launch(
+                position=(between(-20.0, 20.0, b), between(-20.0, 20.0, c), between(1.0, 40.0, c)),
+                velocity=(0.0, 0.0, between(1.0, 45.0, a) * (1 if upwards else -1)),
+            ),
+        )
+        # The speed is |w|, which has a kink where the ball turns round.
+        flags = ("rest",) if upwards else ()
+        yield Draft(
+            scene,
+            "straight " + ("up, at rest at its apex, and down" if upwards else "down"),
+            ("closed-form", "vertical", *flags),
+        )
+
+
+def flight_weightless() -> Iterator[Draft]:
+    """No gravity: the speed falls as 1/(1 + k_D V₀ t), the path is a circle of radius 1/k_L."""
+    for i in range(16):
+        a, b, c, d, e, *_ = shares(i)
+        drag, lift = i % 2 == 0, i % 4 < 2
+        scene = FlightScene(
+            id=f"flight-weightless-{i:04d}",
+            air=Air(
+                drag_coefficient=between(0.2, 0.5, d) if drag else 0.0,
+                lift_coefficient=between(-0.3, 0.1, e) if lift else 0.0,
+            ),
+            gravity=0.0,
+            launch=Launch(
+                position=(0.0, 0.0, between(1.0, 20.0, a)),
+                velocity=(between(10.0, 40.0, b), between(-5.0, 5.0, c), between(-30.0, -10.0, d)),
+            ),
+        )
+        yield Draft(scene, "no gravity: closed form in the logarithm of the time", ("closed-form",))
+
+
+# --- pitches --------------------------------------------------------------------------------------
+
+
+def pitch() -> Iterator[Draft]:
+    """Throws of 18 to 50 m/s that cross the plate, come down before it, or are still on the way."""
+    airs = (
+        Air(),
+        None,
+        Air(lift_coefficient=0.0),
+        Air(drag_coefficient=0.0),
+        Air(lift_coefficient=-0.2),
+    )
+    for i in range(50):
+        a, b, c, d, e, f, *_ = shares(i)
+        scene = PitchScene(
+            id=f"pitch-{i:04d}",
+            air=airs[i % len(airs)],
+            pitch=Pitch(
+                speed=between(18.0, 50.0, a),
+                release=(between(16.0, 18.44, b), between(-0.8, 0.8, c), between(1.2, 2.2, d)),
+                aim=(between(-0.5, 0.5, e), between(0.8, 2.6, f)),
+            ),
+            gravity=9.8 if i % 10 else 0.0,
+            # One of a dozen is asked for too early to have arrived.
+            time_limit=60.0 if i % 12 else 0.3,
+        )
+        yield Draft(scene, "a throw to the plane x = 0")
+
+
+# --- impacts --------------------------------------------------------------------------------------
+
+
+def impact_readings() -> list[Reading]:
+    """Return every reading of the impact: all that the ledger lets be combined."""
+    restitutions = (
+        ("as_printed", "bat_mass"),
+        ("as_printed", "effective_mass"),
+        ("nathan", "bat_mass"),
+        ("plain", "bat_mass"),
+    )
+    masses = ("inertia_over_r_squared", "as_printed")
+    inertias = ("solid_cylinder", "thin_rod", "about_centre")
+    return [
+        Reading.model_validate(
+            {
+                "bat_ball_restitution": restitution,
+                "reduced_mass": reduced,
+                "effective_mass": mass,
+                "inertia": inertia,
+            }
+        )
+        for (restitution, reduced), mass, inertia in product(restitutions, masses, inertias)
+    ]
+
+
+def impact() -> Iterator[Draft]:
+    """Ball and bat at the touching, all around the bat and along it, in every reading."""
+    readings = impact_readings()
+    for i in range(80):
+        a, b, c, d, e, f, g, h, j, _ = shares(i)
+        reading = readings[i % len(readings)] if i >= 20 else Reading()
+        reach, height = Ball().radius + Bat().radius, between(0.5, 1.5, a)
+        # From behind and below through the front to behind and above, mostly in front.
+        angle = math.radians(240 * b - 120)
+        scene = ImpactScene(
+            id=f"impact-{i:04d}",
+            reading=reading,
+            ball=Ball(restitution=between(0.3, 0.6, c)),
+            swing=Rotation(angular_speed=between(0.0, 45.0, d), tilt=between(0.0, 0.2, e)),
+            incoming=Incoming(
+                position=(
+                    round(reach * math.cos(angle), 12),
+                    between(-0.499, 0.499, f),
+                    round(height + reach * math.sin(angle), 12),
+                ),
+                velocity=(between(-45.0, -20.0, g), between(-3.0, 3.0, h), between(-12.0, 4.0, j)),
+                bat_height=height,
+            ),
+        )
+        flags = ("reading",) if reading != Reading() else ()
+        yield Draft(scene, "a touching anywhere on the bat", flags)
+
+
+# --- at-bats --------------------------------------------------------------------------------------
+
+# Where the paper's at-bats are drawn from; any number would do.
+SEED = 20261121
+
+# Every switch of the ledger that changes what an at-bat solves to, one at a time and two together.
+AT_BAT_READINGS: dict[str, dict[str, str | float]] = {
+    "speed-table-as-printed": {"speed_table": "as_printed"},
+    "speed-spread-as-printed": {"speed_spread": "as_printed"},
+    "effective-mass-as-printed": {"effective_mass": "as_printed"},
+    "restitution-nathan": {"bat_ball_restitution": "nathan"},
+    "restitution-plain": {"bat_ball_restitution": "plain"},
+    "reduced-mass-effective": {"reduced_mass": "effective_mass"},
+    "inertia-thin-rod": {"inertia": "thin_rod"},
+    "inertia-about-centre": {"inertia": "about_centre"},
+    "offset-spread-diameter": {"offset_spread": 0.0732},
+    "cell-width-0.2": {"cell_width": 0.2},
+    "lift-always-up": {"lift_direction": "always_up"},
+    "ground-surface": {"ground_contact": "surface"},
+    "up-and-surface": {"lift_direction": "always_up", "ground_contact": "surface"},
+}
+
+RESTITUTIONS = (0.41, 0.42, 0.43, 0.44, 0.45)  # paper, Fig. 7
+
+
+def at_bat() -> Iterator[Draft]:
+    """At-bats drawn from the paper's distributions, in the default reading and in every other.
+
+    Misses stay in, as they were drawn.
+    """
+    yield from _drawn("at-bat-default", Reading(), 60, AtBatScene(id="base"))
+    for name, switches in AT_BAT_READINGS.items():
+        reading = Reading.model_validate(switches)
+        yield from _drawn(f"at-bat-{name}", reading, 6, AtBatScene(id="base", reading=reading))
+    # NPB's lightest and largest ball, and a light bat: the masses are not printed.
+    light = AtBatScene(
+        id="base", ball=Ball(mass=0.1417, radius=0.0374), bat=Bat(mass=0.82, length=0.85)
+    )
+    yield from _drawn("at-bat-masses", Reading(), 6, light)
+
+
+def _drawn(name: str, reading: Reading, count: int, base: AtBatScene) -> Iterator[Draft]:
+    samples = draw(paper_at_bats(reading), count, SEED)
+    for i, scene in enumerate(scenes(base, samples)):
+        if scene is None:
+            continue  # a speed that is not positive is never pitched
+        e = RESTITUTIONS[i % len(RESTITUTIONS)]
+        struck = with_restitution(scene, e).model_copy(update={"id": f"{name}-{i:04d}"})
+        flags = ("reading",) if reading != Reading() else ()
+        yield Draft(struck, f"drawn from the paper's distributions, e = {e:g}", flags)
+
+
+# --- all ------------------------------------------------------------------------------------------
+
+FAMILIES: dict[str, Callable[[], Iterator[Draft]]] = {
+    "flight-vacuum": flight_vacuum,
+    "flight-drag": flight_drag,
+    "flight-lift": flight_lift,
+    "flight-both": flight_both,
+    "flight-vertical": flight_vertical,
+    "flight-weightless": flight_weightless,
+    "pitch": pitch,
+    "impact": impact,
+    "at-bat": at_bat,
+    "hard": hard,
+}

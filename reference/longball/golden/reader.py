@@ -1,0 +1,33 @@
+"""Reading the golden data."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from longball.golden.case import Case, Header
+
+DATA = Path(__file__).parent / "data"
+
+
+def header(folder: Path = DATA) -> Header:
+    """Return what explains the set: number contract, levels, flags, families, versions."""
+    return Header.model_validate_json((folder / "header.json").read_bytes())
+
+
+def load(family: str | None = None, folder: Path = DATA) -> list[Case]:
+    """Return the cases of a family, or all of them.
+
+    Raises
+    ------
+    ValueError
+        If there is no such family; the message names those that there are.
+    """
+    families = header(folder).families
+    if family is not None and family not in families:
+        raise ValueError(f"there is no family {family!r}; the families are {', '.join(families)}")
+    chosen = list(families) if family is None else [family]
+    return [
+        Case.model_validate_json(line)
+        for name in chosen
+        for line in (folder / families[name].file).read_bytes().splitlines()
+    ]

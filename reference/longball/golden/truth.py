@@ -1,0 +1,186 @@
+"""From a draft to a golden case: solved with proof, confirmed by another method, and judged."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from decimal import ROUND_CEILING, Decimal, localcontext
+from typing import Any
+
+from longball.engines.at_bat import solve
+from longball.engines.enclosure import Enclosure
+from longball.engines.multiprecision import Multiprecision
+from longball.golden.case import (
+    Case,
+    Confirmation,
+    Level,
+    Quantity,
+    as_double,
+    decisive,
+    numbers_of,
+)
+from longball.golden.condition import Sensitivity, attainable_errors, condition, sensitivity
+from longball.golden.draft import Draft
+from longball.model.result import Bounded, Result
+from longball.model.scene import AtBatScene, Scene
+
+# The digits that are promised: a proven radius of at most 1e-30 of a quantity's size. Where 30
+# digits of work do not get there, or cannot decide, more are tried before that is believed.
+DIGITS = 30
+WORK = (DIGITS, 2 * DIGITS, 4 * DIGITS)
+
+# Digits of the independent method: its rounding of what it prints stays far below the radii.
+CONFIRMING = 35
+
+_PREC = 4 * WORK[-1]  # digits of decimal arithmetic: more than any number here has
+
+
+def prove(scene: Scene) -> Result:
+    """Return the result of a scene with proven radii, or with the reason why there is none.
+
+    Numbers have 31 digits and a radius of at most 1e-30 of their size (see `sizes`), if any number
+    of `WORK` brings that about.
+    """
+    result = solve(scene, Enclosure(WORK[0]))
+    for digits in WORK[1:]:
+        if result.error is None and _good_enough(scene, result):
+            return result
+        more = solve(scene, Enclosure(digits))
+        result = more if more.error else rewritten(more, _shortened)
+    return result
+
+
+def _good_enough(scene: Scene, result: Result) -> bool:
+    size = sizes(scene, result)
+    with localcontext(prec=_PREC):
+        return all(
+            Decimal(number.radius or "Infinity") <= size[name].scaleb(-DIGITS)
+            for name, number in numbers_of(result)
+        )
+
+
+def _shortened(number: Bounded) -> Bounded:
+    """Return a number with 31 digits; what is cut off joins the radius."""
+    with localcontext(prec=_PREC):
+        whole = Decimal(number.value)
+        with localcontext(prec=DIGITS + 1):
+            value = +whole
+        radius = Decimal(number.radius or "Infinity") + abs(value - whole)
+        with localcontext(prec=3, rounding=ROUND_CEILING):
+            return Bounded(value=str(value), radius=str(+radius))
+
+
+def rewritten(result: Result, change: Callable[[Bounded], Bounded]) -> Result:
+    """Return a result with every number changed."""
+
+    def within(part: Any) -> Any:
+        if isinstance(part, list):
+            return [within(inner) for inner in part]
+        if not isinstance(part, dict):
+            return part
+        if part.keys() == {"value", "radius"}:
+            return change(Bounded.model_validate(part)).model_dump()
+        return {key: within(inner) for key, inner in part.items()}
+
+    return Result.model_validate_json(json.dumps(within(json.loads(result.line()))))
+
+
+def sizes(scene: Scene, result: Result) -> dict[str, Decimal]:
+    """Return the size of each quantity of a result, in its unit: what errors are relative to.
+
+    Of a component, that is the length of its vector; of the margin, a difference of lengths,
+    R + r_b; of other numbers, their absolute value.
+    """
+    found = {name: Decimal(number.value) for name, number in numbers_of(result)}
+    size = {}
+    with localcontext(prec=_PREC):
+        for name, value in found.items():
+            vector, bracket, _ = name.partition("[")
+            size[name] = abs(value)
+            if bracket:
+                parts = (found[f"{vector}[{i}]"] for i in range(3))
+                size[name] = sum((part * part for part in parts), Decimal(0)).sqrt()
+        if isinstance(scene, AtBatScene) and "contact.margin" in size:
+            size["contact.margin"] = Decimal(scene.ball.radius) + Decimal(scene.bat.radius)
+    return size
+
+
+def confirm(scene: Scene, proven: Result) -> tuple[Confirmation, bool]:
+    """Solve a scene by the independent method; return what it says, and whether it agrees.
+
+    It agrees if outcomes are the same and every number lies within the proven radius, but for the
+    digits that it is written with. Where nothing is proven there is nothing to disagree with.
+    """
+    other = solve(scene, Multiprecision(CONFIRMING))
+    assert other.engine is not None
+    if proven.outcome is None or other.outcome != proven.outcome:
+        agrees = proven.outcome is None
+        return Confirmation(engine=other.engine, outcome=other.outcome, agreement=None), agrees
+    there = dict(numbers_of(other))
+    agrees, largest = True, Decimal(0)
+    with localcontext(prec=_PREC):
+        for name, size in sizes(scene, proven).items():
+            here = dict(numbers_of(proven))[name]
+            difference = abs(Decimal(here.value) - Decimal(there[name].value))
+            allowed = Decimal(here.radius or 0) + size.scaleb(2 - CONFIRMING)
+            agrees = agrees and difference <= allowed
+            if difference:
+                largest = max(largest, difference / size if size else Decimal("Infinity"))
+    agreement = float(f"{largest.scaleb(DIGITS):.3g}") if largest.is_finite() else None
+    return Confirmation(engine=other.engine, outcome=other.outcome, agreement=agreement), agrees
+
+
+def quantities(result: Result, errors: dict[str, float | None]) -> dict[str, Quantity]:
+    """Return what every number of a result is in doubles, and how well doubles can know it."""
+    table = {}
+    for name, number in numbers_of(result):
+        double, error = as_double(number), errors[name]
+        digits = None
+        if error and double:
+            digits = max(0.0, round(float(-(Decimal(error) / abs(Decimal(double))).log10()), 1))
+        table[name] = Quantity(double=double, hex=double.hex(), attainable=error, digits=digits)
+    return table
+
+
+def level_of(result: Result, table: dict[str, Quantity], fragile: bool) -> Level:
+    """Return the difficulty of a case, from the digits that doubles can know of it."""
+    if result.outcome is None or fragile:
+        return "higher"
+    asked = [table[name] for name in decisive(result)]
+    if any(quantity.attainable is None for quantity in asked):
+        return "higher"
+    # A distance of exactly zero has no digits to lose.
+    fewest = min((q.digits for q in asked if q.digits is not None), default=16.0)
+    return "lower" if fewest >= 13 else "average" if fewest >= 10 else "higher"
+
+
+def make(family: str, draft: Draft) -> Case:
+    """Return the golden case of a draft."""
+    scene = draft.scene
+    result = prove(scene)
+    confirmation, agrees = confirm(scene, result)
+    found = Sensitivity({}, False)
+    if result.outcome is not None:
+        found = sensitivity(scene, result, Enclosure(DIGITS))
+    table = quantities(result, attainable_errors(scene, result, found))
+    flags = [*draft.flags]
+    if result.outcome is None and "refused" not in flags:
+        flags.append("undecided")
+    if result.engine != Enclosure(DIGITS).description:
+        flags.append("many-digits")
+    if found.fragile:
+        flags.append("fragile")
+    if not agrees:
+        flags.append("unconfirmed")
+    return Case(
+        id=scene.id,
+        family=family,
+        level=level_of(result, table, found.fragile),
+        comment=draft.comment,
+        flags=tuple(flags),
+        scene=scene,
+        expected=result,
+        quantities=table,
+        condition=condition(result, found) if result.outcome is not None else None,
+        confirmation=confirmation,
+    )

@@ -1,0 +1,278 @@
+"""Exact results that any engine can be held against: closed forms, invariants, balance laws.
+
+All hold in the plane of a flight, for constant k_D, k_L and g (`longball.model.motion`), and all
+run over the number system of their arguments: the functions of analysis are taken from `math` for
+doubles, from `mpmath.mp` for its numbers, from `METHODS` for numbers that carry their functions as
+methods, such as flint's `arb`. Nothing is decided here, so nothing has to be compared.
+
+Each docstring states the equation and, in a line, why it holds. "Drag" and "lift" are k_D and k_L
+in 1/m, `gravity` is g in m/s²; speeds are in m/s, times in s, lengths in m. V = √(u² + w²).
+"""
+
+from __future__ import annotations
+
+from operator import methodcaller
+from typing import Generic, NamedTuple, Protocol
+
+from longball.model.motion import Forces, PlaneState
+from longball.model.numbers import N
+
+
+class Functions(Protocol[N]):
+    """The functions of analysis, under the names that Python's `math` gives them."""
+
+    def sqrt(self, x: N, /) -> N: ...  # noqa: D102
+    def exp(self, x: N, /) -> N: ...  # noqa: D102
+    def expm1(self, x: N, /) -> N: ...  # noqa: D102
+    def log(self, x: N, /) -> N: ...  # noqa: D102
+    def log1p(self, x: N, /) -> N: ...  # noqa: D102
+    def sin(self, x: N, /) -> N: ...  # noqa: D102
+    def cos(self, x: N, /) -> N: ...  # noqa: D102
+    def atan(self, x: N, /) -> N: ...  # noqa: D102
+    def sinh(self, x: N, /) -> N: ...  # noqa: D102
+    def cosh(self, x: N, /) -> N: ...  # noqa: D102
+    def asinh(self, x: N, /) -> N: ...  # noqa: D102
+
+
+class _Methods:
+    """Functions of numbers that carry them as methods: ``sqrt(x)`` is ``x.sqrt()``."""
+
+    sqrt, exp, expm1, log, log1p, sin, cos, atan, sinh, cosh, asinh = map(
+        methodcaller,
+        ("sqrt", "exp", "expm1", "log", "log1p", "sin", "cos", "atan", "sinh", "cosh", "asinh"),
+    )
+
+
+METHODS = _Methods()
+
+
+# --- closed forms ---------------------------------------------------------------------------------
+
+
+class Moment(NamedTuple, Generic[N]):
+    """A state of a flight and its time, s since launch."""
+
+    time: N
+    state: PlaneState[N]
+
+
+def parabola(start: PlaneState[N], gravity: N, time: N) -> PlaneState[N]:
+    """Return the state of a ball that only gravity acts on, `time` seconds after its launch.
+
+    ``s = s₀ + u₀ t``, ``z = z₀ + w₀ t - g t²/2``, ``w = w₀ - g t``: u' = 0 and w' = -g, integrated
+    twice.
+    """
+    fall = gravity * time
+    return PlaneState(
+        start.s + start.u * time,
+        start.z + (start.w - fall / 2) * time,
+        start.u,
+        start.w - fall,
+    )
+
+
+def parabola_to_floor(
+    start: PlaneState[N], gravity: N, floor: N, functions: Functions[N]
+) -> Moment[N]:
+    """Return when and in what state a ball that only gravity acts on falls to the height `floor`.
+
+    ``w = -√(w₀² + 2g (z₀ - floor))`` from the energy, ``t = (w₀ - w)/g``; g > 0.
+    """
+    w = -functions.sqrt(start.w * start.w + 2 * gravity * (start.z - floor))
+    time = (start.w - w) / gravity
+    return Moment(time, PlaneState(start.s + start.u * time, floor, start.u, w))
+
+
+def parabola_to_wall(start: PlaneState[N], gravity: N, wall: N) -> Moment[N]:
+    """Return when and in what state a ball that only gravity acts on reaches ``s = wall``.
+
+    ``t = (wall - s₀)/u₀``, since u is constant. The plane x = 0 is such a wall for a pitch.
+    """
+    time = (wall - start.s) / start.u
+    return Moment(time, parabola(start, gravity, time)._replace(s=wall))
+
+
+def rise(
+    start: PlaneState[N], drag: N, gravity: N, time: N, functions: Functions[N]
+) -> PlaneState[N]:
+    """Return the state of a ball on its way straight up through the air; u₀ = 0 <= w.
+
+    ``w = v tan(φ - τ)``, ``z = z₀ + log(cos(φ - τ)/cos φ)/k_D`` with the terminal speed
+    v = √(g/k_D), τ = t √(g k_D) and tan φ = w₀/v, here without φ by the addition theorems:
+    w' = -k_D w² - g is separable, and w = z' is the derivative of a logarithm.
+    """
+    terminal, tau = _terminal_speed(drag, gravity, functions), _tau(drag, gravity, time, functions)
+    p, cos, sin = start.w / terminal, functions.cos(tau), functions.sin(tau)
+    growth = cos + p * sin
+    return PlaneState(
+        start.s,
+        start.z + functions.log(growth) / drag,
+        start.u,
+        terminal * (p * cos - sin) / growth,
+    )
+
+
+def apex(start: PlaneState[N], drag: N, gravity: N, functions: Functions[N]) -> Moment[N]:
+    """Return when and where a ball thrown straight up through the air comes to rest.
+
+    ``t √(g k_D) = φ = arctan(w₀/v)``, ``z = z₀ + log(1 + w₀²/v²)/(2 k_D)``: `rise` at τ = φ.
+    """
+    p = start.w / _terminal_speed(drag, gravity, functions)
+    time = functions.atan(p) / functions.sqrt(gravity * drag)
+    height = functions.log1p(p * p) / (2 * drag)
+    return Moment(time, PlaneState(start.s, start.z + height, start.u, 0 * start.w))
+
+
+def fall(
+    start: PlaneState[N], drag: N, gravity: N, time: N, functions: Functions[N]
+) -> PlaneState[N]:
+    """Return the state of a ball on its way straight down through the air; u₀ = 0 >= w₀.
+
+    ``w = -v tanh(ψ + τ)``, ``z = z₀ - log(cosh(ψ + τ)/cosh ψ)/k_D`` with tanh ψ = -w₀/v and the
+    rest as in `rise`, here without ψ, so that a ball faster than v needs no coth:
+    w' = k_D w² - g is separable.
+    """
+    terminal, tau = _terminal_speed(drag, gravity, functions), _tau(drag, gravity, time, functions)
+    q, cosh, sinh = -start.w / terminal, functions.cosh(tau), functions.sinh(tau)
+    growth = cosh + q * sinh
+    return PlaneState(
+        start.s,
+        start.z - functions.log(growth) / drag,
+        start.u,
+        -terminal * (q * cosh + sinh) / growth,
+    )
+
+
+def fall_to_floor(
+    start: PlaneState[N], drag: N, gravity: N, floor: N, functions: Functions[N]
+) -> Moment[N]:
+    """Return when and in what state a ball that falls straight down reaches the height `floor`.
+
+    ``w² = v² + (w₀² - v²) exp(-2 k_D h)`` with h = z₀ - floor, since d(w²)/dz = 2 (k_D w² - g) is
+    linear in w²; ``exp τ = exp(k_D h) (v - w)/(v - w₀)`` inverts `fall`. Both are written with
+    differences that lose nothing in a short fall; h > 0 or w₀ < 0.
+    """
+    terminal = _terminal_speed(drag, gravity, functions)
+    q, depth = -start.w / terminal, drag * (start.z - floor)
+    # exp(k_D h) times the final speed over v; its excess over q is a difference of squares.
+    grown = functions.sqrt(q * q + functions.expm1(2 * depth))
+    w = -terminal * grown * functions.exp(-depth)
+    excess = functions.expm1(depth) + functions.expm1(2 * depth) / (grown + q)
+    time = functions.log1p(excess / (1 + q)) / functions.sqrt(gravity * drag)
+    return Moment(time, PlaneState(start.s, floor, start.u, w))
+
+
+def weightless(
+    start: PlaneState[N], forces: Forces[N], time: N, functions: Functions[N]
+) -> PlaneState[N]:
+    """Return the state of a ball without weight, `time` seconds after its launch.
+
+    ``V = V₀/(1 + k_D V₀ t)`` after the way ``σ = log(1 + k_D V₀ t)/k_D``, since V' = -k_D V²; the
+    velocity has turned upwards by the angle ``k_L σ``, since lift turns it at the rate k_L V: the
+    path is a circle of radius 1/k_L, of which the ball has flown a chord ``2 sin(k_L σ/2)/k_L``.
+    Without drag or lift: the limits k_D -> 0, k_L -> 0.
+    """
+    drag, lift = forces.drag, forces.lift
+    u, w = start.u, start.w
+    speed = functions.sqrt(u * u + w * w)
+    slowing = 1 + 0 * speed
+    way = speed * time
+    if drag is not None:
+        slowing = 1 + drag * way
+        way = functions.log1p(drag * way) / drag
+    if lift is None:
+        return PlaneState(
+            start.s + way * u / speed, start.z + way * w / speed, u / slowing, w / slowing
+        )
+    half = lift * way / 2
+    cos, sin = functions.cos(half), functions.sin(half)
+    chord = 2 * sin / lift / speed
+    # Turned by half the angle the launch velocity points along the chord, by all of it, onwards.
+    along_u, along_w = u * cos - w * sin, u * sin + w * cos
+    return PlaneState(
+        start.s + chord * along_u,
+        start.z + chord * along_w,
+        (along_u * cos - along_w * sin) / slowing,
+        (along_u * sin + along_w * cos) / slowing,
+    )
+
+
+# --- what is constant along a flight --------------------------------------------------------------
+
+
+def drag_only_invariant(state: PlaneState[N], drag: N, gravity: N, functions: Functions[N]) -> N:
+    """Return ``1/u² + (k_D/g) [p √(1 + p²) + arsinh p]``, p = w/u, s²/m²: constant without lift.
+
+    With the slope p as the variable, u' = -k_D V u and p' = -g/u give
+    d(1/u²)/dp = -2 (k_D/g) √(1 + p²), the derivative of the bracket times -k_D/g; u > 0.
+    """
+    p = state.w / state.u
+    bracket = p * functions.sqrt(1 + p * p) + functions.asinh(p)
+    return 1 / (state.u * state.u) + drag / gravity * bracket
+
+
+def energy(state: PlaneState[N], gravity: N) -> N:
+    """Return ``E = g z + V²/2``, m²/s², the energy per unit mass: constant without drag.
+
+    Lift is perpendicular to the velocity and does no work.
+    """
+    return gravity * state.z + (state.u * state.u + state.w * state.w) / 2
+
+
+def phugoid(state: PlaneState[N], lift: N, gravity: N, functions: Functions[N]) -> N:
+    """Return ``K = k_L V³/3 - g u``, m²/s³: constant without drag, loops included.
+
+    Without drag V V' = -g w and u' = -k_L V w, so K' = k_L V² V' - g u' = 0. Lanchester's phugoid.
+    """
+    squared = state.u * state.u + state.w * state.w
+    return lift * squared * functions.sqrt(squared) / 3 - gravity * state.u
+
+
+# --- how fast drag changes what would be constant -------------------------------------------------
+
+
+def energy_rate(state: PlaneState[N], drag: N, functions: Functions[N]) -> N:
+    """Return ``E' = -k_D V³``, m²/s³, on every flight: only drag does work."""
+    squared = state.u * state.u + state.w * state.w
+    return -drag * squared * functions.sqrt(squared)
+
+
+def phugoid_rate(state: PlaneState[N], drag: N, lift: N, gravity: N, functions: Functions[N]) -> N:
+    """Return ``K' = -k_D V (k_L V³ - g u)``, m²/s⁴, on every flight.
+
+    Drag adds -k_D V² to V' and -k_D V u to u', in K' = k_L V² V' - g u'.
+    """
+    squared = state.u * state.u + state.w * state.w
+    speed = functions.sqrt(squared)
+    return -drag * speed * (lift * squared * speed - gravity * state.u)
+
+
+# --- scaling --------------------------------------------------------------------------------------
+
+
+def scaled_state(state: PlaneState[N], length: N, functions: Functions[N]) -> PlaneState[N]:
+    """Return the state with lengths times λ = `length` and times times √λ.
+
+    In `scaled_forces` it flies the scaled path: every term of the equations of motion, k V² and
+    g, keeps its value, and so does length/time².
+    """
+    root = functions.sqrt(length)
+    return PlaneState(length * state.s, length * state.z, root * state.u, root * state.w)
+
+
+def scaled_forces(forces: Forces[N], length: N) -> Forces[N]:
+    """Return the forces with k_D and k_L divided by λ = `length` and g unchanged."""
+    return Forces(
+        drag=None if forces.drag is None else forces.drag / length,
+        lift=None if forces.lift is None else forces.lift / length,
+        gravity=forces.gravity,
+        always_up=forces.always_up,
+    )
+
+
+def _terminal_speed(drag: N, gravity: N, functions: Functions[N]) -> N:
+    return functions.sqrt(gravity / drag)
+
+
+def _tau(drag: N, gravity: N, time: N, functions: Functions[N]) -> N:
+    return time * functions.sqrt(gravity * drag)
