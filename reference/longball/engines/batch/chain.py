@@ -407,12 +407,14 @@ def _meet(
     )
     put_forces(records, delivered.forces)
     put_stops(records, delivered.stops, engine.flight_error)
-    put_bat(records, bat, _margin_error(bat, delivered.start.z, engine.flight_error))
+    records["vertical"] = delivered.forces.always_up & (records["lift"] != 0.0)
+    put_bat(records, bat, _margin_error(bat, flown.state.z, engine.flight_error))
     ends = engine.search_all(records)
     stop = ends["stop"]
-    told = (stop <= flights.TOUCH) | (stop == flights.GRAZES_BAT)
+    missed = np.isin(stop, (flights.FLOOR, flights.WALL, flights.TIME_LIMIT))
+    told = missed | np.isin(stop, (flights.TOUCH, flights.GRAZES_BAT))
     table.outcome[rows] = UNSOLVED
-    table.decide("missed", rows[stop <= flights.TIME_LIMIT])
+    table.decide("missed", rows[missed])
     table.put("contact.margin", rows[told], ends["margin"][told])
     touched = stop == flights.TOUCH
     time, state = noted(ends[touched])
@@ -430,11 +432,12 @@ def _meet(
     )
 
 
-def _margin_error(bat: BatSection[Any], release_height: Array, flight_error: float) -> Array:
-    """Do what `longball.engines.contact.margin_error` does."""
-    height = np.maximum(abs(bat.height), abs(release_height))
-    rounding = DOUBLES.rounding * (12 * height + 2 * bat.reach)
-    return cast(Array, 2 * bat.reach * flight_error + rounding)
+def _margin_error(bat: BatSection[Any], plate: Array, flight_error: float) -> Array:
+    """Do what `longball.engines.contact.margin_error` does; `plate` is the height there, m."""
+    way = np.maximum(bat.reach, abs(bat.height - plate))
+    height = np.maximum(abs(bat.height), abs(plate))
+    rounding = DOUBLES.rounding * (8 * height + 4 * abs(bat.x) + 2 * bat.reach)
+    return cast(Array, 2 * way * flight_error + rounding)
 
 
 # --- rows and blocks ------------------------------------------------------------------------------

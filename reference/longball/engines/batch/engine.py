@@ -119,7 +119,7 @@ class Batch:
         way = cast(Way, pitch.record)
         start = way.approach if approach_is_clear(bat, pitch.state.z) else way.launch
         flight = self._flight(start, forces, stops)
-        error = contact.margin_error(bat, way.launch.state.z, self.flight_error)
+        error = contact.margin_error(bat, pitch.state, self.flight_error)
         put_bat(flight, bat, error)
         end = self.search_all(flight)
         stop, margin = end["stop"].item(), end["margin"].item()
@@ -159,6 +159,11 @@ def _of_one(start: Start) -> Start:
 def _reason(stop: int, doubt: float, flight: Any) -> ArithmeticError:
     """Say why a flight has no answer."""
     match stop:
+        case flights.VERTICAL:
+            return CannotSolve(
+                "the pitch turns vertical over the plate, where a lift that is always up "
+                "has no direction; use lift_direction = fixed_spin_axis"
+            )
         case flights.GRAZES_FLOOR:
             return Undecided(
                 "whether the ball touches the ground at the bottom of a dip cannot be decided in "
