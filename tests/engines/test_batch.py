@@ -400,6 +400,19 @@ def test_a_graze_is_an_error_with_its_margin() -> None:
     assert list(alone["outcome"]) == ["", "batted"]
 
 
+def test_a_circle_that_comes_back_to_the_ground_where_it_left_it_is_an_error() -> None:
+    """Without gravity the path is a circle, here one that the ground is a tangent to."""
+    scene = FlightScene(
+        id="circle",
+        gravity=0.0,
+        air=Air(drag_coefficient=0.0, lift_coefficient=0.7),
+        launch=Launch(position=(0.0, 0.0, 0.0), velocity=(45.0, 0.0, 0.0)),
+    )
+    (result,) = solve_all([scene])
+    assert result.error is not None
+    assert "at the bottom of a dip cannot be decided" in result.error
+
+
 def test_a_ball_released_inside_the_bat_is_an_error() -> None:
     scene = AtBatScene(id="in", pitch=Pitch(release=(0.02, 0.0, 1.8)))
     (result,) = solve_all([scene])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, cast
+from typing import cast
 
 import numpy as np
 
@@ -104,7 +104,7 @@ class Batch:
         end = self.fly_all(flight)
         stop = end["stop"].item()
         if stop not in _STOPS:
-            raise _reason(stop, end["doubt"].item(), flight)
+            raise _reason(stop, end, flight)
         time, state = _of_one(noted(end))
         return Arrival(_STOPS[stop], time, state, Way(launch, _of_one(noted(end, "mark_"))))
 
@@ -130,7 +130,7 @@ class Batch:
                 return Touch(margin, None, doubt=contact.doubt(margin, error))
             case flights.FLOOR | flights.WALL | flights.TIME_LIMIT:
                 return Touch(margin, False)
-        raise _reason(stop, end["doubt"].item(), flight)
+        raise _reason(stop, end, flight)
 
     def fly_all(self, starts: Records) -> Records:
         """Fly records of `flights.FLIGHT`; return records of `flights.ARRIVAL`, in order."""
@@ -156,8 +156,9 @@ def _of_one(start: Start) -> Start:
     return Start(start.time.item(), PlaneState(*(x.item() for x in start.state)))
 
 
-def _reason(stop: int, doubt: float, flight: Any) -> ArithmeticError:
+def _reason(stop: int, end: Records, flight: Records) -> ArithmeticError:
     """Say why a flight has no answer."""
+    doubt = end["doubt"].item()
     match stop:
         case flights.VERTICAL:
             return CannotSolve(
@@ -168,7 +169,7 @@ def _reason(stop: int, doubt: float, flight: Any) -> ArithmeticError:
             return Undecided(
                 "whether the ball touches the ground at the bottom of a dip cannot be decided in "
                 f"double precision: its height {doubt:.3g} m above the ground lies within its "
-                f"error {flight['floor_error'].item():.3g} m"
+                f"error {end['size'].item() * flight['error'].item():.3g} m"
             )
         case flights.INSIDE_BAT:
             reach = flight["reach"].item()

@@ -49,7 +49,7 @@ Records = NDArray[Any]
 
 # One record a flight. Starts: time (s), state (m, m, m/s, m/s). Forces as in
 # `longball.model.motion.Forces`, 0 for none. Stops as in `longball.engines.engine.Stops`, with
-# -inf and inf for no floor and no wall, and the error (m) of a height at the bottom of a dip.
+# -inf and inf for no floor and no wall, and the relative error of a state at the end of a flight.
 # `mark`: the distance s whose passing is noted. The bat as in
 # `longball.engines.engine.BatSection`, with reach 0 for no bat, and the error (m) of its margin.
 FLIGHT = np.dtype(
@@ -58,7 +58,7 @@ FLIGHT = np.dtype(
         for name in (
             *("time", "s", "z", "u", "w"),
             *("drag", "lift", "gravity"),
-            *("time_limit", "floor", "floor_error", "wall", "vertical", "mark"),
+            *("time_limit", "floor", "error", "wall", "vertical", "mark"),
             *("bat_x", "bat_cos", "bat_height", "reach", "margin_error"),
         )
     ]
@@ -72,7 +72,8 @@ FLYING, RESTING = -1, -2
 
 # One record a flight: how it ends, when (s) and in what state; when and in what state it passed the
 # mark, or first touched the bat; the margin of the bat, m; the steps taken. `doubt`, m: what lies
-# within its error, if that is the reason for no answer.
+# within its error, if that is the reason for no answer. `size`, m: the largest height there was,
+# 1 m at least, to which the error of a height is relative.
 ARRIVAL = np.dtype(
     [
         ("stop", np.int64),
@@ -82,7 +83,7 @@ ARRIVAL = np.dtype(
             for name in (
                 *("time", "s", "z", "u", "w"),
                 *("mark_time", "mark_s", "mark_z", "mark_u", "mark_w"),
-                *("margin", "doubt"),
+                *("margin", "doubt", "size"),
             )
         ),
     ]
@@ -191,6 +192,9 @@ def _clear(flight: Any, arrival: Any) -> None:
     arrival.steps = 0
     arrival.margin = -math.inf
     arrival.doubt = 0.0
+    arrival.size = max(1.0, abs(flight.z))
+    if flight.floor > -math.inf:
+        arrival.size = max(arrival.size, abs(flight.floor))
     _note_arrival(arrival, FLYING, flight.time, flight.s, flight.z, flight.u, flight.w)
     _note_mark(arrival, flight.time, flight.s, flight.z, flight.u, flight.w)
     if flight.s < flight.mark:
@@ -286,7 +290,7 @@ def _goes_on(flight: Any, arrival: Any, x: Array, lane: int, desk: Array, order:
         and flight.vertical == 0.0
         and x[U, 0, lane] != 0.0
         and time + step < flight.time_limit
-        and x[Z, 0, lane] - x[STEP, Z_RANGE, lane] > flight.floor + flight.floor_error
+        and x[Z, 0, lane] - x[STEP, Z_RANGE, lane] > flight.floor + flight.error * arrival.size
         and x[S, 0, lane] + x[STEP, S_RANGE, lane] < min(flight.mark, flight.wall)
     )
     if nothing_near:
@@ -317,6 +321,7 @@ def _moves_on(arrival: Any, x: Array, lane: int, desk: Array, order: int, taken:
 @compiled
 def _is_in_order(arrival: Any, x: Array, lane: int, taken: float) -> bool:
     """Tell whether a flight has a state to go on from, and makes way."""
+    arrival.size = max(arrival.size, abs(x[Z, 0, lane]))
     if not math.isfinite(x[S, 0, lane] + x[Z, 0, lane] + x[U, 0, lane] + x[W, 0, lane]):
         arrival.stop = OUT_OF_RANGE
     elif x[STEP, TIME, lane] + taken == x[STEP, TIME, lane] or arrival.steps >= MOST_STEPS:
@@ -368,13 +373,12 @@ def _settle(flight: Any, arrival: Any, desk: Array, order: int, time: float, ste
         reached, _ = first_fall(p, slope, bend, order + 1, end, 0.0)
         if reached != NEVER:
             stop, end = FLYING if before_mark else WALL, reached
-    if desk[Z, 0] - _farthest(flight, desk[U, 0], desk[W, 0], end) <= (
-        flight.floor + flight.floor_error
-    ):
+    doubt = flight.error * arrival.size
+    if desk[Z, 0] - _farthest(flight, desk[U, 0], desk[W, 0], end) <= flight.floor + doubt:
         for k in range(order + 2):
             p[k] = desk[Z, k]
         p[0] -= flight.floor
-        landed, depth = first_fall(p, desk[W], bend, order + 1, end, flight.floor_error)
+        landed, depth = first_fall(p, desk[W], bend, order + 1, end, doubt)
         if math.isnan(landed):
             arrival.stop, arrival.doubt = GRAZES_FLOOR, depth
             return end
