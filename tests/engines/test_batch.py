@@ -413,6 +413,21 @@ def test_a_circle_that_comes_back_to_the_ground_where_it_left_it_is_an_error() -
     assert "at the bottom of a dip cannot be decided" in result.error
 
 
+@pytest.mark.parametrize("size", [1e10, 1e20, 1e30])
+def test_sizes_that_overflow_have_the_same_answer_in_a_list_as_alone(size: float) -> None:
+    flying = {"position": (0.0, 0.0, 1.0), "velocity": (size, 0.0, size)}
+    scenes: list[Scene] = [
+        FlightScene(id="fast", launch=Launch(**flying)),
+        FlightScene(id="free", air=None, launch=Launch(**flying)),
+        FlightScene(id="thick", air=Air(density=size), launch=Launch(**flying)),
+        PitchScene(id="thrown", pitch=Pitch(speed=size)),
+        AtBatScene(id="batted", pitch=Pitch(speed=size)),
+        AtBatScene(id="swung", swing=Swing(angular_speed=size)),
+        AtBatScene(id="heavy", ball=Ball(mass=size)),
+    ]
+    assert solve_all(scenes) == [solve(scene, Batch()) for scene in scenes]
+
+
 def test_a_ball_released_inside_the_bat_is_an_error() -> None:
     scene = AtBatScene(id="in", pitch=Pitch(release=(0.02, 0.0, 1.8)))
     (result,) = solve_all([scene])

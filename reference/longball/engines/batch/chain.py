@@ -155,6 +155,15 @@ def _dot(a: Any, b: Any) -> Any:
 # --- tables of results ----------------------------------------------------------------------------
 
 
+# What an answer ends with: if it is no number, something before has overflowed.
+_LAST = {
+    "landed": "landing.distance",
+    "batted": "landing.distance",
+    "crossed": "plate.velocity.2",
+    "struck": "impact.velocity.2",
+}
+
+
 class Table:
     """Results, a row a scene: columns named as the contract names them, NaN where there is none.
 
@@ -183,6 +192,17 @@ class Table:
     def decide(self, outcome: Outcome, rows: Any) -> None:
         """Write an outcome into rows, by index or by flag."""
         self.outcome[rows] = OUTCOMES.index(outcome)
+
+    def withdraw_what_is_not_finite(self) -> None:
+        """Leave rows without an answer if a quantity of theirs has overflowed."""
+        overflown = np.zeros(len(self), bool)
+        for column in self.columns.values():
+            overflown |= np.isinf(column[self.rows])
+        for outcome, quantity in _LAST.items():
+            if quantity in self.columns:
+                reached = self.outcome == OUTCOMES.index(outcome)
+                overflown |= reached & np.isnan(self.columns[quantity][self.rows])
+        self.outcome[overflown] = UNSOLVED
 
     def put(self, name: str, rows: Any, values: Any) -> None:
         """Write a quantity into rows: an array, or a vector of three."""

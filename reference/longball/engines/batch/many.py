@@ -137,8 +137,10 @@ def _solve(
 
     def solve_block(start: int) -> None:
         rows = slice(start, start + BLOCK)
-        with np.errstate(all="ignore"):  # what is not finite ends as no answer
-            _CHAINS[kind](table.part(rows), at_rows(columns, rows), reading, engine)
+        part = table.part(rows)
+        with np.errstate(all="ignore"):
+            _CHAINS[kind](part, at_rows(columns, rows), reading, engine)
+        part.withdraw_what_is_not_finite()
 
     with ThreadPoolExecutor(threads) as pool:
         list(pool.map(solve_block, range(0, count, BLOCK)))
