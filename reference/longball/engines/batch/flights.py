@@ -431,13 +431,20 @@ def _turn_over(wall: float, desk: Array, order: int) -> None:
 @compiled
 def _search_length(flight: Any, s: float, z: float, u: float, w: float, end: float) -> float:
     """Return how far, s, a step that may touch the bat is to be searched: not from afar."""
-    distance = math.hypot(flight.bat_x + flight.bat_cos * s, z - flight.bat_height)
+    distance = _distance(flight, s, z)
     if distance <= _FAR * flight.reach:
         return end
     if distance - flight.reach > _farthest(flight, u, w, end):
         return end
     far: float = distance - 0.5 * _FAR * flight.reach
     return end * far / _farthest(flight, u, w, end)
+
+
+@compiled
+def _distance(flight: Any, s: float, z: float) -> float:
+    """Return the distance of the ball's centre from the bat's axis, m."""
+    across, above = flight.bat_x + flight.bat_cos * s, z - flight.bat_height
+    return math.sqrt(across * across + above * above)
 
 
 @compiled
@@ -465,17 +472,10 @@ def _meets_bat(
     degree = _depth(flight, desk, order, end)
     differentiate(p, degree, slope)
     differentiate(slope, degree - 1, bend)
-    bend_of_depth = curvature(slope, degree - 1, end)
     bend_of_slope = curvature(bend, degree - 2, end)
     approaching = slope[0] < 0.0
     if arrival.steps <= 1:
-        gap = (
-            math.hypot(
-                flight.bat_x + flight.bat_cos * desk[S, 0],
-                desk[Z, 0] - flight.bat_height,
-            )
-            - reach
-        )
+        gap = _distance(flight, desk[S, 0], desk[Z, 0]) - reach
         if gap < -flight.margin_error:
             arrival.stop, arrival.doubt = INSIDE_BAT, gap
             return True
@@ -489,9 +489,8 @@ def _meets_bat(
             arrival.stop = TOO_LONG
             return True
         until = min(turn, end)
-        margin = reach - math.hypot(
-            flight.bat_x + flight.bat_cos * value(desk[S], order + 1, until),
-            value(desk[Z], order + 1, until) - flight.bat_height,
+        margin = reach - _distance(
+            flight, value(desk[S], order + 1, until), value(desk[Z], order + 1, until)
         )
         settled = last or turn != NEVER
         if settled:
@@ -500,6 +499,7 @@ def _meets_bat(
             arrival.stop, arrival.margin, arrival.doubt = GRAZES_BAT, margin, margin
             return True
         if margin > 0.0 and math.isnan(arrival.mark_time):
+            bend_of_depth = curvature(slope, degree - 1, end)
             touch = first_zero(p, slope, degree, 1.0, 0.0, begin, until, bend_of_depth)
             touch = touch if touch < until else until
             s, z, u, w = _state(desk, order, touch)
@@ -538,7 +538,7 @@ def _depth(flight: Any, desk: Array, order: int, end: float) -> int:
         power *= end
     x[0] += flight.bat_x
     z[0] -= flight.bat_height
-    distance = math.hypot(x[0], z[0])
+    distance = math.sqrt(x[0] * x[0] + z[0] * z[0])
     p[0] = 0.5 * (distance - flight.reach) * (distance + flight.reach)
     for n in range(1, 2 * terms - 1):
         total = 0.0
