@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from copy import copy
 from dataclasses import dataclass, replace
 from types import SimpleNamespace
 from typing import Any, cast, get_args
@@ -19,7 +20,7 @@ from numpy.typing import NDArray
 from longball.engines.batch import flights
 from longball.engines.batch.engine import Batch
 from longball.engines.batch.flights import FLIGHT
-from longball.engines.batch.lanes import compiled
+from longball.engines.batch.lanes import kept
 from longball.engines.batch.records import (
     Start,
     approach_is_clear,
@@ -40,7 +41,7 @@ from longball.model.result import Outcome
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 Vector = tuple[Array, Array, Array]
-Columns = Mapping[str, Array]
+Columns = Mapping[str, Any]  # arrays of a number a scene, or one number for all
 
 OUTCOMES: tuple[str, ...] = get_args(Outcome)
 UNSOLVED = -1  # stands in a column of outcomes where a scene has no answer
@@ -61,12 +62,13 @@ class Elementwise:
 
     def cos_sin(self, angle: Array) -> tuple[Array, Array]:
         """Return cosines and sines by the functions that `math` has, not by NumPy's vector code."""
-        cos, sin = np.empty_like(angle), np.empty_like(angle)
-        _cos_sin(angle, cos, sin)
-        return cos, sin
+        angles = np.atleast_1d(angle)
+        cos, sin = np.empty_like(angles), np.empty_like(angles)
+        _cos_sin(angles, cos, sin)
+        return cos.reshape(np.shape(angle)), sin.reshape(np.shape(angle))
 
 
-@compiled
+@kept
 def _cos_sin(angle: Array, cos: Array, sin: Array) -> None:
     for i in range(len(angle)):
         cos[i], sin[i] = math.cos(angle[i]), math.sin(angle[i])
@@ -88,9 +90,11 @@ class Flown:
     approach: Start
 
 
-def _fly(start: PlaneState[Any], forces: Forces[Any], stops: Stops[Any], engine: Batch) -> Flown:
+def _fly(
+    count: int, start: PlaneState[Any], forces: Forces[Any], stops: Stops[Any], engine: Batch
+) -> Flown:
     """Fly to a stop, through the vertical if need be; see `longball.engines.at_bat`."""
-    records = np.zeros(len(start.z), FLIGHT)
+    records = np.zeros(count, FLIGHT)
     put_start(records, Start(0.0, start))
     put_forces(records, forces)
     put_stops(records, stops, engine.flight_error)
@@ -116,7 +120,7 @@ def _into_plane(position: Vector, velocity: Vector) -> tuple[FlightPlane[Any], P
     heads = horizontal > 0.0
     length = np.where(heads, horizontal, 1.0)
     plane = FlightPlane(x, y, np.where(heads, vx / length, 1.0), np.where(heads, vy / length, 0.0))
-    return plane, PlaneState(np.zeros_like(z), z, horizontal, vz)
+    return plane, PlaneState(0.0, z, horizontal, vz)
 
 
 def _forces(c: Columns, reading: Reading) -> Forces[Any]:
@@ -124,7 +128,7 @@ def _forces(c: Columns, reading: Reading) -> Forces[Any]:
     radius = c["ball.radius"]
     area = math.pi * radius * radius
 
-    def per_metre(coefficient: Array) -> Array:
+    def per_metre(coefficient: Any) -> Any:
         return c["air.density"] * coefficient * area / (2 * c["ball.mass"])
 
     return Forces(
@@ -135,32 +139,70 @@ def _forces(c: Columns, reading: Reading) -> Forces[Any]:
     )
 
 
-def _floor(c: Columns, reading: Reading) -> Array:
-    ground = c.get("ground.height", np.zeros_like(c["ball.radius"]))
+def _floor(c: Columns, reading: Reading) -> Any:
+    ground = c.get("ground.height", 0.0)  # a pitch's field is the paper's
     return ground + c["ball.radius"] if reading.ground_contact == "surface" else ground
 
 
-def _point(c: Columns, name: str) -> Vector:
+def _point(c: Columns, name: str) -> Any:
     return c[f"{name}.0"], c[f"{name}.1"], c[f"{name}.2"]
 
 
-def _dot(a: Vector, b: Vector) -> Array:
+def _dot(a: Any, b: Any) -> Any:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 # --- tables of results ----------------------------------------------------------------------------
 
 
+# What an answer ends with: if it is no number, something before has overflowed.
+_LAST = {
+    "landed": "landing.distance",
+    "batted": "landing.distance",
+    "crossed": "plate.velocity.2",
+    "struck": "impact.velocity.2",
+}
+
+
 class Table:
-    """Results, a row a scene: columns named as the contract names them, NaN where there is none."""
+    """Results, a row a scene: columns named as the contract names them, NaN where there is none.
+
+    `part` gives a table of some of the rows, which writes into this one.
+    """
 
     def __init__(self, rows: int) -> None:
-        self.outcome = np.full(rows, UNSOLVED, np.int64)
+        self.rows = slice(0, rows)
+        self.whole = np.full(rows, UNSOLVED, np.int64)
         self.columns: dict[str, Array] = {}
+
+    def __len__(self) -> int:
+        return self.rows.stop - self.rows.start
+
+    @property
+    def outcome(self) -> NDArray[np.int64]:
+        """The outcomes, as places in OUTCOMES."""
+        return self.whole[self.rows]
+
+    def part(self, rows: slice) -> Table:
+        """Return the table of a range of rows."""
+        part = copy(self)
+        part.rows = slice(rows.start, min(rows.stop, len(self.whole)))
+        return part
 
     def decide(self, outcome: Outcome, rows: Any) -> None:
         """Write an outcome into rows, by index or by flag."""
         self.outcome[rows] = OUTCOMES.index(outcome)
+
+    def withdraw_what_is_not_finite(self) -> None:
+        """Leave rows without an answer if a quantity of theirs has overflowed."""
+        overflown = np.zeros(len(self), bool)
+        for column in self.columns.values():
+            overflown |= np.isinf(column[self.rows])
+        for outcome, quantity in _LAST.items():
+            if quantity in self.columns:
+                reached = self.outcome == OUTCOMES.index(outcome)
+                overflown |= reached & np.isnan(self.columns[quantity][self.rows])
+        self.outcome[overflown] = UNSOLVED
 
     def put(self, name: str, rows: Any, values: Any) -> None:
         """Write a quantity into rows: an array, or a vector of three."""
@@ -168,21 +210,20 @@ class Table:
             for i, value in enumerate(values):
                 self.put(f"{name}.{i}", rows, value)
             return
-        column = self.columns.setdefault(name, np.full(len(self.outcome), np.nan))
-        column[rows] = values
+        if name not in self.columns:
+            self.columns.setdefault(name, np.full(len(self.whole), np.nan))
+        self.columns[name][self.rows][rows] = values
 
 
 # --- the links of the chain -----------------------------------------------------------------------
 
 
-def solve_flights(c: Columns, reading: Reading, engine: Batch) -> Table:
+def solve_flights(table: Table, c: Columns, reading: Reading, engine: Batch) -> None:
     """Solve launches and landings."""
-    table = Table(len(c["gravity"]))
-    everyone = np.arange(len(c["gravity"]))
+    everyone = np.arange(len(table))
     position, velocity = _point(c, "launch.position"), _point(c, "launch.velocity")
-    _land(table, everyone, c, position, velocity, np.zeros(len(everyone)), reading, engine)
+    _land(table, everyone, c, position, velocity, np.zeros(len(table)), reading, engine)
     table.outcome[table.outcome == OUTCOMES.index("batted")] = OUTCOMES.index("landed")
-    return table
 
 
 def _land(
@@ -198,7 +239,7 @@ def _land(
     """Fly to the ground from launches at `time`, and write how that ends: batted or airborne."""
     plane, start = _into_plane(position, velocity)
     stops = Stops(time_limit=c["time_limit"], floor=_floor(c, reading))
-    flown = _fly(start, _forces(c, reading), stops, engine)
+    flown = _fly(len(rows), start, _forces(c, reading), stops, engine)
     table.decide("airborne", rows[flown.stop == flights.TIME_LIMIT])
     down = flown.stop == flights.FLOOR
     table.decide("batted", rows[down])
@@ -224,7 +265,7 @@ class Delivered:
     flown: Flown
 
 
-def _deliver(c: Columns, reading: Reading, engine: Batch) -> Delivered:
+def _deliver(count: int, c: Columns, reading: Reading, engine: Batch) -> Delivered:
     x, y, z = _point(c, "pitch.release")
     toward = (-x, c["pitch.aim.0"] - y, c["pitch.aim.1"] - z)
     scale = c["pitch.speed"] / np.sqrt(_dot(toward, toward))
@@ -232,7 +273,7 @@ def _deliver(c: Columns, reading: Reading, engine: Batch) -> Delivered:
     plane, start = _into_plane((x, y, z), velocity)
     stops = Stops(time_limit=c["time_limit"], floor=_floor(c, reading), wall=-x / plane.cos)
     forces = _forces(c, reading)
-    return Delivered(plane, start, forces, stops, _fly(start, forces, stops, engine))
+    return Delivered(plane, start, forces, stops, _fly(count, start, forces, stops, engine))
 
 
 def _plate(table: Table, delivered: Delivered) -> Flags:
@@ -249,11 +290,9 @@ def _plate(table: Table, delivered: Delivered) -> Flags:
     return crossed
 
 
-def solve_pitches(c: Columns, reading: Reading, engine: Batch) -> Table:
+def solve_pitches(table: Table, c: Columns, reading: Reading, engine: Batch) -> None:
     """Solve releases and plates."""
-    table = Table(len(c["gravity"]))
-    _plate(table, _deliver(c, reading, engine))
-    return table
+    _plate(table, _deliver(len(table), c, reading, engine))
 
 
 @dataclass(frozen=True)
@@ -341,33 +380,27 @@ def _strike(table: Table, blows: Blows, c: Columns, reading: Reading) -> Vector:
     return after
 
 
-def solve_impacts(c: Columns, reading: Reading, engine: Batch) -> Table:
+def solve_impacts(table: Table, c: Columns, reading: Reading, engine: Batch) -> None:
     """Solve touchings that are given."""
-    rows = np.arange(len(c["ball.mass"]))
-    table = Table(len(rows))
+    rows = np.arange(len(table))
+    c = {name: np.broadcast_to(column, len(table)) for name, column in c.items()}
     position, velocity = _point(c, "incoming.position"), _point(c, "incoming.velocity")
-    height, time = c["incoming.bat_height"], np.zeros(len(rows))
+    height, time = c["incoming.bat_height"], np.zeros(len(table))
     blows = _blows(table, rows, c, position, velocity, height, 0.0, time)
-    for i in range(3):  # beyond the bat there is no contact to tell of
-        table.columns[f"contact.position.{i}"][table.outcome == OUTCOMES.index("beyond_bat")] = (
-            np.nan
-        )
+    # Beyond the bat there is no contact to tell of.
+    table.put("contact.position", table.outcome == OUTCOMES.index("beyond_bat"), (np.nan,) * 3)
     _strike(table, blows, at_rows(c, blows.rows), reading)
-    return table
 
 
-def solve_at_bats(c: Columns, reading: Reading, engine: Batch) -> Table:
+def solve_at_bats(table: Table, c: Columns, reading: Reading, engine: Batch) -> None:
     """Solve whole at-bats."""
-    table = Table(len(c["gravity"]))
-    delivered = _deliver(c, reading, engine)
-    crossed = _plate(table, delivered)
-    rows = np.flatnonzero(crossed)
+    delivered = _deliver(len(table), c, reading, engine)
+    rows = np.flatnonzero(_plate(table, delivered))
     blows = _meet(table, rows, at_rows(c, rows), _delivered_at(delivered, rows), engine)
     struck = at_rows(c, blows.rows)
     after = _strike(table, blows, struck, reading)
     table.outcome[blows.rows] = UNSOLVED
     _land(table, blows.rows, struck, blows.position, after, blows.time, reading, engine)
-    return table
 
 
 def _meet(
@@ -394,12 +427,14 @@ def _meet(
     )
     put_forces(records, delivered.forces)
     put_stops(records, delivered.stops, engine.flight_error)
-    put_bat(records, bat, _margin_error(bat, delivered.start.z, engine.flight_error))
+    records["vertical"] = delivered.forces.always_up & (records["lift"] != 0.0)
+    put_bat(records, bat, _margin_error(bat, flown.state.z, engine.flight_error))
     ends = engine.search_all(records)
     stop = ends["stop"]
-    told = (stop <= flights.TOUCH) | (stop == flights.GRAZES_BAT)
+    missed = np.isin(stop, (flights.FLOOR, flights.WALL, flights.TIME_LIMIT))
+    told = missed | np.isin(stop, (flights.TOUCH, flights.GRAZES_BAT))
     table.outcome[rows] = UNSOLVED
-    table.decide("missed", rows[stop <= flights.TIME_LIMIT])
+    table.decide("missed", rows[missed])
     table.put("contact.margin", rows[told], ends["margin"][told])
     touched = stop == flights.TOUCH
     time, state = noted(ends[touched])
@@ -417,11 +452,12 @@ def _meet(
     )
 
 
-def _margin_error(bat: BatSection[Any], release_height: Array, flight_error: float) -> Array:
-    """Do what `longball.engines.contact.margin_error` does."""
-    height = np.maximum(abs(bat.height), abs(release_height))
-    rounding = DOUBLES.rounding * (12 * height + 2 * bat.reach)
-    return cast(Array, 2 * bat.reach * flight_error + rounding)
+def _margin_error(bat: BatSection[Any], plate: Array, flight_error: float) -> Array:
+    """Do what `longball.engines.contact.margin_error` does; `plate` is the height there, m."""
+    way = np.maximum(bat.reach, abs(bat.height - plate))
+    height = np.maximum(abs(bat.height), abs(plate))
+    rounding = DOUBLES.rounding * (8 * height + 4 * abs(bat.x) + 2 * bat.reach)
+    return cast(Array, 2 * way * flight_error + rounding)
 
 
 # --- rows and blocks ------------------------------------------------------------------------------
@@ -429,14 +465,14 @@ def _margin_error(bat: BatSection[Any], release_height: Array, flight_error: flo
 
 def at_rows(c: Columns, rows: Any) -> dict[str, Array]:
     """Return some rows of columns, by index or by flag."""
-    return {name: column[rows] for name, column in c.items()}
+    return {name: _at(column, rows) for name, column in c.items()}
 
 
 def _at(values: Any, rows: Any) -> Any:
-    """Return some rows of an array, or of each array of a tuple."""
+    """Return some rows of an array, or of each array of a tuple; a number is that of every row."""
     if isinstance(values, tuple):
-        return tuple(value[rows] for value in values)
-    return values[rows]
+        return tuple(_at(value, rows) for value in values)
+    return values[rows] if np.ndim(values) else values
 
 
 def _delivered_at(delivered: Delivered, rows: NDArray[np.int64]) -> Delivered:
@@ -454,11 +490,11 @@ def _delivered_at(delivered: Delivered, rows: NDArray[np.int64]) -> Delivered:
         state(delivered.start),
         replace(
             forces,
-            drag=cast(Array, forces.drag)[rows],
-            lift=cast(Array, forces.lift)[rows],
-            gravity=cast(Array, forces.gravity)[rows],
+            drag=_at(forces.drag, rows),
+            lift=_at(forces.lift, rows),
+            gravity=_at(forces.gravity, rows),
         ),
-        Stops(time_limit=stops.time_limit[rows], floor=cast(Array, stops.floor)[rows]),
+        Stops(time_limit=_at(stops.time_limit, rows), floor=_at(stops.floor, rows)),
         Flown(
             flown.stop[rows],
             flown.time[rows],

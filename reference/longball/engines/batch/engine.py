@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, cast
+from typing import cast
 
 import numpy as np
 
@@ -104,7 +104,7 @@ class Batch:
         end = self.fly_all(flight)
         stop = end["stop"].item()
         if stop not in _STOPS:
-            raise _reason(stop, end["doubt"].item(), flight)
+            raise _reason(stop, end, flight)
         time, state = _of_one(noted(end))
         return Arrival(_STOPS[stop], time, state, Way(launch, _of_one(noted(end, "mark_"))))
 
@@ -119,7 +119,7 @@ class Batch:
         way = cast(Way, pitch.record)
         start = way.approach if approach_is_clear(bat, pitch.state.z) else way.launch
         flight = self._flight(start, forces, stops)
-        error = contact.margin_error(bat, way.launch.state.z, self.flight_error)
+        error = contact.margin_error(bat, pitch.state, self.flight_error)
         put_bat(flight, bat, error)
         end = self.search_all(flight)
         stop, margin = end["stop"].item(), end["margin"].item()
@@ -130,7 +130,7 @@ class Batch:
                 return Touch(margin, None, doubt=contact.doubt(margin, error))
             case flights.FLOOR | flights.WALL | flights.TIME_LIMIT:
                 return Touch(margin, False)
-        raise _reason(stop, end["doubt"].item(), flight)
+        raise _reason(stop, end, flight)
 
     def fly_all(self, starts: Records) -> Records:
         """Fly records of `flights.FLIGHT`; return records of `flights.ARRIVAL`, in order."""
@@ -139,9 +139,9 @@ class Batch:
     def search_all(self, starts: Records) -> Records:
         """Do the same for flights past a bat.
 
-        They are short, a hundredth of a second, and steps of half the order span them.
+        They take a hundredth of a second, which steps of a lower order span.
         """
-        return flights.fly_all(starts, self.order // 2, self.truncation)
+        return flights.fly_all(starts, max(8, 2 * self.order // 5), self.truncation)
 
     def _flight(self, start: Start, forces: Forces[float], stops: Stops[float]) -> Records:
         flight = np.zeros(1, FLIGHT)
@@ -156,14 +156,20 @@ def _of_one(start: Start) -> Start:
     return Start(start.time.item(), PlaneState(*(x.item() for x in start.state)))
 
 
-def _reason(stop: int, doubt: float, flight: Any) -> ArithmeticError:
+def _reason(stop: int, end: Records, flight: Records) -> ArithmeticError:
     """Say why a flight has no answer."""
+    doubt = end["doubt"].item()
     match stop:
+        case flights.VERTICAL:
+            return CannotSolve(
+                "the pitch turns vertical over the plate, where a lift that is always up "
+                "has no direction; use lift_direction = fixed_spin_axis"
+            )
         case flights.GRAZES_FLOOR:
             return Undecided(
                 "whether the ball touches the ground at the bottom of a dip cannot be decided in "
                 f"double precision: its height {doubt:.3g} m above the ground lies within its "
-                f"error {flight['floor_error'].item():.3g} m"
+                f"error {end['size'].item() * flight['error'].item():.3g} m"
             )
         case flights.INSIDE_BAT:
             reach = flight["reach"].item()

@@ -34,7 +34,7 @@ from longball.engines.batch.expansion import (
     room,
     take_steps,
 )
-from longball.engines.batch.lanes import WIDTH, borrowed, compiled, fma
+from longball.engines.batch.lanes import WIDTH, borrowed, compiled, fma, kept
 from longball.engines.batch.roots import (
     NEVER,
     curvature,
@@ -49,7 +49,7 @@ Records = NDArray[Any]
 
 # One record a flight. Starts: time (s), state (m, m, m/s, m/s). Forces as in
 # `longball.model.motion.Forces`, 0 for none. Stops as in `longball.engines.engine.Stops`, with
-# -inf and inf for no floor and no wall, and the error (m) of a height at the bottom of a dip.
+# -inf and inf for no floor and no wall, and the relative error of a state at the end of a flight.
 # `mark`: the distance s whose passing is noted. The bat as in
 # `longball.engines.engine.BatSection`, with reach 0 for no bat, and the error (m) of its margin.
 FLIGHT = np.dtype(
@@ -58,7 +58,7 @@ FLIGHT = np.dtype(
         for name in (
             *("time", "s", "z", "u", "w"),
             *("drag", "lift", "gravity"),
-            *("time_limit", "floor", "floor_error", "wall", "vertical", "mark"),
+            *("time_limit", "floor", "error", "wall", "vertical", "mark"),
             *("bat_x", "bat_cos", "bat_height", "reach", "margin_error"),
         )
     ]
@@ -72,7 +72,8 @@ FLYING, RESTING = -1, -2
 
 # One record a flight: how it ends, when (s) and in what state; when and in what state it passed the
 # mark, or first touched the bat; the margin of the bat, m; the steps taken. `doubt`, m: what lies
-# within its error, if that is the reason for no answer.
+# within its error, if that is the reason for no answer. `size`, m: the largest height there was,
+# 1 m at least, to which the error of a height is relative.
 ARRIVAL = np.dtype(
     [
         ("stop", np.int64),
@@ -82,7 +83,7 @@ ARRIVAL = np.dtype(
             for name in (
                 *("time", "s", "z", "u", "w"),
                 *("mark_time", "mark_s", "mark_z", "mark_u", "mark_w"),
-                *("margin", "doubt"),
+                *("margin", "doubt", "size"),
             )
         ),
     ]
@@ -125,7 +126,7 @@ def fly_all(flights: Records, order: int, truncation: float) -> Records:
     return arrivals
 
 
-@compiled
+@kept
 def _fly_all(
     flights: Records,
     arrivals: Records,
@@ -136,37 +137,38 @@ def _fly_all(
     truncation: float,
 ) -> None:
     x, desk, flying = borrowed(lanes), borrowed(table), borrowed(crew)
+    flying[:] = _NONE
     next_one = 0
-    for lane in range(WIDTH):
-        flying[lane] = _take_off(flights, arrivals, next_one, x, lane, desk, order, truncation)
-        next_one = flying[lane] + 1
-    while flying.min() < len(flights):
+    while True:
+        for lane in range(WIDTH):
+            while True:
+                if flying[lane] == _NONE:
+                    flying[lane] = _take_off(flights, arrivals, next_one, x, lane, desk)
+                    next_one = flying[lane] + 1
+                i = flying[lane]
+                if i >= len(flights) or x[U, 0, lane] != 0.0 or x[W, 0, lane] != 0.0:
+                    break
+                if not _leaves_rest(flights[i], arrivals[i], x, lane, desk, order, truncation):
+                    flying[lane] = _NONE
+        if flying.min() >= len(flights):
+            return
         expand(x, order)
         choose_steps(x, order, truncation)
         take_steps(x, order)
         for lane in range(WIDTH):
             i = flying[lane]
-            if i < len(flights) and not _goes_on(
-                flights[i], arrivals[i], x, lane, desk, order, truncation
-            ):
-                flying[lane] = _take_off(
-                    flights, arrivals, next_one, x, lane, desk, order, truncation
-                )
-                next_one = flying[lane] + 1
+            if i < len(flights) and not _goes_on(flights[i], arrivals[i], x, lane, desk, order):
+                flying[lane] = _NONE
+
+
+_NONE = -1  # flies in a lane
 
 
 @compiled
 def _take_off(
-    flights: Records,
-    arrivals: Records,
-    index: int,
-    x: Array,
-    lane: int,
-    desk: Array,
-    order: int,
-    truncation: float,
+    flights: Records, arrivals: Records, index: int, x: Array, lane: int, desk: Array
 ) -> int:
-    """Put the next flight that needs the lanes' series into a lane; return its index."""
+    """Put the next flight that needs a series into a lane; return its index."""
     while index < len(flights):
         flight, arrival = flights[index], arrivals[index]
         _clear(flight, arrival)
@@ -175,9 +177,7 @@ def _take_off(
         _put(x, lane, flight.s, flight.z, flight.u, flight.w)
         x[STEP, TIME, lane] = flight.time
         if not _is_over(flight, arrival) and not _flies_freely(flight, arrival, desk):
-            at_rest = flight.u == 0.0 and flight.w == 0.0
-            if not at_rest or _leaves_rest(flight, arrival, x, lane, desk, order, truncation):
-                break
+            break
         index += 1
     return index
 
@@ -192,6 +192,9 @@ def _clear(flight: Any, arrival: Any) -> None:
     arrival.steps = 0
     arrival.margin = -math.inf
     arrival.doubt = 0.0
+    arrival.size = max(1.0, abs(flight.z))
+    if flight.floor > -math.inf:
+        arrival.size = max(arrival.size, abs(flight.floor))
     _note_arrival(arrival, FLYING, flight.time, flight.s, flight.z, flight.u, flight.w)
     _note_mark(arrival, flight.time, flight.s, flight.z, flight.u, flight.w)
     if flight.s < flight.mark:
@@ -278,15 +281,7 @@ def _leaves_rest(
 
 
 @compiled
-def _goes_on(
-    flight: Any,
-    arrival: Any,
-    x: Array,
-    lane: int,
-    desk: Array,
-    order: int,
-    truncation: float,
-) -> bool:
+def _goes_on(flight: Any, arrival: Any, x: Array, lane: int, desk: Array, order: int) -> bool:
     """Take a flight to the end of its step, or of itself; tell whether it goes on."""
     time, step = x[STEP, TIME, lane], x[STEP, LENGTH, lane]
     arrival.steps += 1
@@ -295,7 +290,7 @@ def _goes_on(
         and flight.vertical == 0.0
         and x[U, 0, lane] != 0.0
         and time + step < flight.time_limit
-        and x[Z, 0, lane] - x[STEP, Z_RANGE, lane] > flight.floor + flight.floor_error
+        and x[Z, 0, lane] - x[STEP, Z_RANGE, lane] > flight.floor + flight.error * arrival.size
         and x[S, 0, lane] + x[STEP, S_RANGE, lane] < min(flight.mark, flight.wall)
     )
     if nothing_near:
@@ -307,12 +302,7 @@ def _goes_on(
         desk[U, k], desk[W, k] = x[U, k, lane], x[W, k, lane]
     desk[S, order + 1], desk[Z, order + 1] = x[S, order + 1, lane], x[Z, order + 1, lane]
     taken = _settle(flight, arrival, desk, order, time, step)
-    if not _moves_on(arrival, x, lane, desk, order, taken):
-        return False
-    if arrival.stop == RESTING:
-        arrival.stop = FLYING
-        return _leaves_rest(flight, arrival, x, lane, desk, order, truncation)
-    return True
+    return _moves_on(arrival, x, lane, desk, order, taken)
 
 
 @compiled
@@ -322,6 +312,8 @@ def _moves_on(arrival: Any, x: Array, lane: int, desk: Array, order: int, taken:
         return False
     x[STEP, TIME, lane] += taken
     s, z, u, w = _state(desk, order, taken)
+    if arrival.stop == RESTING:
+        arrival.stop, u, w = FLYING, 0.0, 0.0
     _put(x, lane, s, z, u, w)
     return _is_in_order(arrival, x, lane, taken)
 
@@ -329,6 +321,7 @@ def _moves_on(arrival: Any, x: Array, lane: int, desk: Array, order: int, taken:
 @compiled
 def _is_in_order(arrival: Any, x: Array, lane: int, taken: float) -> bool:
     """Tell whether a flight has a state to go on from, and makes way."""
+    arrival.size = max(arrival.size, abs(x[Z, 0, lane]))
     if not math.isfinite(x[S, 0, lane] + x[Z, 0, lane] + x[U, 0, lane] + x[W, 0, lane]):
         arrival.stop = OUT_OF_RANGE
     elif x[STEP, TIME, lane] + taken == x[STEP, TIME, lane] or arrival.steps >= MOST_STEPS:
@@ -371,31 +364,29 @@ def _settle(flight: Any, arrival: Any, desk: Array, order: int, time: float, ste
             upright, _ = first_fall(p, slope, bend, order - first, end, 0.0)
         if upright != NEVER:
             stop, end = VERTICAL, upright
+    # The mark lies before the wall. A step ends there, for what lies beyond is to share the
+    # rounding of that state.
+    before_mark = flight.reach == 0.0 and math.isnan(arrival.mark_time)
+    reached = NEVER
     if flight.wall < math.inf:
-        _turn_over(flight.wall, desk, order)
+        _turn_over(flight.mark if before_mark else flight.wall, desk, order)
         reached, _ = first_fall(p, slope, bend, order + 1, end, 0.0)
         if reached != NEVER:
-            stop, end = WALL, reached
-    if desk[Z, 0] - _farthest(flight, desk[U, 0], desk[W, 0], end) <= (
-        flight.floor + flight.floor_error
-    ):
+            stop, end = FLYING if before_mark else WALL, reached
+    doubt = flight.error * arrival.size
+    if desk[Z, 0] - _farthest(flight, desk[U, 0], desk[W, 0], end) <= flight.floor + doubt:
         for k in range(order + 2):
             p[k] = desk[Z, k]
         p[0] -= flight.floor
-        landed, depth = first_fall(p, desk[W], bend, order + 1, end, flight.floor_error)
+        landed, depth = first_fall(p, desk[W], bend, order + 1, end, doubt)
         if math.isnan(landed):
             arrival.stop, arrival.doubt = GRAZES_FLOOR, depth
             return end
         if landed != NEVER:
             stop, end = FLOOR, landed
-    if flight.reach == 0.0 and math.isnan(arrival.mark_time):
-        _turn_over(flight.mark, desk, order)
-        passed, _ = first_fall(p, slope, bend, order + 1, end, 0.0)
-        if passed != NEVER:
-            # Expanding anew from here lets what lies beyond share the rounding of this state.
-            stop, end = FLYING, passed
-            s, z, u, w = _state(desk, order, passed)
-            _note_mark(arrival, time + passed, s, z, u, w)
+    if before_mark and end == reached:
+        s, z, u, w = _state(desk, order, end)
+        _note_mark(arrival, time + end, s, z, u, w)
     if math.isnan(end):
         arrival.stop = TOO_LONG
         return 0.0
@@ -440,13 +431,20 @@ def _turn_over(wall: float, desk: Array, order: int) -> None:
 @compiled
 def _search_length(flight: Any, s: float, z: float, u: float, w: float, end: float) -> float:
     """Return how far, s, a step that may touch the bat is to be searched: not from afar."""
-    distance = math.hypot(flight.bat_x + flight.bat_cos * s, z - flight.bat_height)
+    distance = _distance(flight, s, z)
     if distance <= _FAR * flight.reach:
         return end
     if distance - flight.reach > _farthest(flight, u, w, end):
         return end
     far: float = distance - 0.5 * _FAR * flight.reach
     return end * far / _farthest(flight, u, w, end)
+
+
+@compiled
+def _distance(flight: Any, s: float, z: float) -> float:
+    """Return the distance of the ball's centre from the bat's axis, m."""
+    across, above = flight.bat_x + flight.bat_cos * s, z - flight.bat_height
+    return math.sqrt(across * across + above * above)
 
 
 @compiled
@@ -474,17 +472,10 @@ def _meets_bat(
     degree = _depth(flight, desk, order, end)
     differentiate(p, degree, slope)
     differentiate(slope, degree - 1, bend)
-    bend_of_depth = curvature(slope, degree - 1, end)
     bend_of_slope = curvature(bend, degree - 2, end)
     approaching = slope[0] < 0.0
     if arrival.steps <= 1:
-        gap = (
-            math.hypot(
-                flight.bat_x + flight.bat_cos * desk[S, 0],
-                desk[Z, 0] - flight.bat_height,
-            )
-            - reach
-        )
+        gap = _distance(flight, desk[S, 0], desk[Z, 0]) - reach
         if gap < -flight.margin_error:
             arrival.stop, arrival.doubt = INSIDE_BAT, gap
             return True
@@ -498,9 +489,8 @@ def _meets_bat(
             arrival.stop = TOO_LONG
             return True
         until = min(turn, end)
-        margin = reach - math.hypot(
-            flight.bat_x + flight.bat_cos * value(desk[S], order + 1, until),
-            value(desk[Z], order + 1, until) - flight.bat_height,
+        margin = reach - _distance(
+            flight, value(desk[S], order + 1, until), value(desk[Z], order + 1, until)
         )
         settled = last or turn != NEVER
         if settled:
@@ -509,6 +499,7 @@ def _meets_bat(
             arrival.stop, arrival.margin, arrival.doubt = GRAZES_BAT, margin, margin
             return True
         if margin > 0.0 and math.isnan(arrival.mark_time):
+            bend_of_depth = curvature(slope, degree - 1, end)
             touch = first_zero(p, slope, degree, 1.0, 0.0, begin, until, bend_of_depth)
             touch = touch if touch < until else until
             s, z, u, w = _state(desk, order, touch)
@@ -547,7 +538,7 @@ def _depth(flight: Any, desk: Array, order: int, end: float) -> int:
         power *= end
     x[0] += flight.bat_x
     z[0] -= flight.bat_height
-    distance = math.hypot(x[0], z[0])
+    distance = math.sqrt(x[0] * x[0] + z[0] * z[0])
     p[0] = 0.5 * (distance - flight.reach) * (distance + flight.reach)
     for n in range(1, 2 * terms - 1):
         total = 0.0

@@ -32,11 +32,24 @@ F = TypeVar("F", bound=Callable[..., Any])
 
 
 def compiled(function: F) -> F:
-    """Compile a function at its first call, and keep the code for later processes.
+    """Compile a function when it is called; as a part of those that call it, if they are compiled.
 
     Division follows IEEE 754, and the lock of the interpreter is released.
     """
-    return cast(F, numba.njit(cache=True, nogil=True, error_model="numpy")(function))
+    return cast(F, numba.njit(nogil=True, error_model="numpy")(function))
+
+
+def kept(function: F) -> F:
+    """Compile a function at its first call, with all that it calls, for later processes too.
+
+    The code is kept beside the package, or where that cannot be written to in the user's cache, or
+    in the folder NUMBA_CACHE_DIR. It is made anew when the function's own file changes; who changes
+    another file that it calls into removes ``__pycache__``.
+    """
+    try:
+        return cast(F, numba.njit(cache=True, nogil=True, error_model="numpy")(function))
+    except RuntimeError:  # no such place: compile in each process
+        return compiled(function)
 
 
 def operation(function: Callable[..., Any]) -> Callable[..., Any]:

@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 # NumPy on them cost a tenth of their work.
 BLOCK = 4096
 
-_CHAINS: dict[type[Any], Callable[[chain.Columns, Reading, Batch], Table]] = {
+_CHAINS: dict[type[Any], Callable[[Table, chain.Columns, Reading, Batch], None]] = {
     FlightScene: chain.solve_flights,
     PitchScene: chain.solve_pitches,
     ImpactScene: chain.solve_impacts,
@@ -72,9 +72,9 @@ def solve_columns(
             raise ValueError(f"{name} is not a number of this scene; it has {', '.join(base)}")
         if np.shape(column) != (n,) or not np.isfinite(column).all():
             raise ValueError(f"{name} must have {n} finite numbers, as the longest column has")
-    whole = {name: np.full(n, value) for name, value in base.items()}
+    whole: dict[str, Any] = dict(base)
     whole |= {name: np.array(column, np.float64) for name, column in columns.items()}
-    table = _solve(type(scene), whole, scene.reading, engine or Batch(), threads)
+    table = _solve(type(scene), n, whole, scene.reading, engine or Batch(), threads)
     names = np.array([*OUTCOMES, ""])
     return {"outcome": names[table.outcome]} | table.columns
 
@@ -92,7 +92,7 @@ def solve_all(
     for (kind, reading), places in alike.items():
         numbers = [numbers_of(scenes[i]) for i in places]
         columns = {name: np.array([row[name] for row in numbers]) for name in numbers[0]}
-        table = _solve(kind, columns, reading, engine, threads)
+        table = _solve(kind, len(places), columns, reading, engine, threads)
         for i, blocks in zip(places, _rows(table), strict=True):
             outcome = blocks.pop("outcome")
             if outcome is None:
@@ -125,25 +125,26 @@ def _flat(name: str, value: Any) -> Iterable[tuple[str, float]]:
 
 
 def _solve(
-    kind: type[Any], columns: dict[str, Array], reading: Reading, engine: Batch, threads: int
+    kind: type[Any],
+    count: int,
+    columns: chain.Columns,
+    reading: Reading,
+    engine: Batch,
+    threads: int,
 ) -> Table:
     """Solve columns in blocks, each by one thread."""
-    n = len(next(iter(columns.values())))
-    starts = range(0, n, BLOCK)
+    table = Table(count)
 
-    def block(start: int) -> Table:
-        part = at_rows(columns, slice(start, start + BLOCK))
-        with np.errstate(all="ignore"):  # what is not finite is not an answer, see below
-            return _CHAINS[kind](part, reading, engine)
+    def solve_block(start: int) -> None:
+        rows = slice(start, start + BLOCK)
+        part = table.part(rows)
+        with np.errstate(all="ignore"):
+            _CHAINS[kind](part, at_rows(columns, rows), reading, engine)
+        part.withdraw_what_is_not_finite()
 
-    whole = Table(n)
     with ThreadPoolExecutor(threads) as pool:
-        for start, table in zip(starts, pool.map(block, starts), strict=True):
-            rows = slice(start, start + BLOCK)
-            whole.outcome[rows] = table.outcome
-            for name, column in table.columns.items():
-                whole.put(name, rows, column)
-    return whole
+        list(pool.map(solve_block, range(0, count, BLOCK)))
+    return table
 
 
 _PARTS: dict[str, type[Any]] = {

@@ -8,16 +8,14 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from longball.engines.batch.flights import Records
 from longball.engines.engine import BatSection, Stops
 from longball.model.motion import Forces, PlaneState
 
 # m before a wall (the plate): a pitch is expanded anew there, and the search for the bat starts
-# there. A pitch crosses that distance in 15 ms, well within one step, and the square of the
+# there. A pitch crosses that distance in 8 ms, well within one step, and the square of the
 # distance to the bat, of which reach² = 0.005 m² is to be told apart, starts small.
-APPROACH = 0.5
+APPROACH = 0.25
 
 
 class Start(NamedTuple):
@@ -52,7 +50,7 @@ def put_stops(flight: Records, stops: Stops[Any], flight_error: float) -> None:
     floor = -math.inf if stops.floor is None else stops.floor
     flight["time_limit"] = stops.time_limit
     flight["floor"] = floor
-    flight["floor_error"] = flight_error * np.maximum(1.0, np.abs(floor))
+    flight["error"] = flight_error
     flight["wall"] = math.inf if stops.wall is None else stops.wall
     flight["vertical"] = stops.vertical
     flight["mark"] = flight["wall"] - APPROACH

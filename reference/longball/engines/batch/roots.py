@@ -34,6 +34,28 @@ def value(p: Array, degree: int, t: float) -> float:
 
 
 @compiled
+def _height_and_rate(p: Array, slope: Array, degree: int, t: float) -> tuple[float, float]:
+    """Return p(t) and p'(t): even and odd powers apart, which halves the wait for each sum."""
+    square = t * t
+    even, odd, even_rate, odd_rate = 0.0, 0.0, 0.0, 0.0
+    k = degree
+    if degree % 2 == 0:
+        even = p[k]
+        k -= 1
+    else:
+        odd, even, even_rate = p[k], p[k - 1], slope[k - 1]
+        k -= 2
+    while k > 0:
+        odd, even = fma(odd, square, p[k]), fma(even, square, p[k - 1])
+        odd_rate, even_rate = (
+            fma(odd_rate, square, slope[k]),
+            fma(even_rate, square, slope[k - 1]),
+        )
+        k -= 2
+    return fma(odd, t, even), fma(odd_rate, t, even_rate)
+
+
+@compiled
 def differentiate(p: Array, degree: int, derivative: Array) -> None:
     """Write the coefficients of p' into `derivative`."""
     for k in range(degree):
@@ -76,10 +98,7 @@ def first_zero(
     height, rate = p[0], slope[0]
     for walk in range(_LONGEST_WALK):
         if walk > 0 or begin > 0.0:
-            height, rate = p[degree], 0.0
-            for k in range(degree - 1, -1, -1):
-                height = fma(height, t, p[k])
-                rate = fma(rate, t, slope[k])
+            height, rate = _height_and_rate(p, slope, degree, t)
         height, rate = sign * height - level, sign * rate
         if height <= 0.0:
             if rate <= 0.0:
