@@ -48,7 +48,7 @@ class Condition(_Strict):
     derivatives: dict[str, dict[str, float | None]] = Field(
         description="of the decisive quantities (the level depends on them) by each input that is "
         "not zero or may be varied about zero; null where a step in either direction changes the "
-        "outcome, or leaves it undecided"
+        "outcome or leaves none"
     )
     rates: dict[str, float] = Field(
         description="speed, m/s, at which the ball crosses the surface of each event: "
@@ -160,16 +160,17 @@ def as_double(number: Bounded) -> float:
 
 def decisive(result: Result) -> tuple[str, ...]:
     """Return the paths of the quantities that an outcome is mainly asked for."""
+    wanted: tuple[str, ...] = ()
     match result.outcome:
         case "batted" | "landed":
-            return "landing.distance", "landing.time"
+            wanted = "landing.distance", "landing.time"
         case "missed" | "beyond_bat":
-            return ("contact.margin",)
+            wanted = ("contact.margin",)
         case "struck":
-            return ("impact.impulse",)
+            wanted = ("impact.impulse",)
         case "separating":
-            return ("contact.normal_speed",)
+            wanted = ("contact.normal_speed",)
         case "crossed":
-            return "plate.time", "plate.position[2]"
-        case _:
-            return ()
+            wanted = "plate.time", "plate.position[2]"
+    # A touching that is given has no margin.
+    return tuple(name for name, _ in numbers_of(result) if name in wanted)

@@ -56,10 +56,9 @@ class Sensitivity:
     Attributes
     ----------
     derivatives
-        ∂Q/∂x by quantity and input; None where a step in either direction changes the outcome,
-        or was not told.
+        ∂Q/∂x by quantity and input; None where a step in either direction changes the outcome.
     fragile
-        Whether a step of any input, in any direction, changes the outcome.
+        Whether a step of any input, in any direction, changes the outcome or leaves none.
     """
 
     derivatives: Mapping[str, Mapping[str, float | None]]
@@ -125,7 +124,7 @@ def sensitivity(scene: Scene, result: Result, engine: Engine[Any]) -> Sensitivit
             there = solve(other, engine)
             if there.outcome == result.outcome:
                 ends.append((moved, dict(numbers_of(there))))
-            elif there.outcome is not None:
+            else:
                 fragile = True
         if len(ends) == 1:
             ends.append((x, here))

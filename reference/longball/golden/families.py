@@ -43,7 +43,7 @@ def _flights(
         a, b, c, d, e, f, g, h, *_ = shares(i)
         speed = between(5.0, 65.0, a)
         # Batted balls fly forward; launches of every heading are there to keep signs apart.
-        elevation, heading = math.radians(150 * b - 60), math.radians(360 * c)
+        elevation, heading = math.radians(105 * b - 20), math.radians(360 * c)
         ahead = speed * math.cos(elevation)
         velocity = (
             five_digits(ahead * math.cos(heading)),

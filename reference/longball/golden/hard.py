@@ -174,9 +174,8 @@ def touching_at_release() -> Iterator[Draft]:
             pitch=Pitch(speed=32.0, release=(x, 0.0, 1.0), aim=(0.0, 1.0)),
             swing=Swing(tilt=0.125),
         )
-        yield Draft(
-            scene, f"released at x = {x!r}; ball and bat touch at 0.0625 m", ("at-release",)
-        )
+        flags = ("at-release", "refused") if x < 2.0**-4 else ("at-release",)
+        yield Draft(scene, f"released at x = {x!r}; ball and bat touch at 0.0625 m", flags)
     for word, x in _beside(2.0**-4):
         scene = AtBatScene(
             id=f"hard-release-in-air-{word}",

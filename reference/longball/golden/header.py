@@ -17,12 +17,12 @@ NUMBERS = {
     "scene": "A number of a scene means the double nearest to what is written, exactly.",
     "value": "Decimal string of 31 digits, the nearest to the middle of the enclosure but for "
     "rounding; zeros at its end may be left out.",
+    "zero": "A value of 0 with a radius above 0 is one that is not told from zero.",
     "radius": "Proven: |truth - value| <= radius, where truth is the exact real solution of the "
     "model for the doubles of the scene. It is at most 1e-30 of the quantity's size.",
     "size": "Of a number its absolute value; of a component the length of its vector; of "
     "contact.margin R + r_b, since a margin is a difference of lengths.",
-    "double": "The double nearest to value. Where value lies within its radius of the middle "
-    "between two doubles, which no case here does, the truth could round to the other one.",
+    "double": "The double nearest to value; of the two nearest, the one with an even last bit.",
     "hex": "The same double in C's hexadecimal notation.",
     "attainable": "u (sum of |dQ/dx| |x| over all inputs x + |dQ/d(height_offset)| z_b + |Q|), "
     "u = 2^-53: the error that rounding every input, the bat's height and the result once makes "
@@ -47,8 +47,8 @@ FLAGS = {
     "closed-form": "The solution is known in elementary functions (longball.model.exact).",
     "dip": "Lift turns the falling ball up again, just above or just below the ground.",
     "extreme": "Sizes far from baseball.",
-    "fragile": "A step of 2^-50 of some input, a few ulps, changes the outcome: an implementation "
-    "in double precision that answers otherwise, or not at all, need not be wrong.",
+    "fragile": "A step of 2^-50 of some input, a few ulps, changes the outcome or leaves none: an "
+    "implementation in double precision that answers otherwise, or not at all, need not be wrong.",
     "grazing": "The margin between touching and missing the bat is from 1e-3 down to 1e-15 m.",
     "loops": "The path loops.",
     "many-digits": "30 digits of work did not decide the outcome or reach the promised radius; "
@@ -95,7 +95,7 @@ def made_by() -> dict[str, str]:
     """Return who computes, and the versions of everything that takes part."""
     return {
         "truth": f"{Enclosure(DIGITS).description}, and up to {WORK[-1]} where it takes more",
-        "confirmation": Multiprecision(CONFIRMING).description,
+        "confirmation": f"{Multiprecision(CONFIRMING[0]).description}, or {CONFIRMING[1]}",
         "longball": __version__,
         "python-flint": version("python-flint"),
         "FLINT": flint.__FLINT_VERSION__,

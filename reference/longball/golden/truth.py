@@ -29,8 +29,9 @@ from longball.model.scene import AtBatScene, Scene
 DIGITS = 30
 WORK = (DIGITS, 2 * DIGITS, 4 * DIGITS)
 
-# Digits of the independent method: its rounding of what it prints stays far below the radii.
-CONFIRMING = 35
+# Digits of the independent method: what it prints is rounded far below the radii. The second where
+# the first do not do, for tiny numbers that are differences of large ones.
+CONFIRMING = (DIGITS + 5, 2 * DIGITS + 10)
 
 _PREC = 4 * WORK[-1]  # digits of decimal arithmetic: more than any number here has
 
@@ -41,13 +42,11 @@ def prove(scene: Scene) -> Result:
     Numbers have 31 digits and a radius of at most 1e-30 of their size (see `sizes`), if any number
     of `WORK` brings that about.
     """
-    result = solve(scene, Enclosure(WORK[0]))
-    for digits in WORK[1:]:
+    for digits in WORK:
+        result = solve(scene, Enclosure(digits))
         if result.error is None and _good_enough(scene, result):
-            return result
-        more = solve(scene, Enclosure(digits))
-        result = more if more.error else rewritten(more, _shortened)
-    return result
+            break
+    return rewritten(result, shortened)
 
 
 def _good_enough(scene: Scene, result: Result) -> bool:
@@ -59,15 +58,21 @@ def _good_enough(scene: Scene, result: Result) -> bool:
         )
 
 
-def _shortened(number: Bounded) -> Bounded:
-    """Return a number with 31 digits; what is cut off joins the radius."""
+def shortened(number: Bounded) -> Bounded:
+    """Return a number with 31 digits; what is cut off joins the radius.
+
+    A number that is not told from zero becomes zero.
+    """
     with localcontext(prec=_PREC):
         whole = Decimal(number.value)
+        radius = Decimal(number.radius or "Infinity")
         with localcontext(prec=DIGITS + 1):
             value = +whole
-        radius = Decimal(number.radius or "Infinity") + abs(value - whole)
+        if abs(whole) <= radius:
+            value = Decimal(0)
+        radius += abs(value - whole)
         with localcontext(prec=3, rounding=ROUND_CEILING):
-            return Bounded(value=str(value), radius=str(+radius))
+            return Bounded(value=str(value), radius=str(+radius) if radius else "0")
 
 
 def rewritten(result: Result, change: Callable[[Bounded], Bounded]) -> Result:
@@ -109,25 +114,37 @@ def confirm(scene: Scene, proven: Result) -> tuple[Confirmation, bool]:
     """Solve a scene by the independent method; return what it says, and whether it agrees.
 
     It agrees if outcomes are the same and every number lies within the proven radius, but for the
-    digits that it is written with. Where nothing is proven there is nothing to disagree with.
+    digits that it is known to; more of those are tried before a disagreement is believed. Where
+    nothing is proven there is nothing to disagree with.
     """
-    other = solve(scene, Multiprecision(CONFIRMING))
-    assert other.engine is not None
-    if proven.outcome is None or other.outcome != proven.outcome:
-        agrees = proven.outcome is None
-        return Confirmation(engine=other.engine, outcome=other.outcome, agreement=None), agrees
-    there = dict(numbers_of(other))
+    for digits in CONFIRMING:
+        engine = Multiprecision(digits)
+        other = solve(scene, engine)
+        if proven.outcome is None or other.outcome != proven.outcome:
+            agrees, agreement = proven.outcome is None, None
+        else:
+            agrees, agreement = _compared(scene, proven, other, digits)
+        if agrees:
+            break
+    said = Confirmation(engine=engine.description, outcome=other.outcome, agreement=agreement)
+    return said, agrees
+
+
+def _compared(
+    scene: Scene, proven: Result, other: Result, digits: int
+) -> tuple[bool, float | None]:
+    """Tell whether two results agree, and their largest difference in 1e-30 of a size."""
+    here, there = dict(numbers_of(proven)), dict(numbers_of(other))
     agrees, largest = True, Decimal(0)
     with localcontext(prec=_PREC):
         for name, size in sizes(scene, proven).items():
-            here = dict(numbers_of(proven))[name]
-            difference = abs(Decimal(here.value) - Decimal(there[name].value))
-            allowed = Decimal(here.radius or 0) + size.scaleb(2 - CONFIRMING)
-            agrees = agrees and difference <= allowed
-            if difference:
-                largest = max(largest, difference / size if size else Decimal("Infinity"))
-    agreement = float(f"{largest.scaleb(DIGITS):.3g}") if largest.is_finite() else None
-    return Confirmation(engine=other.engine, outcome=other.outcome, agreement=agreement), agrees
+            difference = abs(Decimal(here[name].value) - Decimal(there[name].value))
+            radius = Decimal(here[name].radius or "Infinity")
+            # Two digits for what the method's error may grow to on the way.
+            agrees = agrees and difference <= radius + size.scaleb(2 - digits)
+            if size:
+                largest = max(largest, difference / size)
+        return agrees, float(f"{largest.scaleb(DIGITS):.3g}")
 
 
 def quantities(result: Result, errors: dict[str, float | None]) -> dict[str, Quantity]:
