@@ -20,6 +20,7 @@ STUDIES = {
     "readings": True,
     "accuracy": True,
     "survival": False,
+    "pitch_fits": False,
 }
 
 REPORT = Path(__file__).parent.parent / "report"

@@ -26,6 +26,7 @@ Flags = NDArray[np.bool_]
 
 HOME_RUN_DISTANCE = 150.0  # m; paper, Sec. IV
 RESTITUTIONS = (0.41, 0.42, 0.43, 0.44, 0.45)  # paper, Fig. 7
+MIDDLE_CELL = 3.0  # of the five that the pitching zone is divided into (paper, Sec. II)
 BLOCK = 50  # samples drawn from one seed
 
 
@@ -78,7 +79,7 @@ def paper_at_bats(reading: Reading) -> AtBats:
     means, spreads = (large, small) if reading.speed_table == "columns_swapped" else (small, large)
     # As printed, exp(-(v - μ)²/σ²): the standard deviation is σ/√2.
     per_spread = 1.0 if reading.speed_spread == "standard_deviation" else math.sqrt(0.5)
-    cells, deviation, middle = (2.0, 4.0), 0.77, 3.0  # Eq. 4; the middle one of five cells
+    cells, deviation = (2.0, 4.0), 0.77  # Eq. 4
     width = reading.cell_width
     return AtBats(
         speed=Mixture(
@@ -88,7 +89,7 @@ def paper_at_bats(reading: Reading) -> AtBats:
         ),
         aim=Mixture(
             0.52,
-            ((cells[0] - middle) * width, (cells[1] - middle) * width),
+            ((cells[0] - MIDDLE_CELL) * width, (cells[1] - MIDDLE_CELL) * width),
             (deviation * width, deviation * width),
         ),
         offset_deviation=reading.offset_spread,

@@ -11,6 +11,9 @@ from longball.engines.engine import Engine
 # Imported only when asked for: an engine brings its own heavy libraries.
 ENGINES: dict[str, tuple[str, str]] = {
     "ivp": ("longball.engines.ivp", "Ivp"),
+    "enclosure": ("longball.engines.enclosure", "Enclosure"),
+    "multiprecision": ("longball.engines.multiprecision", "Multiprecision"),
+    "verlet": ("longball.engines.verlet", "Verlet"),
 }
 
 

@@ -18,6 +18,7 @@ N. J. Higham, Accuracy and Stability of Numerical Algorithms, Ch. 12: refinement
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from operator import mul
@@ -276,29 +277,43 @@ class Collocation:
             If no step is short enough.
         """
         state, fastest = start, self._speed(start)
-        shortest = self.tolerance * (end - begin)
+        shortest, failed = self.tolerance * (end - begin), False
         length = self._first_length(dynamics, start, end - begin)
         while begin < end:
             length = min(length, end - begin)
             until = end if length == end - begin else begin + length
-            segment, left_out = self._step(dynamics, begin, until, state, fastest)
-            if segment is not None and left_out <= self.tolerance:
+            segment, needed = self._step(dynamics, begin, until, state, fastest)
+            change = self._change_of_length(needed)
+            if segment is not None and needed <= self._enough:
                 yield segment
                 begin, state, fastest = until, segment.end, max(fastest, self._speed(segment.end))
-            elif length < shortest:
+                # What made a step fail is often still ahead.
+                length *= min(1.0, change) if failed else change
+                failed = False
+            elif length > shortest:
+                length *= change
+                failed = True
+            else:
                 raise CannotSolve(
                     f"no step from t = {float(begin):.6g} s on is short enough to satisfy the "
                     f"equations of motion to {self.context.dps} digits"
                 )
-            length *= self._change_of_length(left_out)
 
-    def _change_of_length(self, left_out: Mpf | None) -> float:
-        """Return by how much the next step should be longer than the last; None: it failed."""
-        if left_out is None:
-            return _MOST_SHORTER
-        # The last coefficients rise with the n-th power of the length.
-        ratio = float(self.tolerance / max(left_out, self.tolerance**2))
-        aim: float = _SAFETY * ratio ** (1 / len(self.rule.nodes))
+    @property
+    def _enough(self) -> int:
+        """Return how many coefficients may matter: the last are there to show that they do not."""
+        return len(self.rule.nodes) - _IDLE
+
+    def _change_of_length(self, needed: float) -> float:
+        """Return by how much the next step should be longer than the last.
+
+        Coefficients that fall as ρ^-k reach the tolerance at k = `needed`, which tells ρ, and
+        should reach it at the last that may matter; and ρ is inverse to the length of a step.
+        """
+        if needed == 0:
+            return _MOST_LONGER
+        decades = -float(self.context.log10(self.tolerance))
+        aim: float = _SAFETY * 10 ** (decades * (1 / needed - 1 / self._enough))
         return max(_MOST_SHORTER, min(_MOST_LONGER, aim))
 
     def _first_length(self, dynamics: Dynamics, start: State, longest: Mpf) -> Mpf:
@@ -315,12 +330,16 @@ class Collocation:
 
     def _step(
         self, dynamics: Dynamics, begin: Mpf, until: Mpf, start: State, fastest: Mpf
-    ) -> tuple[Segment | None, Mpf]:
-        """Take a step; return it with what it leaves out, relative; None if Newton diverges."""
+    ) -> tuple[Segment | None, float]:
+        """Take a step; return it and how many coefficients it needs, which may be more than it has.
+
+        All others change the velocity by less than the tolerance. If Newton's method fails, there
+        is no step, and no number would do.
+        """
         half = (until - begin) / 2
         rough = self._roughly(dynamics, float(start.u), float(start.w), float(half))
         if rough is None:
-            return None, None
+            return None, math.inf
         accelerations, jacobian = rough
         du = [self.context.mpf(a) for a in accelerations[0].tolist()]
         dw = [self.context.mpf(a) for a in accelerations[1].tolist()]
@@ -337,14 +356,13 @@ class Collocation:
             if half * largest <= _SOLVED * self.tolerance * fastest_here:
                 break
             if before is not None and largest * 100 > before:
-                return None, None
+                return None, math.inf
             before = largest
             scaled = np.array([float(r / largest) for r in residual])
             correction = scipy.linalg.lu_solve(jacobian, scaled).tolist()
             du = [a + largest * c for a, c in zip(du, correction[:n], strict=True)]
             dw = [a + largest * c for a, c in zip(dw, correction[n:], strict=True)]
         du_series, dw_series = self.rule.coefficients @ du, self.rule.coefficients @ dw
-        tail = max(abs(c) for series in (du_series, dw_series) for c in series[-3:])
         u_series = _antiderivative(du_series, half, start.u)
         w_series = _antiderivative(dw_series, half, start.w)
         series = (
@@ -363,7 +381,18 @@ class Collocation:
         ]
         one = self.context.mpf(1)
         segment = Segment(begin, until, half, -one, one, start, end, series, at_nodes, self.context)
-        return segment, half * tail / fastest_here if tail else tail
+        sizes = [half * max(map(abs, pair)) for pair in zip(du_series, dw_series, strict=True)]
+        return segment, self._needed(sizes, fastest_here)
+
+    def _needed(self, sizes: list[Mpf], speed: Mpf) -> float:
+        """Return how many coefficients are needed, from what each means to a velocity, m/s."""
+        matter = [k for k, size in enumerate(sizes, start=1) if size > self.tolerance * speed]
+        if not matter or matter[-1] <= self._enough:
+            return matter[-1] if matter else 0
+        last = max(sizes[-_IDLE:]) / speed
+        # As many as it takes the coefficients to fall on to the tolerance.
+        log = self.context.log
+        return float(len(sizes) * log(self.tolerance) / log(last)) if last < 1 else math.inf
 
     def _roughly(
         self, dynamics: Dynamics, u: float, w: float, half: float
@@ -398,9 +427,13 @@ class Collocation:
         return None
 
 
-# A step that fails costs more than one that is a tenth too short. Beyond these limits the law of
-# the n-th power says little: the coefficients have not begun to fall, or are all rounding.
-_SAFETY, _MOST_SHORTER, _MOST_LONGER = 0.9, 0.25, 2.0
+# Even and odd coefficients may differ in size, by symmetry: two tell that both have fallen, three
+# leave no doubt.
+_IDLE = 3
+
+# A step that fails costs more than one that is a tenth too short. Beyond these limits ρ is not
+# inverse to the length: the coefficients have not begun to fall, or there are too few to tell.
+_SAFETY, _MOST_SHORTER, _MOST_LONGER = 0.9, 0.5, 4.0
 
 # Where the refinement stops, relative to what a step may leave out: what remains must not pass for
 # a tail of the coefficients, which no shorter step would take away.

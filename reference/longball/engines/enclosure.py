@@ -63,9 +63,6 @@ _TOLERANCE = 2.0**8
 _ORDER_PER_BIT = 0.35
 
 _SHRINK = 0.95
-
-# The error of a velocity stays below this part of the speed.
-_TUBE = 1024
 _MOST_TRIALS = 1000
 
 # A flight of a minute has a hundred steps, one that loops with strong lift a thousand.
@@ -201,6 +198,7 @@ class Path:
         self._steps: list[Step] = []
         self._end = start
         self._core = _core(start.u, start.w, arb(0))
+        self._upright = start.u.is_zero() and forces.lift is None
         # What a rounding of the launch's speed is, is no speed.
         self._negligible = (abs(start.u) + abs(start.w)) * arb(2) ** -bits
 
@@ -220,7 +218,9 @@ class Path:
         core = _at_rest_if(self._core, self._negligible)
         motion = _motion(core, self._forces, self._longest, self._bits)
         error = arb_poly([arb(0, motion.early), arb(0, motion.late)])
-        u, w = motion.u + error, motion.w + error
+        # Nothing pushes a ball aside that flies straight up and down.
+        u = motion.u if self._upright else motion.u + error
+        w = motion.w + error
         s, z = self._end.s + u.integral(), self._end.z + w.integral()
         step = Step(start, motion.length, s, z, u, w)
         h = motion.length
@@ -239,8 +239,7 @@ def _at_rest_if(core: Core, negligible: arb) -> Core:
     At V = 0 the series of the speed ends; from rest there is another one (see `extend`).
     """
     speed = abs(core.u) + abs(core.w)
-    # An error that is no small part of the speed leaves no room for a step (see `_motion`).
-    if speed == 0 or not (speed <= negligible or speed <= 2 * _TUBE * core.error):
+    if speed == 0 or not (speed <= negligible or speed <= core.error):
         return core
     return Core(arb(0), arb(0), (core.error + speed).upper())
 
@@ -289,7 +288,7 @@ def _motion(core: Core, forces: Forces[arb], longest: arb, bits: int) -> Motion:
 
     # The error stays below `tube` as long as the speeds stay below `fastest`, and the other way
     # round: drag only brakes, lift only turns.
-    tube = size / _TUBE
+    tube = size / 1024 + 4 * core.error
     fastest = size + core.error + tube
     rate = (strength - 3 * drag) / 2 * fastest
     growth = (rate * h).exp().upper() if not rate <= 0 else arb(1)

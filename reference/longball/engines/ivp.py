@@ -141,7 +141,16 @@ class Ivp:
 
     def fly(self, start: State, forces: Forces[float], stops: Stops[float]) -> Arrival[float]:
         """Fly until the first stop; see `longball.engines.engine.Engine.fly`."""
-        accelerate = acceleration(forces, DOUBLES)
+        try:
+            return self._fly(start, forces, stops)
+        except _TooMuchWork as work:
+            if not work.settled or self.method in ("Radau", "BDF"):
+                raise
+            # Stiff: nothing but rounding happens any more, and only an implicit step can be long.
+            return replace(self, method="Radau").fly(start, forces, stops)
+
+    def _fly(self, start: State, forces: Forces[float], stops: Stops[float]) -> Arrival[float]:
+        accelerate = _limited(acceleration(forces, DOUBLES), forces.gravity or 0.0)
         floor = stops.floor
         if floor is not None and _rests_on(floor, start, accelerate):
             return Arrival("floor", 0.0, start, Leg(np.zeros(1), np.array([start]).T))
@@ -176,8 +185,8 @@ class Ivp:
         stops: Stops[float],
     ) -> Touch[float]:
         """Find how a pitch meets the bat; see `longball.engines.engine.Engine.touch`."""
-        accelerate = acceleration(forces, DOUBLES)
         gravity = forces.gravity or 0.0
+        accelerate = _limited(acceleration(forces, DOUBLES), gravity)
         way = cast(Leg, pitch.record)
         # The bat is put at the height of this very state. Settled from it, a few milliseconds
         # away, the closest approach shares its error, which then is none of the margin's.
@@ -367,27 +376,44 @@ _NEWTON_STEPS = 40
 _NUDGE = 1e-8
 
 
-# A baseball's flight takes 500 evaluations. A feather in dense air settles to its final speed in
-# microseconds and then falls for a minute, which costs an explicit method millions.
-_MOST_EVALUATIONS = 1_000_000
-
-
 def _right_hand_side(accelerate: Acceleration) -> Callable[[float, Array], Sequence[float]]:
-    evaluations = 0
-
-    def right_hand_side(time: float, y: Array) -> Sequence[float]:
-        nonlocal evaluations
-        evaluations += 1
-        if evaluations > _MOST_EVALUATIONS:
-            raise CannotSolve(
-                f"the flight takes over {_MOST_EVALUATIONS} evaluations, at t = {time:.6g} s; "
-                "its equations are stiff or it loops without end: try method Radau, a looser "
-                "tolerance or a shorter time_limit"
-            )
+    def right_hand_side(_: float, y: Array) -> Sequence[float]:
         _, _, u, w = y.tolist()  # doubles of Python: numpy's are five times slower one by one
         return (u, w, *accelerate(u, w))
 
     return right_hand_side
+
+
+# A baseball's flight takes 500 evaluations. Strong lift can loop a ball a thousand times a second,
+# and a feather in dense air settles to its final speed in microseconds and then falls for a
+# minute: an explicit method would take millions.
+_MOST_EVALUATIONS = 200_000
+
+
+class _TooMuchWork(CannotSolve):
+    """A flight that takes more evaluations than any should; settled if its speed is its last."""
+
+    def __init__(self, settled: bool) -> None:
+        super().__init__(
+            f"the flight takes over {_MOST_EVALUATIONS} evaluations; "
+            "try a looser tolerance or a shorter time_limit"
+        )
+        self.settled = settled
+
+
+def _limited(accelerate: Acceleration, gravity: float) -> Acceleration:
+    """Return an acceleration that can be evaluated a limited number of times."""
+    evaluations = 0
+
+    def limited(u: float, w: float) -> tuple[float, float]:
+        nonlocal evaluations
+        evaluations += 1
+        du, dw = accelerate(u, w)
+        if evaluations > _MOST_EVALUATIONS:
+            raise _TooMuchWork(settled=math.hypot(du, dw) < 1e-3 * gravity)
+        return du, dw
+
+    return limited
 
 
 def _stop_surfaces(start: State, stops: Stops[float], accelerate: Acceleration) -> list[Surface]:

@@ -1,0 +1,73 @@
+"""The pieces that the studies of the time step share: the truth, and work that can be resumed."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+import joblib
+import numpy as np
+from rich.console import Console
+from rich.progress import track
+
+import longball
+from longball.engines.at_bat import solve
+from longball.engines.ivp import Ivp
+from longball.home_run import draw, paper_at_bats, scenes
+from longball.model.readings import Reading
+from longball.model.scene import AtBatScene
+
+# Good to 1e-12 m (`python -m analysis accuracy`); the smallest error shown here is five times that.
+TRUTH = Ivp(rtol=3e-14, atol=1e-14)
+
+
+def fingerprint() -> str:
+    """Return a hash of the package and the studies: what the numbers depend on."""
+    digest = hashlib.sha256()
+    for folder in (Path(longball.__file__).parent, Path(__file__).parent):
+        for path in sorted(folder.rglob("*.py")):
+            digest.update(path.read_bytes())
+    return digest.hexdigest()
+
+
+def each(
+    report: Path, what: str, work: Callable[..., Any], calls: Iterable[Sequence[object]]
+) -> list[Any]:
+    """Return what a function gives for each of many arguments, on all cores.
+
+    Every answer is kept as soon as it is there, and not computed again while the code is the same.
+    """
+    kept = joblib.Memory(report / ".resume", verbose=0).cache(_call, ignore=["work"])
+    code = fingerprint()
+    tasks = [
+        joblib.delayed(kept)(f"{work.__module__}.{work.__name__}", arguments, code, work)
+        for arguments in map(tuple, calls)
+    ]
+    answers = joblib.Parallel(n_jobs=-1, return_as="generator")(tasks)
+    console = Console(stderr=True)
+    return list(track(answers, what, len(tasks), console=console, disable=not console.is_terminal))
+
+
+def _call(name: str, arguments: tuple[object, ...], code: str, work: Callable[..., Any]) -> object:
+    return work(*arguments)
+
+
+def batted(count: int, seed: int, reading: Reading) -> list[AtBatScene]:
+    """Return the first at-bats of a seed that the reference engine finds batted."""
+    base = AtBatScene(id="base", reading=reading)
+    drawn = scenes(base, draw(paper_at_bats(reading), 2 * count, seed))
+    hits = (s for s in drawn if s is not None and solve(s, TRUTH).outcome == "batted")
+    return [scene for scene, _ in zip(hits, range(count), strict=False)]
+
+
+def golden(count: int) -> list[float]:
+    """Return so many shares of 1 that are spread evenly, whatever their number."""
+    share = (np.sqrt(5.0) - 1) / 2
+    return [float((0.5 + index * share) % 1.0) for index in range(count)]
+
+
+def verdict(held: bool) -> str:
+    """Say whether an expectation of the project's notes was reproduced."""
+    return "reproduced" if held else "REFUTED"

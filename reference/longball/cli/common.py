@@ -1,0 +1,103 @@
+"""What the commands share: reading, writing, complaining, showing progress."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated, Any, BinaryIO, NoReturn
+
+import typer
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.table import Table
+
+say = Console(stderr=True, highlight=False, soft_wrap=True)
+
+Seed = Annotated[int, typer.Option(min=0, help="Where the random numbers come from.")]
+Workers = Annotated[int, typer.Option(help="Processes; -1: one a core.")]
+
+
+def wrong_call(sentence: str) -> NoReturn:
+    """Say what is wrong with the call and leave with status 2."""
+    say.print(f"longball: {sentence}", markup=False)
+    raise typer.Exit(2)
+
+
+@contextmanager
+def reading_from(source: str) -> Iterator[BinaryIO]:
+    """Open a file of lines; - is standard input."""
+    if source == "-":
+        yield sys.stdin.buffer
+    else:
+        with open(source, "rb") as file:
+            yield file
+
+
+@contextmanager
+def writing_to(output: Path | None, source: str) -> Iterator[BinaryIO]:
+    """Open the file that results go to; None is standard output."""
+    if output is None:
+        yield sys.stdout.buffer
+    elif source != "-" and output.exists() and output.samefile(source):
+        wrong_call(f"{output} is the file that the scenes are read from")
+    else:
+        with open(output, "wb") as file:
+            yield file
+
+
+def check_workers(workers: int) -> None:
+    """Refuse a number of processes that is neither positive nor -1."""
+    if workers < 1 and workers != -1:
+        wrong_call(f"--workers {workers}: a positive number, or -1 for one a core")
+
+
+def split_assignment(option: str, text: str) -> tuple[str, str]:
+    """Return the two sides of NAME=VALUE."""
+    name, equals, value = text.partition("=")
+    if not (name and equals and value):
+        wrong_call(f"{option} {text}: NAME=VALUE is needed")
+    return name, value
+
+
+def option_value(text: str) -> Any:
+    """Return a JSON value where the text is one, and the text itself elsewhere."""
+    try:
+        return json.loads(text)
+    except ValueError:
+        return text
+
+
+def plain_table(*columns: str) -> Table:
+    """Return an empty table for standard output."""
+    table = Table(box=None, pad_edge=False, header_style="")
+    for column in columns:
+        table.add_column(column, no_wrap=True)
+    return table
+
+
+def show(table: Table) -> None:
+    """Print a table as wide as it is, whatever reads it."""
+    console = Console(highlight=False, width=200, color_system=None)
+    with console.capture() as printed:
+        console.print(table)
+    print("\n".join(line.rstrip() for line in printed.get().splitlines()))
+
+
+@contextmanager
+def progress_bar(what: str, total: int) -> Iterator[Callable[[int], None]]:
+    """Show progress on standard error while it is a terminal; yields a function of what is done."""
+    bar = Progress(
+        TextColumn(what),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeRemainingColumn(),
+        console=say,
+        disable=not say.is_terminal,
+        transient=True,
+    )
+    with bar:
+        task = bar.add_task(what, total=total)
+        yield lambda done: bar.update(task, completed=done)

@@ -1,0 +1,76 @@
+"""``longball fit``."""
+
+from __future__ import annotations
+
+import sys
+from typing import Annotated, Any, TypeVar, get_args
+
+import typer
+from pydantic import BaseModel, ValidationError
+
+from longball.cli.common import Seed, option_value, say, split_assignment, wrong_call
+from longball.model.scene import explain
+from longball.pitches import EXAMPLE, Columns, PitchesError, PitchTypes, as_text, fit_pitches
+from longball.pitches.fitted import Method
+
+
+def fit(
+    pitches: Annotated[
+        str, typer.Argument(metavar="[PITCHES.csv|-]", help="A row a pitch; - reads stdin.")
+    ] = "-",
+    example: Annotated[
+        bool, typer.Option("--example", help="Fit the pitches that come with longball.")
+    ] = False,
+    column: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME=VALUE",
+            help="How to read the table; repeatable. NAME is one of "
+            f"{', '.join(Columns.model_fields)}. Without it, Statcast's names and units.",
+        ),
+    ] = None,
+    straight: Annotated[
+        str | None, typer.Option(metavar="A,B", help="Types of pitch that are straight.")
+    ] = None,
+    breaking: Annotated[
+        str | None, typer.Option(metavar="A,B", help="Types that break; all others if not given.")
+    ] = None,
+    bin_width: Annotated[
+        float | None, typer.Option(min=0.01, help="km/h, of the histogram of speeds.")
+    ] = None,
+    draw_from: Annotated[
+        str, typer.Option(help="maximum_likelihood or least_squares: what homerun will draw from.")
+    ] = "maximum_likelihood",
+    seed: Seed = 0,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON, for homerun.")] = False,
+) -> None:
+    """Fit the paper's distributions to a table of pitches (its Sec. II)."""
+    if draw_from not in get_args(Method):
+        wrong_call(f"--draw-from {draw_from}: one of {', '.join(get_args(Method))}")
+    pairs = (split_assignment("--column", text) for text in column or [])
+    columns = parsed(Columns, {name: option_value(value) for name, value in pairs})
+    classes: dict[str, Any] = {}
+    if straight is not None:
+        classes = {"straight": tuple(straight.split(",")), "breaking": None}
+    if breaking is not None:
+        classes["breaking"] = tuple(breaking.split(","))
+    types = parsed(PitchTypes, classes)
+    options = {} if bin_width is None else {"bin_width": bin_width}
+    table = EXAMPLE if example else sys.stdin if pitches == "-" else pitches
+    try:
+        fitted = fit_pitches(table, columns, types, draw_from=draw_from, seed=seed, **options)  # type: ignore[arg-type]
+    except PitchesError as error:
+        say.print(f"longball: {error}", markup=False)
+        raise typer.Exit(1) from None
+    print(fitted.model_dump_json(indent=2) if as_json else as_text(fitted).rstrip())
+
+
+M = TypeVar("M", bound=BaseModel)
+
+
+def parsed(model: type[M], values: dict[str, Any]) -> M:
+    """Return options as a model; a wrong one is a wrong call."""
+    try:
+        return model.model_validate(values)
+    except ValidationError as error:
+        wrong_call(explain(error, model))

@@ -1,0 +1,261 @@
+"""``longball homerun``."""
+
+from __future__ import annotations
+
+import csv
+import json
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from longball.cli.common import (
+    Seed,
+    Workers,
+    check_workers,
+    option_value,
+    plain_table,
+    progress_bar,
+    say,
+    show,
+    split_assignment,
+    wrong_call,
+)
+from longball.home_run import (
+    MIDDLE_CELL,
+    PAPER_CURVES,
+    AtBats,
+    Estimate,
+    Fit,
+    Mixture,
+    draw,
+    estimate,
+    fit,
+    monte_carlo,
+    paper_at_bats,
+    scenes,
+    with_restitution,
+)
+from longball.model.readings import Reading
+from longball.model.scene import AtBatScene, SceneError, parse_scene
+from longball.pitches import PitchesError, load_fitted
+
+ReadingOption = Annotated[
+    list[str] | None,
+    typer.Option("--reading", metavar="NAME=OPTION", help="A switch of the ledger; repeatable."),
+]
+SetOption = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="BLOCK.KEY=VALUE", help="A value of the scene; repeatable."),
+]
+Samples = Annotated[int, typer.Option(min=1, help="At-bats drawn.")]
+
+
+def homerun(
+    samples: Samples = 1000,
+    e: Annotated[
+        str, typer.Option(help="Restitutions: first:last:step, or values with commas.")
+    ] = "0.41:0.45:0.01",
+    seed: Seed = 1,
+    reading: ReadingOption = None,
+    set_: SetOption = None,
+    workers: Workers = -1,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON, not a table.")] = False,
+    csv_file: Annotated[Path | None, typer.Option("--csv", help="Write the table here.")] = None,
+    figure: Annotated[Path | None, typer.Option(help="Draw P(e) here: .png, .svg, .pdf")] = None,
+    scenes_file: Annotated[
+        Path | None, typer.Option("--scenes", help="Write the sampled at-bats here, as scenes.")
+    ] = None,
+    pitches: Annotated[
+        Path | None, typer.Option(help="Draw pitches from what longball fit --json wrote.")
+    ] = None,
+    method: Annotated[str, typer.Option(help="monte-carlo")] = "monte-carlo",
+) -> None:
+    """Estimate the probability of a home run P(e) from sampled at-bats."""
+    if method != "monte-carlo":
+        wrong_call(f"--method {method}: the methods are monte-carlo")
+    check_workers(workers)
+    base = base_scene(reading or [], set_ or [])
+    restitutions = parse_restitutions(e)
+    at_bats = paper_at_bats(base.reading)
+    if pitches:
+        at_bats = with_pitches(at_bats, pitches)
+    if scenes_file:
+        write_scenes(scenes_file, base, at_bats, restitutions, samples, seed)
+    with progress_bar("at-bats", samples) as advance:
+        struck = monte_carlo(
+            base, at_bats, restitutions, samples, seed, workers=workers, progress=advance
+        )
+    rows = [estimate(x, some, base.reading) for x, some in zip(restitutions, struck, strict=True)]
+    fitted = fit(rows)
+    if csv_file:
+        write_csv(csv_file, rows)
+    if figure:
+        from longball.pictures import save_probability
+
+        try:
+            save_probability(figure, rows, fitted)
+        except ValueError as error:  # an ending that matplotlib does not know
+            wrong_call(f"--figure {figure}: {error}")
+    if as_json:
+        print(json.dumps(as_data(rows, fitted, base.reading, samples, seed), ensure_ascii=False))
+    else:
+        print_probability(rows, fitted, base.reading)
+    failed = max(row.failed for row in rows)
+    if failed:
+        say.print(f"longball: {failed} at-bats could not be solved; they count as no home run")
+        raise typer.Exit(1)
+
+
+def base_scene(readings: Sequence[str], values: Sequence[str]) -> AtBatScene:
+    """Return the at-bat that options describe, with everything that is not drawn at random."""
+    scene: dict[str, Any] = {"id": "base", "kind": "at-bat", "reading": {}}
+    for text in readings:
+        name, option = split_assignment("--reading", text)
+        scene["reading"][name] = option_value(option)
+    drawn = {"ball.restitution", "pitch.speed", "pitch.aim", "swing.tilt", "swing.height_offset"}
+    for text in values:
+        name, value = split_assignment("--set", text)
+        if name in drawn:
+            wrong_call(f"--set {name}: it varies from sample to sample")
+        block, _, key = name.partition(".")
+        if key:
+            inner = scene.setdefault(block, {})
+            if not isinstance(inner, dict):
+                wrong_call(f"--set {name}: {block} is set to {inner} already")
+            inner[key] = option_value(value)
+        else:
+            scene[block] = option_value(value)
+    try:
+        parsed = parse_scene(json.dumps(scene))
+    except SceneError as error:
+        wrong_call(str(error))
+    assert isinstance(parsed, AtBatScene)
+    return parsed
+
+
+def with_pitches(at_bats: AtBats, path: Path) -> AtBats:
+    """Return at-bats whose pitches are drawn from fitted distributions instead of the paper's."""
+    try:
+        fitted = load_fitted(path).distributions()
+    except PitchesError as error:
+        wrong_call(str(error))
+    speed, aim = fitted.speed, fitted.aim
+    left, right = ((cell - MIDDLE_CELL) * aim.cell_width for cell in aim.means)
+    deviation = aim.standard_deviation * aim.cell_width
+    return replace(
+        at_bats,
+        speed=Mixture(speed.weights[0], speed.means, speed.standard_deviations),
+        aim=Mixture(aim.weights[0], (left, right), (deviation, deviation)),
+    )
+
+
+def parse_restitutions(text: str) -> list[float]:
+    """Return the values of first:last:step (last included) or of a list with commas."""
+    try:
+        if ":" not in text:
+            values = [float(part) for part in text.split(",")]
+        else:
+            first, last, step = (float(part) for part in text.split(":"))
+            if step <= 0:
+                raise ValueError
+            # Values that a reader would write: 0.41 + 3 × 0.01 is 0.44, not 0.43999999999999995.
+            count = int((last - first) / step + 1.000001)
+            values = [round(first + i * step, 12) for i in range(min(count, 10_001))]
+    except (ValueError, OverflowError):
+        wrong_call(f"--e {text}: first:last:step, or values with commas between them")
+    if not values or not all(0 <= value <= 1 for value in values):
+        wrong_call(f"--e {text}: restitutions lie between 0 and 1")
+    if len(values) > 10_000:
+        wrong_call(f"--e {text}: at most 10000 values")
+    return values
+
+
+def write_scenes(
+    path: Path,
+    base: AtBatScene,
+    at_bats: AtBats,
+    restitutions: Sequence[float],
+    samples: int,
+    seed: int,
+) -> None:
+    """Write sampled at-bats as scenes, one line for each sample and restitution."""
+    left_out = 0
+    with open(path, "w", encoding="utf-8") as file:
+        for scene in scenes(base, draw(at_bats, samples, seed)):
+            if scene is None:
+                left_out += 1
+                continue
+            file.writelines(with_restitution(scene, x).line() + "\n" for x in restitutions)
+    if left_out:
+        say.print(f"longball: {left_out} samples drew a speed that is not positive; not in {path}")
+
+
+FIELDS = ("e", "p", "low", "high", "home_runs", "trials", "failed")
+
+
+def as_data(
+    rows: Sequence[Estimate], fitted: Fit | None, reading: Reading, samples: int, seed: int
+) -> dict[str, Any]:
+    """Return what --json prints; a number that is not defined is null."""
+
+    def known(value: float) -> float | None:
+        return None if value != value else value
+
+    return {
+        "rows": [{name: known(getattr(row, name)) for name in FIELDS} for row in rows],
+        "fit": fitted
+        and {
+            "c1": fitted.curve.c1,
+            "c1_error": fitted.c1_error,
+            "sigma": fitted.curve.sigma,
+            "sigma_error": fitted.sigma_error,
+        },
+        "paper": {
+            name: {"c1": curve.c1, "sigma": curve.sigma, "p": [curve(row.e) for row in rows]}
+            for name, curve in PAPER_CURVES.items()
+        },
+        "reading": reading.model_dump(),
+        "method": "monte-carlo",
+        "samples": samples,
+        "seed": seed,
+    }
+
+
+def write_csv(path: Path, rows: Sequence[Estimate]) -> None:
+    """Write estimates as a table."""
+    with open(path, "w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(FIELDS)
+        writer.writerows([getattr(row, name) for name in FIELDS] for row in rows)
+
+
+def print_probability(rows: Sequence[Estimate], fitted: Fit | None, reading: Reading) -> None:
+    """Print P(e) beside the paper's printed curves."""
+    chosen = reading.fig7_parameters
+    table = plain_table("e", "P(e)", "95 %", "home runs", "paper's caption", "text", "difference")
+    for row in rows:
+        table.add_row(
+            f"{row.e:g}",
+            f"{row.p:.4f}",
+            f"{row.low:.4f} to {row.high:.4f}",
+            f"{row.home_runs} of {row.trials}",
+            *(f"{curve(row.e):.4f}" for curve in PAPER_CURVES.values()),
+            f"{row.p - PAPER_CURVES[chosen](row.e):+.4f}",
+        )
+    show(table)
+    if fitted:
+        print(
+            f"fit: C1 = {fitted.curve.c1:.0f} ± {fitted.c1_error:.0f} m, "
+            f"sigma = {fitted.curve.sigma:.1f} ± {fitted.sigma_error:.1f} m"
+        )
+    else:
+        print("fit: these home runs do not determine C1 and sigma")
+    curves = "; ".join(
+        f"{name} C1 = {curve.c1:g} m, sigma = {curve.sigma:g} m"
+        for name, curve in PAPER_CURVES.items()
+    )
+    print(f"paper: {curves}")
+    print(f"difference: from the paper's {chosen} (reading fig7_parameters)")

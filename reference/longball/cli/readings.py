@@ -1,0 +1,78 @@
+"""``longball readings``."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from typing import Annotated, Any
+
+import typer
+
+from longball.cli.common import (
+    Seed,
+    Workers,
+    check_workers,
+    option_value,
+    plain_table,
+    progress_bar,
+    show,
+)
+from longball.home_run import Estimate, estimate, monte_carlo, paper_at_bats
+from longball.model.readings import LEDGER, Entry, Reading
+from longball.model.scene import AtBatScene
+
+
+def readings(
+    samples: Annotated[int, typer.Option(min=0, help="At-bats drawn; 0: the ledger only.")] = 1000,
+    e: Annotated[float, typer.Option(min=0.0, max=1.0, help="Restitution of the ball.")] = 0.42,
+    seed: Seed = 1,
+    workers: Workers = -1,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON, not a table.")] = False,
+) -> None:
+    """Print the ledger of readings, and what each one does to P(e)."""
+    check_workers(workers)
+    lines = [(entry, option) for entry in LEDGER for option in entry.options]
+    effects: dict[Reading | None, Estimate] = {}
+    if samples:
+        switched = dict.fromkeys(reading for line in lines if (reading := reading_with(*line)))
+        with progress_bar("readings", len(switched)) as advance:
+            for done, reading in enumerate(switched, 1):
+                base = AtBatScene(id="base", reading=reading)
+                (struck,) = monte_carlo(
+                    base, paper_at_bats(reading), [e], samples, seed, workers=workers
+                )
+                effects[reading] = estimate(e, struck, reading)
+                advance(done)
+    if as_json:
+        print(json.dumps(ledger_as_data(lines, effects), ensure_ascii=False))
+        return
+    table = plain_table("switch", "option", *([f"P({e:g})", "95 %"] if samples else []))
+    for entry, option in lines:
+        row = effects.get(reading_with(entry, option))
+        numbers = [f"{row.p:.4f}", f"{row.low:.4f} to {row.high:.4f}"] if row else []
+        default = " (default)" if option == entry.options[0] else ""
+        table.add_row(entry.switch, option + default, *numbers)
+    show(table)
+    for entry in LEDGER:
+        print(f"{entry.switch} ({entry.place}): {entry.why}")
+
+
+def reading_with(entry: Entry, option: str) -> Reading | None:
+    """Return the default reading with one switch set; None for what is no switch of a reading."""
+    if entry.switch not in Reading.model_fields:
+        return None
+    return Reading.model_validate({entry.switch: option_value(option)})
+
+
+def ledger_as_data(
+    lines: Sequence[tuple[Entry, str]], effects: dict[Reading | None, Estimate]
+) -> dict[str, Any]:
+    """Return what --json prints."""
+    rows = []
+    for entry, option in lines:
+        row = effects.get(reading_with(entry, option))
+        effect = {"e": row.e, "p": row.p, "low": row.low, "high": row.high} if row else {}
+        default = option == entry.options[0]
+        rows.append({"switch": entry.switch, "option": option, "default": default} | effect)
+    ledger = [{"switch": x.switch, "place": x.place, "why": x.why} for x in LEDGER]
+    return {"rows": rows, "ledger": ledger}

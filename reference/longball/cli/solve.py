@@ -1,0 +1,65 @@
+"""``longball solve``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from longball import engines
+from longball.cli.common import check_workers, reading_from, say, writing_to, wrong_call
+from longball.engines.lines import solve_lines
+
+
+def solve(
+    source: Annotated[
+        str, typer.Argument(metavar="[SCENES|-]", help="JSON Lines, a scene each; - reads stdin.")
+    ] = "-",
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="Where results go; stdout if not given.")
+    ] = None,
+    engine: Annotated[
+        str, typer.Option(help="Who computes: " + ", ".join(engines.ENGINES))
+    ] = "ivp",
+    method: Annotated[
+        str | None, typer.Option(help="ivp: a method of solve_ivp; DOP853 if not given.")
+    ] = None,
+    rtol: Annotated[float | None, typer.Option(help="ivp: relative tolerance.")] = None,
+    atol: Annotated[float | None, typer.Option(help="ivp: absolute tolerance, m, m/s.")] = None,
+    digits: Annotated[
+        int | None, typer.Option(help="enclosure, multiprecision: of each number; 30.")
+    ] = None,
+    dt: Annotated[float | None, typer.Option(help="verlet: the step, s; 0.05.")] = None,
+    variant: Annotated[
+        str | None, typer.Option(help="verlet: treatment of the force, whatever the scene reads.")
+    ] = None,
+    workers: Annotated[int, typer.Option(help="Processes; -1: one a core.")] = 1,
+) -> None:
+    """Solve scenes: one line of JSON in, one line of JSON out."""
+    options = {
+        "method": method,
+        "rtol": rtol,
+        "atol": atol,
+        "digits": digits,
+        "dt": dt,
+        "variant": variant,
+    }
+    try:
+        solver = engines.create(engine, **{k: v for k, v in options.items() if v is not None})
+    except ValueError as error:
+        wrong_call(str(error))
+    check_workers(workers)
+    solved = failed = 0
+    with reading_from(source) as lines, writing_to(output, source) as results:
+        for result in solve_lines(lines, solver, workers):
+            results.write(result.line().encode() + b"\n")
+            results.flush()
+            solved += 1
+            failed += result.error is not None
+    if solved == 0:
+        say.print(f"longball: no scenes in {source}", markup=False)
+    elif failed:
+        say.print(f"longball: {failed} of {solved} lines could not be solved", markup=False)
+    if failed or not solved:
+        raise typer.Exit(1)

@@ -1,0 +1,312 @@
+"""What a fit of pitches says: distributions to draw from, their uncertainty, how well they fit.
+
+Everything is in SI units; places across the plate are in cells, with the width of a cell beside
+them. A spread is always a standard deviation. Eq. 2 lacks the 2 of its exponent, so that the σ it
+speaks of as printed is √2 times that; where a σ in the paper's sense is meant, it is called σ.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from longball.model.scene import explain
+from longball.pitches.table import ROWS_NAMED, Columns, PitchesError, PitchTypes
+
+Method = Literal["maximum_likelihood", "least_squares"]
+Positive = Annotated[float, Field(gt=0.0)]
+Share = Annotated[float, Field(ge=0.0, le=1.0)]
+Pair = tuple[float, float]
+
+
+class _Strict(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+
+
+# --- to draw from ---------------------------------------------------------------------------------
+
+
+class SpeedMixture(_Strict):
+    """Speed of a pitch: a mixture of two normal distributions (Eqs. 2 and 3)."""
+
+    weights: tuple[Share, Share] = Field(description="p and 1 - p: straight, breaking")
+    means: tuple[Positive, Positive] = Field(description="m/s: straight, breaking")
+    standard_deviations: tuple[Positive, Positive] = Field(description="m/s: straight, breaking")
+
+
+class AimMixture(_Strict):
+    """Where a pitch crosses the plate: two normal distributions of one width (Eq. 4).
+
+    Cells are numbered from left to right as the pitcher sees them, and are continuous: a cell of
+    the chart is from half a unit below its number to half a unit above. In the scene's frame
+    ``P_y = (cell - 3) · cell_width``.
+    """
+
+    weights: tuple[Share, Share] = Field(description="q and 1 - q: left, right")
+    means: Pair = Field(description="cells: left, right")
+    standard_deviation: Positive = Field(description="cells, of both")
+    cell_width: Positive = Field(description="m")
+
+
+class PitchDistributions(_Strict):
+    """All that the sampling of pitches needs."""
+
+    speed: SpeedMixture
+    aim: AimMixture
+
+
+# --- fitted, with uncertainty ---------------------------------------------------------------------
+
+
+class Estimate(_Strict):
+    """A fitted number."""
+
+    value: float
+    standard_error: float | None = Field(
+        description="0 where the number was held; null where the data do not determine it, "
+        "or leave it at the end of the range that was searched"
+    )
+
+
+class SpeedFit(_Strict):
+    """Eqs. 2 and 3, fitted."""
+
+    straight_mean: Estimate = Field(description="m/s, μ₁")
+    straight_spread: Estimate = Field(description="m/s, standard deviation")
+    breaking_mean: Estimate = Field(description="m/s, μ₂")
+    breaking_spread: Estimate = Field(description="m/s, standard deviation")
+    weight: Estimate = Field(description="p, of the straight balls")
+    r_squared: float | None = Field(
+        description="coefficient of determination of the mixture against the histogram; null if "
+        "all its bins are equally full"
+    )
+
+    def mixture(self) -> SpeedMixture:
+        """Return the fitted distribution."""
+        p = self.weight.value
+        return SpeedMixture(
+            weights=(p, 1.0 - p),
+            means=(self.straight_mean.value, self.breaking_mean.value),
+            standard_deviations=(self.straight_spread.value, self.breaking_spread.value),
+        )
+
+
+class AimFit(_Strict):
+    """Eq. 4, fitted."""
+
+    left_mean: Estimate = Field(description="cells")
+    right_mean: Estimate = Field(description="cells")
+    spread: Estimate = Field(description="cells, the standard deviation of both")
+    weight: Estimate = Field(description="q, of the left one")
+    peaks: int = Field(description="maxima of the fitted density: 1 or 2")
+    r_squared: float | None = Field(
+        description="coefficient of determination against the five cells; null if all are equal"
+    )
+
+    def mixture(self, cell_width: float) -> AimMixture:
+        """Return the fitted distribution, for cells of a width in m."""
+        q = self.weight.value
+        return AimMixture(
+            weights=(q, 1.0 - q),
+            means=(self.left_mean.value, self.right_mean.value),
+            standard_deviation=self.spread.value,
+            cell_width=cell_width,
+        )
+
+
+class SpeedHistogram(_Strict):
+    """The circles of Fig. 2, by class."""
+
+    edges: tuple[float, ...] = Field(description="m/s")
+    straight: tuple[int, ...] = Field(description="pitches a bin")
+    breaking: tuple[int, ...] = Field(description="pitches a bin")
+
+
+class Speeds(_Strict):
+    """Fig. 2 and Table II."""
+
+    histogram: SpeedHistogram
+    maximum_likelihood: SpeedFit
+    least_squares: SpeedFit = Field(description="normal curves laid through the histogram")
+    least_squares_as_printed: SpeedFit = Field(
+        description="the curve of Eq. 2 as printed, whose integral is 1/√2, laid through the "
+        "histogram; its σ is √2 times the standard deviation given here"
+    )
+
+
+class Aims(_Strict):
+    """Fig. 3."""
+
+    cells: tuple[int, int, int, int, int] = Field(description="pitches in cells 1 to 5")
+    maximum_likelihood: AimFit = Field(
+        description="of the places themselves, or of cells if the table gives no more: "
+        "a cell has the integral of the density over it"
+    )
+    gain_over_one_normal: float = Field(
+        description="twice the logarithm of how much likelier that mixture is than one normal "
+        "distribution, with its two parameters less; 4 is nothing (Akaike)"
+    )
+    least_squares: AimFit = Field(
+        description="the density at a cell's number laid through the cell's share, as in Fig. 3"
+    )
+    least_squares_at_edges: AimFit = Field(
+        description="the same with the means held at 2 and 4, as they are printed"
+    )
+
+
+class Heights(_Strict):
+    """Fig. 4."""
+
+    cells: tuple[int, int, int, int, int] = Field(description="pitches in cells 1 to 5")
+    shares: tuple[Estimate, Estimate, Estimate, Estimate, Estimate]
+    chi_squared_of_lower_four: float = Field(
+        description="of cells 1 to 4 against equal shares, 3 degrees of freedom"
+    )
+    p_value_of_lower_four: Share = Field(description="of that χ² if the shares are equal")
+
+
+class Omission(_Strict):
+    """Rows that were not used."""
+
+    reason: str
+    count: int
+    first_rows: tuple[int, ...] = Field(
+        description=f"numbers of the first {ROWS_NAMED}, from 1 below the header"
+    )
+
+
+class FittedPitches(_Strict):
+    """The paper's Sec. II on a table of pitches: `longball homerun --pitches` reads it."""
+
+    source: str
+    columns: Columns
+    types: PitchTypes
+    rows_read: int
+    rows_used: int
+    left_out: tuple[Omission, ...]
+    straight: dict[str, int] = Field(description="pitches by type")
+    breaking: dict[str, int] = Field(description="pitches by type")
+    speed: Speeds
+    aim: Aims
+    height: Heights | None = Field(description="null: the table says nothing of heights")
+    bootstrap_replicates: int = Field(description="behind the errors of least squares")
+    bootstrap_seed: int
+    draw_from: Method = Field(description="which of the fits is to be drawn from")
+
+    def distributions(self, method: Method | None = None) -> PitchDistributions:
+        """Return the distributions to draw from, or those of another method."""
+        method = method or self.draw_from
+        speed: SpeedFit = getattr(self.speed, method)
+        aim: AimFit = getattr(self.aim, method)
+        return PitchDistributions(speed=speed.mixture(), aim=aim.mixture(self.columns.cell_width))
+
+
+def load_fitted(path: str | Path) -> FittedPitches:
+    """Read what `longball fit --json` wrote.
+
+    Raises
+    ------
+    PitchesError
+        With a sentence that names the key at fault.
+    """
+    try:
+        text = Path(path).read_text(encoding="utf-8")
+    except OSError as error:
+        raise PitchesError(f"{path}: cannot be read: {error.strerror}") from None
+    except UnicodeDecodeError as error:
+        raise PitchesError(f"{path}: not UTF-8 text: byte {error.start + 1}") from None
+    try:
+        return FittedPitches.model_validate_json(text)
+    except ValidationError as error:
+        raise PitchesError(
+            f"{path}: not the result of longball fit: {explain(error, FittedPitches)}"
+        ) from None
+
+
+# --- for people -----------------------------------------------------------------------------------
+
+
+def as_text(fitted: FittedPitches) -> str:
+    """Return the fit as a table for people, in the paper's units."""
+    return "\n".join(_lines(fitted)) + "\n"
+
+
+def _lines(fitted: FittedPitches) -> Iterator[str]:
+    yield f"{fitted.source}: {fitted.rows_used} pitches used of {fitted.rows_read} rows"
+    for each in fitted.left_out:
+        rows = ", ".join(map(str, each.first_rows))
+        more = ", …" if each.count > len(each.first_rows) else ""
+        yield f"  left out: {each.count}, {each.reason} (row {rows}{more})"
+    for name, types in (("straight", fitted.straight), ("breaking", fitted.breaking)):
+        found = ", ".join(f"{kind} {count}" for kind, count in types.items())
+        yield f"  {name}: {sum(types.values())} ({found})"
+
+    speed = fitted.speed
+    yield ""
+    yield _row("Speed (Table II, Fig. 2)", "maximum likelihood", "histogram", "Eq. 2 as printed")
+    fits = (speed.maximum_likelihood, speed.least_squares, speed.least_squares_as_printed)
+    for label, key, scale, digits in (
+        ("mean of straight, km/h", "straight_mean", 3.6, 2),
+        ("  its standard deviation", "straight_spread", 3.6, 2),
+        ("  σ of Eq. 2 as printed", "straight_spread", 3.6 * math.sqrt(2.0), 2),
+        ("mean of breaking, km/h", "breaking_mean", 3.6, 2),
+        ("  its standard deviation", "breaking_spread", 3.6, 2),
+        ("  σ of Eq. 2 as printed", "breaking_spread", 3.6 * math.sqrt(2.0), 2),
+        ("p, weight of straight", "weight", 1.0, 4),
+    ):
+        yield _row(label, *(_number(getattr(fit, key), scale, digits) for fit in fits))
+    yield _row("R² of the mixture", *(_determination(fit.r_squared) for fit in fits))
+
+    aim = fitted.aim
+    yield ""
+    yield _row("Across (Fig. 3)", "maximum likelihood", "histogram", "means held")
+    aims = (aim.maximum_likelihood, aim.least_squares, aim.least_squares_at_edges)
+    for label, key in (
+        ("mean of left, cells", "left_mean"),
+        ("mean of right, cells", "right_mean"),
+        ("standard deviation, cells", "spread"),
+        ("q, weight of left", "weight"),
+    ):
+        yield _row(label, *(_number(getattr(fit, key), 1.0, 3) for fit in aims))
+    yield _row("peaks", *(str(fit.peaks) for fit in aims))
+    yield _row("R²", *(_determination(fit.r_squared) for fit in aims))
+    yield _row("2 Δ ln L over one normal", f"{aim.gain_over_one_normal:.1f}")
+    yield _row("pitches in cells 1 to 5", ", ".join(map(str, aim.cells)))
+
+    if fitted.height is not None:
+        yield ""
+        yield "Height (Fig. 4)"
+        for index, share in enumerate(fitted.height.shares, start=1):
+            yield _row(f"share of cell {index}", _number(share, 1.0, 4))
+        yield _row(
+            "cells 1 to 4 equal",
+            f"χ² = {fitted.height.chi_squared_of_lower_four:.1f} (3 degrees of freedom), "
+            f"p = {fitted.height.p_value_of_lower_four:.2g}",
+        )
+    yield ""
+    yield "± is one standard error, ? where there is none to give."
+    yield (
+        f"A cell across is {fitted.columns.cell_width:g} m wide, numbered from the pitcher's left. "
+        f"To draw from: {fitted.draw_from.replace('_', ' ')}."
+    )
+
+
+def _row(label: str, *values: str) -> str:
+    return f"{label:28}" + "".join(f"{value:21}" for value in values).rstrip()
+
+
+def _number(estimate: Estimate, scale: float, digits: int) -> str:
+    value = f"{scale * estimate.value:.{digits}f}"
+    if estimate.standard_error is None:
+        return f"{value} ± ?"
+    if estimate.standard_error == 0.0:
+        return f"{value} (held)"
+    return f"{value} ± {scale * estimate.standard_error:.{digits}f}"
+
+
+def _determination(value: float | None) -> str:
+    return "?" if value is None else f"{value:.4f}"

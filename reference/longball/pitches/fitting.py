@@ -1,0 +1,609 @@
+"""The paper's Sec. II: normal curves for the speeds, a mixture across the plate, shares in height.
+
+Everything is fitted twice. *Least squares* lays a curve through a histogram, as the paper did and
+with what that brings: the curve is compared at the middle of a bin with the mean over the bin,
+which widens it (by Sheppard's rule the fitted variance is too large by width²/12). *Maximum
+likelihood* asks for the distribution under which the pitches are most probable, and has no such
+bias; its errors come from Fisher's information. The errors of least squares come from a bootstrap:
+the counts are drawn again from the observed shares, and fitted again.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple, TextIO
+
+import numpy as np
+
+from longball.pitches.fitted import (
+    AimFit,
+    Aims,
+    Estimate,
+    FittedPitches,
+    Heights,
+    Method,
+    Omission,
+    SpeedFit,
+    SpeedHistogram,
+    Speeds,
+)
+from longball.pitches.table import (
+    ROWS_NAMED,
+    SPEED_UNITS,
+    Booleans,
+    Columns,
+    Counts,
+    Floats,
+    Pitches,
+    PitchesError,
+    PitchTypes,
+    cell,
+    read_pitches,
+)
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+Errors = tuple[float | None, ...]
+
+# Relative error of a standard error from so many replicates: 1/√(2 · 200) = 5 %.
+REPLICATES = 200
+
+# km/h: the bins of Fig. 2 are not printed. With 1,548 pitches of the paper's own mixture, bins of
+# 3 to 6 km/h give the printed R² = 0.9942; bins of 1 km/h are too noisy (analysis/pitch_fits.py).
+BIN_WIDTH = 3.0
+
+# Five numbers are fitted to the histogram; and more bins than this hold next to nothing each.
+FEWEST_BINS, MOST_BINS = 5, 1000
+
+# Below this the errors given here, all of them for large samples, would be a pretence.
+FEWEST_PITCHES = 20
+
+# The grid of Fig. 1 across the plate: boundaries of the five cells, the outer ones open.
+CELL_EDGES = np.array([-np.inf, 1.5, 2.5, 3.5, 4.5, np.inf])
+
+# Where a table gives places and not cells, they are counted in tenths of a cell, 14 mm: a fit does
+# not see so fine a step, and its cost does not grow with the table.
+FINE_EDGES = np.concatenate([[-np.inf], np.linspace(-3.0, 9.0, 121), [np.inf]])
+
+# The means of Fig. 3 as printed: the outer cells of the strike zone.
+EDGES_OF_THE_ZONE = (2.0, 4.0)
+
+
+def fit_pitches(
+    table: str | Path | TextIO | pd.DataFrame,
+    columns: Columns | None = None,
+    types: PitchTypes | None = None,
+    *,
+    bin_width: float = BIN_WIDTH,
+    draw_from: Method = "maximum_likelihood",
+    replicates: int = REPLICATES,
+    seed: int = 0,
+) -> FittedPitches:
+    """Analyse a table of pitches as the paper does.
+
+    Parameters
+    ----------
+    table, columns, types
+        As `longball.pitches.read_pitches` takes them.
+    bin_width
+        km/h, of the histogram of speeds; rounded to a whole number of the steps in which the
+        table writes its speeds, so that every bin holds equally many of them.
+    draw_from
+        Whose distributions are to be drawn from.
+    replicates, seed
+        Of the bootstrap behind the errors of least squares.
+
+    Raises
+    ------
+    PitchesError
+        If the table cannot be used, a class has too few pitches or all of one speed, or the
+        bins are too few or too many.
+    """
+    types = types or PitchTypes()
+    pitches = read_pitches(table, columns, types)
+    _enough(pitches)
+    if replicates < 2:
+        raise PitchesError(f"replicates = {replicates}: a bootstrap takes at least 2")
+    generator = np.random.default_rng(seed)
+    straight = Counter(np.array(pitches.types)[pitches.straight].tolist())
+    breaking = Counter(np.array(pitches.types)[~pitches.straight].tolist())
+    return FittedPitches(
+        source=pitches.source,
+        columns=pitches.columns,
+        types=types,
+        rows_read=pitches.rows_read,
+        rows_used=len(pitches.types),
+        left_out=tuple(
+            Omission(reason=each.reason, count=len(each.rows), first_rows=each.rows[:ROWS_NAMED])
+            for each in pitches.left_out
+        ),
+        straight=dict(straight.most_common()),
+        breaking=dict(breaking.most_common()),
+        speed=_fit_speeds(pitches, bin_width, replicates, generator),
+        aim=_fit_aims(pitches, replicates, generator),
+        height=None if pitches.height is None else _describe_heights(_count_cells(pitches.height)),
+        bootstrap_replicates=replicates,
+        bootstrap_seed=seed,
+        draw_from=draw_from,
+    )
+
+
+def r_squared(observed: Floats, fitted: Floats) -> float | None:
+    """Return the coefficient of determination, 1 - Σ(o - f)² / Σ(o - ō)²; None if all o agree."""
+    spread = np.sum((observed - observed.mean()) ** 2)
+    if np.ptp(observed) == 0.0:
+        return None
+    return float(1.0 - np.sum((observed - fitted) ** 2) / spread)
+
+
+def _enough(pitches: Pitches) -> None:
+    for name, chosen in (("straight", pitches.straight), ("breaking", ~pitches.straight)):
+        speeds = pitches.speed[chosen]
+        if len(speeds) < FEWEST_PITCHES:
+            raise PitchesError(
+                f"{pitches.columns.pitch_type}: only {len(speeds)} {name} balls; a fit with its "
+                f"errors needs at least {FEWEST_PITCHES}"
+            )
+        if np.ptp(speeds) == 0.0 or speeds.var() <= _variance_of_rounding(pitches.columns):
+            raise PitchesError(
+                f"{pitches.columns.speed}: the {len(speeds)} {name} balls differ no more than by "
+                "the step in which their speeds are written, which no normal curve describes"
+            )
+
+
+# --- speeds: Fig. 2, Table II ---------------------------------------------------------------------
+
+
+class NormalCurve(NamedTuple):
+    """Eq. 2 with an exponent ``-(v - μ)² / (factor σ²)``: factor 2 is a density, 1 is as printed.
+
+    As printed the curve has the integral 1/√2, and its standard deviation is σ/√2.
+    """
+
+    factor: float
+
+    @property
+    def sigma_per_deviation(self) -> float:
+        """How many of its standard deviations the curve's σ is: 1, or √2 as printed."""
+        return math.sqrt(2.0 / self.factor)
+
+    def __call__(self, v: Floats, mean: float, sigma: float) -> Floats:
+        """Return the curve at the speeds `v`, in the inverse of their unit."""
+        z = (v - mean) / sigma
+        return np.exp(-z * z / self.factor) / (math.sqrt(2.0 * math.pi) * sigma)
+
+    def fit(self, v: Floats, density: Floats, mean: float, sigma: float) -> tuple[float, float]:
+        """Return the mean and σ > 0 of the curve nearest to a density, from a first guess."""
+        from scipy.optimize import least_squares
+
+        def residuals(theta: Floats) -> Floats:
+            return self(v, *theta) - density
+
+        def jacobian(theta: Floats) -> Floats:
+            z = (v - theta[0]) / theta[1]
+            slope = self(v, *theta) / theta[1]
+            return np.stack(
+                [slope * 2.0 * z / self.factor, slope * (2.0 * z * z / self.factor - 1.0)], axis=1
+            )
+
+        found = least_squares(
+            residuals, (mean, sigma), jacobian, method="lm", x_scale=(sigma, sigma)
+        )
+        return float(found.x[0]), abs(float(found.x[1]))
+
+
+DENSITY = NormalCurve(2.0)
+AS_PRINTED = NormalCurve(1.0)
+
+
+def _fit_speeds(
+    pitches: Pitches, bin_width: float, replicates: int, generator: np.random.Generator
+) -> Speeds:
+    edges = _bins(pitches.speed, bin_width, pitches.columns)
+    counts = np.stack(
+        [
+            np.histogram(pitches.speed[chosen], edges)[0]
+            for chosen in (pitches.straight, ~pitches.straight)
+        ]
+    )
+    by_likelihood = _likeliest_speeds(pitches, edges, counts)
+    start = _values(by_likelihood)
+    return Speeds(
+        histogram=SpeedHistogram(
+            edges=tuple(edges.tolist()),
+            straight=tuple(counts[0].tolist()),
+            breaking=tuple(counts[1].tolist()),
+        ),
+        maximum_likelihood=by_likelihood,
+        least_squares=_speeds_through(DENSITY, edges, counts, start, replicates, generator),
+        least_squares_as_printed=_speeds_through(
+            AS_PRINTED, edges, counts, start, replicates, generator
+        ),
+    )
+
+
+def _bins(speed: Floats, bin_width: float, columns: Columns) -> Floats:
+    """Return edges of equal bins, m/s, between the speeds that the table can write."""
+    unit = SPEED_UNITS[columns.speed_unit]
+    step = columns.speed_resolution * unit
+    width = bin_width / 3.6
+    if not width > 0.0:
+        raise PitchesError(f"bin_width = {bin_width:g} km/h: a bin has a positive width")
+    if step > 0.0:
+        width = max(1, round(width / step)) * step
+    # A speed that is written v is between v - step/2 and v + step/2, and bins end there too.
+    first = math.floor((speed.min() - step / 2) / width)
+    last = math.ceil((speed.max() - step / 2) / width)
+    if not FEWEST_BINS <= last - first <= MOST_BINS:
+        raise PitchesError(
+            f"bin_width = {bin_width:g} km/h puts these speeds into {last - first} bins; "
+            f"it takes {FEWEST_BINS} to {MOST_BINS} of them"
+        )
+    return (np.arange(first, last + 1) * width + step / 2).astype(np.float64)
+
+
+def _likeliest_speeds(pitches: Pitches, edges: Floats, counts: Counts) -> SpeedFit:
+    total = len(pitches.speed)
+    share = float(np.mean(pitches.straight))
+    (mean_1, spread_1), (mean_2, spread_2) = (
+        _likeliest_normal(pitches.speed[chosen], _variance_of_rounding(pitches.columns))
+        for chosen in (pitches.straight, ~pitches.straight)
+    )
+    values = (mean_1.value, spread_1.value, mean_2.value, spread_2.value, share)
+    return SpeedFit(
+        straight_mean=mean_1,
+        straight_spread=spread_1,
+        breaking_mean=mean_2,
+        breaking_spread=spread_2,
+        weight=Estimate(value=share, standard_error=math.sqrt(share * (1.0 - share) / total)),
+        r_squared=_r_squared_of_speeds(DENSITY, edges, counts, values),
+    )
+
+
+def _variance_of_rounding(columns: Columns) -> float:
+    """Return what speeds that are written in steps gain in variance, m²/s² (Sheppard)."""
+    return (columns.speed_resolution * SPEED_UNITS[columns.speed_unit]) ** 2 / 12.0
+
+
+def _likeliest_normal(speed: Floats, rounding: float) -> tuple[Estimate, Estimate]:
+    """Return mean and standard deviation, with errors that hold for other shapes too.
+
+    The variance that `rounding` has added is taken off.
+    For normal data the fourth moment is 3, and the error of the standard deviation Fisher's
+    s/√(2n); with heavier tails it is larger (Huber's sandwich of Fisher's information).
+    """
+    mean, spread = float(speed.mean()), math.sqrt(speed.var() - rounding)
+    fourth_moment = float(np.mean(((speed - mean) / spread) ** 4))
+    return (
+        Estimate(value=mean, standard_error=spread / math.sqrt(len(speed))),
+        Estimate(
+            value=spread,
+            standard_error=spread * math.sqrt((fourth_moment - 1.0) / (4.0 * len(speed))),
+        ),
+    )
+
+
+SpeedValues = tuple[float, float, float, float, float]
+
+
+def _values(fit: SpeedFit) -> SpeedValues:
+    return (
+        fit.straight_mean.value,
+        fit.straight_spread.value,
+        fit.breaking_mean.value,
+        fit.breaking_spread.value,
+        fit.weight.value,
+    )
+
+
+def _speeds_through(
+    curve: NormalCurve,
+    edges: Floats,
+    counts: Counts,
+    start: SpeedValues,
+    replicates: int,
+    generator: np.random.Generator,
+) -> SpeedFit:
+    """Lay Eqs. 2 and 3 through the histograms of the classes, and of all pitches."""
+    fitted = _least_squares_speeds(curve, edges, counts, start)
+    errors = _bootstrap(
+        counts,
+        lambda drawn: _least_squares_speeds(curve, edges, drawn, fitted),
+        replicates,
+        generator,
+    )
+    estimates = [
+        Estimate(value=value, standard_error=error)
+        for value, error in zip(fitted, errors, strict=True)
+    ]
+    return SpeedFit(
+        straight_mean=estimates[0],
+        straight_spread=estimates[1],
+        breaking_mean=estimates[2],
+        breaking_spread=estimates[3],
+        weight=estimates[4],
+        r_squared=_r_squared_of_speeds(curve, edges, counts, fitted),
+    )
+
+
+def _least_squares_speeds(
+    curve: NormalCurve, edges: Floats, counts: Counts, start: SpeedValues
+) -> SpeedValues:
+    v, width = _middles(edges)
+    (mean_1, sigma_1), (mean_2, sigma_2) = (
+        curve.fit(v, count / (count.sum() * width), mean, curve.sigma_per_deviation * spread)
+        for count, mean, spread in zip(counts, start[0:4:2], start[1:4:2], strict=True)
+    )
+    straight, breaking = curve(v, mean_1, sigma_1), curve(v, mean_2, sigma_2)
+    everything = counts.sum(axis=0) / (counts.sum() * width)
+    # The sum of squares is a parabola in p: within [0, 1] it is least where clipping puts it.
+    apart = straight - breaking
+    weight = float(np.clip((everything - breaking) @ apart / (apart @ apart), 0.0, 1.0))
+    return (
+        mean_1,
+        sigma_1 / curve.sigma_per_deviation,
+        mean_2,
+        sigma_2 / curve.sigma_per_deviation,
+        weight,
+    )
+
+
+def _r_squared_of_speeds(
+    curve: NormalCurve, edges: Floats, counts: Counts, values: SpeedValues
+) -> float | None:
+    mean_1, spread_1, mean_2, spread_2, p = values
+    v, width = _middles(edges)
+    mixture = p * curve(v, mean_1, curve.sigma_per_deviation * spread_1) + (1.0 - p) * curve(
+        v, mean_2, curve.sigma_per_deviation * spread_2
+    )
+    return r_squared(counts.sum(axis=0) / (counts.sum() * width), mixture)
+
+
+def _middles(edges: Floats) -> tuple[Floats, float]:
+    return (edges[1:] + edges[:-1]) / 2.0, float(edges[1] - edges[0])
+
+
+# --- across the plate: Fig. 3 ---------------------------------------------------------------------
+
+
+def _fit_aims(pitches: Pitches, replicates: int, generator: np.random.Generator) -> Aims:
+    cells = _count_cells(pitches.across)
+    edges = CELL_EDGES if pitches.columns.place_unit == "cell" else FINE_EDGES
+    likeliest, errors, gain = _likeliest_aim(np.histogram(pitches.across, edges)[0], edges)
+    return Aims(
+        cells=_five(cells),
+        maximum_likelihood=_aim_fit(likeliest, errors, cells, likeliest.shares(CELL_EDGES)),
+        gain_over_one_normal=gain,
+        least_squares=_aim_through(cells, None, replicates, generator),
+        least_squares_at_edges=_aim_through(cells, EDGES_OF_THE_ZONE, replicates, generator),
+    )
+
+
+class _Aim(NamedTuple):
+    """Parameters of Eq. 4: q, the two means and their common spread, in cells."""
+
+    weight: float
+    left: float
+    right: float
+    spread: float
+
+    def density(self, y: Floats) -> Floats:
+        return self.weight * DENSITY(y, self.left, self.spread) + (1.0 - self.weight) * DENSITY(
+            y, self.right, self.spread
+        )
+
+    def shares(self, edges: Floats) -> Floats:
+        """Return the integral of the density over each cell."""
+        from scipy.special import ndtr
+
+        left, right = (np.diff(ndtr((edges - mean) / self.spread)) for mean in self[1:3])
+        mixed: Floats = self.weight * left + (1.0 - self.weight) * right
+        return mixed
+
+    def sorted(self) -> _Aim:
+        if self.left <= self.right:
+            return self
+        return _Aim(1.0 - self.weight, self.right, self.left, self.spread)
+
+    def peaks(self) -> int:
+        """Count the maxima of the density, which lie between the means."""
+        y = np.linspace(self.left - self.spread, self.right + self.spread, 2001)
+        rises = np.diff(self.density(y)) > 0.0
+        return int(np.sum(rises[:-1] & ~rises[1:]))
+
+
+# Where the search for Eq. 4 may go. The means lie in the grid: what is aimed at is on the chart.
+# The spread, in cells: narrower or wider, five cells see no difference.
+_LOWEST = _Aim(0.0, 0.5, 0.5, 0.05)
+_HIGHEST = _Aim(1.0, 5.5, 5.5, 5.0)
+# Where it begins: two peaks at the edges of the strike zone; two broad ones; one beside the other.
+_STARTS = (_Aim(0.5, 2.0, 4.0, 0.8), _Aim(0.5, 1.5, 4.5, 1.3), _Aim(0.8, 3.0, 4.5, 1.2))
+_ONE_NORMAL = _Aim(1.0, 3.0, 3.0, 1.2)
+
+# What of Eq. 4 is searched for: all of it; q and the spread; a mean and the spread.
+_EVERYTHING = (True, True, True, True)
+_MEANS_HELD = (True, False, False, True)
+_LEFT_ALONE = (False, True, False, True)
+
+
+def _likeliest_aim(counts: Counts, edges: Floats) -> tuple[_Aim, Errors, float]:
+    """Fit Eq. 4 to counts in cells with these boundaries.
+
+    Returns
+    -------
+    tuple
+        The likeliest mixture, its errors by Fisher's information, and twice the logarithm of how
+        much more likely it is than the likeliest single normal distribution.
+    """
+    total = int(counts.sum())
+    shares = counts / total
+
+    def deviance_residuals(aim: _Aim) -> Floats:
+        # Far from every pitch a share underflows; there its logarithm only has to be very low.
+        expected = np.maximum(aim.shares(edges), 1e-300)
+        log_ratio = np.log(np.where(counts > 0, shares, 1.0) / expected) * (counts > 0)
+        deviance = 2.0 * (shares * log_ratio - shares + expected)
+        # Rounding can leave less than zero where a cell is met exactly.
+        residuals: Floats = np.sign(shares - expected) * np.sqrt(np.maximum(deviance, 0.0))
+        return residuals
+
+    found, cost = _nearest(deviance_residuals, _STARTS, _EVERYTHING)
+    _, cost_of_one = _nearest(deviance_residuals, (_ONE_NORMAL,), _LEFT_ALONE)
+    return found, _fisher_errors(found, edges, total), 2.0 * total * (cost_of_one - cost)
+
+
+def _fisher_errors(aim: _Aim, edges: Floats, total: int) -> Errors:
+    """Return the errors by Fisher's information n Σ (∂P_j)(∂P_j)ᵀ / P_j.
+
+    The derivatives are central differences; their error, 1e-10 or so, is far below any use of an
+    error bar.
+    """
+    step = 1e-5
+    theta, free = np.array(aim), _within(aim)
+    slopes = np.stack(
+        [
+            (_Aim(*(theta + move)).shares(edges) - _Aim(*(theta - move)).shares(edges)) / (2 * step)
+            for move in step * np.eye(4)[free]
+        ]
+    )
+    information = (slopes / np.maximum(aim.shares(edges), 1e-300)) @ slopes.T * total
+    # Singular to 8 digits: the differences cannot tell such a matrix from a singular one.
+    if not np.linalg.cond(information) < 1e8:
+        return (None,) * 4
+    errors = iter(np.sqrt(np.diag(np.linalg.inv(information))).tolist())
+    return tuple(next(errors) if determined else None for determined in free)
+
+
+def _within(aim: _Aim) -> Booleans:
+    """Tell which parameters ended inside the range of the search, not at its end."""
+    theta, low, high = np.array(aim), np.array(_LOWEST), np.array(_HIGHEST)
+    # The search stays inside; that near to an end it would have gone on.
+    near = 1e-4 * (high - low)
+    inside: Booleans = (theta > low + near) & (theta < high - near)
+    return inside
+
+
+def _aim_through(
+    counts: Counts,
+    means: tuple[float, float] | None,
+    replicates: int,
+    generator: np.random.Generator,
+) -> AimFit:
+    """Lay the density of Eq. 4, at the number of each cell, through the cells' shares."""
+    y = np.arange(1.0, 6.0)
+    starts = _STARTS if means is None else (_Aim(0.5, *means, 0.8),)
+    free = _EVERYTHING if means is None else _MEANS_HELD
+
+    def fit(drawn: Counts, starts: tuple[_Aim, ...]) -> _Aim:
+        shares = drawn / drawn.sum()
+        return _nearest(lambda aim: aim.density(y) - shares, starts, free)[0]
+
+    found = fit(counts, starts)
+    spreads = _bootstrap(counts, lambda drawn: fit(drawn, (found,)), replicates, generator)
+    errors = tuple(
+        spread if determined else None
+        for spread, determined in zip(spreads, _within(found), strict=True)
+    )
+    return _aim_fit(found, errors, counts, found.density(y))
+
+
+def _nearest(
+    residuals: Callable[[_Aim], Floats], starts: tuple[_Aim, ...], free: tuple[bool, ...]
+) -> tuple[_Aim, float]:
+    """Return the parameters with the least sum of squares, and half that sum.
+
+    Only the `free` ones move from where they start.
+    """
+    from scipy.optimize import least_squares
+
+    moving = np.array(free)
+    low, high = np.array(_LOWEST)[moving], np.array(_HIGHEST)[moving]
+
+    def whole(start: _Aim, part: Floats) -> _Aim:
+        theta = np.array(start)
+        theta[moving] = part
+        return _Aim(*theta.tolist())
+
+    ends = []
+    for start in starts:
+        # least_squares wants to start inside; a thousandth is far from any end that it may seek.
+        inside = np.clip(np.array(start)[moving], low + 1e-3, high - 1e-3)
+        found = least_squares(
+            lambda part, start=start: residuals(whole(start, part)),
+            inside,
+            bounds=(low, high),
+            # A step or a gain this small is far below every error bar.
+            xtol=1e-10,
+            ftol=1e-12,
+            gtol=1e-12,
+        )
+        ends.append((float(found.cost), whole(start, found.x)))
+    cost, best = min(ends, key=lambda end: end[0])
+    return best.sorted(), cost
+
+
+def _aim_fit(aim: _Aim, errors: Errors, counts: Counts, fitted: Floats) -> AimFit:
+    weight, left, right, spread = (
+        Estimate(value=value, standard_error=error)
+        for value, error in zip(aim, errors, strict=True)
+    )
+    return AimFit(
+        left_mean=left,
+        right_mean=right,
+        spread=spread,
+        weight=weight,
+        peaks=aim.peaks(),
+        r_squared=r_squared(counts / counts.sum(), fitted),
+    )
+
+
+# --- height: Fig. 4 -------------------------------------------------------------------------------
+
+
+def _describe_heights(counts: Counts) -> Heights:
+    """Return the shares of the five cells, and whether the lower four of them are equal."""
+    from scipy.stats import chisquare
+
+    total = int(counts.sum())
+    # An empty cell has no error of this kind: √0 would say that it is empty for certain.
+    shares = [
+        Estimate(value=share, standard_error=math.sqrt(share * (1.0 - share) / total) or None)
+        for share in (counts / total).tolist()
+    ]
+    lower_four = chisquare(counts[:4])
+    return Heights(
+        cells=_five(counts),
+        shares=(shares[0], shares[1], shares[2], shares[3], shares[4]),
+        chi_squared_of_lower_four=float(lower_four.statistic),
+        p_value_of_lower_four=float(lower_four.pvalue),
+    )
+
+
+def _count_cells(place: Floats) -> Counts:
+    return np.bincount(cell(place), minlength=6)[1:]
+
+
+def _five(counts: Counts) -> tuple[int, int, int, int, int]:
+    one, two, three, four, five = counts.tolist()
+    return one, two, three, four, five
+
+
+# --- uncertainty ----------------------------------------------------------------------------------
+
+
+def _bootstrap(
+    counts: Counts,
+    fit: Callable[[Counts], tuple[float, ...]],
+    replicates: int,
+    generator: np.random.Generator,
+) -> tuple[float, ...]:
+    """Return the spread of what is fitted to counts that are drawn from the observed shares."""
+    total = int(counts.sum())
+    shares = counts.ravel() / total
+    drawn = generator.multinomial(total, shares, size=replicates).reshape(-1, *counts.shape)
+    fits = np.array([fit(each) for each in drawn])
+    return tuple(fits.std(axis=0, ddof=1).tolist())

@@ -1,0 +1,59 @@
+"""The verdicts of the study of pitches follow from the numbers, whichever way these fall."""
+
+import pytest
+
+from analysis.pitch_fits import (
+    PRINTED,
+    Printed,
+    _on_equation_2,
+    _on_r_squared,
+    draw_pitches,
+    verdict,
+)
+from longball.pitches import EXAMPLE, fit_pitches
+
+WIDENED = Printed("spread", "cells", 0.77, "aim", "spread", 1.0, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("method", "value", "error", "sentence"),
+    [
+        ("maximum_likelihood", 0.80, 0.02, "given back"),
+        ("maximum_likelihood", 0.82, 0.02, "off by 2.5 standard errors: chance"),
+        ("maximum_likelihood", 0.87, 0.02, "off by 5.0 standard errors, unexplained"),
+        ("maximum_likelihood", 0.80, None, "not determined by these pitches"),
+        # √(0.77² + 1/12) = 0.822
+        ("least_squares", 0.83, 0.02, "too wide by its bins: Sheppard's rule gives 0.822"),
+        ("least_squares", 0.87, 0.02, "biased: a density at a cell's number is not its share"),
+    ],
+)
+def test_verdicts(method, value, error, sentence):
+    assert verdict(WIDENED, method, value, error) == sentence
+
+
+def row(what, width, low, high):
+    middle = (low + high) / 2
+    return {
+        "what": what, "bin_width": width, "draws": 9, "low": low, "median": middle, "high": high,
+    }  # fmt: skip
+
+
+def test_equation_2_as_printed_is_judged_by_what_it_reaches():
+    assert "It is **not** the curve" in _on_equation_2([row("speed as printed", 3.0, 0.8, 0.86)])
+    assert "cannot be told" in _on_equation_2([row("speed as printed", 3.0, 0.8, 0.999)])
+
+
+def test_the_printed_r_squared_is_judged_by_the_widths_that_give_it():
+    example = fit_pitches(EXAMPLE, replicates=2)
+    narrow, wide = row("speed", 1.0, 0.95, 0.98), row("speed", 3.0, 0.98, 0.998)
+    assert "bins of 3 km/h give: **consistent**" in _on_r_squared(example, example, [narrow, wide])
+    assert "**not reproduced**" in _on_r_squared(example, example, [narrow])
+
+
+def test_drawn_pitches_are_written_as_the_source_does():
+    table = draw_pitches(500, seed=1)
+    assert (table.speed_kmh % 1 == 0).all()
+    assert set(table.y) == {1, 2, 3, 4, 5}
+    assert [printed.value for printed in PRINTED] == [
+        139.1, 4.58, 127.8, 7.80, 0.45, 2, 4, 0.77, 0.52,
+    ]  # fmt: skip

@@ -1,0 +1,242 @@
+"""A table of pitches, read: units, points of view, what is missing, what is wrong."""
+
+import io
+import subprocess
+import sys
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from longball.pitches import EXAMPLE, Columns, PitchesError, PitchTypes, read_pitches
+from longball.pitches.table import cell
+
+STATCAST = "pitch_type,release_speed,plate_x,plate_z,sz_top,sz_bot\n"
+
+
+def statcast(*lines, header=STATCAST):
+    return io.StringIO(header + "\n".join(lines) + "\n")
+
+
+GOOD = ("FF,90.0,0.0,2.5,3.5,1.5", "SL,80.0,1.0,2.5,3.5,1.5")
+
+
+def test_statcast_units():
+    pitches = read_pitches(statcast(*GOOD))
+    assert pitches.speed.tolist() == [90 * 0.44704, 80 * 0.44704]
+    assert pitches.straight.tolist() == [True, False]
+    assert pitches.types == ("FF", "SL")
+    assert pitches.height.tolist() == [3.0, 3.0]  # halfway up the batter's own zone
+    assert pitches.rows_read == 2
+    assert pitches.left_out == ()
+
+
+@pytest.mark.parametrize(
+    ("unit", "speed", "metres_per_second"),
+    [("m/s", 40, 40), ("km/h", 144, 40), ("mph", 100, 44.704)],
+)
+def test_units_of_speed(unit, speed, metres_per_second):
+    table = statcast(f"FF,{speed},0,2,3,1", f"SL,{speed},0,2,3,1")
+    pitches = read_pitches(table, Columns(speed_unit=unit))
+    assert pitches.speed == pytest.approx(metres_per_second, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("unit", "metres"), [("ft", 0.3048), ("in", 0.0254), ("cm", 0.01), ("m", 1)]
+)
+def test_to_the_right_of_the_catcher_is_to_the_left_of_the_pitcher(unit, metres):
+    one_cell = 0.144 / metres
+    table = statcast(f"FF,90,{one_cell},2,3,1", f"SL,90,{-2 * one_cell},2,3,1")
+    pitches = read_pitches(table, Columns(place_unit=unit))
+    assert pitches.across == pytest.approx([2.0, 5.0], rel=1e-15)
+    # The scene's frame: P_y = (cell - 3) · width, and +y is to the catcher's left.
+    assert (pitches.across - 3) * 0.144 == pytest.approx([-0.144, 0.288], rel=1e-14)
+
+
+def test_the_pitcher_sees_it_the_other_way_round():
+    table = statcast("FF,90,0.144,2,3,1", "SL,90,-0.288,2,3,1")
+    pitches = read_pitches(table, Columns(place_unit="m", view="pitcher"))
+    assert pitches.across == pytest.approx([4.0, 1.0], rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("view", "across"), [("pitcher", [1, 2, 3, 4, 5]), ("catcher", [5, 4, 3, 2, 1])]
+)
+def test_a_table_that_gives_cells(view, across):
+    kinds = ("straight", "curve", "curve", "curve", "curve")
+    table = pd.DataFrame({"kind": kinds, "kmh": 140, "y": [1, 2, 3, 4, 5], "z": [5, 4, 3, 2, 1]})
+    columns = Columns(
+        pitch_type="kind", speed="kmh", speed_unit="km/h", across="y", height="z",
+        place_unit="cell", view=view,
+    )  # fmt: skip
+    pitches = read_pitches(table, columns, PitchTypes(straight=("straight",), breaking=None))
+    assert pitches.across.tolist() == across
+    assert cell(pitches.across).tolist() == across
+    assert pitches.height.tolist() == [5, 4, 3, 2, 1]
+    assert pitches.speed == pytest.approx(140 / 3.6)
+
+
+def test_height_need_not_be_recorded():
+    table = pd.DataFrame({"pitch_type": ["FF", "SL"], "release_speed": [90, 80], "plate_x": [0, 0]})
+    assert read_pitches(table, Columns(height=None)).height is None
+
+
+def test_cells_meet_halfway_and_the_outer_ones_are_open():
+    places = np.array([-40, 1.499, 1.5, 2.499, 2.5, 3, 3.5, 4.499, 4.5, 99])
+    assert cell(places).tolist() == [1, 1, 2, 2, 3, 3, 4, 4, 5, 5]
+
+
+def test_the_strike_zone_is_the_batters_own():
+    low_and_high = ("FF,90,0,1.5,3.5,1.5", "SL,90,0,4.0,4.0,1.0")
+    assert read_pitches(statcast(*low_and_high)).height.tolist() == [1.5, 4.5]
+
+
+def test_rows_that_lack_something_are_named_under_the_first_thing():
+    table = statcast(
+        "FF,90,0,2,3,1",
+        "NA,90,NA,2,3,1",  # 2: lacks its type, and its place
+        "SL,,0,2,3,1",  # 3
+        "PO,90,0,2,3,1",  # 4: a pitchout
+        "SL,90,0,2,3,",  # 5
+        "SL,90, ,2,3,1",  # 6: a blank is nothing
+        "SL,90,0,2,3,1",
+    )
+    pitches = read_pitches(table)
+    assert {each.reason: each.rows for each in pitches.left_out} == {
+        "pitch_type is missing": (2,),
+        "pitch_type is PO": (4,),
+        "release_speed is missing": (3,),
+        "plate_x is missing": (6,),
+        "sz_bot is missing": (5,),
+    }
+    assert len(pitches.types) == 2
+    assert pitches.rows_read == 7
+
+
+def test_a_file_and_the_same_frame_say_the_same():
+    from_file, from_frame = read_pitches(EXAMPLE), read_pitches(pd.read_csv(EXAMPLE))
+    assert from_file.types == from_frame.types
+    for name in ("speed", "across", "height", "straight"):
+        assert np.array_equal(getattr(from_file, name), getattr(from_frame, name))
+
+
+def test_a_byte_order_mark_and_spaces_in_the_header(tmp_path):
+    path = tmp_path / "pitches.csv"
+    path.write_text(
+        "\ufeffpitch_type, release_speed,plate_x,plate_z,sz_top,sz_bot\n" + "\n".join(GOOD)
+    )
+    assert len(read_pitches(path).types) == 2
+
+
+WRONG_TABLES = {
+    "no such column": (
+        statcast("FF,90", header="pitch_type,speed\n"),
+        "release_speed: the table has no such column; its columns are pitch_type, speed",
+    ),
+    "twice": (
+        statcast("FF,90,0,2,3,1,0", header=STATCAST.strip() + ",plate_x\n"),
+        "plate_x: the table has 2 columns of this name",
+    ),
+    "text": (
+        statcast(*GOOD, "FF,fast,0,2,3,1", "FF,faster,0,2,3,1"),
+        "release_speed: row 3 below the header has 'fast', which is not a number (2 rows in all)",
+    ),
+    "infinite": (
+        statcast(*GOOD, "FF,90,inf,2,3,1"),
+        "plate_x: row 3 below the header has 'inf', which is not finite",
+    ),
+    "negative": (
+        statcast(*GOOD, "FF,-90,0,2,3,1"),
+        "release_speed: row 3 below the header has -90: a speed is positive",
+    ),
+    "km/h taken for mph": (
+        statcast(*GOOD, "FF,150,0,2,3,1"),
+        "release_speed: row 3 below the header has 150: "
+        "faster in mph than any pitch: is it the right unit?",
+    ),
+    "upside down": (
+        statcast(*GOOD, "FF,90,0,2,1,3"),
+        "sz_top: row 3 below the header has 1: that is not above sz_bot",
+    ),
+    "unknown type": (
+        statcast(*GOOD, "NA,90,0,2,3,1", "XY,90,0,2,3,1"),
+        "pitch_type: row 4 below the header has 'XY', which is named neither as straight, "
+        "nor as breaking, nor to be left out",
+    ),
+    "one class": (
+        statcast("SL,90,0,2,3,1", "CU,80,0,2,3,1"),
+        "pitch_type: no straight ball among the types of pitch here: CU, SL",
+    ),
+    "other class": (
+        statcast("FF,90,0,2,3,1"),
+        "pitch_type: no breaking ball among the types of pitch here: FF",
+    ),
+    "nothing left": (
+        statcast("FF,,0,2,3,1", ",90,0,2,3,1"),
+        "no pitch of the table says all that is asked "
+        "(1 rows: pitch_type is missing; 1 rows: release_speed is missing)",
+    ),
+    "header only": (statcast(), "table: the table has a header, and no pitches below it"),
+    "empty": (io.StringIO(""), "table: the table is empty"),
+    "ragged": (
+        statcast("FF,90,0,2,3,1,7"),
+        "table: not a table in CSV: Error tokenizing data. C error: "
+        "Expected 6 fields in line 2, saw 7",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("fault", WRONG_TABLES)
+def test_wrong_tables(fault):
+    table, sentence = WRONG_TABLES[fault]
+    with pytest.raises(PitchesError) as caught:
+        read_pitches(table)
+    assert str(caught.value) == sentence
+
+
+def test_a_row_is_named_by_its_place_below_the_header_though_rows_before_it_are_left_out():
+    table = statcast("FF,,0,2,3,1", "FF,,0,2,3,1", *GOOD, "FF,90,0,2,1,3")
+    with pytest.raises(PitchesError, match="row 5 below the header"):
+        read_pitches(table)
+
+
+@pytest.mark.parametrize("index", [0, 6, 2.5])
+def test_a_cell_is_one_of_five(index):
+    table = statcast(*(f"{kind},90,{index},2,3,1" for kind in ("FF", "SL")))
+    with pytest.raises(PitchesError, match="a cell is 1, 2, 3, 4 or 5"):
+        read_pitches(table, Columns(place_unit="cell"))
+
+
+def test_files_that_cannot_be_read(tmp_path):
+    with pytest.raises(PitchesError, match=r"^nowhere\.csv: cannot be read: No such file"):
+        read_pitches(tmp_path / "nowhere.csv")
+    path = tmp_path / "shift-jis.csv"
+    path.write_bytes("球種,球速\n".encode("shift-jis"))
+    with pytest.raises(PitchesError, match=r"^shift-jis\.csv: not UTF-8 text"):
+        read_pitches(path)
+
+
+def test_a_type_is_in_one_class():
+    with pytest.raises(ValueError, match="SI: a type of pitch can be in one class only"):
+        PitchTypes(straight=("FF", "SI"))
+
+
+def test_the_example():
+    pitches = read_pitches(EXAMPLE)
+    assert pitches.rows_read == len(pitches.types) == 4418
+    assert int(pitches.straight.sum()) == 1450
+
+
+def test_pitchers_throw_away_from_the_batter():
+    """Outside is the first-base side for a right-handed batter: the pitcher's left."""
+    frame = pd.read_csv(EXAMPLE)
+    for hand, side in (("R", -1), ("L", 1)):
+        same_hand = frame[(frame.stand == hand) & (frame.p_throws == hand)]
+        assert side * (read_pitches(same_hand).across.mean() - 3) > 0.3
+
+
+def test_importing_it_loads_nothing_heavy():
+    heavy = {"pandas", "scipy", "matplotlib"}
+    code = f"import sys, longball.pitches; print(sorted({heavy} & set(sys.modules)))"
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert run.stdout.strip() == "[]"
