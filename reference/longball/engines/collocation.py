@@ -406,10 +406,11 @@ class Collocation:
             us, ws = u + integrals @ found[0], w + integrals @ found[1]
             there = np.empty((2, n))
             slopes = np.empty((2, 2, n))
-            for k, (by_u, by_w) in enumerate(((_TINY, 0.0), (0.0, _TINY))):
-                value = dynamics.doubles(us + 1j * by_u, ws + 1j * by_w)
-                for i in range(2):
-                    there[i], slopes[i, k] = np.real(value[i]), np.imag(value[i]) / _TINY
+            with np.errstate(over="ignore", invalid="ignore"):  # a step too long runs away
+                for k, (by_u, by_w) in enumerate(((_TINY, 0.0), (0.0, _TINY))):
+                    value = dynamics.doubles(us + 1j * by_u, ws + 1j * by_w)
+                    for i in range(2):
+                        there[i], slopes[i, k] = np.real(value[i]), np.imag(value[i]) / _TINY
             blocks = [[-slopes[i, k][:, None] * integrals for k in range(2)] for i in range(2)]
             jacobian = np.block(blocks) + np.eye(2 * n)
             residual = (there - found).ravel()
@@ -418,8 +419,8 @@ class Collocation:
             factored = scipy.linalg.lu_factor(jacobian)
             correction = scipy.linalg.lu_solve(factored, residual).reshape(2, n)
             found = found + correction
-            change, size = np.abs(correction).max(), np.abs(found).max()
-            if change <= _ROUGHLY * size:
+            change = half * np.abs(correction).max()
+            if change <= _ROUGHLY * max(np.abs(us).max(), np.abs(ws).max()):
                 return found, factored
             if change > 2 * previous:
                 return None
@@ -446,5 +447,6 @@ _TINY = 1e-100
 # is far too long.
 _ROUGH_STEPS = 12
 
-# Where Newton's method in doubles may stop: near its rounding, which the refinement takes on from.
+# Where Newton's method in doubles may stop, relative to the velocity: near its rounding. The
+# refinement goes on from there.
 _ROUGHLY = 1e-11
