@@ -10,7 +10,7 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from longball.model.result import Bounded, Result
+from longball.model.result import Bounded, Number, Result
 from longball.model.scene import Scene
 
 Level = Literal["lower", "average", "higher"]
@@ -137,17 +137,24 @@ class Header(_Strict):
     made_by: dict[str, str] = Field(description="engines, and versions of the libraries")
 
 
-def numbers_of(result: Result) -> Iterator[tuple[str, Bounded]]:
-    """Yield every number of a result that is written with digits, with its path."""
+def values_of(result: Result) -> Iterator[tuple[str, Number]]:
+    """Yield every number of a result with its path, such as ``landing.position[0]``."""
     for block in ("plate", "contact", "impact", "landing"):
         part = getattr(result, block)
         for name in type(part).model_fields if part is not None else ():
             value = getattr(part, name)
-            if isinstance(value, Bounded):
-                yield f"{block}.{name}", value
-            elif isinstance(value, tuple):
+            if isinstance(value, tuple):
                 for i, component in enumerate(value):
                     yield f"{block}.{name}[{i}]", component
+            elif value is not None:
+                yield f"{block}.{name}", value
+
+
+def numbers_of(result: Result) -> Iterator[tuple[str, Bounded]]:
+    """Yield every number of a result that is written with digits, with its path."""
+    for path, value in values_of(result):
+        if isinstance(value, Bounded):
+            yield path, value
 
 
 def as_double(number: Bounded) -> float:

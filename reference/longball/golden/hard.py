@@ -92,8 +92,9 @@ def _margin(scene: AtBatScene) -> Decimal:
 def grazes() -> Iterator[Draft]:
     """Grazing at margins of ±1e-3 to ±1e-15 m.
 
-    Where the margin is m, the depth of the chord is √(2 · 0.07 m), and so is what an error of the
-    bat's height does to the normal: half of the digits of the margin are lost.
+    Where the bat is grazed by a margin m, the path cuts the circle of touching along a chord of
+    half length √(2 (R + r_b) m): an error δ of the bat's height moves the touching by δ times the
+    root of (R + r_b)/2m, so that half of the margin's digits are lost.
     """
     sides = (("", -1, range(3, 16)), ("under-", +1, (3, 6, 9, 12, 15)))
     for (name, side, powers), tilt in (

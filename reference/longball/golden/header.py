@@ -95,7 +95,8 @@ def made_by() -> dict[str, str]:
     """Return who computes, and the versions of everything that takes part."""
     return {
         "truth": f"{Enclosure(DIGITS).description}, and up to {WORK[-1]} where it takes more",
-        "confirmation": f"{Multiprecision(CONFIRMING[0]).description}, or {CONFIRMING[1]}",
+        "confirmation": f"{Multiprecision(CONFIRMING[0]).description}, and up to {CONFIRMING[-1]} "
+        "where it takes more",
         "longball": __version__,
         "python-flint": version("python-flint"),
         "FLINT": flint.__FLINT_VERSION__,

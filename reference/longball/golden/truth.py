@@ -29,9 +29,9 @@ from longball.model.scene import AtBatScene, Scene
 DIGITS = 30
 WORK = (DIGITS, 2 * DIGITS, 4 * DIGITS)
 
-# Digits of the independent method: what it prints is rounded far below the radii. The second where
-# the first do not do, for tiny numbers that are differences of large ones.
-CONFIRMING = (DIGITS + 5, 2 * DIGITS + 10)
+# Digits of the independent method: what it prints is rounded far below the radii. More of them for
+# tiny numbers that are differences of large ones: its errors are relative to those.
+CONFIRMING = (DIGITS + 5, 2 * (DIGITS + 5), 3 * (DIGITS + 5))
 
 _PREC = 4 * WORK[-1]  # digits of decimal arithmetic: more than any number here has
 

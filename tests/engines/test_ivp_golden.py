@@ -1,0 +1,47 @@
+"""The ivp engine against the golden data, each case within what its condition allows.
+
+Nothing here is tuned to the engine. The attainable error of a quantity is what inputs that are off
+by 2^-53 of themselves do to it (`longball.golden.condition`). An engine whose flights are good to
+`flight_error`, relative, makes errors like inputs that are off by that much: the attainable error,
+times flight_error / 2^-53. Where nothing flies, the roundings of a few dozen operations remain.
+"""
+
+from __future__ import annotations
+
+import pytest
+
+from longball import golden
+from longball.engines.at_bat import solve
+from longball.engines.ivp import Ivp
+from longball.golden.case import ROUNDING, values_of
+
+ENGINE = Ivp()
+FLOWN = ENGINE.flight_error / ROUNDING
+STRUCK = 32  # roundings from the scene of an impact to its result, every one for the worst
+
+# What doubles cannot decide may be refused: a last bit of the input decides it.
+CLOSE_CALLS = {"fragile", "undecided", "refused"}
+
+
+@pytest.mark.parametrize("family", list(golden.header().families))
+def test_ivp_is_as_good_as_doubles_allow(family: str):
+    faults = [fault for case in golden.load(family) for fault in wrong(case)]
+    assert not faults, "\n".join(faults)
+
+
+def wrong(case: golden.Case):
+    """Yield a sentence for each thing that the engine has not as good as it should."""
+    result = solve(case.scene, ENGINE)
+    if CLOSE_CALLS & set(case.flags) and result.error is not None:
+        return
+    if case.expected.outcome is None:
+        return
+    if result.outcome != case.expected.outcome:
+        yield f"{case.id}: {case.expected.outcome} expected, {result.outcome or result.error}"
+        return
+    found = dict(values_of(result))
+    for name, quantity in case.quantities.items():
+        tolerance = case.attainable(name) * (STRUCK if case.scene.kind == "impact" else FLOWN)
+        error = abs(found[name] - quantity.double)
+        if error > tolerance:
+            yield f"{case.id}: {name} is off by {error:.3g}, more than {tolerance:.3g}"
