@@ -360,13 +360,8 @@ def words(
     left: dict[VerletForces, Array],
 ) -> str:
     """Say what was found."""
-    largest = max(IN_THEORY, key=lambda name: float(seen[name][0]))
-    met = [
-        law is not None and abs(law.order - IN_THEORY[name]) <= 0.1 + law.half_width
-        for name in IN_THEORY
-        if (law := laws[name]) or True
-    ]
-    missed = [name for name, held in zip(IN_THEORY, met, strict=True) if not held]
+    largest, second = sorted(IN_THEORY, key=lambda name: -float(seen[name][0]))[:2]
+    missed = [name for name in IN_THEORY if not as_in_theory(name, laws[name])]
     orders = (
         "Every part shows its order in theory."
         if not missed
@@ -379,11 +374,12 @@ def words(
         f"{scenes} batted at-bats of the paper's distributions (seed {SEED}), with {phases} steps "
         "for each nominal one, changed by less than a window's share so that one ends in the bat: "
         "a contact that is not seen has no error but loses the ball, and is the next section's "
-        f"matter. At the printed step the largest part by far is the {largest}, with "
-        f"{seen[largest][0]:.2g} m: over up to 0.05 s the ball drops by up to a centimetre below "
-        "its tangent, and a centimetre turns the normal by a seventh of a radian. The rest is "
-        f"small beside it, the force's treatment ({seen[FORCE.format('old_carried')][0]:.2g} m "
-        f"for old_carried, {seen[FORCE.format('implicit')][0]:.2g} m for implicit) included. "
+        f"matter. At the printed step the largest part is “{largest}” with "
+        f"{seen[largest][0]:.2g} m, before “{second}” with {seen[second][0]:.2g} m; the force's "
+        f"treatment makes {seen[FORCE.format('old_carried')][0]:.2g} m (old_carried) or "
+        f"{seen[FORCE.format('implicit')][0]:.2g} m (implicit). On a straight line the ball ends "
+        "up to g Δt²/2, a centimetre, above its path, and a centimetre across R + r_b turns the "
+        "normal by a seventh of a radian. "
         f"{orders} The straight line's error falls like Δt² while the curvature of the path "
         "rules, and like Δt in the end, when the velocity at the step before the contact, taken "
         "for that at the contact, is all that is left of it. The half force over two steps keeps "
@@ -393,6 +389,11 @@ def words(
         f"forces and {100 * shares['old_carried']:.2g} % with old_carried, where the pitch's own "
         "error changes the phase in which the step meets the bat.\n"
     )
+
+
+def as_in_theory(name: str, law: PowerLaw | None) -> bool:
+    """Tell whether a part shows its order in theory, within a tenth and its interval."""
+    return law is not None and abs(law.order - IN_THEORY[name]) <= 0.1 + law.half_width
 
 
 def draw(report: Path, seen: dict[str, Array], left: dict[VerletForces, Array]) -> None:

@@ -19,7 +19,8 @@ from longball.home_run import draw, paper_at_bats, scenes
 from longball.model.readings import Reading
 from longball.model.scene import AtBatScene
 
-# Good to 1e-12 m (`python -m analysis accuracy`); the smallest error shown here is five times that.
+# Good to 1e-12 m (`python -m analysis accuracy`), and no error of an at-bat shown here is smaller
+# than a hundred times that.
 TRUTH = Ivp(rtol=3e-14, atol=1e-14)
 
 

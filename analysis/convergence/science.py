@@ -341,8 +341,8 @@ def words(
         if biases[default, step, E].lost == 0 and unseen > 0.005:
             sentences.append(
                 f"At {step:g} s, {100 * unseen:.1f} % of the pitches still pass the bat unseen, "
-                "but no home run is among them: it takes a contact near the middle of the bat to make "
-                "one, and such a ball is in it for longer than the step."
+                "but no home run is among them: it takes a contact near the middle of the bat to "
+                "make one, and such a ball is in it for longer than the step."
             )
             break
     return " ".join(sentences) + "\n"

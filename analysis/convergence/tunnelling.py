@@ -74,7 +74,7 @@ def passing(scene: AtBatScene) -> Pass | None:
 
 def sees(scene: AtBatScene, dt: float) -> bool:
     """Return whether a step falls into the bat."""
-    touch = meet(scene, Verlet(dt)).touch
+    touch = meet(scene, Verlet(dt, READING)).touch
     return touch is not None and touch.touched is not False
 
 

@@ -194,6 +194,16 @@ def test_the_landing_converges_to_the_truth_and_not_merely_to_itself(treatment, 
     assert arrival.time == pytest.approx(time, abs=scale / arrival.state.u)
 
 
+@every_treatment
+def test_a_scene_converges_to_the_proven_value(treatment):
+    scene = under(flight(), verlet_forces=treatment)
+    landing = solve(scene, create("enclosure", digits=20)).landing
+    true = float(landing.distance.value)
+    dt = 1e-5
+    found = solve(scene, Verlet(dt)).landing.distance
+    assert abs(found - true) < (40 * dt if ORDERS[treatment] == 1 else 6 * dt * dt)
+
+
 def test_rounding_wins_over_tiny_steps(truth):
     """At 1e-7 s the scheme is off by 5e-14 m; forty million roundings are off by more."""
     _, _, distance = truth

@@ -60,6 +60,16 @@ def test_a_rounding_floor_is_left_out():
     assert steps[law.last] > 2e-5
 
 
+def test_a_floor_that_happens_to_fall_over_its_last_steps_is_a_floor():
+    steps = np.geomspace(0.05, 5e-7, 21)
+    scatter = np.exp(0.06 * np.random.default_rng(5).standard_normal(21))
+    errors = 2 * steps**2 * scatter
+    errors[-3:] = 1.0e-11, 8.3e-12, 4.0e-12  # seen in a run; the law would give 1e-12 and less
+    law = fit_power_law(steps, errors)
+    assert law.order == pytest.approx(2, abs=0.05)
+    assert law.last == 17
+
+
 def test_a_straight_stretch_above_a_range_that_is_less_clean_is_not_taken():
     """Order 2 from 0.1 to 0.01 to the eye, and order 1 in the end with a scatter of 10 %."""
     steps = np.geomspace(0.1, 1e-5, 21)

@@ -358,9 +358,9 @@ def meet(scene: AtBatScene, engine: Engine[N]) -> Meeting[N]:
         height=height,
         reach=numbers.exact(scene.ball.radius) + numbers.exact(scene.bat.radius),
     )
-    return Meeting(
-        delivery, engine.touch(delivery.arrival, delivery.forces, bat, delivery.stops), height
-    )
+    field = delivery.forces
+    stops = replace(delivery.stops, vertical=field.always_up and field.lift is not None)
+    return Meeting(delivery, engine.touch(delivery.arrival, field, bat, stops), height)
 
 
 def strike(scene: AtBatScene, meeting: Meeting[N], engine: Engine[N]) -> Result:

@@ -4,6 +4,8 @@ On a step, the acceleration is the polynomial that satisfies the equations of mo
 of Gauss and Legendre; velocity and position are its integrals. Where the solution is analytic, the
 Legendre coefficients fall off geometrically, so that a few dozen nodes give fifty digits on steps
 of about a second, and the polynomials are as good between the nodes as at the ends of the step.
+(Extrapolation of the midpoint rule by Gragg, Bulirsch and Stoer takes 1.5 times as long for the
+same 44 digits of a flight, at its best order and step, and gives no polynomials.)
 
 The equations at the nodes are solved by Newton's method in two precisions: the residuals in full,
 the linear systems in doubles, which gains a dozen digits an iteration (iterative refinement, of a
@@ -228,8 +230,8 @@ def upright_dynamics(forces: Forces[Mpf], numbers: Numbers[Mpf], upwards: bool) 
     """Return the equations of a vertical flight without lift, continued beyond its apex.
 
     With u = 0 the speed is |w|, and w' = -k_D |w| w - g has a kink in its second derivative at the
-    apex. On either side it is a polynomial in w; here that of the one side holds on both. Seen
-    from beyond the apex, it is drag that pushes.
+    apex. On either side it is a polynomial in w; here that of one side holds on both, which on the
+    other means a drag that pushes.
     """
     if forces.drag is None:
         return dynamics(forces, numbers)

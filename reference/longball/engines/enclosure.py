@@ -50,23 +50,27 @@ from longball.model.result import Bounded
 State = PlaneState[arb]
 Function = Callable[[arb], arb]
 
-# Bits beyond the digits asked for. A step's error is 2⁸ roundings (`_TOLERANCE`), a flight has some
-# 2⁵ steps, and the way from its velocity to the result's numbers loses another 2⁵ (a landing at a
-# shallow angle, the cancelling of the normal speed).
-_GUARD_BITS = 32
+# Bits beyond the digits asked for. A flight's error is some 2¹⁴ roundings: 2⁸ a step, and 2⁵ steps.
+# A strong lift that loops for a minute adds 2⁴³; or a graze with a margin of 1e-15 m adds 2²⁷.
+_GUARD_BITS = 64
 
 # Error of a step, in roundings of the speed: what the roundings of a hundred coefficients leave.
 _TOLERANCE = 2.0**8
 
-# Order of the series for each bit. A step is half the order's part of the radius of convergence
-# ...
+# Order of the series for each bit: ln 2 / 2, which makes the work of a flight least if that of a
+# step is as the square of its order (Jorba & Zou, Experimental Mathematics 14 (2005) 99).
 _ORDER_PER_BIT = 0.35
 
-_SHRINK = 0.95
+# A step that cannot be proven is tried again this much shorter: the error falls as the order's
+# power of it, to a twentieth.
+_SHORTER = 0.95
 _MOST_TRIALS = 1000
 
-# A flight of a minute has a hundred steps, one that loops with strong lift a thousand.
+# A flight of a minute has a hundred steps, one that loops with strong lift some thousand.
 _MOST_STEPS = 10_000
+
+# A piece without a clear sign is cut here: not at a half, where a round number may be a zero.
+_CUT = 0.4871
 
 
 class Balls:
@@ -215,7 +219,7 @@ class Path:
 
     def _extend(self) -> None:
         start = self._steps[-1].start + self._steps[-1].length if self._steps else arb(0)
-        core = _at_rest_if(self._core, self._negligible)
+        core = _brought_to_rest(self._core, self._negligible)
         motion = _motion(core, self._forces, self._longest, self._bits)
         error = arb_poly([arb(0, motion.early), arb(0, motion.late)])
         # Nothing pushes a ball aside that flies straight up and down.
@@ -233,10 +237,11 @@ def _core(u: arb, w: arb, error: arb) -> Core:
     return Core(u.mid(), w.mid(), (error + u.rad() + w.rad()).upper())
 
 
-def _at_rest_if(core: Core, negligible: arb) -> Core:
-    """Return a ball that is as good as at rest as one that is at rest, a little off.
+def _brought_to_rest(core: Core, negligible: arb) -> Core:
+    """Return a velocity that is not told from rest, or is negligible (m/s), as rest with an error.
 
-    At V = 0 the series of the speed ends; from rest there is another one (see `extend`).
+    A Taylor step cannot come closer to V = 0 than to a fraction, but the bound on the error holds
+    there as well; and from rest there is another series (see `extend`).
     """
     speed = abs(core.u) + abs(core.w)
     if speed == 0 or not (speed <= negligible or speed <= core.error):
@@ -245,7 +250,7 @@ def _at_rest_if(core: Core, negligible: arb) -> Core:
 
 
 def _motion(core: Core, forces: Forces[arb], longest: arb, bits: int) -> Motion:
-    """Take a step of at most `longest` s, as long as its error stays a few roundings."""
+    """Take a step, of at most `longest` s, that keeps its error to a few roundings."""
     gravity = arb(0) if forces.gravity is None else forces.gravity
     at_rest = core.u == 0 and core.w == 0
     if (forces.drag is None and forces.lift is None) or (at_rest and gravity == 0):
@@ -280,11 +285,11 @@ def _motion(core: Core, forces: Forces[arb], longest: arb, bits: int) -> Motion:
         span = arb(0, h)
         defect = sum((abs(miss(span)) for miss in misses), arb(0)).upper()
         size = start_speed + gravity * h
-        if abs(following(span)) * h < leading and defect * h <= tolerance * size:
+        if h > 0 and abs(following(span)) * h < leading and defect * h <= tolerance * size:
             break
-        h *= _SHRINK
+        h *= _SHORTER
     else:
-        raise CannotSolve("no step is short enough to be proven; take more digits")
+        raise CannotSolve("the forces are so strong that no step can be proven")
 
     # The error stays below `tube` as long as the speeds stay below `fastest`, and the other way
     # round: drag only brakes, lift only turns.
@@ -405,15 +410,11 @@ def _first_root(value: Function, slope: Function, a: arb, b: arb, question: str)
                 continue
             if end < 0:
                 return _newton(value, slope, a, b)
-        if b - a < smallest:
+        if not b - a > smallest:
             raise Undecided(f"{question} cannot be decided; take more digits")
-        middle = (a + (b - a) * _SPLIT).mid()
+        middle = (a + (b - a) * _CUT).mid()
         pieces += [(middle, b), (a, middle)]
     return None
-
-
-# Not at a half, where a root could be that is a round number.
-_SPLIT = 0.4871
 
 
 def _newton(value: Function, slope: Function, a: arb, b: arb) -> arb:
@@ -546,7 +547,8 @@ def _first_stop(path: Path, forces: Forces[arb], stops: Stops[arb], balls: Balls
 
 def _earliest(met: list[tuple[arb, Surface]]) -> tuple[arb, Surface]:
     for root, surface in met:
-        if all(root <= other for other, rival in met if rival is not surface):
+        # What holds at launch comes before all else; the ground is asked first.
+        if root.is_zero() or all(root < other for other, rival in met if rival is not surface):
             return root, surface
     questions = " or ".join(surface.question for _, surface in met)
     raise Undecided(f"whether {questions} first cannot be decided; take more digits")

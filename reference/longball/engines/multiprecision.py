@@ -40,9 +40,9 @@ from longball.model.numbers import Undecided
 from longball.model.result import Bounded
 
 # Digits beyond those that are printed. What a step leaves out is 14 digits below; a flight of
-# dozens of steps stays 10 digits below, and those ten are for what the chain of an at-bat
-# magnifies: a clean contact shifts the landing by a few hundred times its own error, a graze with a
-# margin of 1e-15 m by a hundred million times. Rounding stays six digits below the steps' errors.
+# dozens of steps stays 10 digits below, and those ten are for what an at-bat magnifies: the blow
+# makes of an error of the contact a few hundred times as much at the landing, and in a graze with a
+# margin of 1e-15 m 1e9 times as much. Rounding stays six digits below what a step leaves out.
 _FLIGHT_GUARD = 10
 _STEP_GUARD = 14
 _ROUNDING_GUARD = 20
@@ -278,20 +278,20 @@ class Multiprecision:
         if stops.floor is not None and self._rests_on(stops.floor, start, forces):
             return Arrival("floor", now, start, ())
         surfaces = self._stop_surfaces(start, forces, stops)
+        in_time = "whether the ball meets the {} before the time limit"
         way: list[Segment] = []
         for segment in self._segments(forces, now, start, stops.time_limit):
             way.append(segment)
             if met := self._first_met(segment, surfaces):
                 x, surface = met
-                state = surface.place(segment.state(x))
-                return Arrival(cast(Stop, surface.name), segment.time(x), state, tuple(way))
+                time, state = segment.time(x), surface.place(segment.state(x))
+                error = self.flight_error * stops.time_limit
+                self.numbers.positive(stops.time_limit - time, error, in_time.format(surface.name))
+                return Arrival(cast(Stop, surface.name), time, state, tuple(way))
         end = way[-1].end if way else start
         for surface in surfaces:
-            self.numbers.positive(
-                abs(surface.value(end)),
-                self._error(surface),
-                f"whether the ball meets the {surface.name} before the time limit",
-            )
+            beyond = abs(surface.value(end))
+            self.numbers.positive(beyond, self._error(surface), in_time.format(surface.name))
         return Arrival("time", stops.time_limit, end, tuple(way))
 
     def touch(
@@ -344,14 +344,13 @@ class Multiprecision:
     def _segments(
         self, forces: Forces[Mpf], begin: Mpf, start: State, end: Mpf
     ) -> Iterator[Segment]:
-        """Fly, in two pieces if the ball comes to rest at the apex of a vertical flight.
+        """Fly, in two pieces if the flight is vertical: up to its apex, and down.
 
-        Only there is the path less than smooth: V = |w| has a kink where w = 0. Any other flight
-        that comes near V = 0 is followed by steps as short as it takes.
+        There the ball is at rest, and V = |w| has a kink. Any other flight that comes near V = 0 is
+        followed by steps as short as it takes.
         """
         steps = _collocation(self.digits).segments
-        upright = start.u == 0 and forces.lift is None and forces.drag is not None
-        if not upright:
+        if start.u != 0 or forces.lift is not None:
             yield from steps(dynamics(forces, self.numbers), begin, start, end)
             return
         rising, falling = (upright_dynamics(forces, self.numbers, up) for up in (True, False))

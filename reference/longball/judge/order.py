@@ -143,9 +143,10 @@ def _is_bent(steps: Array, errors: Array) -> bool:
 def _falls_on(steps: Array, errors: Array) -> bool:
     """Tell whether the errors of the steps below a range still fall, so that it is not the last.
 
-    By the median of all slopes between two of them, which a stray error does not move.
+    By the median of all slopes between two of them, which a stray error does not move. Fewer steps
+    than a range needs are none: a floor may happen to fall over three or four.
     """
-    if len(steps) < 3:
+    if len(steps) < FEWEST:
         return False
     x, y = np.log(steps), np.log(errors)
     slopes = [(y[i] - y[j]) / (x[i] - x[j]) for i in range(len(x)) for j in range(i)]

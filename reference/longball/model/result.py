@@ -31,11 +31,12 @@ class Bounded(_Strict):
     """A number as a decimal string, with the radius that an engine proves for it."""
 
     value: str = Field(
-        pattern=r"^[+-]?\d+(\.\d+)?([eE][+-]?\d+)?$", description="decimal string of N digits"
+        pattern=r"^[+-]?[0-9]+(\.[0-9]+)?([eE][+-]?[0-9]+)?$",
+        description="decimal string of N digits",
     )
     radius: str | None = Field(
         default=None,
-        pattern=r"^\d+(\.\d+)?([eE][+-]?\d+)?$",
+        pattern=r"^[0-9]+(\.[0-9]+)?([eE][+-]?[0-9]+)?$",
         description="proven bound on the error; null where none is proven",
     )
 

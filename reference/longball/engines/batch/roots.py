@@ -1,0 +1,149 @@
+"""First roots of a polynomial, none missed.
+
+Every event of a flight is a polynomial p(t) of a step that falls through zero. The search walks
+from the left: below the polynomial lies the parabola with its value and slope at t, and with the
+lowest curvature that p can have; p has no root before the parabola's. Where p has a simple root
+this is Newton's method, from the safe side.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from longball.engines.batch.lanes import compiled, fma
+
+Array = NDArray[np.float64]
+
+NEVER = math.inf
+# A search takes three to six walks; near a double root each halves the rest of the way.
+_LONGEST_WALK = 1000
+_NOTHING = 1e-17  # of a time: a tenth of its rounding
+_SMALLEST = 1e-300  # stands for a curvature of zero
+
+
+@compiled
+def value(p: Array, degree: int, t: float) -> float:
+    """Return p(t)."""
+    total: float = p[degree]
+    for k in range(degree - 1, -1, -1):
+        total = fma(total, t, p[k])
+    return total
+
+
+@compiled
+def differentiate(p: Array, degree: int, derivative: Array) -> None:
+    """Write the coefficients of p' into `derivative`."""
+    for k in range(degree):
+        derivative[k] = (k + 1) * p[k + 1]
+
+
+@compiled
+def curvature(slope: Array, degree: int, end: float) -> float:
+    """Return a bound on |p''| over [0, end], from the coefficients of p'."""
+    total = 0.0
+    for k in range(degree, 0, -1):
+        total = fma(total, end, k * abs(slope[k]))
+    return total
+
+
+@compiled
+def first_zero(
+    p: Array,
+    slope: Array,
+    degree: int,
+    sign: float,
+    level: float,
+    begin: float,
+    end: float,
+    bend: float,
+) -> float:
+    """Return where ``sign p - level`` first falls to zero in [begin, end], or NEVER.
+
+    NaN if the walk takes too long, as it does to a triple root.
+
+    Parameters
+    ----------
+    p, slope
+        Coefficients of p, of degree `degree`, and of p'.
+    bend
+        A bound on |p''| up to the end.
+    """
+    t: float = begin
+    bend = max(bend, _SMALLEST)
+    height, rate = p[0], slope[0]
+    for walk in range(_LONGEST_WALK):
+        if walk > 0 or begin > 0.0:
+            height, rate = p[degree], 0.0
+            for k in range(degree - 1, -1, -1):
+                height = fma(height, t, p[k])
+                rate = fma(rate, t, slope[k])
+        height, rate = sign * height - level, sign * rate
+        if height <= 0.0:
+            if rate <= 0.0:
+                return t
+            height = 0.0  # on the way up from a root
+        root = math.sqrt(rate * rate + 2.0 * bend * height)
+        step = (rate + root) / bend if rate > 0.0 else 2.0 * height / (root - rate)
+        stays = t + step == t
+        t += step
+        if not t <= end:
+            return NEVER
+        # Above the parabola p has at most `bend step²` left here, and its slope is about `root`.
+        if stays or bend * step * step <= _NOTHING * t * root:
+            return t
+    return math.nan
+
+
+@compiled
+def first_fall(
+    p: Array, slope: Array, scratch: Array, degree: int, end: float, error: float
+) -> tuple[float, float]:
+    """Return where p first falls through zero in [0, end], and the least value that is in doubt.
+
+    Where p has a minimum within `error` of zero, whether it falls through cannot be told: the time
+    then is NaN, and the second number the minimum. Otherwise the second number is 0.
+    """
+    bend = curvature(slope, degree - 1, end)
+    zero = first_zero(p, slope, degree, 1.0, 0.0, 0.0, end, bend)
+    if error == 0.0:
+        return zero, 0.0
+    if zero == NEVER:
+        if first_zero(p, slope, degree, 1.0, error, 0.0, end, bend) == NEVER:
+            return NEVER, 0.0
+    else:
+        rate = value(slope, degree - 1, zero)
+        if rate < 0.0 and rate * rate > 4.0 * bend * error:
+            # So steep that even the strongest bend turns p only below -error.
+            return zero, 0.0
+    return _fall_by_pieces(p, slope, scratch, degree, end, error, bend)
+
+
+@compiled
+def _fall_by_pieces(
+    p: Array, slope: Array, scratch: Array, degree: int, end: float, error: float, bend: float
+) -> tuple[float, float]:
+    """Do what `first_fall` does, from one turning point of p to the next."""
+    differentiate(slope, degree - 1, scratch)
+    bend_of_slope = curvature(scratch, degree - 2, end) if degree > 2 else 0.0
+    rising = slope[0] > 0.0 or (slope[0] == 0.0 and scratch[0] > 0.0)
+    begin = 0.0
+    for _ in range(_LONGEST_WALK):
+        sign = 1.0 if rising else -1.0
+        turn = first_zero(slope, scratch, degree - 1, sign, 0.0, begin, end, bend_of_slope)
+        if math.isnan(turn):
+            return turn, 0.0
+        if not rising:
+            least = value(p, degree, min(turn, end))
+            if turn != NEVER and abs(least) <= error:
+                return math.nan, least
+            if least <= 0.0:
+                zero = first_zero(p, slope, degree, 1.0, 0.0, begin, end, bend)
+                return (zero if zero < end else end), 0.0
+        if turn == NEVER:
+            return NEVER, 0.0
+        begin = turn
+        rising = not rising
+    return math.nan, 0.0

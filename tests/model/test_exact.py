@@ -1,0 +1,235 @@
+"""The exact results: proved from the equations of motion, and right in every kind of number.
+
+The formulas are handed SymPy's symbols and the equations of motion as they are executed, so what
+is proved is what runs.
+"""
+
+import math
+from types import SimpleNamespace
+
+import mpmath
+import pytest
+import sympy as sp
+from flint import arb, ctx
+
+from longball.model import exact
+from longball.model.motion import Forces, PlaneState, acceleration
+
+T = sp.Symbol("t", positive=True)
+DRAG, LIFT, GRAVITY, FLOOR = sp.symbols("k_D k_L g h", positive=True)
+S, Z, W = sp.symbols("s z w", real=True)
+U = sp.Symbol("u", positive=True)
+STATE = PlaneState(S, Z, U, W)
+
+SYMBOLIC = SimpleNamespace(
+    sqrt=sp.sqrt,
+    exp=sp.exp,
+    expm1=lambda x: sp.exp(x) - 1,
+    log=sp.log,
+    log1p=lambda x: sp.log(1 + x),
+    sin=sp.sin,
+    cos=sp.cos,
+    atan=sp.atan,
+    sinh=sp.sinh,
+    cosh=sp.cosh,
+    asinh=sp.asinh,
+    exact=sp.Integer,
+)
+
+
+def field(drag=None, lift=None, gravity=None):
+    """The accelerations as executed, in symbols."""
+    return acceleration(Forces(drag, lift, gravity, False), SYMBOLIC)
+
+
+def residuals(path, accelerate):
+    """What s' - u, z' - w, u' and w' minus the accelerations leave along a path."""
+    s, z, u, w = path
+    du, dw = accelerate(u, w)
+    return [sp.diff(s, T) - u, sp.diff(z, T) - w, sp.diff(u, T) - du, sp.diff(w, T) - dw]
+
+
+def vanishes(expression):
+    return sp.simplify(expression) == 0
+
+
+def rate(quantity, accelerate):
+    """Derivative of a function of the state along a flight."""
+    du, dw = accelerate(U, W)
+    return (
+        sp.diff(quantity, S) * U
+        + sp.diff(quantity, Z) * W
+        + sp.diff(quantity, U) * du
+        + sp.diff(quantity, W) * dw
+    )
+
+
+# ---- closed forms --------------------------------------------------------------------------------
+
+
+def test_the_parabola_solves_the_equations_without_air():
+    path = exact.parabola(STATE, GRAVITY, T)
+    assert all(map(vanishes, residuals(path, field(gravity=GRAVITY))))
+    assert tuple(exact.parabola(STATE, GRAVITY, 0)) == tuple(STATE)
+
+
+def test_the_parabola_lands_and_crosses_where_it_is_said_to():
+    time, state = exact.parabola_to_floor(STATE, GRAVITY, FLOOR, SYMBOLIC)
+    there = exact.parabola(STATE, GRAVITY, time)
+    assert all(vanishes(a - b) for a, b in zip(there, state, strict=True))
+    wall = sp.Symbol("wall", positive=True)
+    time, state = exact.parabola_to_wall(STATE, GRAVITY, wall)
+    there = exact.parabola(STATE, GRAVITY, time)
+    assert all(vanishes(a - b) for a, b in zip(there, state, strict=True))
+
+
+STRAIGHT_UP = PlaneState(S, Z, sp.Integer(0), sp.Symbol("w", positive=True))
+STRAIGHT_DOWN = PlaneState(S, Z, sp.Integer(0), sp.Symbol("w", negative=True))
+
+
+@pytest.mark.parametrize(
+    ("start", "formula", "sign"), [(STRAIGHT_UP, exact.rise, 1), (STRAIGHT_DOWN, exact.fall, -1)]
+)
+def test_vertical_flights_solve_the_equations(start, formula, sign):
+    s, z, u, w = formula(start, DRAG, GRAVITY, T, SYMBOLIC)
+    # With u = 0 the speed is |w|, which SymPy cannot know to be ±w along the path.
+    assert (s, u) == (S, 0)
+    assert vanishes(sp.diff(z, T) - w)
+    assert vanishes(sp.diff(w, T) - (-sign * DRAG * w * w - GRAVITY))
+    assert field(DRAG, None, GRAVITY)(sp.Integer(0), start.w)[1] == (
+        -sign * DRAG * start.w**2 - GRAVITY
+    )
+    assert vanishes(z.subs(T, 0) - Z)
+    assert vanishes(w.subs(T, 0) - start.w)
+
+
+def test_the_apex_is_where_the_rise_ends():
+    time, top = exact.apex(STRAIGHT_UP, DRAG, GRAVITY, SYMBOLIC)
+    there = exact.rise(STRAIGHT_UP, DRAG, GRAVITY, time, SYMBOLIC)
+    assert vanishes(there.w)
+    assert vanishes(sp.logcombine(sp.simplify((there.z - top.z) * DRAG), force=True))
+    assert top.w == 0
+
+
+@pytest.mark.parametrize("w", [0, -1, -30, -80])
+@pytest.mark.parametrize("depth", [1e-6, 1, 100])
+def test_the_fall_ends_on_the_floor(w, depth):
+    """In 30 digits; also from faster than the terminal speed, and after a micrometre."""
+    with mpmath.workdps(30):
+        start = PlaneState(*map(mpmath.mpf, (0, depth, 0, w)))
+        drag, gravity = mpmath.mpf("0.005"), mpmath.mpf("9.8")
+        time, end = exact.fall_to_floor(start, drag, gravity, mpmath.mpf(0), mpmath.mp)
+        there = exact.fall(start, drag, gravity, time, mpmath.mp)
+        assert abs(there.z) < 1e-26
+        assert abs(there.w - end.w) < 1e-26
+    # In doubles the time has all its digits, in particular after a short fall.
+    double = exact.fall_to_floor(PlaneState(0.0, depth, 0.0, float(w)), 0.005, 9.8, 0.0, math)
+    assert double.time == pytest.approx(float(time), rel=1e-14)
+    assert double.state.w == pytest.approx(float(end.w), rel=1e-14)
+
+
+@pytest.mark.parametrize("drag", [None, DRAG])
+@pytest.mark.parametrize("lift", [None, LIFT, -LIFT])
+def test_the_weightless_turn_solves_the_equations(drag, lift):
+    start = PlaneState(S, Z, sp.Integer(3), sp.Integer(4))  # V = 5, so that no root is left
+    path = exact.weightless(start, Forces(drag, lift, None, False), T, SYMBOLIC)
+    speed = 5 if drag is None else 5 / (1 + 5 * DRAG * T)
+    s, z, u, w = path
+    assert vanishes(u * u + w * w - speed**2)
+    k_d, k_l = drag or 0, lift or 0
+    # The equations of motion with V as just proved: SymPy does not take the root of the square.
+    wanted = u, w, -speed * (k_d * u + k_l * w), -speed * (k_d * w - k_l * u)
+    assert all(vanishes(sp.diff(x, T) - rate) for x, rate in zip(path, wanted, strict=True))
+    assert all(vanishes(x.subs(T, 0) - x0) for x, x0 in zip(path, start, strict=True))
+    if lift:
+        centre = S - sp.Rational(4, 5) / lift, Z + sp.Rational(3, 5) / lift
+        assert vanishes((s - centre[0]) ** 2 + (z - centre[1]) ** 2 - 1 / lift**2)
+
+
+# ---- invariants and balance laws -----------------------------------------------------------------
+
+
+def test_the_invariant_without_lift_is_constant():
+    invariant = exact.drag_only_invariant(STATE, DRAG, GRAVITY, SYMBOLIC)
+    assert vanishes(rate(invariant, field(DRAG, None, GRAVITY)))
+    assert not vanishes(rate(invariant, field(DRAG, LIFT, GRAVITY)))
+
+
+def test_energy_and_phugoid_are_constant_without_drag():
+    for quantity in (exact.energy(STATE, GRAVITY), exact.phugoid(STATE, LIFT, GRAVITY, SYMBOLIC)):
+        assert vanishes(rate(quantity, field(None, LIFT, GRAVITY)))
+        assert not vanishes(rate(quantity, field(DRAG, LIFT, GRAVITY)))
+
+
+def test_with_drag_they_change_at_the_stated_rates():
+    everything = field(DRAG, LIFT, GRAVITY)
+    energy_rate = exact.energy_rate(STATE, DRAG, SYMBOLIC)
+    assert vanishes(rate(exact.energy(STATE, GRAVITY), everything) - energy_rate)
+    phugoid_rate = exact.phugoid_rate(STATE, DRAG, LIFT, GRAVITY, SYMBOLIC)
+    phugoid = exact.phugoid(STATE, LIFT, GRAVITY, SYMBOLIC)
+    assert vanishes(rate(phugoid, everything) - phugoid_rate)
+
+
+def test_scaled_forces_accelerate_a_scaled_state_alike():
+    """Then lengths times λ in times √λ follow: velocities go with √λ, accelerations stay."""
+    length = sp.Symbol("lambda", positive=True)
+    forces = Forces(DRAG, LIFT, GRAVITY, False)
+    scaled = exact.scaled_state(STATE, length, SYMBOLIC)
+    there = acceleration(exact.scaled_forces(forces, length), SYMBOLIC)(scaled.u, scaled.w)
+    here = acceleration(forces, SYMBOLIC)(U, W)
+    assert all(vanishes(a - b) for a, b in zip(there, here, strict=True))
+    assert (scaled.s, scaled.z) == (length * S, length * Z)
+    assert exact.scaled_forces(Forces(None, None, None, True), length) == Forces(
+        None, None, None, True
+    )
+
+
+# ---- every kind of number ------------------------------------------------------------------------
+
+
+def all_of_them(number, functions):
+    """Every exact result of one flight, in the numbers that `number` makes of doubles."""
+    start = PlaneState(*map(number, (1.0, 2.0, 30.0, 20.0)))
+    up = start._replace(u=number(0.0))
+    drag, lift, gravity, floor, time, wall = map(number, (0.0055, 0.0027, 9.8, 0.5, 1.25, 40.0))
+    everything = Forces(drag, lift, gravity, False)
+    moments = [
+        exact.parabola_to_floor(start, gravity, floor, functions),
+        exact.parabola_to_wall(start, gravity, wall),
+        exact.apex(up, drag, gravity, functions),
+        exact.fall_to_floor(up._replace(w=number(-3.0)), drag, gravity, floor, functions),
+    ]
+    states = [
+        exact.parabola(start, gravity, time),
+        exact.rise(up, drag, gravity, time, functions),
+        exact.fall(up._replace(w=number(-3.0)), drag, gravity, time, functions),
+        exact.weightless(start, everything, time, functions),
+        exact.weightless(start, Forces(drag, None, None, False), time, functions),
+        exact.weightless(start, Forces(None, lift, None, False), time, functions),
+        exact.scaled_state(start, wall, functions),
+        *(moment.state for moment in moments),
+    ]
+    return [
+        *(x for state in states for x in state),
+        *(moment.time for moment in moments),
+        exact.drag_only_invariant(start, drag, gravity, functions),
+        exact.energy(start, gravity),
+        exact.phugoid(start, lift, gravity, functions),
+        exact.energy_rate(start, drag, functions),
+        exact.phugoid_rate(start, drag, lift, gravity, functions),
+    ]
+
+
+def test_doubles_mpmath_and_balls_agree():
+    """The same formulas, to the precision of each: 15, 40 and 60 digits."""
+    doubles = all_of_them(float, math)
+    with mpmath.workdps(40), ctx.workdps(60):
+        forty = all_of_them(mpmath.mpf, mpmath.mp)
+        balls = all_of_them(arb, exact.METHODS)
+        for double, precise, ball in zip(doubles, forty, balls, strict=True):
+            assert type(double) is float
+            assert isinstance(precise, mpmath.mpf)
+            assert ball.rad() < 1e-55
+            # A dozen roundings each; no difference here is much smaller than its terms.
+            assert abs(double - precise) <= 32 * 2.0**-53 * abs(precise)
+            assert abs(mpmath.mpf(ball.str(50, radius=False)) - precise) <= 1e-38 * abs(precise)

@@ -1,0 +1,96 @@
+"""What a result may hold, and how it is written."""
+
+import json
+from typing import get_args
+
+import pytest
+from pydantic import ValidationError
+
+from longball.model.result import Bounded, Contact, Impact, Landing, Outcome, Plate, Result
+
+
+def read(**values):
+    return Result.model_validate_json(json.dumps({"id": "a"} | values))
+
+
+def test_the_keys_are_the_contracts():
+    """Other implementations write them: a renamed key would break them all."""
+    assert list(Result.model_fields) == [
+        "id", "outcome", "plate", "contact", "impact", "landing", "engine", "error",
+    ]  # fmt: skip
+    assert list(Plate.model_fields) == ["time", "position", "velocity"]
+    assert list(Contact.model_fields) == [
+        "time", "position", "normal", "bat_velocity", "normal_speed", "margin",
+    ]  # fmt: skip
+    assert list(Impact.model_fields) == ["restitution", "impulse", "velocity", "energy_change"]
+    assert list(Landing.model_fields) == ["time", "hang_time", "position", "velocity", "distance"]
+
+
+def test_the_outcomes_are_the_contracts():
+    assert set(get_args(Outcome)) == {
+        "batted", "missed", "beyond_bat", "separating", "landed", "crossed", "struck",
+        "grounded", "airborne",
+    }  # fmt: skip
+
+
+def test_only_what_is_known_is_written():
+    result = Result(id="a", outcome="missed", contact=Contact(margin=-0.01))
+    assert result.line() == '{"id": "a", "outcome": "missed", "contact": {"margin": -0.01}}'
+
+
+def test_a_line_without_an_id_has_a_null_for_it():
+    assert Result(id=None, error="not JSON").line() == '{"id": null, "error": "not JSON"}'
+
+
+def test_doubles_are_written_exactly():
+    for x in (0.1, 1 / 3, 5e-324, 1.7976931348623157e308, -0.0, 123456789.123456789):
+        (written,) = json.loads(Result(id="a", contact=Contact(margin=x)).line())[
+            "contact"
+        ].values()
+        assert written.hex() == x.hex()
+
+
+@pytest.mark.parametrize("value", ["1", "-1.5", "+0.25", "1e10", "1.25E-400", "0" * 90 + ".5"])
+@pytest.mark.parametrize("radius", [None, "0", "1.5e-45"])
+def test_numbers_with_digits_and_radius(value, radius):
+    result = read(contact={"margin": {"value": value, "radius": radius}})
+    assert result.contact.margin == Bounded(value=value, radius=radius)
+    assert float(result.contact.margin) == float(value)
+    # A radius that is not proven is null, and not left out.
+    assert json.loads(result.line())["contact"]["margin"] == {"value": value, "radius": radius}
+
+
+@pytest.mark.parametrize(
+    "number",
+    [
+        "1.0", True, [], float("nan"), float("inf"), {"radius": "1"}, {"value": 1.0},
+        {"value": "nan"}, {"value": "1,5"}, {"value": "0x1p3"}, {"value": ".5"}, {"value": ""},
+        {"value": "1\n"}, {"value": "\u0663"}, {"value": "1", "radius": "-1"}, {"value": "1", "radius": 0.5},
+        {"value": "1", "digits": 3},
+    ],
+)  # fmt: skip
+def test_what_is_no_number(number):
+    with pytest.raises(ValidationError):
+        read(contact={"margin": number})
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        {"outcome": "hit"},
+        {"plate": {"time": 1.0}},
+        {"landing": {}},
+        {"plate": {"time": 1.0, "position": [1, 2], "velocity": [1, 2, 3]}},
+        {"extra": 1},
+        {"id": 1},
+        {"error": 1},
+    ],
+)
+def test_what_is_no_result(values):
+    with pytest.raises(ValidationError):
+        read(**values)
+
+
+def test_the_id_is_always_there():
+    with pytest.raises(ValidationError):
+        Result.model_validate_json('{"outcome": "missed"}')

@@ -1,0 +1,220 @@
+"""What a line may say, and what the scene made of it holds.
+
+That every wrong line is refused by name is asked of generated ones in tests/test_properties.py;
+here stand the paper's values, the contract's blocks, and the wording of a few refusals.
+"""
+
+import json
+import math
+
+import pytest
+
+from longball.model.readings import Reading
+from longball.model.scene import (
+    KINDS,
+    Air,
+    AtBatScene,
+    Ball,
+    Bat,
+    FlightScene,
+    Ground,
+    ImpactScene,
+    PitchScene,
+    Rotation,
+    SceneError,
+    Swing,
+    parse_scene,
+)
+
+LAUNCH = {"position": [1, 2, 3], "velocity": [4, 5, 6]}
+INCOMING = {"position": [0.0696, 0, 1], "velocity": [-40, 0, 0], "bat_height": 1}
+LEAST = {
+    "flight": {"id": "f", "kind": "flight", "launch": LAUNCH},
+    "pitch": {"id": "p", "kind": "pitch"},
+    "impact": {"id": "i", "kind": "impact", "incoming": INCOMING},
+    "at-bat": {"id": "a", "kind": "at-bat"},
+}
+
+
+def parsed(kind="pitch", **values):
+    return parse_scene(json.dumps(LEAST[kind] | values))
+
+
+def refused(text):
+    with pytest.raises(SceneError) as error:
+        parse_scene(text)
+    return error.value
+
+
+# ---- the contract --------------------------------------------------------------------------------
+
+COMMON = {"id", "kind", "ball", "reading"}
+FLYING = COMMON | {"air", "gravity", "time_limit"}
+
+
+@pytest.mark.parametrize(
+    ("kind", "model", "keys"),
+    [
+        ("flight", FlightScene, FLYING | {"launch", "ground"}),
+        ("pitch", PitchScene, FLYING | {"pitch"}),
+        ("impact", ImpactScene, COMMON | {"bat", "swing", "incoming"}),
+        ("at-bat", AtBatScene, FLYING | {"pitch", "bat", "swing", "ground"}),
+    ],
+)
+def test_each_kind_takes_only_the_blocks_it_needs(kind, model, keys):
+    scene = parsed(kind)
+    assert type(scene) is model is KINDS[kind]
+    assert set(model.model_fields) == keys
+    assert set(json.loads(scene.line())) == keys
+
+
+def test_what_is_left_out_is_the_papers():
+    scene = parsed("at-bat")
+    assert scene.ball == Ball(mass=0.145, radius=0.0366, restitution=0.42)
+    assert scene.air == Air(density=1.29, drag_coefficient=0.4, lift_coefficient=0.2)
+    assert scene.gravity == 9.8
+    assert scene.bat == Bat(mass=0.9, length=1.0, radius=0.033)
+    assert scene.swing == Swing(angular_speed=34.0, tilt=math.radians(5), height_offset=0.0)
+    assert scene.pitch.release == (18.44, 0.0, 1.8)
+    assert scene.pitch.aim == (0.0, 1.8)
+    assert scene.pitch.speed == pytest.approx((0.45 * 139.1 + 0.55 * 127.8) / 3.6, rel=1e-15)
+    assert scene.ground == Ground(height=0.0)
+    assert scene.reading == Reading()
+    assert parsed("impact").swing == Rotation(angular_speed=34.0, tilt=math.radians(5))
+
+
+def test_a_number_is_the_double_nearest_to_what_is_written():
+    assert parsed(gravity=9).gravity == 9.0
+    long = '{"id": "p", "kind": "pitch", "gravity": 0.1000000000000000055511151231257827}'
+    assert parse_scene(long).gravity == 0.1
+
+
+def test_no_air_is_not_thin_air():
+    assert parsed(air=None).air is None
+    assert json.loads(parsed(air=None).line())["air"] is None
+    assert parsed(air={}).air == Air()
+
+
+def test_the_reading_is_written_only_where_it_differs():
+    assert json.loads(parsed().line())["reading"] == {}
+    reading = {"inertia": "thin_rod", "cell_width": 0.2}
+    assert json.loads(parsed(reading=reading).line())["reading"] == reading
+
+
+@pytest.mark.parametrize(
+    ("contact", "height"), [("centre", 0.25), ("surface", 0.25 + Ball().radius)]
+)
+def test_the_floor_is_where_the_balls_centre_lands(contact, height):
+    scene = parsed("at-bat", reading={"ground_contact": contact}, ground={"height": 0.25})
+    assert scene.floor(scene.ground) == height
+
+
+def test_a_pitch_has_the_ground_of_the_paper():
+    assert parsed().ground == Ground()
+    assert "ground: unknown key" in str(refused(json.dumps(LEAST["pitch"] | {"ground": {}})))
+
+
+def test_a_scene_cannot_be_changed():
+    with pytest.raises(ValueError, match="frozen"):
+        parsed().gravity = 1.0
+
+
+# ---- encodings -----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("text", ["é", "⚾", "line\nbreak", "\u2028", 'quote"', "\x00"])
+def test_ids_of_any_text(text):
+    scene = parsed(id=text)
+    assert scene.id == text
+    assert "\n" not in scene.line()
+    assert parse_scene(scene.line().encode()) == scene
+
+
+def test_a_byte_order_mark_is_no_part_of_the_line():
+    line = json.dumps(LEAST["pitch"]).encode("utf-8-sig")
+    assert parse_scene(line) == parsed()
+
+
+# ---- refusals ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({"gravity": -1}, "gravity: must be greater than or equal to 0 (got -1)"),
+        ({"gravity": "9.8"}, "gravity: must be a valid number (got '9.8')"),
+        ({"ball": {"mass": math.nan}}, "ball.mass: must be a finite number (got nan)"),
+        (
+            {"air": {"densty": 1}},
+            "air.densty: unknown key; the keys here are "
+            "density, drag_coefficient, lift_coefficient",
+        ),
+        ({"pitch": {"release": [1, 2]}}, "pitch.release[2]: is missing"),
+        (
+            {"pitch": {"release": [-1, 0, 1]}},
+            "pitch: release[0] = -1.0 must be positive: in front of the plate",
+        ),
+        (
+            {"pitch": {"release": [1, 0, -1]}},
+            "pitch.release[2] = -1.0 is underground: the ball lands at height 0.0",
+        ),
+        (
+            {"reading": {"inertia": "rod"}},
+            "reading.inertia: must be 'solid_cylinder', 'thin_rod' or 'about_centre' (got 'rod')",
+        ),
+    ],
+)
+def test_a_refusal_names_the_key_and_says_what_it_takes(values, message):
+    error = refused(json.dumps(LEAST["pitch"] | values))
+    assert str(error) == message
+    assert error.scene_id == "p"
+
+
+def test_all_faults_of_a_line_are_told():
+    message = str(refused(json.dumps(LEAST["pitch"] | {"gravity": -1, "foo": 2})))
+    assert "gravity: must be" in message
+    assert "foo: unknown key" in message
+
+
+def test_a_start_on_the_ground_is_above_it():
+    assert parsed("flight", launch=LAUNCH | {"position": [0, 0, 0]})
+    surface = LEAST["flight"] | {
+        "reading": {"ground_contact": "surface"},
+        "launch": LAUNCH | {"position": [0, 0, 0.03]},
+    }
+    assert "launch.position[2] = 0.03 is underground" in str(refused(json.dumps(surface)))
+
+
+@pytest.mark.parametrize(
+    ("x", "where"), [(0.0696 - 1e-6, "inside the bat"), (0.0696 + 1e-6, "away from the bat")]
+)
+def test_an_incoming_ball_touches_the_bat(x, where):
+    incoming = INCOMING | {"position": [x, 0, 1]}
+    message = str(refused(json.dumps(LEAST["impact"] | {"incoming": incoming})))
+    assert message.startswith(f"incoming.position is {where}")
+    assert "R + r_b = 0.0696 m" in message
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (b"", "not JSON"),
+        ("{", "not JSON"),
+        ("[1, 2]", "a JSON object is needed, this is [1.0, 2.0]"),
+        (b"\xff", "not UTF-8 text: byte 1 is 0xff"),
+        ('{"id": "a", "kind": "pitch", "id": "b"}', "id: the key is given twice"),
+        ('{"id": "a"}', "kind: is missing"),
+        ('{"id": "a", "kind": "Pitch"}', "kind: 'Pitch' is not a kind of scene"),
+        ('{"id": "a", "kind": ["pitch"]}', "is not a kind of scene"),
+        ("[" * 100_000, "nested too deeply"),
+        ('{"id": "\ud800", "kind": "pitch"}', "half of a surrogate pair"),
+    ],
+)
+def test_what_is_no_scene_at_all(text, message):
+    assert message in str(refused(text))
+
+
+def test_a_refusal_carries_the_id_if_the_line_has_one_that_can_be_written():
+    assert refused('{"id": "a", "kind": "x"}').scene_id == "a"
+    assert refused('{"id": 1, "kind": "pitch"}').scene_id is None
+    assert refused('{"id": "\\ud800", "kind": "pitch"}').scene_id is None
