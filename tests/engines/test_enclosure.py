@@ -499,7 +499,88 @@ def test_restitutions_share_a_pitch():
     assert results[0].contact == results[1].contact
 
 
-# --- a wrong bound is found out -------------------------------------------------------------------
+# --- a wrong bound would be found out -------------------------------------------------------------
+
+
+def polynomial_in_time(coefficients):
+    return flint.arb_poly([arb(float(c)) for c in coefficients])
+
+
+@pytest.mark.parametrize("which", ["u", "w", "speed"])
+def test_the_defect_is_bounded_whatever_the_polynomials(which):
+    # Each of the three terms is the one that counts: a wrong u, a wrong w, and a pair that solves
+    # the equations with a wrong speed, p' = -V̂ A p - g e_z.
+    drag, lift, gravity, assumed = 0.0075, 0.0037, 9.8, 50.0
+    u, w = [30.0, -400.0], [20.0, 300.0]
+    rate_u = assumed * (drag * u[0] + lift * w[0])
+    rate_w = assumed * (drag * w[0] - lift * u[0]) + gravity
+    u[1] = -rate_u if which != "u" else 5.0
+    w[1] = -rate_w if which != "w" else 5.0
+    speed = [assumed if which == "speed" else math.hypot(u[0], w[0])]
+    h = 1e-6  # s; so short that only the first terms count, as if the rest were exact
+    with Balls(30).arithmetic():
+        misses = enclosure._misses(
+            *map(polynomial_in_time, (u, w, speed)), arb(drag), arb(lift), arb(gravity)
+        )
+        bound = float(enclosure._largest(misses, arb(h)))
+    accelerate = acceleration(Forces(drag, lift, gravity, always_up=False), Ivp().numbers)
+    for t in (0.0, h):
+        du, dw = accelerate(u[0] + u[1] * t, w[0] + w[1] * t)
+        missed = math.hypot(u[1] - du, w[1] - dw)
+        assert bound / 5 < missed <= bound
+
+
+@pytest.mark.parametrize("order", [2, 4, 8])
+def test_a_step_of_low_order_keeps_its_bound(monkeypatch, order):
+    balls, field = Balls(30), forces(0.0075, 0.00375)
+    monkeypatch.setattr(enclosure, "_TOLERANCE", 1e-6 * 2.0**balls.bits)
+    monkeypatch.setattr(enclosure, "_ORDER_PER_BIT", order / balls.bits)
+    with balls.arithmetic():
+        start = enclosure.Core(arb(30), arb(25), arb(0))
+        step = enclosure._motion(start, field, arb(60), balls.bits)
+    monkeypatch.undo()
+    h = step.length
+    arrival = ENGINE.fly(state(0, 1, 30, 25), field, Stops(time_limit=h))
+    with balls.arithmetic():
+        off = ((step.u(h) - arrival.state.u) ** 2 + (step.w(h) - arrival.state.w) ** 2).sqrt()
+        bound = step.early + step.late * h
+        assert off <= bound
+        # The defect grows as the order's power of the time; the bound takes its end for all of it.
+        assert bound <= 4 * (order + 1) * off
+
+
+@pytest.mark.parametrize("field", [(0.0075, 0.00375), (None, 0.1), (0.01, -0.5), (0.02, None)])
+@pytest.mark.parametrize("launch", [(30.0, 20.0), (40.0, -5.0), (0.001, 0.0)])
+def test_a_launch_that_is_a_ball_holds_the_flights_of_its_points(field, launch):
+    # From rest, too: the third launch is not told from a ball at rest.
+    (u, w), off = launch, 0.002
+    stops, field = Stops(time_limit=arb(0.25)), forces(*field)
+    wide = PlaneState(arb(0), arb(1), arb(u, off), arb(w, off))
+    whole = Enclosure(5).fly(wide, field, stops).state
+    for du, dw in itertools.product((-off, 0.0, off), repeat=2):
+        one = ENGINE.fly(state(0, 1, u + du, w + dw), field, stops).state
+        assert all(map(arb.contains, whole, one))
+
+
+def test_a_ball_brought_to_rest_is_as_far_off_as_it_was_fast():
+    with Balls(30).arithmetic():
+        core = enclosure.Core(arb(0.003), arb(-0.004), arb(0.01))
+        still = enclosure._brought_to_rest(core, arb(0))
+        assert still.u == still.w == 0
+        assert still.error >= arb(0.01) + arb(0.005)
+        assert enclosure._brought_to_rest(replace(core, error=arb(0.001)), arb(0)).u == core.u
+
+
+def test_a_speed_that_would_be_negative_is_not_believed(monkeypatch):
+    # On the way up w is V; going on beyond the apex so, drag would push the ball down.
+    guess = enclosure._guess
+    monkeypatch.setattr(enclosure, "_guess", lambda *series: 3 * guess(*series))
+    start, drag = state(0, 1, 0, 1), 0.0075
+    arrival = to_floor(start, forces(drag))
+    with Balls(60).arithmetic():
+        top = exact.apex(start, arb(drag), arb(9.8), METHODS)
+        truth = exact.fall_to_floor(top.state, arb(drag), arb(9.8), arb(0), METHODS)
+        assert same(arrival.time, top.time + truth.time)
 
 
 def landing(digits=30):

@@ -269,23 +269,15 @@ def _motion(core: Core, forces: Forces[arb], longest: arb, bits: int) -> Motion:
         extend(n, drag, lift, gravity, us, ws, speeds, first)
     u, w, speed = (arb_poly([c.mid() for c in series]) for series in (us, ws, speeds))
 
-    # The bounds of the module's docstring; a polynomial at the ball around 0 of radius h sums the
-    # sizes of its terms.
-    along, aside = speed * u, speed * w
-    misses = (
-        u.derivative() + drag * along + lift * aside,
-        w.derivative() + drag * aside - lift * along + gravity,
-        strength * (u * u + w * w - speed * speed),
-    )
+    misses = _misses(u, w, speed, drag, lift, gravity)
     leading, following = speed[first], arb_poly(speed.coeffs()[first + 1 :])
     tolerance = _TOLERANCE * arb(2) ** -bits
 
     h = min(_guess(us, ws, speed, first, tolerance), float(longest))
     for _ in range(_MOST_TRIALS):
-        span = arb(0, h)
-        defect = sum((abs(miss(span)) for miss in misses), arb(0)).upper()
+        defect = _largest(misses, arb(h))
         size = start_speed + gravity * h
-        if h > 0 and abs(following(span)) * h < leading and defect * h <= tolerance * size:
+        if h > 0 and _largest([following], arb(h)) * h < leading and defect * h <= tolerance * size:
             break
         h *= _SHORTER
     else:
@@ -299,8 +291,29 @@ def _motion(core: Core, forces: Forces[arb], longest: arb, bits: int) -> Motion:
     growth = (rate * h).exp().upper() if not rate <= 0 else arb(1)
     early, late = core.error * growth, defect * growth
     if not early + late * h < tube:
-        raise CannotSolve("the velocity is known too poorly for a step; take more digits")
+        raise CannotSolve(
+            "the bound on the velocity's error has grown as large as the speed, as it does under a "
+            "strong lift in the long run; take more digits, or a lower time_limit"
+        )
     return Motion(u, w, arb(h), early.upper(), late.upper())
+
+
+def _misses(
+    u: arb_poly, w: arb_poly, speed: arb_poly, drag: arb, lift: arb, gravity: arb
+) -> list[arb_poly]:
+    """Return polynomials whose sizes add up to the δ of the module's docstring."""
+    along, aside = speed * u, speed * w
+    return [
+        u.derivative() + drag * along + lift * aside,
+        w.derivative() + drag * aside - lift * along + gravity,
+        (drag * drag + lift * lift).sqrt() * (u * u + w * w - speed * speed),
+    ]
+
+
+def _largest(polynomials: list[arb_poly], h: arb) -> arb:
+    """Bound the sum of the sizes of polynomials from 0 to h, by the sizes of their terms."""
+    either_side = arb(0, h)
+    return sum((abs(polynomial(either_side)) for polynomial in polynomials), arb(0)).upper()
 
 
 def _guess(us: list[arb], ws: list[arb], speed: arb_poly, first: int, tolerance: arb) -> float:
@@ -472,9 +485,7 @@ class Surface:
         if coefficients[zeros] < 0:
             raise CannotSolve(f"the flight starts beyond the point where {self.question}")
         if not coefficients[zeros] > 0:
-            raise Undecided(
-                f"whether at launch {self.question} cannot be decided; take more digits"
-            )
+            raise Undecided(f"whether at launch {self.question} cannot be decided")
         if zeros == 0:
             return arb(0)
         rest = arb_poly(coefficients[zeros:])
@@ -589,12 +600,8 @@ def _touch(
         )
     if not gap >= 0:
         raise Undecided(balls.open("whether the ball starts inside the bat or touches it", gap))
-    ends = replace(
-        stops,
-        wall=-(bat.x + bat.reach) / bat.cos,
-        vertical=forces.always_up and forces.lift is not None,
-    )
-    end = _first_stop(path, forces, ends, balls)
+    past = -(bat.x + bat.reach) / bat.cos
+    end = _first_stop(path, forces, replace(stops, wall=past), balls)
     closest = -gap
     for leg in _legs(path, forces, bat, end, balls):
         margin = bat.reach - balls.sqrt(_distance_squared(leg.end, bat))
