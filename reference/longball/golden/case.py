@@ -37,8 +37,8 @@ class Quantity(_Strict):
         "header); null if the last bits of an input decide the outcome",
     )
     digits: float | None = Field(
-        description="digits that double precision can get right, -log10(attainable / |value|); "
-        "null without an attainable error, or for a value of zero"
+        description="digits that double precision can get right, -log10(attainable / |value|), of "
+        "a component by the length of its vector; null without an attainable error, or for zero"
     )
 
 
@@ -155,6 +155,12 @@ def numbers_of(result: Result) -> Iterator[tuple[str, Bounded]]:
     for path, value in values_of(result):
         if isinstance(value, Bounded):
             yield path, value
+
+
+def vector_of(path: str) -> tuple[str, ...]:
+    """Return the paths of the components of the vector that a number is of, or its own."""
+    vector, bracket, _ = path.partition("[")
+    return tuple(f"{vector}[{i}]" for i in range(3)) if bracket else (path,)
 
 
 def as_double(number: Bounded) -> float:

@@ -19,15 +19,17 @@ NUMBERS = {
     "rounding; zeros at its end may be left out.",
     "zero": "A value of 0 with a radius above 0 is one that is not told from zero.",
     "radius": "Proven: |truth - value| <= radius, where truth is the exact real solution of the "
-    "model for the doubles of the scene. It is at most 1e-30 of the quantity's size.",
+    "model for the doubles of the scene. It is at most 1e-30 of the quantity's size, or, where the "
+    "value is 0, at most 1e-30 of its unit.",
     "size": "Of a number its absolute value; of a component the length of its vector; of "
     "contact.margin R + r_b, since a margin is a difference of lengths.",
     "double": "The double nearest to value; of the two nearest, the one with an even last bit.",
     "hex": "The same double in C's hexadecimal notation.",
     "attainable": "u (sum of |dQ/dx| |x| over all inputs x + |dQ/d(height_offset)| z_b + |Q|), "
-    "u = 2^-53: the error that rounding every input, the bat's height and the result once makes "
-    "unavoidable. A careful implementation in double precision stays within a small multiple.",
-    "digits": "-log10(attainable / |double|), at least 0.",
+    "u = 2^-53, |Q| of a component the length of its vector: the error that rounding every input, "
+    "the bat's height and the result once makes unavoidable. A careful implementation in double "
+    "precision stays within a small multiple.",
+    "digits": "-log10(attainable / |Q|), at least 0; |Q| of a component the length of its vector.",
     "derivatives": "Central differences over steps of 2^-50, from 30 digits; three digits.",
     "agreement": "Largest |value - independent value| over all numbers, in units of 1e-30 of the "
     "quantity's size. The value's own rounding, up to 0.5 of a unit in its 31st digit, is in it.",
@@ -68,6 +70,7 @@ FLAGS = {
     "the radius.",
     "undecided": "The outcome could not be proven; the expected result is an error that says why. "
     "An implementation that answers must say how it knows.",
+    "wide": "A radius is larger than the header promises.",
     "vertical": "The path is vertical, or passes the vertical.",
 }
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Callable
 from decimal import ROUND_CEILING, Decimal, localcontext
 from typing import Any
@@ -18,8 +19,15 @@ from longball.golden.case import (
     as_double,
     decisive,
     numbers_of,
+    vector_of,
 )
-from longball.golden.condition import Sensitivity, attainable_errors, condition, sensitivity
+from longball.golden.condition import (
+    Sensitivity,
+    attainable_errors,
+    condition,
+    magnitudes,
+    sensitivity,
+)
 from longball.golden.draft import Draft
 from longball.model.result import Bounded, Result
 from longball.model.scene import AtBatScene, Scene
@@ -50,12 +58,15 @@ def prove(scene: Scene) -> Result:
 
 
 def _good_enough(scene: Scene, result: Result) -> bool:
+    """Tell whether all radii are what is promised; next to zero the promise is absolute."""
     size = sizes(scene, result)
     with localcontext(prec=_PREC):
-        return all(
-            Decimal(number.radius or "Infinity") <= size[name].scaleb(-DIGITS)
-            for name, number in numbers_of(result)
-        )
+        for name, number in numbers_of(result):
+            radius = Decimal(number.radius or "Infinity")
+            at_zero = abs(Decimal(number.value)) <= radius <= Decimal(1).scaleb(-DIGITS)
+            if not (at_zero or radius <= size[name].scaleb(-DIGITS)):
+                return False
+    return True
 
 
 def shortened(number: Bounded) -> Bounded:
@@ -96,15 +107,12 @@ def sizes(scene: Scene, result: Result) -> dict[str, Decimal]:
     Of a component, that is the length of its vector; of the margin, a difference of lengths,
     R + r_b; of other numbers, their absolute value.
     """
-    found = {name: Decimal(number.value) for name, number in numbers_of(result)}
-    size = {}
+    value = {name: Decimal(number.value) for name, number in numbers_of(result)}
     with localcontext(prec=_PREC):
-        for name, value in found.items():
-            vector, bracket, _ = name.partition("[")
-            size[name] = abs(value)
-            if bracket:
-                parts = (found[f"{vector}[{i}]"] for i in range(3))
-                size[name] = sum((part * part for part in parts), Decimal(0)).sqrt()
+        size = {
+            name: sum((value[part] ** 2 for part in vector_of(name)), Decimal(0)).sqrt()
+            for name in value
+        }
         if isinstance(scene, AtBatScene) and "contact.margin" in size:
             size["contact.margin"] = Decimal(scene.ball.radius) + Decimal(scene.bat.radius)
     return size
@@ -149,12 +157,10 @@ def _compared(
 
 def quantities(result: Result, errors: dict[str, float | None]) -> dict[str, Quantity]:
     """Return what every number of a result is in doubles, and how well doubles can know it."""
-    table = {}
+    table, magnitude = {}, magnitudes(result)
     for name, number in numbers_of(result):
-        double, error = as_double(number), errors[name]
-        digits = None
-        if error and double:
-            digits = max(0.0, round(float(-(Decimal(error) / abs(Decimal(double))).log10()), 1))
+        double, error, size = as_double(number), errors[name], magnitude[name]
+        digits = max(0.0, round(math.log10(size / error), 1)) if error and size else None
         table[name] = Quantity(double=double, hex=double.hex(), attainable=error, digits=digits)
     return table
 
@@ -189,6 +195,8 @@ def make(family: str, draft: Draft) -> Case:
         flags.append("fragile")
     if not agrees:
         flags.append("unconfirmed")
+    if result.outcome is not None and not _good_enough(scene, result):
+        flags.append("wide")
     return Case(
         id=scene.id,
         family=family,
