@@ -17,7 +17,7 @@ from longball.engines.enclosure import Enclosure
 from longball.golden.case import as_double, decisive, numbers_of, vector_of
 from longball.golden.checker import check
 from longball.golden.files import CHECKSUMS, HEADER, schemas
-from longball.golden.header import FLAGS, LEVELS, NUMBERS
+from longball.golden.legend import FLAGS, LEVELS, NUMBERS
 from longball.golden.reader import DATA
 from longball.model import exact
 from longball.model.motion import forces, into_plane
@@ -126,9 +126,15 @@ def test_all_outcomes_and_every_reading_that_matters_are_there():
         for case in CASES
         for switch, value in case.scene.reading.model_dump().items()
     }
-    # What sample_space and fig7_parameters say is about counting, not about a scene.
-    counting = ("sample_space", "fig7_parameters")
-    assert {switch for switch, _ in used} == set(Reading.model_fields) - set(counting)
+    # These are about counting, and about the paper's scheme: no scene's solution hangs on them.
+    elsewhere = {
+        "sample_space",
+        "fig7_parameters",
+        "verlet_forces",
+        "verlet_landing",
+        "appendix_b_root",
+    }
+    assert {switch for switch, _ in used} == set(Reading.model_fields) - elsewhere
     assert {value for switch, value in used if switch == "inertia"} == {"thin_rod", "about_centre"}
 
 
@@ -147,7 +153,7 @@ def test_a_graze_loses_half_the_digits_of_its_margin():
         next(case for case in CASES if case.id == f"hard-graze-plus-1e-{power:02d}").attainable(
             "landing.distance"
         )
-        for power in (5, 7, 9, 11, 13)
+        for power in (7, 9, 11, 13, 15)
     ]
     # Each hundredth of the margin is a tenth of the chord: ten times the error.
     for one, next_one in pairwise(errors):

@@ -27,8 +27,8 @@ from longball.golden.files import (
     schemas,
     write_whole,
 )
-from longball.golden.header import header, made_by
 from longball.golden.history import ABOUT, history
+from longball.golden.legend import header, made_by
 from longball.golden.truth import make
 from longball.model.scene import FlightScene
 

@@ -1,4 +1,4 @@
-"""The header of the golden set: everything that its files do not say by themselves."""
+"""The legend of the golden set, its header: all that its files do not say by themselves."""
 
 from __future__ import annotations
 
