@@ -435,9 +435,16 @@ def _newton(value: Function, slope: Function, a: arb, b: arb) -> arb:
     root = a.union(b)
     while True:
         middle = min(max(root.mid(), a), b)
-        closer = root.intersection(middle - value(middle) / slope(root))
+        there = value(middle)
+        closer = root.intersection(middle - there / slope(root))
         if not 2 * closer.rad() < root.rad():
-            return closer
+            # So flat at one end that its slope says little: the sign at the middle says half.
+            if there > 0:
+                closer = middle.union(root.upper())
+            elif there < 0:
+                closer = root.lower().union(middle)
+            if not 1.5 * closer.rad() < root.rad():
+                return closer
         root = closer
 
 

@@ -10,7 +10,7 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from longball.model.result import Bounded, Result
+from longball.model.result import Bounded, Number, Result
 from longball.model.scene import Scene
 
 Level = Literal["lower", "average", "higher"]
@@ -37,8 +37,8 @@ class Quantity(_Strict):
         "header); null if the last bits of an input decide the outcome",
     )
     digits: float | None = Field(
-        description="digits that double precision can get right, -log10(attainable / |value|); "
-        "null without an attainable error, or for a value of zero"
+        description="digits that double precision can get right, -log10(attainable / |value|), of "
+        "a component by the length of its vector; null without an attainable error, or for zero"
     )
 
 
@@ -48,7 +48,7 @@ class Condition(_Strict):
     derivatives: dict[str, dict[str, float | None]] = Field(
         description="of the decisive quantities (the level depends on them) by each input that is "
         "not zero or may be varied about zero; null where a step in either direction changes the "
-        "outcome, or leaves it undecided"
+        "outcome or leaves none"
     )
     rates: dict[str, float] = Field(
         description="speed, m/s, at which the ball crosses the surface of each event: "
@@ -137,17 +137,30 @@ class Header(_Strict):
     made_by: dict[str, str] = Field(description="engines, and versions of the libraries")
 
 
-def numbers_of(result: Result) -> Iterator[tuple[str, Bounded]]:
-    """Yield every number of a result that is written with digits, with its path."""
+def values_of(result: Result) -> Iterator[tuple[str, Number]]:
+    """Yield every number of a result with its path, such as ``landing.position[0]``."""
     for block in ("plate", "contact", "impact", "landing"):
         part = getattr(result, block)
         for name in type(part).model_fields if part is not None else ():
             value = getattr(part, name)
-            if isinstance(value, Bounded):
-                yield f"{block}.{name}", value
-            elif isinstance(value, tuple):
+            if isinstance(value, tuple):
                 for i, component in enumerate(value):
                     yield f"{block}.{name}[{i}]", component
+            elif value is not None:
+                yield f"{block}.{name}", value
+
+
+def numbers_of(result: Result) -> Iterator[tuple[str, Bounded]]:
+    """Yield every number of a result that is written with digits, with its path."""
+    for path, value in values_of(result):
+        if isinstance(value, Bounded):
+            yield path, value
+
+
+def vector_of(path: str) -> tuple[str, ...]:
+    """Return the paths of the components of the vector that a number is of, or its own."""
+    vector, bracket, _ = path.partition("[")
+    return tuple(f"{vector}[{i}]" for i in range(3)) if bracket else (path,)
 
 
 def as_double(number: Bounded) -> float:
@@ -160,16 +173,17 @@ def as_double(number: Bounded) -> float:
 
 def decisive(result: Result) -> tuple[str, ...]:
     """Return the paths of the quantities that an outcome is mainly asked for."""
+    wanted: tuple[str, ...] = ()
     match result.outcome:
         case "batted" | "landed":
-            return "landing.distance", "landing.time"
+            wanted = "landing.distance", "landing.time"
         case "missed" | "beyond_bat":
-            return ("contact.margin",)
+            wanted = ("contact.margin",)
         case "struck":
-            return ("impact.impulse",)
+            wanted = ("impact.impulse",)
         case "separating":
-            return ("contact.normal_speed",)
+            wanted = ("contact.normal_speed",)
         case "crossed":
-            return "plate.time", "plate.position[2]"
-        case _:
-            return ()
+            wanted = "plate.time", "plate.position[2]"
+    # A touching that is given has no margin.
+    return tuple(name for name, _ in numbers_of(result) if name in wanted)

@@ -16,8 +16,9 @@ that act like inputs that are off by half an ulp; a backward stable computation 
 multiple of that for the roundings on its way. The second (at-bats): the bat is put at the height
 z_b = z'_b + σ_b, which a double holds to half an ulp of z_b, however small the offset σ_b that
 margin and normal hang on; this is no rounding of an input, and no input's derivative shows it,
-because pitch and bat move up and down together. The third: the result is rounded too. What an
-implementation loses beyond a small multiple of this is its own doing.
+because pitch and bat move up and down together. The third: the result is rounded too; for a
+component |Q| is the length of its vector, since whoever computes the vector along other axes
+rounds like that. What an implementation loses beyond a small multiple of this is its own doing.
 
 N. J. Higham, Accuracy and Stability of Numerical Algorithms, Ch. 1: the rule of thumb that the
 forward error is the condition number times the backward error.
@@ -35,7 +36,7 @@ from pydantic import ValidationError
 
 from longball.engines.at_bat import solve
 from longball.engines.engine import Engine
-from longball.golden.case import ROUNDING, Condition, as_double, decisive, numbers_of
+from longball.golden.case import ROUNDING, Condition, as_double, decisive, numbers_of, vector_of
 from longball.model.result import Bounded, Result
 from longball.model.scene import AtBatScene, Scene
 
@@ -56,10 +57,9 @@ class Sensitivity:
     Attributes
     ----------
     derivatives
-        ∂Q/∂x by quantity and input; None where a step in either direction changes the outcome,
-        or was not told.
+        ∂Q/∂x by quantity and input; None where a step in either direction changes the outcome.
     fragile
-        Whether a step of any input, in any direction, changes the outcome.
+        Whether a step of any input, in any direction, changes the outcome or leaves none.
     """
 
     derivatives: Mapping[str, Mapping[str, float | None]]
@@ -125,7 +125,7 @@ def sensitivity(scene: Scene, result: Result, engine: Engine[Any]) -> Sensitivit
             there = solve(other, engine)
             if there.outcome == result.outcome:
                 ends.append((moved, dict(numbers_of(there))))
-            elif there.outcome is not None:
+            else:
                 fragile = True
         if len(ends) == 1:
             ends.append((x, here))
@@ -147,8 +147,9 @@ def attainable_errors(scene: Scene, result: Result, found: Sensitivity) -> dict[
     """
     values = inputs(scene)
     height = _bat_height(scene, result)
+    lengths = magnitudes(result)
     errors: dict[str, float | None] = {}
-    for name, number in numbers_of(result):
+    for name, _ in numbers_of(result):
         slopes = found.derivatives[name]
         parts = [
             None if (slope := slopes[path]) is None else abs(slope * x)
@@ -160,8 +161,14 @@ def attainable_errors(scene: Scene, result: Result, found: Sensitivity) -> dict[
             errors[name] = None
             continue
         total = math.fsum(part for part in parts if part is not None)
-        errors[name] = _three_digits(ROUNDING * (total + abs(as_double(number))))
+        errors[name] = _three_digits(ROUNDING * (total + lengths[name]))
     return errors
+
+
+def magnitudes(result: Result) -> dict[str, float]:
+    """Return of every number its absolute value, of a component the length of its vector."""
+    value = {name: as_double(number) for name, number in numbers_of(result)}
+    return {name: math.hypot(*(value[part] for part in vector_of(name))) for name in value}
 
 
 def _bat_height(scene: Scene, result: Result) -> float:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from itertools import product
+from itertools import islice, product
 
 from longball.golden.draft import Draft, between, five_digits, shares
 from longball.golden.hard import hard
@@ -43,7 +43,7 @@ def _flights(
         a, b, c, d, e, f, g, h, *_ = shares(i)
         speed = between(5.0, 65.0, a)
         # Batted balls fly forward; launches of every heading are there to keep signs apart.
-        elevation, heading = math.radians(150 * b - 60), math.radians(360 * c)
+        elevation, heading = math.radians(105 * b - 20), math.radians(360 * c)
         ahead = speed * math.cos(elevation)
         velocity = (
             five_digits(ahead * math.cos(heading)),
@@ -279,10 +279,10 @@ def at_bat() -> Iterator[Draft]:
 
 
 def _drawn(name: str, reading: Reading, count: int, base: AtBatScene) -> Iterator[Draft]:
-    samples = draw(paper_at_bats(reading), count, SEED)
-    for i, scene in enumerate(scenes(base, samples)):
-        if scene is None:
-            continue  # a speed that is not positive is never pitched
+    """Yield the first samples of which there is a scene: with a speed that is positive."""
+    samples = draw(paper_at_bats(reading), 10 * count, SEED)
+    pitched = ((i, scene) for i, scene in enumerate(scenes(base, samples)) if scene is not None)
+    for i, scene in islice(pitched, count):
         e = RESTITUTIONS[i % len(RESTITUTIONS)]
         struck = with_restitution(scene, e).model_copy(update={"id": f"{name}-{i:04d}"})
         flags = ("reading",) if reading != Reading() else ()

@@ -92,8 +92,9 @@ def _margin(scene: AtBatScene) -> Decimal:
 def grazes() -> Iterator[Draft]:
     """Grazing at margins of ±1e-3 to ±1e-15 m.
 
-    Where the margin is m, the depth of the chord is √(2 · 0.07 m), and so is what an error of the
-    bat's height does to the normal: half of the digits of the margin are lost.
+    Where the bat is grazed by a margin m, the path cuts the circle of touching along a chord of
+    half length √(2 (R + r_b) m): an error δ of the bat's height moves the touching by δ times the
+    root of (R + r_b)/2m, so that half of the margin's digits are lost.
     """
     sides = (("", -1, range(3, 16)), ("under-", +1, (3, 6, 9, 12, 15)))
     for (name, side, powers), tilt in (
@@ -174,9 +175,8 @@ def touching_at_release() -> Iterator[Draft]:
             pitch=Pitch(speed=32.0, release=(x, 0.0, 1.0), aim=(0.0, 1.0)),
             swing=Swing(tilt=0.125),
         )
-        yield Draft(
-            scene, f"released at x = {x!r}; ball and bat touch at 0.0625 m", ("at-release",)
-        )
+        flags = ("at-release", "refused") if x < 2.0**-4 else ("at-release",)
+        yield Draft(scene, f"released at x = {x!r}; ball and bat touch at 0.0625 m", flags)
     for word, x in _beside(2.0**-4):
         scene = AtBatScene(
             id=f"hard-release-in-air-{word}",
@@ -267,11 +267,18 @@ def back_and_underside() -> Iterator[Draft]:
     """
     # A lob falls steeply through the plate: with the bat below its path it first touches the back.
     lob = Pitch(speed=14.5, release=(18.44, 0.0, 1.8), aim=(0.0, 22.0))
-    for word, offset in (("top", 0.0), ("back", -0.1), ("far-back", -0.105), ("front", 0.08)):
+    for word, offset, speed in (
+        ("top", 0.0, 20.0),
+        ("front", 0.08, 20.0),
+        ("back", -0.1, 0.0),
+        ("back-swung-away", -0.1, 20.0),
+        ("back-swung-against", -0.1, -20.0),
+        ("far-back", -0.105, 0.0),
+    ):
         scene = AtBatScene(
             id=f"hard-lob-{word}",
             pitch=lob,
-            swing=Swing(height_offset=offset, angular_speed=20.0),
+            swing=Swing(height_offset=offset, angular_speed=speed),
         )
         yield Draft(scene, f"a lob, the bat {offset} m above its path", ("second-touching",))
     for word, offset, speed in (
@@ -284,18 +291,19 @@ def back_and_underside() -> Iterator[Draft]:
             id=f"hard-{word}", swing=Swing(height_offset=offset, angular_speed=speed)
         )
         yield Draft(scene, "the bat comes over the ball and drives it down", ("second-touching",))
-    for word, position, velocity in (
-        ("back", (-0.0696, 0.1, 1.0), (10.0, 0.0, -1.0)),
-        ("back-moving-on", (-0.0696, 0.1, 1.0), (-30.0, 0.0, -1.0)),
-        ("below", (0.0, 0.1, 0.9304), (-30.0, 0.0, 5.0)),
-        ("above", (0.0, 0.1, 1.0696), (-30.0, 0.0, -5.0)),
+    for word, position, velocity, speed in (
+        ("behind", (-0.0696, 0.1, 1.0), (10.0, 0.0, -1.0), -20.0),
+        ("behind-moving-on", (-0.0696, 0.1, 1.0), (-30.0, 0.0, -1.0), 34.0),
+        ("below", (0.0, 0.1, 0.9304), (-30.0, 0.0, 5.0), 34.0),
+        ("above", (0.0, 0.1, 1.0696), (-30.0, 0.0, -5.0), 34.0),
     ):
         yield Draft(
             ImpactScene(
                 id=f"hard-impact-{word}",
+                swing=Rotation(angular_speed=speed),
                 incoming=Incoming(position=position, velocity=velocity, bat_height=1.0),
             ),
-            f"a touching {word} the bat's axis",
+            f"a touching {word.partition('-')[0]} the bat's axis",
             ("second-touching",),
         )
 

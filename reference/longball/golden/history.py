@@ -36,7 +36,7 @@ def history(scene: FlightScene, until: float) -> str:
         while row <= until * PER_SECOND:
             components = (*plane.position(state), *plane.velocity(state))
             shown = [_shown(numbers.report(x)) for x in components]
-            lines.append(",".join([str(Decimal(row) / PER_SECOND), *shown]))
+            lines.append(",".join([f"{row / PER_SECOND:.2f}", *shown]))
             state = engine.fly(state, field, step).state
             row += 1
     return "\n".join(lines) + "\n"

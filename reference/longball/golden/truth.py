@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Callable
 from decimal import ROUND_CEILING, Decimal, localcontext
 from typing import Any
@@ -18,8 +19,15 @@ from longball.golden.case import (
     as_double,
     decisive,
     numbers_of,
+    vector_of,
 )
-from longball.golden.condition import Sensitivity, attainable_errors, condition, sensitivity
+from longball.golden.condition import (
+    Sensitivity,
+    attainable_errors,
+    condition,
+    magnitudes,
+    sensitivity,
+)
 from longball.golden.draft import Draft
 from longball.model.result import Bounded, Result
 from longball.model.scene import AtBatScene, Scene
@@ -29,8 +37,9 @@ from longball.model.scene import AtBatScene, Scene
 DIGITS = 30
 WORK = (DIGITS, 2 * DIGITS, 4 * DIGITS)
 
-# Digits of the independent method: its rounding of what it prints stays far below the radii.
-CONFIRMING = 35
+# Digits of the independent method: what it prints is rounded far below the radii. More of them for
+# tiny numbers that are differences of large ones: its errors are relative to those.
+CONFIRMING = (DIGITS + 5, 2 * (DIGITS + 5), 3 * (DIGITS + 5))
 
 _PREC = 4 * WORK[-1]  # digits of decimal arithmetic: more than any number here has
 
@@ -41,33 +50,40 @@ def prove(scene: Scene) -> Result:
     Numbers have 31 digits and a radius of at most 1e-30 of their size (see `sizes`), if any number
     of `WORK` brings that about.
     """
-    result = solve(scene, Enclosure(WORK[0]))
-    for digits in WORK[1:]:
+    for digits in WORK:
+        result = solve(scene, Enclosure(digits))
         if result.error is None and _good_enough(scene, result):
-            return result
-        more = solve(scene, Enclosure(digits))
-        result = more if more.error else rewritten(more, _shortened)
-    return result
+            break
+    return rewritten(result, shortened)
 
 
 def _good_enough(scene: Scene, result: Result) -> bool:
+    """Tell whether all radii are what is promised; next to zero the promise is absolute."""
     size = sizes(scene, result)
     with localcontext(prec=_PREC):
-        return all(
-            Decimal(number.radius or "Infinity") <= size[name].scaleb(-DIGITS)
-            for name, number in numbers_of(result)
-        )
+        for name, number in numbers_of(result):
+            radius = Decimal(number.radius or "Infinity")
+            at_zero = abs(Decimal(number.value)) <= radius <= Decimal(1).scaleb(-DIGITS)
+            if not (at_zero or radius <= size[name].scaleb(-DIGITS)):
+                return False
+    return True
 
 
-def _shortened(number: Bounded) -> Bounded:
-    """Return a number with 31 digits; what is cut off joins the radius."""
+def shortened(number: Bounded) -> Bounded:
+    """Return a number with 31 digits; what is cut off joins the radius.
+
+    A number that is not told from zero becomes zero.
+    """
     with localcontext(prec=_PREC):
         whole = Decimal(number.value)
+        radius = Decimal(number.radius or "Infinity")
         with localcontext(prec=DIGITS + 1):
             value = +whole
-        radius = Decimal(number.radius or "Infinity") + abs(value - whole)
+        if abs(whole) <= radius:
+            value = Decimal(0)
+        radius += abs(value - whole)
         with localcontext(prec=3, rounding=ROUND_CEILING):
-            return Bounded(value=str(value), radius=str(+radius))
+            return Bounded(value=str(value), radius=str(+radius) if radius else "0")
 
 
 def rewritten(result: Result, change: Callable[[Bounded], Bounded]) -> Result:
@@ -91,15 +107,12 @@ def sizes(scene: Scene, result: Result) -> dict[str, Decimal]:
     Of a component, that is the length of its vector; of the margin, a difference of lengths,
     R + r_b; of other numbers, their absolute value.
     """
-    found = {name: Decimal(number.value) for name, number in numbers_of(result)}
-    size = {}
+    value = {name: Decimal(number.value) for name, number in numbers_of(result)}
     with localcontext(prec=_PREC):
-        for name, value in found.items():
-            vector, bracket, _ = name.partition("[")
-            size[name] = abs(value)
-            if bracket:
-                parts = (found[f"{vector}[{i}]"] for i in range(3))
-                size[name] = sum((part * part for part in parts), Decimal(0)).sqrt()
+        size = {
+            name: sum((value[part] ** 2 for part in vector_of(name)), Decimal(0)).sqrt()
+            for name in value
+        }
         if isinstance(scene, AtBatScene) and "contact.margin" in size:
             size["contact.margin"] = Decimal(scene.ball.radius) + Decimal(scene.bat.radius)
     return size
@@ -109,35 +122,45 @@ def confirm(scene: Scene, proven: Result) -> tuple[Confirmation, bool]:
     """Solve a scene by the independent method; return what it says, and whether it agrees.
 
     It agrees if outcomes are the same and every number lies within the proven radius, but for the
-    digits that it is written with. Where nothing is proven there is nothing to disagree with.
+    digits that it is known to; more of those are tried before a disagreement is believed. Where
+    nothing is proven there is nothing to disagree with.
     """
-    other = solve(scene, Multiprecision(CONFIRMING))
-    assert other.engine is not None
-    if proven.outcome is None or other.outcome != proven.outcome:
-        agrees = proven.outcome is None
-        return Confirmation(engine=other.engine, outcome=other.outcome, agreement=None), agrees
-    there = dict(numbers_of(other))
+    for digits in CONFIRMING:
+        engine = Multiprecision(digits)
+        other = solve(scene, engine)
+        if proven.outcome is None or other.outcome != proven.outcome:
+            agrees, agreement = proven.outcome is None, None
+        else:
+            agrees, agreement = _compared(scene, proven, other, digits)
+        if agrees:
+            break
+    said = Confirmation(engine=engine.description, outcome=other.outcome, agreement=agreement)
+    return said, agrees
+
+
+def _compared(
+    scene: Scene, proven: Result, other: Result, digits: int
+) -> tuple[bool, float | None]:
+    """Tell whether two results agree, and their largest difference in 1e-30 of a size."""
+    here, there = dict(numbers_of(proven)), dict(numbers_of(other))
     agrees, largest = True, Decimal(0)
     with localcontext(prec=_PREC):
         for name, size in sizes(scene, proven).items():
-            here = dict(numbers_of(proven))[name]
-            difference = abs(Decimal(here.value) - Decimal(there[name].value))
-            allowed = Decimal(here.radius or 0) + size.scaleb(2 - CONFIRMING)
-            agrees = agrees and difference <= allowed
-            if difference:
-                largest = max(largest, difference / size if size else Decimal("Infinity"))
-    agreement = float(f"{largest.scaleb(DIGITS):.3g}") if largest.is_finite() else None
-    return Confirmation(engine=other.engine, outcome=other.outcome, agreement=agreement), agrees
+            difference = abs(Decimal(here[name].value) - Decimal(there[name].value))
+            radius = Decimal(here[name].radius or "Infinity")
+            # Two digits for what the method's error may grow to on the way.
+            agrees = agrees and difference <= radius + size.scaleb(2 - digits)
+            if size:
+                largest = max(largest, difference / size)
+        return agrees, float(f"{largest.scaleb(DIGITS):.3g}")
 
 
 def quantities(result: Result, errors: dict[str, float | None]) -> dict[str, Quantity]:
     """Return what every number of a result is in doubles, and how well doubles can know it."""
-    table = {}
+    table, magnitude = {}, magnitudes(result)
     for name, number in numbers_of(result):
-        double, error = as_double(number), errors[name]
-        digits = None
-        if error and double:
-            digits = max(0.0, round(float(-(Decimal(error) / abs(Decimal(double))).log10()), 1))
+        double, error, size = as_double(number), errors[name], magnitude[name]
+        digits = max(0.0, round(math.log10(size / error), 1)) if error and size else None
         table[name] = Quantity(double=double, hex=double.hex(), attainable=error, digits=digits)
     return table
 
@@ -172,6 +195,8 @@ def make(family: str, draft: Draft) -> Case:
         flags.append("fragile")
     if not agrees:
         flags.append("unconfirmed")
+    if result.outcome is not None and not _good_enough(scene, result):
+        flags.append("wide")
     return Case(
         id=scene.id,
         family=family,

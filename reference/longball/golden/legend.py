@@ -1,4 +1,4 @@
-"""The header of the golden set: everything that its files do not say by themselves."""
+"""The legend of the golden set, its header: all that its files do not say by themselves."""
 
 from __future__ import annotations
 
@@ -17,17 +17,19 @@ NUMBERS = {
     "scene": "A number of a scene means the double nearest to what is written, exactly.",
     "value": "Decimal string of 31 digits, the nearest to the middle of the enclosure but for "
     "rounding; zeros at its end may be left out.",
+    "zero": "A value of 0 with a radius above 0 is one that is not told from zero.",
     "radius": "Proven: |truth - value| <= radius, where truth is the exact real solution of the "
-    "model for the doubles of the scene. It is at most 1e-30 of the quantity's size.",
+    "model for the doubles of the scene. It is at most 1e-30 of the quantity's size, or, where the "
+    "value is 0, at most 1e-30 of its unit.",
     "size": "Of a number its absolute value; of a component the length of its vector; of "
     "contact.margin R + r_b, since a margin is a difference of lengths.",
-    "double": "The double nearest to value. Where value lies within its radius of the middle "
-    "between two doubles, which no case here does, the truth could round to the other one.",
+    "double": "The double nearest to value; of the two nearest, the one with an even last bit.",
     "hex": "The same double in C's hexadecimal notation.",
     "attainable": "u (sum of |dQ/dx| |x| over all inputs x + |dQ/d(height_offset)| z_b + |Q|), "
-    "u = 2^-53: the error that rounding every input, the bat's height and the result once makes "
-    "unavoidable. A careful implementation in double precision stays within a small multiple.",
-    "digits": "-log10(attainable / |double|), at least 0.",
+    "u = 2^-53, |Q| of a component the length of its vector: the error that rounding every input, "
+    "the bat's height and the result once makes unavoidable. A careful implementation in double "
+    "precision stays within a small multiple.",
+    "digits": "-log10(attainable / |Q|), at least 0; |Q| of a component the length of its vector.",
     "derivatives": "Central differences over steps of 2^-50, from 30 digits; three digits.",
     "agreement": "Largest |value - independent value| over all numbers, in units of 1e-30 of the "
     "quantity's size. The value's own rounding, up to 0.5 of a unit in its 31st digit, is in it.",
@@ -47,8 +49,8 @@ FLAGS = {
     "closed-form": "The solution is known in elementary functions (longball.model.exact).",
     "dip": "Lift turns the falling ball up again, just above or just below the ground.",
     "extreme": "Sizes far from baseball.",
-    "fragile": "A step of 2^-50 of some input, a few ulps, changes the outcome: an implementation "
-    "in double precision that answers otherwise, or not at all, need not be wrong.",
+    "fragile": "A step of 2^-50 of some input, a few ulps, changes the outcome or leaves none: an "
+    "implementation in double precision that answers otherwise, or not at all, need not be wrong.",
     "grazing": "The margin between touching and missing the bat is from 1e-3 down to 1e-15 m.",
     "loops": "The path loops.",
     "many-digits": "30 digits of work did not decide the outcome or reach the promised radius; "
@@ -68,6 +70,7 @@ FLAGS = {
     "the radius.",
     "undecided": "The outcome could not be proven; the expected result is an error that says why. "
     "An implementation that answers must say how it knows.",
+    "wide": "A radius is larger than the header promises.",
     "vertical": "The path is vertical, or passes the vertical.",
 }
 
@@ -95,7 +98,8 @@ def made_by() -> dict[str, str]:
     """Return who computes, and the versions of everything that takes part."""
     return {
         "truth": f"{Enclosure(DIGITS).description}, and up to {WORK[-1]} where it takes more",
-        "confirmation": Multiprecision(CONFIRMING).description,
+        "confirmation": f"{Multiprecision(CONFIRMING[0]).description}, and up to {CONFIRMING[-1]} "
+        "where it takes more",
         "longball": __version__,
         "python-flint": version("python-flint"),
         "FLINT": flint.__FLINT_VERSION__,

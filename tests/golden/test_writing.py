@@ -1,0 +1,223 @@
+"""Writing and checking a small golden set."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from longball.golden import writer
+from longball.golden.checker import check
+from longball.golden.condition import inputs, sensitivity, with_input
+from longball.golden.draft import Draft, solve_for
+from longball.golden.families import FAMILIES
+from longball.golden.files import CHECKSUMS, PARTIAL
+from longball.golden.reader import header, load
+from longball.golden.truth import make, prove, shortened
+from longball.model.result import Bounded
+from longball.model.scene import parse_scene
+
+FLIGHT = '{"id":"f","kind":"flight","launch":{"position":[0,0,1],"velocity":[30,2,20]}}'
+
+
+def few() -> Iterator[Draft]:
+    """Three impacts."""
+    yield from list(FAMILIES["impact"]())[:3]
+
+
+SMALL = {"few": few}
+
+
+def files(folder: Path) -> dict[str, bytes]:
+    return {
+        path.relative_to(folder).as_posix(): path.read_bytes()
+        for path in folder.rglob("*")
+        if path.is_file()
+    }
+
+
+def test_the_bytes_do_not_depend_on_the_workers(tmp_path: Path):
+    seen = []
+    writer.write(tmp_path / "one", SMALL, progress=lambda *done: seen.append(done))
+    writer.write(tmp_path / "two", SMALL, workers=2)
+    assert files(tmp_path / "one") == files(tmp_path / "two")
+    assert seen == [(1, 3), (2, 3), (3, 3)]
+    assert header(tmp_path / "one").families["few"].about == "Three impacts."
+
+
+def test_an_interrupted_run_goes_on_where_it_stopped(tmp_path: Path, monkeypatch):
+    writer.write(tmp_path / "whole", SMALL)
+
+    def interrupted(done: int, total: int) -> None:
+        if done == 2:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        writer.write(tmp_path / "halves", SMALL, progress=interrupted)
+    kept = tmp_path / "halves" / PARTIAL / "few.jsonl"
+    assert not (tmp_path / "halves" / "few.jsonl").exists()
+    with open(kept, "ab") as file:
+        file.write(b'{"id": "impact-0002", "fam')  # and it died while it wrote
+    made = []
+    monkeypatch.setattr(writer, "make", lambda *args: made.append(args[1].scene.id) or make(*args))
+    writer.write(tmp_path / "halves", SMALL)
+    assert made == ["impact-0002"]
+    assert files(tmp_path / "whole") == files(tmp_path / "halves")
+
+
+def test_what_other_code_has_left_behind_is_not_used(tmp_path: Path, monkeypatch):
+    kept = tmp_path / PARTIAL / "few.jsonl"
+    kept.parent.mkdir()
+    (draft, *_) = few()
+    kept.write_text("another fingerprint\n" + make("few", draft).line() + "\n", encoding="utf-8")
+    made = []
+    monkeypatch.setattr(writer, "make", lambda *args: made.append(args[1].scene.id) or make(*args))
+    writer.write(tmp_path, SMALL)
+    assert made == ["impact-0000", "impact-0001", "impact-0002"]
+
+
+def test_a_case_whose_scene_changed_is_solved_again(tmp_path: Path, monkeypatch):
+    kept = tmp_path / PARTIAL / "few.jsonl"
+    kept.parent.mkdir()
+    first, second, _ = few()
+    changed = make("few", first).model_copy(update={"scene": second.scene})
+    kept.write_text(writer.fingerprint() + "\n" + changed.line() + "\n", encoding="utf-8")
+    made = []
+    monkeypatch.setattr(writer, "make", lambda *args: made.append(args[1].scene.id) or make(*args))
+    writer.write(tmp_path, SMALL)
+    assert "impact-0000" in made
+
+
+# --- checking -------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def small(tmp_path: Path) -> Path:
+    writer.write(tmp_path, SMALL)
+    assert check(tmp_path).failures == ()
+    return tmp_path
+
+
+def spoil(path: Path, old: str, new: str) -> None:
+    text = path.read_text(encoding="utf-8")
+    assert old in text
+    path.write_text(text.replace(old, new, 1), encoding="utf-8")
+
+
+def test_a_changed_value_is_found_by_checksum_by_double_and_by_solving(small: Path):
+    case = load("few", small)[1]
+    value = case.expected.impact.impulse.value
+    digit = "1" if value[12] != "1" else "2"
+    spoil(small / "few.jsonl", value, value[:12] + digit + value[13:])
+    failures = check(small).failures
+    assert any("few.jsonl: its SHA-256 is not the one" in sentence for sentence in failures)
+    assert any(
+        sentence.startswith(
+            f"{case.id}, impact.impulse: {case.quantities['impact.impulse'].double}"
+        )
+        for sentence in failures
+    )
+    assert any(
+        sentence.startswith(f"{case.id}: impact.impulse is {value[:12]}{digit}")
+        for sentence in failures
+    )
+    assert any("Gauss-Legendre" in sentence for sentence in failures)
+
+
+def test_a_changed_last_digit_is_found_by_the_proof_alone(small: Path):
+    case = load("few", small)[0]
+    value = case.expected.impact.impulse.value
+    digit = (int(value[-3]) + 5) % 10
+    spoil(small / "few.jsonl", value, f"{value[:-3]}{digit}{value[-2:]}")
+    failures = check(small, independent=False).failures
+    assert any(
+        sentence.startswith(f"{case.id}: impact.impulse is {value[:-3]}{digit}")
+        for sentence in failures
+    )
+
+
+@pytest.mark.parametrize(
+    ("file", "old", "new", "sentence"),
+    [
+        (CHECKSUMS, "few.jsonl", "fow.jsonl", "fow.jsonl: listed in SHA256SUMS, but not there"),
+        (CHECKSUMS, "few.jsonl", "fow.jsonl", "few.jsonl: not listed in SHA256SUMS"),
+        ("few.jsonl", '"flags":[]', '"flags":["odd"]', "the flag odd is not explained"),
+        ("few.jsonl", '"level":"lower"', '"level":"mild"', "few.jsonl, line 1: level: "),
+        ("few.jsonl", '"family":"few"', '"family":"many"', "says that its family is many"),
+        ("few.jsonl", '"id":"impact-0000"', '"id":"impact-0001"', "the id is given twice"),
+        ("few.jsonl", '"hex":"0x1', '"hex":"-0x1', "is not"),
+        ("header.json", '"cases": 3', '"cases": 4', "few.jsonl: has 3 cases, 4 in header.json"),
+        ("header.json", '"title"', '"titel"', "header.json: title: Field required"),
+        ("case.schema.json", "difficulty", "ease", "not the schema that this version"),
+    ],
+)
+def test_what_is_wrong_is_said_in_a_sentence(small: Path, file, old, new, sentence):
+    spoil(small / file, old, new)
+    assert any(sentence in failure for failure in check(small, sample=0).failures)
+
+
+def test_a_missing_set_is_said_so(tmp_path: Path):
+    assert any("SHA256SUMS: there is no such file" in s for s in check(tmp_path).failures)
+
+
+def test_the_data_in_a_folder_can_be_read_as_json_by_anybody(small: Path):
+    line = json.loads((small / "few.jsonl").read_text(encoding="utf-8").splitlines()[0])
+    assert parse_scene(json.dumps(line["scene"])).id == line["id"]
+    assert line["quantities"]["impact.impulse"]["double"] == float(
+        line["expected"]["impact"]["impulse"]["value"]
+    )
+
+
+# --- the means ------------------------------------------------------------------------------------
+
+
+def test_inputs_have_paths_and_can_be_set():
+    scene = parse_scene(FLIGHT)
+    found = inputs(scene)
+    assert found["launch.velocity[2]"] == 20.0
+    assert found["launch.position[0]"] == 0.0
+    assert "time_limit" not in found
+    assert with_input(scene, "launch.velocity[2]", 21.0).launch.velocity == (30.0, 2.0, 21.0)
+    assert with_input(scene, "gravity", 9.0).gravity == 9.0
+    assert with_input(scene, "launch.position[2]", -1.0) is None  # underground
+
+
+def test_forces_that_a_scene_does_not_name_are_no_inputs():
+    scene = parse_scene(FLIGHT.replace('"launch"', '"air":null,"gravity":0,"launch"'))
+    assert {"gravity", "air.density"}.isdisjoint(inputs(scene))
+
+
+def test_an_outcome_that_an_ulp_decides_is_fragile():
+    from longball.engines.enclosure import Enclosure
+
+    text = (
+        '{"id":"x","kind":"impact","swing":{"angular_speed":0},"incoming":'
+        '{"position":[0.0696,%r,1],"velocity":[-40,0,0],"bat_height":1}}'
+    )
+    for y, fragile in ((0.4999999999999999, True), (0.4, False)):
+        scene = parse_scene(text % y)
+        found = sensitivity(scene, prove(scene), Enclosure(30))
+        assert found.fragile == fragile
+
+
+def test_ashortened_number_still_contains_the_truth():
+    long = Bounded(value="1.23456789012345678901234567890123456789", radius="1E-37")
+    short = shortened(long)
+    assert short.value == "1.234567890123456789012345678901"
+    # 0.23456789e-30 is cut off; with the radius it had, rounded up.
+    assert short.radius == "2.35E-31"
+    assert shortened(Bounded(value="-1E-50", radius="3E-50")).model_dump() == {
+        "value": "0",
+        "radius": "4E-50",
+    }
+
+
+def test_solve_for_gives_the_double_nearest_to_the_root():
+    from decimal import Decimal
+
+    found = solve_for(lambda x: Decimal(x) * Decimal(x), "2", 1.0, 2.0)
+    assert found == 2**0.5
+    with pytest.raises(ValueError, match="no double found"):
+        solve_for(lambda x: Decimal(x) * Decimal(x), "-2", 1.0, 2.0)
