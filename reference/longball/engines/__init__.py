@@ -11,6 +11,7 @@ from longball.engines.engine import Engine
 # Imported only when asked for: an engine brings its own heavy libraries.
 ENGINES: dict[str, tuple[str, str]] = {
     "ivp": ("longball.engines.ivp", "Ivp"),
+    "verlet": ("longball.engines.verlet", "Verlet"),
 }
 
 

@@ -13,7 +13,16 @@ from typing import Generic
 
 from pydantic import ValidationError
 
-from longball.engines.engine import Arrival, BatSection, CannotSolve, Engine, Stops, Touch
+from longball.engines.engine import (
+    Arrival,
+    BatSection,
+    CannotSolve,
+    Engine,
+    Launch,
+    Stepped,
+    Stops,
+    Touch,
+)
 from longball.model import result as written
 from longball.model.bat import bat_velocity, couple, lever
 from longball.model.impact import energy_change, impulse, velocity_after
@@ -25,6 +34,7 @@ from longball.model.scene import AtBatScene, FlightScene, ImpactScene, PitchScen
 
 def solve(scene: Scene, engine: Engine[N]) -> Result:
     """Return the result of a scene; what cannot be solved is a result with an error."""
+    engine = as_read(engine, scene)
     try:
         match scene:
             case FlightScene():
@@ -46,6 +56,7 @@ def solve_with_restitutions(
 
     The pitch and its touching of the bat, which do not depend on it, are solved once.
     """
+    engine = as_read(engine, scene)
     try:
         meeting = meet(scene, engine)
     except (ArithmeticError, ValueError) as error:
@@ -67,6 +78,11 @@ def _reason(error: ArithmeticError | ValueError) -> str:
     return f"the numbers leave the range of the engine: {what}"
 
 
+def as_read(engine: Engine[N], scene: Scene) -> Engine[N]:
+    """Return the engine under the scene's reading, if it is one that readings change."""
+    return engine.under(scene.reading) if isinstance(engine, Stepped) else engine
+
+
 # --- a ball that is already in the air ------------------------------------------------------------
 
 
@@ -75,7 +91,8 @@ def solve_flight(scene: FlightScene, engine: Engine[N]) -> Result:
     numbers = engine.numbers
     position = _vector(scene.launch.position, numbers)
     velocity = _vector(scene.launch.velocity, numbers)
-    landing = _land(scene, position, velocity, numbers.exact(0.0), engine)
+    nothing = numbers.exact(0.0)
+    landing = _land(scene, Launch(position, velocity, nothing, nothing), engine)
     return Result(
         id=scene.id,
         engine=engine.description,
@@ -85,29 +102,32 @@ def solve_flight(scene: FlightScene, engine: Engine[N]) -> Result:
 
 
 def _land(
-    scene: FlightScene | AtBatScene,
-    position: Vector[N],
-    velocity: Vector[N],
-    time: N,
-    engine: Engine[N],
+    scene: FlightScene | AtBatScene, launch: Launch[N], engine: Engine[N]
 ) -> written.Landing | None:
-    """Fly from a launch `time` seconds into the scene to the ground; None if still airborne."""
+    """Fly from a launch to the ground; None if still airborne."""
     numbers = engine.numbers
-    plane, start = into_plane(position, velocity, numbers)
-    stops = Stops(
-        time_limit=numbers.exact(scene.time_limit),
-        floor=numbers.exact(scene.floor(scene.ground)),
-    )
-    arrival = _fly(start, _forces(scene, numbers), stops, engine)
+    plane, start = into_plane(launch.position, launch.velocity, numbers)
+    nothing = numbers.exact(0.0)
+    if launch.landed:
+        arrival = Arrival("floor", nothing, start, None)
+    else:
+        arrival = _fly(start, _forces(scene, numbers), _ground(scene, numbers), engine)
     if arrival.stop == "time":
         return None
     x, y, z = plane.position(arrival.state)
     return written.Landing(
-        time=numbers.report(time + arrival.time),
-        hang_time=numbers.report(arrival.time),
+        time=numbers.report(launch.time + arrival.time),
+        hang_time=numbers.report(launch.delay + arrival.time),
         position=_triple((x, y, z), numbers),
         velocity=_triple(plane.velocity(arrival.state), numbers),
         distance=numbers.report(numbers.sqrt(x * x + y * y)),
+    )
+
+
+def _ground(scene: FlightScene | AtBatScene, numbers: Numbers[N]) -> Stops[N]:
+    return Stops(
+        time_limit=numbers.exact(scene.time_limit),
+        floor=numbers.exact(scene.floor(scene.ground)),
     )
 
 
@@ -240,16 +260,20 @@ def _blow(
     height: N,
     inherited: float,
     numbers: Numbers[N],
+    noticed: Vector[N] | None = None,
+    leaving: bool = False,
 ) -> Blow[N] | None:
     """Return ball and bat at a touching; None beyond the bat's ends, |y| >= L/2.
 
-    `inherited` is the relative error of position and velocity before any rounding here.
+    `inherited` is the relative error of position and velocity before any rounding here. For
+    `noticed` (here a position) and `leaving` see `longball.engines.engine.Touch`.
     """
-    x, y, z = position
     half = numbers.exact(scene.bat.length) / 2
     slack = half * (inherited + 2 * numbers.rounding) if inherited else numbers.exact(0.0)
-    if not numbers.positive(half - abs(y), slack, "whether the ball meets the bat or its end"):
+    aside = abs((noticed or position)[1])
+    if not numbers.positive(half - aside, slack, "whether the ball meets the bat or its end"):
         return None
+    x, y, z = position
     distance = numbers.sqrt(x * x + (z - height) * (z - height))
     normal = (x / distance, numbers.exact(0.0), (z - height) / distance)
     arm = lever(y, scene.bat, numbers)
@@ -266,7 +290,9 @@ def _blow(
     doubt = numbers.exact(0.0)
     for a, b in terms:
         doubt += abs(a * b) * (inherited + 6 * numbers.rounding)
-    closing = numbers.positive(-normal_speed, doubt, "whether ball and bat approach or separate")
+    # The force is the same for n and -n; a ball that would leave the bat approaches its back.
+    approach = normal_speed if leaving else -normal_speed
+    closing = numbers.positive(approach, doubt, "whether ball and bat approach or separate")
     return Blow(position, velocity, normal, arm, bat, normal_speed, closing)
 
 
@@ -317,6 +343,7 @@ class Meeting(Generic[N]):
 
 def meet(scene: AtBatScene, engine: Engine[N]) -> Meeting[N]:
     """Throw the pitch, put the bat where it is swung, and find how the two meet."""
+    engine = as_read(engine, scene)
     delivery = _deliver(scene, engine)
     if delivery.arrival.stop != "wall":
         return Meeting(delivery, None, None)
@@ -339,6 +366,7 @@ def strike(scene: AtBatScene, meeting: Meeting[N], engine: Engine[N]) -> Result:
 
     `scene` may differ in the ball's restitution from the scene that was met.
     """
+    engine = as_read(engine, scene)
     numbers = engine.numbers
     delivery, touch, height = meeting.delivery, meeting.touch, meeting.height
     plate = _plate(delivery, numbers)
@@ -354,7 +382,16 @@ def strike(scene: AtBatScene, meeting: Meeting[N], engine: Engine[N]) -> Result:
     position = delivery.plane.position(touch.state)
     velocity = delivery.plane.velocity(touch.state)
     try:
-        blow = _blow(scene, position, velocity, height, engine.flight_error, numbers)
+        blow = _blow(
+            scene,
+            position,
+            velocity,
+            height,
+            engine.flight_error,
+            numbers,
+            noticed=delivery.plane.position(touch.noticed) if touch.noticed else None,
+            leaving=touch.leaving,
+        )
     except Undecided as doubt:
         return _unsolved(scene, engine, str(doubt), plate, margin)
     if blow is None:
@@ -380,7 +417,13 @@ def strike(scene: AtBatScene, meeting: Meeting[N], engine: Engine[N]) -> Result:
             contact=contact,
         )
     impact, after = _impact(scene, blow, numbers)
-    landing = _land(scene, position, after, touch.time, engine)
+    if isinstance(engine, Stepped):
+        kick = (after[0] - velocity[0], after[1] - velocity[1], after[2] - velocity[2])
+        field, ground = _forces(scene, numbers), _ground(scene, numbers)
+        launch = engine.rebound(delivery.plane, touch, kick, field, ground)
+    else:
+        launch = Launch(position, after, touch.time, numbers.exact(0.0))
+    landing = _land(scene, launch, engine)
     return Result(
         id=scene.id,
         engine=engine.description,

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Generic, Literal, Protocol
+from typing import Generic, Literal, Protocol, Self
 
-from longball.model.motion import Forces, PlaneState
-from longball.model.numbers import N, Numbers
+from longball.model.motion import FlightPlane, Forces, PlaneState
+from longball.model.numbers import N, Numbers, Vector
+from longball.model.readings import Reading
 
 Stop = Literal["wall", "floor", "vertical", "time"]
 
@@ -78,6 +80,13 @@ class Touch(Generic[N]):
         First touching: s since release, and the state there; None if there is none.
     doubt
         What cannot be told, and why, if `touched` is None.
+    noticed
+        The state in which an engine that looks only now and then saw the overlap; the paper asks
+        there whether the ball is between the bat's ends. None: at the touching itself.
+    leaving
+        Whether `state` is where the ball would leave the bat, instead of where it enters.
+    record
+        The engine's own memory of the contact, which `Stepped.rebound` may use.
     """
 
     margin: N
@@ -85,6 +94,28 @@ class Touch(Generic[N]):
     time: N | None = None
     state: PlaneState[N] | None = None
     doubt: str = ""
+    noticed: PlaneState[N] | None = None
+    leaving: bool = False
+    record: object = None
+
+
+@dataclass(frozen=True)
+class Launch(Generic[N]):
+    """A ball set free: where (m), how fast (m/s), and when (s since the start of the scene).
+
+    Attributes
+    ----------
+    delay
+        s, from the contact to the time at which the ball is free.
+    landed
+        Whether the ball has come down before it was free; then this is the landing.
+    """
+
+    position: Vector[N]
+    velocity: Vector[N]
+    time: N
+    delay: N
+    landed: bool = False
 
 
 class Engine(Protocol[N]):
@@ -115,4 +146,39 @@ class Engine(Protocol[N]):
 
         The search begins with the release and ends where the ball has passed the bat
         (``x + cos s = -reach``), or with a stop.
+        """
+
+
+class Stepped(ABC, Generic[N]):
+    """What an engine offers besides if it advances in fixed steps, as the paper does.
+
+    Its steps are subject to readings of their own, and its bat pushes for some of them instead of
+    striking at once.
+    """
+
+    @abstractmethod
+    def under(self, reading: Reading) -> Self:
+        """Return the engine under a reading; the chain gives it each scene's."""
+
+    @abstractmethod
+    def rebound(
+        self,
+        plane: FlightPlane[N],
+        touch: Touch[N],
+        kick: Vector[N],
+        forces: Forces[N],
+        stops: Stops[N],
+    ) -> Launch[N]:
+        """Return the ball as the bat sets it free.
+
+        Parameters
+        ----------
+        plane
+            Of the pitch.
+        touch
+            From `Engine.touch`, with a state.
+        kick
+            m/s, the change of velocity that the whole impulse makes.
+        forces, stops
+            Of the batted flight.
         """

@@ -7,7 +7,7 @@ Nothing in the code decides one of these silently.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Literal, Self
+from typing import Any, Literal, Self, get_args
 
 from pydantic import (
     BaseModel,
@@ -28,6 +28,16 @@ LiftDirection = Literal["fixed_spin_axis", "always_up"]
 GroundContact = Literal["centre", "surface"]
 SampleSpace = Literal["pitches", "batted", "fair"]
 Fig7Parameters = Literal["caption", "text"]
+VerletForces = Literal[
+    "old_carried",
+    "old_recomputed",
+    "half_step",
+    "predicted_carried",
+    "predicted_recomputed",
+    "implicit",
+]
+VerletLanding = Literal["interpolated", "first_below"]
+AppendixBRoot = Literal["first", "larger"]
 
 
 class Reading(BaseModel):
@@ -47,6 +57,9 @@ class Reading(BaseModel):
     ground_contact: GroundContact = "centre"
     sample_space: SampleSpace = "pitches"
     fig7_parameters: Fig7Parameters = "caption"
+    verlet_forces: VerletForces = "old_carried"
+    verlet_landing: VerletLanding = "interpolated"
+    appendix_b_root: AppendixBRoot = "first"
 
     @model_validator(mode="after")
     def _no_contradiction(self) -> Self:
@@ -170,6 +183,30 @@ LEDGER: tuple[Entry, ...] = (
         "Fig. 7",
         "The caption says C₁ = 242 m, σ = 52.2 m; the text 271 m, 59.8 m. "
         "The text's own P(0.42) ≈ 0.17 agrees with the caption.",
+    ),
+    Entry(
+        "verlet_forces",
+        get_args(VerletForces),
+        "Sec. III.B",
+        "Velocity Verlet needs the force at the end of a step before the velocity there is known, "
+        "and drag and lift depend on it. Taken at the old velocity (and carried into the next "
+        "step, or computed anew there), at the half-step velocity, at one predicted by Euler "
+        "(carried, or anew), or solved for. Only the engine verlet asks.",
+    ),
+    Entry(
+        "verlet_landing",
+        ("interpolated", "first_below"),
+        "Sec. III.C",
+        "Where the ball lands between two steps is not stated: on the line between them, "
+        "or at the first step that is not above the ground. Only the engine verlet asks.",
+    ),
+    Entry(
+        "appendix_b_root",
+        ("first", "larger"),
+        "Appendix B",
+        "The positive root of the quadratic for Δt' is to be taken, but before the contact both "
+        "are positive: the smaller is where the ball enters the bat, the larger where it would "
+        "leave it. Only the engine verlet asks.",
     ),
     Entry(
         "masses",

@@ -1,0 +1,437 @@
+"""The paper's scheme: what it is exactly, how fast it converges, and what it does to a contact."""
+
+import math
+from typing import get_args
+
+import mpmath
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from longball.engines import contact, create
+from longball.engines.at_bat import meet, solve
+from longball.engines.engine import BatSection, Stops
+from longball.engines.ivp import Ivp
+from longball.engines.verlet import (
+    TREATMENTS,
+    Verlet,
+    air_compiled,
+    air_in_space,
+    line_touch,
+    step,
+    step_compiled,
+)
+from longball.model.motion import Forces, PlaneState, acceleration
+from longball.model.numbers import DOUBLES
+from longball.model.readings import Reading, VerletForces
+from longball.model.scene import Air, AtBatScene, FlightScene, Ground, Launch, Pitch, Swing
+
+ORDERS = {
+    "old_carried": 1,
+    "old_recomputed": 1,
+    "half_step": 1,
+    "predicted_carried": 2,
+    "predicted_recomputed": 2,
+    "implicit": 2,
+}
+AIR = Forces(drag=0.0075, lift=0.0037, gravity=9.8, always_up=False)
+VACUUM = Forces(drag=None, lift=None, gravity=9.8, always_up=False)
+START = PlaneState(0.0, 1.0, 32.0, 22.0)
+PLAIN = AtBatScene(id="plain")
+every_treatment = pytest.mark.parametrize("treatment", TREATMENTS)
+
+
+def verlet(dt, treatment="implicit", **switches):
+    return Verlet(dt, Reading(verlet_forces=treatment, **switches))
+
+
+def after_steps(engine, count, start=START, forces=AIR):
+    """State after so many whole steps."""
+    arrival = engine.fly(start, forces, Stops(time_limit=(count - 0.5) * engine.dt))
+    assert arrival.stop == "time"
+    assert arrival.time == count * engine.dt
+    return arrival.state
+
+
+def fall(engine):
+    """Arrival of the flight at the ground."""
+    return engine.fly(START, AIR, Stops(time_limit=60.0, floor=0.0))
+
+
+def flight(**keys):
+    launch = Launch(position=(0.0, 0.0, 1.0), velocity=(32.0, 0.0, 22.0))
+    return FlightScene(id="flight", launch=launch, **keys)
+
+
+def under(scene, **switches):
+    return scene.model_copy(update={"reading": Reading(**switches)})
+
+
+@pytest.fixture(scope="module")
+def truth():
+    """mpmath's Taylor series, 25 digits: the state at 2 s, and the landing at z = 0."""
+    with mpmath.workdps(25):
+        drag, lift, gravity = (mpmath.mpf(k) for k in (AIR.drag, AIR.lift, AIR.gravity))
+
+        def motion(_, y):
+            _, _, u, w = y
+            speed = mpmath.hypot(u, w)
+            return [
+                u,
+                w,
+                -speed * (drag * u + lift * w),
+                -speed * (drag * w - lift * u) - gravity,
+            ]
+
+        solution = mpmath.odefun(motion, 0, [mpmath.mpf(value) for value in START])
+        end = [float(value) for value in solution(2)]
+        time = mpmath.findroot(lambda t: solution(t)[1], (4, 5), tol=1e-22)
+        return end, float(time), float(solution(time)[0])
+
+
+# ---- what a step is ------------------------------------------------------------------------------
+
+
+def test_the_ledger_names_every_treatment():
+    assert tuple(TREATMENTS) == get_args(VerletForces)
+    assert Reading().verlet_forces == next(iter(TREATMENTS))
+
+
+strengths = st.sampled_from([None, 0.004, 0.02, 0.3])
+speeds = st.floats(-60, 60)
+
+
+@settings(deadline=None)  # the first call compiles
+@given(strengths, strengths, st.sampled_from([None, 9.8]), speeds, speeds)
+def test_compiled_air_is_the_models_bit_for_bit(drag, lift, gravity, u, w):
+    expected = acceleration(Forces(drag, lift, gravity, False), DOUBLES)(u, w)
+    assert air_compiled(u, w, drag or 0.0, lift or 0.0, gravity or 0.0) == expected
+
+
+@every_treatment
+def test_the_compiled_step_is_the_plain_one_bit_for_bit(treatment):
+    way, dt = TREATMENTS[treatment], 0.037
+    accelerate = acceleration(AIR, DOUBLES)
+
+    def air(velocity):
+        return np.array(accelerate(*velocity.tolist()))
+
+    position, velocity = np.array(START[:2]), np.array(START[2:])
+    force = air(velocity)
+    scalars = (*START, *force.tolist())
+    for _ in range(50):
+        position, velocity, force = step(
+            position, velocity, force, dt, way, air, np.zeros_like(position)
+        )
+        scalars = step_compiled(*scalars, AIR.drag, AIR.lift, AIR.gravity, dt, *way)
+        assert (*position, *velocity, *force) == scalars
+
+
+@every_treatment
+def test_without_air_every_treatment_is_the_textbook_scheme_bit_for_bit(treatment):
+    dt, count = 0.05, 80
+    s, z, u, w = START
+    for _ in range(count):
+        w_half = w - dt / 2 * VACUUM.gravity
+        s, z = s + dt * u, z + dt * w_half
+        w = w_half - dt / 2 * VACUUM.gravity
+    assert after_steps(verlet(dt, treatment), count, forces=VACUUM) == (s, z, u, w)
+
+
+@settings(deadline=None)  # the first call compiles
+@given(st.integers(1, 400), st.integers(-64, 64), st.integers(-64, 64))
+def test_the_parabola_is_exact(count, u, w):
+    """On whole multiples of powers of two nothing is rounded, and no error is left."""
+    dt, g = 2.0**-6, 9.75
+    t = count * dt
+    state = after_steps(verlet(dt), count, PlaneState(0.0, 1.0, u, w), Forces(None, None, g, False))
+    assert state == (u * t, 1.0 + w * t - g * t * t / 2, u, w - g * t)
+
+
+@settings(deadline=None)  # the first call compiles
+@given(st.integers(1, 400), st.integers(-64, 64), st.integers(-64, 64))
+def test_the_textbook_scheme_runs_backwards(count, u, w):
+    engine, forces = verlet(2.0**-6), Forces(None, None, 9.75, False)
+    there = after_steps(engine, count, PlaneState(0.0, 1.0, u, w), forces)
+    back = after_steps(engine, count, there._replace(u=-there.u, w=-there.w), forces)
+    assert back == (0.0, 1.0, -u, -w)
+
+
+def test_time_is_counted_and_not_summed():
+    """Twenty-five times 0.1 summed is 2.500000000000001; counted, it is 2.5."""
+    scene = under(flight(air=None), verlet_landing="first_below")
+    landing = solve(scene, Verlet(0.1)).landing
+    count = round(landing.time / 0.1)
+    assert landing.time == count * 0.1
+    assert sum([0.1] * count) != count * 0.1
+    assert landing.position[2] < 0
+
+
+# ---- convergence ---------------------------------------------------------------------------------
+
+
+@every_treatment
+@pytest.mark.parametrize("quantity", [0, 1, 2, 3])
+def test_observed_order_within_a_tenth_of_theory(treatment, quantity, truth):
+    counts = [150, 220, 330, 500, 740]  # steps of 13 to 3 ms, not halving
+    end, *_ = truth
+    errors = [
+        abs(after_steps(verlet(2 / n, treatment), n)[quantity] - end[quantity]) for n in counts
+    ]
+    order = -np.polyfit(np.log(counts), np.log(errors), 1)[0]
+    assert order == pytest.approx(ORDERS[treatment], abs=0.1)
+
+
+@every_treatment
+@pytest.mark.parametrize("dt", [1e-3, 1e-4, 1e-5])
+def test_the_landing_converges_to_the_truth_and_not_merely_to_itself(treatment, dt, truth):
+    _, time, distance = truth
+    arrival = fall(verlet(dt, treatment))
+    # Measured: 36 m/s times Δt for old_carried, 5.1 m/s² times Δt² for implicit.
+    scale = 40 * dt if ORDERS[treatment] == 1 else 6 * dt * dt
+    assert arrival.state.s == pytest.approx(distance, abs=scale)
+    assert arrival.time == pytest.approx(time, abs=scale / arrival.state.u)
+
+
+def test_rounding_wins_over_tiny_steps(truth):
+    """At 1e-7 s the scheme is off by 5e-14 m; forty million roundings are off by more."""
+    _, _, distance = truth
+    assert 1e-12 < abs(fall(verlet(1e-7)).state.s - distance) < 1e-9
+
+
+def test_a_steep_ball_under_lift_that_is_always_up():
+    scene = FlightScene(
+        id="pop-up",
+        launch=Launch(position=(0.0, 0.0, 1.0), velocity=(1.0, 0.0, 30.0)),
+        reading=Reading(lift_direction="always_up", verlet_forces="implicit"),
+    )
+    found, reference = solve(scene, Verlet(1e-4)).landing, solve(scene, Ivp()).landing
+    assert found.distance == pytest.approx(reference.distance, abs=1e-5)
+    assert found.time == pytest.approx(reference.time, abs=1e-6)
+
+
+# ---- the ends of a flight ------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("stop", ["floor", "wall"])
+def test_a_stop_lies_on_the_line_between_two_steps(stop):
+    engine = verlet(0.05)
+    stops = Stops(time_limit=60.0, **{stop: {"floor": 0.0, "wall": 50.0}[stop]})
+    arrival = engine.fly(START, AIR, stops)
+    count = math.ceil(arrival.time / engine.dt)
+    before, after = after_steps(engine, count - 1), after_steps(engine, count)
+    share = arrival.time / engine.dt - (count - 1)
+    assert arrival.stop == stop
+    assert arrival.state == pytest.approx(
+        [a + share * (b - a) for a, b in zip(before, after, strict=True)], abs=1e-12
+    )
+    assert (arrival.state.z == 0.0) if stop == "floor" else (arrival.state.s == 50.0)
+
+
+def test_the_first_point_below_is_a_step():
+    engine = verlet(0.05, verlet_landing="first_below")
+    arrival = fall(engine)
+    count = round(arrival.time / engine.dt)
+    assert arrival.time == count * engine.dt
+    assert arrival.state == after_steps(engine, count)
+    assert arrival.state.z <= 0.0 < after_steps(engine, count - 1).z
+
+
+def test_of_two_stops_in_one_step_the_first_one_counts():
+    """At 45° downwards from 1 m, wall and floor are 1 m away; the nearer one ends the flight."""
+    down, free = PlaneState(0.0, 1.0, 10.0, -10.0), Forces(None, None, None, False)
+    for wall, expected in ((0.9, "wall"), (1.1, "floor")):
+        stops = Stops(time_limit=1.0, floor=0.0, wall=wall)
+        assert verlet(0.5).fly(down, free, stops).stop == expected
+
+
+# ---- the contact ---------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def window():
+    """Return when the plain pitch enters the bat, and when it would leave it, s."""
+    meeting = meet(PLAIN, Ivp())
+    plane, touch = meeting.delivery.plane, meeting.touch
+    bat = BatSection(plane.x, plane.cos, meeting.height, PLAIN.ball.radius + PLAIN.bat.radius)
+    # Straight within 4 ms to some 40 µm; from a step outside, for the root asks for one.
+    outside = touch.state._replace(s=touch.state.s - 1e-6)
+    return touch.time, touch.time + line_touch(outside, bat, "larger")
+
+
+def aligned(window, share, count):
+    """Return the step that puts step number `count` at a share of the window."""
+    enters, leaves = window
+    return (enters + share * (leaves - enters)) / count
+
+
+@pytest.mark.parametrize("share", [0.02, 0.5, 0.98])
+@pytest.mark.parametrize("count", [20, 37, 400])
+def test_a_step_in_the_window_finds_the_bat(window, share, count):
+    dt = aligned(window, share, count)
+    result = solve(under(PLAIN, verlet_forces="implicit"), Verlet(dt))
+    # Within a step the pitch leaves its tangent by less than g Δt²/2, at 32 m/s and nearly level;
+    # the chord under the plate and the scheme add as much.
+    assert result.contact.time == pytest.approx(window[0], abs=2 * 9.8 * dt * dt / 32)
+    assert result.outcome == "batted"
+
+
+@pytest.mark.parametrize("share", [-0.05, 1.05])
+@pytest.mark.parametrize("count", [10, 37])
+def test_a_contact_between_two_steps_goes_unseen(window, share, count):
+    result = solve(under(PLAIN, verlet_forces="implicit"), Verlet(aligned(window, share, count)))
+    assert result.outcome == "missed"
+    assert result.contact.margin < 0
+    assert solve(PLAIN, Ivp()).outcome == "batted"
+
+
+@given(st.floats(0.05, 2.0), st.floats(-0.9, 0.9), st.floats(5, 60))
+def test_both_roots_touch_the_bat(distance, aside, speed):
+    """A line that passes the axis at `aside` times the reach enters first and leaves later."""
+    reach = 0.0696
+    bat = BatSection(x=distance + reach, cos=-1.0, height=1.0, reach=reach)
+    angle = math.asin(aside * reach / bat.x)
+    start = PlaneState(0.0, 1.0, speed * math.cos(angle), speed * math.sin(angle))
+    first, larger = (line_touch(start, bat, root) for root in ("first", "larger"))
+    assert 0 < first < larger
+    for time, sign in ((first, -1), (larger, +1)):
+        there = start._replace(s=start.u * time, z=1.0 + start.w * time)
+        assert contact.distance(there, bat) == pytest.approx(reach, rel=1e-13)
+        assert contact.radial_velocity(there, bat) * sign > 0
+
+
+def test_no_root_for_a_line_that_passes_by_or_leads_away():
+    bat = BatSection(x=1.0, cos=-1.0, height=1.0, reach=0.07)
+    assert line_touch(PlaneState(0.0, 1.0, 30.0, 3.0), bat, "first") is None
+    assert line_touch(PlaneState(0.0, 1.0, -30.0, 0.0), bat, "first") is None
+
+
+def test_a_line_that_passes_the_bat_by_is_an_error_and_no_guess(window):
+    """In a step of 0.05 s the pitch drops centimetres below its tangent, into a bat held low."""
+    low = under(PLAIN, verlet_forces="implicit")
+    low = low.model_copy(update={"swing": Swing(height_offset=-0.064)})
+    result = solve(low, Verlet(aligned(window, 0.5, 11)))
+    assert "Appendix B has no Δt'" in result.error
+    assert result.contact.margin > 0
+
+
+def test_the_larger_root_strikes_the_back_of_the_bat(window):
+    """F̄ is the same for n and -n, so that the ball comes back all the same."""
+    dt = aligned(window, 0.5, 20)
+    first = solve(PLAIN, Verlet(dt))
+    larger = solve(under(PLAIN, appendix_b_root="larger"), Verlet(dt))
+    assert first.outcome == larger.outcome == "batted"
+    assert larger.contact.time > first.contact.time
+    assert first.contact.normal[0] > 0.9
+    assert larger.contact.normal[0] < -0.9
+    assert larger.impact.impulse < 0 < first.impact.impulse
+    assert larger.impact.velocity[0] > 30
+
+
+def test_between_the_ends_is_asked_at_the_step_in_the_bat():
+    """A pitch that slides over the bat's end: between the ends at touching, beyond at the step."""
+    slanted = PLAIN.model_copy(
+        update={"pitch": Pitch(release=(4.0, -3.5, 1.8), aim=(0.53, 1.8), speed=30.0)}
+    )
+    reference = solve(slanted, Ivp())
+    assert reference.outcome == "batted"
+    assert 0.45 < reference.contact.position[1] < 0.5
+    found = solve(slanted, Verlet((reference.contact.time + 0.003) / 30))
+    assert found.outcome == "beyond_bat"
+
+
+def test_half_the_force_over_two_steps_from_the_step_gone_back_to():
+    """In free space r(t + 2Δt) = r + 2 v Δt + (J/m) Δt and v(t + 2Δt) = v + J/m."""
+    scene = PLAIN.model_copy(update={"air": None, "gravity": 0.0, "time_limit": 1.0})
+    speed, touching = scene.pitch.speed, (18.44 - 0.0696) / scene.pitch.speed
+    engine = Verlet((touching + 0.001) / 7)
+    meeting = meet(scene, engine)
+    dt, nothing = engine.dt, Forces(None, None, None, False)
+    before, velocity = np.array([18.44 - 6 * dt * speed, 0.0, 1.8]), np.array([-speed, 0.0, 0.0])
+    kick = np.array([70.0, 0.0, 5.0])
+    launch = engine.rebound(
+        meeting.delivery.plane, meeting.touch, tuple(kick), nothing, Stops(time_limit=1.0)
+    )
+    assert meeting.touch.time == pytest.approx(touching, rel=1e-14)
+    assert launch.position == pytest.approx(before + 2 * velocity * dt + kick * dt, rel=1e-13)
+    assert launch.velocity == pytest.approx(velocity + kick, rel=1e-14)
+    assert launch.time == 8 * dt
+    assert launch.delay == pytest.approx(8 * dt - touching, rel=1e-12)
+    assert not launch.landed
+
+
+def test_a_ball_that_is_down_before_the_bat_lets_go_has_landed(window):
+    ground = Ground(height=1.05)
+    low = PLAIN.model_copy(update={"ground": ground, "swing": Swing(height_offset=0.06)})
+    dt = aligned(window, 0.5, 20)
+    between = solve(low, Verlet(dt))
+    below = solve(under(low, verlet_landing="first_below"), Verlet(dt))
+    assert between.outcome == below.outcome == "batted"
+    assert between.landing.position[2] == 1.05
+    assert below.landing.position[2] < 1.05
+    assert below.landing.time in (20 * dt, 21 * dt)
+    assert below.landing.time - dt < between.landing.time < below.landing.time
+    for landed in (between, below):
+        assert landed.contact.time + landed.landing.hang_time == pytest.approx(landed.landing.time)
+
+
+@settings(deadline=None)
+@given(speeds, speeds, speeds)
+def test_air_in_space_brakes_and_lifts_as_much_as_in_the_plane(vx, vy, vz):
+    velocity = np.array([vx, vy, vz])
+    speed, across = math.hypot(vx, vy, vz), math.hypot(vx, vy)
+    force = air_in_space(AIR)(velocity) + np.array([0.0, 0.0, AIR.gravity])
+    lift = force + AIR.drag * speed * velocity
+    rounding = 1e-14 * (AIR.gravity + speed * speed)
+    assert lift @ velocity == pytest.approx(0.0, abs=rounding * speed)
+    assert np.linalg.norm(lift) == pytest.approx(AIR.lift * speed**2, abs=rounding)
+    assert lift[2] == pytest.approx(AIR.lift * speed * across, abs=rounding)
+
+
+@every_treatment
+def test_the_whole_at_bat_converges_at_first_order(treatment, window):
+    """At no more, whatever the treatment: the half-force over two steps is of first order."""
+    scene = under(PLAIN, verlet_forces=treatment)
+    reference = solve(scene, Ivp()).landing.distance
+    coarse, fine = (
+        # Half a step before the contact, so that the phase of the step is the same.
+        solve(scene, Verlet(aligned(window, 0.0, count - 0.5))).landing.distance - reference
+        for count in (10_000, 80_000)
+    )
+    assert abs(fine) < 1e-3
+    assert math.log(coarse / fine) / math.log(8) == pytest.approx(1, abs=0.1)
+
+
+# ---- what is refused -----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("dt", [0.0, -0.05, math.nan, math.inf])
+def test_a_step_that_is_none_is_refused(dt):
+    with pytest.raises(ValueError, match=r"dt = .* is not a positive number"):
+        create("verlet", dt=dt)
+
+
+@pytest.mark.parametrize("treatment", ["old_carried", "implicit"])
+def test_a_step_too_long_for_the_forces_says_so(treatment):
+    level = FlightScene(
+        id="level",
+        launch=Launch(position=(0.0, 0.0, 1.0), velocity=(30.0, 0.0, 0.0)),
+        air=Air(drag_coefficient=1e6, lift_coefficient=0.0),
+        gravity=0.0,
+        reading=Reading(verlet_forces=treatment),
+    )
+    assert "too long for these forces" in solve(level, Verlet(0.5)).error
+
+
+def test_a_ball_that_stays_up_is_airborne_and_one_on_the_ground_is_down():
+    assert solve(flight(gravity=0.0, air=None), Verlet(0.05)).outcome == "airborne"
+    resting = Launch(position=(0.0, 0.0, 0.0), velocity=(1.0, 0.0, 0.0))
+    assert solve(FlightScene(id="resting", launch=resting), Verlet(0.05)).landing.time == 0.0
+
+
+def test_the_scenes_reading_rules_and_is_named():
+    scene = under(flight(), verlet_forces="half_step", verlet_landing="first_below")
+    assert solve(scene, verlet(0.01, "implicit")).engine == (
+        "verlet dt=0.01 forces=half_step landing=first_below root=first"
+    )
