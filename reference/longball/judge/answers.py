@@ -247,8 +247,8 @@ def _decimal(text: str) -> Decimal:
 
 
 def _ordinary(x: Decimal) -> bool:
-    """Tell whether a number is within the range of doubles, so that its digits can be had."""
-    return x.is_finite() and (x.is_zero() or -400 <= x.adjusted() <= 308)
+    """Tell whether a number is finite, and no larger than errors that a double can hold."""
+    return x.is_finite() and (x.is_zero() or -400 <= x.adjusted() <= 300)
 
 
 # --- results in a file ----------------------------------------------------------------------------

@@ -72,7 +72,7 @@ BLOCKS = tuple(dict.fromkeys(name.partition(".")[0] for name in QUANTITIES))
 
 def values_of(result: Result) -> dict[str, Value]:
     """Return every quantity that a result holds."""
-    return _quantities(result, lambda x: Decimal(x if isinstance(x, float) else x.value))
+    return _quantities(result, lambda x: Decimal(repr(x) if isinstance(x, float) else x.value))
 
 
 def radii_of(result: Result) -> dict[str, Value]:
