@@ -132,7 +132,7 @@ def test_an_input_that_is_closed_early_is_no_loss_of_answers():
     program = "os.close(0)\nfor i in range(3): say(f's{i}'); time.sleep(.1)"
     heard = python(program, count=5000)
     assert answered(heard) == ["s0", "s1", "s2"]
-    assert "having closed its input early; it answered 3 of 5000 scenes" in said(heard)
+    assert "ended with status 0 before it had read all scenes; it answered 3 of 5000" in said(heard)
 
 
 def test_rubbish_is_told_by_line_and_the_rest_judged():

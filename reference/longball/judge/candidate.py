@@ -195,7 +195,7 @@ class _Conversation:
         elif self.status < 0:
             self._complain(f"it was ended by signal {_signal_name(-self.status)}")
         elif self._missing():
-            early = ", having closed its input early" if self.deaf else ""
+            early = " before it had read all scenes" if self.deaf else ""
             self._complain(f"it ended with status {self.status}{early}")
 
     def clear(self) -> None:

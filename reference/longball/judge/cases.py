@@ -197,8 +197,8 @@ class Paper(Profile):
     def __str__(self) -> str:
         return (
             f"paper: the answers of the printed scheme at Δt = {self.dt:g} s under each scene's "
-            f"reading, as longball's own Verlet engine gives them (not the truth), within a part "
-            f"in {1 / SAME_SCHEME:.0e}"
+            f"reading, as longball's own Verlet engine gives them (not the truth), within "
+            f"{SAME_SCHEME:g} of each value"
         )
 
     def engine(self) -> Engine[float]:

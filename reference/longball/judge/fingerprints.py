@@ -46,7 +46,7 @@ Flags = NDArray[np.bool_]
 NAMED = 0.95
 
 # One more mistake must take away this share of what is left; less may be chance among so many.
-WORTHWHILE = 0.8
+WORTHWHILE = 0.5
 
 # Mean errors, relative to the size of the quantity. Below the first, what is left after naming a
 # mistake is rounding; below the second, an error that no mistake explains is called noise: a
@@ -62,6 +62,7 @@ LARGEST_SET = 3
 PROMISING = 12  # sets that are solved, of all that were screened
 REFINEMENTS = 8  # of a time step
 LISTED = 5  # suspects in the report
+MENTIONED = 0.01  # share of the error that an innocent suspect must explain to be listed
 
 # Time steps tried where the candidate's is not known, s; refined from there.
 STEPS = (0.05, 0.02, 0.01, 0.005, 0.002, 0.001, 0.0005, 0.0002, 0.0001)
@@ -166,6 +167,10 @@ class Fingerprints:
         self.truth = _of_results(case.expected for case in self.cases)
         self.tolerance = _tolerances(self.cases)
         self.sizes = _sizes(self.truth)
+        # What happens before or without a bat.
+        plate = np.array([name.startswith("plate.") for name, _ in COLUMNS])
+        batless = np.array([scene.kind in ("flight", "pitch") for scene in self.scenes])
+        self.smooth: Flags = plate[None, :] | batless[:, None]
         self.scheme = engine if isinstance(engine, Verlet) else None
         if self.scheme:
             self.steps: tuple[float, ...] = (self.scheme.dt,)
@@ -173,6 +178,8 @@ class Fingerprints:
             self.steps = STEPS if dt is None else (dt,)
         self.step_known = self.scheme is not None or dt is not None
         self._solved: dict[Guess, Answers | None] = {}
+        self._ids = {id(scene) for scene in self.scenes}
+        self._unchanged: dict[int, Result] = {}
         self._laws: dict[Drag, tuple[Answers, Answers]] = {}
 
     # --- predictions ------------------------------------------------------------------------------
@@ -199,6 +206,8 @@ class Fingerprints:
         atoms = sorted(guess.atoms)
         variants = [atom.made for atom in atoms]
         switches = _merged([v.scheme for v in variants if v.scheme is not None])
+        if self.scheme and switches.get("verlet_forces") == MILD:
+            del switches["verlet_forces"]  # the scene's own reading holds
         laws = [v.drag for v in variants if v.drag is not None]
         if len(laws) > 1:
             raise _Contradiction("two laws of drag")
@@ -216,10 +225,22 @@ class Fingerprints:
         def base(scene: Scene) -> Result:
             return solve_with_drag(scene, law) if law else solve(_under(scene, switches), engine)
 
-        solver: Solver = base
+        solver: Solver = base if law or switches else self._remembering(base)
         for variant in variants:
             solver = _wrapped(variant, solver, guess.dt)
         return _of_results(map(solver, self.scenes))
+
+    def _remembering(self, solve: Solver) -> Solver:
+        """Return a solver that solves the scenes themselves, unchanged, only once."""
+
+        def remembering(scene: Scene) -> Result:
+            if id(scene) not in self._ids:
+                return solve(scene)
+            if id(scene) not in self._unchanged:
+                self._unchanged[id(scene)] = solve(scene)
+            return self._unchanged[id(scene)]
+
+        return remembering
 
     def _engine(self, dt: float, switches: Mapping[str, str]) -> Engine[float]:
         if self.scheme:
@@ -348,14 +369,15 @@ class _Search:
 
     def _best_singles(self) -> dict[str, _Tried]:
         """Return the best form of each mistake alone, best first."""
-        best: dict[str, _Tried] = {}
+        forms: dict[Atom, _Tried] = {}
         for guess in self.alone:
-            tried = self.attempt(guess)
-            (name,) = guess.names
-            if tried and (name not in best or tried.left < best[name].left):
-                best[name] = tried
-        refined = {name: self._refined(tried) for name, tried in best.items()}
-        return dict(sorted(refined.items(), key=lambda item: item[1].left))
+            tried, (atom,) = self.attempt(guess), guess.atoms
+            if tried and (atom not in forms or tried.left < forms[atom].left):
+                forms[atom] = tried
+        best: dict[str, _Tried] = {}
+        for tried in sorted(map(self._refined, forms.values()), key=lambda t: t.left):
+            best.setdefault(tried.guess.names[0], tried)
+        return best
 
     def _best_set(self, singles: Mapping[str, _Tried]) -> _Tried:
         best = next(iter(singles.values()))
@@ -405,33 +427,39 @@ class _Search:
     def _refined(self, tried: _Tried) -> _Tried:
         """Return a guess with the time step that fits best, where it is not known.
 
-        The effect of a scheme's step grows in proportion to it, more or less.
+        The effect of a scheme's step grows in proportion to it, more or less, as long as ball and
+        bat have not met; so it is fitted there, again and again. People choose round numbers.
         """
         guess = tried.guess
         if self.prints.step_known or not any(atom.made.scheme for atom in guess.atoms):
             return tried
         rest = Guess(tuple(atom for atom in guess.atoms if not atom.made.steps))
         start = self.prints.predict(rest) if rest.atoms else self.prints.truth
+        best, dt = tried, guess.dt
         for _ in range(REFINEMENTS):
-            prediction = self.prints.predict(tried.guess)
+            prediction = self.prints.predict(Guess(guess.atoms, dt))
             if start is None or prediction is None:
                 break
             factor = self._amplitude(start, prediction)
-            dt = tried.guess.dt * factor
-            if not SHORTEST_STEP < dt < LONGEST_STEP or abs(factor - 1.0) < 1e-9:
+            if not SHORTEST_STEP < dt * factor < LONGEST_STEP or abs(factor - 1.0) < 1e-9:
                 break
-            next_ = self.attempt(Guess(guess.atoms, dt))
-            if next_ is None or next_.left >= tried.left:
+            dt *= factor
+            for step in (float(f"{dt:.2g}"), float(f"{dt:.3g}"), dt):
+                again = self.attempt(Guess(guess.atoms, step))
+                if again and again.left < best.left:
+                    best = again
+            if self.share(best.left) >= COMPLETE:
                 break
-            tried = next_
-        return tried
+        return best
 
     def _amplitude(self, start: Answers, prediction: Answers) -> float:
-        """Return how many times the step from start to prediction fits the candidate best."""
+        """Return how many times the way from start to prediction fits the candidate best."""
         with np.errstate(invalid="ignore"):
             step = (prediction.numbers - start.numbers) / self.prints.sizes
             way = (self.candidate.numbers - start.numbers) / self.prints.sizes
         used = self.seen & (np.abs(step) < 0.5) & (np.abs(way) < 0.5) & (step != 0.0)
+        smooth = used & self.prints.smooth
+        used = smooth if smooth.any() else used
         if not used.any():
             return 1.0
         # A median of ratios, weighted by the steps: whatever jumps has no say.
@@ -459,7 +487,10 @@ class _Search:
             sentence += f": this explains {share:.2%} of the error"
             if math.isfinite(step):
                 sentence += f" (Δt = {step:.4g} s)"
-        order = [*named, *(name for name in singles if name not in named)]
+            if best and any(atom.made.scheme for atom in best.guess.atoms):
+                sentence += "; like the printed scheme it looks for the bat at its steps only"
+        others = (n for n, tried in singles.items() if self.share(tried.left) >= MENTIONED)
+        order = list(dict.fromkeys([*named, *others]))
         suspects = [self._suspect(name, singles, best) for name in order]
         return Diagnosis(
             finding=finding,
@@ -673,7 +704,7 @@ def _is_single(x: Decimal) -> bool:
     if abs(x.adjusted()) > 37:  # beyond the range of single precision
         return False
     single = np.float32(float(x))
-    return x in (Decimal(float(single)), Decimal(str(single)), Decimal(f"{single:.9g}"))
+    return float(x) == float(single) or x in (Decimal(str(single)), Decimal(f"{single:.9g}"))
 
 
 def _listed(names: Sequence[str]) -> str:

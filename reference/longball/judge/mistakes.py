@@ -196,15 +196,16 @@ def _distance_from(contact_only: bool) -> Variant:
     return Variant(wrapper)
 
 
-def _first_below(since_start: bool) -> Variant:
+def _first_below(since_start: bool, on_floor: bool) -> Variant:
     """Return the mistake of a landing at the first step that is below the ground.
 
-    The steps are counted from the start of the scene, or from launch or contact.
+    The steps are counted from the start of the scene, or from launch or contact; the height may
+    be reported as that of the ground all the same.
     """
 
     def wrapper(scene: Scene, solve: Solver, dt: float) -> Result:
         result = solve(scene)
-        if result.landing is None or isinstance(scene, ImpactScene):
+        if result.landing is None or isinstance(scene, ImpactScene | PitchScene):
             return result
         landing = result.landing
         time, hang_time = float(landing.time), float(landing.hang_time)
@@ -218,9 +219,27 @@ def _first_below(since_start: bool) -> Variant:
             velocity=velocity,
             distance=math.hypot(position[0], position[1]),
         )
-        return result.model_copy(update={"landing": below})
+        result = result.model_copy(update={"landing": below})
+        return _on_floor(scene, result) if on_floor else result
 
     return Variant(wrapper, steps=True)
+
+
+def _on_floor(scene: Scene, result: Result) -> Result:
+    """Return a result in which the ball lands at the height of the ground, whatever it was."""
+    if result.landing is None or isinstance(scene, ImpactScene | PitchScene):
+        return result
+    x, y, _ = result.landing.position
+    landing = result.landing.model_copy(update={"position": (x, y, scene.floor(scene.ground))})
+    return result.model_copy(update={"landing": landing})
+
+
+def _separating(scene: Scene, solve: Solver, dt: float) -> Result:
+    """Find ball and bat parting where the ball leaves the bat: no force, and no batted ball."""
+    result = solve(scene)
+    if result.impact is None or not isinstance(scene, AtBatScene):
+        return result
+    return result.model_copy(update={"outcome": "separating", "impact": None, "landing": None})
 
 
 def _linear_plate(scene: Scene, solve: Solver, dt: float) -> Result:
@@ -338,13 +357,33 @@ KNOWN: dict[str, Mistake] = {
             (_scheme(verlet_forces="half_step"),),
         ),
         Mistake(
+            "two-step-push",
+            "lets the bat push for two steps, as Appendix B has it, while the ball flies on",
+            "strike at once, at the time and place of touching; only the impulse is meant",
+            (
+                _scheme(verlet_forces="predicted_recomputed"),
+                _scheme(verlet_forces="predicted_carried"),
+                _scheme(verlet_forces="implicit"),
+            ),
+        ),
+        Mistake(
             "first-below",
             "lets the ball land at the first step that is below the ground",
             "interpolate to the ground between the last two steps",
             (
-                _first_below(since_start=True),
-                _first_below(since_start=False),
+                _first_below(since_start=True, on_floor=False),
+                _first_below(since_start=True, on_floor=True),
+                _first_below(since_start=False, on_floor=False),
+                _first_below(since_start=False, on_floor=True),
                 _scheme(verlet_forces="predicted_recomputed", verlet_landing="first_below"),
+                Variant(
+                    lambda scene, solve, dt: _on_floor(scene, solve(scene)),
+                    scheme={
+                        "verlet_forces": "predicted_recomputed",
+                        "verlet_landing": "first_below",
+                    },
+                    steps=True,
+                ),
             ),
         ),
         Mistake(
@@ -363,7 +402,14 @@ KNOWN: dict[str, Mistake] = {
             "larger-root",
             "takes the larger root of Appendix B's quadratic: where the ball would leave the bat",
             "take the smaller of the two positive roots",
-            (_scheme(verlet_forces="predicted_recomputed", appendix_b_root="larger"),),
+            (
+                _scheme(verlet_forces="predicted_recomputed", appendix_b_root="larger"),
+                Variant(
+                    _separating,
+                    scheme={"verlet_forces": "predicted_recomputed", "appendix_b_root": "larger"},
+                    steps=True,
+                ),
+            ),
         ),
         Mistake(
             "drag-per-component",
