@@ -21,7 +21,7 @@ from longball.model.scene import (
 )
 
 
-def at_bats(count: int = 20) -> list[AtBatScene]:
+def at_bats(count: int = 14) -> list[AtBatScene]:
     base = AtBatScene(id="base")
     return [scene for scene in scenes(base, draw(paper_at_bats(Reading()), count, 7)) if scene]
 

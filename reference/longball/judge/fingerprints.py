@@ -13,7 +13,6 @@ screened by adding up their fingerprints, and the promising ones are solved as t
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -56,6 +55,10 @@ NOISE = 2e-6
 
 # A share of the error so large that another mistake is not looked for.
 COMPLETE = 0.99999
+
+# Fingerprints of mistakes that leave a mean error below this add up well enough to be found by
+# their sum: what products of two such errors add is less than a tenth of either.
+ADDITIVE = 0.02
 
 LARGEST_SET = 3
 
@@ -383,11 +386,13 @@ class _Search:
         best = next(iter(singles.values()))
         seeds = list(singles.values())[:3]
         for size in range(2, LARGEST_SET + 1):
-            if best.left <= ROUNDING + (1 - COMPLETE) * self.error:
+            if best.left <= ROUNDING + (1 - COMPLETE) * self.error or self.error < NOISE:
                 break
-            for guesses in (self._screened(seeds, size), self._bold(seeds, singles)):
-                tried = [self._refined(t) for guess in guesses if (t := self.attempt(guess))]
-                tried.sort(key=lambda t: t.left)
+            searches = [self._screened(seeds, size)]
+            if self.error > ADDITIVE:
+                searches.append(self._bold(seeds, singles))
+            for guesses in searches:
+                tried = self._tried(guesses)
                 worthwhile = tried and tried[0].left < (1 - WORTHWHILE) * best.left
                 if worthwhile and self.share(tried[0].left) >= NAMED:
                     break
@@ -396,28 +401,73 @@ class _Search:
             best, seeds = tried[0], tried[:3]
         return best
 
+    def _tried(self, guesses: Iterable[Guess]) -> list[_Tried]:
+        """Return what guesses leave, the least first; no further once all is explained."""
+        tried = []
+        for guess in guesses:
+            if one := self.attempt(guess):
+                tried.append(self._refined(one))
+                if self.share(tried[-1].left) >= COMPLETE:
+                    break
+        return sorted(tried, key=lambda t: t.left)
+
     def _screened(self, seeds: Sequence[_Tried], size: int) -> list[Guess]:
-        """Return the most promising sets of a size, by adding up fingerprints."""
+        """Return the most promising sets of a size, by adding up fingerprints.
+
+        Some promise most over all numbers, some over those that no bat has jumbled.
+        """
         starts = self.alone if size == 2 else [seed.guess for seed in seeds]
-        found: dict[frozenset[str], tuple[float, Guess]] = {}
-        for start, guess in itertools.product(starts, self.alone):
-            joined = _joined(start, guess)
-            if joined is None or (size == 2 and start.atoms > guess.atoms):
-                continue
-            first, second = self.prints.predict(start), self.prints.predict(guess)
-            assert first is not None
-            assert second is not None
-            left = self.left_by(_shifted(first, self.prints.truth, second))
-            key = frozenset(joined.names)
-            if key not in found or left < found[key][0]:
-                found[key] = left, joined
-        ranked = sorted(found.values(), key=lambda item: item[0])
-        return [guess for _, guess in ranked[:PROMISING]]
+        prints = self.prints
+        effects = np.array([self._effect(guess) for guess in self.alone])
+        aim = self._relative(self.candidate) - self._relative(prints.truth)
+        others = np.array([self._outcomes(guess) for guess in self.alone])
+        changed = others != prints.truth.outcomes
+        said = self.candidate.outcomes >= 0
+        smooth = prints.smooth[self.seen]
+        everything: dict[tuple[Atom, ...], tuple[float, Guess]] = {}
+        unjumbled: dict[tuple[Atom, ...], tuple[float, Guess]] = {}
+        for start in starts:
+            with np.errstate(invalid="ignore"):
+                left = np.minimum(np.abs(aim - self._effect(start) - effects), 1.0)
+            left = np.where(np.isnan(left), 1.0, left)
+            outcomes = np.where(changed, others, self._outcomes(start))
+            confused = ((outcomes != self.candidate.outcomes) & said).sum(axis=1)
+            whole = left.sum(axis=1) + confused
+            part = left[:, smooth].sum(axis=1)
+            for guess, most, least in zip(self.alone, whole.tolist(), part.tolist(), strict=True):
+                joined = _joined(start, guess)
+                if joined is None:
+                    continue
+                key = joined.atoms
+                for found, rest in ((everything, most), (unjumbled, least)):
+                    if key not in found or rest < found[key][0]:
+                        found[key] = rest, joined
+        promising = []
+        for found in (everything, unjumbled):
+            ranked = sorted(found.values(), key=lambda item: item[0])
+            promising += [guess for _, guess in ranked[:PROMISING]]
+        return list(dict.fromkeys(promising))
+
+    def _relative(self, answers: Answers) -> Array:
+        """Return the numbers that are seen, relative to the sizes of their quantities."""
+        relative: Array = (answers.numbers / self.prints.sizes)[self.seen]
+        return relative
+
+    def _effect(self, guess: Guess) -> Array:
+        """Return what a guess does to the numbers that are seen."""
+        prediction = self.prints.predict(guess)
+        assert prediction is not None
+        return self._relative(prediction) - self._relative(self.prints.truth)
+
+    def _outcomes(self, guess: Guess) -> NDArray[np.int64]:
+        prediction = self.prints.predict(guess)
+        assert prediction is not None
+        return prediction.outcomes
 
     def _bold(self, seeds: Sequence[_Tried], singles: Mapping[str, _Tried]) -> list[Guess]:
         """Return the best guesses, each with every other mistake.
 
-        A mistake that changes everything spoils the sum of fingerprints.
+        A mistake that changes much spoils the sum of fingerprints.
         """
         others = [guess for guess in self.alone if math.isnan(guess.dt)]
         others += [tried.guess for tried in singles.values() if math.isfinite(tried.guess.dt)]
