@@ -50,7 +50,7 @@ def _solve_pitch(scene: PitchScene | AtBatScene, drag: Drag) -> Result:
     toward = np.array([0.0, *scene.pitch.aim]) - release
     start = np.concatenate([release, scene.pitch.speed * toward / np.linalg.norm(toward)])
     floor = scene.floor(scene.ground)
-    end, path, stop = _fly(
+    end, path, stop = fly(
         scene, start, drag, [lambda y: float(y[0]), lambda y: float(y[2]) - floor]
     )
     if stop != 0:
@@ -74,7 +74,7 @@ def _meet(
     def approach(y: Array) -> float:
         return -float(y[0] * y[3] + (y[2] - height) * y[5])
 
-    closest, path, _ = _fly(scene, start, drag, [approach])
+    closest, path, _ = fly(scene, start, drag, [approach])
     margin = -depth(path(closest))
     if margin < 0:
         return Result(
@@ -115,7 +115,7 @@ def _land(
     scene: FlightScene | AtBatScene, start: Array, time: float, drag: Drag
 ) -> written.Landing | None:
     floor = scene.floor(scene.ground)
-    end, path, stop = _fly(scene, start, drag, [lambda y: float(y[2]) - floor])
+    end, path, stop = fly(scene, start, drag, [lambda y: float(y[2]) - floor])
     if stop is None:
         return None
     ball = path(end)
@@ -128,7 +128,7 @@ def _land(
     )
 
 
-def _fly(
+def fly(
     scene: FlightScene | PitchScene | AtBatScene,
     start: Array,
     drag: Drag,

@@ -356,7 +356,7 @@ def verdict(
         if name not in REQUIRABLE:
             raise ValueError(f"{name} cannot be required; {', '.join(REQUIRABLE)} can")
     judged = [c for c in comparisons if c.judged and c.answer is not None and not c.refused]
-    failures = sorted((_failure(c) for c in judged if not c.passed), key=lambda f: -f.excess)
+    failures = sorted((failure(c) for c in judged if not c.passed), key=lambda f: -f.excess)
     unanswered = [c.case.id for c in comparisons if c.answer is None]
     refused = [
         Refusal(id=c.case.id, reason=c.answer.error)
@@ -493,9 +493,9 @@ def _finite(x: float) -> float:
     return min(x, 1.7976931348623157e308)
 
 
-def _failure(comparison: Comparison) -> Failure:
+def failure(comparison: Comparison) -> Failure:
+    """Return what is wrong in a comparison; nothing may be."""
     case, answer = comparison.case, comparison.answer
-    assert answer is not None
     faults = []
     if comparison.outcome_wrong:
         faults.append(
@@ -503,7 +503,7 @@ def _failure(comparison: Comparison) -> Failure:
                 what="outcome",
                 expected=[str(case.expected.outcome)],
                 radius=[],
-                obtained=[str(answer.outcome)],
+                obtained=[str(answer.outcome if answer else None)],
                 error=None,
                 tolerance=None,
             )
