@@ -12,7 +12,7 @@ from collections import Counter, defaultdict
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
 from statistics import median
-from typing import Any, Literal
+from typing import Any
 
 from pydantic import BaseModel, ConfigDict, Field
 
@@ -20,6 +20,7 @@ from longball.judge.answers import Answer, Collector, Kind
 from longball.judge.cases import Case, Profile, attainable, decidable
 from longball.judge.diagnosis import Diagnosis
 from longball.judge.quantities import QUANTITIES, Value, difference, length, radii_of, values_of
+from longball.model.schema import DRAFT, FOLDER, text
 
 # What --require can name besides the quantities.
 REQUIRABLE = ("all", "answers", "outcome", *QUANTITIES)
@@ -91,9 +92,6 @@ def _digits(error: float, size: float) -> float | None:
     if error == 0.0:
         return _MOST_DIGITS
     return max(0.0, min(_MOST_DIGITS, math.log10(size) - math.log10(error)))
-
-
-Say = Literal["right", "wrong", "refused", "unanswered", "undecidable"]
 
 
 @dataclass(frozen=True)
@@ -303,10 +301,12 @@ class Verdict(_Strict):
         return self.model_dump_json(indent=2)
 
 
+SCHEMA_FILE = FOLDER / "verdict.schema.json"
+
+
 def schema() -> dict[str, Any]:
-    """Return the JSON Schema of a verdict."""
-    draft = "https://json-schema.org/draft/2020-12/schema"
-    return {"$schema": draft} | Verdict.model_json_schema(mode="serialization")
+    """Return the JSON Schema of a verdict; ``python -m longball.judge.verdict`` writes its file."""
+    return {"$schema": DRAFT} | Verdict.model_json_schema(mode="serialization")
 
 
 def compare_all(cases: Sequence[Case], collected: Collector, profile: Profile) -> list[Comparison]:
@@ -539,3 +539,7 @@ def failure(comparison: Comparison) -> Failure:
         scene=json.loads(case.scene.line()),
         faults=faults,
     )
+
+
+if __name__ == "__main__":
+    SCHEMA_FILE.write_text(text(schema()), encoding="utf-8")
