@@ -7,9 +7,19 @@ from pathlib import Path
 
 import pytest
 
-from longball.judge.answers import LONGEST_LINE, BadTable, csv_columns, read_results
-from longball.judge.quantities import QUANTITIES
+from longball.engines.at_bat import solve
+from longball.engines.ivp import Ivp
+from longball.judge.answers import (
+    LONGEST_LINE,
+    Answer,
+    BadTable,
+    as_result,
+    csv_columns,
+    read_results,
+)
+from longball.judge.quantities import QUANTITIES, values_of
 from longball.model import result
+from longball.model.scene import AtBatScene
 
 ASKED = ("a", "b", "c")
 
@@ -119,3 +129,14 @@ def test_columns_are_for_tables(tmp_path: Path):
 
 def test_every_quantity_has_a_column():
     assert {quantity for quantity, _ in csv_columns().values()} >= set(QUANTITIES)
+
+
+def test_an_answer_becomes_a_result_again():
+    whole = solve(AtBatScene(id="a"), Ivp()).model_copy(update={"engine": None})
+    values = values_of(whole)
+    assert as_result(Answer("a", whole.outcome, values)) == whole
+    del values["landing.time"]
+    assert as_result(Answer("a", whole.outcome, values)) == whole.model_copy(
+        update={"landing": None}
+    )
+    assert as_result(Answer("a", None, {}, error="no")).error == "no"

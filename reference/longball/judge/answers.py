@@ -17,8 +17,10 @@ from decimal import Decimal, InvalidOperation
 from pathlib import Path
 from typing import Any, BinaryIO, Literal, cast, get_args
 
+from pydantic import BaseModel
+
 from longball.judge.quantities import AXES, BLOCKS, QUANTITIES, Value
-from longball.model.result import Outcome
+from longball.model.result import Contact, Impact, Landing, Outcome, Plate, Result
 
 # A result with ninety digits a number takes five thousand bytes.
 LONGEST_LINE = 1 << 16
@@ -249,6 +251,37 @@ def _decimal(text: str) -> Decimal:
 def _ordinary(x: Decimal) -> bool:
     """Tell whether a number is finite, and no larger than errors that a double can hold."""
     return x.is_finite() and (x.is_zero() or -400 <= x.adjusted() <= 300)
+
+
+def as_result(answer: Answer) -> Result:
+    """Return an answer as a result in doubles, with those of its blocks that are complete.
+
+    For what asks for whole results, such as `longball.judge.convergence`.
+    """
+    blocks: dict[str, BaseModel] = {}
+    for block, model in (
+        ("plate", Plate),
+        ("contact", Contact),
+        ("impact", Impact),
+        ("landing", Landing),
+    ):
+        values = {
+            name.removeprefix(f"{block}."): _doubles(value)
+            for name, value in answer.values.items()
+            if name.startswith(f"{block}.")
+        }
+        if values and all(
+            k in values or not f.is_required() for k, f in model.model_fields.items()
+        ):
+            blocks[block] = model.model_validate(values)
+    return Result.model_validate(
+        {"id": answer.id, "outcome": answer.outcome, "error": answer.error, **blocks}
+    )
+
+
+def _doubles(value: Value) -> float | tuple[float, ...]:
+    numbers = tuple(map(float, value))
+    return numbers[0] if len(numbers) == 1 else numbers
 
 
 # --- results in a file ----------------------------------------------------------------------------
