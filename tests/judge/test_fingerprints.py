@@ -116,14 +116,11 @@ def pairs(prints: Fingerprints, count: int) -> list[tuple[str, str]]:
     for pair in everything:
         atoms = [Atom(name, 0) for name in pair]
         step = any(atom.made.steps for atom in atoms)
-        both = prints.predict(Guess(tuple(atoms), DT if step else float("nan")))
+        both = prints.predict(Guess(tuple(atoms), DT if step else 0.0))
         law, scheme = (any(getattr(a.made, k) for a in atoms) for k in ("drag", "scheme"))
         if both is None or (law and scheme):
             continue
-        alone = [
-            prints.predict(Guess((atom,), DT if atom.made.steps else float("nan")))
-            for atom in atoms
-        ]
+        alone = [prints.predict(Guess((atom,), DT if atom.made.steps else 0.0)) for atom in atoms]
         seen = np.isfinite(prints.truth.numbers)
         if all(prints.error(both, one, seen) > 1e-8 for one in alone if one):
             found.append(pair)

@@ -130,8 +130,9 @@ class Profile(ABC):
 
 
 # Two digits less than attainable. The attainable error is that of inputs off by half an ulp; what
-# a careful implementation adds is the rounding of its own thirty to three hundred steps, each
-# relative to the same sensitivities, and these add up like a random walk or a little worse.
+# a careful implementation adds is the rounding of its own tens to hundreds of steps, each subject
+# to the same sensitivities. Of 69 golden cases of all families the ivp engine, at 1e-13, needs 30
+# in most and 88 at the worst, save for a ball that almost comes to rest, where it does lose digits.
 SLACK = 100.0
 
 

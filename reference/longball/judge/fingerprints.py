@@ -134,10 +134,10 @@ class Atom:
 
 @dataclass(frozen=True)
 class Guess:
-    """Mistakes made together, in a time step of so many seconds; NaN if none needs one."""
+    """Mistakes made together, in a time step of so many seconds; 0 if none needs one."""
 
     atoms: tuple[Atom, ...]
-    dt: float = math.nan
+    dt: float = 0.0
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -202,7 +202,7 @@ class Fingerprints:
             for i, variant in enumerate(mistake.variants):
                 if variant.steps and variant.scheme is None and self.scheme:
                     continue  # part of the scheme itself
-                for dt in steps if variant.steps else (math.nan,):
+                for dt in steps if variant.steps else (0.0,):
                     yield Guess((Atom(mistake.name, i),), dt)
 
     def _predict(self, guess: Guess) -> Answers:
@@ -337,7 +337,11 @@ class _Search:
         if not self.count:
             return self._found("nothing", "there is no answer to diagnose", (), 0.0, {})
         if self._flawless():
-            return self._found("nothing", "no error beyond rounding", (), 0.0, {})
+            sentence = (
+                f"no error beyond rounding in the {len(self.prints.cases)} ordinary scenes that "
+                "fingerprints are taken from: what fails elsewhere is hard, not mistaken"
+            )
+            return self._found("nothing", sentence, (), 0.0, {})
         singles = self._best_singles()
         best = self._best_set(singles)
         share = self.share(best.left)
@@ -469,8 +473,8 @@ class _Search:
 
         A mistake that changes much spoils the sum of fingerprints.
         """
-        others = [guess for guess in self.alone if math.isnan(guess.dt)]
-        others += [tried.guess for tried in singles.values() if math.isfinite(tried.guess.dt)]
+        others = [guess for guess in self.alone if not guess.dt]
+        others += [tried.guess for tried in singles.values() if tried.guess.dt]
         joined = (_joined(seed.guess, guess) for seed in seeds for guess in others)
         return list(dict.fromkeys(guess for guess in joined if guess))
 
@@ -530,12 +534,12 @@ class _Search:
         best: _Tried | None = None,
     ) -> Diagnosis:
         if finding == "known":
-            step = best.guess.dt if best else math.nan
+            step = best.guess.dt if best else 0.0
             sentence = "; ".join(
                 f"it {(KNOWN | {SINGLE.name: SINGLE})[name].sentence}" for name in named
             )
             sentence += f": this explains {share:.2%} of the error"
-            if math.isfinite(step):
+            if step:
                 sentence += f" (Δt = {step:.4g} s)"
             if best and any(atom.made.scheme for atom in best.guess.atoms):
                 sentence += "; like the printed scheme it looks for the bat at its steps only"
@@ -571,7 +575,7 @@ class _Search:
             sentence=mistake.sentence,
             remedy=mistake.remedy,
             share=self.share(alone.left),
-            step=dt if atom.steps and math.isfinite(dt) else None,
+            step=dt if atom.steps else None,
             twins=self._twins(alone),
         )
 
@@ -737,10 +741,10 @@ def _joined(a: Guess, b: Guess) -> Guess | None:
     """Return two guesses as one; None if they share a mistake or differ in their time step."""
     if set(a.names) & set(b.names):
         return None
-    steps = {dt for dt in (a.dt, b.dt) if math.isfinite(dt)}
+    steps = {dt for dt in (a.dt, b.dt) if dt}
     if len(steps) > 1:
         return None
-    return Guess(tuple(sorted(a.atoms + b.atoms)), steps.pop() if steps else math.nan)
+    return Guess(tuple(sorted(a.atoms + b.atoms)), steps.pop() if steps else 0.0)
 
 
 def common_step(times: Sequence[float]) -> float | None:
@@ -748,9 +752,10 @@ def common_step(times: Sequence[float]) -> float | None:
 
     A multiple is met to a millionth of a step.
     """
-    if len(set(times)) < 5:
+    told = sorted({time for time in times if time > LONGEST_STEP})
+    if len(told) < 5:
         return None
-    known = np.array(sorted(set(times))[:12])
+    known = np.array(told[:12])
     counts = np.arange(math.ceil(known[0] / LONGEST_STEP), math.floor(known[0] / SHORTEST_STEP) + 1)
     multiples = known[1:, None] * counts / known[0]
     fits = np.abs(multiples - np.round(multiples)).max(axis=0) < 1e-6

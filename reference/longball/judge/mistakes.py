@@ -23,7 +23,7 @@ from longball.model.scene import AtBatScene, FlightScene, ImpactScene, PitchScen
 
 Solver = Callable[[Scene], Result]
 
-# Wraps a solver into one that makes a mistake in time steps of so many seconds (NaN if unknown).
+# Wraps a solver into one that makes a mistake in time steps of so many seconds (0: it needs none).
 Wrapper = Callable[[Scene, Solver, float], Result]
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 
 from longball.judge.diagnosis import Diagnosis
@@ -53,7 +54,8 @@ def _errors(verdict: Verdict) -> Iterator[str]:
             "median", "digits right", "of attainable", "worst case",
         )
     ]  # fmt: skip
-    for row in verdict.rows:
+    failed = [row for row in verdict.rows if row.failed]
+    for row in failed or verdict.rows:
         table.append(
             (
                 row.family,
@@ -71,6 +73,10 @@ def _errors(verdict: Verdict) -> Iterator[str]:
             )
         )
     yield from _aligned(table, left=(0, 1, 6, 11))
+    right = Counter(row.family for row in verdict.rows if failed and not row.failed)
+    if right:
+        listed = ", ".join(f"{family} {count}" for family, count in right.items())
+        yield f"quantities right in every case, by family: {listed}"
 
 
 def _short(ulps: float) -> str:
