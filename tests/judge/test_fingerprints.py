@@ -21,9 +21,10 @@ from longball.judge.altered import solve_with_drag
 from longball.judge.answers import Answer
 from longball.judge.cases import Known
 from longball.judge.diagnosis import Diagnosis
-from longball.judge.fingerprints import Atom, Fingerprints, Guess, common_step, telling
+from longball.judge.fingerprints import Atom, Fingerprints, Guess, telling
 from longball.judge.mistakes import KNOWN, Mistake, Variant
 from longball.judge.quantities import values_of
+from longball.judge.search import common_step, diagnose
 from longball.model.readings import Reading
 from longball.model.result import Result
 from longball.model.scene import Scene
@@ -99,7 +100,7 @@ def with_twins(diagnosis: Diagnosis, first: int) -> set[str]:
 def test_a_mistake_alone_is_named_first(
     prints: Fingerprints, cases: list[Known], mistake: Mistake, variant: Variant
 ):
-    diagnosis = prints.diagnose(planted(cases, [variant]))
+    diagnosis = diagnose(prints, planted(cases, [variant]))
     assert diagnosis.finding == "known"
     assert diagnosis.named == [mistake.name]
     assert diagnosis.suspects[0].name == mistake.name
@@ -134,7 +135,7 @@ def test_of_thirty_pairs_both_are_among_the_first_three(prints: Fingerprints, ca
     assert len(chosen) == 30
     wrong = {}
     for pair in chosen:
-        diagnosis = prints.diagnose(planted(cases, [KNOWN[name].variants[0] for name in pair]))
+        diagnosis = diagnose(prints, planted(cases, [KNOWN[name].variants[0] for name in pair]))
         if not set(pair) <= with_twins(diagnosis, 3):
             wrong[pair] = diagnosis.sentence
     assert not wrong
@@ -146,22 +147,22 @@ def test_the_distance_alone_is_enough(prints: Fingerprints, cases: list[Known]):
         i: Answer(i, None, {n: v for n, v in a.values.items() if n == "landing.distance"})
         for i, a in whole.items()
     }
-    diagnosis = prints.diagnose(only)
+    diagnosis = diagnose(prints, only)
     assert diagnosis.named == ["thin-rod"]
     assert "linear-plate" not in diagnosis.invisible
 
 
 def test_a_correct_candidate_is_accused_of_nothing(prints: Fingerprints, cases: list[Known]):
     for engine in (Ivp(), Ivp(method="Radau", rtol=1e-12, atol=1e-12)):
-        diagnosis = prints.diagnose(answers(cases, lambda scene, e=engine: solve(scene, e)))
+        diagnosis = diagnose(prints, answers(cases, lambda scene, e=engine: solve(scene, e)))
         assert diagnosis.finding in ("nothing", "noise")
         assert diagnosis.named == []
-    assert prints.diagnose(answers(cases, lambda s: solve(s, Ivp()))).finding == "nothing"
+    assert diagnose(prints, answers(cases, lambda s: solve(s, Ivp()))).finding == "nothing"
 
 
 @pytest.mark.parametrize("size", [1e-11, 1e-9, 1e-7])
 def test_noise_is_called_noise(prints: Fingerprints, cases: list[Known], size: float):
-    diagnosis = prints.diagnose(noisy(cases, size))
+    diagnosis = diagnose(prints, noisy(cases, size))
     assert diagnosis.finding == "noise"
     assert diagnosis.named == []
     assert diagnosis.error == pytest.approx(size / 2, rel=0.5)
@@ -169,7 +170,7 @@ def test_noise_is_called_noise(prints: Fingerprints, cases: list[Known], size: f
 
 def test_a_loose_tolerance_is_called_noise(prints: Fingerprints, cases: list[Known]):
     loose = Ivp(method="RK45", rtol=1e-6, atol=1e-6)
-    assert prints.diagnose(answers(cases, lambda s: solve(s, loose))).finding == "noise"
+    assert diagnose(prints, answers(cases, lambda s: solve(s, loose))).finding == "noise"
 
 
 def drag_crisis(k, v):
@@ -204,7 +205,7 @@ def changed(block: str, key: str, factor: float) -> Callable[[Scene], Result]:
     ],
 )
 def test_a_stranger_is_called_unknown(prints: Fingerprints, cases: list[Known], solver):
-    diagnosis = prints.diagnose(answers(cases, solver))
+    diagnosis = diagnose(prints, answers(cases, solver))
     assert diagnosis.finding == "unknown"
     assert diagnosis.named == []
     assert "none of the known mistakes" in diagnosis.sentence
@@ -229,14 +230,14 @@ def test_single_precision_is_told_by_its_numbers(
     prints: Fingerprints, cases: list[Known], write: Callable[[np.float32], str]
 ):
     right = answers(cases, lambda scene: solve(scene, ENGINE))
-    assert prints.diagnose(in_single(right, write)).named == ["single-precision"]
+    assert diagnose(prints, in_single(right, write)).named == ["single-precision"]
     heavy = planted(cases, KNOWN["g-9.81"].variants[:1])
-    assert prints.diagnose(in_single(heavy, write)).named == ["g-9.81", "single-precision"]
+    assert diagnose(prints, in_single(heavy, write)).named == ["g-9.81", "single-precision"]
 
 
 @pytest.mark.parametrize("dt", [0.0073, 1 / 120])
 def test_a_time_step_that_nobody_told(prints: Fingerprints, cases: list[Known], dt: float):
-    diagnosis = prints.diagnose(planted(cases, KNOWN["lagged-verlet"].variants[:1], dt))
+    diagnosis = diagnose(prints, planted(cases, KNOWN["lagged-verlet"].variants[:1], dt))
     assert diagnosis.named == ["lagged-verlet"]
     assert diagnosis.suspects[0].step == pytest.approx(dt, rel=1e-6)
 
@@ -252,7 +253,7 @@ def test_twins_are_listed_together_and_the_unseen_is_said(cases: list[Known]):
     # Without a bat, and on flights that never turn back, two mistakes show as one and most not.
     flights = [case for case in cases if case.scene.kind == "flight"][:6]
     prints = Fingerprints(flights)
-    diagnosis = prints.diagnose(planted(flights, KNOWN["first-below"].variants[:1]))
+    diagnosis = diagnose(prints, planted(flights, KNOWN["first-below"].variants[:1]))
     assert diagnosis.named == ["first-below"]
     assert {"thin-rod", "nathan", "tunnelling", "linear-plate"} <= set(diagnosis.invisible)
     assert "first-below" not in diagnosis.invisible
@@ -263,12 +264,12 @@ def test_twins_are_listed_together_and_the_unseen_is_said(cases: list[Known]):
         i: Answer(i, a.outcome, {"impact.restitution": a.values["impact.restitution"]})
         for i, a in planted(central, KNOWN["nathan"].variants).items()
     }
-    diagnosis = prints.diagnose(only)
+    diagnosis = diagnose(prints, only)
     assert {"nathan", "plain-restitution"} <= with_twins(diagnosis, 1)
 
 
 def test_no_answers_are_no_mistake(prints: Fingerprints):
-    assert prints.diagnose({}).finding == "nothing"
+    assert diagnose(prints, {}).finding == "nothing"
 
 
 def test_few_scenes_are_chosen_from_many(cases: list[Known]):

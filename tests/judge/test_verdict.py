@@ -15,6 +15,7 @@ import pytest
 from longball.engines.at_bat import solve
 from longball.engines.ivp import Ivp
 from longball.judge import assert_case
+from longball.judge import cases as golden_cases
 from longball.judge.answers import Collector
 from longball.judge.cases import Converged, Exact, Known, Paper, profile, solved
 from longball.judge.junit import junit
@@ -330,3 +331,11 @@ class TestAssertCase:
 def test_results_arrive_as_lines(few: list[Known]):
     heard = collected(few, [solve(case.scene, Ivp()) for case in few])
     assert not heard.complaints
+
+
+def test_the_golden_pitches_are_passed_by_the_ivp_engine():
+    pytest.importorskip("longball.golden")
+    pitches_of_gold = golden_cases("pitch")
+    assert len(pitches_of_gold) >= 20
+    for case in pitches_of_gold:
+        assert_case(case, solve(case.scene, Ivp()))

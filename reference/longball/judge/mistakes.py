@@ -532,7 +532,7 @@ KNOWN: dict[str, Mistake] = {
     )
 }
 
-# This one shows in the numbers themselves and not in their errors; see `fingerprints`.
+# This one shows in the numbers themselves and not in their errors; see `longball.judge.search`.
 SINGLE = Mistake(
     "single-precision",
     "computes or writes in single precision",

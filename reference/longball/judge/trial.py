@@ -11,6 +11,7 @@ from longball.judge.answers import Collector, read_results
 from longball.judge.candidate import Limits, run
 from longball.judge.cases import Case, Profile
 from longball.judge.fingerprints import Fingerprints
+from longball.judge.search import diagnose
 from longball.judge.verdict import Comparison, Verdict, compare_all, verdict
 
 
@@ -85,7 +86,7 @@ class Court:
         diagnosis = None
         if self.diagnose and any(not c.passed for c in comparisons):
             prints = Fingerprints(truths, self.profile.engine(), self.dt)
-            diagnosis = prints.diagnose(collected.answers)
+            diagnosis = diagnose(prints, collected.answers)
         return Trial(
             verdict(
                 comparisons,
