@@ -191,7 +191,8 @@ class Fingerprints:
             return solve_with_drag(scene, law) if law else solve(_under(scene, switches), engine)
 
         solver: Solver = base if law or switches else self._remembering(base)
-        for variant in variants:
+        # What is done in steps is done under the forces that the other mistakes leave: innermost.
+        for variant in sorted(variants, key=lambda v: not v.steps):
             solver = _wrapped(variant, solver, guess.dt)
         return _of_results(map(solver, self.scenes))
 

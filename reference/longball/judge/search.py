@@ -271,7 +271,9 @@ class _Search:
         """
         others = [guess for guess in self.alone if not guess.dt]
         others += [tried.guess for tried in singles.values() if tried.guess.dt]
-        joined = (joined_guess(seed.guess, guess) for seed in seeds for guess in others)
+        # The best one with every time step: the one that fits a mistake alone fits by chance.
+        joined = [joined_guess(seeds[0].guess, guess) for guess in self.alone]
+        joined += [joined_guess(seed.guess, guess) for seed in seeds[1:] for guess in others]
         return list(dict.fromkeys(guess for guess in joined if guess))
 
     def _refined(self, tried: _Tried) -> _Tried:
