@@ -1,0 +1,400 @@
+"""What a candidate says: lines of results, read with suspicion and without losing any.
+
+A candidate is another implementation. Its output is data: every line is either an answer to a
+scene that was asked, or a complaint with the number of the line. Nothing is evaluated, no text of
+it is used as a path, and what is quoted is quoted escaped and short.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from collections import Counter
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from decimal import Decimal, InvalidOperation
+from pathlib import Path
+from typing import Any, BinaryIO, Literal, cast, get_args
+
+from pydantic import BaseModel
+
+from longball.judge.quantities import AXES, BLOCKS, QUANTITIES, Value
+from longball.model.result import Contact, Impact, Landing, Outcome, Plate, Result
+
+# A result with ninety digits a number takes five thousand bytes.
+LONGEST_LINE = 1 << 16
+
+# Complaints of one kind beyond this many are counted, not kept.
+KEPT = 20
+
+Kind = Literal[
+    "rubbish",  # a line that is no result
+    "unknown id",  # an answer to what nobody asked
+    "twice",  # a second answer
+    "not a number",  # a quantity that is NaN, infinite, or of the wrong type
+    "outcome",  # an outcome that the contract does not know
+    "process",  # how the candidate ran
+]
+
+
+@dataclass(frozen=True)
+class Complaint:
+    """Something wrong with a candidate's output or conduct.
+
+    Attributes
+    ----------
+    kind
+        For programs.
+    sentence
+        For people.
+    line
+        Number of the line of its output, from 1; None for its conduct.
+    """
+
+    kind: Kind
+    sentence: str
+    line: int | None = None
+
+    def __str__(self) -> str:
+        return self.sentence if self.line is None else f"line {self.line}: {self.sentence}"
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What a candidate says of one scene.
+
+    Attributes
+    ----------
+    id
+        The scene's.
+    outcome
+        None if it was left out, or is not one of the contract's.
+    values
+        The quantities given.
+    unreadable
+        Names of quantities given that are no finite numbers.
+    error
+        Why the candidate gives no answer, in its own words, if it refuses the scene.
+    """
+
+    id: str
+    outcome: Outcome | None
+    values: Mapping[str, Value]
+    unreadable: frozenset[str] = frozenset()
+    error: str | None = None
+
+
+class Collector:
+    """Sorts lines into answers and complaints.
+
+    Parameters
+    ----------
+    asked
+        The ids of the scenes.
+
+    Attributes
+    ----------
+    answers
+        By id: the first answer to each scene.
+    complaints
+        In order; at most `KEPT` of a kind.
+    """
+
+    def __init__(self, asked: Collection[str]) -> None:
+        self.asked = frozenset(asked)
+        self.answers: dict[str, Answer] = {}
+        self.complaints: list[Complaint] = []
+        self._count: Counter[Kind] = Counter()
+
+    @property
+    def left_out(self) -> dict[Kind, int]:
+        """Return how many complaints of each kind are counted only."""
+        return {kind: n - KEPT for kind, n in self._count.items() if n > KEPT}
+
+    def complain(self, kind: Kind, sentence: str, line: int | None = None) -> None:
+        """Note a complaint."""
+        self._count[kind] += 1
+        if self._count[kind] <= KEPT:
+            self.complaints.append(Complaint(kind, sentence, line))
+
+    def take_line(self, number: int, line: bytes) -> bool:
+        """Take a line of JSON; tell whether it answers a scene that had no answer."""
+        if not line.strip():
+            return False
+        try:
+            data = json.loads(
+                line.decode("utf-8-sig"),
+                parse_float=_decimal,
+                parse_int=_decimal,
+                parse_constant=_decimal,
+            )
+        except UnicodeDecodeError as error:
+            byte = line[error.start]
+            self.complain("rubbish", f"not UTF-8 text: byte {error.start + 1} is {byte:#x}", number)
+        except ValueError:
+            self.complain("rubbish", f"not JSON: {quoted(line.decode())}", number)
+        except RecursionError:
+            self.complain("rubbish", "not a result: brackets nested too deeply", number)
+        else:
+            return self.take(number, data)
+        return False
+
+    def take(self, number: int, data: Any) -> bool:
+        """Take what a line held; tell whether it answers a scene that had no answer."""
+        if not isinstance(data, dict):
+            self.complain(
+                "rubbish", f"not a result, which is a JSON object: {quoted(data)}", number
+            )
+            return False
+        scene_id = data.get("id")
+        if not isinstance(scene_id, str):
+            given = f"the id {quoted(scene_id)} is no text" if "id" in data else "it has no id"
+            self.complain("rubbish", f"not a result: {given}", number)
+            return False
+        if scene_id not in self.asked:
+            self.complain("unknown id", f"no scene has the id {quoted(scene_id)}", number)
+            return False
+        if scene_id in self.answers:
+            self.complain(
+                "twice", f"{quoted(scene_id)} is answered again; the first answer counts", number
+            )
+            return False
+        self.answers[scene_id] = self._answer(number, scene_id, data)
+        return True
+
+    def _answer(self, number: int, scene_id: str, data: dict[str, Any]) -> Answer:
+        outcome, error = data.get("outcome"), data.get("error")
+        if outcome is not None and outcome not in get_args(Outcome):
+            self.complain(
+                "outcome",
+                f"{quoted(scene_id)}: {quoted(outcome)} is not an outcome; "
+                f"the outcomes are {', '.join(get_args(Outcome))}",
+                number,
+            )
+            outcome = None
+        values: dict[str, Value] = {}
+        unreadable = set()
+        for block in BLOCKS:
+            held = data.get(block)
+            if held is not None and not isinstance(held, dict):
+                self.complain(
+                    "not a number", f"{quoted(scene_id)}: {block} is no JSON object", number
+                )
+                unreadable |= {name for name in QUANTITIES if name.startswith(f"{block}.")}
+                continue
+            for name, given in _given(block, held or {}):
+                value = _value(given, QUANTITIES[name].size)
+                if value is not None:
+                    values[name] = value
+                    continue
+                unreadable.add(name)
+                needed = "a finite number" if QUANTITIES[name].size == 1 else "three finite numbers"
+                self.complain(
+                    "not a number",
+                    f"{quoted(scene_id)}: {name} is {quoted(given)}; {needed} must stand there",
+                    number,
+                )
+        return Answer(
+            scene_id,
+            cast(Outcome | None, outcome),
+            values,
+            frozenset(unreadable),
+            None if error is None else quoted(error, 200),
+        )
+
+
+def quoted(what: Any, longest: int = 60) -> str:
+    """Return a text in which a stranger's characters can do no harm, cut to a length."""
+    if isinstance(what, Decimal):
+        what = str(what)
+    elif isinstance(what, dict | list):
+        what = json.dumps(what, default=str)
+    elif not isinstance(what, str):
+        return str(what)
+    text = "".join(c if c.isprintable() else repr(c)[1:-1] for c in what[: longest + 1])
+    return text if len(text) <= longest else text[: longest - 3] + "..."
+
+
+def _given(block: str, held: dict[str, Any]) -> Iterator[tuple[str, Any]]:
+    """Yield name and content of the known quantities of a block that are not null."""
+    for key, given in held.items():
+        name = f"{block}.{key}"
+        if name in QUANTITIES and given is not None:
+            yield name, given
+
+
+def _value(given: Any, size: int) -> Value | None:
+    """Return a quantity as decimals; None if it is not that many finite numbers."""
+    if size == 1:
+        given = [given]
+    if not isinstance(given, list) or len(given) != size:
+        return None
+    numbers = []
+    for item in given:
+        if isinstance(item, dict):  # {"value": "decimal string", "radius": ...}
+            text = item.get("value")
+            item = _decimal(text) if isinstance(text, str) else None
+        if not isinstance(item, Decimal) or not _ordinary(item):
+            return None
+        numbers.append(item)
+    return tuple(numbers)
+
+
+def _decimal(text: str) -> Decimal:
+    try:
+        return Decimal(text)
+    except InvalidOperation:  # an exponent with more digits than any number needs, or no number
+        return Decimal("NaN")
+
+
+def _ordinary(x: Decimal) -> bool:
+    """Tell whether a number is finite, and no larger than errors that a double can hold."""
+    return x.is_finite() and (x.is_zero() or -400 <= x.adjusted() <= 300)
+
+
+def as_result(answer: Answer) -> Result:
+    """Return an answer as a result in doubles, with those of its blocks that are complete.
+
+    For what asks for whole results, such as `longball.judge.convergence`.
+    """
+    blocks: dict[str, BaseModel] = {}
+    for block, model in (
+        ("plate", Plate),
+        ("contact", Contact),
+        ("impact", Impact),
+        ("landing", Landing),
+    ):
+        values = {
+            name.removeprefix(f"{block}."): _doubles(value)
+            for name, value in answer.values.items()
+            if name.startswith(f"{block}.")
+        }
+        if values and all(
+            k in values or not f.is_required() for k, f in model.model_fields.items()
+        ):
+            blocks[block] = model.model_validate(values)
+    return Result.model_validate(
+        {"id": answer.id, "outcome": answer.outcome, "error": answer.error, **blocks}
+    )
+
+
+def _doubles(value: Value) -> float | tuple[float, ...]:
+    numbers = tuple(map(float, value))
+    return numbers[0] if len(numbers) == 1 else numbers
+
+
+# --- results in a file ----------------------------------------------------------------------------
+
+
+class BadTable(ValueError):
+    """A table that cannot be read as results; the message says why."""
+
+
+def read_results(
+    path: Path, asked: Collection[str], columns: Mapping[str, str] | None = None
+) -> Collector:
+    """Read a file of results: JSON Lines, or CSV if its name ends in .csv.
+
+    Parameters
+    ----------
+    path
+        The file.
+    asked
+        Ids of the scenes.
+    columns
+        CSV only: which quantity a column holds, where the column's name does not say so.
+        See `csv_columns`.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be read.
+    BadTable
+        If it is a CSV file without an id column, or if `columns` does not fit.
+    """
+    collector = Collector(asked)
+    with open(path, "rb") as file:
+        if path.suffix.lower() == ".csv":
+            _read_csv(file, collector, columns or {})
+        else:
+            if columns:
+                raise BadTable("columns are named for a CSV file only; this is read as JSON Lines")
+            for number, line in enumerate(_lines(file, collector), 1):
+                collector.take_line(number, line)
+    return collector
+
+
+def _lines(file: BinaryIO, collector: Collector) -> Iterator[bytes]:
+    """Yield the lines of a file; one that is too long is empty."""
+    number = 0
+    while line := file.readline(LONGEST_LINE + 1):
+        number += 1
+        if len(line) > LONGEST_LINE:
+            collector.complain("rubbish", f"longer than {LONGEST_LINE} bytes", number)
+            while line and not line.endswith(b"\n"):
+                line = file.readline(LONGEST_LINE)
+            line = b"\n"
+        yield line
+
+
+def csv_columns() -> dict[str, tuple[str, int | None]]:
+    """Return what a column can hold: its name, the quantity, and which component.
+
+    ``id``, ``outcome``, ``error``; a number by its name, ``landing.distance``; a vector by
+    component, ``landing.position.x``.
+    """
+    columns: dict[str, tuple[str, int | None]] = {key: (key, None) for key in _WORDS}
+    for quantity in QUANTITIES.values():
+        if quantity.size == 1:
+            columns[quantity.name] = (quantity.name, None)
+        else:
+            for component, axis in enumerate(AXES):
+                columns[f"{quantity.name}.{axis}"] = (quantity.name, component)
+    return columns
+
+
+_WORDS = ("id", "outcome", "error")
+
+
+def _read_csv(file: BinaryIO, collector: Collector, columns: Mapping[str, str]) -> None:
+    text = io.StringIO(b"".join(_lines(file, collector)).decode("utf-8-sig", errors="replace"))
+    rows = csv.reader(text, strict=True)
+    known = csv_columns()
+    try:
+        header = next(rows, [])
+        for column, name in columns.items():
+            if column not in header:
+                raise BadTable(f"there is no column {column}; the columns are {', '.join(header)}")
+            if name not in known:
+                raise BadTable(f"a column cannot hold {name}; it can hold {', '.join(known)}")
+        names = [columns.get(column, column) for column in header]
+        if len(set(names)) < len(names):
+            raise BadTable("two columns hold the same")
+        if "id" not in names:
+            raise BadTable("there is no id column; name the one that holds it: COLUMN=id")
+        for row in rows:
+            if row:
+                collector.take(rows.line_num, _nested(zip(names, row, strict=False)))
+    except csv.Error as error:
+        collector.complain("rubbish", f"not CSV: {error}", rows.line_num)
+
+
+def _nested(cells: Iterable[tuple[str, str]]) -> dict[str, Any]:
+    """Return a row as a result is written in JSON; an empty cell is a quantity left out."""
+    known = csv_columns()
+    data: dict[str, Any] = {}
+    for name, cell in cells:
+        if name not in known or not cell.strip():
+            continue
+        quantity, component = known[name]
+        if quantity in _WORDS:
+            data[quantity] = cell.strip()
+            continue
+        block, _, key = quantity.partition(".")
+        held = data.setdefault(block, {})
+        if component is None:
+            held[key] = _decimal(cell.strip())
+        else:
+            held.setdefault(key, [None] * len(AXES))[component] = _decimal(cell.strip())
+    return data

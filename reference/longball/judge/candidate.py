@@ -1,0 +1,363 @@
+"""Running another implementation: scenes into its standard input, results out of its output.
+
+The candidate is not trusted. It may answer late, in any order, twice or never; crash, hang, flood
+its output, close its input, leave processes behind. Whatever it does, this ends in bounded time
+and memory, everything it answered is kept, and a sentence says what went wrong. No shell is
+involved. Needs a POSIX system; elsewhere, judge a file of results.
+"""
+
+from __future__ import annotations
+
+import os
+import selectors
+import signal
+import subprocess
+import time
+import uuid
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import IO, cast
+
+from longball.judge.answers import LONGEST_LINE, Collector
+from longball.model.scene import Scene
+
+CHUNK = 1 << 16  # bytes read or written at a time
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What a candidate may take.
+
+    Attributes
+    ----------
+    scene_seconds
+        s that may pass without an answer to another scene; also what it may take to start, and
+        to end after its last answer.
+    total_seconds
+        s in all.
+    output_bytes
+        Of standard output in all. Five thousand bytes are a long result; the default is fifty
+        thousand of them.
+    error_bytes
+        Of standard error that are kept, the last ones.
+    """
+
+    scene_seconds: float = 10.0
+    total_seconds: float = 3600.0
+    output_bytes: int = 1 << 28
+    error_bytes: int = 1 << 13
+
+
+@dataclass(frozen=True)
+class Run:
+    """How a candidate ran.
+
+    Attributes
+    ----------
+    collected
+        Its answers, and what is wrong with them and with its conduct.
+    errors
+        The end of its standard error.
+    status
+        Its exit status; negative: the signal that ended it. None if it was stopped.
+    seconds
+        Wall time.
+    """
+
+    collected: Collector
+    errors: str
+    status: int | None
+    seconds: float
+
+
+def run(
+    command: Sequence[str],
+    scenes: Sequence[Scene],
+    limits: Limits | None = None,
+    progress: Callable[[int], None] = lambda answered: None,
+) -> Run:
+    """Let a candidate answer scenes.
+
+    Parameters
+    ----------
+    command
+        Program and arguments; no shell reads them.
+    scenes
+        What it is asked, each with an id of its own.
+    limits
+        What it may take; `Limits()` if not given.
+    progress
+        Is told the number of scenes answered whenever that grows.
+
+    Raises
+    ------
+    OSError
+        If the program cannot be started.
+    """
+    conversation = _Conversation(command, scenes, limits or Limits(), progress)
+    try:
+        conversation.talk()
+        conversation.part()
+    finally:
+        conversation.clear()
+    return conversation.told()
+
+
+class _Conversation:
+    """A candidate's process, and what passes between it and us.
+
+    A single thread waits for whichever of the three pipes is ready, so that neither side can
+    block the other, whatever is buffered where.
+    """
+
+    def __init__(
+        self,
+        command: Sequence[str],
+        scenes: Sequence[Scene],
+        limits: Limits,
+        progress: Callable[[int], None],
+    ) -> None:
+        self.limits, self.progress = limits, progress
+        self.collected = Collector([scene.id for scene in scenes])
+        if len(self.collected.asked) < len(scenes):
+            raise ValueError("two scenes have the same id")
+        self.unsent = (scene.line().encode() + b"\n" for scene in scenes)
+        self.sending = next(self.unsent, b"")
+        self.deaf = False
+        self.splitter = Splitter()
+        self.received = 0
+        self.errors = b""
+        self.status: int | None = None
+        self.stopped = False
+        self.mark = uuid.uuid4().hex
+        self.process = subprocess.Popen(
+            command,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            bufsize=0,
+            start_new_session=True,
+            env=os.environ | {MARK: self.mark},
+        )
+        self.started = self.latest = time.monotonic()
+        self.stdin = cast(IO[bytes], self.process.stdin)
+        self.stdout = cast(IO[bytes], self.process.stdout)
+        self.stderr = cast(IO[bytes], self.process.stderr)
+        self.selector = selectors.DefaultSelector()
+        for pipe, ready, handle in (
+            (self.stdin, selectors.EVENT_WRITE, self._write),
+            (self.stdout, selectors.EVENT_READ, self._read),
+            (self.stderr, selectors.EVENT_READ, self._read_errors),
+        ):
+            os.set_blocking(pipe.fileno(), False)
+            self.selector.register(pipe, ready, handle)
+
+    def talk(self) -> None:
+        """Exchange scenes and answers until the output ends or a limit is reached."""
+        limits = self.limits
+        while not self.stopped and not self.stdout.closed:
+            now = time.monotonic()
+            left = self.started + limits.total_seconds - now
+            patience = self.latest + limits.scene_seconds - now
+            if left <= 0:
+                self._stop(f"it took more than {limits.total_seconds:g} s in all")
+            elif patience > 0:
+                self._wait(min(left, patience))
+            elif self._missing():
+                self._stop(f"no answer came for {limits.scene_seconds:g} s")
+            else:
+                self._stop(
+                    f"it did not end within {limits.scene_seconds:g} s after its last answer"
+                )
+        for line in self.splitter.rest():
+            self._take(line)
+
+    def part(self) -> None:
+        """Wait for the candidate to end, and say how it did."""
+        if self.stopped:
+            return
+        self._close(self.stdin)
+        until = time.monotonic() + self.limits.scene_seconds
+        # It cannot end while its standard error is full.
+        while self.process.poll() is None and (left := until - time.monotonic()) > 0:
+            if self.stderr.closed:
+                with suppress(subprocess.TimeoutExpired):
+                    self.process.wait(left)
+            else:
+                self._wait(min(left, 0.05))
+        self.status = self.process.poll()
+        if self.status is None:
+            self._stop(
+                f"it closed its output, but did not end within {self.limits.scene_seconds:g} s"
+            )
+        elif self.status < 0:
+            self._complain(f"it was ended by signal {_signal_name(-self.status)}")
+        elif self._missing():
+            early = " before it had read all scenes" if self.deaf else ""
+            self._complain(f"it ended with status {self.status}{early}")
+
+    def clear(self) -> None:
+        """Leave nothing of the candidate behind: its group, and what has left the group."""
+        with suppress(ProcessLookupError, PermissionError):  # all gone; macOS: not yet reaped
+            os.killpg(self.process.pid, signal.SIGKILL)
+        self.process.wait()
+        kill_marked(self.mark)
+        while not self.stderr.closed and self._read_errors():
+            pass  # nobody writes any more: this ends with what the pipe holds
+        for pipe in (self.stdin, self.stdout, self.stderr):
+            self._close(pipe)
+        self.selector.close()
+
+    def told(self) -> Run:
+        """Return what was heard."""
+        errors = self.errors.decode("utf-8", errors="replace")
+        return Run(self.collected, errors, self.status, time.monotonic() - self.started)
+
+    # --- the three pipes --------------------------------------------------------------------------
+
+    def _wait(self, seconds: float) -> None:
+        for key, _ in self.selector.select(seconds):
+            key.data()
+
+    def _write(self) -> None:
+        try:
+            while self.sending:
+                sent = os.write(self.stdin.fileno(), self.sending[:CHUNK])
+                self.sending = self.sending[sent:] or next(self.unsent, b"")
+        except BlockingIOError:
+            return
+        except BrokenPipeError:
+            self.deaf = True
+        self._close(self.stdin)
+
+    def _read(self) -> None:
+        data = os.read(self.stdout.fileno(), CHUNK)
+        if not data:
+            self._close(self.stdout)
+            return
+        self.received += len(data)
+        if self.received > self.limits.output_bytes:
+            self._stop(f"it wrote more than {self.limits.output_bytes} bytes")
+            return
+        for line in self.splitter.split(data):
+            self._take(line)
+
+    def _read_errors(self) -> bool:
+        try:
+            data = os.read(self.stderr.fileno(), CHUNK)
+        except BlockingIOError:
+            return False
+        if not data:
+            self._close(self.stderr)
+        self.errors = (self.errors + data)[-self.limits.error_bytes :]
+        return bool(data)
+
+    def _close(self, pipe: IO[bytes]) -> None:
+        if not pipe.closed:
+            with suppress(KeyError):
+                self.selector.unregister(pipe)
+            pipe.close()
+
+    # --- what is made of it -----------------------------------------------------------------------
+
+    def _take(self, line: Line) -> None:
+        if line.text is None:
+            self.collected.complain("rubbish", f"longer than {LONGEST_LINE} bytes", line.number)
+        elif self.collected.take_line(line.number, line.text):
+            self.latest = time.monotonic()
+            self.progress(len(self.collected.answers))
+
+    def _missing(self) -> int:
+        return len(self.collected.asked) - len(self.collected.answers)
+
+    def _complain(self, what: str) -> None:
+        answered, asked = len(self.collected.answers), len(self.collected.asked)
+        self.collected.complain(
+            "process", f"the candidate: {what}; it answered {answered} of {asked} scenes"
+        )
+
+    def _stop(self, why: str) -> None:
+        self.stopped = True
+        self._complain(f"{why}, and was stopped")
+
+
+def _signal_name(number: int) -> str:
+    try:
+        return signal.Signals(number).name
+    except ValueError:
+        return str(number)
+
+
+# --- lines ----------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Line:
+    """A line of output and its number, from 1; `text` is None if it is too long to keep."""
+
+    number: int
+    text: bytes | None
+
+
+class Splitter:
+    """Cuts a stream into lines and holds no more than one that is not too long."""
+
+    def __init__(self) -> None:
+        self._held = b""
+        self._overflowed = False
+        self._number = 0
+
+    def split(self, data: bytes) -> Iterator[Line]:
+        """Take more of the stream; yield the lines that it completes."""
+        *complete, rest = (self._held + data).split(b"\n")
+        for text in complete:
+            yield self._line(text)
+        self._overflowed |= len(rest) > LONGEST_LINE
+        self._held = b"" if self._overflowed else rest
+
+    def rest(self) -> Iterator[Line]:
+        """Yield the last line, if it has no end."""
+        if self._held or self._overflowed:
+            yield self._line(self._held)
+
+    def _line(self, text: bytes) -> Line:
+        self._number += 1
+        too_long = self._overflowed or len(text) > LONGEST_LINE
+        self._overflowed = False
+        self._held = b""
+        return Line(self._number, None if too_long else text)
+
+
+# --- processes that have left their group ---------------------------------------------------------
+
+# Every process inherits its parent's environment, so this one's value finds a candidate's
+# descendants even in sessions of their own.
+MARK = "LONGBALL_JUDGE"
+
+
+def kill_marked(mark: str) -> None:
+    """Kill the processes that have a mark in their environment, where /proc shows it (Linux)."""
+    needle = f"{MARK}={mark}".encode()
+    # Again until none is found: one may have been born while we looked.
+    for _ in range(10):
+        found = [pid for pid in _processes() if needle in _environment(pid)]
+        for pid in found:
+            with suppress(ProcessLookupError, PermissionError):
+                os.kill(pid, signal.SIGKILL)
+        if not found:
+            return
+        time.sleep(0.01)
+
+
+def _processes() -> list[int]:
+    proc = Path("/proc")
+    return [int(entry.name) for entry in proc.glob("[0-9]*")] if proc.is_dir() else []
+
+
+def _environment(pid: int) -> list[bytes]:
+    try:
+        return Path(f"/proc/{pid}/environ").read_bytes().split(b"\0")
+    except OSError:  # gone, or somebody else's
+        return []

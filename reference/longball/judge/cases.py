@@ -1,0 +1,241 @@
+"""What a candidate is held against: cases with their truth, and how near it must come.
+
+The golden cases satisfy the protocol `Case`; `Known` makes a case of any scene and result.
+"""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+from longball.engines.at_bat import solve
+from longball.engines.engine import Engine
+from longball.engines.verlet import Verlet
+from longball.judge.quantities import QUANTITIES, Value, length, radii_of, values_of
+from longball.model.result import Result
+from longball.model.scene import Scene
+
+
+class Case(Protocol):
+    """A scene with its truth."""
+
+    @property
+    def id(self) -> str:
+        """The scene's id."""
+
+    @property
+    def family(self) -> str:
+        """What it is reported under."""
+
+    @property
+    def flags(self) -> Sequence[str]:
+        """What is special about it."""
+
+    @property
+    def scene(self) -> Scene:
+        """What is asked."""
+
+    @property
+    def expected(self) -> Result:
+        """The truth; its `error` says why there is none."""
+
+    def attainable(self, quantity: str) -> float:
+        """Return the error that double precision cannot avoid, in the quantity's unit.
+
+        `quantity` is a number's path: ``landing.distance``, ``landing.position[0]``. Infinite if
+        the last bits of an input decide the outcome.
+        """
+
+
+# Of a value whose sensitivity is not known: a thousand half ulps. A landing distance amplifies
+# an error of the bat's height a thousand times, and hardly any at-bat amplifies more.
+UNKNOWN_SENSITIVITY = 1e3 * 2.0**-53
+
+
+@dataclass(frozen=True)
+class Known:
+    """A scene with a result that is taken for true, and its sensitivity for `UNKNOWN_SENSITIVITY`.
+
+    Attributes
+    ----------
+    scene, expected, family, flags
+        See `Case`.
+    """
+
+    scene: Scene
+    expected: Result
+    family: str = "given"
+    flags: tuple[str, ...] = ()
+
+    @property
+    def id(self) -> str:
+        """The scene's id."""
+        return self.scene.id
+
+    def attainable(self, quantity: str) -> float:
+        """Return the error that double precision may need, in the quantity's unit."""
+        block, _, key = quantity.partition(".")
+        key, _, component = key.partition("[")
+        value = getattr(getattr(self.expected, block), key)
+        number = value[int(component[:-1])] if component else value
+        return UNKNOWN_SENSITIVITY * max(1.0, abs(float(number)))
+
+
+def solved(
+    scenes: Iterable[Scene], engine: Engine[float], family: str | None = None
+) -> list[Known]:
+    """Return cases of scenes as an engine solves them; the family is the kind if not given."""
+    return [Known(scene, solve(scene, engine), family or scene.kind) for scene in scenes]
+
+
+def attainable(case: Case, quantity: str) -> float:
+    """Return what double precision cannot avoid, as the length of the error of a vector."""
+    if QUANTITIES[quantity].size == 1:
+        return case.attainable(quantity)
+    return math.hypot(*(case.attainable(f"{quantity}[{i}]") for i in range(3)))
+
+
+def decidable(case: Case) -> bool:
+    """Tell whether there is a truth, and not only in bits that double precision does not have."""
+    return case.expected.outcome is not None and all(
+        math.isfinite(attainable(case, quantity)) for quantity in values_of(case.expected)
+    )
+
+
+# --- how near is near enough ----------------------------------------------------------------------
+
+
+class Profile(ABC):
+    """A named rule of how near a candidate must come to pass."""
+
+    name: str
+
+    @abstractmethod
+    def __str__(self) -> str: ...
+
+    def truths(self, cases: Sequence[Case]) -> Sequence[Case]:
+        """Return the cases with what counts as true under this profile."""
+        return cases
+
+    @abstractmethod
+    def tolerance(self, case: Case, quantity: str, expected: Value) -> float:
+        """Return the largest error that passes, in the quantity's unit."""
+
+    def engine(self) -> Engine[float] | None:
+        """Return who computes what counts as true, if that is not the golden data."""
+        return None
+
+
+# Two digits less than attainable. The attainable error is that of inputs off by half an ulp; what
+# a careful implementation adds is the rounding of its own tens to hundreds of steps, each subject
+# to the same sensitivities. Of 69 golden cases of all families the ivp engine, at 1e-13, needs 30
+# in most and 88 at the worst, save for a ball that almost comes to rest, where it does lose digits.
+SLACK = 100.0
+
+
+@dataclass(frozen=True)
+class Exact(Profile):
+    """As good as double precision can be: within `SLACK` attainable errors."""
+
+    name = "exact"
+
+    def __str__(self) -> str:
+        return f"exact: within {SLACK:g} times the error that double precision cannot avoid"
+
+    def tolerance(self, case: Case, quantity: str, expected: Value) -> float:
+        """Return the largest error that passes; see `Profile.tolerance`."""
+        return SLACK * attainable(case, quantity) + length(radii_of(case.expected)[quantity])
+
+
+@dataclass(frozen=True)
+class Converged(Profile):
+    """An error below a number, or within what `Exact` allows where that is more.
+
+    Attributes
+    ----------
+    error
+        In the quantity's SI unit.
+    """
+
+    error: float = 1e-6
+    name = "converged"
+
+    def __post_init__(self) -> None:
+        if not 0 < self.error < math.inf:
+            raise ValueError(f"a tolerance of {self.error} is not a positive number")
+
+    def __str__(self) -> str:
+        return f"converged: within {self.error:g} (m, s, m/s, J), or what double precision can do"
+
+    def tolerance(self, case: Case, quantity: str, expected: Value) -> float:
+        """Return the largest error that passes; see `Profile.tolerance`."""
+        return max(self.error, Exact().tolerance(case, quantity, expected))
+
+
+# Between what the rounding of a hundred steps can do, amplified by bat and ball a thousand times
+# (1e-11 of a value), and the smallest difference of two readings of the scheme (1e-5 of it).
+SAME_SCHEME = 1e-9
+
+
+@dataclass(frozen=True)
+class Paper(Profile):
+    """The same answers as the paper's scheme at its time step, right or wrong.
+
+    What counts as true is what longball's own Verlet engine answers under each scene's reading.
+
+    Attributes
+    ----------
+    dt
+        s.
+    """
+
+    dt: float = 0.05
+    name = "paper"
+
+    def __str__(self) -> str:
+        return (
+            f"paper: the answers of the printed scheme at Δt = {self.dt:g} s under each scene's "
+            f"reading, as longball's own Verlet engine gives them (not the truth), within "
+            f"{SAME_SCHEME:g} of each value"
+        )
+
+    def engine(self) -> Engine[float]:
+        """Return the paper's scheme."""
+        return Verlet(dt=self.dt)
+
+    def truths(self, cases: Sequence[Case]) -> Sequence[Case]:
+        """Return the cases as the scheme answers them."""
+        engine = self.engine()
+        return [
+            Known(case.scene, solve(case.scene, engine), case.family, tuple(case.flags))
+            for case in cases
+        ]
+
+    def tolerance(self, case: Case, quantity: str, expected: Value) -> float:
+        """Return the largest error that passes; see `Profile.tolerance`."""
+        return SAME_SCHEME * max(1.0, length(expected))
+
+
+def profile(name: str, tolerance: float | None = None, dt: float | None = None) -> Profile:
+    """Return a profile by name.
+
+    Raises
+    ------
+    ValueError
+        If there is none of that name, or if it does not take what is given.
+    """
+    if tolerance is not None and name != "converged":
+        raise ValueError(f"profile {name} takes no tolerance; only converged does")
+    if dt is not None and name != "paper":
+        raise ValueError(f"profile {name} takes no time step; only paper does")
+    match name:
+        case "exact":
+            return Exact()
+        case "converged":
+            return Converged() if tolerance is None else Converged(tolerance)
+        case "paper":
+            return Paper() if dt is None else Paper(dt)
+    raise ValueError(f"there is no profile {name!r}; the profiles are exact, converged, paper")

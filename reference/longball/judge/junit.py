@@ -1,0 +1,68 @@
+"""The verdict for a CI system: JUnit's XML, a test case for each scene."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from xml.etree import ElementTree
+
+from longball.judge.trial import Trial
+from longball.judge.verdict import Comparison, Failure
+from longball.judge.words import told
+
+
+def junit(trial: Trial) -> str:
+    """Return a trial as XML: a suite for each family, and one for the candidate's conduct."""
+    verdict = trial.verdict
+    failures = {failure.id: failure for failure in verdict.failures}
+    families: dict[str, list[Comparison]] = {}
+    for comparison in trial.comparisons:
+        families.setdefault(comparison.case.family, []).append(comparison)
+    root = ElementTree.Element("testsuites", name=f"longball judge: {_text(verdict.candidate)}")
+    for family, comparisons in families.items():
+        _suite(root, family, [_case(comparison, failures) for comparison in comparisons])
+    conduct = ElementTree.Element("testcase", classname="conduct", name="verdict")
+    if verdict.reasons:
+        failure = ElementTree.SubElement(
+            conduct, "failure", message=_text("; ".join(verdict.reasons))
+        )
+        failure.text = _text("\n".join(c.sentence for c in verdict.complaints))
+    _suite(root, "conduct", [conduct])
+    ElementTree.indent(root)
+    return ElementTree.tostring(root, encoding="unicode", xml_declaration=True) + "\n"
+
+
+def _suite(root: ElementTree.Element, name: str, cases: Sequence[ElementTree.Element]) -> None:
+    failed = sum(case.find("failure") is not None for case in cases)
+    skipped = sum(case.find("skipped") is not None for case in cases)
+    suite = ElementTree.SubElement(
+        root,
+        "testsuite",
+        name=name,
+        tests=str(len(cases)),
+        failures=str(failed),
+        errors="0",
+        skipped=str(skipped),
+    )
+    suite.extend(cases)
+
+
+def _case(comparison: Comparison, failures: dict[str, Failure]) -> ElementTree.Element:
+    case = comparison.case
+    element = ElementTree.Element("testcase", classname=case.family, name=_text(case.id))
+    if failure := failures.get(case.id):
+        sentences = [told(fault) for fault in failure.faults]
+        child = ElementTree.SubElement(element, "failure", message=_text(sentences[0]))
+        child.text = _text("\n".join([*sentences, f"scene: {case.scene.line()}"]))
+    elif not comparison.judged:
+        ElementTree.SubElement(element, "skipped", message="double precision cannot decide")
+    elif comparison.answer is None:
+        ElementTree.SubElement(element, "skipped", message="no answer")
+    elif comparison.answer.error is not None:
+        reason = f"refused: {comparison.answer.error}"
+        ElementTree.SubElement(element, "skipped", message=_text(reason))
+    return element
+
+
+def _text(text: str) -> str:
+    """Return a text without the characters that XML forbids."""
+    return "".join(c if c.isprintable() or c in "\n\t" else "?" for c in text)

@@ -1,0 +1,106 @@
+"""The quantities of a result that are judged: their names, units and components.
+
+A quantity is a number or a vector of a result's block: ``landing.distance``, ``plate.position``.
+Values are held as decimals, exactly as they were written: neither the truth's thirty digits nor a
+candidate's seventeen are rounded before they are compared.
+"""
+
+from __future__ import annotations
+
+import decimal
+from collections.abc import Callable
+from dataclasses import dataclass
+from decimal import Decimal
+from typing import TypeVar
+
+from longball.model.result import Result
+
+Value = tuple[Decimal, ...]
+
+AXES = ("x", "y", "z")
+
+# Differences of thirty-digit numbers, and of doubles written out (at most 53 binary places after
+# a leading digit near 1), lose nothing in this many digits.
+ARITHMETIC = decimal.Context(prec=80)
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A quantity of a result.
+
+    Attributes
+    ----------
+    name
+        ``block.key``.
+    unit
+        SI; empty for a pure number.
+    size
+        1 for a number, 3 for a vector.
+    """
+
+    name: str
+    unit: str
+    size: int = 1
+
+
+QUANTITIES: dict[str, Quantity] = {
+    quantity.name: quantity
+    for quantity in (
+        Quantity("plate.time", "s"),
+        Quantity("plate.position", "m", 3),
+        Quantity("plate.velocity", "m/s", 3),
+        Quantity("contact.time", "s"),
+        Quantity("contact.position", "m", 3),
+        Quantity("contact.normal", "", 3),
+        Quantity("contact.bat_velocity", "m/s", 3),
+        Quantity("contact.normal_speed", "m/s"),
+        Quantity("contact.margin", "m"),
+        Quantity("impact.restitution", ""),
+        Quantity("impact.impulse", "N s"),
+        Quantity("impact.velocity", "m/s", 3),
+        Quantity("impact.energy_change", "J"),
+        Quantity("landing.time", "s"),
+        Quantity("landing.hang_time", "s"),
+        Quantity("landing.position", "m", 3),
+        Quantity("landing.velocity", "m/s", 3),
+        Quantity("landing.distance", "m"),
+    )
+}
+
+BLOCKS = tuple(dict.fromkeys(name.partition(".")[0] for name in QUANTITIES))
+
+
+def values_of(result: Result) -> dict[str, Value]:
+    """Return every quantity that a result holds."""
+    return _quantities(result, lambda x: Decimal(repr(x) if isinstance(x, float) else x.value))
+
+
+def radii_of(result: Result) -> dict[str, Value]:
+    """Return the proven radius of every quantity that a result holds; 0 where none is proven."""
+    return _quantities(
+        result, lambda x: Decimal(0 if isinstance(x, float) or x.radius is None else x.radius)
+    )
+
+
+T = TypeVar("T")
+
+
+def _quantities(result: Result, read: Callable[..., T]) -> dict[str, tuple[T, ...]]:
+    found = {}
+    for name in QUANTITIES:
+        block, _, key = name.partition(".")
+        held = getattr(getattr(result, block), key, None)
+        if held is not None:
+            found[name] = tuple(map(read, held if isinstance(held, tuple) else (held,)))
+    return found
+
+
+def difference(a: Value, b: Value) -> float:
+    """Return the distance of two values: the length of the difference of vectors."""
+    with decimal.localcontext(ARITHMETIC):
+        return float(sum(((x - y) * (x - y) for x, y in zip(a, b, strict=True)), Decimal(0)).sqrt())
+
+
+def length(value: Value) -> float:
+    """Return the size of a value: the length of a vector."""
+    return difference(value, (Decimal(0),) * len(value))

@@ -1,0 +1,435 @@
+"""The search for the known mistakes that explain a candidate's errors.
+
+A set of mistakes explains as much of a candidate's error as it takes away: the share is
+1 - Σ|c - p| / Σ|c - t|, over all numbers of all scenes, with the candidate's number c, the
+prediction p and the truth t, each difference relative to the size of its quantity and none counted
+for more than that size; another outcome counts for one such number. No amplitude is fitted, save
+for an unknown time step: g = 9.81 is either the reason or it is not.
+
+Single mistakes are compared first. If one leaves more than noise, sets of two and three are
+screened by adding up their fingerprints, and the promising ones are solved as they are.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from decimal import Decimal
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from longball.judge.answers import Answer
+from longball.judge.diagnosis import Diagnosis, Finding, Suspect
+from longball.judge.fingerprints import (
+    COLUMNS,
+    Answers,
+    Atom,
+    Fingerprints,
+    Guess,
+    answers_of,
+    joined_guess,
+)
+from longball.judge.mistakes import KNOWN, SINGLE
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+# A set of mistakes is named if it explains this share of the error. A mistake that is made and
+# computed leaves only the candidate's other errors; one that merely looks alike leaves more.
+NAMED = 0.95
+
+# One more mistake must take away this share of what is left; less may be chance among so many.
+WORTHWHILE = 0.5
+
+# Mean errors, relative to the size of the quantity. Below the first, what is left after naming a
+# mistake is rounding; below the second, an error that no mistake explains is called noise: a
+# solver's tolerance of 1e-6 leaves as much, and every known mistake a hundred times more.
+ROUNDING = 1e-11
+NOISE = 2e-6
+
+# A share of the error so large that another mistake is not looked for.
+COMPLETE = 0.99999
+
+# Fingerprints of mistakes that leave a mean error below this add up well enough to be found by
+# their sum: what products of two such errors add is less than a tenth of either.
+ADDITIVE = 0.02
+
+LARGEST_SET = 3
+
+PROMISING = 12  # sets that are solved, of all that were screened
+REFINEMENTS = 8  # of a time step
+LISTED = 5  # suspects in the report
+MENTIONED = 0.01  # share of the error that an innocent suspect must explain to be listed
+
+SHORTEST_STEP, LONGEST_STEP = 2e-5, 0.2  # s
+
+
+def diagnose(prints: Fingerprints, answers: Mapping[str, Answer]) -> Diagnosis:
+    """Return which known mistakes explain the errors of a candidate's answers.
+
+    Parameters
+    ----------
+    prints
+        On the scenes that were judged.
+    answers
+        The candidate's, by the scene's id.
+    """
+    return _Search(prints, answers).diagnosis()
+
+
+@dataclass(frozen=True)
+class _Tried:
+    """A guess, and the mean error that it leaves."""
+
+    guess: Guess
+    left: float
+
+
+class _Search:
+    """The search for what explains one candidate's answers."""
+
+    def __init__(self, prints: Fingerprints, answers: Mapping[str, Answer]) -> None:
+        self.prints = prints
+        given = [answers.get(case.id) for case in prints.cases]
+        self.candidate = answers_of(
+            (answer.outcome, answer.values) if answer else (None, {}) for answer in given
+        )
+        truth = prints.truth
+        self.seen: Flags = np.isfinite(self.candidate.numbers) & np.isfinite(truth.numbers)
+        self.single = _in_single_precision(answer for answer in given if answer)
+        self.count = sum(answer is not None and answer.error is None for answer in given)
+        self.error = self.left_by(truth) if self.count else 0.0
+        step = None if prints.step_known else common_step(self._landing_times())
+        self.steps = prints.steps if step is None else (*prints.steps, step)
+
+    def _landing_times(self) -> list[float]:
+        times = self.candidate.numbers[:, COLUMNS.index(("landing.time", 0))]
+        return [float(time) for time in times if np.isfinite(time)]
+
+    @cached_property
+    def alone(self) -> list[Guess]:
+        """Every mistake by itself, in every form that can be predicted."""
+        guesses = self.prints.singles(self.steps)
+        return [guess for guess in guesses if self.prints.predict(guess) is not None]
+
+    def left_by(self, prediction: Answers) -> float:
+        """Return the mean error that a prediction leaves."""
+        return self.prints.error(self.candidate, prediction, self.seen)
+
+    def attempt(self, guess: Guess) -> _Tried | None:
+        """Return what a guess leaves; None if it contradicts itself."""
+        prediction = self.prints.predict(guess)
+        return None if prediction is None else _Tried(guess, self.left_by(prediction))
+
+    def share(self, left: float) -> float:
+        """Return the share of the error that is explained."""
+        return 1.0 - left / self.error if self.error else 0.0
+
+    def diagnosis(self) -> Diagnosis:
+        """Return the finding."""
+        if not self.count:
+            return self._found("nothing", "there is no answer to diagnose", (), 0.0, {})
+        if self._flawless():
+            sentence = (
+                f"no error beyond rounding in the {len(self.prints.cases)} ordinary scenes that "
+                "fingerprints are taken from: what fails elsewhere is hard, not mistaken"
+            )
+            return self._found("nothing", sentence, (), 0.0, {})
+        singles = self._best_singles()
+        best = self._best_set(singles)
+        share = self.share(best.left)
+        if share >= NAMED:
+            names = sorted(
+                best.guess.names, key=lambda n: singles[n].left if n in singles else math.inf
+            )
+            if self.single:
+                names.append(SINGLE.name)
+            return self._found("known", "", names, share, singles, best)
+        if self.single:
+            return self._found("known", "", [SINGLE.name], 1.0, singles)
+        if self.error < NOISE:
+            sentence = (
+                f"noise: errors of {self.error:.1e} of each quantity's size without the pattern "
+                "of any known mistake, as rounding or a solver's tolerance leaves them"
+            )
+            return self._found("noise", sentence, (), max(0.0, share), singles)
+        sentence = (
+            f"none of the known mistakes: the best guess, {_listed(best.guess.names)}, explains "
+            f"{max(0.0, share):.0%} of the error, and a mistake that is made explains at least "
+            f"{NAMED:.0%}"
+        )
+        return self._found("unknown", sentence, (), max(0.0, share), singles)
+
+    def _flawless(self) -> bool:
+        with np.errstate(invalid="ignore"):
+            off = np.abs(self.candidate.numbers - self.prints.truth.numbers) > self.prints.tolerance
+        outcomes = self.candidate.outcomes
+        other = (outcomes >= 0) & (outcomes != self.prints.truth.outcomes)
+        return not (off[self.seen].any() or other.any() or self.single)
+
+    def _best_singles(self) -> dict[str, _Tried]:
+        """Return the best form of each mistake alone, best first."""
+        forms: dict[Atom, _Tried] = {}
+        for guess in self.alone:
+            tried, (atom,) = self.attempt(guess), guess.atoms
+            if tried and (atom not in forms or tried.left < forms[atom].left):
+                forms[atom] = tried
+        best: dict[str, _Tried] = {}
+        for tried in sorted(map(self._refined, forms.values()), key=lambda t: t.left):
+            best.setdefault(tried.guess.names[0], tried)
+        return best
+
+    def _best_set(self, singles: Mapping[str, _Tried]) -> _Tried:
+        best = next(iter(singles.values()))
+        seeds = list(singles.values())[:3]
+        for size in range(2, LARGEST_SET + 1):
+            if best.left <= ROUNDING + (1 - COMPLETE) * self.error or self.error < NOISE:
+                break
+            searches = [self._screened(seeds, size)]
+            if self.error > ADDITIVE:
+                searches.append(self._bold(seeds, singles))
+            for guesses in searches:
+                tried = self._tried(guesses)
+                worthwhile = tried and tried[0].left < (1 - WORTHWHILE) * best.left
+                if worthwhile and self.share(tried[0].left) >= NAMED:
+                    break
+            if not worthwhile:
+                break
+            best, seeds = tried[0], tried[:3]
+        return best
+
+    def _tried(self, guesses: Iterable[Guess]) -> list[_Tried]:
+        """Return what guesses leave, the least first; no further once all is explained."""
+        tried = []
+        for guess in guesses:
+            if one := self.attempt(guess):
+                tried.append(self._refined(one))
+                if self.share(tried[-1].left) >= COMPLETE:
+                    break
+        return sorted(tried, key=lambda t: t.left)
+
+    def _screened(self, seeds: Sequence[_Tried], size: int) -> list[Guess]:
+        """Return the most promising sets of a size, by adding up fingerprints.
+
+        Some promise most over all numbers, some over those that no bat has jumbled.
+        """
+        starts = self.alone if size == 2 else [seed.guess for seed in seeds]
+        prints = self.prints
+        effects = np.array([self._effect(guess) for guess in self.alone])
+        aim = self._relative(self.candidate) - self._relative(prints.truth)
+        others = np.array([self._outcomes(guess) for guess in self.alone])
+        changed = others != prints.truth.outcomes
+        said = self.candidate.outcomes >= 0
+        smooth = prints.smooth[self.seen]
+        everything: dict[tuple[Atom, ...], tuple[float, Guess]] = {}
+        unjumbled: dict[tuple[Atom, ...], tuple[float, Guess]] = {}
+        for start in starts:
+            with np.errstate(invalid="ignore"):
+                left = np.minimum(np.abs(aim - self._effect(start) - effects), 1.0)
+            left = np.where(np.isnan(left), 1.0, left)
+            outcomes = np.where(changed, others, self._outcomes(start))
+            confused = ((outcomes != self.candidate.outcomes) & said).sum(axis=1)
+            whole = left.sum(axis=1) + confused
+            part = left[:, smooth].sum(axis=1)
+            for guess, most, least in zip(self.alone, whole.tolist(), part.tolist(), strict=True):
+                joined = joined_guess(start, guess)
+                if joined is None:
+                    continue
+                key = joined.atoms
+                for found, rest in ((everything, most), (unjumbled, least)):
+                    if key not in found or rest < found[key][0]:
+                        found[key] = rest, joined
+        promising = []
+        for found in (everything, unjumbled):
+            ranked = sorted(found.values(), key=lambda item: item[0])
+            promising += [guess for _, guess in ranked[:PROMISING]]
+        return list(dict.fromkeys(promising))
+
+    def _relative(self, answers: Answers) -> Array:
+        """Return the numbers that are seen, relative to the sizes of their quantities."""
+        relative: Array = (answers.numbers / self.prints.sizes)[self.seen]
+        return relative
+
+    def _effect(self, guess: Guess) -> Array:
+        """Return what a guess does to the numbers that are seen."""
+        prediction = self.prints.predict(guess)
+        assert prediction is not None
+        return self._relative(prediction) - self._relative(self.prints.truth)
+
+    def _outcomes(self, guess: Guess) -> NDArray[np.int64]:
+        prediction = self.prints.predict(guess)
+        assert prediction is not None
+        return prediction.outcomes
+
+    def _bold(self, seeds: Sequence[_Tried], singles: Mapping[str, _Tried]) -> list[Guess]:
+        """Return the best guesses, each with every other mistake.
+
+        A mistake that changes much spoils the sum of fingerprints.
+        """
+        others = [guess for guess in self.alone if not guess.dt]
+        others += [tried.guess for tried in singles.values() if tried.guess.dt]
+        # The best one with every time step: the one that fits a mistake alone fits by chance.
+        joined = [joined_guess(seeds[0].guess, guess) for guess in self.alone]
+        joined += [joined_guess(seed.guess, guess) for seed in seeds[1:] for guess in others]
+        return list(dict.fromkeys(guess for guess in joined if guess))
+
+    def _refined(self, tried: _Tried) -> _Tried:
+        """Return a guess with the time step that fits best, where it is not known.
+
+        The effect of a scheme's step grows in proportion to it, more or less, as long as ball and
+        bat have not met; so it is fitted there, again and again. People choose round numbers.
+        """
+        guess = tried.guess
+        if self.prints.step_known or not any(atom.made.scheme for atom in guess.atoms):
+            return tried
+        rest = Guess(tuple(atom for atom in guess.atoms if not atom.made.steps))
+        start = self.prints.predict(rest) if rest.atoms else self.prints.truth
+        best, dt = tried, guess.dt
+        for _ in range(REFINEMENTS):
+            prediction = self.prints.predict(Guess(guess.atoms, dt))
+            if start is None or prediction is None:
+                break
+            factor = self._amplitude(start, prediction)
+            if not SHORTEST_STEP < dt * factor < LONGEST_STEP or abs(factor - 1.0) < 1e-9:
+                break
+            dt *= factor
+            for step in (float(f"{dt:.2g}"), float(f"{dt:.3g}"), dt):
+                again = self.attempt(Guess(guess.atoms, step))
+                if again and again.left < best.left:
+                    best = again
+            if self.share(best.left) >= COMPLETE:
+                break
+        return best
+
+    def _amplitude(self, start: Answers, prediction: Answers) -> float:
+        """Return how many times the way from start to prediction fits the candidate best."""
+        with np.errstate(invalid="ignore"):
+            step = (prediction.numbers - start.numbers) / self.prints.sizes
+            way = (self.candidate.numbers - start.numbers) / self.prints.sizes
+        used = self.seen & (np.abs(step) < 0.5) & (np.abs(way) < 0.5) & (step != 0.0)
+        smooth = used & self.prints.smooth
+        used = smooth if smooth.any() else used
+        if not used.any():
+            return 1.0
+        # A median of ratios, weighted by the steps: whatever jumps has no say.
+        ratios, weights = way[used] / step[used], np.abs(step[used])
+        order = np.argsort(ratios)
+        middle = np.searchsorted(np.cumsum(weights[order]), weights.sum() / 2)
+        return float(ratios[order][middle])
+
+    # --- the words --------------------------------------------------------------------------------
+
+    def _found(
+        self,
+        finding: Finding,
+        sentence: str,
+        named: Sequence[str],
+        share: float,
+        singles: Mapping[str, _Tried],
+        best: _Tried | None = None,
+    ) -> Diagnosis:
+        if finding == "known":
+            step = best.guess.dt if best else 0.0
+            sentence = "; ".join(
+                f"it {(KNOWN | {SINGLE.name: SINGLE})[name].sentence}" for name in named
+            )
+            sentence += f": this explains {share:.2%} of the error"
+            if step:
+                sentence += f" (Δt = {step:.4g} s)"
+            if best and any(atom.made.scheme for atom in best.guess.atoms):
+                sentence += "; like the printed scheme it looks for the bat at its steps only"
+        others = (n for n, tried in singles.items() if self.share(tried.left) >= MENTIONED)
+        order = list(dict.fromkeys([*named, *others]))
+        suspects = [self._suspect(name, singles, best) for name in order]
+        return Diagnosis(
+            finding=finding,
+            sentence=sentence,
+            named=list(named),
+            share=share,
+            error=self.error,
+            suspects=suspects[: max(LISTED, len(named))],
+            invisible=self._invisible() if singles else [],
+            scenes=len(self.prints.cases),
+        )
+
+    def _suspect(self, name: str, singles: Mapping[str, _Tried], best: _Tried | None) -> Suspect:
+        if name == SINGLE.name:
+            return Suspect(
+                name=name,
+                sentence=SINGLE.sentence,
+                remedy=SINGLE.remedy,
+                share=1.0,
+                step=None,
+                twins=[],
+            )
+        mistake, alone = KNOWN[name], singles[name]
+        dt = best.guess.dt if best and name in best.guess.names else alone.guess.dt
+        atom = alone.guess.atoms[0].made
+        return Suspect(
+            name=name,
+            sentence=mistake.sentence,
+            remedy=mistake.remedy,
+            share=self.share(alone.left),
+            step=dt if atom.steps else None,
+            twins=self._twins(alone),
+        )
+
+    def _twins(self, tried: _Tried) -> list[str]:
+        """Return the other mistakes that predict the same numbers as a guess."""
+        mine = self.prints.predict(tried.guess)
+        assert mine is not None
+        if self.prints.error(mine, self.prints.truth, self.seen) <= ROUNDING:
+            return []  # seen by nobody: no twin of another such
+        same = (
+            guess.names[0]
+            for guess in self.alone
+            if guess.names != tried.guess.names and self._alike(mine, guess)
+        )
+        return list(dict.fromkeys(same))
+
+    def _alike(self, mine: Answers, guess: Guess) -> bool:
+        other = self.prints.predict(guess)
+        return other is not None and self.prints.error(mine, other, self.seen) <= ROUNDING
+
+    def _invisible(self) -> list[str]:
+        """Return the mistakes that change nothing that was judged."""
+        visible = set()
+        for guess in self.alone:
+            if guess.names[0] not in visible and not self._alike(self.prints.truth, guess):
+                visible.add(guess.names[0])
+        return [name for name in KNOWN if name not in visible]
+
+
+def common_step(times: Sequence[float]) -> float | None:
+    """Return the largest step of which all times are multiples, s; None if there is none.
+
+    A multiple is met to a millionth of a step.
+    """
+    told = sorted({time for time in times if time > LONGEST_STEP})
+    if len(told) < 5:
+        return None
+    known = np.array(told[:12])
+    counts = np.arange(math.ceil(known[0] / LONGEST_STEP), math.floor(known[0] / SHORTEST_STEP) + 1)
+    multiples = known[1:, None] * counts / known[0]
+    fits = np.abs(multiples - np.round(multiples)).max(axis=0) < 1e-6
+    return float(known[0] / counts[np.argmax(fits)]) if fits.any() else None
+
+
+def _in_single_precision(answers: Iterable[Answer]) -> bool:
+    """Tell whether every number is one of single precision, exactly or as such are written."""
+    numbers = [x for answer in answers for value in answer.values.values() for x in value if x]
+    return len(numbers) >= 10 and all(map(_is_single, numbers))
+
+
+def _is_single(x: Decimal) -> bool:
+    if abs(x.adjusted()) > 37:  # beyond the range of single precision
+        return False
+    single = np.float32(float(x))
+    return float(x) == float(single) or x in (Decimal(str(single)), Decimal(f"{single:.9g}"))
+
+
+def _listed(names: Sequence[str]) -> str:
+    return " and ".join(names)

@@ -1,0 +1,93 @@
+"""The golden cases inside another project's pytest.
+
+>>> import pytest
+>>> from longball.judge import assert_case, cases
+>>>
+>>> @pytest.mark.parametrize("case", cases("at-bat"))
+>>> def test_at_bat(case):
+...     assert_case(case, my_simulator(case.scene))
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import Any
+
+from longball.judge.answers import Answer, Collector
+from longball.judge.cases import Case, Exact, Profile
+from longball.judge.quantities import values_of
+from longball.judge.verdict import REQUIRABLE, compare
+from longball.judge.verdict import failure as failure_of
+from longball.judge.words import told
+from longball.model.result import Result
+
+
+def assert_case(
+    case: Case,
+    obtained: Result | Mapping[str, Any],
+    profile: Profile | None = None,
+    require: tuple[str, ...] = (),
+) -> None:
+    """Assert that a result is right, to the case's own tolerance.
+
+    Parameters
+    ----------
+    case
+        From `cases`.
+    obtained
+        The result, or a mapping with the keys of one; the id may be left out, and so may
+        whatever the implementation does not compute.
+    profile
+        How near is near enough; as near as double precision can come if not given.
+    require
+        Names of `longball.judge.verdict.REQUIRABLE` that must not be left out.
+
+    Raises
+    ------
+    AssertionError
+        With a line for each quantity that is wrong: expected with its radius, obtained, the
+        error and what is allowed; and the scene.
+    ValueError
+        If something required cannot be.
+    """
+    __tracebackhide__ = True  # pytest shows the caller's line
+    for name in require:
+        if name not in REQUIRABLE:
+            raise ValueError(f"{name} cannot be required; {', '.join(REQUIRABLE)} can")
+    profile = profile or Exact()
+    (truth,) = profile.truths([case])
+    answer, faults = _answer(case, obtained)
+    comparison = compare(truth, answer, profile)
+    if comparison.judged:
+        if answer is not None and answer.error is not None:
+            faults.append(f"no answer: {answer.error}")
+        faults += [told(fault) for fault in failure_of(comparison).faults]
+        faults += [
+            f"{name}: is missing"
+            for name in comparison.missing
+            if name in require or "all" in require
+        ]
+    if faults:
+        lines = "\n".join(f"  {fault}" for fault in dict.fromkeys(faults))
+        flags = f" [{', '.join(case.flags)}]" if case.flags else ""
+        raise AssertionError(f"{case.id}{flags}\n{lines}\n  scene: {case.scene.line()}")
+
+
+def _answer(case: Case, obtained: Result | Mapping[str, Any]) -> tuple[Answer | None, list[str]]:
+    if isinstance(obtained, Result):
+        answer = Answer(case.id, obtained.outcome, values_of(obtained), error=obtained.error)
+        return answer, []
+    # Through JSON, as another implementation's line would come.
+    collector = Collector([case.id])
+    line = json.dumps({**obtained, "id": case.id}, default=_plain)
+    collector.take_line(1, line.encode())
+    faults = [c.sentence.removeprefix(f"{case.id}: ") for c in collector.complaints]
+    return collector.answers.get(case.id), faults
+
+
+def _plain(value: Any) -> Any:
+    """Return NumPy's arrays and numbers as Python's."""
+    if hasattr(value, "tolist"):
+        return value.tolist()
+    raise TypeError(f"{type(value).__name__} is not a number, a list of them, or a mapping")

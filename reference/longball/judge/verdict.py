@@ -1,0 +1,545 @@
+"""The verdict: a candidate's answers beside the truth, counted and measured.
+
+`compare` judges one answer, `verdict` all of them. The verdict is a pydantic model, so that it is
+written and read as JSON by a schema; `longball.judge.words` writes it for a person.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections import Counter, defaultdict
+from collections.abc import Collection, Iterable, Sequence
+from dataclasses import dataclass
+from statistics import median
+from typing import Any
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from longball.judge.answers import Answer, Collector, Kind
+from longball.judge.cases import Case, Profile, attainable, decidable
+from longball.judge.diagnosis import Diagnosis
+from longball.judge.quantities import QUANTITIES, Value, difference, length, radii_of, values_of
+from longball.model.schema import DRAFT, FOLDER, text
+
+# What --require can name besides the quantities.
+REQUIRABLE = ("all", "answers", "outcome", *QUANTITIES)
+
+
+class _Strict(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+
+# --- one answer -----------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Measured:
+    """One quantity of an answer beside the truth; lengths of vectors.
+
+    Attributes
+    ----------
+    error, tolerance, attainable
+        In the quantity's unit.
+    size
+        Of the expected value.
+    """
+
+    quantity: str
+    expected: Value
+    radius: Value
+    obtained: Value
+    error: float
+    tolerance: float
+    attainable: float
+    size: float
+
+    @property
+    def passed(self) -> bool:
+        """Whether the error is within the tolerance."""
+        return self.error <= self.tolerance
+
+    @property
+    def excess(self) -> float:
+        """The error in units of the tolerance."""
+        if self.error == 0.0:
+            return 0.0
+        return self.error / self.tolerance if self.tolerance else math.inf
+
+    @property
+    def ulps(self) -> float:
+        """The error in units in the last place of the expected double."""
+        return self.error / math.ulp(self.size)
+
+    @property
+    def digits(self) -> float | None:
+        """Digits right; None for an expected zero."""
+        return _digits(self.error, self.size)
+
+    @property
+    def digits_attainable(self) -> float | None:
+        """Digits that double precision can get right; None for an expected zero."""
+        return _digits(self.attainable, self.size)
+
+
+# A double holds no more than this.
+_MOST_DIGITS = 17.0
+
+
+def _digits(error: float, size: float) -> float | None:
+    if size == 0.0:
+        return None
+    if error == 0.0:
+        return _MOST_DIGITS
+    return max(0.0, min(_MOST_DIGITS, math.log10(size) - math.log10(error)))
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """One answer beside the truth.
+
+    Attributes
+    ----------
+    case
+        What was asked.
+    answer
+        None if there was none.
+    judged
+        Whether there is a truth to judge by: the case has one, and not just in bits that double
+        precision does not have.
+    outcome_wrong
+        Whether another outcome was given.
+    measured
+        Every quantity that both sides have.
+    missing
+        Quantities of the truth, or ``outcome``, that were left out.
+    unreadable
+        Quantities given that are no numbers.
+    """
+
+    case: Case
+    answer: Answer | None
+    judged: bool
+    outcome_wrong: bool = False
+    measured: tuple[Measured, ...] = ()
+    missing: tuple[str, ...] = ()
+    unreadable: tuple[str, ...] = ()
+
+    @property
+    def refused(self) -> bool:
+        """Whether the candidate said that it cannot answer."""
+        return self.answer is not None and self.answer.error is not None
+
+    @property
+    def passed(self) -> bool:
+        """Whether nothing is wrong; what is missing is not wrong."""
+        return not (
+            self.outcome_wrong or self.unreadable or any(not m.passed for m in self.measured)
+        )
+
+
+def compare(case: Case, answer: Answer | None, profile: Profile) -> Comparison:
+    """Hold an answer against a case, one that the profile's `truths` returned."""
+    expected = values_of(case.expected)
+    judged = decidable(case)
+    if answer is None or answer.error is not None or not judged:
+        return Comparison(case, answer, judged)
+    missing = [] if answer.outcome else ["outcome"]
+    # Beside another outcome it is no wonder that a quantity is not there.
+    wrong = answer.outcome not in (None, case.expected.outcome)
+    measured = []
+    for quantity, value in expected.items():
+        if quantity in answer.unreadable:
+            continue
+        if quantity not in answer.values:
+            if not wrong:
+                missing.append(quantity)
+            continue
+        measured.append(_measure(case, quantity, value, answer.values[quantity], profile))
+    return Comparison(
+        case,
+        answer,
+        True,
+        wrong,
+        tuple(measured),
+        tuple(missing),
+        tuple(sorted(answer.unreadable)),
+    )
+
+
+def _measure(
+    case: Case, quantity: str, expected: Value, obtained: Value, profile: Profile
+) -> Measured:
+    return Measured(
+        quantity,
+        expected,
+        radii_of(case.expected)[quantity],
+        obtained,
+        difference(obtained, expected),
+        profile.tolerance(case, quantity, expected),
+        attainable(case, quantity),
+        length(expected),
+    )
+
+
+# --- the verdict, as JSON has it ------------------------------------------------------------------
+
+
+class Row(_Strict):
+    """A quantity of a family of cases."""
+
+    family: str
+    quantity: str
+    unit: str
+    cases: int = Field(description="in which both sides have it")
+    failed: int = Field(description="in which its error is above the tolerance")
+    worst_error: float = Field(description="in the unit; of vectors, the length of the error")
+    median_error: float
+    worst_ulps: float = Field(description="in units in the last place of the expected double")
+    median_ulps: float
+    digits_right: float | None = Field(
+        description="of the case with the worst share of its attainable digits; null if every "
+        "expected value is zero"
+    )
+    digits_attainable: float | None = Field(description="of the same case")
+    worst_case: str = Field(description="id of the case with the worst error")
+
+
+class Fault(_Strict):
+    """What is wrong in one answer."""
+
+    what: str = Field(description="outcome, or a quantity")
+    expected: list[str]
+    radius: list[str] = Field(description="proven radius of each number; 0 where none is proven")
+    obtained: list[str]
+    error: float | None = Field(description="null where what was given is no number")
+    tolerance: float | None
+
+
+class Failure(_Strict):
+    """A case that failed."""
+
+    id: str
+    family: str
+    flags: list[str]
+    scene: dict[str, Any]
+    faults: list[Fault]
+
+    @property
+    def excess(self) -> float:
+        """The largest error in units of its tolerance; infinite without one."""
+        return max(
+            math.inf if f.error is None or not f.tolerance else f.error / f.tolerance
+            for f in self.faults
+        )
+
+
+class Confusion(_Strict):
+    """How often one outcome was given for another."""
+
+    expected: str
+    obtained: str
+    cases: int
+
+
+class Missing(_Strict):
+    """A quantity that was left out."""
+
+    quantity: str
+    cases: int
+    required: bool
+
+
+class Refusal(_Strict):
+    """A scene that the candidate says it cannot solve."""
+
+    id: str
+    reason: str
+
+
+class Grievance(_Strict):
+    """Something wrong with the candidate's output or conduct."""
+
+    kind: Kind
+    sentence: str
+    line: int | None
+
+
+class Verdict(_Strict):
+    """A candidate's answers beside the truth."""
+
+    passed: bool
+    reasons: list[str] = Field(description="why it did not pass; empty if it did")
+    candidate: str
+    profile: str
+    truth: str = Field(description="where what counts as true comes from")
+    cases: int
+    judged: int = Field(description="answered, and decidable in double precision")
+    right: int = Field(description="judged, and nothing wrong")
+    rows: list[Row]
+    outcomes: list[Confusion]
+    contacts_missed: list[str] = Field(description="ids: the ball was met, the candidate says not")
+    contacts_invented: list[str]
+    failures: list[Failure] = Field(description="the worst first")
+    missing: list[Missing]
+    unanswered: list[str]
+    refused: list[Refusal]
+    undecidable: list[str] = Field(
+        description="ids of cases without a truth, or with one that hangs on the last bits of "
+        "the inputs: any answer will do"
+    )
+    complaints: list[Grievance]
+    complaints_left_out: dict[str, int] = Field(description="of a kind, beyond those listed")
+    standard_error: str = Field(description="its end")
+    seconds: float | None
+    diagnosis: Diagnosis | None = Field(
+        default=None, description="which known mistakes explain the errors"
+    )
+
+    def line(self) -> str:
+        """Return the verdict as JSON."""
+        return self.model_dump_json(indent=2)
+
+
+SCHEMA_FILE = FOLDER / "verdict.schema.json"
+
+
+def schema() -> dict[str, Any]:
+    """Return the JSON Schema of a verdict; ``python -m longball.judge.verdict`` writes its file."""
+    return {"$schema": DRAFT} | Verdict.model_json_schema(mode="serialization")
+
+
+def compare_all(cases: Sequence[Case], collected: Collector, profile: Profile) -> list[Comparison]:
+    """Hold the answers against cases that the profile's `truths` returned."""
+    return [compare(case, collected.answers.get(case.id), profile) for case in cases]
+
+
+def verdict(
+    comparisons: Sequence[Comparison],
+    collected: Collector,
+    profile: Profile,
+    *,
+    candidate: str,
+    truth: str = "golden data",
+    require: Collection[str] = (),
+    standard_error: str = "",
+    seconds: float | None = None,
+    diagnosis: Diagnosis | None = None,
+) -> Verdict:
+    """Return the verdict on a candidate.
+
+    Parameters
+    ----------
+    comparisons
+        From `compare_all`.
+    collected
+        Where the answers are from, and what there is to complain of.
+    profile
+        By which they were compared.
+    candidate
+        What it is called.
+    truth
+        Where the cases are from; a profile with an engine of its own names that instead.
+    require
+        What must not be missing: names of `REQUIRABLE`.
+    standard_error, seconds
+        Of the candidate's run.
+    diagnosis
+        From `longball.judge.fingerprints`.
+
+    Raises
+    ------
+    ValueError
+        If something required is not in `REQUIRABLE`.
+    """
+    for name in require:
+        if name not in REQUIRABLE:
+            raise ValueError(f"{name} cannot be required; {', '.join(REQUIRABLE)} can")
+    judged = [c for c in comparisons if c.judged and c.answer is not None and not c.refused]
+    failures = sorted((failure(c) for c in judged if not c.passed), key=lambda f: -f.excess)
+    unanswered = [c.case.id for c in comparisons if c.answer is None]
+    refused = [
+        Refusal(id=c.case.id, reason=c.answer.error)
+        for c in comparisons
+        if c.judged and c.answer is not None and c.answer.error is not None
+    ]
+    missing = _missing(comparisons, require)
+    reasons = _reasons(comparisons, judged, failures, missing, collected)
+    if {"all", "answers"} & set(require) and (silent := len(unanswered) + len(refused)):
+        reasons.append(f"{silent} scenes without an answer, and answers are required")
+    engine = profile.engine()
+    return Verdict(
+        passed=not reasons,
+        reasons=reasons,
+        candidate=candidate,
+        profile=str(profile),
+        truth=engine.description if engine else truth,
+        cases=len(comparisons),
+        judged=len(judged),
+        right=len(judged) - len(failures),
+        rows=list(_rows(judged)),
+        outcomes=_confusions(judged),
+        contacts_missed=[c.case.id for c in judged if _met(c) == (True, False)],
+        contacts_invented=[c.case.id for c in judged if _met(c) == (False, True)],
+        failures=failures,
+        missing=missing,
+        unanswered=unanswered,
+        refused=refused,
+        undecidable=[c.case.id for c in comparisons if not c.judged],
+        complaints=[
+            Grievance(kind=c.kind, sentence=c.sentence, line=c.line) for c in collected.complaints
+        ],
+        complaints_left_out=dict(collected.left_out),
+        standard_error=standard_error,
+        seconds=seconds,
+        diagnosis=diagnosis,
+    )
+
+
+def _reasons(
+    comparisons: Sequence[Comparison],
+    judged: Sequence[Comparison],
+    failures: Sequence[Failure],
+    missing: Sequence[Missing],
+    collected: Collector,
+) -> list[str]:
+    reasons = []
+    if not judged:
+        reasons.append("no answer could be judged")
+    elif not any(c.measured or "outcome" not in c.missing for c in judged):
+        reasons.append("the answers hold nothing that could be judged")
+    if failures:
+        reasons.append(f"{len(failures)} of {len(judged)} answers are wrong")
+    reasons += [f"{m.quantity} is missing in {m.cases} answers" for m in missing if m.required]
+    complaints = len(collected.complaints) + sum(collected.left_out.values())
+    if complaints:
+        reasons.append(f"{complaints} complaints about its output or conduct")
+    return reasons
+
+
+# A ball that stays in the air was met if there is an impact.
+_MET = {"batted": True, "separating": True, "missed": False, "beyond_bat": False}
+
+
+def _met(comparison: Comparison) -> tuple[bool | None, bool | None]:
+    """Tell of both sides whether ball and bat met; None where it is not said."""
+    assert comparison.answer is not None
+    truth = comparison.case.expected
+    expected = _MET.get(truth.outcome or "", True if truth.impact else None)
+    struck = any(name.startswith("impact.") for name in comparison.answer.values)
+    return expected, _MET.get(comparison.answer.outcome or "", True if struck else None)
+
+
+def _missing(comparisons: Iterable[Comparison], require: Collection[str]) -> list[Missing]:
+    counted = Counter(name for c in comparisons for name in c.missing)
+    return [
+        Missing(quantity=name, cases=counted[name], required="all" in require or name in require)
+        for name in ("outcome", *QUANTITIES)
+        if counted[name]
+    ]
+
+
+def _confusions(judged: Iterable[Comparison]) -> list[Confusion]:
+    pairs = Counter(
+        (str(c.case.expected.outcome), c.answer.outcome)
+        for c in judged
+        if c.answer is not None and c.answer.outcome is not None
+    )
+    return [
+        Confusion(expected=expected, obtained=obtained, cases=cases)
+        for (expected, obtained), cases in sorted(pairs.items())
+    ]
+
+
+def _rows(judged: Iterable[Comparison]) -> Iterable[Row]:
+    groups: dict[tuple[str, str], list[tuple[Comparison, Measured]]] = defaultdict(list)
+    for comparison in judged:
+        for measured in comparison.measured:
+            groups[comparison.case.family, measured.quantity].append((comparison, measured))
+    families = dict.fromkeys(family for family, _ in groups)
+    for family in families:
+        for name, quantity in QUANTITIES.items():
+            if group := groups.get((family, name)):
+                yield _row(family, name, quantity.unit, group)
+
+
+def _row(family: str, name: str, unit: str, group: list[tuple[Comparison, Measured]]) -> Row:
+    measured = [m for _, m in group]
+    worst = max(group, key=lambda pair: pair[1].error)
+    lost = [
+        (m.digits_attainable - m.digits, m.digits, m.digits_attainable)
+        for m in measured
+        if m.digits is not None and m.digits_attainable is not None
+    ]
+    _, digits_right, digits_attainable = max(lost, default=(None, None, None))
+    return Row(
+        family=family,
+        quantity=name,
+        unit=unit,
+        cases=len(group),
+        failed=sum(not m.passed for m in measured),
+        worst_error=worst[1].error,
+        median_error=median(m.error for m in measured),
+        worst_ulps=_finite(max(m.ulps for m in measured)),
+        median_ulps=_finite(median(m.ulps for m in measured)),
+        digits_right=digits_right,
+        digits_attainable=digits_attainable,
+        worst_case=worst[0].case.id,
+    )
+
+
+def _finite(x: float) -> float:
+    """Return a number that JSON can write: an error beside an expected zero has endless ulps."""
+    return min(x, 1.7976931348623157e308)
+
+
+def failure(comparison: Comparison) -> Failure:
+    """Return what is wrong in a comparison; nothing may be."""
+    case, answer = comparison.case, comparison.answer
+    faults = []
+    if comparison.outcome_wrong:
+        faults.append(
+            Fault(
+                what="outcome",
+                expected=[str(case.expected.outcome)],
+                radius=[],
+                obtained=[str(answer.outcome if answer else None)],
+                error=None,
+                tolerance=None,
+            )
+        )
+    expected, radii = values_of(case.expected), radii_of(case.expected)
+    faults += [
+        Fault(
+            what=name,
+            expected=list(map(str, expected.get(name, ()))),
+            radius=list(map(str, radii.get(name, ()))),
+            obtained=["not a number"],
+            error=None,
+            tolerance=None,
+        )
+        for name in comparison.unreadable
+    ]
+    faults += [
+        Fault(
+            what=m.quantity,
+            expected=list(map(str, m.expected)),
+            radius=list(map(str, m.radius)),
+            obtained=list(map(str, m.obtained)),
+            error=m.error,
+            tolerance=m.tolerance,
+        )
+        for m in sorted(comparison.measured, key=lambda m: -m.excess)
+        if not m.passed
+    ]
+    return Failure(
+        id=case.id,
+        family=case.family,
+        flags=list(case.flags),
+        scene=json.loads(case.scene.line()),
+        faults=faults,
+    )
+
+
+if __name__ == "__main__":
+    SCHEMA_FILE.write_text(text(schema()), encoding="utf-8")

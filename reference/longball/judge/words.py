@@ -1,0 +1,190 @@
+"""The verdict for a person."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
+
+from longball.judge.diagnosis import Diagnosis
+from longball.judge.verdict import Failure, Fault, Verdict
+
+# How many of each list are printed; all are in the JSON.
+SHOWN = 5
+
+
+def words(verdict: Verdict, shown: int = SHOWN) -> str:
+    """Return a verdict as text of at most `shown` failed cases, complaints and so on."""
+    sections = [
+        _head(verdict),
+        _errors(verdict),
+        _contacts(verdict),
+        _diagnosis(verdict.diagnosis),
+        _failures(verdict, shown),
+        _silence(verdict, shown),
+        _complaints(verdict, shown),
+    ]
+    return "\n\n".join("\n".join(lines) for s in sections if (lines := list(s))) + "\n"
+
+
+def _head(verdict: Verdict) -> Iterator[str]:
+    yield f"{'PASSED' if verdict.passed else 'FAILED'}: {verdict.candidate}"
+    yield f"profile {verdict.profile}"
+    yield f"held against {verdict.truth}"
+    counts = [f"{verdict.cases} scenes", f"{verdict.judged} answers judged"]
+    counts += [f"{verdict.right} right", f"{verdict.judged - verdict.right} wrong"]
+    if verdict.unanswered:
+        counts.append(f"{len(verdict.unanswered)} without an answer")
+    if verdict.refused:
+        counts.append(f"{len(verdict.refused)} refused")
+    if verdict.undecidable:
+        counts.append(f"{len(verdict.undecidable)} that doubles cannot decide, not judged")
+    if verdict.seconds is not None:
+        counts.append(f"{verdict.seconds:.1f} s")
+    yield ", ".join(counts)
+    for reason in verdict.reasons:
+        yield f"failed because: {reason}"
+
+
+def _errors(verdict: Verdict) -> Iterator[str]:
+    if not verdict.rows:
+        return
+    table = [
+        (
+            "family", "quantity", "failed", "of", "worst error", "median", "", "worst ulps",
+            "median", "digits right", "of attainable", "worst case",
+        )
+    ]  # fmt: skip
+    failed = [row for row in verdict.rows if row.failed]
+    for row in failed or verdict.rows:
+        table.append(
+            (
+                row.family,
+                row.quantity,
+                str(row.failed or "-"),
+                str(row.cases),
+                f"{row.worst_error:.1e}",
+                f"{row.median_error:.1e}",
+                row.unit,
+                _short(row.worst_ulps),
+                _short(row.median_ulps),
+                "" if row.digits_right is None else f"{row.digits_right:.1f}",
+                "" if row.digits_attainable is None else f"{row.digits_attainable:.1f}",
+                row.worst_case,
+            )
+        )
+    yield from _aligned(table, left=(0, 1, 6, 11))
+    right = Counter(row.family for row in verdict.rows if failed and not row.failed)
+    if right:
+        listed = ", ".join(f"{family} {count}" for family, count in right.items())
+        yield f"quantities right in every case, by family: {listed}"
+
+
+def _short(ulps: float) -> str:
+    return f"{ulps:.0f}" if ulps < 1e5 else f"{ulps:.0e}"
+
+
+def _contacts(verdict: Verdict) -> Iterator[str]:
+    confused = [c for c in verdict.outcomes if c.expected != c.obtained]
+    if confused:
+        table = [("outcome expected", "obtained", "scenes")]
+        table += [(c.expected, c.obtained, str(c.cases)) for c in confused]
+        yield from _aligned(table, left=(0, 1))
+    for ids, what in (
+        (verdict.contacts_missed, "contacts missed"),
+        (verdict.contacts_invented, "contacts invented"),
+    ):
+        if ids:
+            yield f"{what}: {len(ids)} ({_some(ids, 5)})"
+
+
+def _diagnosis(diagnosis: Diagnosis | None) -> Iterator[str]:
+    if diagnosis is None:
+        return
+    yield f"diagnosis: {diagnosis.sentence}"
+    known = {suspect.name: suspect for suspect in diagnosis.suspects}
+    for name in diagnosis.named:
+        suspect = known[name]
+        yield f"  {name}: {suspect.remedy}"
+        if suspect.twins:
+            yield f"    the same answers to all these scenes: {', '.join(suspect.twins)}"
+    others = [s for s in diagnosis.suspects if s.name not in diagnosis.named]
+    if others:
+        listed = ", ".join(f"{s.name} {max(0.0, s.share):.0%}" for s in others)
+        yield f"  others, each by itself: {listed}"
+    if diagnosis.invisible:
+        yield f"  not to be seen in these scenes: {', '.join(diagnosis.invisible)}"
+
+
+def _failures(verdict: Verdict, shown: int) -> Iterator[str]:
+    if not verdict.failures:
+        return
+    yield f"wrong answers, the worst first ({min(shown, len(verdict.failures))} shown)"
+    for failure in verdict.failures[:shown]:
+        yield from _failure(failure)
+
+
+def _failure(failure: Failure) -> Iterator[str]:
+    flags = f" [{', '.join(failure.flags)}]" if failure.flags else ""
+    yield f"  {failure.id}{flags}"
+    for fault in failure.faults[:2]:
+        yield f"    {told(fault)}"
+    if len(failure.faults) > 2:
+        yield f"    and {len(failure.faults) - 2} quantities more"
+
+
+def told(fault: Fault) -> str:
+    """Return a fault as a sentence."""
+    expected = _joined(fault.expected)
+    if any(radius.strip("0.") for radius in fault.radius):
+        expected += f" ± {max(fault.radius, key=float)}"
+    sentence = f"{fault.what}: expected {expected}, obtained {_joined(fault.obtained)}"
+    if fault.error is None or fault.tolerance is None:
+        return sentence
+    return f"{sentence}; off by {fault.error:.2e}, allowed {fault.tolerance:.1e}"
+
+
+def _joined(numbers: Sequence[str]) -> str:
+    """Return numbers with no more digits than a double has."""
+    short = [n if len(n) <= 24 else f"{float(n):.17g}" for n in numbers]
+    return short[0] if len(short) == 1 else f"({', '.join(short)})"
+
+
+def _silence(verdict: Verdict, shown: int) -> Iterator[str]:
+    for missing in verdict.missing:
+        required = " (required)" if missing.required else ""
+        yield f"left out: {missing.quantity} in {missing.cases} answers{required}"
+    if verdict.unanswered:
+        yield f"without an answer: {_some(verdict.unanswered, shown)}"
+    for refusal in verdict.refused[:shown]:
+        yield f"refused: {refusal.id}: {refusal.reason}"
+    if verdict.undecidable:
+        yield f"not judged, doubles cannot decide: {_some(verdict.undecidable, shown)}"
+
+
+def _complaints(verdict: Verdict, shown: int) -> Iterator[str]:
+    for complaint in verdict.complaints[:shown]:
+        where = "" if complaint.line is None else f"line {complaint.line}: "
+        yield f"complaint: {where}{complaint.sentence}"
+    more = len(verdict.complaints) - shown + sum(verdict.complaints_left_out.values())
+    if more > 0:
+        yield f"complaints: {more} more"
+    if verdict.complaints and verdict.standard_error.strip():
+        yield "the end of its standard error:"
+        for line in verdict.standard_error.strip().splitlines()[-shown:]:
+            yield "  " + "".join(c if c.isprintable() else "?" for c in line)
+
+
+def _some(ids: Sequence[str], shown: int) -> str:
+    more = len(ids) - shown
+    return ", ".join(ids[:shown]) + (f" and {more} more" if more > 0 else "")
+
+
+def _aligned(table: Sequence[Sequence[str]], left: Iterable[int]) -> Iterator[str]:
+    widths = [max(map(len, column)) for column in zip(*table, strict=True)]
+    left = set(left)
+    for row in table:
+        cells = (
+            cell.ljust(width) if i in left else cell.rjust(width)
+            for i, (cell, width) in enumerate(zip(row, widths, strict=True))
+        )
+        yield "  ".join(cells).rstrip()

@@ -1,0 +1,16 @@
+"""Cases to judge by."""
+
+from __future__ import annotations
+
+import pytest
+
+from longball.engines.ivp import Ivp
+from longball.judge.cases import Known, solved
+from tests.judge.material import at_bats, flights, impacts, pitches
+
+
+@pytest.fixture(scope="session")
+def cases() -> list[Known]:
+    """Return cases whose truth is the ivp engine's, at its tightest."""
+    scenes = [*at_bats(), *flights(), *impacts(), *pitches()]
+    return solved(scenes, Ivp(rtol=3e-14, atol=3e-14))

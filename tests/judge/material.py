@@ -1,0 +1,68 @@
+"""Scenes to judge by: the paper's at-bats and what surrounds them."""
+
+from __future__ import annotations
+
+import json
+import math
+
+from longball.home_run import draw, paper_at_bats, scenes
+from longball.judge.answers import Collector
+from longball.model.readings import Reading
+from longball.model.result import Result
+from longball.model.scene import (
+    AtBatScene,
+    FlightScene,
+    ImpactScene,
+    Incoming,
+    Launch,
+    Pitch,
+    PitchScene,
+    Rotation,
+)
+
+
+def at_bats(count: int = 14) -> list[AtBatScene]:
+    base = AtBatScene(id="base")
+    return [scene for scene in scenes(base, draw(paper_at_bats(Reading()), count, 7)) if scene]
+
+
+def flights() -> list[FlightScene]:
+    """Drives and flies in all directions, and two pop-ups that loop over the vertical."""
+    found = []
+    for i, degrees in enumerate((5, 20, 35, 50, 65, 80, 86, 89)):
+        speed, heading = 32.0 + 2 * i, 0.3 * i - 0.8
+        angle = math.radians(degrees)
+        velocity = (
+            speed * math.cos(angle) * math.cos(heading),
+            speed * math.cos(angle) * math.sin(heading),
+            speed * math.sin(angle),
+        )
+        launch = Launch(position=(0.05, 0.1 * i - 0.3, 0.9 + 0.05 * i), velocity=velocity)
+        found.append(FlightScene(id=f"flight-{degrees}", launch=launch))
+    return found
+
+
+def impacts() -> list[ImpactScene]:
+    found = []
+    for i, degrees in enumerate((-40, -10, 15, 40)):
+        angle, y = math.radians(degrees), 0.2 * i - 0.3
+        position = (0.0696 * math.cos(angle), y, 0.8 + 0.0696 * math.sin(angle))
+        incoming = Incoming(position=position, velocity=(-34.0, 0.4 * i, -4.0), bat_height=0.8)
+        swing = Rotation(tilt=math.radians(2 + 2 * i))
+        found.append(ImpactScene(id=f"impact-{i}", incoming=incoming, swing=swing))
+    return found
+
+
+def pitches() -> list[PitchScene]:
+    return [
+        PitchScene(id=f"pitch-{i}", pitch=Pitch(speed=30.0 + 3 * i, aim=(0.1 * i - 0.15, 1.8)))
+        for i in range(4)
+    ]
+
+
+def collected(cases, results: list[Result]) -> Collector:
+    """Return results as a candidate's lines of JSON would arrive."""
+    heard = Collector([case.id for case in cases])
+    for number, result in enumerate(results, 1):
+        heard.take_line(number, json.dumps(json.loads(result.line())).encode())
+    return heard

@@ -1,0 +1,142 @@
+"""Results in files: JSON Lines and tables."""
+
+from __future__ import annotations
+
+from decimal import Decimal
+from pathlib import Path
+
+import pytest
+
+from longball.engines.at_bat import solve
+from longball.engines.ivp import Ivp
+from longball.judge.answers import (
+    LONGEST_LINE,
+    Answer,
+    BadTable,
+    as_result,
+    csv_columns,
+    read_results,
+)
+from longball.judge.quantities import QUANTITIES, values_of
+from longball.model import result
+from longball.model.scene import AtBatScene
+
+ASKED = ("a", "b", "c")
+
+
+def written(folder: Path, name: str, content: str | bytes) -> Path:
+    path = folder / name
+    path.write_bytes(content.encode() if isinstance(content, str) else content)
+    return path
+
+
+def said(collected) -> str:
+    return "\n".join(map(str, collected.complaints))
+
+
+def test_the_quantities_are_those_of_a_result():
+    fields = {
+        f"{block}.{key}"
+        for block, model in (
+            ("plate", result.Plate),
+            ("contact", result.Contact),
+            ("impact", result.Impact),
+            ("landing", result.Landing),
+        )
+        for key in model.model_fields
+    }
+    assert set(QUANTITIES) == fields
+
+
+def test_json_lines_keep_every_digit(tmp_path: Path):
+    path = written(
+        tmp_path,
+        "results.jsonl",
+        '\ufeff{"id": "a", "outcome": "landed", "landing": {"distance": 100.1}}\r\n'
+        '{"id": "b", "landing": {"distance": '
+        '{"value": "100.10000000000000000000000000001", "radius": "1e-30"}}}\n'
+        '{"id": "c", "error": "too hard\\u001b"}\n',
+    )
+    collected = read_results(path, ASKED)
+    a, b, c = (collected.answers[name] for name in ASKED)
+    assert a.values["landing.distance"] == (Decimal("100.1"),)
+    assert b.values["landing.distance"] == (Decimal("100.10000000000000000000000000001"),)
+    assert c.error == "too hard\\x1b"
+    assert said(collected) == ""
+
+
+def test_a_line_that_is_too_long_is_one_line(tmp_path: Path):
+    long = b"x" * (3 * LONGEST_LINE)
+    collected = read_results(written(tmp_path, "r.jsonl", long + b'\n{"id": "a"}\n!'), ASKED)
+    assert list(collected.answers) == ["a"]
+    assert f"line 1: longer than {LONGEST_LINE} bytes" in said(collected)
+    assert "line 3: not JSON" in said(collected)
+
+
+def test_a_table(tmp_path: Path):
+    path = written(
+        tmp_path,
+        "results.csv",
+        "id,outcome,plate.time,landing.distance,landing.position.x,landing.position.y,"
+        "landing.position.z,remark\r\n"
+        "a,batted,0.55,100.5,100,10.012492197250394,0,far\r\n"
+        "b,missed,0.5,,,,,\r\n"
+        "c,batted,x,nan,1,,0,\r\n",
+    )
+    collected = read_results(path, ASKED)
+    a, b, c = (collected.answers[name] for name in ASKED)
+    assert a.outcome == "batted"
+    assert a.values["landing.position"] == (Decimal(100), Decimal("10.012492197250394"), Decimal(0))
+    assert set(b.values) == {"plate.time"}
+    assert c.unreadable == {"plate.time", "landing.distance", "landing.position"}
+    assert "line 4: c: landing.distance is NaN" in said(collected)
+
+
+def test_a_table_with_names_of_its_own(tmp_path: Path):
+    path = written(tmp_path, "results.csv", "case,D [m]\na,100.5\nz,3\na,4\n")
+    collected = read_results(path, ASKED, {"case": "id", "D [m]": "landing.distance"})
+    assert collected.answers["a"].values == {"landing.distance": (Decimal("100.5"),)}
+    assert "line 3: no scene has the id z" in said(collected)
+    assert "line 4: a is answered again" in said(collected)
+
+
+@pytest.mark.parametrize(
+    ("content", "columns", "why"),
+    [
+        ("case,landing.time\n", {}, "no id column"),
+        ("", {}, "no id column"),
+        ("id,D\n", {"E": "landing.distance"}, "no column E; the columns are id, D"),
+        ("id,D\n", {"D": "distance"}, "cannot hold distance"),
+        ("id,D,landing.distance\n", {"D": "landing.distance"}, "two columns hold the same"),
+    ],
+)
+def test_a_table_that_cannot_be_read(tmp_path: Path, content: str, columns: dict, why: str):
+    with pytest.raises(BadTable, match=why):
+        read_results(written(tmp_path, "results.csv", content), ASKED, columns)
+
+
+def test_a_broken_table_keeps_what_came_before(tmp_path: Path):
+    path = written(tmp_path, "r.csv", b'id,outcome\na,missed\n\xff,missed\nb,"miss\n')
+    collected = read_results(path, ASKED)
+    assert collected.answers["a"].outcome == "missed"
+    assert "not CSV" in said(collected)
+
+
+def test_columns_are_for_tables(tmp_path: Path):
+    with pytest.raises(BadTable, match="CSV"):
+        read_results(written(tmp_path, "r.jsonl", ""), ASKED, {"x": "id"})
+
+
+def test_every_quantity_has_a_column():
+    assert {quantity for quantity, _ in csv_columns().values()} >= set(QUANTITIES)
+
+
+def test_an_answer_becomes_a_result_again():
+    whole = solve(AtBatScene(id="a"), Ivp()).model_copy(update={"engine": None})
+    values = values_of(whole)
+    assert as_result(Answer("a", whole.outcome, values)) == whole
+    del values["landing.time"]
+    assert as_result(Answer("a", whole.outcome, values)) == whole.model_copy(
+        update={"landing": None}
+    )
+    assert as_result(Answer("a", None, {}, error="no")).error == "no"

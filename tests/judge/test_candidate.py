@@ -1,0 +1,304 @@
+"""Candidates that misbehave in every way: judged by what they answered, and gone afterwards.
+
+Where a candidate is expected to succeed the limits are generous; where it hangs they are small.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from longball.judge.answers import LONGEST_LINE
+from longball.judge.candidate import MARK, Limits, Run, Splitter, run
+from longball.model.scene import FlightScene, Launch
+
+GENEROUS = Limits(scene_seconds=60, total_seconds=120)
+HASTY = Limits(scene_seconds=1.0, total_seconds=60)
+
+
+def scenes(count: int = 5) -> list[FlightScene]:
+    launch = Launch(position=(0.0, 0.0, 1.0), velocity=(30.0, 0.0, 20.0))
+    return [FlightScene(id=f"s{i}", launch=launch) for i in range(count)]
+
+
+def python(program: str, limits: Limits = GENEROUS, count: int = 5) -> Run:
+    """Run a candidate that is written in a few lines; `say` answers an id."""
+    start = (
+        "import json, os, sys, time\n"
+        "def say(id):\n"
+        "    print(json.dumps({'id': id, 'outcome': 'landed', 'landing': {'distance': 1.5}}),\n"
+        "          flush=True)\n"
+        "def ids():\n"
+        "    for line in sys.stdin:\n"
+        "        yield json.loads(line)['id']\n"
+    )
+    return run([sys.executable, "-I", "-S", "-c", start + program], scenes(count), limits)
+
+
+def said(heard: Run) -> str:
+    return "\n".join(str(complaint) for complaint in heard.collected.complaints)
+
+
+def answered(heard: Run) -> list[str]:
+    return sorted(heard.collected.answers)
+
+
+def test_answers_are_read_and_nothing_is_wrong():
+    heard = python("for id in ids(): say(id)")
+    assert answered(heard) == ["s0", "s1", "s2", "s3", "s4"]
+    assert said(heard) == ""
+    assert heard.status == 0
+    assert [float(x) for x in heard.collected.answers["s3"].values["landing.distance"]] == [1.5]
+
+
+def test_any_order_will_do():
+    heard = python("for id in reversed(list(ids())): say(id)")
+    assert len(answered(heard)) == 5
+    assert said(heard) == ""
+
+
+def test_no_deadlock_when_everything_is_read_first_or_answered_before_reading():
+    # Both pipes are filled many times over: a pipe holds 64 KiB, these scenes are 2 MB.
+    count = 5000
+    heard = python("all = list(ids())\nfor id in all: say(id)", count=count)
+    assert (len(answered(heard)), said(heard)) == (count, "")
+    heard = python(f"for i in range({count}): say(f's{{i}}')\nfor id in ids(): pass", count=count)
+    assert (len(answered(heard)), said(heard)) == (count, "")
+
+
+def test_progress_is_told():
+    told: list[int] = []
+    program = 'import sys\nfor i in range(5): print(\'{"id": "s%d"}\' % i)'
+    run([sys.executable, "-c", program], scenes(), GENEROUS, told.append)
+    assert told == [1, 2, 3, 4, 5]
+
+
+def test_a_hang_keeps_what_was_answered():
+    heard = python("say('s0'); say('s1'); time.sleep(600)", HASTY)
+    assert answered(heard) == ["s0", "s1"]
+    assert "no answer came for 1 s, and was stopped; it answered 2 of 5 scenes" in said(heard)
+    assert heard.status is None
+
+
+def test_a_hang_that_closed_its_output():
+    heard = python("say('s0'); sys.stdout.flush(); os.close(1); time.sleep(600)", HASTY)
+    assert answered(heard) == ["s0"]
+    assert "closed its output, but did not end within 1 s, and was stopped" in said(heard)
+
+
+def test_a_hang_after_the_last_answer():
+    heard = python("for id in ids(): say(id)\ntime.sleep(600)", HASTY)
+    assert len(answered(heard)) == 5
+    assert "did not end within 1 s after its last answer" in said(heard)
+
+
+def test_rubbish_does_not_count_as_an_answer_in_time():
+    heard = python("say('s0')\nwhile True: print('thinking', flush=True); time.sleep(.05)", HASTY)
+    assert answered(heard) == ["s0"]
+    assert "no answer came for 1 s" in said(heard)
+
+
+def test_the_time_in_all_is_limited():
+    limits = Limits(scene_seconds=60, total_seconds=1.5)
+    heard = python("for id in ids(): time.sleep(.5); say(id)", limits, count=1000)
+    assert "took more than 1.5 s in all, and was stopped" in said(heard)
+
+
+def test_a_crash_half_way():
+    heard = python("say('s0'); say('s1'); os.abort()")
+    assert answered(heard) == ["s0", "s1"]
+    assert "was ended by signal SIGABRT; it answered 2 of 5 scenes" in said(heard)
+
+
+def test_an_early_end():
+    heard = python("say('s4'); print('no more', file=sys.stderr); sys.exit(3)")
+    assert answered(heard) == ["s4"]
+    assert "ended with status 3" in said(heard)
+    assert "it answered 1 of 5 scenes" in said(heard)
+    assert heard.errors == "no more\n"
+
+
+def test_an_end_before_anything():
+    heard = python("")
+    assert answered(heard) == []
+    assert "ended with status 0" in said(heard)
+
+
+def test_an_input_that_is_closed_early_is_no_loss_of_answers():
+    program = "os.close(0)\nfor i in range(3): say(f's{i}'); time.sleep(.1)"
+    heard = python(program, count=5000)
+    assert answered(heard) == ["s0", "s1", "s2"]
+    assert "ended with status 0 before it had read all scenes; it answered 3 of 5000" in said(heard)
+
+
+def test_rubbish_is_told_by_line_and_the_rest_judged():
+    heard = python(
+        "print('hello')\n"
+        "sys.stdout.flush(); os.write(1, b'\\xff\\xfe\\n')\n"
+        "print('[1, 2]'); print('{\"outcome\": 1}'); print('{\"id\": 7}'); print()\n"
+        "print('[' * 60000)\n"
+        "say('s2')\n"
+        'print(\'{"id": "s3", "outcome": "lan\', end=\'\')'
+    )
+    assert answered(heard) == ["s2"]
+    for sentence in (
+        "line 1: not JSON: hello",
+        "line 2: not UTF-8 text: byte 1 is 0xff",
+        "line 3: not a result, which is a JSON object",
+        "line 4: not a result: it has no id",
+        "line 5: not a result: the id 7 is no text",
+        "line 7: not a result: brackets nested too deeply",
+        'line 9: not JSON: {"id": "s3", "outcome": "lan',
+    ):
+        assert sentence in said(heard)
+
+
+def test_ids_that_nobody_asked_for_and_second_answers():
+    heard = python('say(\'s0\'); say(\'nobody\'); print(\'{"id": "s0", "outcome": "missed"}\')')
+    assert heard.collected.answers["s0"].outcome == "landed"
+    assert "line 2: no scene has the id nobody" in said(heard)
+    assert "line 3: s0 is answered again; the first answer counts" in said(heard)
+
+
+def test_what_is_quoted_can_do_no_harm():
+    heard = python("print(json.dumps({'id': '\\x1b]0;evil\\x07' + 'x' * 1000}))")
+    assert "\x1b" not in said(heard)
+    assert len(said(heard).splitlines()[0]) < 200
+
+
+def test_numbers_that_are_none():
+    heard = python(
+        'print(\'{"id": "s0", "outcome": "landed", "landing": {"distance": NaN, "time": 1e999,'
+        ' "hang_time": "4", "position": [1, 2], "velocity": [1, true, null]}}\')\n'
+        'print(\'{"id": "s1", "outcome": "home run", "landing": 150, "plate": null}\')\n'
+        'print(\'{"id": "s2", "outcome": ["landed"], "landing": {"distance": 1e-999999999999}}\')\n'
+        'print(\'{"id": "s3", "landing": {"distance": \' + \'9\' * 20000 + \'}}\')\n'
+    )
+    answers = heard.collected.answers
+    assert not answers["s0"].values
+    assert len(answers["s0"].unreadable) == 5
+    assert "s0: landing.distance is NaN; a finite number must stand there" in said(heard)
+    assert 's0: landing.position is ["1", "2"]; three finite numbers' in said(heard)
+    assert "s1: home run is not an outcome" in said(heard)
+    assert "s1: landing is no JSON object" in said(heard)
+    assert answers["s2"].outcome is None
+    assert answers["s3"].unreadable == {"landing.distance"}
+
+
+def test_a_line_without_end_takes_no_memory():
+    heard = python(
+        "say('s0')\nfor _ in range(200): os.write(1, b'x' * 65536)\nos.write(1, b'\\n')\nsay('s1')"
+    )
+    assert answered(heard) == ["s0", "s1"]
+    assert f"line 2: longer than {LONGEST_LINE} bytes" in said(heard)
+
+
+def test_a_flood_of_output_is_stopped():
+    limits = Limits(scene_seconds=60, total_seconds=120, output_bytes=1 << 21)
+    heard = python("say('s0')\nwhile True: os.write(1, b'spam\\n' * 10000)", limits)
+    assert answered(heard) == ["s0"]
+    assert "wrote more than 2097152 bytes, and was stopped" in said(heard)
+    assert len(heard.collected.complaints) < 50
+    assert heard.collected.left_out["rubbish"] > 1000
+
+
+def test_a_flood_of_errors_is_read_and_forgotten():
+    heard = python(
+        "for id in ids():\n"
+        "    os.write(2, b'warning\\n' * 100000)\n"
+        "    say(id)\n"
+        "os.write(2, b'the end\\n')"
+    )
+    assert (len(answered(heard)), said(heard)) == (5, "")
+    assert len(heard.errors) <= GENEROUS.error_bytes
+    assert heard.errors.endswith("the end\n")
+
+
+def alive(pid: int) -> bool:
+    """Tell whether a process runs (a zombie that nobody reaps does not)."""
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return False
+    status = Path(f"/proc/{pid}/stat")
+    return not status.exists() or status.read_text().rpartition(")")[2].split()[0] != "Z"
+
+
+def gone(pid: int) -> bool:
+    for _ in range(500):
+        if not alive(pid):
+            return True
+        time.sleep(0.01)
+    return False
+
+
+@pytest.mark.parametrize(
+    ("leaves", "then"),
+    [("pass", "time.sleep(600)"), ("os.setsid()", "time.sleep(600)"), ("os.setsid()", "pass")],
+)
+def test_no_process_is_left_behind(leaves: str, then: str, tmp_path: Path):
+    if leaves != "pass" and not Path("/proc/self/environ").exists():
+        pytest.skip("a process that leaves its group is found by /proc only")
+    note = tmp_path / "grandchild"
+    heard = python(
+        f"if os.fork() == 0:\n"
+        f"    {leaves}\n"
+        f"    open({str(note)!r}, 'w').write(str(os.getpid()))\n"
+        f"    time.sleep(600)\n"
+        f"while not os.path.exists({str(note)!r}): time.sleep(.01)\n"
+        f"time.sleep(.1)\n"
+        f"say('s0')\n"
+        f"{then}\n",
+        HASTY,
+    )
+    assert answered(heard) == ["s0"]
+    assert gone(int(note.read_text()))
+
+
+def test_the_shell_is_not_asked(tmp_path: Path):
+    trap = tmp_path / "trap"
+    heard = run(
+        [sys.executable, "-c", "import sys; print(sys.argv)", f"; touch {trap} $(touch {trap})"],
+        scenes(),
+        GENEROUS,
+    )
+    assert "touch" in said(heard)
+    assert not trap.exists()
+
+
+def test_a_program_that_is_not_there():
+    with pytest.raises(FileNotFoundError):
+        run(["/no/such/program"], scenes(), GENEROUS)
+
+
+def test_scenes_with_one_id_are_refused():
+    with pytest.raises(ValueError, match="same id"):
+        run([sys.executable], scenes(1) * 2, GENEROUS)
+
+
+def test_nothing_asked_is_nothing_answered():
+    heard = python("for id in ids(): say(id)", count=0)
+    assert (answered(heard), said(heard), heard.status) == ([], "", 0)
+
+
+def test_the_mark_is_not_ours():
+    assert MARK not in os.environ
+
+
+@pytest.mark.parametrize("size", [1, 2, 7, 100])
+def test_lines_do_not_depend_on_how_they_arrive(size: int):
+    stream = b"one\n\ntwo\r\n" + b"x" * (LONGEST_LINE + 1) + b"\nthree"
+    if size == 1:
+        stream = stream.replace(b"x" * LONGEST_LINE, b"")
+    splitter = Splitter()
+    lines = []
+    for start in range(0, len(stream), size):
+        lines += splitter.split(stream[start : start + size])
+    lines += splitter.rest()
+    too_long = b"x" if size == 1 else None
+    assert [line.text for line in lines] == [b"one", b"", b"two\r", too_long, b"three"]
+    assert [line.number for line in lines] == [1, 2, 3, 4, 5]

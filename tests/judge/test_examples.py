@@ -1,0 +1,110 @@
+"""The example candidates: built, judged, and judged again with a mistake in their source.
+
+They were written from the paper, in three languages, without longball; that they agree with the
+Verlet engine to 1e-9 is a test of that engine too.
+"""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from longball.engines.ivp import Ivp
+from longball.judge.candidate import Limits
+from longball.judge.cases import Known, profile, solved
+from longball.judge.trial import Court
+from longball.judge.words import words
+from tests.judge.material import at_bats, flights, impacts, pitches
+
+FOLDER = Path(__file__).parents[1] / "candidates"
+GENEROUS = Limits(scene_seconds=60, total_seconds=300)
+
+
+def command(source: Path, folder: Path) -> list[str]:
+    """Return the command that runs a candidate, built if need be."""
+    match source.suffix:
+        case ".py":
+            return [sys.executable, "-I", str(source)]
+        case ".js":
+            if not (node := shutil.which("node")):
+                pytest.skip("no Node on this machine")
+            return [node, str(source)]
+        case _:
+            if not (compiler := shutil.which("cc")):
+                pytest.skip("no C compiler on this machine")
+            program = folder / "candidate"
+            subprocess.run([compiler, "-O1", "-o", program, source, "-lm"], check=True)
+            return [str(program)]
+
+
+NAMES = ["paper_verlet.py", "paper_verlet.js", "paper_verlet.c"]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_they_know_nothing_of_longball(name: str):
+    assert "longball" not in (FOLDER / name).read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("dt", [0.05, 0.004])
+@pytest.mark.parametrize("name", NAMES)
+def test_the_printed_scheme_passes_as_such(name: str, dt: float, tmp_path: Path):
+    scenes = [*at_bats(150 if dt == 0.05 else 40), *flights(), *impacts(), *pitches()]
+    cases = solved(scenes, Ivp())
+    court = Court(cases, profile("paper", dt=dt))
+    trial = court.try_command([*command(FOLDER / name, tmp_path), "--dt", str(dt)], GENEROUS)
+    assert trial.verdict.passed, words(trial.verdict)
+    assert trial.verdict.judged == len(cases)
+    outcomes = {(c.expected, c.obtained) for c in trial.verdict.outcomes}
+    assert ("batted", "batted") in outcomes
+    assert dt < 0.05 or ("missed", "missed") in outcomes
+    assert {m.quantity for m in trial.verdict.missing} == {"contact.margin"}
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_against_the_truth_it_is_found_out(name: str, cases: list[Known], tmp_path: Path):
+    court = Court(cases, profile("converged", 1e-6))
+    verdict = court.try_command(command(FOLDER / name, tmp_path), GENEROUS).verdict
+    assert not verdict.passed
+    assert len(verdict.contacts_missed) > 8
+    assert verdict.diagnosis is not None
+    assert verdict.diagnosis.named == ["lagged-verlet"]
+    assert verdict.diagnosis.suspects[0].step == pytest.approx(0.05)
+
+
+@pytest.mark.parametrize(
+    ("name", "right", "wrong", "mistake"),
+    [
+        ("paper_verlet.c", "a.z -= gravity", "a.z -= 9.81", "g-9.81"),
+        ("paper_verlet.c", "L * L / 3 + rb * rb / 4", "L * L / 3", "thin-rod"),
+        ("paper_verlet.c", "lever = L / 2 - r.y", "lever = L / 2 + r.y", "other-pivot"),
+        ("paper_verlet.js", "drag * p + lift", "drag * p - lift", "lift-sign"),
+        ("paper_verlet.js", "restitution * (1 + ratio) + ratio;", "restitution;",
+         "plain-restitution"),
+        ("paper_verlet.js", "lever ** 2) / inertia", "lever) / inertia", "effective-mass"),
+        ("paper_verlet.py", "-b + math.sqrt(b * b - a * c)", "-b - math.sqrt(b * b - a * c)",
+         "larger-root"),
+        ("paper_verlet.py", "acceleration(v, to or", "acceleration(half, to or",
+         "half-step-verlet"),
+        ("paper_verlet.py", "t = between(r0, r1, share), between(v0, v1, share), (k - 1 + share)",
+         "t = list(r1), v1, k", "first-below"),
+        ("paper_verlet.py", 'math.hypot(r[0], r[1])}', 'math.hypot(r[0] - 0.07, r[1])}', None),
+    ],
+)  # fmt: skip
+def test_a_mistake_in_the_source_is_named(
+    name: str, right: str, wrong: str, mistake: str | None, tmp_path: Path
+):
+    text = (FOLDER / name).read_text(encoding="utf-8")
+    assert right in text
+    source = tmp_path / name
+    source.write_text(text.replace(right, wrong), encoding="utf-8")
+    # At 5 ms the bat is met in most at-bats, so that there is something to see.
+    scenes = [*at_bats(20), *flights(), *impacts(), *pitches()]
+    court = Court(solved(scenes, Ivp()), profile("paper", dt=0.005))
+    verdict = court.try_command([*command(source, tmp_path), "--dt", "0.005"], GENEROUS).verdict
+    assert verdict.diagnosis is not None
+    named = verdict.diagnosis.named
+    assert named == ([mistake] if mistake else []), verdict.diagnosis.sentence

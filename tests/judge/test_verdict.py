@@ -1,0 +1,341 @@
+"""The verdict: what is counted, what passes, and what a person, a CI system and a browser get."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from collections.abc import Callable
+from html.parser import HTMLParser
+from xml.etree import ElementTree
+
+import jsonschema
+import pytest
+
+from longball.engines.at_bat import solve
+from longball.engines.ivp import Ivp
+from longball.judge import assert_case
+from longball.judge import cases as golden_cases
+from longball.judge.answers import Collector
+from longball.judge.cases import Converged, Exact, Known, Paper, profile, solved
+from longball.judge.junit import junit
+from longball.judge.page import page
+from longball.judge.trial import Court, Trial
+from longball.judge.verdict import SCHEMA_FILE, Verdict, schema
+from longball.judge.words import words
+from longball.model.result import Result
+from longball.model.schema import text
+from tests.judge.material import at_bats, collected, flights, pitches
+
+Change = Callable[[dict], dict | None]
+
+
+@pytest.fixture(scope="module")
+def few() -> list[Known]:
+    scenes = [*at_bats(6), *flights()[:3], *pitches()[:2]]
+    return solved(scenes, Ivp(rtol=3e-14, atol=3e-14))
+
+
+def tried(cases, change: Change = lambda r: r, profile=None, **court) -> Trial:
+    """Judge the ivp engine's answers, changed."""
+    heard = Collector([case.id for case in cases])
+    for number, case in enumerate(cases, 1):
+        answer = change(json.loads(solve(case.scene, Ivp()).line()))
+        if answer is not None:
+            heard.take_line(number, json.dumps(answer).encode())
+    court = {"diagnose": False} | court
+    return Court(cases, profile or Exact(), **court).judge(heard, "a candidate <&>")
+
+
+def test_the_right_answers_pass(few: list[Known]):
+    verdict = tried(few).verdict
+    assert verdict.passed, verdict.reasons
+    assert (verdict.cases, verdict.judged, verdict.right) == (11, 11, 11)
+    assert {row.family for row in verdict.rows} == {"at-bat", "flight", "pitch"}
+    assert all(row.failed == 0 for row in verdict.rows)
+
+
+def farther(by: float) -> Change:
+    def change(answer: dict) -> dict:
+        if answer["id"] == "sample-000002":
+            answer["landing"]["distance"] += by
+        return answer
+
+    return change
+
+
+def test_an_error_is_measured(few: list[Known]):
+    verdict = tried(few, farther(0.5)).verdict
+    assert not verdict.passed
+    assert verdict.reasons == ["1 of 11 answers are wrong"]
+    (failure,) = verdict.failures
+    assert failure.id == "sample-000002"
+    assert failure.scene["kind"] == "at-bat"
+    (fault,) = failure.faults
+    assert fault.what == "landing.distance"
+    assert fault.error == pytest.approx(0.5)
+    truth = next(case for case in few if case.id == failure.id).expected.landing
+    assert float(fault.expected[0]) == float(truth.distance)
+    (row,) = (r for r in verdict.rows if (r.family, r.quantity) == ("at-bat", fault.what))
+    assert (row.cases, row.failed, row.worst_case) == (6, 1, failure.id)
+    assert row.worst_error == pytest.approx(0.5)
+    assert row.worst_ulps == pytest.approx(0.5 / math.ulp(truth.distance))
+    assert row.digits_right == pytest.approx(math.log10(truth.distance / 0.5))
+    assert row.digits_attainable > 12
+    assert row.median_error < 1e-10
+
+
+def test_the_profile_decides(few: list[Known]):
+    assert not tried(few, farther(1e-7)).verdict.passed
+    assert tried(few, farther(1e-7), Converged(1e-6)).verdict.passed
+    assert not tried(few, farther(2e-6), Converged(1e-6)).verdict.passed
+    # The right answers are not the printed scheme's.
+    assert not tried(few, profile=Paper()).verdict.passed
+    assert tried(few, profile=Paper()).verdict.truth.startswith("verlet dt=0.05")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "why"),
+    [
+        (("precise",), "exact, converged, paper"),
+        (("exact", 1e-6), "takes no tolerance"),
+        (("converged", None, 0.05), "takes no time step"),
+        (("converged", -1.0), "positive"),
+        (("paper", None, 0.0), "dt"),
+    ],
+)
+def test_a_profile_that_is_none(arguments: tuple, why: str):
+    with pytest.raises(ValueError, match=why):
+        profile(*arguments).engine()
+
+
+def missed(answer: dict) -> dict:
+    if answer["id"] == "sample-000001":
+        return {"id": answer["id"], "outcome": "missed", "plate": answer["plate"]}
+    return answer
+
+
+def test_contacts_missed_and_invented(few: list[Known]):
+    verdict = tried(few, missed).verdict
+    assert verdict.contacts_missed == ["sample-000001"]
+    assert ("batted", "missed", 1) in [(c.expected, c.obtained, c.cases) for c in verdict.outcomes]
+    assert verdict.missing == []  # what a miss does not have is not missing
+    high = few[0].scene.model_copy(
+        update={"id": "high", "swing": few[0].scene.swing.model_copy(update={"height_offset": 1.0})}
+    )
+    cases = solved([high], Ivp())
+    assert cases[0].expected.outcome == "missed"
+    batted = json.loads(few[0].expected.line()) | {"id": "high"}
+    assert tried(cases, lambda _: batted).verdict.contacts_invented == ["high"]
+
+
+def only_distance(answer: dict) -> dict:
+    landing = answer.get("landing")
+    return {"id": answer["id"]} | (
+        {"landing": {"distance": landing["distance"]}} if landing else {}
+    )
+
+
+def test_what_is_missing_is_listed_and_fails_only_if_required(few: list[Known]):
+    verdict = tried(few, only_distance).verdict
+    assert verdict.passed
+    missing = {m.quantity: m.cases for m in verdict.missing}
+    assert missing["outcome"] == 11
+    assert missing["plate.time"] == 8
+    assert "landing.distance" not in missing
+    assert "left out: plate.time in 8 answers" in words(verdict)
+    verdict = tried(few, only_distance, require=("plate.time",)).verdict
+    assert verdict.reasons == ["plate.time is missing in 8 answers"]
+    assert not tried(few, only_distance, require=("all",)).verdict.passed
+    with pytest.raises(ValueError, match=r"plate\.tame cannot be required"):
+        tried(few, require=("plate.tame",))
+
+
+def test_silence_and_refusal_are_listed_and_fail_only_if_required(few: list[Known]):
+    def change(answer: dict) -> dict | None:
+        if answer["id"] == "pitch-0":
+            return None
+        if answer["id"] == "pitch-1":
+            return {"id": answer["id"], "error": "too fast"}
+        return answer
+
+    verdict = tried(few, change).verdict
+    assert verdict.passed
+    assert verdict.unanswered == ["pitch-0"]
+    assert [(r.id, r.reason) for r in verdict.refused] == [("pitch-1", "too fast")]
+    assert "1 refused" in words(verdict)
+    verdict = tried(few, change, require=("answers",)).verdict
+    assert verdict.reasons == ["2 scenes without an answer, and answers are required"]
+
+
+def test_nothing_to_judge_is_no_success(few: list[Known]):
+    assert tried(few, lambda _: None).verdict.reasons == ["no answer could be judged"]
+    verdict = tried(few, lambda answer: {"id": answer["id"]}).verdict
+    assert verdict.reasons == ["the answers hold nothing that could be judged"]
+
+
+def test_no_number_is_a_fault(few: list[Known]):
+    def change(answer: dict) -> dict:
+        if answer["id"] == "pitch-0":
+            answer["plate"]["time"] = math.nan
+        return answer
+
+    verdict = tried(few, change).verdict
+    assert verdict.failures[0].faults[0].obtained == ["not a number"]
+    assert "1 complaints about its output or conduct" in verdict.reasons
+
+
+class Fragile(Known):
+    """A case in the last bits of its inputs."""
+
+    def attainable(self, quantity: str) -> float:
+        return math.inf
+
+
+def test_what_doubles_cannot_decide_is_not_judged(few: list[Known]):
+    none = Known(few[1].scene, Result(id=few[1].id, error="a graze"))
+    cases = [Fragile(few[0].scene, few[0].expected), none, *few[2:]]
+    verdict = tried(cases, missed).verdict
+    assert verdict.passed
+    assert verdict.undecidable == ["sample-000000", "sample-000001"]
+
+
+def test_vectors_are_judged_by_the_length_of_their_error(few: list[Known]):
+    def change(answer: dict) -> dict:
+        if answer["id"] == "pitch-0":
+            answer["plate"]["velocity"][0] += 3e-3
+            answer["plate"]["velocity"][2] += 4e-3
+        return answer
+
+    fault = tried(few, change).verdict.failures[0].faults[0]
+    assert fault.what == "plate.velocity"
+    assert fault.error == pytest.approx(5e-3)
+
+
+def test_json_is_by_the_schema_and_comes_back(few: list[Known]):
+    verdict = tried(few, farther(0.5), diagnose=True).verdict
+    assert verdict.diagnosis is not None
+    assert verdict.diagnosis.finding == "unknown"
+    written = verdict.line()
+    jsonschema.validate(json.loads(written), schema())
+    assert Verdict.model_validate_json(written) == verdict
+
+
+def test_the_schema_file_is_the_models():
+    assert SCHEMA_FILE.read_text(encoding="utf-8") == text(schema())
+
+
+def test_words_for_a_person(few: list[Known]):
+    told = words(tried(few, farther(0.5)).verdict)
+    assert told.startswith("FAILED: a candidate <&>\nprofile exact")
+    assert "landing.distance: expected" in told
+    assert "off by 5.00e-01" in told
+    assert max(map(len, told.splitlines())) < 260
+
+
+def test_junit(few: list[Known]):
+    def change(answer: dict) -> dict | None:
+        return None if answer["id"] == "pitch-0" else farther(0.5)(answer)
+
+    root = ElementTree.fromstring(junit(tried(few, change)))
+    suites = {suite.get("name"): suite for suite in root}
+    assert suites["at-bat"].get("tests") == "6"
+    assert suites["at-bat"].get("failures") == "1"
+    assert suites["pitch"].get("skipped") == "1"
+    assert suites["conduct"].get("failures") == "1"
+    (failure,) = suites["at-bat"].iter("failure")
+    assert "landing.distance: expected" in failure.get("message")
+    assert '"kind": "at-bat"' in failure.text
+
+
+class Page(HTMLParser):
+    """Checks that every tag is closed, and collects what is fetched."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.sources: list[str] = []
+
+    def handle_starttag(self, tag, attributes):
+        self.sources += [v for k, v in attributes if k in ("src", "href")]
+        if tag not in ("meta", "img"):
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+
+def test_the_page_needs_no_other_file(few: list[Known]):
+    trial = tried(few, lambda answer: missed(farther(0.5)(answer)), diagnose=True)
+    html = page(trial)
+    parser = Page()
+    parser.feed(html)
+    assert parser.open == []
+    assert len(parser.sources) == 2
+    assert all(source.startswith("data:image/png;base64,iVBOR") for source in parser.sources)
+    assert "a candidate &lt;&amp;&gt;" in html
+    assert "<h2>Diagnosis</h2>" in html
+
+
+def test_a_page_without_errors_has_no_worst_flight(few: list[Known]):
+    html = page(tried(few))
+    assert len(re.findall("<img", html)) == 1
+    assert "PASSED" in html
+    assert "<img" not in page(tried(few, lambda _: None))
+
+
+class TestAssertCase:
+    def test_the_right_result_passes(self, few: list[Known]):
+        for case in few:
+            result = solve(case.scene, Ivp())
+            assert_case(case, result, require=("all",))
+            assert_case(case, json.loads(result.line()))
+
+    def test_what_is_wrong_is_said(self, few: list[Known]):
+        answer = farther(0.5)(json.loads(solve(few[2].scene, Ivp()).line()))
+        with pytest.raises(AssertionError, match=r"(?s)sample-000002\n  landing.distance: expected"
+                                                 r".*off by 5.00e-01.*scene: \{"):  # fmt: skip
+            assert_case(few[2], answer)
+
+    def test_a_part_of_a_result_is_enough(self, few: list[Known]):
+        distance = few[2].expected.landing.distance
+        assert_case(few[2], {"landing": {"distance": distance}})
+        with pytest.raises(AssertionError, match="outcome: is missing"):
+            assert_case(few[2], {"landing": {"distance": distance}}, require=("outcome",))
+        with pytest.raises(ValueError, match="cannot be required"):
+            assert_case(few[2], {}, require=("distance",))
+
+    def test_the_wrong_outcome_and_no_number(self, few: list[Known]):
+        with pytest.raises(AssertionError, match="outcome: expected batted, obtained missed"):
+            assert_case(few[2], {"outcome": "missed"})
+        with pytest.raises(AssertionError, match=r"landing\.distance is NaN"):
+            assert_case(few[2], {"landing": {"distance": math.nan}})
+        with pytest.raises(AssertionError, match="home run is not an outcome"):
+            assert_case(few[2], {"outcome": "home run"})
+        with pytest.raises(AssertionError, match="no answer: too hard"):
+            assert_case(few[2], {"error": "too hard"})
+
+    def test_another_profile(self, few: list[Known]):
+        answer = farther(1e-7)(json.loads(solve(few[2].scene, Ivp()).line()))
+        assert_case(few[2], answer, Converged(1e-6))
+        with pytest.raises(AssertionError):
+            assert_case(few[2], answer)
+
+    def test_arrays_will_do(self, few: list[Known]):
+        import numpy as np
+
+        position = np.array(few[2].expected.landing.position, dtype=float)
+        assert_case(few[2], {"landing": {"position": position}})
+
+
+def test_results_arrive_as_lines(few: list[Known]):
+    heard = collected(few, [solve(case.scene, Ivp()) for case in few])
+    assert not heard.complaints
+
+
+def test_the_golden_pitches_are_passed_by_the_ivp_engine():
+    pytest.importorskip("longball.golden")
+    pitches_of_gold = golden_cases("pitch")
+    assert len(pitches_of_gold) >= 20
+    for case in pitches_of_gold:
+        assert_case(case, solve(case.scene, Ivp()))
