@@ -5,7 +5,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 INSTALLED := $(VENV)/.installed
 
-.PHONY: report test lint clean
+.PHONY: report test lint bench clean
 
 report: $(INSTALLED)  ## write report/README.md with its tables and figures
 	$(BIN)/python -m analysis
@@ -19,6 +19,9 @@ lint: $(INSTALLED)  ## run the linters
 	$(BIN)/mypy reference analysis
 	$(BIN)/lint-imports
 	$(BIN)/python -m longball.model.derivation --check
+
+bench: $(INSTALLED)  ## time the engines side by side, with the peers that are installed
+	$(BIN)/python -m analysis.bench
 
 $(INSTALLED): pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)

@@ -19,6 +19,7 @@ STUDIES = {
     "home_runs": True,
     "readings": True,
     "accuracy": True,
+    "convergence": False,
     "survival": False,
     "pitch_fits": False,
 }

@@ -12,9 +12,12 @@ from typing import Annotated
 import typer
 
 from longball import __version__
+from longball.cli import golden
 from longball.cli.common import say
+from longball.cli.converge import converge
 from longball.cli.fit import fit
 from longball.cli.homerun import homerun
+from longball.cli.judge import judge
 from longball.cli.readings import readings
 from longball.cli.solve import solve
 
@@ -27,6 +30,12 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 app.command(epilog="Example: longball solve at-bats.jsonl -o results.jsonl")(solve)
+app.add_typer(golden.app, name="golden")
+app.command(epilog="Example: longball judge -- longball solve --engine verlet --dt 1e-3")(judge)
+app.command(
+    epilog="Example: longball converge --expected 2 -- "
+    "longball solve --engine verlet --variant implicit --dt {dt}"
+)(converge)
 app.command(epilog="Example: longball homerun --samples 1000 --e 0.41:0.45:0.01 --figure P.png")(
     homerun
 )

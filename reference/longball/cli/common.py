@@ -87,8 +87,11 @@ def show(table: Table) -> None:
 
 
 @contextmanager
-def progress_bar(what: str, total: int) -> Iterator[Callable[[int], None]]:
-    """Show progress on standard error while it is a terminal; yields a function of what is done."""
+def progress_bar(what: str, total: int) -> Iterator[Callable[..., None]]:
+    """Show progress on standard error while it is a terminal.
+
+    Yields a function of what is done, and of the total if that is known only then.
+    """
     bar = Progress(
         TextColumn(what),
         BarColumn(),
@@ -100,4 +103,8 @@ def progress_bar(what: str, total: int) -> Iterator[Callable[[int], None]]:
     )
     with bar:
         task = bar.add_task(what, total=total)
-        yield lambda done: bar.update(task, completed=done)
+
+        def advance(done: int, of: int = total) -> None:
+            bar.update(task, completed=done, total=of)
+
+        yield advance

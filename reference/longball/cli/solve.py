@@ -27,6 +27,9 @@ def solve(
     ] = None,
     rtol: Annotated[float | None, typer.Option(help="ivp: relative tolerance.")] = None,
     atol: Annotated[float | None, typer.Option(help="ivp: absolute tolerance, m, m/s.")] = None,
+    tolerance: Annotated[
+        float | None, typer.Option(help="batch: error asked for at landing, m; 1e-13.")
+    ] = None,
     digits: Annotated[
         int | None, typer.Option(help="enclosure, multiprecision: of each number; 30.")
     ] = None,
@@ -41,6 +44,7 @@ def solve(
         "method": method,
         "rtol": rtol,
         "atol": atol,
+        "tolerance": tolerance,
         "digits": digits,
         "dt": dt,
         "variant": variant,

@@ -1,0 +1,65 @@
+"""``longball golden write`` and ``longball golden check``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from longball.cli.common import Workers, check_workers, progress_bar, say, wrong_call
+
+app = typer.Typer(help="Generate the golden data, or verify them.", no_args_is_help=True)
+
+Folder = Annotated[Path | None, typer.Argument(metavar="[DIR]")]
+
+
+@app.command(epilog="Example: longball golden write golden-data")
+def write(folder: Folder = None, workers: Workers = -1) -> None:
+    """Solve every case with proven bounds and write the set to DIR; the shipped set if not given.
+
+    An interrupted run goes on where it ended. Takes some ten minutes on two cores.
+    """
+    from longball.golden import reader, writer  # with them come the engines that prove
+
+    check_workers(workers)
+    target = folder or reader.DATA
+    with progress_bar("cases", 1) as advance:
+        count = writer.write(target, workers=workers, progress=advance)
+    say.print(f"{count} cases in {target}", markup=False)
+
+
+@app.command(epilog="Example: longball golden check --sample 50")
+def check(
+    folder: Folder = None,
+    sample: Annotated[
+        int | None, typer.Option(min=0, help="Solve so many cases again; all if not given.")
+    ] = None,
+    seed: Annotated[int, typer.Option(min=0, help="Which ones.")] = 1,
+    independent: Annotated[
+        bool, typer.Option(help="Also by the multiprecision engine, which shares no method.")
+    ] = True,
+    workers: Workers = -1,
+) -> None:
+    """Verify a set: checksums, schema, and the results by solving again."""
+    from longball.golden import checker, reader  # with them come the engines that prove
+
+    check_workers(workers)
+    target = folder or reader.DATA
+    if not target.is_dir():
+        wrong_call(f"{target}: there is no such folder")
+    with progress_bar("cases", 1) as advance:
+        report = checker.check(
+            target,
+            sample=sample,
+            seed=seed,
+            independent=independent,
+            workers=workers,
+            progress=advance,
+        )
+    for failure in report.failures:
+        print(failure)
+    found = f"{len(report.failures)} failures" if report.failures else "nothing is wrong"
+    say.print(f"{report.cases} cases, {report.solved_again} solved again: {found}")
+    if report.failures:
+        raise typer.Exit(1)
