@@ -20,6 +20,7 @@ STUDIES = {
     "readings": True,
     "accuracy": True,
     "convergence": False,
+    "stability": False,
     "survival": False,
     "pitch_fits": False,
 }

@@ -16,6 +16,7 @@ from flint import arb
 
 from longball.engines import contact
 from longball.engines.at_bat import meet, solve
+from longball.engines.enclosure import Enclosure
 from longball.engines.engine import BatSection, CannotSolve, Stops
 from longball.engines.ivp import Ivp
 from longball.model.motion import Forces, PlaneState, acceleration
@@ -305,3 +306,14 @@ def test_a_ball_is_out_of_reach_only_if_no_fall_could_bring_it_there(duration, o
 
 def test_the_doubt_tells_margin_and_error():
     assert "margin 1e-15 m lies within its error 2e-14 m" in contact.doubt(1e-15, 2e-14)
+
+
+@pytest.mark.parametrize("offset", [1.0, 10.0, -1.2])
+def test_the_margin_of_a_wide_miss_is_that_of_the_whole_pitch(offset):
+    """The closest approach may lie steps before any in which the ball could have touched."""
+    text = '{"id":"x","kind":"at-bat","swing":{"height_offset":%r}}'
+    scene = parse_scene(text % offset)
+    found, true = solve(scene, Ivp()), solve(scene, Enclosure(digits=20))
+    assert found.outcome == true.outcome == "missed"
+    # The state at the closest approach has a flight's error, relative to its distance from home.
+    assert found.contact.margin == pytest.approx(float(true.contact.margin), abs=1e-11)

@@ -28,6 +28,9 @@ def converge(
     scenes: Annotated[
         str | None, typer.Option(help="JSON Lines; golden flights and at-bats if not given.")
     ] = None,
+    golden: Annotated[
+        str | None, typer.Option(metavar="SET", help="Cases of one golden family instead.")
+    ] = None,
     steps: Annotated[
         str, typer.Option(metavar="FROM:TO:COUNT", help="s; a geometric ladder.")
     ] = "0.01:0.0001:9",
@@ -52,7 +55,7 @@ def converge(
 
     if not any("{dt}" in word for word in command):
         wrong_call("the COMMAND must contain {dt}, where its time step goes")
-    asked = read_scenes(scenes) if scenes else golden_scenes()
+    asked = read_scenes(scenes) if scenes else golden_scenes([golden] if golden else FAMILIES)
     complaints: list[str] = []
 
     def answers(step: float) -> Sequence[Result]:
@@ -113,12 +116,13 @@ def read_scenes(source: str) -> list[Scene]:
     return found
 
 
-def golden_scenes() -> list[Scene]:
-    """Return some flights and at-bats of the golden data, under the default reading."""
+def golden_scenes(families: Sequence[str]) -> list[Scene]:
+    """Return some cases of golden families, under the default reading."""
     from longball.golden import load
 
-    plain = (
-        [case.scene for case in load(family) if not case.scene.reading.model_dump()]
-        for family in FAMILIES
-    )
-    return [scene for some in plain for scene in some[:SAMPLE]]
+    try:
+        found = [load(family) for family in families]
+    except ValueError as error:
+        wrong_call(str(error))
+    plain = ([c.scene for c in cases if not c.scene.reading.model_dump()] for cases in found)
+    return [scene for scenes in plain for scene in scenes[:SAMPLE]]

@@ -191,21 +191,34 @@ class Ivp:
         stops: Stops[float],
     ) -> Touch[float]:
         """Find how a pitch meets the bat; see `longball.engines.engine.Engine.touch`."""
-        gravity = forces.gravity or 0.0
-        accelerate = _limited(acceleration(forces, DOUBLES), gravity)
         way = cast(Leg, pitch.record)
-        # The bat is put at the height of this very state. Settled from it, a few milliseconds
-        # away, the closest approach shares its error, which then is none of the margin's.
-        plate = pitch.time, pitch.state
         step = next(
             (
                 step
                 for step, duration in enumerate(np.diff(way.times).tolist())
-                if not contact.cannot_touch(way.at(step)[1], duration, bat, gravity)
+                if not contact.cannot_touch(way.at(step)[1], duration, bat, forces.gravity or 0.0)
             ),
             len(way.times) - 1,
         )
-        time, state = way.at(step)
+        found = self._search(pitch, forces, bat, stops, *way.at(step))
+        # A miss may have been closer before it could have touched.
+        missed = found.touched is False and step > 0
+        return self._search(pitch, forces, bat, stops, *way.at(0)) if missed else found
+
+    def _search(
+        self,
+        pitch: Arrival[float],
+        forces: Forces[float],
+        bat: BatSection[float],
+        stops: Stops[float],
+        time: float,
+        state: State,
+    ) -> Touch[float]:
+        """Search for the bat from a time and state of the pitch on."""
+        accelerate = _limited(acceleration(forces, DOUBLES), forces.gravity or 0.0)
+        # The bat is put at the height of this very state. Settled from it, a few milliseconds
+        # away, the closest approach shares its error, which then is none of the margin's.
+        plate = pitch.time, pitch.state
         error = contact.margin_error(bat, pitch.state, self.flight_error)
         distance = contact.distance(state, bat)
         gap = distance - bat.reach
@@ -216,7 +229,7 @@ class Ivp:
             )
         at_once = gap <= error and contact.radial_velocity(state, bat) < 0
         ends = _search_ends(bat, stops, accelerate)
-        closest = -math.inf
+        closest = -gap
         approaching = contact.radial_velocity(state, bat) < 0
         max_step = contact.longest_step(state, bat, forces)
         while True:

@@ -1,0 +1,202 @@
+"""Every engine on every hard case: digits right, digits attainable, verdict, time."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass
+from decimal import Decimal
+from itertools import groupby
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from joblib import Parallel, delayed
+from matplotlib.colors import ListedColormap
+
+from analysis.writing import figure, markdown_table, shown, table
+from longball import engines
+from longball.engines.at_bat import solve
+from longball.engines.engine import CannotSolve
+from longball.golden import Case, load
+from longball.golden.case import decisive, values_of
+from longball.model.result import Number, Result
+
+ENGINES: dict[str, tuple[str, dict[str, Any]]] = {
+    "ivp DOP853": ("ivp", {}),
+    "ivp RK45": ("ivp", {"method": "RK45", "rtol": 1e-10, "atol": 1e-10}),
+    "ivp LSODA": ("ivp", {"method": "LSODA", "rtol": 1e-12, "atol": 1e-12}),
+    "batch": ("batch", {}),
+    "verlet 1 ms": ("verlet", {"dt": 1e-3, "variant": "implicit"}),
+    "multiprecision 30": ("multiprecision", {"digits": 30}),
+    "enclosure 30": ("enclosure", {"digits": 30}),
+}
+
+VERDICTS = ("right", "short", "declined", "wrong")
+# The errors of a chain's few dozen roundings add up to some attainable errors; a hundred is what
+# the judge's profile `exact` allows.
+ALLOWED = 100.0
+MOST_DIGITS = 30.0  # of the golden values
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One engine on one case: digits right (NaN if it gave no number), and how long it took."""
+
+    case: str
+    engine: str
+    verdict: str
+    digits: float
+    attainable: float
+    seconds: float
+    answer: str
+
+
+def run(report: Path, full: bool) -> str:
+    """Solve the golden set's hard family by every engine; `full` adds all other families."""
+    cases = load() if full else load("hard")
+    tasks = (delayed(try_case)(case, name) for name in ENGINES for case in cases)
+    trials: list[Trial] = list(Parallel(n_jobs=-1, batch_size=16)(tasks))
+    frame = pd.DataFrame([trial.__dict__ for trial in trials])
+    rounded = frame.assign(
+        digits=frame["digits"].round(1),
+        attainable=frame["attainable"].round(1),
+        seconds=[float(f"{s:.2g}") for s in frame["seconds"]],
+    )
+    table(report, "stability", rounded)
+    draw(report, frame)
+    return "\n".join(
+        [
+            "## Stability: every engine on every hard case\n",
+            f"{len(cases)} golden cases, each solved by {len(ENGINES)} engines "
+            "(`python -m analysis stability`). *Right*: the outcome is the proven one, and its "
+            f"main number is off by no more than {ALLOWED:g} times what double precision can "
+            "attain. *Short*: the outcome is right, the number is not. *Declined*: the engine "
+            "says why it gives no answer. *Wrong*: another outcome. What the truth itself cannot "
+            "decide is right if it is declined. Every trial is a line of `tables/stability.csv`; "
+            "times are of one call on a busy machine, the first ones with compilation.\n",
+            summary(frame),
+            shown("stability", "Verdicts on the hard cases, in groups that share a name."),
+            failures(frame),
+        ]
+    )
+
+
+def try_case(case: Case, name: str) -> Trial:
+    """Solve a case by an engine and compare."""
+    family, options = ENGINES[name]
+    start = time.perf_counter()
+    try:
+        result = solve(case.scene, engines.create(family, **options))
+    except CannotSolve as reason:
+        result = Result(id=case.id, error=str(reason))
+    seconds = time.perf_counter() - start
+    verdict, digits, attainable = compare(case, result)
+    answer = result.outcome or str(result.error)
+    return Trial(case.id, name, verdict, digits, attainable, seconds, answer)
+
+
+def compare(case: Case, result: Result) -> tuple[str, float, float]:
+    """Return verdict, digits right and digits attainable of a case's main quantity."""
+    if case.expected.outcome is None:
+        return ("right" if result.outcome is None else "wrong"), math.nan, math.nan
+    if result.outcome is None:
+        return "declined", math.nan, math.nan
+    if result.outcome != case.expected.outcome:
+        return "wrong", math.nan, math.nan
+    expected, found = dict(values_of(case.expected)), dict(values_of(result))
+    paths = [path for path in decisive(case.expected) if path in expected]
+    if not paths:
+        return "right", math.nan, math.nan
+    path = paths[0]
+    if path not in found:
+        return "short", math.nan, math.nan
+    truth = exactly(expected[path])
+    error = abs(exactly(found[path]) - truth)
+    size = abs(truth) or Decimal(1)
+    attainable = case.attainable(path)
+    right = float(error) <= ALLOWED * attainable
+    return (
+        "right" if right else "short",
+        digits_of(float(error / size)),
+        digits_of(attainable / float(size)),
+    )
+
+
+def exactly(number: Number) -> Decimal:
+    """Return a number of a result as it is."""
+    return Decimal(number) if isinstance(number, float) else Decimal(number.value)
+
+
+def digits_of(relative_error: float) -> float:
+    """Return how many digits a relative error leaves, from 0 to those of the golden values."""
+    if relative_error <= 10**-MOST_DIGITS:
+        return MOST_DIGITS
+    return max(0.0, -math.log10(relative_error))
+
+
+def summary(frame: pd.DataFrame) -> str:
+    """Return a line an engine: how many of each verdict, and the times."""
+    rows = []
+    for name in ENGINES:
+        of = frame[frame["engine"] == name]
+        counts = [int((of["verdict"] == verdict).sum()) for verdict in VERDICTS]
+        median, worst = of["seconds"].median(), of["seconds"].max()
+        rows.append([name, *counts, f"{1e3 * median:.2g} ms", f"{worst:.2g} s"])
+    return markdown_table(["engine", *VERDICTS, "median time", "longest"], rows)
+
+
+def failures(frame: pd.DataFrame) -> str:
+    """Return what the engines of doubles that aim at the truth fall short of, case by case."""
+    rows = []
+    for name in ("ivp DOP853", "batch"):
+        of = frame[(frame["engine"] == name) & frame["verdict"].isin(["short", "wrong"])]
+        rows += [
+            [name, t.case, t.verdict, shortly(t.digits), shortly(t.attainable), t.answer]
+            for t in of.itertuples()
+        ]
+    head = ["engine", "case", "verdict", "digits right", "attainable", "answer"]
+    return (
+        "Where the reference engine and the batch engine fall short or answer otherwise:\n\n"
+        + markdown_table(head, rows)
+    )
+
+
+def shortly(digits: object) -> str:
+    """Return digits for a table; nothing where there are none."""
+    return "" if digits != digits else f"{digits:.1f}"
+
+
+def draw(report: Path, frame: pd.DataFrame) -> None:
+    """Draw the verdicts, cases across and engines down; darker is worse."""
+    cases = list(dict.fromkeys(frame["case"]))
+    place = {case: i for i, case in enumerate(cases)}
+    grid = np.zeros((len(ENGINES), len(cases)))
+    for trial in frame.itertuples():
+        row = list(ENGINES).index(str(trial.engine))
+        grid[row, place[str(trial.case)]] = VERDICTS.index(str(trial.verdict))
+    shades = ListedColormap(["0.95", "0.7", "0.4", "black"])
+    with figure(report, "stability", size=(9.0, 4.6)) as (axes,):
+        image = axes.imshow(grid, aspect="auto", cmap=shades, vmin=-0.5, vmax=3.5)
+        axes.set_yticks(range(len(ENGINES)), list(ENGINES))
+        edges, names = [], []
+        for group, members in groupby(cases, key=lambda case: "-".join(case.split("-")[:2])):
+            last = [place[case] for case in members][-1]
+            names.append(group.removeprefix("hard-"))
+            edges.append(last + 0.5)
+        starts = [-0.5, *edges[:-1]]
+        for edge in edges[:-1]:
+            axes.axvline(edge, color="0.8", linewidth=0.4)
+        middles = [(a + b) / 2 for a, b in zip(starts, edges, strict=True)]
+        # A group of one or two cases is too narrow for its name.
+        wide = [end - start > 2.5 for start, end in zip(starts, edges, strict=True)]
+        axes.set_xticks(
+            [x for x, shows in zip(middles, wide, strict=True) if shows],
+            [name for name, shows in zip(names, wide, strict=True) if shows],
+            rotation=90,
+            fontsize="x-small",
+        )
+        axes.grid(visible=False)
+        bar = axes.figure.colorbar(image, ax=axes, ticks=range(4), shrink=0.6)
+        bar.ax.set_yticklabels(VERDICTS)
