@@ -301,7 +301,7 @@ def test_depth_is_zero_at_reach_and_keeps_its_digits_there():
 @pytest.mark.parametrize(("duration", "out_of_reach"), [(0.4, True), (0.6, False)])
 def test_a_ball_is_out_of_reach_only_if_no_fall_could_bring_it_there(duration, out_of_reach):
     far = PlaneState(0.0, 1.8, 35.0, 0.0)
-    assert contact.cannot_touch(far, duration, BAT, 9.8) is out_of_reach
+    assert contact.stays_beyond(BAT.reach, far, duration, BAT, 9.8) is out_of_reach
 
 
 def test_the_doubt_tells_margin_and_error():

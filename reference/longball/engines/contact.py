@@ -48,15 +48,19 @@ def radial_acceleration(
     )
 
 
-def cannot_touch(
-    state: PlaneState[float], duration: float, bat: BatSection[float], gravity: float
+def stays_beyond(
+    within: float,
+    state: PlaneState[float],
+    duration: float,
+    bat: BatSection[float],
+    gravity: float,
 ) -> bool:
-    """Tell whether the ball is too far off to touch within `duration` seconds.
+    """Tell whether the ball stays beyond a distance (m) of the axis for `duration` seconds.
 
     Drag only brakes and lift only turns, so the speed grows by at most g a second.
     """
     fastest = math.hypot(state.u, state.w) + gravity * duration
-    return distance(state, bat) - bat.reach > fastest * duration
+    return distance(state, bat) - within > fastest * duration
 
 
 def longest_step(state: PlaneState[float], bat: BatSection[float], forces: Forces[float]) -> float:

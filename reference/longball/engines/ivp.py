@@ -192,18 +192,15 @@ class Ivp:
     ) -> Touch[float]:
         """Find how a pitch meets the bat; see `longball.engines.engine.Engine.touch`."""
         way = cast(Leg, pitch.record)
-        step = next(
-            (
-                step
-                for step, duration in enumerate(np.diff(way.times).tolist())
-                if not contact.cannot_touch(way.at(step)[1], duration, bat, forces.gravity or 0.0)
-            ),
-            len(way.times) - 1,
-        )
-        found = self._search(pitch, forces, bat, stops, *way.at(step))
-        # A miss may have been closer before it could have touched.
-        missed = found.touched is False and step > 0
-        return self._search(pitch, forces, bat, stops, *way.at(0)) if missed else found
+        gravity = forces.gravity or 0.0
+        near = _first_step_near(way, bat, bat.reach, gravity)
+        found = self._search(pitch, forces, bat, stops, *way.at(near))
+        if found.touched is False:
+            # It may have been closer before it could have touched.
+            before = _first_step_near(way, bat, bat.reach - found.margin, gravity)
+            if before < near:
+                return self._search(pitch, forces, bat, stops, *way.at(before))
+        return found
 
     def _search(
         self,
@@ -485,6 +482,15 @@ def _search_ends(
     past = Surface("past", lambda y: bat.x + bat.cos * y.s + bat.reach, lambda y: bat.cos * y.u, -1)
     start_over_the_ground = PlaneState(0.0, math.inf, 0.0, 0.0)
     return [past, *_stop_surfaces(start_over_the_ground, replace(stops, wall=None), accelerate)]
+
+
+def _first_step_near(way: Leg, bat: BatSection[float], within: float, gravity: float) -> int:
+    """Return the first step of a pitch in which it may come within a distance of the bat's axis."""
+    durations = np.diff(way.times).tolist()
+    for step, duration in enumerate(durations):
+        if not contact.stays_beyond(within, way.at(step)[1], duration, bat, gravity):
+            return step
+    return len(durations)
 
 
 def _radial_turn(bat: BatSection[float], accelerate: Acceleration, direction: int) -> Surface:
