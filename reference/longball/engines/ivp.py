@@ -215,8 +215,11 @@ class Ivp:
         accelerate = _limited(acceleration(forces, DOUBLES), forces.gravity or 0.0)
         # The bat is put at the height of this very state. Settled from it, a few milliseconds
         # away, the closest approach shares its error, which then is none of the margin's.
-        plate = pitch.time, pitch.state
+        plate: tuple[float, State] | None = (pitch.time, pitch.state)
         error = contact.margin_error(bat, pitch.state, self.flight_error)
+        if contact.backward_growth(state, pitch.time - time, forces) > math.e:
+            plate = None
+            error += self.flight_error * max(abs(bat.x), abs(pitch.state.z))
         distance = contact.distance(state, bat)
         gap = distance - bat.reach
         if gap < -error:
@@ -259,9 +262,12 @@ class Ivp:
         leg: Leg,
         bat: BatSection[float],
         at_closest: bool,
-        plate: tuple[float, State],
+        base: tuple[float, State] | None,
     ) -> tuple[float, State]:
-        """Find where the distance falls to reach, on a leg along which it only falls."""
+        """Find where the distance falls to reach, on a leg along which it only falls.
+
+        It is settled from `base`, or else from the last step before it.
+        """
         surface = _bat_surface(bat)
         end_time, end = leg.at(-1)
         if at_closest:
@@ -270,7 +276,7 @@ class Ivp:
             speed = math.hypot(bat.cos * end.u, end.w)
             guess = end_time - math.sqrt((bat.reach - d) * (bat.reach + d)) / speed
             if guess > leg.times[0]:
-                time, state = self._settle(accelerate, surface, plate, guess)
+                time, state = self._settle(accelerate, surface, base or leg.before(guess), guess)
                 if leg.times[0] <= time <= end_time and surface.rate(state) < 0:
                     return time, state
         # A strongly curved path: bisect, step by step.
@@ -278,7 +284,7 @@ class Ivp:
         guess = scipy.optimize.brentq(
             lambda t: surface.value(self._step(accelerate, *start, t)), start[0], end_time
         )
-        return self._settle(accelerate, surface, plate, guess)
+        return self._settle(accelerate, surface, base or leg.before(guess), guess)
 
     def _dipped(self, bottom: State, floor: float, time: float) -> bool:
         if time == 0.0:
