@@ -145,7 +145,7 @@ class Ivp:
     def fly(self, start: State, forces: Forces[float], stops: Stops[float]) -> Arrival[float]:
         """Fly until the first stop; see `longball.engines.engine.Engine.fly`."""
         try:
-            return self._fly(start, forces, stops)
+            return self._told(self._fly(start, forces, stops), stops)
         except _TooMuchWork as work:
             if not work.settled or self.method in ("Radau", "BDF"):
                 raise
@@ -182,6 +182,27 @@ class Ivp:
                 met = surfaces[0]
             if met.name in ("floor", "wall", "vertical"):
                 return Arrival(cast(Stop, met.name), time, state, _joined(legs))
+
+    def _told(self, arrival: Arrival[float], stops: Stops[float]) -> Arrival[float]:
+        """Return an arrival, unless its error leaves open which stop comes first."""
+        state = arrival.state
+        error = self.flight_error * max(1.0, abs(state.s), abs(state.z))
+        if stops.floor is not None and arrival.stop in ("wall", "time"):
+            before = "the plate" if arrival.stop == "wall" else "the time limit"
+            DOUBLES.positive(
+                state.z - stops.floor, error, f"whether the ball comes down before {before}"
+            )
+        if stops.wall is not None and arrival.stop == "floor":
+            DOUBLES.positive(
+                stops.wall - state.s, error, "whether the ball comes down before the plate"
+            )
+        if arrival.stop == "floor":
+            DOUBLES.positive(
+                stops.time_limit - arrival.time,
+                self.flight_error * arrival.time,
+                "whether the ball comes down before the time limit",
+            )
+        return arrival
 
     def touch(
         self,
@@ -350,7 +371,8 @@ class Ivp:
                 break
             dt = -surface.value(state) / rate
             du, dw = accelerate(state.u, state.w)
-            if abs(dt) * math.hypot(du, dw) > _NUDGE * math.hypot(state.u, state.w):
+            far = abs(dt) > _NUDGE * abs(time - base[0])
+            if far or abs(dt) * math.hypot(du, dw) > _NUDGE * math.hypot(state.u, state.w):
                 time += dt
                 state = self._step(accelerate, *base, time)
                 continue
@@ -392,12 +414,12 @@ class Ivp:
 # and reaches its tolerance in many steps whose errors add up.
 _ONE_STEP = {"BDF": "Radau", "LSODA": "DOP853"}
 
-# Newton's method squares the error; at a double root (a graze, a tangential landing) it halves it,
-# and forty halvings of a millisecond reach a femtosecond.
-_NEWTON_STEPS = 40
+# Newton's method squares the error, and at a double root (a graze, a tangential landing) halves it.
+# As many halvings as there are from a second to the smallest double find even a flight of 1e-30 s.
+_NEWTON_STEPS = 1100
 
 # A Taylor step of second order that changes the velocity by this fraction is exact to its square,
-# 1e-16.
+# 1e-16; and z keeps the rounding that it had, which a way that is shorter by more would show.
 _NUDGE = 1e-8
 
 
