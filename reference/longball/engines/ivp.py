@@ -378,7 +378,7 @@ class Ivp:
                 continue
             # Newton's method at least halves dt. If it does not, only rounding is left: s, too
             # large to take up so small a change, would stay, and z move on alone.
-            if abs(dt) > 0.75 * smallest:
+            if abs(dt) >= 0.75 * smallest:
                 break
             time, smallest = time + dt, abs(dt)
             state = PlaneState(
