@@ -17,7 +17,7 @@ from typing import Any
 from pydantic import BaseModel, ConfigDict, Field
 
 from longball.judge.answers import Answer, Collector, Kind
-from longball.judge.cases import Case, Profile, attainable, decidable
+from longball.judge.cases import FRAGILE, Case, Profile, attainable, decidable
 from longball.judge.diagnosis import Diagnosis
 from longball.judge.quantities import QUANTITIES, Value, difference, length, radii_of, values_of
 from longball.model.schema import DRAFT, FOLDER, text
@@ -106,7 +106,7 @@ class Comparison:
         None if there was none.
     judged
         Whether there is a truth to judge by: the case has one, and not just in bits that double
-        precision does not have.
+        precision does not have. A fragile case is judged if its outcome was hit.
     outcome_wrong
         Whether another outcome was given.
     measured
@@ -147,6 +147,8 @@ def compare(case: Case, answer: Answer | None, profile: Profile) -> Comparison:
     missing = [] if answer.outcome else ["outcome"]
     # Beside another outcome it is no wonder that a quantity is not there.
     wrong = answer.outcome not in (None, case.expected.outcome)
+    if wrong and FRAGILE in case.flags:
+        return Comparison(case, answer, judged=False)
     measured = []
     for quantity, value in expected.items():
         if quantity in answer.unreadable:
