@@ -42,9 +42,7 @@ SCENES = {"at-bat": 24, "flight": 8, "impact": 6, "pitch": 6}
 COLUMNS = tuple(
     (name, component) for name, quantity in QUANTITIES.items() for component in range(quantity.size)
 )
-_OUTCOMES: dict[str | None, int] = {None: -1} | {
-    name: i for i, name in enumerate(get_args(Outcome))
-}
+OUTCOMES: dict[str | None, int] = {None: -1} | {name: i for i, name in enumerate(get_args(Outcome))}
 
 
 @dataclass(frozen=True)
@@ -67,7 +65,7 @@ def answers_of(rows: Iterable[tuple[str | None, Mapping[str, Value]]]) -> Answer
     """Return answers from the outcome and the quantities of each scene."""
     numbers, outcomes = [], []
     for outcome, values in rows:
-        outcomes.append(_OUTCOMES[outcome])
+        outcomes.append(OUTCOMES[outcome])
         numbers.append(
             [float(values[name][i]) if name in values else math.nan for name, i in COLUMNS]
         )
@@ -161,6 +159,8 @@ class Fingerprints:
     def singles(self, steps: Sequence[float]) -> Iterator[Guess]:
         """Yield every form of every mistake, with every one of some time steps."""
         for mistake in KNOWN.values():
+            if self.scheme and mistake.schemes_own:
+                continue
             for i, variant in enumerate(mistake.variants):
                 if variant.steps and variant.scheme is None and self.scheme:
                     continue  # part of the scheme itself

@@ -19,7 +19,7 @@ from longball.model.motion import FlightPlane, PlaneState, acceleration, forces,
 from longball.model.numbers import DOUBLES
 from longball.model.readings import Reading
 from longball.model.result import Contact, Landing, Result
-from longball.model.scene import AtBatScene, FlightScene, ImpactScene, PitchScene, Scene
+from longball.model.scene import AtBatScene, FlightScene, ImpactScene, Launch, PitchScene, Scene
 
 Solver = Callable[[Scene], Result]
 
@@ -68,12 +68,15 @@ class Mistake:
         How to mend it.
     variants
         Its forms.
+    schemes_own
+        Whether it is what fixed steps do at best: none where the paper's scheme is the truth.
     """
 
     name: str
     sentence: str
     remedy: str
     variants: tuple[Variant, ...]
+    schemes_own: bool = False
 
 
 # --- changed scenes -------------------------------------------------------------------------------
@@ -234,6 +237,30 @@ def _on_floor(scene: Scene, result: Result) -> Result:
     return result.model_copy(update={"landing": landing})
 
 
+def _blow(scene: Scene, solve: Solver, dt: float) -> Result:
+    """Let the ball fly on from the touching, with steps counted from there: no push that lasts."""
+    result = solve(scene)
+    contact, impact, landing = result.contact, result.impact, result.landing
+    if not isinstance(scene, AtBatScene) or not (contact and impact and landing):
+        return result
+    if contact.time is None or contact.position is None:
+        return result
+    flight = FlightScene(
+        id=scene.id,
+        ball=scene.ball,
+        air=scene.air,
+        gravity=scene.gravity,
+        launch=Launch(position=_floats(contact.position), velocity=_floats(impact.velocity)),
+        ground=scene.ground,
+        reading=scene.reading,
+        time_limit=scene.time_limit,
+    )
+    batted = solve(flight).landing
+    if batted is not None:
+        batted = batted.model_copy(update={"time": float(contact.time) + float(batted.time)})
+    return result.model_copy(update={"landing": batted})
+
+
 def _separating(scene: Scene, solve: Solver, dt: float) -> Result:
     """Find ball and bat parting where the ball leaves the bat: no force, and no batted ball."""
     result = solve(scene)
@@ -355,6 +382,17 @@ KNOWN: dict[str, Mistake] = {
             "where forces do not depend on it",
             "predict the velocity at the step's end, v½ + aΔt/2, before asking for the force there",
             (_scheme(verlet_forces="half_step"),),
+        ),
+        Mistake(
+            "verlet-steps",
+            "flies in steps of velocity Verlet; the error is that of the steps, and falls with Δt²",
+            "this is no slip: take shorter steps, or a method of higher order",
+            (
+                Variant(_blow, scheme={"verlet_forces": "predicted_recomputed"}, steps=True),
+                Variant(_blow, scheme={"verlet_forces": "predicted_carried"}, steps=True),
+                Variant(_blow, scheme={"verlet_forces": "implicit"}, steps=True),
+            ),
+            schemes_own=True,
         ),
         Mistake(
             "two-step-push",

@@ -82,7 +82,13 @@ def _diagnosis(verdict: Verdict) -> Iterator[str]:
         return
     yield f"<h2>Diagnosis</h2><p>{escape(diagnosis.sentence)}</p>"
     rows = [
-        (s.name, f"{max(0.0, s.share):.1%}", s.sentence, s.remedy, ", ".join(s.twins))
+        (
+            s.name,
+            "" if s.share is None else f"{max(0.0, s.share):.1%}",
+            s.sentence,
+            s.remedy,
+            ", ".join(s.twins),
+        )
         for s in diagnosis.suspects
     ]
     if rows:
@@ -102,7 +108,7 @@ def _errors(verdict: Verdict) -> Iterator[str]:
             f"{row.worst_error:.1e}",
             f"{row.median_error:.1e}",
             row.unit,
-            f"{row.worst_ulps:.3g}",
+            "" if row.worst_ulps is None else f"{row.worst_ulps:.3g}",
             "" if row.digits_right is None else f"{row.digits_right:.1f}",
             "" if row.digits_attainable is None else f"{row.digits_attainable:.1f}",
             row.worst_case,

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import math
+import sys
 from collections import Counter, defaultdict
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
@@ -18,8 +19,10 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from longball.judge.answers import Answer, Collector, Kind
 from longball.judge.cases import FRAGILE, Case, Profile, attainable, decidable
+from longball.judge.convergence_report import ConvergenceReport
 from longball.judge.diagnosis import Diagnosis
 from longball.judge.quantities import QUANTITIES, Value, difference, length, radii_of, values_of
+from longball.judge.sampling import Sampling
 from longball.model.schema import DRAFT, FOLDER, text
 
 # What --require can name besides the quantities.
@@ -67,9 +70,10 @@ class Measured:
         return self.error / self.tolerance if self.tolerance else math.inf
 
     @property
-    def ulps(self) -> float:
-        """The error in units in the last place of the expected double."""
-        return self.error / math.ulp(self.size)
+    def ulps(self) -> float | None:
+        """The error in units in the last place of the expected double; None if that is zero."""
+        # JSON knows no infinity.
+        return min(self.error / math.ulp(self.size), sys.float_info.max) if self.size else None
 
     @property
     def digits(self) -> float | None:
@@ -197,8 +201,10 @@ class Row(_Strict):
     failed: int = Field(description="in which its error is above the tolerance")
     worst_error: float = Field(description="in the unit; of vectors, the length of the error")
     median_error: float
-    worst_ulps: float = Field(description="in units in the last place of the expected double")
-    median_ulps: float
+    worst_ulps: float | None = Field(
+        description="in units in the last place of the expected double; null if all are zero"
+    )
+    median_ulps: float | None
     digits_right: float | None = Field(
         description="of the case with the worst share of its attainable digits; null if every "
         "expected value is zero"
@@ -297,6 +303,12 @@ class Verdict(_Strict):
     diagnosis: Diagnosis | None = Field(
         default=None, description="which known mistakes explain the errors"
     )
+    convergence: ConvergenceReport | None = Field(
+        default=None, description="what a family of time steps told"
+    )
+    sampling: Sampling | None = Field(
+        default=None, description="how the candidate draws its at-bats"
+    )
 
     def line(self) -> str:
         """Return the verdict as JSON."""
@@ -327,6 +339,8 @@ def verdict(
     standard_error: str = "",
     seconds: float | None = None,
     diagnosis: Diagnosis | None = None,
+    convergence: ConvergenceReport | None = None,
+    sampling: Sampling | None = None,
 ) -> Verdict:
     """Return the verdict on a candidate.
 
@@ -347,7 +361,11 @@ def verdict(
     standard_error, seconds
         Of the candidate's run.
     diagnosis
-        From `longball.judge.fingerprints`.
+        From `longball.judge.search`.
+    convergence
+        From `longball.judge.convergence`.
+    sampling
+        From `longball.judge.sampling`.
 
     Raises
     ------
@@ -369,6 +387,10 @@ def verdict(
     reasons = _reasons(comparisons, judged, failures, missing, collected)
     if {"all", "answers"} & set(require) and (silent := len(unanswered) + len(refused)):
         reasons.append(f"{silent} scenes without an answer, and answers are required")
+    if convergence:
+        reasons += [f"convergence: {fault}" for fault in convergence.faults]
+    if sampling:
+        reasons += [f"sampling: {found.sentence}" for found in sampling.wrong]
     engine = profile.engine()
     return Verdict(
         passed=not reasons,
@@ -395,6 +417,8 @@ def verdict(
         standard_error=standard_error,
         seconds=seconds,
         diagnosis=diagnosis,
+        convergence=convergence,
+        sampling=sampling,
     )
 
 
@@ -406,9 +430,9 @@ def _reasons(
     collected: Collector,
 ) -> list[str]:
     reasons = []
-    if not judged:
+    if comparisons and not judged:
         reasons.append("no answer could be judged")
-    elif not any(c.measured or "outcome" not in c.missing for c in judged):
+    elif judged and not any(c.measured or "outcome" not in c.missing for c in judged):
         reasons.append("the answers hold nothing that could be judged")
     if failures:
         reasons.append(f"{len(failures)} of {len(judged)} answers are wrong")
@@ -468,6 +492,7 @@ def _rows(judged: Iterable[Comparison]) -> Iterable[Row]:
 def _row(family: str, name: str, unit: str, group: list[tuple[Comparison, Measured]]) -> Row:
     measured = [m for _, m in group]
     worst = max(group, key=lambda pair: pair[1].error)
+    ulps = [m.ulps for m in measured if m.ulps is not None]
     lost = [
         (m.digits_attainable - m.digits, m.digits, m.digits_attainable)
         for m in measured
@@ -482,17 +507,12 @@ def _row(family: str, name: str, unit: str, group: list[tuple[Comparison, Measur
         failed=sum(not m.passed for m in measured),
         worst_error=worst[1].error,
         median_error=median(m.error for m in measured),
-        worst_ulps=_finite(max(m.ulps for m in measured)),
-        median_ulps=_finite(median(m.ulps for m in measured)),
+        worst_ulps=max(ulps, default=None),
+        median_ulps=median(ulps) if ulps else None,
         digits_right=digits_right,
         digits_attainable=digits_attainable,
         worst_case=worst[0].case.id,
     )
-
-
-def _finite(x: float) -> float:
-    """Return a number that JSON can write: an error beside an expected zero has endless ulps."""
-    return min(x, 1.7976931348623157e308)
 
 
 def failure(comparison: Comparison) -> Failure:
