@@ -140,8 +140,10 @@ def converge(
     Raises
     ------
     ValueError
-        If there are too few steps, or results that belong to no scene.
+        If there are too few steps, no scenes, or results that belong to no scene.
     """
+    if not scenes:
+        raise ValueError("there is no scene to converge in")
     ladder = np.array(sorted(set(steps), reverse=True))
     if len(ladder) < FEWEST or not (np.isfinite(ladder).all() and ladder[-1] > 0):
         raise ValueError(f"{len(ladder)} steps; {FEWEST} different positive ones are needed")

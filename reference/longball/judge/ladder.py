@@ -74,7 +74,8 @@ def converge_command(
 ) -> tuple[ConvergenceReport, list[str]]:
     """Run a command with a ladder of steps; see `longball.judge.convergence.converge`.
 
-    The limit of time in all is that of all runs together.
+    The limit of time in all is that of all runs together; after a run that had to be stopped, no
+    other is begun.
 
     Returns
     -------
@@ -84,12 +85,17 @@ def converge_command(
     complaints: list[str] = []
     limits = limits or Limits()
     until = time.monotonic() + limits.total_seconds
+    stopped = False
 
     def answers(step: float) -> Sequence[Result]:
+        nonlocal stopped
+        if stopped:
+            return []
         left = replace(limits, total_seconds=max(0.0, until - time.monotonic()))
-        collected = run(with_step(command, step), scenes, left).collected
-        complaints.extend(f"dt = {step:g}: {complaint}" for complaint in collected.complaints)
-        return [as_result(answer) for answer in collected.answers.values()]
+        heard = run(with_step(command, step), scenes, left)
+        stopped = heard.status is None
+        complaints.extend(f"dt = {step:g}: {complaint}" for complaint in heard.collected.complaints)
+        return [as_result(answer) for answer in heard.collected.answers.values()]
 
     report = converge(answers, scenes, steps, truth, expected, phases=phases, progress=progress)
     return report, complaints

@@ -296,7 +296,7 @@ class Verdict(_Strict):
         description="ids of cases without a truth, or with one that hangs on the last bits of "
         "the inputs: any answer will do"
     )
-    complaints: list[Grievance]
+    complaints: list[Grievance] = Field(description="those about its conduct first")
     complaints_left_out: dict[str, int] = Field(description="of a kind, beyond those listed")
     standard_error: str = Field(description="its end")
     seconds: float | None
@@ -411,7 +411,8 @@ def verdict(
         refused=refused,
         undecidable=[c.case.id for c in comparisons if not c.judged],
         complaints=[
-            Grievance(kind=c.kind, sentence=c.sentence, line=c.line) for c in collected.complaints
+            Grievance(kind=c.kind, sentence=c.sentence, line=c.line)
+            for c in sorted(collected.complaints, key=lambda c: c.kind != "process")
         ],
         complaints_left_out=dict(collected.left_out),
         standard_error=standard_error,
