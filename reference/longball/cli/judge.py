@@ -10,8 +10,6 @@ import typer
 
 from longball.cli.common import progress_bar, split_assignment, wrong_call
 
-PAPERS_STEP = 0.05  # s; paper, Sec. III.A
-
 
 def judge(
     command: Annotated[
@@ -82,31 +80,33 @@ def judge(
     html: Annotated[Path | None, typer.Option(help="Write a page with pictures here.")] = None,
 ) -> None:
     """Hold another implementation against the truth, and tell what is wrong with it."""
-    # The judge brings compiled code with it, and --help does not need it.
-    from longball.golden import load
-    from longball.judge import junit as xml
-    from longball.judge import page
-    from longball.judge.answers import BadTable
-    from longball.judge.candidate import Limits
-    from longball.judge.cases import profile as profile_of
-    from longball.judge.sampling import BadSamples, judge_samples, read_samples
-    from longball.judge.trial import Court, Ladder
-    from longball.judge.words import words
-
     if command and results:
         wrong_call("either --results FILE or -- COMMAND, not both")
     if not (command or results or samples):
         wrong_call("-- COMMAND, --results FILE or --samples FILE is needed")
     if column and not results:
         wrong_call("--column names the columns of --results FILE.csv")
+    # The judge brings compiled code with it, and --help does not need it.
+    from longball.golden import load
+    from longball.judge import junit as xml
+    from longball.judge import page
+    from longball.judge.answers import BadTable
+    from longball.judge.candidate import Limits
+    from longball.judge.cases import Paper
+    from longball.judge.cases import profile as profile_of
+    from longball.judge.sampling import BadSamples, judge_samples, read_samples
+    from longball.judge.trial import Court, Ladder
+    from longball.judge.words import words
+
     try:
         drawn = judge_samples(read_samples(samples), samples.name) if samples else None
         ladder = parse_steps(command or [], steps, expected)
+        rule = profile_of(profile, tolerance, dt if profile == "paper" else None)
         if ladder and dt is None:
-            dt = PAPERS_STEP if profile == "paper" else min(ladder)
+            dt = rule.dt if isinstance(rule, Paper) else min(ladder)
         court = Court(
             load(golden) if command or results else [],
-            profile_of(profile, tolerance, dt if profile == "paper" else None),
+            rule,
             truth=f"golden data, {golden}" if golden else "golden data",
             require=require or (),
             dt=dt,
