@@ -19,7 +19,8 @@ from longball.engines.at_bat import solve
 from longball.engines.engine import Engine
 from longball.engines.ivp import Ivp
 from longball.engines.verlet import Verlet
-from longball.judge.altered import Drag, solve_with_drag
+from longball.judge.altered import DragLaw, solve_with_drag
+from longball.judge.altered_scheme import solve_in_steps
 from longball.judge.cases import SLACK, Case, decidable
 from longball.judge.mistakes import KNOWN, Solver, Variant
 from longball.judge.quantities import QUANTITIES, Value, values_of
@@ -143,7 +144,6 @@ class Fingerprints:
         self._solved: dict[Guess, Answers | None] = {}
         self._ids = {id(scene) for scene in self.scenes}
         self._unchanged: dict[int, Result] = {}
-        self._laws: dict[Drag, tuple[Answers, Answers]] = {}
 
     # --- predictions ------------------------------------------------------------------------------
 
@@ -180,15 +180,12 @@ class Fingerprints:
             raise _Contradiction("the scheme does this by itself")
         engine = self._engine(guess.dt, switches)
         law = laws[0] if laws else None
-        if law and isinstance(engine, Verlet):
-            # The scheme's steps know the model's forces only: the effect of another is added.
-            without = self.predict(Guess(tuple(a for a in atoms if not a.made.drag), guess.dt))
-            if without is None:
-                raise _Contradiction("the others contradict")
-            return shifted(without, *self._effect(law))
+        if law and switches.get("appendix_b_root") == "larger":
+            raise _Contradiction("where a ball leaves the bat is known under the model's drag only")
 
         def base(scene: Scene) -> Result:
-            return solve_with_drag(scene, law) if law else solve(_under(scene, switches), engine)
+            scene = _under(scene, switches)
+            return solve(scene, engine) if law is None else _solve_with_drag(scene, law, engine)
 
         solver: Solver = base if law or switches else self._remembering(base)
         # What is done in steps is done under the forces that the other mistakes leave: innermost.
@@ -212,15 +209,6 @@ class Fingerprints:
         if self.scheme:
             return self.scheme
         return Verlet(dt=dt) if switches else Ivp()
-
-    def _effect(self, law: Drag) -> tuple[Answers, Answers]:
-        """Return the scenes' answers by the model and by another law of drag."""
-        if law not in self._laws:
-            self._laws[law] = (
-                _of_results(solve(scene, Ivp()) for scene in self.scenes),
-                _of_results(solve_with_drag(scene, law) for scene in self.scenes),
-            )
-        return self._laws[law]
 
     # --- comparing --------------------------------------------------------------------------------
 
@@ -365,11 +353,10 @@ def _wrapped(variant: Variant, inner: Solver, dt: float) -> Solver:
     return lambda scene: variant.wrapper(scene, inner, dt)
 
 
-def shifted(start: Answers, origin: Answers, end: Answers) -> Answers:
-    """Return answers moved by the way from `origin` to `end`."""
-    numbers = start.numbers + (end.numbers - origin.numbers)
-    outcomes = np.where(end.outcomes != origin.outcomes, end.outcomes, start.outcomes)
-    return Answers(numbers, outcomes)
+def _solve_with_drag(scene: Scene, law: DragLaw, engine: Engine[float]) -> Result:
+    if isinstance(engine, Verlet) and not isinstance(scene, ImpactScene):
+        return solve_in_steps(scene, law, engine)
+    return solve_with_drag(scene, law)
 
 
 def joined_guess(a: Guess, b: Guess) -> Guess | None:

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from longball.judge.altered import Drag
+from longball.judge.altered import DragLaw
 from longball.model.motion import FlightPlane, PlaneState, acceleration, forces, into_plane
 from longball.model.numbers import DOUBLES
 from longball.model.readings import Reading
@@ -49,7 +49,7 @@ class Variant:
     """
 
     wrapper: Wrapper = _unchanged
-    drag: Drag | None = None
+    drag: DragLaw | None = None
     scheme: Mapping[str, str] | None = None
     steps: bool = False
 
@@ -354,14 +354,6 @@ def _floats(vector: Any) -> tuple[float, float, float]:
 # --- the library ----------------------------------------------------------------------------------
 
 
-def _each_component(k: float, velocity: Any) -> Any:
-    return -k * np.abs(velocity) * velocity
-
-
-def _first_power(k: float, velocity: Any) -> Any:
-    return -k * velocity
-
-
 def _scheme(**switches: str) -> Variant:
     return Variant(scheme=switches, steps=True)
 
@@ -453,13 +445,13 @@ KNOWN: dict[str, Mistake] = {
             "drag-per-component",
             "drags each component by itself, with its own square",
             "the drag is -k V v: every component times the whole speed V",
-            (Variant(drag=_each_component),),
+            (Variant(drag=DragLaw(whole=False, own=True)),),
         ),
         Mistake(
             "drag-with-v",
             "lets the drag grow with V, not with V²",
             "the drag is ½ C_D ρ A V², against the velocity",
-            (Variant(drag=_first_power),),
+            (Variant(drag=DragLaw(whole=False, own=False)),),
         ),
         Mistake(
             "lift-sign",

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import base64
 import io
-import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from html import escape
 from typing import TYPE_CHECKING
@@ -12,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from longball.judge.altered import fly
+from longball.judge.altered import THE_MODELS, fly
 from longball.judge.convergence import draw_convergence
 from longball.judge.quantities import Value, values_of
 from longball.judge.trial import Trial
@@ -365,13 +364,7 @@ def _path(
     scene: FlightScene | PitchScene | AtBatScene, start: Array, velocity: Array, seconds: float
 ) -> Array:
     state = np.concatenate([start, velocity])
-    end, path, _ = fly(scene, state, _drag, [])
+    end, path, _ = fly(scene, state, THE_MODELS, [])
     times = np.linspace(0.0, min(seconds, end), 200)
     points: Array = np.array([path(float(time))[:3] for time in times]).T
     return points
-
-
-def _drag(k: float, velocity: Array) -> Array:
-    """Return the model's own law."""
-    drag: Array = -k * math.sqrt(float(velocity @ velocity)) * velocity
-    return drag
