@@ -22,7 +22,7 @@ from longball.engines.verlet import Verlet
 from longball.judge.altered import DragLaw, solve_with_drag
 from longball.judge.altered_scheme import solve_in_steps
 from longball.judge.cases import SLACK, Case, decidable
-from longball.judge.mistakes import KNOWN, Solver, Variant
+from longball.judge.mistakes import KNOWN, NO_SLIP, SOUND, Solver, Variant
 from longball.judge.quantities import QUANTITIES, Value, values_of
 from longball.model.readings import Reading
 from longball.model.result import Outcome, Result
@@ -159,11 +159,9 @@ class Fingerprints:
     def singles(self, steps: Sequence[float]) -> Iterator[Guess]:
         """Yield every form of every mistake, with every one of some time steps."""
         for mistake in KNOWN.values():
-            if self.scheme and mistake.schemes_own:
-                continue
             for i, variant in enumerate(mistake.variants):
-                if variant.steps and variant.scheme is None and self.scheme:
-                    continue  # part of the scheme itself
+                if self.scheme and (variant.blow or (variant.steps and variant.scheme is None)):
+                    continue  # the scheme does otherwise; or it does this by itself
                 for dt in steps if variant.steps else (0.0,):
                     yield Guess((Atom(mistake.name, i),), dt)
 
@@ -179,6 +177,8 @@ class Fingerprints:
         if switches and any(v.steps and v.scheme is None for v in variants):
             raise _Contradiction("the scheme does this by itself")
         engine = self._engine(guess.dt, switches)
+        if NO_SLIP in {atom.mistake for atom in atoms} and switches["verlet_forces"] not in SOUND:
+            raise _Contradiction("no slip in the forces, and one")
         law = laws[0] if laws else None
         if law and switches.get("appendix_b_root") == "larger":
             raise _Contradiction("where a ball leaves the bat is known under the model's drag only")

@@ -46,12 +46,16 @@ class Variant:
         steps as the paper does.
     steps
         Whether the mistake depends on a time step.
+    blow
+        Whether the bat strikes at once, in a scheme that is else the paper's. Where that scheme is
+        the truth no such form is looked for: it is another departure from it than its mistake's.
     """
 
     wrapper: Wrapper = _unchanged
     drag: DragLaw | None = None
     scheme: Mapping[str, str] | None = None
     steps: bool = False
+    blow: bool = False
 
 
 @dataclass(frozen=True)
@@ -68,15 +72,12 @@ class Mistake:
         How to mend it.
     variants
         Its forms.
-    schemes_own
-        Whether it is what fixed steps do at best: none where the paper's scheme is the truth.
     """
 
     name: str
     sentence: str
     remedy: str
     variants: tuple[Variant, ...]
-    schemes_own: bool = False
 
 
 # --- changed scenes -------------------------------------------------------------------------------
@@ -358,6 +359,15 @@ def _scheme(**switches: str) -> Variant:
     return Variant(scheme=switches, steps=True)
 
 
+def _struck_at_once(forces: str) -> Variant:
+    return Variant(_blow, scheme={"verlet_forces": forces}, steps=True, blow=True)
+
+
+# What fixed steps do at best, with one of the treatments of the forces that are of order 2.
+NO_SLIP = "verlet-steps"
+SOUND = ("predicted_recomputed", "predicted_carried", "implicit")
+
+
 KNOWN: dict[str, Mistake] = {
     mistake.name: mistake
     for mistake in (
@@ -366,35 +376,31 @@ KNOWN: dict[str, Mistake] = {
             "takes drag and lift at the velocity of the step before",
             "predict the velocity at the step's end, v + aΔt, or iterate, before asking for the "
             "force there: the error then falls with Δt² instead of Δt",
-            (_scheme(verlet_forces="old_carried"), _scheme(verlet_forces="old_recomputed")),
+            (
+                _scheme(verlet_forces="old_carried"),
+                _scheme(verlet_forces="old_recomputed"),
+                _struck_at_once("old_carried"),
+                _struck_at_once("old_recomputed"),
+            ),
         ),
         Mistake(
             "half-step-verlet",
             "takes drag and lift at the half-step velocity, as is usual in molecular dynamics, "
             "where forces do not depend on it",
             "predict the velocity at the step's end, v½ + aΔt/2, before asking for the force there",
-            (_scheme(verlet_forces="half_step"),),
+            (_scheme(verlet_forces="half_step"), _struck_at_once("half_step")),
         ),
         Mistake(
-            "verlet-steps",
+            NO_SLIP,
             "flies in steps of velocity Verlet; the error is that of the steps, and falls with Δt²",
             "this is no slip: take shorter steps, or a method of higher order",
-            (
-                Variant(_blow, scheme={"verlet_forces": "predicted_recomputed"}, steps=True),
-                Variant(_blow, scheme={"verlet_forces": "predicted_carried"}, steps=True),
-                Variant(_blow, scheme={"verlet_forces": "implicit"}, steps=True),
-            ),
-            schemes_own=True,
+            tuple(map(_struck_at_once, SOUND)),
         ),
         Mistake(
             "two-step-push",
             "lets the bat push for two steps, as Appendix B has it, while the ball flies on",
             "strike at once, at the time and place of touching; only the impulse is meant",
-            (
-                _scheme(verlet_forces="predicted_recomputed"),
-                _scheme(verlet_forces="predicted_carried"),
-                _scheme(verlet_forces="implicit"),
-            ),
+            tuple(_scheme(verlet_forces=forces) for forces in SOUND),
         ),
         Mistake(
             "first-below",

@@ -72,6 +72,10 @@ MENTIONED = 0.01  # share of the error that an innocent suspect must explain to 
 
 SHORTEST_STEP, LONGEST_STEP = 2e-5, 0.2  # s
 
+# Of a step in its effect: the known mistakes of the scheme have 1 and 2, and their sums what lies
+# between, or seems to lie a little beyond.
+LOWEST_POWER, HIGHEST_POWER = 0.5, 4.0
+
 
 def diagnose(prints: Fingerprints, answers: Mapping[str, Answer]) -> Diagnosis:
     """Return which known mistakes explain the errors of a candidate's answers.
@@ -287,23 +291,32 @@ class _Search:
     def _refined(self, tried: _Tried) -> _Tried:
         """Return a guess with the time step that fits best, where it is not known.
 
-        The effect of a scheme's step grows in proportion to it, more or less, as long as ball and
-        bat have not met; so it is fitted there, again and again. People choose round numbers.
+        The effect of a scheme grows with a power of its step, more or less, as long as ball and
+        bat have not met. So the step is sought by secants of the logarithms, from the power 1 on.
+        People choose round numbers.
         """
         guess = tried.guess
         if self.prints.step_known or not any(atom.made.scheme for atom in guess.atoms):
             return tried
         rest = Guess(tuple(atom for atom in guess.atoms if not atom.made.steps))
         start = self.prints.predict(rest) if rest.atoms else self.prints.truth
-        best, dt = tried, guess.dt
+        best, dt, power = tried, guess.dt, 1.0
+        before: tuple[float, float] | None = None  # logarithms of the last step, and of its factor
         for _ in range(REFINEMENTS):
             prediction = self.prints.predict(Guess(guess.atoms, dt))
             if start is None or prediction is None:
                 break
             factor = self._amplitude(start, prediction)
-            if not SHORTEST_STEP < dt * factor < LONGEST_STEP or abs(factor - 1.0) < 1e-9:
+            if factor <= 0 or abs(factor - 1.0) < 1e-9:
                 break
-            dt *= factor
+            now = math.log(dt), math.log(factor)
+            if before and now[0] != before[0]:
+                power = (before[1] - now[1]) / (now[0] - before[0])
+                power = min(max(power, LOWEST_POWER), HIGHEST_POWER)
+            before = now
+            dt *= factor ** (1 / power)
+            if not SHORTEST_STEP < dt < LONGEST_STEP:
+                break
             for step in (float(f"{dt:.2g}"), float(f"{dt:.3g}"), dt):
                 again = self.attempt(Guess(guess.atoms, step))
                 if again and again.left < best.left:
