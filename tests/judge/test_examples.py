@@ -141,7 +141,9 @@ PUSH = """    push = [x / (2 * dt) for x in add(impact["velocity"], v, -1.0)]
 BLOW = """    at, after = contact["position"], impact["velocity"]
     landing = land(scene, at, after, touching["time"], 0.0, dt)
 """
-OLD, HALF, NEXT = (f"acceleration({v}, to or" for v in ("v", "half", "add(half, total, 0.5 * dt)"))
+OLD, HALF, NEXT = (
+    f"acceleration({v}, to or heading({v}))" for v in ("v", "half", "add(half, total, 0.5 * dt)")
+)
 
 
 @pytest.mark.parametrize(
