@@ -12,11 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from longball.judge.altered import THE_MODELS, fly
+from longball.judge.answers import quoted
 from longball.judge.convergence import draw_convergence
 from longball.judge.quantities import Value, values_of
 from longball.judge.trial import Trial
 from longball.judge.verdict import Comparison, Measured, Verdict
-from longball.judge.words import told
+from longball.judge.words import LONGEST_NAME, told
 from longball.model.scene import AtBatScene, FlightScene, ImpactScene, PitchScene
 
 if TYPE_CHECKING:
@@ -44,13 +45,14 @@ img { max-width: 100% } pre, code { font-size: 12px; white-space: pre-wrap; word
 def page(trial: Trial) -> str:
     """Return a trial as HTML that needs no other file."""
     verdict = trial.verdict
+    candidate = escape(quoted(verdict.candidate, LONGEST_NAME))
     word = "passed" if verdict.passed else "failed"
     parts = [
         "<!doctype html>",
         '<html lang="en"><head><meta charset="utf-8">',
         '<meta name="viewport" content="width=device-width, initial-scale=1">',
-        f"<title>{escape(verdict.candidate)}: {word}</title><style>{STYLE}</style></head><body>",
-        f'<h1><span class="{word}">{word.upper()}</span> {escape(verdict.candidate)}</h1>',
+        f"<title>{candidate}: {word}</title><style>{STYLE}</style></head><body>",
+        f'<h1><span class="{word}">{word.upper()}</span> {candidate}</h1>',
         *_head(verdict),
         *_diagnosis(verdict),
         *_pictures(trial),

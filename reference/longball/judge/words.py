@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 
+from longball.judge.answers import quoted
 from longball.judge.convergence_report import ConvergenceReport
 from longball.judge.diagnosis import Diagnosis
 from longball.judge.sampling import Sampling
@@ -12,6 +13,8 @@ from longball.judge.verdict import Failure, Fault, Verdict
 
 # How many of each list are printed; all are in the JSON.
 SHOWN = 5
+
+LONGEST_NAME = 120  # of a candidate: its command may hold a whole program
 
 
 def words(verdict: Verdict, shown: int = SHOWN) -> str:
@@ -31,7 +34,8 @@ def words(verdict: Verdict, shown: int = SHOWN) -> str:
 
 
 def _head(verdict: Verdict) -> Iterator[str]:
-    yield f"{'PASSED' if verdict.passed else 'FAILED'}: {verdict.candidate}"
+    candidate = quoted(verdict.candidate, LONGEST_NAME)
+    yield f"{'PASSED' if verdict.passed else 'FAILED'}: {candidate}"
     if verdict.cases:
         yield from _counts(verdict)
     for reason in verdict.reasons:
