@@ -11,6 +11,7 @@ from typing import Annotated, Any
 
 import typer
 
+from longball import engines
 from longball.cli.common import (
     Seed,
     Workers,
@@ -50,6 +51,7 @@ SetOption = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="BLOCK.KEY=VALUE", help="A value of the scene; repeatable."),
 ]
+ENGINES = ("batch", "ivp")  # those that say what they cannot tell, in double precision
 Samples = Annotated[int, typer.Option(min=1, help="At-bats drawn.")]
 
 
@@ -72,10 +74,13 @@ def homerun(
         Path | None, typer.Option(help="Draw pitches from what longball fit --json wrote.")
     ] = None,
     method: Annotated[str, typer.Option(help="monte-carlo")] = "monte-carlo",
+    engine: Annotated[str, typer.Option(help="Who computes: " + ", ".join(ENGINES))] = "batch",
 ) -> None:
     """Estimate the probability of a home run P(e) from sampled at-bats."""
     if method != "monte-carlo":
         wrong_call(f"--method {method}: the methods are monte-carlo")
+    if engine not in ENGINES:
+        wrong_call(f"--engine {engine}: the engines are {', '.join(ENGINES)}")
     check_workers(workers)
     base = base_scene(reading or [], set_ or [])
     restitutions = parse_restitutions(e)
@@ -86,7 +91,14 @@ def homerun(
         write_scenes(scenes_file, base, at_bats, restitutions, samples, seed)
     with progress_bar("at-bats", samples) as advance:
         struck = monte_carlo(
-            base, at_bats, restitutions, samples, seed, workers=workers, progress=advance
+            base,
+            at_bats,
+            restitutions,
+            samples,
+            seed,
+            engine=engines.create(engine),
+            workers=workers,
+            progress=advance,
         )
     rows = [estimate(x, some, base.reading) for x, some in zip(restitutions, struck, strict=True)]
     fitted = fit(rows)

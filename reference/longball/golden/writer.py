@@ -156,10 +156,9 @@ def _finished(kept: Path, stamp: str) -> Iterator[Case]:
 def fingerprint() -> str:
     """Return a text that changes with the code that takes part and with its libraries."""
     package = Path(longball.__file__).parent
-    sources = sorted(
-        path for part in ("model", "engines", "golden") for path in (package / part).glob("*.py")
-    )
+    parts = ("model", "engines", "home_run", "golden")
+    sources = sorted(path for part in parts for path in (package / part).glob("*.py"))
     digest = hashlib.sha256(repr(sorted(made_by().items())).encode())
-    for path in (*sources, package / "home_run.py"):
+    for path in sources:
         digest.update(path.read_bytes())
     return digest.hexdigest()

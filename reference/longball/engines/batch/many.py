@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
@@ -65,6 +65,42 @@ def solve_columns(
     The numbers of the columns are taken as they are; a scene that `longball.model.scene` would
     refuse is not found out.
     """
+    n, whole = _columns(scene, columns)
+    table = _solve(type(scene), n, whole, scene.reading, engine or Batch(), threads)
+    return _named(table)
+
+
+def solve_columns_with_restitutions(
+    scene: AtBatScene,
+    columns: Mapping[str, ArrayLike],
+    restitutions: Sequence[float],
+    engine: Batch | None = None,
+    threads: int = 1,
+) -> list[dict[str, NDArray[Any]]]:
+    """Solve at-bats with balls that differ in restitution: a table as of `solve_columns` for each.
+
+    The pitches and their touching of the bat, which do not depend on it, are solved once.
+    """
+    n, whole = _columns(scene, columns)
+    engine = engine or Batch()
+    tables = [Table(n) for _ in restitutions]
+
+    def solve_block(rows: slice) -> None:
+        c, met = at_rows(whole, rows), Table(rows.stop - rows.start)
+        blows = chain.meet_at_bats(met, c, scene.reading, engine)
+        for table, e in zip(tables, restitutions, strict=True):
+            part = table.part(rows)
+            part.copy_from(met)
+            struck = c | {"ball.restitution": e}
+            chain.finish_at_bats(part, blows, struck, scene.reading, engine)
+            part.withdraw_what_is_not_finite()
+
+    _in_blocks(solve_block, n, threads)
+    return [_named(table) for table in tables]
+
+
+def _columns(scene: Scene, columns: Mapping[str, ArrayLike]) -> tuple[int, dict[str, Any]]:
+    """Return how many scenes there are, and all of their numbers."""
     base = numbers_of(scene)
     n = max((np.size(column) for column in columns.values()), default=1)
     for name, column in columns.items():
@@ -74,7 +110,10 @@ def solve_columns(
             raise ValueError(f"{name} must have {n} finite numbers, as the longest column has")
     whole: dict[str, Any] = dict(base)
     whole |= {name: np.array(column, np.float64) for name, column in columns.items()}
-    table = _solve(type(scene), n, whole, scene.reading, engine or Batch(), threads)
+    return n, whole
+
+
+def _named(table: Table) -> dict[str, NDArray[Any]]:
     names = np.array([*OUTCOMES, ""])
     return {"outcome": names[table.outcome]} | table.columns
 
@@ -135,16 +174,24 @@ def _solve(
     """Solve columns in blocks, each by one thread."""
     table = Table(count)
 
-    def solve_block(start: int) -> None:
-        rows = slice(start, start + BLOCK)
+    def solve_block(rows: slice) -> None:
         part = table.part(rows)
-        with np.errstate(all="ignore"):
-            _CHAINS[kind](part, at_rows(columns, rows), reading, engine)
+        _CHAINS[kind](part, at_rows(columns, rows), reading, engine)
         part.withdraw_what_is_not_finite()
 
-    with ThreadPoolExecutor(threads) as pool:
-        list(pool.map(solve_block, range(0, count, BLOCK)))
+    _in_blocks(solve_block, count, threads)
     return table
+
+
+def _in_blocks(solve_block: Callable[[slice], None], count: int, threads: int) -> None:
+    """Call a function for each block of rows, from several threads."""
+
+    def quietly(start: int) -> None:
+        with np.errstate(all="ignore"):  # what overflows is withdrawn
+            solve_block(slice(start, min(start + BLOCK, count)))
+
+    with ThreadPoolExecutor(threads) as pool:
+        list(pool.map(quietly, range(0, count, BLOCK)))
 
 
 _PARTS: dict[str, type[Any]] = {
