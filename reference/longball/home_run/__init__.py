@@ -27,6 +27,7 @@ from longball.home_run.estimation import (
     Fit,
     estimate,
     fit,
+    fit_form,
     wilson,
 )
 from longball.home_run.quadrature import Integral, quadrature
@@ -52,6 +53,7 @@ __all__ = [
     "draw_block",
     "estimate",
     "fit",
+    "fit_form",
     "monte_carlo",
     "paper_at_bats",
     "quadrature",

@@ -60,8 +60,8 @@ class Clearance:
         clearances, _ = self.with_unsolved(inputs)
         return clearances
 
-    def with_unsolved(self, inputs: Inputs) -> tuple[Array, int]:
-        """Return clearances, and how many at-bats the engine could not tell: as if not batted."""
+    def with_unsolved(self, inputs: Inputs) -> tuple[Array, NDArray[np.bool_]]:
+        """Return clearances, and which at-bats the engine could not tell: as if not batted."""
         table = self._solve(inputs)
         x, y = _column(table, "landing.position.0"), _column(table, "landing.position.1")
         inside = np.full_like(x, HOME_RUN_DISTANCE)
@@ -70,7 +70,7 @@ class Clearance:
         if self.base.reading.sample_space == "fair":
             inside = np.minimum(inside, x - abs(y))
         clearances = np.where(np.isnan(x), -HOME_RUN_DISTANCE, inside)
-        return clearances, int(np.count_nonzero(table["outcome"] == ""))
+        return clearances, table["outcome"] == ""
 
     def window(self, speed: Array) -> Array:
         """Return, m, how far from a pitch at x = 0 the bat's axis can be and still touch the ball.

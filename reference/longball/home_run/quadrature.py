@@ -60,6 +60,9 @@ LEVELS = (Nodes(20, 2), Nodes(28, 3), Nodes(40, 4), Nodes(56, 6))
 class Integral:
     """P(e) and its slope, with estimates of their errors that mean to be generous.
 
+    Each error is the difference of two rules, the coarser of which makes nearly all of it, and the
+    weight of what the engine could not tell. NaN where the sample space is empty.
+
     Attributes
     ----------
     e
@@ -68,8 +71,6 @@ class Integral:
         The probability of a home run.
     slope, slope_error
         dP/de.
-    failed
-        At-bats on the way that the engine could not tell; they were taken for no home runs.
     """
 
     e: float
@@ -77,20 +78,28 @@ class Integral:
     error: float
     slope: float
     slope_error: float
-    failed: int
+
+    @property
+    def low(self) -> float:
+        """The least that P may be."""
+        return self.p - self.error
+
+    @property
+    def high(self) -> float:
+        """The most."""
+        return self.p + self.error
 
 
 class Share(NamedTuple):
     """Probabilities of what is counted and their derivatives by e, with their errors.
 
-    Numbers, or arrays with an element a line; and how many at-bats could not be solved.
+    Numbers, or arrays with an element for each pair of speed and tilt.
     """
 
     p: Array
     slope: Array
     error: Array
     slope_error: Array
-    failed: int
 
 
 def quadrature(
@@ -141,7 +150,7 @@ def _refined(home_runs: Clearance, at_bats: AtBats, tolerance: float, workers: i
             break
         before = now
     e = home_runs.restitution
-    return Integral(e, float(now.p), float(error), float(now.slope), float(slope_error), now.failed)
+    return Integral(e, float(now.p), float(error), float(now.slope), float(slope_error))
 
 
 def _probability(
@@ -153,15 +162,13 @@ def _probability(
         return runs
     space = _share(replace(home_runs, counted="sample space"), at_bats, nodes, tolerance, workers)
     if space.p == 0.0:
-        nan = np.array(np.nan)
-        return Share(nan, nan, nan, nan, runs.failed + space.failed)
+        return Share(*np.full(4, np.nan))
     p = runs.p / space.p
     return Share(
         p,
         (runs.slope - p * space.slope) / space.p,
         (runs.error + p * space.error) / space.p,
         (runs.slope_error + p * space.slope_error) / space.p,
-        runs.failed + space.failed,
     )
 
 
@@ -186,9 +193,7 @@ def _share(
     )
     shares: list[Share] = Parallel(n_jobs=workers, prefer="threads")(tasks)
     parts = zip(blocks, shares, strict=True)
-    means = sum(np.array([weights[some] @ part for part in share[:4]]) for some, share in parts)
-    p, slope, error, slope_error = np.zeros(4) + means
-    return Share(p, slope, error, slope_error, sum(share.failed for share in shares))
+    return Share(*sum((np.array(share) @ weights[some] for some, share in parts), np.zeros(4)))
 
 
 def _speeds(clearance: Clearance, law: Mixture, nodes: int) -> tuple[Array, Array]:
@@ -243,9 +248,8 @@ def share_over_offsets(
     Ranges of offsets are halved until the rule over a range and those over its halves agree.
     """
     ranges = _ranges(clearance, at_bats, speed, tilt)
-    totals = np.zeros((4, len(speed)))
-    steeper = np.array([[1.0], [_STEEPER]])
-    whole, failed = _over_ranges(clearance, at_bats, speed, tilt, ranges)
+    p, slope, error, slope_error = np.zeros((4, len(speed)))
+    whole = _over_ranges(clearance, at_bats, speed, tilt, ranges)
     # A range that is empty at every node is taken to be empty: it was cut where it opens.
     there = whole.any(axis=0)
     ranges, whole = ranges.at(there), whole[:, there]
@@ -258,31 +262,36 @@ def share_over_offsets(
             np.concatenate([ranges.low, middle]),
             np.concatenate([middle, ranges.high]),
         )
-        parts, more_failed = _over_ranges(clearance, at_bats, speed, tilt, halves)
-        failed += more_failed
+        parts = _over_ranges(clearance, at_bats, speed, tilt, halves)
         sums = parts[:, : len(middle)] + parts[:, len(middle) :]
-        error = abs(sums - whole)
-        done = np.all(error <= tolerance * steeper, axis=0) | (halving == _HALVINGS - 1)
-        for i, values in enumerate((*sums, *error)):
-            np.add.at(totals[i], ranges.pair[done], values[done])
-        ranges = halves.at(np.tile(~done, 2))
-        whole = parts[:, np.tile(~done, 2)]
-    p, slope, error, slope_error = totals
-    return Share(p, slope, error, slope_error, failed)
+        off, slope_off, _ = abs(sums - whole)
+        last = np.full(len(off), halving == _HALVINGS - 1)
+        done = last | (off <= tolerance) & (slope_off <= _STEEPER * tolerance)
+        doubt = sums[2]
+        for total, values in (
+            (p, sums[0]),
+            (slope, sums[1]),
+            (error, off + doubt),
+            (slope_error, slope_off + _STEEPER * doubt),
+        ):
+            np.add.at(total, ranges.pair[done], values[done])
+        again = np.tile(~done, 2)
+        ranges, whole = halves.at(again), parts[:, again]
+    return Share(p, slope, error, slope_error)
 
 
 def _over_ranges(
     clearance: Clearance, at_bats: AtBats, speed: Array, tilt: Array, ranges: _Ranges
-) -> tuple[Array, int]:
-    """Return integrals over ranges of the probability and of its slope, (2, range)."""
+) -> Array:
+    """Return integrals over ranges of what `share_over_aims` returns: an array (3, range)."""
     x, w = np.polynomial.legendre.leggauss(_OFFSET_NODES)
     half = 0.5 * (ranges.high - ranges.low)[:, None]
     offset = 0.5 * (ranges.low + ranges.high)[:, None] + half * x
     weight = half * w * at_bats.offset.density(offset)
     pair = np.repeat(ranges.pair, _OFFSET_NODES)
     inputs = Inputs(speed[pair], np.zeros(len(pair)), offset.ravel(), tilt[pair])
-    p, slope, failed = share_over_aims(clearance, at_bats.aim, inputs)
-    return np.array([(weight * y.reshape(offset.shape)).sum(axis=1) for y in (p, slope)]), failed
+    shares = share_over_aims(clearance, at_bats.aim, inputs)
+    return np.array([(weight * share.reshape(offset.shape)).sum(axis=1) for share in shares])
 
 
 def _ranges(clearance: Clearance, at_bats: AtBats, speed: Array, tilt: Array) -> _Ranges:
@@ -310,10 +319,12 @@ def _ranges(clearance: Clearance, at_bats: AtBats, speed: Array, tilt: Array) ->
 # --- the aim --------------------------------------------------------------------------------------
 
 
-def share_over_aims(clearance: Clearance, law: Mixture, inputs: Inputs) -> tuple[Array, Array, int]:
+def share_over_aims(
+    clearance: Clearance, law: Mixture, inputs: Inputs
+) -> tuple[Array, Array, Array]:
     """Return, for given speeds, offsets and tilts, the probability of what is counted.
 
-    And its derivative by e, and how many at-bats could not be solved.
+    And its derivative by e, and 1 where the engine could not tell some at-bat, 0 elsewhere.
     """
     half = clearance.base.bat.length / 2 * (1.0 - _END)
     low, high = clearance.aim_to_touch(-half, inputs), clearance.aim_to_touch(half, inputs)
@@ -323,7 +334,7 @@ def share_over_aims(clearance: Clearance, law: Mixture, inputs: Inputs) -> tuple
         return Inputs(inputs.speed[line], aim, inputs.offset[line], inputs.tilt[line])
 
     every = np.repeat(np.arange(len(low)), _AIMS)
-    flat, failed = clearance.with_unsolved(at(grid.ravel(), every))
+    flat, unsolved = clearance.with_unsolved(at(grid.ravel(), every))
     values = flat.reshape(grid.shape)
     p = np.where(values[:, -1] >= 0.0, law.below(high), 0.0)
     p -= np.where(values[:, 0] >= 0.0, law.below(low), 0.0)
@@ -334,7 +345,8 @@ def share_over_aims(clearance: Clearance, law: Mixture, inputs: Inputs) -> tuple
     np.add.at(p, ends.line, sign * law.below(ends.place))
     moves = _moves(clearance, at(ends.place, ends.line), _STEP * (high - low)[ends.line])
     np.add.at(slope, ends.line, sign * law.density(ends.place) * moves)
-    return p, slope, failed
+    doubt = np.where(unsolved.reshape(grid.shape).any(axis=1), 1.0, 0.0)
+    return p, slope, doubt
 
 
 def _moves(clearance: Clearance, roots: Inputs, step: Array) -> Array:
