@@ -160,7 +160,9 @@ def _probability(
     runs = _share(home_runs, at_bats, nodes, tolerance, workers)
     if home_runs.base.reading.sample_space == "pitches":
         return runs
-    space = _share(replace(home_runs, counted="sample space"), at_bats, nodes, tolerance, workers)
+    # An error of the sample space enters P as a part of P, which is small.
+    loose = tolerance / max(float(runs.p), 1e-3)
+    space = _share(replace(home_runs, counted="sample space"), at_bats, nodes, loose, workers)
     if space.p == 0.0:
         return Share(*np.full(4, np.nan))
     p = runs.p / space.p
@@ -251,7 +253,7 @@ def share_over_offsets(
     p, slope, error, slope_error = np.zeros((4, len(speed)))
     whole = _over_ranges(clearance, at_bats, speed, tilt, ranges)
     # A range that is empty at every node is taken to be empty: it was cut where it opens.
-    there = whole.any(axis=0)
+    there = np.array(whole.any(axis=0))
     ranges, whole = ranges.at(there), whole[:, there]
     for halving in range(_HALVINGS):
         if len(ranges.pair) == 0:
@@ -265,8 +267,8 @@ def share_over_offsets(
         parts = _over_ranges(clearance, at_bats, speed, tilt, halves)
         sums = parts[:, : len(middle)] + parts[:, len(middle) :]
         off, slope_off, _ = abs(sums - whole)
-        last = np.full(len(off), halving == _HALVINGS - 1)
-        done = last | (off <= tolerance) & (slope_off <= _STEEPER * tolerance)
+        done = np.array((off <= tolerance) & (slope_off <= _STEEPER * tolerance))
+        done |= halving == _HALVINGS - 1
         doubt = sums[2]
         for total, values in (
             (p, sums[0]),
