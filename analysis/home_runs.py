@@ -36,8 +36,7 @@ def run(report: Path, full: bool) -> str:
         [
             "## The distance D and the probability of a home run\n",
             f"{count:,} at-bats drawn from the paper's distributions (seed {SEED}), the same ones "
-            "for every e, under the default reading of the ledger, solved by the reference "
-            "engine.\n",
+            "for every e, under the default reading of the ledger, solved by the batch engine.\n",
             distances(report, dict(zip(RESTITUTIONS, struck, strict=True))),
             probability(report, rows),
         ]

@@ -44,9 +44,10 @@ class TestSolve:
         assert run.stdout == b""
         assert len(output.read_bytes().splitlines()) == 2
 
-    def test_a_line_is_answered_before_the_next_is_read(self):
+    @pytest.mark.parametrize("engine", ["ivp", "batch"])
+    def test_a_line_is_answered_before_the_next_is_read(self, engine: str):
         with subprocess.Popen(
-            [sys.executable, "-m", "longball", "solve"],
+            [sys.executable, "-m", "longball", "solve", "--engine", engine],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
         ) as process:
@@ -112,6 +113,7 @@ class TestSolve:
             (["homerun", "--e", "x"], "--e"),
             (["homerun", "--samples", "0"], "samples"),
             (["homerun", "--method", "guess"], "guess"),
+            (["homerun", "--engine", "verlet"], "verlet"),
             (["homerun", "--samples", "5", "--figure", "/tmp/x.nonsense"], "figure"),
             (["nonsense"], "nonsense"),
         ],
@@ -157,6 +159,13 @@ class TestHomerun:
             assert row["low"] <= row["p"] <= row["high"]
             assert row["p"] == row["home_runs"] / row["trials"]
         assert data["reading"] == {"inertia": "about_centre"}
+
+    def test_the_reference_counts_the_same_home_runs(self):
+        few = ("homerun", "--samples", "60", "--e", "0.45", "--json", "--reading",
+               "inertia=about_centre", "--workers", "1")  # fmt: skip
+        batch, ivp = (longball(*few, "--engine", name).stdout for name in ("batch", "ivp"))
+        assert batch == ivp
+        assert json.loads(batch)["rows"][0]["home_runs"] > 0
 
     def test_writes_table_picture_and_scenes(self, tmp_path: Path):
         table, picture, scenes = (tmp_path / name for name in ("p.csv", "p.png", "s.jsonl"))

@@ -13,7 +13,12 @@ from hypothesis import strategies as st
 
 from longball.engines import series
 from longball.engines.at_bat import solve
-from longball.engines.batch import Batch, solve_all, solve_columns
+from longball.engines.batch import (
+    Batch,
+    solve_all,
+    solve_columns,
+    solve_columns_with_restitutions,
+)
 from longball.engines.batch.expansion import (
     DRAG,
     FORCES,
@@ -256,6 +261,22 @@ def test_a_parabola_is_exact() -> None:
 def test_lists_have_the_bits_of_scenes_solved_alone(odd_scenes: list[Scene]) -> None:
     engine = Batch()
     assert solve_all(odd_scenes, engine) == [solve(scene, engine) for scene in odd_scenes]
+
+
+def test_balls_that_share_their_pitch_have_the_bits_of_their_own() -> None:
+    scene = AtBatScene(id="base")
+    rng = np.random.default_rng(5)
+    columns = {
+        "pitch.speed": rng.uniform(5, 45, 5000),
+        "swing.height_offset": rng.normal(0, 0.04, 5000),
+    }
+    shared = solve_columns_with_restitutions(scene, columns, (0.2, 0.9), threads=2)
+    for e, table in zip((0.2, 0.9), shared, strict=True):
+        alone = solve_columns(scene, columns | {"ball.restitution": np.full(5000, e)})
+        assert table.keys() == alone.keys()
+        assert {"batted", "missed", "grounded"} <= set(table["outcome"])
+        for name in table:
+            np.testing.assert_array_equal(table[name], alone[name])
 
 
 def test_neither_order_nor_number_nor_threads_change_a_bit() -> None:

@@ -17,7 +17,7 @@ from rich.table import Table
 say = Console(stderr=True, highlight=False, soft_wrap=True)
 
 Seed = Annotated[int, typer.Option(min=0, help="Where the random numbers come from.")]
-Workers = Annotated[int, typer.Option(help="Processes; -1: one a core.")]
+Workers = Annotated[int, typer.Option(help="At work at a time; -1: one a core.")]
 
 
 def wrong_call(sentence: str) -> NoReturn:

@@ -19,12 +19,11 @@ from longball.golden.case import Case
 from longball.golden.draft import Draft
 from longball.golden.families import FAMILIES
 from longball.golden.files import (
-    CHECKSUMS,
     HEADER,
     HISTORIES,
     PARTIAL,
-    checksums,
     schemas,
+    write_files,
     write_whole,
 )
 from longball.golden.history import ABOUT, history
@@ -87,9 +86,7 @@ def write(
     about = {name: inspect.getdoc(family) or "" for name, family in families.items()}
     top = header(made, about, dict.fromkeys(tables, ABOUT))
     files |= tables | schemas() | {HEADER: top.model_dump_json(indent=2) + "\n"}
-    for file, content in files.items():
-        write_whole(folder / file, content)
-    write_whole(folder / CHECKSUMS, checksums(folder, files))
+    write_files(folder, files)
     shutil.rmtree(folder / PARTIAL, ignore_errors=True)
     return total
 
@@ -156,10 +153,9 @@ def _finished(kept: Path, stamp: str) -> Iterator[Case]:
 def fingerprint() -> str:
     """Return a text that changes with the code that takes part and with its libraries."""
     package = Path(longball.__file__).parent
-    sources = sorted(
-        path for part in ("model", "engines", "golden") for path in (package / part).glob("*.py")
-    )
+    parts = ("model", "engines", "home_run", "golden")
+    sources = sorted(path for part in parts for path in (package / part).glob("*.py"))
     digest = hashlib.sha256(repr(sorted(made_by().items())).encode())
-    for path in (*sources, package / "home_run.py"):
+    for path in sources:
         digest.update(path.read_bytes())
     return digest.hexdigest()

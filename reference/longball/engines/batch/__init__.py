@@ -7,6 +7,10 @@ flights; `roots` finds the events on a step's polynomials; `flights` flies recor
 """
 
 from longball.engines.batch.engine import Batch
-from longball.engines.batch.many import solve_all, solve_columns
+from longball.engines.batch.many import (
+    solve_all,
+    solve_columns,
+    solve_columns_with_restitutions,
+)
 
-__all__ = ["Batch", "solve_all", "solve_columns"]
+__all__ = ["Batch", "solve_all", "solve_columns", "solve_columns_with_restitutions"]

@@ -189,6 +189,12 @@ class Table:
         part.rows = slice(rows.start, min(rows.stop, len(self.whole)))
         return part
 
+    def copy_from(self, other: Table) -> None:
+        """Write all that another table of as many rows holds."""
+        self.outcome[:] = other.outcome
+        for name, column in other.columns.items():
+            self.put(name, slice(None), column[other.rows])
+
     def decide(self, outcome: Outcome, rows: Any) -> None:
         """Write an outcome into rows, by index or by flag."""
         self.outcome[rows] = OUTCOMES.index(outcome)
@@ -394,9 +400,18 @@ def solve_impacts(table: Table, c: Columns, reading: Reading, engine: Batch) -> 
 
 def solve_at_bats(table: Table, c: Columns, reading: Reading, engine: Batch) -> None:
     """Solve whole at-bats."""
+    finish_at_bats(table, meet_at_bats(table, c, reading, engine), c, reading, engine)
+
+
+def meet_at_bats(table: Table, c: Columns, reading: Reading, engine: Batch) -> Blows:
+    """Solve at-bats up to the blow: all of them that the ball's restitution leaves alone."""
     delivered = _deliver(len(table), c, reading, engine)
     rows = np.flatnonzero(_plate(table, delivered))
-    blows = _meet(table, rows, at_rows(c, rows), _delivered_at(delivered, rows), engine)
+    return _meet(table, rows, at_rows(c, rows), _delivered_at(delivered, rows), engine)
+
+
+def finish_at_bats(table: Table, blows: Blows, c: Columns, reading: Reading, engine: Batch) -> None:
+    """Solve at-bats from the blow on."""
     struck = at_rows(c, blows.rows)
     after = _strike(table, blows, struck, reading)
     table.outcome[blows.rows] = UNSOLVED

@@ -1,0 +1,64 @@
+"""The probability of a home run, P(e).
+
+`at_bats` has the paper's distributions and draws from them; `simulation` strikes the samples;
+`estimation` counts home runs and fits the paper's form of P(e). `quadrature` needs no samples:
+with `clearance`, how far inside the home runs an at-bat is, and `crossings`, where they end.
+`randomised` is a second way, to check it by.
+"""
+
+from longball.home_run.at_bats import (
+    BLOCK,
+    MIDDLE_CELL,
+    AtBats,
+    Mixture,
+    Samples,
+    draw,
+    draw_block,
+    paper_at_bats,
+    scenes,
+    with_restitution,
+)
+from longball.home_run.estimation import (
+    HOME_RUN_DISTANCE,
+    PAPER_CURVES,
+    RESTITUTIONS,
+    Curve,
+    Estimate,
+    Fit,
+    estimate,
+    fit,
+    fit_form,
+    wilson,
+)
+from longball.home_run.quadrature import Integral, quadrature
+from longball.home_run.randomised import Randomised, randomised
+from longball.home_run.simulation import Struck, monte_carlo
+
+__all__ = [
+    "BLOCK",
+    "HOME_RUN_DISTANCE",
+    "MIDDLE_CELL",
+    "PAPER_CURVES",
+    "RESTITUTIONS",
+    "AtBats",
+    "Curve",
+    "Estimate",
+    "Fit",
+    "Integral",
+    "Mixture",
+    "Randomised",
+    "Samples",
+    "Struck",
+    "draw",
+    "draw_block",
+    "estimate",
+    "fit",
+    "fit_form",
+    "monte_carlo",
+    "paper_at_bats",
+    "quadrature",
+    "randomised",
+    "scenes",
+    "wilson",
+    "with_restitution",
+]

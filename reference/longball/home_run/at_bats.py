@@ -1,0 +1,196 @@
+"""The paper's random at-bats: their distributions, and samples drawn from them.
+
+Samples come in blocks with a seed each, so that neither the number of workers nor the number of
+samples asked for changes any one of them.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from longball.model.readings import Reading
+from longball.model.scene import AtBatScene
+
+Array = NDArray[np.float64]
+
+MIDDLE_CELL = 3.0  # of the five that the pitching zone is divided into (paper, Sec. II)
+BLOCK = 50  # samples drawn from one seed
+
+
+@dataclass(frozen=True)
+class Mixture:
+    """Two normal distributions, the first one drawn with probability `weight`."""
+
+    weight: float
+    means: tuple[float, float]
+    deviations: tuple[float, float]
+
+    def draw(self, count: int, generator: np.random.Generator) -> Array:
+        """Return `count` draws."""
+        second = (generator.random(count) >= self.weight).astype(int)
+        normal = generator.standard_normal(count)
+        means, deviations = np.array(self.means), np.array(self.deviations)
+        drawn: Array = means[second] + deviations[second] * normal
+        return drawn
+
+    @property
+    def parts(self) -> tuple[tuple[float, float, float], ...]:
+        """Weights, means and standard deviations of the normal distributions that are drawn."""
+        weights = (self.weight, 1.0 - self.weight)
+        every = zip(weights, self.means, self.deviations, strict=True)
+        return tuple(part for part in every if part[0] > 0)
+
+    def density(self, values: Array) -> Array:
+        """Return the probability density at values."""
+        total = np.zeros_like(values)
+        for weight, mean, deviation in self.parts:
+            far = (values - mean) / deviation
+            total += weight / (deviation * math.sqrt(2 * math.pi)) * np.exp(-0.5 * far * far)
+        return total
+
+    def below(self, values: Array) -> Array:
+        """Return the probability of a draw below values."""
+        from scipy.special import ndtr  # slow to import, and not needed for --help
+
+        total = np.zeros_like(values)
+        for weight, mean, deviation in self.parts:
+            total += weight * ndtr((values - mean) / deviation)
+        return total
+
+    def quantiles(self, shares: Array) -> Array:
+        """Return the values that are above the given shares of draws."""
+        from scipy.optimize import elementwise
+        from scipy.special import ndtri
+
+        every = [mean + deviation * ndtri(shares) for _, mean, deviation in self.parts]
+        found = elementwise.find_root(
+            lambda value, share: self.below(value) - share,
+            (np.minimum.reduce(every), np.maximum.reduce(every)),
+            args=(shares,),
+        )
+        values: Array = found.x
+        return values
+
+
+@dataclass(frozen=True)
+class AtBats:
+    """The distributions that at-bats are drawn from.
+
+    Attributes
+    ----------
+    speed
+        m/s, of the pitch (paper, Eq. 3).
+    aim
+        m, the horizontal coordinate P_y of the point aimed at (paper, Eq. 4).
+    offset_deviation
+        m, of the height of the bat's axis over the pitch; its mean is 0 (paper, Sec. III.A).
+    largest_tilt
+        rad, of the swing's axis, which is uniform from 0 (paper, Sec. III.A).
+    """
+
+    speed: Mixture
+    aim: Mixture
+    offset_deviation: float
+    largest_tilt: float
+
+    @property
+    def offset(self) -> Mixture:
+        """The distribution of the bat's height over the pitch, m: one normal distribution."""
+        return Mixture(1.0, (0.0, 0.0), (self.offset_deviation, self.offset_deviation))
+
+
+def paper_at_bats(reading: Reading) -> AtBats:
+    """Return the paper's distributions, as a reading of Table II, Eqs. 2 to 4 and Sec. III."""
+    kmh = 1 / 3.6
+    large, small = (139.1, 127.8), (4.58, 7.80)  # km/h, Table II
+    means, spreads = (large, small) if reading.speed_table == "columns_swapped" else (small, large)
+    # As printed, exp(-(v - μ)²/σ²): the standard deviation is σ/√2.
+    per_spread = 1.0 if reading.speed_spread == "standard_deviation" else math.sqrt(0.5)
+    cells, deviation = (2.0, 4.0), 0.77  # Eq. 4
+    width = reading.cell_width
+    return AtBats(
+        speed=Mixture(
+            0.45,
+            (means[0] * kmh, means[1] * kmh),
+            (spreads[0] * kmh * per_spread, spreads[1] * kmh * per_spread),
+        ),
+        aim=Mixture(
+            0.52,
+            ((cells[0] - MIDDLE_CELL) * width, (cells[1] - MIDDLE_CELL) * width),
+            (deviation * width, deviation * width),
+        ),
+        offset_deviation=reading.offset_spread,
+        largest_tilt=math.radians(10.0),
+    )
+
+
+@dataclass(frozen=True)
+class Samples:
+    """Random inputs of at-bats, an array element each: m/s, m, m, rad."""
+
+    speed: Array
+    aim: Array
+    offset: Array
+    tilt: Array
+
+    def __len__(self) -> int:
+        return len(self.speed)
+
+    @property
+    def pitched(self) -> NDArray[np.bool_]:
+        """Whether the speed is positive.
+
+        The printed columns of Table II draw others, too: such a ball is never pitched.
+        """
+        return self.speed > 0
+
+
+def draw(at_bats: AtBats, count: int, seed: int, first: int = 0) -> Samples:
+    """Return samples of a seed, from the one numbered `first` on: a multiple of BLOCK."""
+    blocks = range(first // BLOCK, math.ceil((first + count) / BLOCK))
+    drawn = [draw_block(at_bats, seed, block) for block in blocks]
+    columns = ("speed", "aim", "offset", "tilt")
+    return Samples(
+        *(np.concatenate([getattr(block, name) for block in drawn])[:count] for name in columns)
+    )
+
+
+def draw_block(at_bats: AtBats, seed: int, block: int) -> Samples:
+    """Return the samples of one block, from a seed of its own."""
+    generator = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(block,)))
+    return Samples(
+        speed=at_bats.speed.draw(BLOCK, generator),
+        aim=at_bats.aim.draw(BLOCK, generator),
+        offset=at_bats.offset_deviation * generator.standard_normal(BLOCK),
+        tilt=at_bats.largest_tilt * generator.random(BLOCK),
+    )
+
+
+def scenes(base: AtBatScene, samples: Samples, first: int = 0) -> Iterator[AtBatScene | None]:
+    """Yield a scene a sample: `base` with what was drawn, and an id that counts from `first`.
+
+    Yields None for a ball that is never pitched.
+    """
+    for i in range(len(samples)):
+        if not samples.pitched[i]:
+            yield None
+            continue
+        aim = (float(samples.aim[i]), base.pitch.aim[1])
+        pitch = base.pitch.model_copy(update={"speed": float(samples.speed[i]), "aim": aim})
+        swing = base.swing.model_copy(
+            update={"height_offset": float(samples.offset[i]), "tilt": float(samples.tilt[i])}
+        )
+        yield base.model_copy(
+            update={"id": f"sample-{first + i:06d}", "pitch": pitch, "swing": swing}
+        )
+
+
+def with_restitution(scene: AtBatScene, restitution: float) -> AtBatScene:
+    """Return a scene with another restitution of the ball, which its id tells."""
+    ball = scene.ball.model_copy(update={"restitution": restitution})
+    return scene.model_copy(update={"id": f"{scene.id}-e{restitution:g}", "ball": ball})

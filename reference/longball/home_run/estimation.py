@@ -1,0 +1,157 @@
+"""Counting home runs, and fitting the paper's form of P(e)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from statistics import NormalDist
+
+import numpy as np
+from numpy.typing import NDArray
+
+from longball.home_run.simulation import Struck
+from longball.model.readings import Reading
+
+Array = NDArray[np.float64]
+
+HOME_RUN_DISTANCE = 150.0  # m; paper, Sec. IV
+RESTITUTIONS = (0.41, 0.42, 0.43, 0.44, 0.45)  # paper, Fig. 7
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """P(e) counted from samples, with its Wilson interval of 95 %.
+
+    Attributes
+    ----------
+    e
+        The ball's coefficient of restitution.
+    home_runs, trials
+        What was counted, among how many of the sample space that the reading names.
+    failed
+        Samples that the engine could not tell, counted as no home runs.
+    p, low, high
+        The share of home runs, and the interval; NaN without a trial.
+    """
+
+    e: float
+    home_runs: int
+    trials: int
+    failed: int
+    p: float
+    low: float
+    high: float
+
+
+def estimate(e: float, struck: Struck, reading: Reading) -> Estimate:
+    """Count the home runs at one restitution: D >= 150 m (paper, Sec. IV)."""
+    match reading.sample_space:
+        case "pitches":
+            space = np.ones_like(struck.batted)
+        case "batted":
+            space = struck.batted
+        case "fair":
+            space = struck.fair
+    hits = int(np.count_nonzero(space & (struck.distance >= HOME_RUN_DISTANCE)))
+    trials = int(np.count_nonzero(space))
+    p = hits / trials if trials else math.nan
+    low, high = wilson(hits, trials)
+    return Estimate(e, hits, trials, int(np.count_nonzero(struck.failed)), p, low, high)
+
+
+def wilson(successes: int, trials: int, level: float = 0.95) -> tuple[float, float]:
+    """Return Wilson's score interval for a probability; NaN without a trial.
+
+    E. B. Wilson, J. Am. Stat. Assoc. 22 (1927) 209.
+    """
+    if trials == 0:
+        return math.nan, math.nan
+    z = NormalDist().inv_cdf(0.5 + level / 2)
+    p, shrink = successes / trials, 1 + z * z / trials
+    centre = (p + z * z / (2 * trials)) / shrink
+    half = z / shrink * math.sqrt(p * (1 - p) / trials + z * z / (4 * trials * trials))
+    # At the ends the interval reaches the end itself, which rounding may miss.
+    low = 0.0 if successes == 0 else centre - half
+    return low, 1.0 if successes == trials else centre + half
+
+
+@dataclass(frozen=True)
+class Curve:
+    """P(e) = ½ [1 - erf((150 - C₁ e) / (√2 σ))], the paper's form (Sec. IV); C₁ and σ in m."""
+
+    c1: float
+    sigma: float
+
+    def __call__(self, e: float) -> float:
+        """Return P at a restitution."""
+        return 0.5 * math.erfc((HOME_RUN_DISTANCE - self.c1 * e) / (math.sqrt(2) * self.sigma))
+
+
+PAPER_CURVES = {"caption": Curve(242.0, 52.2), "text": Curve(271.0, 59.8)}  # Fig. 7 and its text
+
+
+@dataclass(frozen=True)
+class Fit:
+    """The paper's form fitted to estimates, with standard errors in m."""
+
+    curve: Curve
+    c1_error: float
+    sigma_error: float
+
+
+def fit(estimates: Sequence[Estimate]) -> Fit | None:
+    """Fit C₁ and σ to estimates by least squares, each weighted by its Wilson interval.
+
+    Returns None where the samples do not determine two parameters.
+
+    The standard errors take the estimates for independent; estimates from the same samples are
+    not, and vary together.
+    """
+    wide = 2 * NormalDist().inv_cdf(0.975)  # the interval of 95 %, in standard deviations
+    return fit_form(
+        [row.e for row in estimates],
+        [row.p for row in estimates],
+        [(row.high - row.low) / wide for row in estimates],
+    )
+
+
+def fit_form(
+    restitutions: Sequence[float], p: Sequence[float], errors: Sequence[float] | None = None
+) -> Fit | None:
+    """Fit C₁ and σ to values of P(e) by least squares.
+
+    Without `errors`, the standard ones of P, every value weighs the same, and the errors of the fit
+    come from how far the values are from the form.
+
+    Returns None for fewer than three values, or too few of them strictly between 0 and 1: fewer
+    than two, or without errors three.
+    """
+    from scipy.optimize import curve_fit
+    from scipy.special import erfc
+
+    inner = [i for i, value in enumerate(p) if 0 < value < 1]
+    if len(p) < 3 or len(inner) < (3 if errors is None else 2):
+        return None
+
+    def form(e: Array, slope: float, intercept: float) -> Array:
+        return 0.5 * np.asarray(erfc((intercept - slope * e) / math.sqrt(2)))
+
+    e, values = np.array(restitutions)[inner], np.array(p)[inner]
+    # In a = C₁/σ and b = 150/σ the form is a probit line, a e - b, which gives the start.
+    start = np.polyfit(e, [NormalDist().inv_cdf(value) for value in values], 1)
+    (a, b), covariance = curve_fit(
+        form,
+        e,
+        values,
+        p0=(start[0], -start[1]),
+        sigma=None if errors is None else np.array(errors)[inner],
+        absolute_sigma=errors is not None,
+    )
+    sigma, c1 = HOME_RUN_DISTANCE / b, HOME_RUN_DISTANCE * a / b
+    to_c1 = np.array([HOME_RUN_DISTANCE / b, -c1 / b])
+    return Fit(
+        Curve(float(c1), float(sigma)),
+        float(np.sqrt(to_c1 @ covariance @ to_c1)),
+        float(sigma / b * np.sqrt(covariance[1, 1])),
+    )

@@ -1,0 +1,177 @@
+"""Monte Carlo: what becomes of sampled at-bats.
+
+Every sample is drawn once and struck with every restitution asked for, so that differences of
+P(e) along e carry little noise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from longball.engines.at_bat import solve_with_restitutions
+from longball.engines.engine import Engine
+from longball.home_run.at_bats import BLOCK, AtBats, draw, scenes
+from longball.model.scene import AtBatScene
+
+if TYPE_CHECKING:
+    from longball.engines.batch import Batch
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+# Samples that a thread takes at a time: some hundredths of a second.
+COLUMNS = 200 * BLOCK
+
+
+@dataclass(frozen=True)
+class Struck:
+    """What became of a number of at-bats, an array element each.
+
+    Attributes
+    ----------
+    x, y
+        m, where the ball landed; NaN if it was not batted.
+    failed
+        Whether the engine could not tell.
+    """
+
+    x: Array
+    y: Array
+    failed: Flags
+
+    @property
+    def distance(self) -> Array:
+        """Distance from the plate, m; NaN if not batted."""
+        return np.hypot(self.x, self.y)
+
+    @property
+    def batted(self) -> Flags:
+        """Whether the ball was batted and landed."""
+        return ~np.isnan(self.x)
+
+    @property
+    def fair(self) -> Flags:
+        """Whether it landed within 45° of the line from the plate to the pitcher."""
+        return np.abs(self.y) <= self.x
+
+
+def monte_carlo(
+    base: AtBatScene,
+    at_bats: AtBats,
+    restitutions: Sequence[float],
+    count: int,
+    seed: int,
+    *,
+    engine: Engine[float] | None = None,
+    workers: int = 1,
+    progress: Callable[[int], None] = lambda done: None,
+) -> list[Struck]:
+    """Return what becomes of sampled at-bats, the same ones at each restitution.
+
+    Parameters
+    ----------
+    base
+        Everything about the at-bats that is not random, its reading of the ledger included.
+    at_bats
+        The distributions of what is.
+    restitutions
+        Values of e; one `Struck` is returned for each.
+    count, seed
+        Number of samples, and where they come from. Fewer samples are the first of more.
+    engine
+        The batch engine if none is given, over columns; any other one solves scene by scene.
+    workers
+        Threads of the batch engine, processes of another; -1 for one a core. The answer does not
+        depend on it, to the last bit.
+    progress
+        Called with the number of samples done.
+    """
+    from joblib import Parallel, delayed  # slow to import, and not needed for --help
+
+    from longball.engines.batch import Batch  # so is numba
+
+    solver = engine or Batch()
+    if isinstance(solver, Batch):
+        strike, size, prefer = _strike_columns, COLUMNS, "threads"
+    else:
+        strike, size, prefer = _strike_scenes, BLOCK, "processes"
+    tasks = (
+        delayed(strike)(
+            base, at_bats, tuple(restitutions), first, min(size, count - first), seed, solver
+        )
+        for first in range(0, count, size)
+    )
+    landed = np.empty((len(restitutions), 3, count))
+    done = 0
+    for part in Parallel(n_jobs=workers, return_as="generator", prefer=prefer)(tasks):
+        landed[:, :, done : done + part.shape[2]] = part
+        done += part.shape[2]
+        progress(done)
+    return [Struck(x, y, failed > 0) for x, y, failed in landed]
+
+
+def _strike_columns(
+    base: AtBatScene,
+    at_bats: AtBats,
+    restitutions: Sequence[float],
+    first: int,
+    count: int,
+    seed: int,
+    engine: Batch,
+) -> Array:
+    """Return x, y and failure of samples: an array (restitution, 3, sample)."""
+    from longball.engines.batch import solve_columns_with_restitutions
+
+    samples = draw(at_bats, count, seed, first)
+    pitched = samples.pitched
+    tables = solve_columns_with_restitutions(
+        base,
+        {
+            "pitch.speed": samples.speed[pitched],
+            "pitch.aim.0": samples.aim[pitched],
+            "swing.height_offset": samples.offset[pitched],
+            "swing.tilt": samples.tilt[pitched],
+        },
+        restitutions,
+        engine,
+    )
+    landed = _nothing(len(restitutions), count)
+    for one, table in zip(landed, tables, strict=True):
+        one[0, pitched] = table["landing.position.0"]
+        one[1, pitched] = table["landing.position.1"]
+        one[2, pitched] = table["outcome"] == ""
+    return landed
+
+
+def _strike_scenes(
+    base: AtBatScene,
+    at_bats: AtBats,
+    restitutions: Sequence[float],
+    first: int,
+    count: int,
+    seed: int,
+    engine: Engine[float],
+) -> Array:
+    """Do the same, scene by scene."""
+    landed = _nothing(len(restitutions), count)
+    for i, scene in enumerate(scenes(base, draw(at_bats, count, seed, first), first)):
+        if scene is None:
+            continue
+        for k, result in enumerate(solve_with_restitutions(scene, restitutions, engine)):
+            if result.error is not None:
+                landed[k, 2, i] = 1.0
+            elif result.landing is not None:
+                landed[k, :2, i] = result.landing.position[:2]
+    return landed
+
+
+def _nothing(restitutions: int, count: int) -> Array:
+    """Return what becomes of balls that are never pitched."""
+    landed = np.full((restitutions, 3, count), np.nan)
+    landed[:, 2] = 0.0
+    return landed
