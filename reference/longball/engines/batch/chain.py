@@ -12,14 +12,13 @@ from collections.abc import Mapping
 from copy import copy
 from dataclasses import dataclass, replace
 from types import SimpleNamespace
-from typing import Any, cast, get_args
+from typing import Any, Protocol, cast, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
 from longball.engines.batch import flights
-from longball.engines.batch.engine import Batch
-from longball.engines.batch.flights import FLIGHT
+from longball.engines.batch.flights import FLIGHT, Records
 from longball.engines.batch.lanes import kept
 from longball.engines.batch.records import (
     Start,
@@ -45,6 +44,20 @@ Columns = Mapping[str, Any]  # arrays of a number a scene, or one number for all
 
 OUTCOMES: tuple[str, ...] = get_args(Outcome)
 UNSOLVED = -1  # stands in a column of outcomes where a scene has no answer
+
+
+class Fleet(Protocol):
+    """Who flies balls for the chain, many at a time; `longball.engines.batch.engine.Batch` does."""
+
+    @property
+    def flight_error(self) -> float:
+        """Error of a state at the end of a flight, relative to its size."""
+
+    def fly_all(self, starts: Records) -> Records:
+        """Fly records of `flights.FLIGHT`; return records of `flights.ARRIVAL`, in order."""
+
+    def search_all(self, starts: Records) -> Records:
+        """Do the same for flights past a bat."""
 
 
 class Elementwise:
@@ -91,7 +104,7 @@ class Flown:
 
 
 def _fly(
-    count: int, start: PlaneState[Any], forces: Forces[Any], stops: Stops[Any], engine: Batch
+    count: int, start: PlaneState[Any], forces: Forces[Any], stops: Stops[Any], engine: Fleet
 ) -> Flown:
     """Fly to a stop, through the vertical if need be; see `longball.engines.at_bat`."""
     records = np.zeros(count, FLIGHT)
@@ -224,7 +237,7 @@ class Table:
 # --- the links of the chain -----------------------------------------------------------------------
 
 
-def solve_flights(table: Table, c: Columns, reading: Reading, engine: Batch) -> None:
+def solve_flights(table: Table, c: Columns, reading: Reading, engine: Fleet) -> None:
     """Solve launches and landings."""
     everyone = np.arange(len(table))
     position, velocity = _point(c, "launch.position"), _point(c, "launch.velocity")
@@ -240,7 +253,7 @@ def _land(
     velocity: Vector,
     time: Array,
     reading: Reading,
-    engine: Batch,
+    engine: Fleet,
 ) -> None:
     """Fly to the ground from launches at `time`, and write how that ends: batted or airborne."""
     plane, start = _into_plane(position, velocity)
@@ -271,7 +284,7 @@ class Delivered:
     flown: Flown
 
 
-def _deliver(count: int, c: Columns, reading: Reading, engine: Batch) -> Delivered:
+def _deliver(count: int, c: Columns, reading: Reading, engine: Fleet) -> Delivered:
     x, y, z = _point(c, "pitch.release")
     toward = (-x, c["pitch.aim.0"] - y, c["pitch.aim.1"] - z)
     scale = c["pitch.speed"] / np.sqrt(_dot(toward, toward))
@@ -296,7 +309,7 @@ def _plate(table: Table, delivered: Delivered) -> Flags:
     return crossed
 
 
-def solve_pitches(table: Table, c: Columns, reading: Reading, engine: Batch) -> None:
+def solve_pitches(table: Table, c: Columns, reading: Reading, engine: Fleet) -> None:
     """Solve releases and plates."""
     _plate(table, _deliver(len(table), c, reading, engine))
 
@@ -386,7 +399,7 @@ def _strike(table: Table, blows: Blows, c: Columns, reading: Reading) -> Vector:
     return after
 
 
-def solve_impacts(table: Table, c: Columns, reading: Reading, engine: Batch) -> None:
+def solve_impacts(table: Table, c: Columns, reading: Reading, engine: Fleet) -> None:
     """Solve touchings that are given."""
     rows = np.arange(len(table))
     c = {name: np.broadcast_to(column, len(table)) for name, column in c.items()}
@@ -398,19 +411,19 @@ def solve_impacts(table: Table, c: Columns, reading: Reading, engine: Batch) -> 
     _strike(table, blows, at_rows(c, blows.rows), reading)
 
 
-def solve_at_bats(table: Table, c: Columns, reading: Reading, engine: Batch) -> None:
+def solve_at_bats(table: Table, c: Columns, reading: Reading, engine: Fleet) -> None:
     """Solve whole at-bats."""
     finish_at_bats(table, meet_at_bats(table, c, reading, engine), c, reading, engine)
 
 
-def meet_at_bats(table: Table, c: Columns, reading: Reading, engine: Batch) -> Blows:
+def meet_at_bats(table: Table, c: Columns, reading: Reading, engine: Fleet) -> Blows:
     """Solve at-bats up to the blow: all of them that the ball's restitution leaves alone."""
     delivered = _deliver(len(table), c, reading, engine)
     rows = np.flatnonzero(_plate(table, delivered))
     return _meet(table, rows, at_rows(c, rows), _delivered_at(delivered, rows), engine)
 
 
-def finish_at_bats(table: Table, blows: Blows, c: Columns, reading: Reading, engine: Batch) -> None:
+def finish_at_bats(table: Table, blows: Blows, c: Columns, reading: Reading, engine: Fleet) -> None:
     """Solve at-bats from the blow on."""
     struck = at_rows(c, blows.rows)
     after = _strike(table, blows, struck, reading)
@@ -419,7 +432,7 @@ def finish_at_bats(table: Table, blows: Blows, c: Columns, reading: Reading, eng
 
 
 def _meet(
-    table: Table, rows: NDArray[np.int64], c: Columns, delivered: Delivered, engine: Batch
+    table: Table, rows: NDArray[np.int64], c: Columns, delivered: Delivered, engine: Fleet
 ) -> Blows:
     """Put the bats where they are swung, and write how the pitches meet them."""
     plane, flown = delivered.plane, delivered.flown
