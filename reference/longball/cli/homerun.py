@@ -12,6 +12,7 @@ from typing import Annotated, Any
 import typer
 
 from longball import engines
+from longball.cli.cluster import Scheduler, on_cluster
 from longball.cli.common import (
     Seed,
     Workers,
@@ -64,6 +65,7 @@ def homerun(
     reading: ReadingOption = None,
     set_: SetOption = None,
     workers: Workers = -1,
+    scheduler: Scheduler = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON, not a table.")] = False,
     csv_file: Annotated[Path | None, typer.Option("--csv", help="Write the table here.")] = None,
     figure: Annotated[Path | None, typer.Option(help="Draw P(e) here: .png, .svg, .pdf")] = None,
@@ -89,7 +91,7 @@ def homerun(
         at_bats = with_pitches(at_bats, pitches)
     if scenes_file:
         write_scenes(scenes_file, base, at_bats, restitutions, samples, seed)
-    with progress_bar("at-bats", samples) as advance:
+    with on_cluster(scheduler), progress_bar("at-bats", samples) as advance:
         struck = monte_carlo(
             base,
             at_bats,
