@@ -76,7 +76,7 @@ def downward(slope: Array, degree: int, end: float) -> float:
     total = 0.0
     for k in range(degree, 1, -1):
         total = fma(total, end, k * abs(slope[k]))
-    return float(fma(total, end, -slope[1]))
+    return float(fma(total, end, -slope[1])) if degree > 0 else 0.0
 
 
 @compiled
