@@ -19,6 +19,7 @@ STUDIES = {
     "home_runs": True,
     "readings": True,
     "accuracy": True,
+    "speed_error": False,
     "convergence": False,
     "stability": False,
     "survival": False,
