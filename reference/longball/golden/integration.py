@@ -112,8 +112,9 @@ def write_probabilities(
         title="Longball's golden data: the probability of a home run P(e)",
         numbers=NUMBERS,
         made_by={
-            "p": f"quadrature, {Batch().description}",
-            "confirmation": f"{SCRAMBLES} scrambles of {lines} Sobol' points, {Batch().description}",
+            "p": "quadrature",
+            "confirmation": f"{SCRAMBLES} scrambles of {lines} Sobol' points",
+            "engine": Batch().description,
             "longball": __version__,
             "numpy": version("numpy"),
             "scipy": version("scipy"),
