@@ -68,9 +68,9 @@ def drafts() -> Iterator[ProbabilityDraft]:
         ("reduced_mass", "effective_mass", "An impulse that grows along the bat."),
         ("bat_ball_restitution", "plain", "A restitution that is the same all along the bat."),
         ("inertia", "thin_rod", "A small change of the inertia."),
-        ("inertia", "about_centre", "Home runs all along the bat, and balls that dive."),
         ("ground_contact", "surface", "The ball lands a radius earlier."),
         ("sample_space", "batted", "Among batted balls only."),
+        ("inertia", "about_centre", "Home runs all along the bat, and balls that dive."),
     ):
         yield ProbabilityDraft(
             f"probability-{switch}-{option}",
