@@ -86,15 +86,12 @@ def check(
             failures.append(f"{PROBABILITIES}: {fault}")
         else:
             integrals = found_integrals.cases
-    twice = [
-        name
-        for name, count in Counter(case.id for case in (*cases, *integrals)).items()
-        if count > 1
-    ]
+    ids = [case.id for case in cases] + [case.id for case in integrals]
+    twice = [name for name, count in Counter(ids).items() if count > 1]
     failures += [f"{name}: the id is given twice" for name in twice]
     failures += [sentence for case in cases for sentence in _inconsistent(case, top)]
 
-    every = [*cases, *integrals]
+    every: list[Case | ProbabilityCase] = [*cases, *integrals]
     chosen = every
     if sample is not None and sample < len(every):
         chosen = random.Random(seed).sample(every, sample)

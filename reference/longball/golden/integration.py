@@ -68,9 +68,9 @@ def drafts() -> Iterator[ProbabilityDraft]:
         ("reduced_mass", "effective_mass", "An impulse that grows along the bat."),
         ("bat_ball_restitution", "plain", "A restitution that is the same all along the bat."),
         ("inertia", "thin_rod", "A small change of the inertia."),
-        ("inertia", "about_centre", "Home runs all along the bat, and balls that dive."),
         ("ground_contact", "surface", "The ball lands a radius earlier."),
         ("sample_space", "batted", "Among batted balls only."),
+        ("inertia", "about_centre", "Home runs all along the bat, and balls that dive."),
     ):
         yield ProbabilityDraft(
             f"probability-{switch}-{option}",
@@ -112,8 +112,9 @@ def write_probabilities(
         title="Longball's golden data: the probability of a home run P(e)",
         numbers=NUMBERS,
         made_by={
-            "p": f"quadrature, {Batch().description}",
-            "confirmation": f"{SCRAMBLES} scrambles of {lines} Sobol' points, {Batch().description}",
+            "p": "quadrature",
+            "confirmation": f"{SCRAMBLES} scrambles of {lines} Sobol' points",
+            "engine": Batch().description,
             "longball": __version__,
             "numpy": version("numpy"),
             "scipy": version("scipy"),

@@ -41,7 +41,7 @@ _AIMS, _SPEEDS = 13, 25
 # derivative by truncation, and by less through the engine's rounding.
 _STEP = 1e-5
 _OFFSET_NODES = 10  # of a range of offsets, which is halved until that is enough
-_HALVINGS = 30
+_HALVINGS = 20
 _STEEPER = 10.0  # how much larger than that of P the error of dP/de may be
 _PAIRS = 24  # of speed and tilt, that a thread takes at a time: some tenths of a second
 
