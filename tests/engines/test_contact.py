@@ -240,17 +240,40 @@ def test_a_ball_that_falls_onto_the_bat_from_above():
     assert math.hypot(x, meeting.touch.state.z - meeting.height) == pytest.approx(0.0696, abs=1e-15)
 
 
-@pytest.mark.xfail(reason="the search ends at x = -(R + r_b), where no touching is possible")
-def test_the_margin_of_a_miss_that_comes_closest_behind_the_plate():
-    """A lob that falls past below the bat: no touching, but its margin is 1.4 mm too far."""
+def test_the_margin_of_a_miss_is_taken_until_the_ball_has_passed_the_bat():
+    """A lob that falls past below the bat, and comes 1.4 mm closer behind it."""
     scene = at_bat(
         Pitch(speed=14.76, aim=(0.344, 24.2136)),
         -0.1642,
         air=Air(drag_coefficient=0.4033, lift_coefficient=0.158),
     )
     with oracle.in_digits(DIGITS):
-        margin = oracle.Throw(as_data(scene), DIGITS).margin(scene.swing.height_offset)
-    assert assert_decided_rightly(scene, margin) is False
+        closest = oracle.Throw(as_data(scene), DIGITS).margin(scene.swing.height_offset)
+    margin, truth = (solve(scene, engine).contact.margin for engine in (ENGINE, Enclosure(20)))
+    assert margin == pytest.approx(float(truth), abs=1e-11)
+    assert float(closest) - margin == pytest.approx(1.4e-3, abs=1e-4)
+
+
+def test_a_touching_long_before_the_plate_is_not_sought_backwards_through_thick_air():
+    """A ball of 9 mg sinks for a fifth of a second from the bat to the plate's plane."""
+    scene = parse_scene(
+        json.dumps(
+            {
+                "id": "sinking",
+                "kind": "at-bat",
+                "ball": {"mass": 8.8e-06, "radius": 0.0167},
+                "reading": {"lift_direction": "always_up"},
+                "gravity": 105.3,
+                "air": {"density": 3.73, "drag_coefficient": 1.117, "lift_coefficient": 0.792},
+                "pitch": {"speed": 0.1145, "release": [0.361, -0.994, 3.9], "aim": [0.557, 0.324]},
+                "bat": {"radius": 0.0132},
+                "swing": {"height_offset": 0.0726},
+            }
+        )
+    )
+    result, truth = (solve(scene, engine) for engine in (ENGINE, Enclosure(20)))
+    assert result.contact.margin == pytest.approx(float(truth.contact.margin), abs=1e-11)
+    assert result.contact.time == pytest.approx(float(truth.contact.time), abs=1e-11)
 
 
 def test_the_ground_may_end_the_search():

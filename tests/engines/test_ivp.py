@@ -243,11 +243,21 @@ def test_a_root_exactly_at_the_end_of_a_step(stop):
     assert arrival.state == pytest.approx(state, abs=LENGTH)
 
 
-def test_a_landing_exactly_at_the_time_limit_and_just_beyond():
+def test_a_landing_and_the_time_limit_closer_than_the_error_are_not_told_apart():
     start, unit = (0.0, 0.0, 1.0, 8.0), Forces(None, None, 8.0, False)  # lands at t = 2 s
-    assert fly(start, unit, floor=0.0, time_limit=math.nextafter(2.0, 3.0)).stop == "floor"
+    assert fly(start, unit, floor=0.0, time_limit=2.0 + 1e-9).stop == "floor"
     short = fly(start, unit, floor=0.0, time_limit=2.0 - 1e-9)
     assert (short.stop, short.time) == ("time", 2.0 - 1e-9)
+    for limit in (math.nextafter(2.0, 1.0), 2.0, math.nextafter(2.0, 3.0)):
+        with pytest.raises(Undecided, match="before the time limit"):
+            fly(start, unit, floor=0.0, time_limit=limit)
+
+
+@pytest.mark.parametrize("wall", [16.0 - 1e-13, 16.0, 16.0 + 1e-13])
+def test_a_landing_and_the_plate_closer_than_the_error_are_not_told_apart(wall):
+    start, unit = (0.0, 4.0, 16.0, 0.0), Forces(None, None, 8.0, False)  # lands at s = 16 m
+    with pytest.raises(Undecided, match="before the plate"):
+        fly(start, unit, floor=0.0, wall=wall)
 
 
 def test_airborne_at_the_time_limit():

@@ -143,6 +143,8 @@ def _fly(start: PlaneState[N], forces: Forces[N], stops: Stops[N], engine: Engin
     """
     if forces.lift is None or not forces.always_up:
         return engine.fly(start, forces, stops)
+    if start.u == 0.0:  # from rest, or straight up or down: it is there already
+        return engine.fly(start, replace(forces, lift=None), stops)
     arrival = engine.fly(start, forces, replace(stops, vertical=True))
     if arrival.stop != "vertical":
         return arrival

@@ -80,6 +80,18 @@ def longest_step(state: PlaneState[float], bat: BatSection[float], forces: Force
     return bat.reach / (4 * fastest)
 
 
+def backward_growth(state: PlaneState[float], duration: float, forces: Forces[float]) -> float:
+    """Return a bound on how much an error grows over a way back to a state.
+
+    Drag makes flights converge, so that taken backwards they part: the acceleration's derivative
+    in the velocity is at most 2 k V, of a speed that was V at the way's far end and grew by at
+    most g a second.
+    """
+    k = math.hypot(forces.drag or 0.0, forces.lift or 0.0)
+    fastest = math.hypot(state.u, state.w) + (forces.gravity or 0.0) * duration
+    return math.exp(min(2 * k * fastest * duration, 700.0)) if duration > 0 else 1.0
+
+
 def margin_error(bat: BatSection[float], plate: PlaneState[float], flight_error: float) -> float:
     """Return a bound on the error of the margin at the closest approach, m.
 

@@ -145,7 +145,7 @@ class Ivp:
     def fly(self, start: State, forces: Forces[float], stops: Stops[float]) -> Arrival[float]:
         """Fly until the first stop; see `longball.engines.engine.Engine.fly`."""
         try:
-            return self._fly(start, forces, stops)
+            return self._told(self._fly(start, forces, stops), stops)
         except _TooMuchWork as work:
             if not work.settled or self.method in ("Radau", "BDF"):
                 raise
@@ -183,6 +183,27 @@ class Ivp:
             if met.name in ("floor", "wall", "vertical"):
                 return Arrival(cast(Stop, met.name), time, state, _joined(legs))
 
+    def _told(self, arrival: Arrival[float], stops: Stops[float]) -> Arrival[float]:
+        """Return an arrival, unless its error leaves open which stop comes first."""
+        state = arrival.state
+        error = self.flight_error * max(1.0, abs(state.s), abs(state.z))
+        if stops.floor is not None and arrival.stop in ("wall", "time"):
+            before = "the plate" if arrival.stop == "wall" else "the time limit"
+            DOUBLES.positive(
+                state.z - stops.floor, error, f"whether the ball comes down before {before}"
+            )
+        if stops.wall is not None and arrival.stop == "floor":
+            DOUBLES.positive(
+                stops.wall - state.s, error, "whether the ball comes down before the plate"
+            )
+        if arrival.stop == "floor":
+            DOUBLES.positive(
+                stops.time_limit - arrival.time,
+                self.flight_error * arrival.time,
+                "whether the ball comes down before the time limit",
+            )
+        return arrival
+
     def touch(
         self,
         pitch: Arrival[float],
@@ -215,8 +236,11 @@ class Ivp:
         accelerate = _limited(acceleration(forces, DOUBLES), forces.gravity or 0.0)
         # The bat is put at the height of this very state. Settled from it, a few milliseconds
         # away, the closest approach shares its error, which then is none of the margin's.
-        plate = pitch.time, pitch.state
+        plate: tuple[float, State] | None = (pitch.time, pitch.state)
         error = contact.margin_error(bat, pitch.state, self.flight_error)
+        if contact.backward_growth(state, pitch.time - time, forces) > math.e:
+            plate = None
+            error += self.flight_error * max(abs(bat.x), abs(pitch.state.z))
         distance = contact.distance(state, bat)
         gap = distance - bat.reach
         if gap < -error:
@@ -259,9 +283,12 @@ class Ivp:
         leg: Leg,
         bat: BatSection[float],
         at_closest: bool,
-        plate: tuple[float, State],
+        base: tuple[float, State] | None,
     ) -> tuple[float, State]:
-        """Find where the distance falls to reach, on a leg along which it only falls."""
+        """Find where the distance falls to reach, on a leg along which it only falls.
+
+        It is settled from `base`, or else from the last step before it.
+        """
         surface = _bat_surface(bat)
         end_time, end = leg.at(-1)
         if at_closest:
@@ -270,7 +297,7 @@ class Ivp:
             speed = math.hypot(bat.cos * end.u, end.w)
             guess = end_time - math.sqrt((bat.reach - d) * (bat.reach + d)) / speed
             if guess > leg.times[0]:
-                time, state = self._settle(accelerate, surface, plate, guess)
+                time, state = self._settle(accelerate, surface, base or leg.before(guess), guess)
                 if leg.times[0] <= time <= end_time and surface.rate(state) < 0:
                     return time, state
         # A strongly curved path: bisect, step by step.
@@ -278,7 +305,7 @@ class Ivp:
         guess = scipy.optimize.brentq(
             lambda t: surface.value(self._step(accelerate, *start, t)), start[0], end_time
         )
-        return self._settle(accelerate, surface, plate, guess)
+        return self._settle(accelerate, surface, base or leg.before(guess), guess)
 
     def _dipped(self, bottom: State, floor: float, time: float) -> bool:
         if time == 0.0:
@@ -344,7 +371,8 @@ class Ivp:
                 break
             dt = -surface.value(state) / rate
             du, dw = accelerate(state.u, state.w)
-            if abs(dt) * math.hypot(du, dw) > _NUDGE * math.hypot(state.u, state.w):
+            far = abs(dt) > _NUDGE * abs(time - base[0])
+            if far or abs(dt) * math.hypot(du, dw) > _NUDGE * math.hypot(state.u, state.w):
                 time += dt
                 state = self._step(accelerate, *base, time)
                 continue
@@ -386,12 +414,12 @@ class Ivp:
 # and reaches its tolerance in many steps whose errors add up.
 _ONE_STEP = {"BDF": "Radau", "LSODA": "DOP853"}
 
-# Newton's method squares the error; at a double root (a graze, a tangential landing) it halves it,
-# and forty halvings of a millisecond reach a femtosecond.
-_NEWTON_STEPS = 40
+# Newton's method squares the error, and at a double root (a graze, a tangential landing) halves it.
+# As many halvings as there are from a second to the smallest double find even a flight of 1e-30 s.
+_NEWTON_STEPS = 1100
 
 # A Taylor step of second order that changes the velocity by this fraction is exact to its square,
-# 1e-16.
+# 1e-16; and z keeps the rounding that it had, which a way that is shorter by more would show.
 _NUDGE = 1e-8
 
 

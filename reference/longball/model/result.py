@@ -73,8 +73,8 @@ class Contact(_Strict):
     )
     margin: Number | None = Field(
         default=None,
-        description="m, R + r_b minus the closest distance of the undisturbed pitch; "
-        "negative for a miss",
+        description="m, R + r_b minus the closest distance of the undisturbed pitch from its "
+        "release until it has passed the bat; negative for a miss",
     )
 
 
