@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,7 +12,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from analysis.paper.balls import Balls, Space, strike
+from analysis.paper.balls import Balls, Space, cores, strike
 from analysis.paper.printed import CARRIES
 from analysis.writing import LINES, figure, shown, table
 from longball.engines.batch import solve_columns
@@ -152,7 +151,7 @@ def contact(base: AtBatScene, struck: Sequence[Balls]) -> Contact:
     samples = draw(paper_at_bats(base.reading), SAMPLES // 10, SEED)
     factor = 1 + float(speeds.std() / speeds.mean())
     faster = type(samples)(samples.speed * factor, samples.aim, samples.offset, samples.tilt)
-    usual, quick = (strike(base, one, [E], threads=_threads())[0] for one in (samples, faster))
+    usual, quick = (strike(base, one, [E], threads=cores())[0] for one in (samples, faster))
     return Contact(
         mean=float(speeds.mean()),
         deviation=float(speeds.std()),
@@ -300,7 +299,7 @@ class Tested:
 def tested(case: Case) -> Tested:
     """Try the argument on a reading."""
     samples = draw(paper_at_bats(case.base.reading), SAMPLES, SEED)
-    struck = strike(case.base, samples, RESTITUTIONS, threads=_threads())
+    struck = strike(case.base, samples, RESTITUTIONS, threads=cores())
     shifts = [shift(distance, struck) for distance in (75.0, 110.0, 150.0)]
     middle = struck[RESTITUTIONS.index(E)]
     return Tested(
@@ -326,10 +325,6 @@ def exit_line(balls: Balls) -> Line:
         np.array([speed[group].mean() for group in groups]),
         np.array([d[group].mean() for group in groups]),
     )
-
-
-def _threads() -> int:
-    return os.cpu_count() or 1
 
 
 def section(report: Path, cases: Sequence[Case]) -> str:

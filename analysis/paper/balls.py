@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 
@@ -13,7 +14,16 @@ from numpy.typing import NDArray
 from longball.engines.at_bat import solve_with_restitutions
 from longball.engines.batch import solve_columns_with_restitutions
 from longball.engines.verlet import Verlet
-from longball.home_run import Estimate, Samples, Struck, draw, estimate, paper_at_bats, scenes
+from longball.home_run import (
+    HOME_RUN_DISTANCE,
+    Estimate,
+    Samples,
+    Struck,
+    draw,
+    estimate,
+    paper_at_bats,
+    scenes,
+)
 from longball.model.readings import Reading, SampleSpace
 from longball.model.scene import AtBatScene
 
@@ -136,6 +146,11 @@ def _chunk_in_steps(
     return found
 
 
+def cores() -> int:
+    """Return how many threads are worth starting."""
+    return os.cpu_count() or 1
+
+
 @dataclass(frozen=True)
 class Space:
     """Which at-bats are among the samples that P(e) is a share of.
@@ -169,6 +184,39 @@ class Space:
         """Count the home runs."""
         return estimate(e, self.members(balls), Reading(sample_space=self.ledger))
 
+    def share(self, balls: Balls) -> Share:
+        """Return P with what each at-bat has to do with it; there must be a member."""
+        flags = {
+            "pitches": np.ones_like(balls.batted), "batted": balls.batted, "fair": balls.fair,
+        }  # fmt: skip
+        member = flags[self.ledger] & ((balls.elevation > 0) | (not self.flies))
+        home_run = member & (balls.distance >= HOME_RUN_DISTANCE)
+        p = float(home_run.sum() / member.sum())
+        return Share(p, (home_run - p * member) / member.mean())
+
+
+@dataclass(frozen=True)
+class Share:
+    """P and what each at-bat has to do with it.
+
+    Attributes
+    ----------
+    p
+        Home runs over members of the sample space.
+    influence
+        One number for each at-bat pitched, with the mean 0: p's standard error is their standard
+        deviation over √n, and that of the difference of two shares of the same at-bats is found
+        from the difference of theirs (the delta method for a ratio).
+    """
+
+    p: float
+    influence: Array
+
+    def above(self, other: Share) -> tuple[float, float]:
+        """Return by how much this share is larger, and the standard error of that."""
+        apart = self.influence - other.influence
+        return self.p - other.p, float(apart.std() / math.sqrt(len(apart)))
+
 
 SPACES = (
     Space("pitches", "pitches"),
@@ -194,4 +242,4 @@ def told(base: AtBatScene, space: Space) -> str:
     ]
     switches = [f"{key} = {value}" for key, value in base.reading.model_dump().items()]
     chosen = [] if space == SPACES[0] else [f"samples: {space.name}"]
-    return ", ".join(numbers + switches + chosen) or "the default"
+    return ", ".join(numbers + switches + chosen) or "nothing changed"

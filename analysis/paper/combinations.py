@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import itertools
 import math
-import os
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from analysis.paper.balls import SPACES, Balls, Space, strike, strike_in_steps, told
+from analysis.paper.balls import SPACES, Balls, Space, cores, strike, strike_in_steps, told
 from analysis.paper.distances import (
     BIN,
     HEIGHT_AND_SLOPE,
@@ -177,8 +177,9 @@ class Study:
         return self.near[0]
 
 
+@cache
 def study() -> Study:
-    """Try all combinations."""
+    """Try all combinations; several sections ask for what comes of it."""
     everything = joblib.Parallel(n_jobs=-1)(joblib.delayed(tried)(base) for base in bases())
     worth = [
         (trials[0].base, spaces)
@@ -193,6 +194,7 @@ def study() -> Study:
     )
 
 
+@cache
 def default_trial() -> Trial:
     """Return the ledger's defaults, seen as close as the near readings."""
     return closer(AtBatScene(id="base"), SPACES[:1])[0]
@@ -232,7 +234,7 @@ def stepped(exact: Trial) -> Stepped:
     base = exact.base
     by_steps = strike_in_steps(base, STEPPED_SAMPLES, SEED, RESTITUTIONS, STEP)
     samples = draw(paper_at_bats(base.reading), STEPPED_SAMPLES, SEED)
-    exactly = strike(base, samples, RESTITUTIONS[:1], threads=os.cpu_count() or 1)[0]
+    exactly = strike(base, samples, RESTITUTIONS[:1], threads=cores())[0]
     at = list(zip(RESTITUTIONS, by_steps, strict=True))
     return Stepped(
         exact=exact,
@@ -287,16 +289,16 @@ def on_the_grid(found: Study) -> str:
     backwards = 1 - draw(printed, SAMPLES, SEED).pitched.mean()
     return (
         f"{len(BLOWS)} blows that differ (`bat_ball_restitution`, `effective_mass`, "
-        "`reduced_mass`, `inertia`), both readings of the speed table, both spreads of the "
-        f"offset, cells of {widths} m, a ball with a radius of 0.0366 m or of 0.0183 m (the paper "
+        "`reduced_mass`, `inertia`), both spreads of the offset, "
+        f"cells of {widths} m, a ball with a radius of 0.0366 m or of 0.0183 m (the paper "
         "calls 0.0366 m its diameter, and prints no other size), and five sample spaces: the "
         "ledger's three, and among the batted and the fair balls those that leave the bat "
         f"upwards. These are {solved} × {len(SPACES)} = {solved * len(SPACES):,} readings; "
         f"{dropped} have fewer than {FEWEST} balls among {SAMPLES:,} pitches and are left out. The "
-        "speeds stay as Figs. 2 and Table II together demand: with the columns as printed "
+        "speeds stay as Fig. 2 and Table II together demand: with the columns as printed "
         f"{100 * backwards:.0f} % of the pitches would fly away from the plate, and Eq. 2 as "
-        "printed is not the curve of Fig. 2 (above). `lift_direction`, `ground_contact` and the "
-        "thin rod move P(0.42) least when turned alone. Each reading was struck with the same "
+        "printed is not the curve of Fig. 2 (above). The other switches are turned one at a time "
+        "about the nearest reading, above. Each reading was struck with the same "
         f"{SAMPLES:,} at-bats (seed {SEED}); the {len(found.near)} that came within d² = "
         f"{WITHIN:.0f} of the caption's curve, with {CLOSER_SAMPLES:,}.\n"
     )
@@ -348,14 +350,10 @@ def on_the_count(found: Study, default: Trial) -> str:
     both = [one for one in found.near if one.both <= NEAR_BOTH]
     usual = [one for one in near if one.base.ball.radius == default.base.ball.radius]
     ledger = [one for one in usual if not one.space.flies]
-    nearest = min(
-        (
-            one
-            for one in found.first
-            if not one.space.flies and one.base.ball.radius == default.base.ball.radius
-        ),
-        key=lambda one: one.to["caption"].squared,
-    )
+    inside = [one for one in found.near if not beyond(one)] or [
+        one for one in found.first if not beyond(one)
+    ]
+    nearest = min(inside, key=lambda one: one.to["caption"].squared)
     none = not both
     return (
         f"**How many.** The default reading is at d² = {default.to['caption'].squared:,.0f}. "

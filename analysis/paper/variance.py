@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -10,7 +9,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from analysis.paper.balls import SPACES, strike, told
+from analysis.paper.balls import SPACES, cores, strike, told
 from analysis.writing import table
 from longball.home_run import HOME_RUN_DISTANCE, Samples, draw, paper_at_bats
 from longball.model.scene import AtBatScene
@@ -80,7 +79,7 @@ def _saltelli_jansen(a: Array, b: Array, mixed: Array) -> Array:
 
 def quantities(base: AtBatScene, samples: Samples) -> dict[str, Array]:
     """Return what is asked of at-bats: D, 0 for a miss, and whether it is a home run's."""
-    (balls,) = strike(base, samples, [E], threads=os.cpu_count() or 1)
+    (balls,) = strike(base, samples, [E], threads=cores())
     distance = np.where(balls.batted, balls.distance, 0.0)
     upwards = np.where(balls.elevation > 0, distance, 0.0)
     return {
