@@ -39,7 +39,8 @@ from longball.model.scene import AtBatScene, Ball
 Array = NDArray[np.float64]
 
 SAMPLES = 10_000  # a combination, at first; ten times the paper's
-CLOSER_SAMPLES = 100_000  # of those that come near
+CLOSER_SAMPLES = 50_000  # of those that come near
+CLOSEST_SAMPLES = 500_000  # of those that may be it
 WITHIN = 4 * NEAR  # of Fig. 7 at first sight: worth a closer look
 FEWEST = 100  # balls that a sample space must have at first sight
 SEED = 1
@@ -61,6 +62,7 @@ OFFSET_SPREADS = (0.0366, 0.0732)  # m
 # m; a third of the plate, and of the plate and a ball's width, for a ball 0.0366 m or 0.0732 m
 # wide; and one narrower and one wider.
 CELL_WIDTHS = (0.12, 0.144, 0.156, 0.168, 0.2)
+PLATE = 0.432  # m, its width
 RADII = (0.0366, 0.0183)  # m, of the ball; the paper calls 0.0366 m its diameter
 
 
@@ -129,9 +131,9 @@ def tried(base: AtBatScene) -> list[Trial]:
     ]
 
 
-def closer(base: AtBatScene, spaces: Sequence[Space]) -> list[Trial]:
-    """Return what a combination gives with ten times the samples, the peaks of Fig. 6 with it."""
-    struck = strike(base, draw(paper_at_bats(base.reading), CLOSER_SAMPLES, SEED), RESTITUTIONS)
+def closer(base: AtBatScene, spaces: Sequence[Space], count: int) -> list[Trial]:
+    """Return what a combination gives with more samples, the peaks of Fig. 6 with it."""
+    struck = strike(base, draw(paper_at_bats(base.reading), count, SEED), RESTITUTIONS)
     return [with_peaks(trial(base, space, struck), struck) for space in spaces]
 
 
@@ -187,17 +189,28 @@ def study() -> Study:
         if trials
         and (spaces := [one.space for one in trials if one.to["caption"].squared <= WITHIN])
     ]
-    looked = joblib.Parallel(n_jobs=-1)(joblib.delayed(closer)(*one) for one in worth)
+    looked = joblib.Parallel(n_jobs=-1)(
+        joblib.delayed(closer)(*one, CLOSER_SAMPLES) for one in worth
+    )
+    near = [one for trials in looked for one in trials]
+    closest = joblib.Parallel(n_jobs=-1)(
+        joblib.delayed(closer)(one.base, [one.space], CLOSEST_SAMPLES)
+        for one in near
+        if one.both <= 2 * NEAR_BOTH
+    )
+    again = [one for trials in closest for one in trials]
+    done = [one.name for one in again]
+    near = again + [one for one in near if one.name not in done]
     return Study(
         first=[one for trials in everything for one in trials],
-        near=sorted((one for trials in looked for one in trials), key=lambda one: one.both),
+        near=sorted(near, key=lambda one: one.both),
     )
 
 
 @cache
 def default_trial() -> Trial:
     """Return the ledger's defaults, seen as close as the near readings."""
-    return closer(AtBatScene(id="base"), SPACES[:1])[0]
+    return closer(AtBatScene(id="base"), SPACES[:1], CLOSEST_SAMPLES)[0]
 
 
 # --- the paper's scheme ---------------------------------------------------------------------------
@@ -300,7 +313,8 @@ def on_the_grid(found: Study) -> str:
         "printed is not the curve of Fig. 2 (above). The other switches are turned one at a time "
         "about the nearest reading, above. Each reading was struck with the same "
         f"{SAMPLES:,} at-bats (seed {SEED}); the {len(found.near)} that came within d² = "
-        f"{WITHIN:.0f} of the caption's curve, with {CLOSER_SAMPLES:,}.\n"
+        f"{WITHIN:.0f} of the caption's curve, with {CLOSER_SAMPLES:,}; and those of them within "
+        f"{2 * NEAR_BOTH:.0f} of both figures, with {CLOSEST_SAMPLES:,}.\n"
     )
 
 
@@ -314,8 +328,9 @@ def on_the_distance() -> str:
         f"{PAPER_SAMPLES:,} samples a point give it (and that our own samples add). If a reading "
         "is the paper's, d² is a χ² with 2 degrees of freedom; 95 % of the time it is below "
         f"{NEAR:.2f}. The highest peaks of Fig. 6 have a chance each, by drawing "
-        f"{PAPER_SAMPLES:,} samples over and over: that of a bin no more likely to be the highest "
-        "of a histogram in steps of 10 m than the paper's. Fisher's rule adds -2 ln p of both to "
+        f"{PAPER_SAMPLES:,} samples over and over into a histogram in steps of 10 m: twice the "
+        "chance of a highest bin as far as the paper's or farther (or as near or nearer, whichever "
+        "is smaller). Fisher's rule adds -2 ln p of both to "
         f"d²; 95 % of the time the sum is below {NEAR_BOTH:.2f}.\n"
     )
 
@@ -424,6 +439,12 @@ def on_the_best(best: Trial) -> str:
             "Its ball is 0.0366 m wide, as the paper has it: a quarter of a baseball's cross "
             "section, and so of its drag and lift. "
         )
+    zone = PLATE + 2 * best.base.ball.radius
+    if abs(3 * best.base.reading.cell_width - zone) < 0.001:
+        said += (
+            f"Three of its cells, {3 * best.base.reading.cell_width:.3f} m, are the plate and one "
+            "such ball: the zone that some part of the ball crosses. "
+        )
     return said + "\n"
 
 
@@ -475,8 +496,7 @@ def unexplained(found: Study, by_steps: Sequence[Stepped]) -> str:
         if peak_there.p_value < 0.05:
             listed.append(
                 f"The peak at {PEAKS[e]:g} m for e = {e}: the nearest reading has it at "
-                f"{peak_there.ours:g} m most often, and one as unlikely as the paper's in "
-                f"{100 * peak_there.p_value:.1f} % of histograms of {PAPER_SAMPLES:,} samples."
+                f"{peak_there.ours:g} m most often (p = {peak_there.p_value:.3f})."
             )
     if best.space.flies:
         listed.append(

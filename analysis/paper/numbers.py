@@ -209,7 +209,9 @@ def draw_ranges(report: Path, found: dict[str, tuple[Share, list[Ranged]]]) -> N
             axes.axvline(PAPER_CURVES["caption"](E), color="black", linestyle=":", linewidth=1.0)
             labels = [f"{one.name}, {one.low:g} to {one.high:g}" for one in UNKNOWN]
             axes.set_yticks(heights, labels, fontsize="small")
-            axes.set(xlabel=f"P({E})", title=f"from the {name} reading", ylim=(-0.6, len(UNKNOWN) - 0.4))
+            axes.set(
+                xlabel=f"P({E})", title=f"from the {name} reading", ylim=(-0.6, len(UNKNOWN) - 0.4)
+            )
             axes.set_xlim(left=0.0)
 
 
