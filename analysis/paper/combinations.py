@@ -182,18 +182,20 @@ class Study:
 @cache
 def study() -> Study:
     """Try all combinations; several sections ask for what comes of it."""
-    everything = joblib.Parallel(n_jobs=-1)(joblib.delayed(tried)(base) for base in bases())
+    everything = joblib.Parallel(n_jobs=-1, prefer="threads")(
+        joblib.delayed(tried)(base) for base in bases()
+    )
     worth = [
         (trials[0].base, spaces)
         for trials in everything
         if trials
         and (spaces := [one.space for one in trials if one.to["caption"].squared <= WITHIN])
     ]
-    looked = joblib.Parallel(n_jobs=-1)(
+    looked = joblib.Parallel(n_jobs=-1, prefer="threads")(
         joblib.delayed(closer)(*one, CLOSER_SAMPLES) for one in worth
     )
     near = [one for trials in looked for one in trials]
-    closest = joblib.Parallel(n_jobs=-1)(
+    closest = joblib.Parallel(n_jobs=-1, prefer="threads")(
         joblib.delayed(closer)(one.base, [one.space], CLOSEST_SAMPLES)
         for one in near
         if one.both <= 2 * NEAR_BOTH

@@ -10,6 +10,7 @@ import pandas as pd
 
 from analysis.paper import argument, pitch_fits
 from analysis.paper.balls import told
+from analysis.paper.distances import BIN, distance
 from analysis.paper.home_run_figures import Reproduced, printed_ratio, reproduced
 from analysis.paper.printed import (
     CARRIES,
@@ -37,7 +38,8 @@ class Counterpart:
     printed, default, nearest
         Values.
     noise
-        The standard error that the printed number has, or its rounding.
+        The standard error that the printed number has; a rounding counts with a standard
+        deviation of half the last digit over √3.
     digits
         Decimals shown.
     same, other
@@ -115,24 +117,6 @@ def of_home_runs(default: Reproduced, nearest: Reproduced) -> list[Counterpart]:
                 "the printed parameters do not determine it",
             )
         )  # fmt: skip
-    for what, printed, of, noise in (
-        ("C₁ of the caption, m", caption.c1, 0, nearest.fit_noise[0]),
-        ("σ of the caption, m", caption.sigma, 1, nearest.fit_noise[1]),
-        ("C₁ of the text, m", text.c1, 0, nearest.fit_noise[0]),
-        ("σ of the text, m", text.sigma, 1, nearest.fit_noise[1]),
-    ):
-        by_default, by_nearest = (
-            (one.fitted.curve.c1, one.fitted.curve.sigma)[of] if one.fitted else math.nan
-            for one in (default, nearest)
-        )
-        found.append(
-            Counterpart(
-                "Fig. 7", what, printed, by_default, by_nearest, noise, 1,
-                "within the scatter of such a fit; but one of C₁ and σ says little without the "
-                "other, see P",
-                "the printed parameters do not determine it",
-            )
-        )  # fmt: skip
     e, p = P_TEXT
     found.append(
         Counterpart(
@@ -145,7 +129,8 @@ def of_home_runs(default: Reproduced, nearest: Reproduced) -> list[Counterpart]:
     found.append(
         Counterpart(
             "Sec. V", f"share of D in {UZR_SPAN[0]:g} to {UZR_SPAN[1]:g} m (UZR)", UZR_SHARE,
-            default.uzr_share, nearest.uzr_share, 0.0005 + math.sqrt(0.179 * 0.821 / SAMPLES), 3,
+            default.uzr_share, nearest.uzr_share,
+            math.sqrt(UZR_SHARE * (1 - UZR_SHARE) / SAMPLES), 3,
             "UZR's balls are another league of samples, caught ones where they were caught",
             "the default reading counts balls hit downwards, and hits less far",
         )
@@ -159,8 +144,8 @@ def flat_noise(one: Reproduced) -> float:
     The largest over the smallest of four equal bins is about two such deviations above 1.
     """
     density = one.density[max(PEAKS)]
-    first, last = (int(edge / 10.0) for edge in FLAT)
-    share = 10.0 * float(density[first:last].mean())
+    first, last = (int(edge / BIN) for edge in FLAT)
+    share = BIN * float(density[first:last].mean())
     return math.sqrt(2 / (SAMPLES * share))
 
 
@@ -189,6 +174,39 @@ def of_peaks(default: Reproduced, nearest: Reproduced) -> list[dict[str, str]]:
     return lines
 
 
+def of_curves(default: Reproduced, nearest: Reproduced) -> list[dict[str, str]]:
+    """Return lines for the paper's two curves; C₁ and σ are judged together, by P(e)."""
+    lines = []
+    for name, curve in PAPER_CURVES.items():
+        fits = [one.fitted for one in (default, nearest)]
+        apart = [distance(one.rows, curve) for one in (default, nearest)]
+        pairs = [(one.curve.c1, one.curve.sigma) if one else (math.nan, math.nan) for one in fits]
+        texts = [
+            f"{c1:.0f}, {sigma:.1f} (d² = {one.squared:.1f})"
+            for (c1, sigma), one in zip(pairs, apart, strict=True)
+        ]
+        differences = [f"{c1 - curve.c1:+.0f}, {sigma - curve.sigma:+.1f}" for c1, sigma in pairs]
+        lines.append(
+            {
+                "place": "Fig. 7",
+                "number": f"C₁ and σ of the {name}, m",
+                "printed": f"{curve.c1:g}, {curve.sigma:g}",
+                "default": texts[0],
+                "its difference": differences[0],
+                "nearest": texts[1],
+                "difference": differences[1],
+                "verdict": "**by the nearest reading only**: P(e) is within the noise"
+                if apart[1].near and not apart[0].near
+                else "**reproduced**: P(e) is within the noise"
+                if apart[0].near
+                else "**not reproduced**: the printed parameters do not determine it"
+                if name == "caption"
+                else "**not reproduced**: it contradicts the caption and the text's own P(0.42)",
+            }
+        )
+    return lines
+
+
 def of_carry() -> list[dict[str, str]]:
     """Return a line for dD/de, in the paper and outside it."""
     default, nearest = (
@@ -198,7 +216,7 @@ def of_carry() -> list[dict[str, str]]:
     return [
         Counterpart(
             "not the paper's", f"dD/de at 110 m, m: {carry.who}", carry.slope, default, nearest,
-            carry.slope_error, 0,
+            carry.slope_error / math.sqrt(3), 0,
             "within the rounding of its figures",
             "another pitch, swing and launch; see the last section",
         ).row()
@@ -239,7 +257,11 @@ def of_pitches(full: bool) -> list[dict[str, str]]:
                 "ours": f"{row['median']:.4f} ({row['low']:.4f} to {row['high']:.4f})",
                 "difference": f"{row['median'] - printed:+.4f}",
                 "verdict": "consistent: "
-                + ("the width of its bins is not printed" if what == "speed" else "by chance alone")
+                + (
+                    "the width of its bins is not printed"
+                    if what == "speed"
+                    else "within the scatter of such draws"
+                )
                 if inside
                 else "not reproduced",
             }
@@ -273,6 +295,7 @@ def run(report: Path, full: bool) -> str:
     default, nearest = reproduced()
     home_runs = [one.row() for one in of_home_runs(default, nearest)]
     lines = home_runs[: len(PAIRS)] + of_peaks(default, nearest) + home_runs[len(PAIRS) :]
+    lines += of_curves(default, nearest)
     return "\n".join(
         [
             "## Printed and ours\n",

@@ -376,16 +376,15 @@ def draw_probabilities(report: Path, found: Sequence[Reproduced]) -> None:
         for one, marker in zip(found, "os", strict=True):
             p = np.array([row.p for row in one.rows])
             noise = 1.96 * np.sqrt(p * (1 - p) / PAPER_SAMPLES)
-            axes.errorbar(
-                RESTITUTIONS, p, yerr=noise, fmt=marker, color="black", capsize=3, markersize=4,
-                markerfacecolor="white" if marker == "o" else "black", label=f"{one.name} reading",
-            )  # fmt: skip
+            label = f"{one.name} reading"
             if one.fitted:
                 curve = one.fitted.curve
-                label = f"its fit: C₁ = {curve.c1:.0f} m, σ = {curve.sigma:.1f} m"
-                axes.plot(
-                    grid, [curve(e) for e in grid], "-", color="black", linewidth=0.8, label=label
-                )
+                label += f", fit: C₁ = {curve.c1:.0f} m, σ = {curve.sigma:.1f} m"
+                axes.plot(grid, [curve(e) for e in grid], "-", color="black", linewidth=0.8)
+            axes.errorbar(
+                RESTITUTIONS, p, yerr=noise, fmt=marker, color="black", capsize=3, markersize=4,
+                markerfacecolor="white" if marker == "o" else "black", label=label,
+            )  # fmt: skip
         axes.set(
             xlabel="coefficient of restitution e of the ball",
             ylabel="probability of a home run P(e)",

@@ -13,6 +13,7 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import joblib
 import numpy as np
 import pandas as pd
 
@@ -222,10 +223,10 @@ def verdict(printed: Printed, method: str, value: float, error: float | None) ->
 
 def cover(draws: int) -> Rows:
     """Return how far from the printed numbers the fits of many draws lie, in standard errors."""
-    fits = [
-        fit_pitches(draw_pitches(PITCHES, seed), CHART, KINDS, replicates=2)
+    fits = joblib.Parallel(n_jobs=-1)(
+        joblib.delayed(fit_pitches)(draw_pitches(PITCHES, seed), CHART, KINDS, replicates=2)
         for seed in range(draws)
-    ]
+    )
     rows: Rows = []
     for printed in PRINTED:
         found = [printed.ours(fitted, "maximum_likelihood") for fitted in fits]
@@ -247,8 +248,14 @@ def determine(draws: int) -> Rows:
     """Return what R² the paper's fits would have if they were the truth, by width of bin."""
     rows: Rows = []
     tables = [draw_pitches(PITCHES, 10_000 + seed) for seed in range(draws)]
-    for width in (1.0, 2.0, 3.0, 4.0, 5.0, 6.0):
-        fits = [fit_pitches(table, CHART, KINDS, bin_width=width, replicates=2) for table in tables]
+    widths = (1.0, 2.0, 3.0, 4.0, 5.0, 6.0)
+    everything = joblib.Parallel(n_jobs=-1)(
+        joblib.delayed(fit_pitches)(table, CHART, KINDS, bin_width=width, replicates=2)
+        for width in widths
+        for table in tables
+    )
+    for i, width in enumerate(widths):
+        fits = everything[i * draws : (i + 1) * draws]
         for what, values in (
             ("speed", [fitted.speed.least_squares.r_squared for fitted in fits]),
             ("speed as printed", [f.speed.least_squares_as_printed.r_squared for f in fits]),
