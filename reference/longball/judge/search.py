@@ -436,7 +436,9 @@ class _Search:
         mine = self.prints.predict(best.guess)
         assert mine is not None
         rest = tuple(atom for atom in best.guess.atoms if atom.mistake != alone.guess.names[0])
-        for atom in {guess.atoms[0] for guess in self.alone if guess.atoms[0].made.scheme}:
+        for atom in dict.fromkeys(guess.atoms[0] for guess in self.alone):
+            if not atom.made.scheme:
+                continue
             if rest and atom.mistake not in best.guess.names:
                 other = Guess(tuple(sorted((*rest, atom))), best.guess.dt)
                 if self._alike(mine, other):
