@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 
 from longball.engines.ivp import Ivp
+from longball.golden import load
 from longball.judge.candidate import Limits
 from longball.judge.cases import Known, profile, solved
 from longball.judge.trial import Court
@@ -181,3 +182,14 @@ def test_against_the_truth_its_mistakes_are_told_from_its_scheme(
     assert set(verdict.diagnosis.named) == mistakes, verdict.diagnosis.sentence
     assert verdict.diagnosis.share > 0.999
     assert f"(Δt = {dt:g} s)" in verdict.diagnosis.sentence
+
+
+@pytest.mark.parametrize("dt", [0.05, 0.004])
+def test_single_precision_is_named(dt: float, tmp_path: Path):
+    text = (FOLDER / "paper_verlet.c").read_text(encoding="utf-8")
+    source = tmp_path / "single.c"
+    source.write_text(text.replace("double", "float"), encoding="utf-8")
+    court = Court(load(), profile("paper", dt=dt))
+    verdict = court.try_command([*command(source, tmp_path), "--dt", str(dt)], GENEROUS).verdict
+    assert verdict.diagnosis is not None
+    assert verdict.diagnosis.named == ["single-precision"], verdict.diagnosis.sentence

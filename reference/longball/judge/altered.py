@@ -72,10 +72,15 @@ def solve_with_drag(scene: Scene, drag: Drag) -> Result:
             return _solve_pitch(scene, drag)
 
 
+def release(scene: PitchScene | AtBatScene) -> Array:
+    """Return where a pitch starts, m, and how fast, m/s, as one array."""
+    position = np.array(scene.pitch.release)
+    toward = np.array([0.0, *scene.pitch.aim]) - position
+    return np.concatenate([position, scene.pitch.speed * toward / np.linalg.norm(toward)])
+
+
 def _solve_pitch(scene: PitchScene | AtBatScene, drag: Drag) -> Result:
-    release = np.array(scene.pitch.release)
-    toward = np.array([0.0, *scene.pitch.aim]) - release
-    start = np.concatenate([release, scene.pitch.speed * toward / np.linalg.norm(toward)])
+    start = release(scene)
     floor = scene.floor(scene.ground)
     end, path, stop = fly(
         scene, start, drag, [lambda y: float(y[0]), lambda y: float(y[2]) - floor]

@@ -23,7 +23,7 @@ from longball.engines.verlet import (
     line_touch,
     step,
 )
-from longball.judge.altered import DragLaw, blow_at
+from longball.judge.altered import DragLaw, blow_at, release
 from longball.model import result as written
 from longball.model.motion import PlaneState, forces, into_plane
 from longball.model.numbers import DOUBLES, Vector
@@ -79,7 +79,8 @@ def solve_in_steps(
         landing = _land(scene, law, scheme, start, 0.0, 0.0)
         return Result(id=scene.id, outcome="landed" if landing else "airborne", landing=landing)
     floor = scene.floor(scene.ground)
-    start = _release(scene)
+    thrown = release(scene).tolist()
+    start = State((thrown[0], thrown[1], thrown[2]), (thrown[3], thrown[4], thrown[5]))
     pitch = _march(scene, law, scheme, start, floor=floor, wall=0.0)
     if not pitch.ended:
         return Result(id=scene.id, outcome="airborne")
@@ -96,13 +97,6 @@ def solve_in_steps(
     if isinstance(scene, PitchScene):
         return Result(id=scene.id, outcome="crossed", plate=plate)
     return _meet(scene, law, scheme, start, plate)
-
-
-def _release(scene: PitchScene | AtBatScene) -> State:
-    release = np.array(scene.pitch.release)
-    toward = np.array([0.0, *scene.pitch.aim]) - release
-    velocity = scene.pitch.speed * toward / np.linalg.norm(toward)
-    return State(scene.pitch.release, tuple(velocity.tolist()))
 
 
 def _meet(

@@ -220,6 +220,10 @@ class Fingerprints:
         """
         return float(self._differences(a, b, seen).mean())
 
+    def most(self, a: Answers, b: Answers, seen: Flags) -> float:
+        """Return what nine of ten of the differences do not exceed; see `error`."""
+        return float(np.quantile(self._differences(a, b, seen), 0.9))
+
     def _differences(self, a: Answers, b: Answers, seen: Flags) -> Array:
         with np.errstate(invalid="ignore", over="ignore"):
             numbers = np.minimum(np.abs(a.numbers - b.numbers) / self.sizes, 1.0)

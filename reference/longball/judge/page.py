@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from longball.judge.altered import THE_MODELS, fly
+from longball.judge.altered import THE_MODELS, fly, release
 from longball.judge.answers import quoted
 from longball.judge.convergence import draw_convergence
 from longball.judge.quantities import Value, values_of
@@ -343,30 +343,23 @@ def _paths(comparison: Comparison) -> Iterator[tuple[str, Array]]:
     if isinstance(scene, ImpactScene):
         return
     if isinstance(scene, PitchScene | AtBatScene):
-        release = np.array(scene.pitch.release)
-        toward = np.array([0.0, *scene.pitch.aim]) - release
-        velocity = scene.pitch.speed * toward / np.linalg.norm(toward)
         met = truth.contact is not None and truth.contact.position is not None
         until = truth.contact if met else truth.plate
         if until is not None and until.time is not None:
-            yield "pitch", _path(scene, release, velocity, float(until.time))
+            yield "pitch", _path(scene, release(scene), float(until.time))
     if truth.landing is None:
         return
     hang_time = float(truth.landing.hang_time)
     if isinstance(scene, FlightScene):
-        start, velocity = np.array(scene.launch.position), np.array(scene.launch.velocity)
-        yield "flight", _path(scene, start, velocity, hang_time)
+        start = np.array([*scene.launch.position, *scene.launch.velocity])
+        yield "flight", _path(scene, start, hang_time)
     elif truth.contact and truth.contact.position and truth.impact:
-        start = np.array([float(v) for v in truth.contact.position])
-        velocity = np.array([float(v) for v in truth.impact.velocity])
-        yield "batted ball", _path(scene, start, velocity, hang_time)
+        start = np.array([*truth.contact.position, *truth.impact.velocity], float)
+        yield "batted ball", _path(scene, start, hang_time)
 
 
-def _path(
-    scene: FlightScene | PitchScene | AtBatScene, start: Array, velocity: Array, seconds: float
-) -> Array:
-    state = np.concatenate([start, velocity])
-    end, path, _ = fly(scene, state, THE_MODELS, [])
+def _path(scene: FlightScene | PitchScene | AtBatScene, start: Array, seconds: float) -> Array:
+    end, path, _ = fly(scene, start, THE_MODELS, [])
     times = np.linspace(0.0, min(seconds, end), 200)
     points: Array = np.array([path(float(time))[:3] for time in times]).T
     return points
