@@ -17,6 +17,7 @@ STUDIES = {
     "derivation": True,
     "at_bats": True,
     "home_runs": True,
+    "quadrature": False,
     "readings": True,
     "accuracy": True,
     "convergence": False,
