@@ -67,6 +67,7 @@ counterparts, and which reading of it comes nearest to its numbers.
             "ledger": True,
             "accuracy": True,
             "speed_error": False,
+            "quadrature": False,
             "convergence": False,
             "stability": False,
             "survival": False,

@@ -116,6 +116,9 @@ class TestSolve:
             (["homerun", "--samples", "0"], "samples"),
             (["homerun", "--method", "guess"], "guess"),
             (["homerun", "--engine", "verlet"], "verlet"),
+            (["homerun", "--method", "quadrature", "--engine", "ivp"], "ivp"),
+            (["homerun", "--method", "quadrature", "--scenes", "x.jsonl"], "scenes"),
+            (["golden", "write", "--part", "half"], "half"),
             (["homerun", "--samples", "5", "--figure", "/tmp/x.nonsense"], "figure"),
             (["homerun", "--pitches", "/no/such/fit.json"], "/no/such/fit.json"),
             (["fit", "/no/such/pitches.csv"], "/no/such/pitches.csv: cannot be read: No such file"),
@@ -166,6 +169,25 @@ class TestHomerun:
             assert row["low"] <= row["p"] <= row["high"]
             assert row["p"] == row["home_runs"] / row["trials"]
         assert data["reading"] == {"inertia": "about_centre"}
+
+    def test_quadrature_has_errors_and_slopes(self, tmp_path: Path):
+        table, figure = tmp_path / "p.csv", tmp_path / "p.png"
+        files = ("--csv", str(table), "--figure", str(figure))
+        run = longball("homerun", "--method", "quadrature", "--e", "0.45", "--json", *files)
+        assert run.returncode == 0
+        data = json.loads(run.stdout)
+        assert (data["method"], data["fit"]) == ("quadrature", None)
+        (row,) = data["rows"]
+        assert set(row) == {"e", "p", "error", "slope", "slope_error"}
+        assert max(row["error"], row["slope_error"]) <= 1e-6
+        sampled = longball("homerun", "--samples", "100000", "--e", "0.45", "--json")
+        (counted,) = json.loads(sampled.stdout)["rows"]
+        # 4.5 standard deviations of the sample: one in 150,000.
+        assert abs(row["p"] - counted["p"]) < 4.5 * (row["p"] * (1 - row["p"]) / 100_000) ** 0.5
+        with open(table, encoding="utf-8", newline="") as file:
+            (written,) = csv.DictReader(file)
+        assert {name: float(value) for name, value in written.items()} == row
+        assert figure.read_bytes().startswith(b"\x89PNG")
 
     def test_the_reference_counts_the_same_home_runs(self):
         few = ("homerun", "--samples", "60", "--e", "0.45", "--json", "--reading",

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import json
+import shutil
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
-from longball.golden import writer
+from longball.golden import home_runs, writer
 from longball.golden.checker import check
 from longball.golden.condition import inputs, sensitivity, with_input
 from longball.golden.draft import Draft, solve_for
 from longball.golden.families import FAMILIES
 from longball.golden.files import CHECKSUMS, PARTIAL
-from longball.golden.reader import header, load
+from longball.golden.reader import header, load, probabilities
 from longball.golden.truth import make, prove, shortened
 from longball.model.result import Bounded
 from longball.model.scene import parse_scene
@@ -168,6 +170,80 @@ def test_the_data_in_a_folder_can_be_read_as_json_by_anybody(small: Path):
     assert line["quantities"]["impact.impulse"]["double"] == float(
         line["expected"]["impact"]["impulse"]["value"]
     )
+
+
+# --- probabilities --------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def with_probabilities(tmp_path_factory) -> Path:
+    """A set of three cases, and P(0.45) of the default reading."""
+    folder = tmp_path_factory.mktemp("probabilities")
+    writer.write(folder, SMALL)
+    default, *_ = home_runs.drafts()
+    draft = replace(default, restitutions=(0.45,))
+    seen = []
+    assert home_runs.write_probabilities(
+        folder, [draft], lines=64, workers=-1, progress=lambda *done: seen.append(done)
+    )
+    assert seen == [(1, 1)]
+    return folder
+
+
+def test_probabilities_come_into_a_set_without_changing_its_other_files(
+    with_probabilities: Path, small: Path
+):
+    alone, together = files(small), files(with_probabilities)
+    added = {"probability.json", CHECKSUMS}
+    assert {name for name in together if together[name] != alone.get(name)} == added
+    # Writing the cases anew keeps them, and their checksum.
+    writer.write(with_probabilities, SMALL)
+    assert files(with_probabilities) == together
+
+
+@pytest.fixture
+def few_lines(monkeypatch) -> None:
+    """Fewer lines of the second method, which is then right to 2e-4."""
+    monkeypatch.setattr(home_runs, "LINES", 64)
+
+
+@pytest.mark.usefixtures("few_lines")
+def test_a_probability_is_computed_again_by_both_methods(with_probabilities: Path):
+    report = check(with_probabilities)
+    assert report.failures == ()
+    assert report.cases == report.solved_again == 4
+
+
+@pytest.mark.usefixtures("few_lines")
+def test_a_wrong_probability_is_found_by_both_methods(with_probabilities: Path):
+    (case,) = probabilities(with_probabilities).cases
+    (row,) = case.rows
+    # By 2e-6, which the quadrature sees, and by 2e-3, which scrambled points see, too.
+    for p, count in ((row.p + 2e-6, 1), (row.p + 2e-3, 3)):
+        wrong = case.model_copy(update={"rows": (row.model_copy(update={"p": p}),)})
+        sentences = home_runs.integrated_again(wrong, independent=count > 1)
+        assert len(sentences) == count
+        assert sentences[0].startswith("probability-default, e = 0.45: P is 0.01")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "sentence"),
+    [
+        ('"slope"', '"slop"', "probability.json: cases.0.rows.0.slope: Field required"),
+        (
+            '"id": "probability-default"',
+            '"id": "impact-0000"',
+            "impact-0000: the id is given twice",
+        ),
+        ("0.01", "0.02", "probability.json: its SHA-256 is not the one"),
+    ],
+)
+def test_what_is_wrong_with_probabilities_is_said(
+    with_probabilities: Path, tmp_path: Path, old: str, new: str, sentence: str
+):
+    shutil.copytree(with_probabilities, tmp_path, dirs_exist_ok=True)
+    spoil(tmp_path / "probability.json", old, new)
+    assert any(sentence in failure for failure in check(tmp_path, sample=0).failures)
 
 
 # --- the means ------------------------------------------------------------------------------------

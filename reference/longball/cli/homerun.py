@@ -84,8 +84,9 @@ def homerun(
 ) -> None:
     """Compute the probability of a home run P(e), from sampled at-bats or by quadrature.
 
-    Quadrature integrates over the distributions that samples are drawn from, takes some seconds
-    for each e, and gives dP/de, too.
+    Quadrature integrates over the distributions that samples are drawn from, and gives dP/de, too.
+    It takes some seconds for each e; minutes under the few readings that make P(e) jagged, and the
+    error says how far it got.
     """
     if method not in METHODS:
         wrong_call(f"--method {method}: the methods are {', '.join(METHODS)}")

@@ -70,7 +70,6 @@ def drafts() -> Iterator[ProbabilityDraft]:
         ("inertia", "thin_rod", "A small change of the inertia."),
         ("ground_contact", "surface", "The ball lands a radius earlier."),
         ("sample_space", "batted", "Among batted balls only."),
-        ("inertia", "about_centre", "Home runs all along the bat, and balls that dive."),
     ):
         yield ProbabilityDraft(
             f"probability-{switch}-{option}",
