@@ -46,9 +46,10 @@ class TestSolve:
         assert run.stdout == b""
         assert len(output.read_bytes().splitlines()) == 2
 
-    def test_a_line_is_answered_before_the_next_is_read(self):
+    @pytest.mark.parametrize("engine", ["ivp", "batch"])
+    def test_a_line_is_answered_before_the_next_is_read(self, engine: str):
         with subprocess.Popen(
-            [sys.executable, "-m", "longball", "solve"],
+            [sys.executable, "-m", "longball", "solve", "--engine", engine],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
         ) as process:

@@ -13,7 +13,7 @@ from pydantic import ValidationError
 from analysis.paper.balls import SPACES, Balls, Share, Space, cores, strike, strike_in_steps, told
 from analysis.paper.combinations import RADII, STEP
 from analysis.paper.printed import P_TEXT
-from analysis.writing import figure, markdown_table, shown, table
+from analysis.writing import figure, shown, table
 from longball.home_run import PAPER_CURVES, RESTITUTIONS, draw, paper_at_bats
 from longball.model.readings import LEDGER, Reading
 from longball.model.scene import AtBatScene
@@ -178,8 +178,7 @@ def turn_scheme(base: AtBatScene, space: Space) -> list[Scheme]:
 
 
 def section(report: Path, cases: dict[str, tuple[AtBatScene, Space]]) -> str:
-    """Write the section: the ledger, and each reading with each switch turned."""
-    ledger = [[f"`{x.switch}`", ", ".join(x.options), x.place, x.why] for x in LEDGER]
+    """Write the section: each reading with each switch turned."""
     found = {name: turn(base, space) for name, (base, space) in cases.items()}
     draw_tornado(report, found)
     rows = pd.DataFrame(
@@ -199,11 +198,8 @@ def section(report: Path, cases: dict[str, tuple[AtBatScene, Space]]) -> str:
     *_, (scheme_base, scheme_space) = cases.values()
     return "\n".join(
         [
-            "### The ledger\n",
-            "Every place where the paper is silent, ambiguous or wrong is a switch of a scene's "
-            "`reading`; the default is the first option.\n",
-            markdown_table(["switch", "options", "place in the paper", "why"], ledger),
             "### One switch at a time\n",
+            "[The ledger](README.md#the-ledger-of-readings) has each switch with its reason.\n",
             on_switches(cases, found),
             shown(
                 "paper_tornado",
