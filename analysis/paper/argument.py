@@ -200,6 +200,7 @@ def line(x: Array, d: Array) -> Line:
 
 SPEEDS = np.linspace(40.0, 60.0, 21)  # m/s
 ELEVATIONS = (20.0, 30.0, 40.0)  # degrees
+STRAIGHT = 0.05  # off a line by less than this share of the whole change: linear to the eye
 
 
 def ranges(base: AtBatScene, elevation: float) -> Array:
@@ -466,16 +467,20 @@ def on_linearity(report: Path, found: Sequence[Tested]) -> str:
     ]
     words = []
     for one in found:
-        worst = max(laid.off for laid in one.flights.values())
+        rise = SPEEDS[-1] - SPEEDS[0]
+        worst = max(laid.off / (laid.slope * rise) for laid in one.flights.values())
         powers = [laid.power for laid in one.flights.values()]
+        proportional = all(abs(power - 1) < 0.1 for power in powers)
         words.append(
             f"{one.case.name.capitalize()}: at one elevation D is "
-            + ("**linear**" if worst < 2.0 else "**not linear**")
-            + f" in the exit speed, within {worst:.1f} m, but "
+            + ("**linear**" if worst < STRAIGHT else "**not linear**")
+            + f" in the exit speed: off a line by {100 * worst:.1f} % of its change over these "
+            "speeds at most. It is "
             + (
                 "proportional to it."
-                if all(abs(power - 1) < 0.1 for power in powers)
-                else f"not proportional: d ln D / d ln v is {min(powers):.2f} to {max(powers):.2f}."
+                if proportional
+                else f"not proportional to it: d ln D / d ln v is {min(powers):.2f} to "
+                f"{max(powers):.2f}."
             )
         )
     return table(report, "paper_linearity", pd.DataFrame(rows)) + "\n" + " ".join(words) + "\n"
@@ -497,10 +502,11 @@ def on_shift(report: Path, found: Sequence[Tested]) -> str:
         for each in one.shifts
     ]
     words = [
-        "; ".join(
+        "Of dD/de at a carry of 110 m "
+        + "; ".join(
             f"{carry.who} says {carry.slope:.0f} ± {carry.slope_error:.0f} m" for carry in CARRIES
         )
-        + " (± the rounding of its figures), at a carry of 110 m; the paper's C₁ is "
+        + " (± the rounding of its figures); the paper's C₁ is "
         + " m or ".join(f"{curve.c1:g}" for curve in PAPER_CURVES.values())
         + " m."
     ]

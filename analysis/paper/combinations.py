@@ -523,7 +523,9 @@ def unexplained(found: Study, by_steps: Sequence[Stepped]) -> str:
                 "thrown for one that is batted, but P among the batted hardly changes."
             )
     listed.append(
-        f"Which of {len(both)} readings it was: the two figures do not tell them apart."
+        f"Which of {len(both)} readings it was: the two figures do not tell them apart; and of "
+        f"{len(found.first):,} that were tried, with the width of a cell free, one or another may "
+        "come near both by chance."
         if len(both) > 1
         else "That one reading alone comes near both figures may be chance: "
         f"{len(found.first):,} were tried, and the width of a cell is free."
