@@ -78,7 +78,9 @@ def against_error(
 
 def _name(axes: Axes, ends: list[tuple[str, float, float]]) -> None:
     """Name lines beside their ends, apart from each other."""
-    axes.get_figure(root=True).draw_without_rendering()  # the scales are settled then
+    drawn = axes.get_figure(root=True)
+    assert drawn is not None
+    drawn.draw_without_rendering()  # the scales are settled then
     line = 10.0  # points, of a name's height
     lowest = -math.inf
     for name, x, y in sorted(ends, key=lambda end: end[2]):
