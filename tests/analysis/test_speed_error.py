@@ -43,7 +43,7 @@ def test_what_misses_the_bat_is_counted(struck: tuple[Work, list[Result]]) -> No
     assert math.isnan(nobody.worst)
     everybody = errors(contenders.batch(1e-13).solve(work), true)
     assert everybody.missed == 0
-    # The half ulps of a touching, 1e-16 m, grow a hundred-thousandfold up to the landing of a graze.
+    # Half ulps of a touching, 1e-16 m, grow a hundred-thousandfold to the landing of a graze.
     assert everybody.worst < 1e-11
 
 
