@@ -6,13 +6,15 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from longball.home_run import PAPER_CURVES, Estimate, Fit
+from longball.home_run import PAPER_CURVES, Estimate, Fit, Integral
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
-def draw_probability(axes: Axes, estimates: Sequence[Estimate], fit: Fit | None) -> None:
+def draw_probability(
+    axes: Axes, estimates: Sequence[Estimate] | Sequence[Integral], fit: Fit | None
+) -> None:
     """Draw estimates with their intervals, the fit, and the paper's two printed curves (Fig. 7).
 
     Told apart by marker and dash, so that a print in black and white shows the same.
@@ -33,6 +35,10 @@ def draw_probability(axes: Axes, estimates: Sequence[Estimate], fit: Fit | None)
     if fit:
         label = f"fit: C₁ = {fit.curve.c1:.0f} m, σ = {fit.curve.sigma:.1f} m"
         axes.plot(grid, [fit.curve(x) for x in grid], "-", color="C0", label=label)
+    first = estimates[0]
+    label = "longball, quadrature"
+    if isinstance(first, Estimate):
+        label = f"longball, 95 % of {first.trials} at-bats"
     axes.errorbar(
         e,
         [row.p for row in estimates],
@@ -43,7 +49,7 @@ def draw_probability(axes: Axes, estimates: Sequence[Estimate], fit: Fit | None)
         fmt="ko",
         markersize=4,
         capsize=3,
-        label=f"longball, 95 % of {estimates[0].trials} at-bats",
+        label=label,
     )
     axes.set_xlabel("coefficient of restitution e of the ball")
     axes.set_ylabel("probability of a home run P(e)")
@@ -53,7 +59,9 @@ def draw_probability(axes: Axes, estimates: Sequence[Estimate], fit: Fit | None)
     )
 
 
-def save_probability(path: Path, estimates: Sequence[Estimate], fit: Fit | None) -> None:
+def save_probability(
+    path: Path, estimates: Sequence[Estimate] | Sequence[Integral], fit: Fit | None
+) -> None:
     """Write the picture of P(e) to a file, in the format that its ending names."""
     import matplotlib
 

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import json
 from importlib import resources
+from io import BufferedIOBase, BytesIO
 
 import jsonschema
 import pytest
 
+from longball.engines.batch import Batch
 from longball.engines.ivp import Ivp
 from longball.engines.lines import solve_line, solve_lines
 from longball.model.schema import FOLDER, schemas, text
@@ -56,3 +58,53 @@ def test_the_schema_refuses_what_the_code_refuses(scene: dict):
 def test_lines_are_numbered_as_in_the_file():
     results = list(solve_lines([b"\n", b"junk\n", b"  \n", b"junk"], Ivp()))
     assert [r.error.split(":")[0] for r in results] == ["line 2", "line 4"]
+
+
+# --- many lines at once ---------------------------------------------------------------------------
+
+# Enough of a kind to be solved as columns, some that have no answer, and kinds in turn.
+MANY = [
+    *SCENES,
+    *(
+        b'{"id":"h%d","kind":"at-bat","swing":{"height_offset":%r}}' % (i, i * 1e-3 - 0.07)
+        for i in range(140)
+    ),
+    b"",
+    b'{"id":"g","kind":"at-bat","pitch":{"release":[0.05,0,1.8]}}',
+    *(
+        b'{"id":"v%d","kind":"flight","air":null,"launch":{"position":[0,0,1],"velocity":[%d,2,20]}}'
+        % (i, i)
+        for i in range(20)
+    ),
+]
+
+
+def test_lines_at_once_have_the_answers_of_one_by_one():
+    engine = Batch()
+    alone = [solve_line(n, line, engine) for n, line in enumerate(MANY, 1) if line]
+    assert sum(result.error is not None for result in alone) > 1
+    assert list(solve_lines(BytesIO(b"\n".join(MANY)), engine)) == alone
+    assert list(solve_lines(MANY, engine, workers=2)) == alone
+    assert list(solve_lines(MANY, engine)) == alone
+
+
+class Pipe(BufferedIOBase):
+    """Gives what was written piece by piece, and remembers how many pieces were asked for."""
+
+    def __init__(self, *pieces: bytes) -> None:
+        self.pieces = pieces
+        self.asked = 0
+
+    def read1(self, size: int = -1, /) -> bytes:
+        self.asked += 1
+        return self.pieces[self.asked - 1] if self.asked <= len(self.pieces) else b""
+
+
+@pytest.mark.parametrize("engine", [Batch(), Ivp()], ids=["batch", "ivp"])
+def test_no_line_waits_for_one_that_is_not_there(engine):
+    f, i = SCENES[0], SCENES[2]
+    pipe = Pipe(f + b"\n" + i + b"\n" + f[:20], f[20:40], f[40:] + b"\n", i)
+    results = solve_lines(pipe, engine)
+    answered = [(result.id, pipe.asked) for result in results]
+    # The last line has no end of its own: the end of the pipe is it.
+    assert answered == [("f", 1), ("i", 1), ("f", 3), ("i", 5)]

@@ -14,19 +14,36 @@ app = typer.Typer(help="Generate the golden data, or verify them.", no_args_is_h
 Folder = Annotated[Path | None, typer.Argument(metavar="[DIR]")]
 
 
+PARTS = ("cases", "probability")
+
+
 @app.command(epilog="Example: longball golden write golden-data")
-def write(folder: Folder = None, workers: Workers = -1) -> None:
+def write(
+    folder: Folder = None,
+    part: Annotated[
+        str | None, typer.Option(help=f"Only that part of the set: {' or '.join(PARTS)}")
+    ] = None,
+    workers: Workers = -1,
+) -> None:
     """Solve every case with proven bounds and write the set to DIR; the shipped set if not given.
 
-    An interrupted run goes on where it ended. Takes some ten minutes on two cores.
+    An interrupted run goes on where it ended. The cases take some ten minutes on two cores, the
+    probabilities P(e) some more.
     """
-    from longball.golden import reader, writer  # with them come the engines that prove
+    from longball.golden import home_runs, reader, writer  # with them come the engines
 
     check_workers(workers)
+    if part is not None and part not in PARTS:
+        wrong_call(f"--part {part}: the parts are {', '.join(PARTS)}")
     target = folder or reader.DATA
-    with progress_bar("cases", 1) as advance:
-        count = writer.write(target, workers=workers, progress=advance)
-    say.print(f"{count} cases in {target}", markup=False)
+    if part != "probability":
+        with progress_bar("cases", 1) as advance:
+            count = writer.write(target, workers=workers, progress=advance)
+        say.print(f"{count} cases in {target}", markup=False)
+    if part != "cases":
+        with progress_bar("probabilities", 1) as advance:
+            count = home_runs.write_probabilities(target, workers=workers, progress=advance)
+        say.print(f"{count} readings' probabilities in {target}", markup=False)
 
 
 @app.command(epilog="Example: longball golden check --sample 50")

@@ -31,10 +31,13 @@ from longball.home_run import (
     AtBats,
     Estimate,
     Fit,
+    Integral,
     Mixture,
     draw,
     estimate,
     fit,
+    fit_form,
+    integrals,
     monte_carlo,
     paper_at_bats,
     scenes,
@@ -52,6 +55,7 @@ SetOption = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="BLOCK.KEY=VALUE", help="A value of the scene; repeatable."),
 ]
+METHODS = ("monte-carlo", "quadrature")
 ENGINES = ("batch", "ivp")  # those that say what they cannot tell, in double precision
 Samples = Annotated[int, typer.Option(min=1, help="At-bats drawn.")]
 
@@ -75,14 +79,24 @@ def homerun(
     pitches: Annotated[
         Path | None, typer.Option(help="Draw pitches from what longball fit --json wrote.")
     ] = None,
-    method: Annotated[str, typer.Option(help="monte-carlo")] = "monte-carlo",
+    method: Annotated[str, typer.Option(help=" or ".join(METHODS))] = "monte-carlo",
     engine: Annotated[str, typer.Option(help="Who computes: " + ", ".join(ENGINES))] = "batch",
 ) -> None:
-    """Estimate the probability of a home run P(e) from sampled at-bats."""
-    if method != "monte-carlo":
-        wrong_call(f"--method {method}: the methods are monte-carlo")
+    """Compute the probability of a home run P(e), from sampled at-bats or by quadrature.
+
+    Quadrature integrates over the distributions that samples are drawn from, takes some seconds
+    for each e, and gives dP/de, too.
+    """
+    if method not in METHODS:
+        wrong_call(f"--method {method}: the methods are {', '.join(METHODS)}")
     if engine not in ENGINES:
         wrong_call(f"--engine {engine}: the engines are {', '.join(ENGINES)}")
+    if method == "quadrature" and engine != "batch":
+        wrong_call(f"--engine {engine}: quadrature takes the engine batch")
+    if method == "quadrature" and scenes_file:
+        wrong_call("--scenes: quadrature draws no samples")
+    if method == "quadrature" and scheduler:
+        wrong_call("--scheduler: quadrature takes seconds, and works on this machine")
     check_workers(workers)
     base = base_scene(reading or [], set_ or [])
     restitutions = parse_restitutions(e)
@@ -91,21 +105,33 @@ def homerun(
         at_bats = with_pitches(at_bats, pitches)
     if scenes_file:
         write_scenes(scenes_file, base, at_bats, restitutions, samples, seed)
-    with on_cluster(scheduler), progress_bar("at-bats", samples) as advance:
-        struck = monte_carlo(
-            base,
-            at_bats,
-            restitutions,
-            samples,
-            seed,
-            engine=engines.create(engine),
-            workers=workers,
-            progress=advance,
-        )
-    rows = [estimate(x, some, base.reading) for x, some in zip(restitutions, struck, strict=True)]
-    fitted = fit(rows)
+    rows: Sequence[Estimate] | Sequence[Integral]
+    fields, drawn = FIELDS, {"samples": samples, "seed": seed}
+    failed = 0
+    if method == "quadrature":
+        with progress_bar("restitutions", len(restitutions)) as advance:
+            rows = integrals(base, at_bats, restitutions, workers=workers, progress=advance)
+        fitted = fit_form(restitutions, [row.p for row in rows])
+        fields, drawn = INTEGRAL_FIELDS, {}
+    else:
+        with on_cluster(scheduler), progress_bar("at-bats", samples) as advance:
+            struck = monte_carlo(
+                base,
+                at_bats,
+                restitutions,
+                samples,
+                seed,
+                engine=engines.create(engine),
+                workers=workers,
+                progress=advance,
+            )
+        rows = [
+            estimate(x, some, base.reading) for x, some in zip(restitutions, struck, strict=True)
+        ]
+        fitted = fit(rows)
+        failed = max(row.failed for row in rows)
     if csv_file:
-        write_csv(csv_file, rows)
+        write_csv(csv_file, rows, fields)
     if figure:
         from longball.pictures import save_probability
 
@@ -114,10 +140,10 @@ def homerun(
         except ValueError as error:  # an ending that matplotlib does not know
             wrong_call(f"--figure {figure}: {error}")
     if as_json:
-        print(json.dumps(as_data(rows, fitted, base.reading, samples, seed), ensure_ascii=False))
+        data = as_data(rows, fields, fitted, base.reading) | {"method": method} | drawn
+        print(json.dumps(data, ensure_ascii=False))
     else:
         print_probability(rows, fitted, base.reading)
-    failed = max(row.failed for row in rows)
     if failed:
         say.print(f"longball: {failed} at-bats could not be solved; they count as no home run")
         raise typer.Exit(1)
@@ -207,11 +233,15 @@ def write_scenes(
         say.print(f"longball: {left_out} samples drew a speed that is not positive; not in {path}")
 
 
-FIELDS = ("e", "p", "low", "high", "home_runs", "trials", "failed")
+FIELDS: tuple[str, ...] = ("e", "p", "low", "high", "home_runs", "trials", "failed")
+INTEGRAL_FIELDS = ("e", "p", "error", "slope", "slope_error")
 
 
 def as_data(
-    rows: Sequence[Estimate], fitted: Fit | None, reading: Reading, samples: int, seed: int
+    rows: Sequence[Estimate] | Sequence[Integral],
+    fields: Sequence[str],
+    fitted: Fit | None,
+    reading: Reading,
 ) -> dict[str, Any]:
     """Return what --json prints; a number that is not defined is null."""
 
@@ -219,7 +249,7 @@ def as_data(
         return None if value != value else value
 
     return {
-        "rows": [{name: known(getattr(row, name)) for name in FIELDS} for row in rows],
+        "rows": [{name: known(getattr(row, name)) for name in fields} for row in rows],
         "fit": fitted
         and {
             "c1": fitted.curve.c1,
@@ -232,30 +262,31 @@ def as_data(
             for name, curve in PAPER_CURVES.items()
         },
         "reading": reading.model_dump(),
-        "method": "monte-carlo",
-        "samples": samples,
-        "seed": seed,
     }
 
 
-def write_csv(path: Path, rows: Sequence[Estimate]) -> None:
+def write_csv(
+    path: Path, rows: Sequence[Estimate] | Sequence[Integral], fields: Sequence[str]
+) -> None:
     """Write estimates as a table."""
     with open(path, "w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(FIELDS)
-        writer.writerows([getattr(row, name) for name in FIELDS] for row in rows)
+        writer.writerow(fields)
+        writer.writerows([getattr(row, name) for name in fields] for row in rows)
 
 
-def print_probability(rows: Sequence[Estimate], fitted: Fit | None, reading: Reading) -> None:
+def print_probability(
+    rows: Sequence[Estimate] | Sequence[Integral], fitted: Fit | None, reading: Reading
+) -> None:
     """Print P(e) beside the paper's printed curves."""
     chosen = reading.fig7_parameters
-    table = plain_table("e", "P(e)", "95 %", "home runs", "paper's caption", "text", "difference")
+    sampled = isinstance(rows[0], Estimate)
+    columns = ("P(e)", "95 %", "home runs") if sampled else ("P(e)", "error", "dP/de", "error")
+    table = plain_table("e", *columns, "paper's caption", "text", "difference")
     for row in rows:
         table.add_row(
             f"{row.e:g}",
-            f"{row.p:.4f}",
-            f"{row.low:.4f} to {row.high:.4f}",
-            f"{row.home_runs} of {row.trials}",
+            *found_at(row),
             *(f"{curve(row.e):.4f}" for curve in PAPER_CURVES.values()),
             f"{row.p - PAPER_CURVES[chosen](row.e):+.4f}",
         )
@@ -273,3 +304,11 @@ def print_probability(rows: Sequence[Estimate], fitted: Fit | None, reading: Rea
     )
     print(f"paper: {curves}")
     print(f"difference: from the paper's {chosen} (reading fig7_parameters)")
+
+
+def found_at(row: Estimate | Integral) -> tuple[str, ...]:
+    """Return what the table has of one e."""
+    if isinstance(row, Estimate):
+        interval = f"{row.low:.4f} to {row.high:.4f}"
+        return f"{row.p:.4f}", interval, f"{row.home_runs} of {row.trials}"
+    return f"{row.p:.8f}", f"{row.error:.1e}", f"{row.slope:.7f}", f"{row.slope_error:.1e}"

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Generic, Literal, Protocol, Self
 
 from longball.model.motion import FlightPlane, Forces, PlaneState
 from longball.model.numbers import N, Numbers, Vector
 from longball.model.readings import Reading
+from longball.model.result import Result
+from longball.model.scene import Scene
 
 Stop = Literal["wall", "floor", "vertical", "time"]
 
@@ -182,3 +185,11 @@ class Stepped(ABC, Generic[N]):
         forces, stops
             Of the batted flight.
         """
+
+
+class ManyAtOnce(ABC):
+    """What an engine offers besides if many scenes take it less time together than one by one."""
+
+    @abstractmethod
+    def solve_all(self, scenes: Sequence[Scene]) -> list[Result]:
+        """Return what `longball.engines.at_bat.solve` returns for each scene, in order."""

@@ -3,47 +3,103 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from io import BufferedIOBase
 from itertools import islice
 
 from longball.engines.at_bat import solve
-from longball.engines.engine import Engine
+from longball.engines.engine import Engine, ManyAtOnce
 from longball.model.numbers import N
 from longball.model.result import Result
-from longball.model.scene import SceneError, parse_scene
+from longball.model.scene import Scene, SceneError, parse_scene
 
-CHUNK = 32  # lines that a worker process takes at a time
+# Lines that a worker process takes at a time: some hundredths of a second.
+CHUNK, CHUNK_AT_ONCE = 32, 1024
+_BYTES = 1 << 17  # read at a time at most: some hundreds of lines, and twice what a pipe holds
+
+Line = tuple[int, bytes]
 
 
 def solve_lines(lines: Iterable[bytes], engine: Engine[N], workers: int = 1) -> Iterator[Result]:
     """Yield the result of each line that is not blank, in order.
 
-    With one worker each result is there before the next line is asked for, so that two programs
-    can talk through pipes.
+    With one worker no line waits for another one that is not there yet, so that two programs can
+    talk through pipes: of a file or a pipe, what is there is taken at once; of anything else a line
+    at a time.
     """
-    numbered = ((number, line) for number, line in enumerate(lines, 1) if line.strip())
     if workers == 1:
-        for number, line in numbered:
-            yield solve_line(number, line, engine)
+        for chunk in _numbered(_as_they_come(lines)):
+            yield from _solve_in_turn(chunk, engine)
         return
     from joblib import Parallel, delayed  # slow to import, and not needed for one worker
 
-    chunks = iter(lambda: list(islice(numbered, CHUNK)), [])
+    size = CHUNK_AT_ONCE if isinstance(engine, ManyAtOnce) else CHUNK
+    numbered = (line for chunk in _numbered([line] for line in lines) for line in chunk)
+    chunks = iter(lambda: list(islice(numbered, size)), [])
     tasks = (delayed(_solve_chunk)(chunk, engine) for chunk in chunks)
     for results in Parallel(n_jobs=workers, return_as="generator")(tasks):
         yield from results
 
 
+def _as_they_come(lines: Iterable[bytes]) -> Iterator[list[bytes]]:
+    """Yield the lines that can be had without waiting, but for the first of them."""
+    if not isinstance(lines, BufferedIOBase):
+        yield from ([line] for line in lines)
+        return
+    unfinished: list[bytes] = []
+    while data := lines.read1(_BYTES):
+        unfinished.append(data)
+        if b"\n" in data:
+            *whole, rest = b"".join(unfinished).split(b"\n")
+            unfinished = [rest]
+            yield whole
+    yield [b"".join(unfinished)]
+
+
+def _numbered(chunks: Iterable[list[bytes]]) -> Iterator[list[Line]]:
+    """Give lines their numbers, from 1, and leave out blank ones."""
+    number = 0
+    for chunk in chunks:
+        numbered = enumerate(chunk, number + 1)
+        number += len(chunk)
+        yield [(n, line) for n, line in numbered if line.strip()]
+
+
 def solve_line(number: int, line: bytes, engine: Engine[N]) -> Result:
     """Return the result of a line, which is an error that names the line if it is no scene."""
+    (result,) = _solve_chunk([(number, line)], engine)
+    return result
+
+
+def _solve_chunk(chunk: list[Line], engine: Engine[N]) -> list[Result]:
+    return list(_solve_in_turn(chunk, engine))
+
+
+def _solve_in_turn(chunk: list[Line], engine: Engine[N]) -> Iterator[Result]:
+    """Yield the results of lines, each as soon as the engine has it."""
+    if isinstance(engine, ManyAtOnce):
+        read = [_read(line) for _, line in chunk]
+        solved = iter(
+            engine.solve_all([scene for scene in read if not isinstance(scene, SceneError)])
+        )
+        for (number, _), scene in zip(chunk, read, strict=True):
+            yield _of_line(number, scene if isinstance(scene, SceneError) else next(solved))
+    else:
+        for number, line in chunk:
+            scene = _read(line)
+            yield _of_line(number, scene if isinstance(scene, SceneError) else solve(scene, engine))
+
+
+def _read(line: bytes) -> Scene | SceneError:
     try:
-        scene = parse_scene(line)
+        return parse_scene(line)
     except SceneError as error:
-        return Result(id=error.scene_id, error=f"line {number}: {error}")
-    result = solve(scene, engine)
-    if result.error is None:
-        return result
-    return result.model_copy(update={"error": f"line {number}: {result.error}"})
+        return error
 
 
-def _solve_chunk(chunk: list[tuple[int, bytes]], engine: Engine[N]) -> list[Result]:
-    return [solve_line(number, line, engine) for number, line in chunk]
+def _of_line(number: int, answer: Result | SceneError) -> Result:
+    """Return the result of a line: its error, if it has one, names the line."""
+    if isinstance(answer, SceneError):
+        return Result(id=answer.scene_id, error=f"line {number}: {answer}")
+    if answer.error is None:
+        return answer
+    return answer.model_copy(update={"error": f"line {number}: {answer.error}"})

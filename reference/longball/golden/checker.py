@@ -8,14 +8,19 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from decimal import Decimal, localcontext
 from pathlib import Path
+from typing import TypeVar
 
 from pydantic import ValidationError
 
 from longball.golden.case import Case, Header, as_double, decisive, numbers_of
-from longball.golden.files import CHECKSUMS, HEADER, checksum, schemas
+from longball.golden.files import CHECKSUMS, HEADER, PROBABILITIES, checksum, listed, schemas
+from longball.golden.home_runs import integrated_again
+from longball.golden.probability import Probabilities, ProbabilityCase
 from longball.golden.reader import DATA
 from longball.golden.truth import confirm, prove
 from longball.model.result import Result
+
+M = TypeVar("M", Header, Probabilities)
 
 
 @dataclass(frozen=True)
@@ -74,39 +79,48 @@ def check(
         found, wrong = _read_family(folder / family.file, name, family.cases)
         cases += found
         failures += wrong
-    twice = [name for name, count in Counter(case.id for case in cases).items() if count > 1]
+    integrals: tuple[ProbabilityCase, ...] = ()
+    if (folder / PROBABILITIES).exists():
+        found_integrals, fault = _read(Probabilities, folder / PROBABILITIES)
+        if found_integrals is None:
+            failures.append(f"{PROBABILITIES}: {fault}")
+        else:
+            integrals = found_integrals.cases
+    ids = [case.id for case in cases] + [case.id for case in integrals]
+    twice = [name for name, count in Counter(ids).items() if count > 1]
     failures += [f"{name}: the id is given twice" for name in twice]
     failures += [sentence for case in cases for sentence in _inconsistent(case, top)]
 
-    chosen = cases
-    if sample is not None and sample < len(cases):
-        chosen = random.Random(seed).sample(cases, sample)
-    tasks = (delayed(solved_again)(case, independent) for case in chosen)
+    every: list[Case | ProbabilityCase] = [*cases, *integrals]
+    chosen = every
+    if sample is not None and sample < len(every):
+        chosen = random.Random(seed).sample(every, sample)
+    tasks = (
+        delayed(solved_again if isinstance(case, Case) else integrated_again)(case, independent)
+        for case in chosen
+    )
     for done, found_wrong in enumerate(Parallel(n_jobs=workers, return_as="generator")(tasks), 1):
         failures += found_wrong
         progress(done, len(chosen))
-    return Report(len(cases), len(chosen), tuple(failures))
+    return Report(len(every), len(chosen), tuple(failures))
 
 
 # --- files ----------------------------------------------------------------------------------------
 
 
 def _wrong_files(folder: Path) -> Iterator[str]:
-    listing = folder / CHECKSUMS
-    if not listing.exists():
+    if not (folder / CHECKSUMS).exists():
         yield f"{CHECKSUMS}: there is no such file in {folder}"
         return
-    listed = set()
-    for line in listing.read_text(encoding="utf-8").splitlines():
-        digest, _, name = line.partition("  ")
-        listed.add(name)
+    sums = listed(folder)
+    for name, digest in sums.items():
         if not (folder / name).is_file():
             yield f"{name}: listed in {CHECKSUMS}, but not there"
         elif checksum(folder / name) != digest:
             yield f"{name}: its SHA-256 is not the one in {CHECKSUMS}; the file was changed"
     for path in sorted(folder.rglob("*")):
         name = path.relative_to(folder).as_posix()
-        if path.is_file() and name not in listed | {CHECKSUMS} and not name.startswith("."):
+        if path.is_file() and name not in {*sums, CHECKSUMS} and not name.startswith("."):
             yield f"{name}: not listed in {CHECKSUMS}"
     for name, content in schemas().items():
         path = folder / name
@@ -114,7 +128,7 @@ def _wrong_files(folder: Path) -> Iterator[str]:
             yield f"{name}: not the schema that this version of longball writes"
 
 
-def _read(model: type[Header], path: Path) -> tuple[Header | None, str]:
+def _read(model: type[M], path: Path) -> tuple[M | None, str]:
     try:
         return model.model_validate_json(path.read_bytes()), ""
     except FileNotFoundError:

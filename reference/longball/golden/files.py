@@ -4,23 +4,26 @@ from __future__ import annotations
 
 import hashlib
 import os
-from collections.abc import Iterable
+from collections.abc import Mapping
 from pathlib import Path
 
 from longball.golden.case import Case, Header
+from longball.golden.probability import Probabilities
 from longball.model.schema import DRAFT, text
 
 CHECKSUMS = "SHA256SUMS"  # as sha256sum writes and reads it
 HEADER = "header.json"
 HISTORIES = "histories"
+PROBABILITIES = "probability.json"
 PARTIAL = ".partial"
 
 
 def schemas() -> dict[str, str]:
-    """Return file names and contents of the JSON Schemas of a case and of the header."""
+    """Return file names and contents of the JSON Schemas of a set's files."""
     return {
         "case.schema.json": text({"$schema": DRAFT} | Case.model_json_schema()),
         "header.schema.json": text({"$schema": DRAFT} | Header.model_json_schema()),
+        "probability.schema.json": text({"$schema": DRAFT} | Probabilities.model_json_schema()),
     }
 
 
@@ -35,9 +38,25 @@ def write_whole(path: Path, content: str) -> None:
     os.replace(unfinished, path)
 
 
-def checksums(folder: Path, names: Iterable[str]) -> str:
-    """Return the checksums of files, a line each."""
-    return "".join(f"{checksum(folder / name)}  {name}\n" for name in sorted(names))
+def write_files(folder: Path, files: Mapping[str, str]) -> None:
+    """Write files of a set, and their checksums among those of the set's other files."""
+    for name, content in files.items():
+        write_whole(folder / name, content)
+    sums = {name: checksum(folder / name) for name in files}
+    for name, digest in listed(folder).items():
+        if (folder / name).is_file():
+            sums.setdefault(name, digest)
+    lines = (f"{sums[name]}  {name}\n" for name in sorted(sums))
+    write_whole(folder / CHECKSUMS, "".join(lines))
+
+
+def listed(folder: Path) -> dict[str, str]:
+    """Return the checksums of a set by file name; none if it has no list."""
+    listing = folder / CHECKSUMS
+    if not listing.exists():
+        return {}
+    lines = (line.partition("  ") for line in listing.read_text(encoding="utf-8").splitlines())
+    return {name: digest for digest, _, name in lines}
 
 
 def checksum(path: Path) -> str:

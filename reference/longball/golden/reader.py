@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from longball.golden.case import Case, Header
+from longball.golden.probability import Probabilities
 
 DATA = Path(__file__).parent / "data"
 
@@ -31,3 +32,8 @@ def load(family: str | None = None, folder: Path = DATA) -> list[Case]:
         for name in chosen
         for line in (folder / families[name].file).read_bytes().splitlines()
     ]
+
+
+def probabilities(folder: Path = DATA) -> Probabilities:
+    """Return P(e) under several readings, with the errors of each value."""
+    return Probabilities.model_validate_json((folder / "probability.json").read_bytes())

@@ -19,12 +19,11 @@ from longball.golden.case import Case
 from longball.golden.draft import Draft
 from longball.golden.families import FAMILIES
 from longball.golden.files import (
-    CHECKSUMS,
     HEADER,
     HISTORIES,
     PARTIAL,
-    checksums,
     schemas,
+    write_files,
     write_whole,
 )
 from longball.golden.history import ABOUT, history
@@ -87,9 +86,7 @@ def write(
     about = {name: inspect.getdoc(family) or "" for name, family in families.items()}
     top = header(made, about, dict.fromkeys(tables, ABOUT))
     files |= tables | schemas() | {HEADER: top.model_dump_json(indent=2) + "\n"}
-    for file, content in files.items():
-        write_whole(folder / file, content)
-    write_whole(folder / CHECKSUMS, checksums(folder, files))
+    write_files(folder, files)
     shutil.rmtree(folder / PARTIAL, ignore_errors=True)
     return total
 

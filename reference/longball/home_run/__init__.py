@@ -1,7 +1,9 @@
 """The probability of a home run, P(e).
 
 `at_bats` has the paper's distributions and draws from them; `simulation` strikes the samples;
-`estimation` counts home runs and fits the paper's form of P(e).
+`estimation` counts home runs and fits the paper's form of P(e). `quadrature` needs no samples:
+with `clearance`, how far inside the home runs an at-bat is, and `crossings`, where they end.
+`randomised` is a second way, to check it by.
 """
 
 from longball.home_run.at_bats import (
@@ -25,8 +27,11 @@ from longball.home_run.estimation import (
     Fit,
     estimate,
     fit,
+    fit_form,
     wilson,
 )
+from longball.home_run.quadrature import Integral, integrals
+from longball.home_run.randomised import Randomised, scrambled
 from longball.home_run.simulation import Struck, monte_carlo
 
 __all__ = [
@@ -39,16 +44,21 @@ __all__ = [
     "Curve",
     "Estimate",
     "Fit",
+    "Integral",
     "Mixture",
+    "Randomised",
     "Samples",
     "Struck",
     "draw",
     "draw_block",
     "estimate",
     "fit",
+    "fit_form",
+    "integrals",
     "monte_carlo",
     "paper_at_bats",
     "scenes",
+    "scrambled",
     "wilson",
     "with_restitution",
 ]

@@ -38,6 +38,44 @@ class Mixture:
         drawn: Array = means[second] + deviations[second] * normal
         return drawn
 
+    @property
+    def parts(self) -> tuple[tuple[float, float, float], ...]:
+        """Weights, means and standard deviations of the normal distributions that are drawn."""
+        weights = (self.weight, 1.0 - self.weight)
+        every = zip(weights, self.means, self.deviations, strict=True)
+        return tuple(part for part in every if part[0] > 0)
+
+    def density(self, values: Array) -> Array:
+        """Return the probability density at values."""
+        total = np.zeros_like(values)
+        for weight, mean, deviation in self.parts:
+            far = (values - mean) / deviation
+            total += weight / (deviation * math.sqrt(2 * math.pi)) * np.exp(-0.5 * far * far)
+        return total
+
+    def below(self, values: Array) -> Array:
+        """Return the probability of a draw below values."""
+        from scipy.special import ndtr  # slow to import, and not needed for --help
+
+        total = np.zeros_like(values)
+        for weight, mean, deviation in self.parts:
+            total += weight * ndtr((values - mean) / deviation)
+        return total
+
+    def quantiles(self, shares: Array) -> Array:
+        """Return the values that are above the given shares of draws."""
+        from scipy.optimize import elementwise
+        from scipy.special import ndtri
+
+        every = [mean + deviation * ndtri(shares) for _, mean, deviation in self.parts]
+        found = elementwise.find_root(
+            lambda value, share: self.below(value) - share,
+            (np.minimum.reduce(every), np.maximum.reduce(every)),
+            args=(shares,),
+        )
+        values: Array = found.x
+        return values
+
 
 @dataclass(frozen=True)
 class AtBats:
@@ -59,6 +97,11 @@ class AtBats:
     aim: Mixture
     offset_deviation: float
     largest_tilt: float
+
+    @property
+    def offset(self) -> Mixture:
+        """The distribution of the bat's height over the pitch, m: one normal distribution."""
+        return Mixture(1.0, (0.0, 0.0), (self.offset_deviation, self.offset_deviation))
 
 
 def paper_at_bats(reading: Reading) -> AtBats:

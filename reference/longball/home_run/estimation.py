@@ -103,29 +103,50 @@ class Fit:
 def fit(estimates: Sequence[Estimate]) -> Fit | None:
     """Fit C₁ and σ to estimates by least squares, each weighted by its Wilson interval.
 
-    Returns None where the samples do not determine two parameters: fewer than three estimates,
-    or fewer than two of them strictly between 0 and 1.
+    Returns None where the samples do not determine two parameters.
 
     The standard errors take the estimates for independent; estimates from the same samples are
     not, and vary together.
     """
+    wide = 2 * NormalDist().inv_cdf(0.975)  # the interval of 95 %, in standard deviations
+    return fit_form(
+        [row.e for row in estimates],
+        [row.p for row in estimates],
+        [(row.high - row.low) / wide for row in estimates],
+    )
+
+
+def fit_form(
+    restitutions: Sequence[float], p: Sequence[float], errors: Sequence[float] | None = None
+) -> Fit | None:
+    """Fit C₁ and σ to values of P(e) by least squares.
+
+    Without `errors`, the standard ones of P, every value weighs the same, and the errors of the fit
+    come from how far the values are from the form.
+
+    Returns None for fewer than three values, or too few of them strictly between 0 and 1: fewer
+    than two, or without errors three.
+    """
     from scipy.optimize import curve_fit
     from scipy.special import erfc
 
-    inner = [row for row in estimates if 0 < row.p < 1]
-    if len(estimates) < 3 or len(inner) < 2:
+    inner = [i for i, value in enumerate(p) if 0 < value < 1]
+    if len(p) < 3 or len(inner) < (3 if errors is None else 2):
         return None
 
     def form(e: Array, slope: float, intercept: float) -> Array:
         return 0.5 * np.asarray(erfc((intercept - slope * e) / math.sqrt(2)))
 
-    e = np.array([row.e for row in inner])
-    p = np.array([row.p for row in inner])
-    half = np.array([(row.high - row.low) / 2 for row in inner]) / NormalDist().inv_cdf(0.975)
+    e, values = np.array(restitutions)[inner], np.array(p)[inner]
     # In a = C₁/σ and b = 150/σ the form is a probit line, a e - b, which gives the start.
-    start = np.polyfit(e, [NormalDist().inv_cdf(value) for value in p], 1)
+    start = np.polyfit(e, [NormalDist().inv_cdf(value) for value in values], 1)
     (a, b), covariance = curve_fit(
-        form, e, p, p0=(start[0], -start[1]), sigma=half, absolute_sigma=True
+        form,
+        e,
+        values,
+        p0=(start[0], -start[1]),
+        sigma=None if errors is None else np.array(errors)[inner],
+        absolute_sigma=errors is not None,
     )
     sigma, c1 = HOME_RUN_DISTANCE / b, HOME_RUN_DISTANCE * a / b
     to_c1 = np.array([HOME_RUN_DISTANCE / b, -c1 / b])

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -28,6 +29,32 @@ Array = NDArray[np.float64]
 
 # Acceleration by drag, m/s², from k_D = ρ C_D A/(2m), 1/m, and the velocity, m/s.
 Drag = Callable[[float, Array], Array]
+
+
+@dataclass(frozen=True)
+class DragLaw:
+    """Drag against the velocity, each component times a speed: the model's law, and slips of it.
+
+    Attributes
+    ----------
+    whole
+        Whether times the whole speed V.
+    own
+        Whether times the component's own size.
+    """
+
+    whole: bool
+    own: bool
+
+    def __call__(self, k: float, velocity: Array) -> Array:
+        """Return the acceleration by drag; see `Drag`."""
+        drag: Array = -k * velocity
+        if self.whole:
+            drag = drag * math.sqrt(float(velocity @ velocity))
+        return drag * np.abs(velocity) if self.own else drag
+
+
+THE_MODELS = DragLaw(whole=True, own=False)
 
 TOLERANCE = 1e-11
 
@@ -82,18 +109,7 @@ def _meet(
         )
     time = scipy.optimize.brentq(lambda t: depth(path(t)), 0.0, closest, xtol=1e-14)
     ball = path(time)
-    # Not validated: the touching is as good as the root, and a scene asks for 1e-9 m.
-    touching = ImpactScene.model_construct(
-        id=scene.id,
-        ball=scene.ball,
-        bat=scene.bat,
-        swing=scene.swing,
-        reading=scene.reading,
-        incoming=Incoming.model_construct(
-            position=_triple(ball[:3]), velocity=_triple(ball[3:]), bat_height=height
-        ),
-    )
-    blow = solve(touching, Ivp())
+    blow = blow_at(scene, _triple(ball[:3]), _triple(ball[3:]), height)
     contact = (blow.contact or written.Contact()).model_copy(
         update={"time": time, "position": _triple(ball[:3]), "margin": margin}
     )
@@ -109,6 +125,20 @@ def _meet(
         impact=blow.impact,
         landing=landing,
     )
+
+
+def blow_at(scene: AtBatScene, position: Any, velocity: Any, height: float) -> Result:
+    """Return contact and impact of a ball that touches the bat at a position, m, velocity, m/s."""
+    # Not validated: the touching is as good as its root, and a scene asks for 1e-9 m.
+    touching = ImpactScene.model_construct(
+        id=scene.id,
+        ball=scene.ball,
+        bat=scene.bat,
+        swing=scene.swing,
+        reading=scene.reading,
+        incoming=Incoming.model_construct(position=position, velocity=velocity, bat_height=height),
+    )
+    return solve(touching, Ivp())
 
 
 def _land(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import cast
 
@@ -21,9 +22,19 @@ from longball.engines.batch.records import (
     put_start,
     put_stops,
 )
-from longball.engines.engine import Arrival, BatSection, CannotSolve, Stop, Stops, Touch
+from longball.engines.engine import (
+    Arrival,
+    BatSection,
+    CannotSolve,
+    ManyAtOnce,
+    Stop,
+    Stops,
+    Touch,
+)
 from longball.model.motion import Forces, PlaneState
 from longball.model.numbers import DOUBLES, Doubles, Undecided
+from longball.model.result import Result
+from longball.model.scene import Scene
 
 State = PlaneState[float]
 
@@ -38,7 +49,7 @@ _STOPS: dict[int, Stop] = {
 
 
 @dataclass(frozen=True)
-class Batch:
+class Batch(ManyAtOnce):
     """Flights by Taylor series, compiled; many scenes go sixteen at a time.
 
     `longball.engines.at_bat.solve` takes one scene; `longball.engines.batch.solve_all` takes many,
@@ -131,6 +142,12 @@ class Batch:
             case flights.FLOOR | flights.WALL | flights.TIME_LIMIT:
                 return Touch(margin, False)
         raise _reason(stop, end, flight)
+
+    def solve_all(self, scenes: Sequence[Scene]) -> list[Result]:
+        """Solve scenes of any kinds; see `longball.engines.batch.solve_all`."""
+        from longball.engines.batch.many import solve_all  # which imports this module
+
+        return solve_all(scenes, self)
 
     def fly_all(self, starts: Records) -> Records:
         """Fly records of `flights.FLIGHT`; return records of `flights.ARRIVAL`, in order."""

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from itertools import compress
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -16,7 +18,7 @@ from longball.engines.batch.chain import OUTCOMES, UNSOLVED, Fleet, Table, at_ro
 from longball.engines.batch.engine import Batch
 from longball.model import result as written
 from longball.model.readings import Reading
-from longball.model.result import Result
+from longball.model.result import Outcome, Result
 from longball.model.scene import AtBatScene, FlightScene, ImpactScene, PitchScene, Scene
 
 Array = NDArray[np.float64]
@@ -24,6 +26,8 @@ Array = NDArray[np.float64]
 # Scenes that a thread takes at a time: their columns stay in a core's own cache, and the calls of
 # NumPy on them cost a tenth of their work.
 BLOCK = 4096
+# Fewer scenes of a kind are solved one by one in less time than the calls of NumPy take.
+FEW = 16
 
 _CHAINS: dict[type[Any], Callable[[Table, chain.Columns, Reading, Fleet], None]] = {
     FlightScene: chain.solve_flights,
@@ -124,23 +128,40 @@ def solve_all(
     """Return the results of scenes of any kinds, in order, as `longball.engines.at_bat.solve`."""
     engine = engine or Batch()
     scenes = list(scenes)
-    alike: defaultdict[tuple[type[Any], Reading], list[int]] = defaultdict(list)
+    alike: defaultdict[tuple[Any, ...], list[int]] = defaultdict(list)
     for i, scene in enumerate(scenes):
-        alike[type(scene), scene.reading].append(i)
+        alike[type(scene), scene.reading, getattr(scene, "air", None) is None].append(i)
     results: dict[int, Result] = {}
-    for (kind, reading), places in alike.items():
-        numbers = [numbers_of(scenes[i]) for i in places]
-        columns = {name: np.array([row[name] for row in numbers]) for name in numbers[0]}
+    for (kind, reading, _), places in alike.items():
+        if len(places) < FEW:
+            results |= {i: solve(scenes[i], engine) for i in places}
+            continue
+        columns = _columns_of([scenes[i] for i in places])
         table = _solve(kind, len(places), columns, reading, engine, threads)
-        for i, blocks in zip(places, _rows(table), strict=True):
-            outcome = blocks.pop("outcome")
+        for i, (outcome, parts) in zip(places, _rows(table), strict=True):
             if outcome is None:
                 results[i] = solve(scenes[i], engine)  # for the reason
             else:
                 results[i] = Result(
-                    id=scenes[i].id, outcome=outcome, engine=engine.description, **blocks
+                    id=scenes[i].id, outcome=outcome, engine=engine.description, **parts
                 )
     return [results[i] for i in range(len(scenes))]
+
+
+def _columns_of(scenes: list[Scene]) -> dict[str, Array]:
+    """Return the numbers of scenes of one kind, all of them with air or all without."""
+    columns: dict[str, Any] = numbers_of(scenes[0])
+    has_air = getattr(scenes[0], "air", None) is not None
+    ways = (name.rpartition(".")[0] if name[-1].isdigit() else name for name in columns)
+    for way in list(dict.fromkeys(ways)):
+        if way.startswith("air.") and not has_air:
+            continue
+        values = np.array([*map(attrgetter(way), scenes)], np.float64)
+        if values.ndim == 1:
+            columns[way] = values
+        else:
+            columns |= {f"{way}.{i}": values[:, i] for i in range(values.shape[1])}
+    return columns
 
 
 def numbers_of(scene: Scene) -> dict[str, float]:
@@ -202,20 +223,33 @@ _PARTS: dict[str, type[Any]] = {
 }
 
 
-def _rows(table: Table) -> Iterable[dict[str, Any]]:
-    """Return the table's rows as outcomes (None: no answer) and parts of results."""
-    parts: dict[str, dict[str, list[Any]]] = {}
+def _rows(table: Table) -> Iterator[tuple[Outcome | None, dict[str, Any]]]:
+    """Yield the table's rows as outcomes (None: no answer) and parts of results."""
+    quantities: dict[str, dict[str, list[Array]]] = {part: {} for part in _PARTS}
     for name, column in table.columns.items():
         part, quantity, *_ = name.split(".")
-        parts.setdefault(part, {}).setdefault(quantity, []).append(column.tolist())
+        quantities[part].setdefault(quantity, []).append(column)
+    parts = {name: _part(name, columns) for name, columns in quantities.items() if columns}
     for i, outcome in enumerate(table.outcome.tolist()):
-        row: dict[str, Any] = {"outcome": None if outcome == UNSOLVED else OUTCOMES[outcome]}
-        for part, quantities in parts.items():
-            known = {}
-            for quantity, columns in quantities.items():
-                values = tuple(column[i] for column in columns)
-                if values[0] == values[0]:
-                    known[quantity] = values[0] if len(values) == 1 else values
-            if known:
-                row[part] = _PARTS[part](**known)
-        yield row
+        known = {name: rows[i] for name, rows in parts.items()}
+        yield None if outcome == UNSOLVED else OUTCOMES[outcome], known
+
+
+def _part(name: str, quantities: dict[str, list[Array]]) -> list[Any]:
+    """Return a part of each row's result, or None where the row has none of its quantities."""
+    known = zip(*(np.isfinite(columns[0]).tolist() for columns in quantities.values()), strict=True)
+    values = zip(
+        *(
+            zip(*(column.tolist() for column in columns), strict=True)
+            if len(columns) > 1
+            else columns[0].tolist()
+            for columns in quantities.values()
+        ),
+        strict=True,
+    )
+    return [
+        _PARTS[name](**dict(compress(zip(quantities, row, strict=True), there)))
+        if any(there)
+        else None
+        for row, there in zip(values, known, strict=True)
+    ]

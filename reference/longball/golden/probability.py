@@ -1,0 +1,50 @@
+"""The golden probabilities of a home run as they stand in their file."""
+
+from __future__ import annotations
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from longball.model.scene import AtBatScene
+
+
+class _Strict(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+
+
+class Second(_Strict):
+    """What the second method said."""
+
+    p: float
+    standard_error: float = Field(ge=0.0, description="from independent scrambles")
+
+
+class ProbabilityRow(_Strict):
+    """P(e) at one restitution."""
+
+    e: float = Field(ge=0.0, le=1.0, description="restitution of the ball")
+    p: float = Field(description="the probability of a home run")
+    error: float = Field(ge=0.0, description="estimated, not proven: |truth - p| <= error")
+    slope: float = Field(description="dP/de")
+    slope_error: float = Field(ge=0.0, description="the same of the slope")
+    confirmation: Second
+
+
+class ProbabilityCase(_Strict):
+    """P(e) under one reading."""
+
+    id: str = Field(min_length=1, description="never given anew")
+    comment: str = Field(description="what the case is there for")
+    scene: AtBatScene = Field(
+        description="everything that is not random, the reading included; restitution, speed, "
+        "horizontal aim, height offset and tilt in it stand for nothing"
+    )
+    rows: tuple[ProbabilityRow, ...]
+
+
+class Probabilities(_Strict):
+    """The file of probabilities."""
+
+    title: str
+    numbers: dict[str, str] = Field(description="what the numbers mean")
+    made_by: dict[str, str] = Field(description="methods, and versions of the libraries")
+    cases: tuple[ProbabilityCase, ...]

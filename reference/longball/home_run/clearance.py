@@ -1,0 +1,123 @@
+"""How far inside the home runs an at-bat is: the function whose roots bound them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from longball.home_run.estimation import HOME_RUN_DISTANCE
+from longball.model.scene import AtBatScene
+
+if TYPE_CHECKING:
+    from longball.engines.batch import Batch
+
+Array = NDArray[np.float64]
+Counted = Literal["home runs", "sample space"]
+
+# What the ball's fall while it passes the bat adds to the window in which the two meet, and more.
+_WIDER = 1.05
+_OFFSETS = 37
+
+
+class Inputs(NamedTuple):
+    """The random inputs of at-bats, arrays of shape (n,): m/s, m, m, rad."""
+
+    speed: Array
+    aim: Array
+    offset: Array
+    tilt: Array
+
+
+@dataclass(frozen=True)
+class Clearance:
+    """How far, m, a landing is inside what is counted; negative outside.
+
+    A ball that is not batted goes no distance at all.
+
+    Attributes
+    ----------
+    base
+        Everything about the at-bats that is not random.
+    restitution
+        The ball's.
+    engine
+        Who flies the balls.
+    counted
+        Home runs within the sample space of the reading, or all of that space.
+    """
+
+    base: AtBatScene
+    restitution: float
+    engine: Batch
+    counted: Counted = "home runs"
+
+    def __call__(self, inputs: Inputs) -> Array:
+        """Return clearances, an array of shape (n,)."""
+        clearances, _ = self.with_unsolved(inputs)
+        return clearances
+
+    def with_unsolved(self, inputs: Inputs) -> tuple[Array, NDArray[np.bool_]]:
+        """Return clearances, and which at-bats the engine could not tell: as if not batted."""
+        table = self._solve(inputs)
+        x, y = _column(table, "landing.position.0"), _column(table, "landing.position.1")
+        inside = np.full_like(x, HOME_RUN_DISTANCE)
+        if self.counted == "home runs":
+            inside = np.hypot(x, y) - HOME_RUN_DISTANCE
+        if self.base.reading.sample_space == "fair":
+            inside = np.minimum(inside, x - abs(y))
+        clearances = np.where(np.isnan(x), -HOME_RUN_DISTANCE, inside)
+        return clearances, table["outcome"] == ""
+
+    def window(self, speed: Array) -> Array:
+        """Return, m, how far from a pitch at x = 0 the bat's axis can be and still touch the ball.
+
+        (R + r_b)/cos γ for a straight pitch that falls at the angle γ, and a little more; 0 for a
+        pitch that does not arrive.
+        """
+        nothing = np.zeros_like(speed)
+        table = self._solve(Inputs(speed, nothing, nothing, nothing))
+        x, y, z = (_column(table, f"plate.velocity.{i}") for i in range(3))
+        level = np.hypot(x, y)
+        reach = self.base.ball.radius + self.base.bat.radius
+        return np.nan_to_num(_WIDER * reach * np.hypot(level, z) / level)
+
+    def offsets(self, speed: Array, farthest: float) -> Array:
+        """Return offsets across the window, m, at most `farthest` from 0: an array (n, sample).
+
+        Their steps are equal in the angle around the bat, in which D is smooth.
+        """
+        half = np.minimum(self.window(speed), farthest)
+        return half[:, None] * np.sin(np.linspace(-np.pi / 2, np.pi / 2, _OFFSETS))
+
+    def aim_to_touch(self, y: float, inputs: Inputs) -> Array:
+        """Return the aims, m, of the pitches that touch the bat at y; where all miss, y itself.
+
+        The path from above is a line from the release to the aim. Where on it the ball touches, x,
+        is taken for an aim of y; for the other, some 2 mm off, it is the same within 1e-8 m.
+        """
+        release_x, release_y, _ = self.base.pitch.release
+        aim = np.full_like(inputs.speed, y)
+        x = _column(self._solve(inputs._replace(aim=aim)), "contact.position.0")
+        way = np.nan_to_num(x) / release_x
+        return (y - release_y * way) / (1.0 - way)
+
+    def _solve(self, inputs: Inputs) -> Mapping[str, NDArray[Any]]:
+        from longball.engines.batch import solve_columns
+
+        columns = {
+            "pitch.speed": inputs.speed,
+            "pitch.aim.0": inputs.aim,
+            "swing.height_offset": inputs.offset,
+            "swing.tilt": inputs.tilt,
+            "ball.restitution": np.full_like(inputs.speed, self.restitution),
+        }
+        return solve_columns(self.base, columns, self.engine)
+
+
+def _column(table: Mapping[str, NDArray[Any]], name: str) -> Array:
+    """Return a quantity of a table; NaN if no at-bat has it."""
+    return table.get(name, np.full(len(table["outcome"]), np.nan))

@@ -1,0 +1,111 @@
+"""Where a function on many lines changes its sign: all places that samples along them tell of.
+
+The function is a number of metres that is positive where something is counted. It may jump, as
+where a bat ends; it need not be differentiable.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Places = NDArray[np.int64]
+Flags = NDArray[np.bool_]
+Function = Callable[[Array, Places], Array]  # of places on lines, and the numbers of the lines
+
+# m/s or m along a line, or m of the function: far below what an integral over lines is wanted to.
+_TOLERANCES = {"xatol": 1e-13, "xrtol": 1e-13, "fatol": 1e-10}
+
+
+class Crossings(NamedTuple):
+    """Changes of sign: arrays of shape (crossing,), in the order of lines and along each.
+
+    `rises` tells whether the function is positive after the crossing.
+    """
+
+    line: Places
+    place: Array
+    rises: Flags
+
+
+class _Brackets(NamedTuple):
+    line: Places
+    low: Array
+    high: Array
+    rises: Flags
+
+
+def crossings(function: Function, grid: Array, values: Array) -> Crossings:
+    """Find where a function changes its sign.
+
+    Parameters
+    ----------
+    function
+        Of places (array) and the numbers of the lines they are on.
+    grid
+        Places, an array (line, sample), rising along a line.
+    values
+        The function there.
+
+    Returns
+    -------
+    Crossings
+        Between two samples of different signs one, beside a sample that is nearer to zero than
+        its neighbours two or none.
+    """
+    from scipy.optimize import elementwise  # slow to import, and not needed for --help
+
+    inside = values >= 0.0
+    line, k = np.nonzero(inside[:, 1:] != inside[:, :-1])
+    brackets = _Brackets(line, grid[line, k], grid[line, k + 1], inside[line, k + 1])
+    beside = _beside_turns(function, grid, values, inside)
+    brackets = _Brackets(*map(np.concatenate, zip(brackets, *beside, strict=True)))
+    if len(brackets.line) == 0:
+        return Crossings(brackets.line, brackets.low, brackets.rises)
+    # Chandrupatla's method, which at a jump halves the bracket.
+    found = elementwise.find_root(
+        function, (brackets.low, brackets.high), args=(brackets.line,), tolerances=_TOLERANCES
+    )
+    order = np.lexsort((found.x, brackets.line))
+    return Crossings(brackets.line[order], found.x[order], brackets.rises[order])
+
+
+def _beside_turns(function: Function, grid: Array, values: Array, inside: Flags) -> list[_Brackets]:
+    """Bracket crossings that come in pairs between samples of the same sign."""
+    from scipy.optimize import elementwise
+
+    line, k = np.nonzero(_may_turn(values, inside))
+    if len(line) == 0:
+        return []
+    sign = np.where(inside[line, k], 1.0, -1.0)
+    found = elementwise.find_minimum(
+        lambda place, of, sign: sign * function(place, of),
+        (grid[line, k - 1], grid[line, k], grid[line, k + 1]),
+        args=(line, sign),
+    )
+    crosses = found.f_x < 0.0
+    line, k, turn = line[crosses], k[crosses], found.x[crosses]
+    into = ~inside[line, k]
+    return [
+        _Brackets(line, grid[line, k - 1], turn, into),
+        _Brackets(line, turn, grid[line, k + 1], ~into),
+    ]
+
+
+def _may_turn(values: Array, inside: Flags) -> Flags:
+    """Tell whether the function may cross zero and come back beside a sample.
+
+    It does if the sample is nearer to zero than both neighbours on the same side, and near enough.
+    A parabola through the three goes beyond it by an eighth of the sum of their differences at
+    most; four times that is looked into.
+    """
+    sign = np.where(inside[:, 1:-1], 1.0, -1.0)
+    near = abs(values[:, 1:-1])
+    left, right = sign * values[:, :-2] - near, sign * values[:, 2:] - near
+    may = np.zeros_like(inside)
+    may[:, 1:-1] = (left >= 0.0) & (right >= 0.0) & (near < 0.5 * (left + right))
+    return may
