@@ -35,25 +35,21 @@ def main() -> None:
     for package in contenders.missing_peers():
         print(f"{package} is not installed: left out")
     print(f"{'':42} µs each    ratio   max error of D, m   contacts missed")
-    unit: list[float] = []
-    for kind, work in (
-        ("flights", flights(contenders.COMPILED)),
-        ("at-bats", at_bats(contenders.COMPILED)),
-    ):
-        some = work.first(TRUE)
-        true = truth(some)
-        everyone = list(entrants(work))
-        times = seconds(everyone, work, TURNS)
-        for entrant, mine in zip(everyone, times, strict=True):
-            found = errors(entrant.solve(some), true)
-            missed = f"{found.missed} of {found.contacts}" if found.contacts else ""
-            print(
-                f"{kind}: {entrant.name:33} {1e6 * statistics.median(mine):7.2f} "
-                f"{ratio(mine, times[0]):8.2f}   {found.worst:.1e}             {missed}"
-            )
-        if unit:
-            print(f"an at-bat takes as long as {ratio(times[0], unit):.2f} flights")
-        unit = times[0]
+    works = [flights(contenders.COMPILED), at_bats(contenders.COMPILED)]
+    known = {work.base.kind: (work.first(TRUE), truth(work.first(TRUE))) for work in works}
+    turns = [(entrant, work) for work in works for entrant in entrants(work)]
+    units: dict[str, list[float]] = {}
+    for (entrant, work), mine in zip(turns, seconds(turns, TURNS), strict=True):
+        kind = work.base.kind
+        unit = units.setdefault(kind, mine)
+        some, true = known[kind]
+        found = errors(entrant.solve(some), true)
+        missed = f"{found.missed} of {found.contacts}" if found.contacts else ""
+        print(
+            f"{kind}: {entrant.name:34} {1e6 * statistics.median(mine):7.2f} "
+            f"{ratio(mine, unit):8.2f}   {found.worst:.1e}             {missed}"
+        )
+    print(f"an at-bat takes as long as {ratio(units['at-bat'], units['flight']):.2f} flights")
 
 
 if __name__ == "__main__":

@@ -22,19 +22,18 @@ from longball.model.result import Bounded, Number, Result
 VERSIONS = ("numpy", "scipy", "numba", "python-flint", "heyoka", "diffrax", "jax", "scikit-sundae")
 
 
-def seconds(entrants: Sequence[Contender], work: Work, rounds: int) -> list[list[float]]:
-    """Return how long each contender takes for the first scenes of the work, s a scene, by round.
+def seconds(turns: Sequence[tuple[Contender, Work]], rounds: int) -> list[list[float]]:
+    """Return how long contenders take for the first scenes of their work, s a scene, by round.
 
     In a round everyone takes a turn, so that what the machine does besides slows all alike. A
     first round, in which code is compiled, does not count.
     """
-    portions = {entrant.turn: work.first(entrant.turn) for entrant in entrants}
-    for entrant in entrants:
-        entrant.solve(portions[entrant.turn])
-    found: list[list[float]] = [[] for _ in entrants]
+    portions = [(entrant, work.first(entrant.turn)) for entrant, work in turns]
+    for entrant, portion in portions:
+        entrant.solve(portion)
+    found: list[list[float]] = [[] for _ in portions]
     for _ in range(rounds):
-        for entrant, mine in zip(entrants, found, strict=True):
-            portion = portions[entrant.turn]
+        for (entrant, portion), mine in zip(portions, found, strict=True):
             begin = time.perf_counter()
             entrant.solve(portion)
             mine.append((time.perf_counter() - begin) / len(portion))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from typing import NamedTuple
 
 import pandas as pd
 from matplotlib import patheffects
@@ -31,7 +32,6 @@ def draw(report: Path, whole: pd.DataFrame) -> None:
             others.sharey(ours)
             ours.set_xscale("log")
             ours.set_yscale("log")
-            ours.set_xlim(left=BEYOND / 10)
             ours.set_title("longball's engines")
             others.set_title("batch and its peers")
             rows = whole[whole["work"] == kind]
@@ -39,6 +39,7 @@ def draw(report: Path, whole: pd.DataFrame) -> None:
                 axes: against_error(axes, rows, methods)
                 for axes, methods in ((ours, OURS), (others, ("batch", *PEERS, *PLAIN)))
             }
+            ours.set_xlim(left=BEYOND / 10)
             ours.set_ylabel(f"time a{'n' if kind == 'at-bat' else ''} {kind}, µs")
             for axes, ends in named.items():
                 axes.set_xlabel("worst error of D, m")
@@ -48,9 +49,16 @@ def draw(report: Path, whole: pd.DataFrame) -> None:
         missed(axes, whole[whole["work"] == "at-bat"])
 
 
-def against_error(
-    axes: Axes, rows: pd.DataFrame, methods: tuple[str, ...]
-) -> list[tuple[str, float, float]]:
+class End(NamedTuple):
+    """The tight end of a line: what to call it, where it is, and whether it is all of the line."""
+
+    name: str
+    x: float
+    y: float
+    alone: bool
+
+
+def against_error(axes: Axes, rows: pd.DataFrame, methods: tuple[str, ...]) -> list[End]:
     """Draw one line a method, from loose to tight; return what to call its tight end."""
     ends = []
     for i, method in enumerate(methods):
@@ -72,23 +80,25 @@ def against_error(
         end = mine.iloc[tight]
         share = end["missed"] / end["contacts"] if end["contacts"] else 0.0
         name = f"{method} ({share:.0%} missed)" if share >= 0.005 else method
-        ends.append((name, float(x[tight]), float(y[tight])))
+        ends.append(End(name, float(x[tight]), float(y[tight]), len(mine) == 1))
     return ends
 
 
-def _name(axes: Axes, ends: list[tuple[str, float, float]]) -> None:
-    """Name lines beside their ends, apart from each other."""
-    axes.get_figure(root=True).draw_without_rendering()  # the scales are settled then
+def _name(axes: Axes, ends: list[End]) -> None:
+    """Name lines beside their ends, apart from each other: on the right what no line leads to."""
+    drawn = axes.get_figure(root=True)
+    assert drawn is not None
+    drawn.draw_without_rendering()  # the scales are settled then
     line = 10.0  # points, of a name's height
-    lowest = -math.inf
-    for name, x, y in sorted(ends, key=lambda end: end[2]):
+    lowest = {False: -math.inf, True: -math.inf}
+    for name, x, y, right in sorted(ends, key=lambda end: end.y):
         _, at = axes.transData.transform((x, y)) * 72.0 / axes.figure.dpi
-        lowest = max(at, lowest + line)
-        right = x == BEYOND
+        height = max(at + (0.8 * line if right else 0.0), lowest[right] + line)
+        lowest[right] = height
         axes.annotate(
             name,
             (x, y),
-            xytext=(8.0 if right else -8.0, lowest - at),
+            xytext=(8.0 if right else -8.0, height - at),
             textcoords="offset points",
             ha="left" if right else "right",
             va="center",
