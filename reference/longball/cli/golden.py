@@ -30,7 +30,7 @@ def write(
     An interrupted run goes on where it ended. The cases take some ten minutes on two cores, the
     probabilities P(e) some more.
     """
-    from longball.golden import integration, reader, writer  # with them come the engines
+    from longball.golden import home_runs, reader, writer  # with them come the engines
 
     check_workers(workers)
     if part is not None and part not in PARTS:
@@ -42,7 +42,7 @@ def write(
         say.print(f"{count} cases in {target}", markup=False)
     if part != "cases":
         with progress_bar("probabilities", 1) as advance:
-            count = integration.write_probabilities(target, workers=workers, progress=advance)
+            count = home_runs.write_probabilities(target, workers=workers, progress=advance)
         say.print(f"{count} readings' probabilities in {target}", markup=False)
 
 

@@ -37,9 +37,9 @@ from longball.home_run import (
     estimate,
     fit,
     fit_form,
+    integrals,
     monte_carlo,
     paper_at_bats,
-    quadrature,
     scenes,
     with_restitution,
 )
@@ -110,7 +110,7 @@ def homerun(
     failed = 0
     if method == "quadrature":
         with progress_bar("restitutions", len(restitutions)) as advance:
-            rows = quadrature(base, at_bats, restitutions, workers=workers, progress=advance)
+            rows = integrals(base, at_bats, restitutions, workers=workers, progress=advance)
         fitted = fit_form(restitutions, [row.p for row in rows])
         fields, drawn = INTEGRAL_FIELDS, {}
     else:

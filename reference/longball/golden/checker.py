@@ -14,7 +14,7 @@ from pydantic import ValidationError
 
 from longball.golden.case import Case, Header, as_double, decisive, numbers_of
 from longball.golden.files import CHECKSUMS, HEADER, PROBABILITIES, checksum, listed, schemas
-from longball.golden.integration import integrated_again
+from longball.golden.home_runs import integrated_again
 from longball.golden.probability import Probabilities, ProbabilityCase
 from longball.golden.reader import DATA
 from longball.golden.truth import confirm, prove

@@ -30,8 +30,8 @@ from longball.home_run.estimation import (
     fit_form,
     wilson,
 )
-from longball.home_run.quadrature import Integral, quadrature
-from longball.home_run.randomised import Randomised, randomised
+from longball.home_run.quadrature import Integral, integrals
+from longball.home_run.randomised import Randomised, scrambled
 from longball.home_run.simulation import Struck, monte_carlo
 
 __all__ = [
@@ -54,11 +54,11 @@ __all__ = [
     "estimate",
     "fit",
     "fit_form",
+    "integrals",
     "monte_carlo",
     "paper_at_bats",
-    "quadrature",
-    "randomised",
     "scenes",
+    "scrambled",
     "wilson",
     "with_restitution",
 ]

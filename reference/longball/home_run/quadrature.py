@@ -102,7 +102,7 @@ class Share(NamedTuple):
     slope_error: Array
 
 
-def quadrature(
+def integrals(
     base: AtBatScene,
     at_bats: AtBats,
     restitutions: Sequence[float],
@@ -131,12 +131,12 @@ def quadrature(
     """
     from longball.engines.batch import Batch  # slow to import, and not needed for --help
 
-    integrals = []
+    found = []
     for done, e in enumerate(restitutions, 1):
         home_runs = Clearance(base, e, Batch())
-        integrals.append(_refined(home_runs, at_bats, tolerance, workers))
+        found.append(_refined(home_runs, at_bats, tolerance, workers))
         progress(done)
-    return integrals
+    return found
 
 
 def _refined(home_runs: Clearance, at_bats: AtBats, tolerance: float, workers: int) -> Integral:

@@ -36,7 +36,7 @@ class Randomised:
     standard_error: float
 
 
-def randomised(
+def scrambled(
     base: AtBatScene,
     at_bats: AtBats,
     restitutions: Sequence[float],
@@ -94,8 +94,8 @@ def _lines(base: AtBatScene, at_bats: AtBats, count: int, seed: int, scramble: i
     """
     from scipy.stats import qmc
 
-    scrambled = np.random.SeedSequence(seed, spawn_key=(scramble,))
-    sobol = qmc.Sobol(3, rng=np.random.default_rng(scrambled), bits=50)
+    own = np.random.SeedSequence(seed, spawn_key=(scramble,))
+    sobol = qmc.Sobol(3, rng=np.random.default_rng(own), bits=50)
     # A scrambled point may round to 0, whose quantile is infinite.
     unit = np.clip(sobol.random(count), 2.0**-51, None)
     low, high = _aims(base, at_bats)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Generic, NamedTuple
+from typing import Generic, NamedTuple, cast
 
 from longball.model.numbers import N, Numbers, Vector
 from longball.model.scene import Air, Ball
@@ -133,7 +133,7 @@ def into_plane(
     x, y, z = position
     vx, vy, vz = velocity
     nothing = numbers.exact(0.0)
-    size = abs(vx) + abs(vy)
+    size = cast(N, abs(vx) + abs(vy))  # mypy knows abs() of a Real only
     if not numbers.positive(size, nothing, "whether the launch is vertical"):
         return FlightPlane(x, y, numbers.exact(1.0), nothing), PlaneState(nothing, z, nothing, vz)
     # The squares of a heading near 1 neither overflow nor vanish, whatever the speed.

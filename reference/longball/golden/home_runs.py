@@ -17,7 +17,7 @@ from longball.golden.probability import (
     ProbabilityRow,
     Second,
 )
-from longball.home_run import RESTITUTIONS, paper_at_bats, quadrature, randomised
+from longball.home_run import RESTITUTIONS, integrals, paper_at_bats, scrambled
 from longball.home_run.randomised import SCRAMBLES
 from longball.model.readings import Reading
 from longball.model.scene import AtBatScene
@@ -133,8 +133,8 @@ def make(draft: ProbabilityDraft, lines: int, workers: int) -> ProbabilityCase:
     """Return a case: its integrals, and what the second method makes of them."""
     scene = AtBatScene(id=draft.id, reading=draft.reading)
     at_bats = paper_at_bats(draft.reading)
-    found = quadrature(scene, at_bats, draft.restitutions, workers=workers)
-    second = randomised(scene, at_bats, draft.restitutions, lines, SEED, workers=workers)
+    found = integrals(scene, at_bats, draft.restitutions, workers=workers)
+    second = scrambled(scene, at_bats, draft.restitutions, lines, SEED, workers=workers)
     return ProbabilityCase(
         id=draft.id,
         comment=draft.comment,
@@ -166,7 +166,7 @@ def integrated_again(case: ProbabilityCase, independent: bool) -> list[str]:
     at_bats = paper_at_bats(case.scene.reading)
     restitutions = [row.e for row in case.rows]
     failures = []
-    for row, again in zip(case.rows, quadrature(case.scene, at_bats, restitutions), strict=True):
+    for row, again in zip(case.rows, integrals(case.scene, at_bats, restitutions), strict=True):
         for name, known, now, error in (
             ("P", row.p, again.p, row.error + again.error),
             ("dP/de", row.slope, again.slope, row.slope_error + again.slope_error),
@@ -179,7 +179,7 @@ def integrated_again(case: ProbabilityCase, independent: bool) -> list[str]:
     for row in case.rows:
         failures += _not_confirmed(case, row, row.confirmation.p, row.confirmation.standard_error)
     if independent:
-        second = randomised(case.scene, at_bats, restitutions, LINES, SEED_OF_CHECKS)
+        second = scrambled(case.scene, at_bats, restitutions, LINES, SEED_OF_CHECKS)
         for row, other in zip(case.rows, second, strict=True):
             failures += _not_confirmed(case, row, other.p, other.standard_error)
     return failures
