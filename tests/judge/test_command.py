@@ -131,21 +131,29 @@ def test_a_table_with_columns_of_its_own(tmp_path: Path):
 
 
 @pytest.mark.parametrize(
-    ("program", "sentence"),
+    ("program", "patience", "sentence"),
     [
-        (HANGING, "no answer came for 1 s, and was stopped; it answered 0 of"),
-        (SILENT, "ended with status 0; it answered 0 of"),
-        ("print('\\x00\\x1b' * 99); raise SystemExit(7)", "ended with status 7; it answered 0 of"),
-        ("while True: print('x' * 60000)", "wrote more than 268435456 bytes, and was stopped"),
+        (HANGING, "1", "no answer came for 1 s, and was stopped; it answered 0 of"),
+        (SILENT, "60", "ended with status 0; it answered 0 of"),
+        (
+            "print('\\x00\\x1b' * 99); raise SystemExit(7)",
+            "60",
+            "ended with status 7; it answered 0 of",
+        ),
+        (
+            "while True: print('x' * 60000)",
+            "60",
+            "wrote more than 268435456 bytes, and was stopped",
+        ),
     ],
     ids=["hangs", "says nothing", "crashes", "floods"],
 )
 @pytest.mark.parametrize("step", [(), ("{dt}",)], ids=["", "dt"])
 def test_a_candidate_that_misbehaves_fails_with_a_sentence(
-    program: str, sentence: str, step: tuple[str, ...]
+    program: str, patience: str, sentence: str, step: tuple[str, ...]
 ):
     command = [sys.executable, "-I", "-S", "-c", program, *step]
-    said = judge("--golden", "pitch", "--timeout", "1", "--", *command)
+    said = judge("--golden", "pitch", "--timeout", patience, "--", *command)
     assert said.returncode == 1
     assert sentence in said.stdout
     assert "Traceback" not in said.stderr
@@ -161,9 +169,9 @@ def test_a_step_that_hangs_is_the_last_that_is_tried():
         "for line in sys.stdin: print(json.dumps({'id': json.loads(line)['id']}))\n"
     )
     command = [sys.executable, "-I", "-S", "-c", program, "{dt}"]
-    said = judge("--golden", "pitch", "--timeout", "1", "--steps", "0.1:0.001:5", "--", *command)
+    said = judge("--golden", "pitch", "--timeout", "10", "--steps", "0.1:0.001:5", "--", *command)
     assert said.returncode == 1
-    assert said.stdout.count("no answer came for 1 s, and was stopped") == 1
+    assert said.stdout.count("no answer came for 10 s, and was stopped") == 1
     assert "dt = 0.1: the candidate: no answer came" in said.stdout
     assert "convergence: nothing was answered that could converge" in said.stdout
 
