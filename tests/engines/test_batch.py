@@ -248,6 +248,14 @@ def test_a_ball_straight_up_and_down() -> None:
     assert end.state.w == pytest.approx(-c * math.sqrt(-math.expm1(-2 * drag * height)), rel=1e-14)
 
 
+def test_a_heading_that_all_share_may_be_none() -> None:
+    up = Launch(position=(0.0, 0.0, 1.0), velocity=(0.0, 0.0, 20.0))
+    scene = FlightScene(id="up", launch=up)
+    columns = {"launch.position.2": [1.0, 2.0]}
+    found = solve_columns(scene, columns)
+    assert found["landing.time"][0] == numbers(solve(scene, Batch()))[".landing.time"]
+
+
 def test_a_parabola_is_exact() -> None:
     end = Batch().fly(
         PlaneState(0.0, 0.0, 20.0, 14.7), Forces(None, None, 9.8, False), Stops(60.0, floor=0.0)

@@ -130,11 +130,11 @@ def _into_plane(position: Vector, velocity: Vector) -> tuple[FlightPlane[Any], P
     """Do what `longball.model.motion.into_plane` does."""
     x, y, z = position
     vx, vy, vz = velocity
-    horizontal = np.sqrt(vx * vx + vy * vy)
-    heads = horizontal > 0.0
-    length = np.where(heads, horizontal, 1.0)
-    plane = FlightPlane(x, y, np.where(heads, vx / length, 1.0), np.where(heads, vy / length, 0.0))
-    return plane, PlaneState(0.0, z, horizontal, vz)
+    size = np.abs(vx) + np.abs(vy)  # one number for all is NumPy's too: its 0/0 is no error
+    heads = size > 0.0
+    cos, sin = np.where(heads, vx / size, 1.0), np.where(heads, vy / size, 0.0)
+    length = np.sqrt(cos * cos + sin * sin)
+    return FlightPlane(x, y, cos / length, sin / length), PlaneState(0.0, z, size * length, vz)
 
 
 def _forces(c: Columns, reading: Reading) -> Forces[Any]:
