@@ -5,10 +5,13 @@ VENV := .venv
 BIN := $(VENV)/bin
 INSTALLED := $(VENV)/.installed
 
-.PHONY: report test lint bench clean
+.PHONY: report paper test lint bench clean
 
 report: $(INSTALLED)  ## write report/README.md with its tables and figures
 	$(BIN)/python -m analysis
+
+paper: $(INSTALLED)  ## write report/paper.md, the paper reproduced
+	$(BIN)/python -m analysis paper
 
 test: $(INSTALLED)  ## run the tests on all cores
 	$(BIN)/python -m pytest -n auto

@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from longball.pitches import EXAMPLE
+
 FLIGHT = b'{"id":"f","kind":"flight","launch":{"position":[0,0,1],"velocity":[30,2,20]}}'
 AT_BAT = b'{"id":"a","kind":"at-bat"}'
 
@@ -118,6 +120,11 @@ class TestSolve:
             (["homerun", "--method", "quadrature", "--scenes", "x.jsonl"], "scenes"),
             (["golden", "write", "--part", "half"], "half"),
             (["homerun", "--samples", "5", "--figure", "/tmp/x.nonsense"], "figure"),
+            (["homerun", "--pitches", "/no/such/fit.json"], "/no/such/fit.json"),
+            (["fit", "/no/such/pitches.csv"], "/no/such/pitches.csv: cannot be read: No such file"),
+            (["fit", "--example", "--column", "speeed=v"], "speeed"),
+            (["fit", "--example", "--column", "speed_unit=knots"], "speed_unit"),
+            (["fit", "--example", "--draw-from", "guess"], "guess"),
             (["nonsense"], "nonsense"),
         ],
     )
@@ -224,6 +231,60 @@ class TestHomerun:
         assert len(far) == json.loads(run.stdout)["rows"][0]["home_runs"] > 0
 
 
+TABLE = "kind,v,cell\n" + "".join(
+    f"{kind},{base + 0.1 * i},{1 + i % 5}\n"
+    for kind, base in (("fast", 139.0), ("slow", 127.0))
+    for i in range(40)
+)
+
+
+class TestFit:
+    def test_fits_what_comes_with_longball(self):
+        run = longball("fit", "--example")
+        assert run.returncode == 0
+        assert "4418 pitches used of 4418 rows" in run.stdout.decode()
+
+    def test_columns_and_units_are_told_by_options(self):
+        columns = (
+            "pitch_type=kind", "speed=v", "speed_unit=km/h", "across=cell", "place_unit=cell",
+            "height=null", "view=pitcher",
+        )  # fmt: skip
+        options = [word for column in columns for word in ("--column", column)]
+        rows = TABLE + "fast,,3\nslow,120.0,\n"
+        run = longball("fit", "-", "--json", "--straight", "fast", *options, stdin=rows.encode())
+        assert run.returncode == 0
+        fitted = json.loads(run.stdout)
+        assert (fitted["rows_read"], fitted["rows_used"]) == (82, 80)
+        # 139.0 to 142.9 in steps of 0.1: their mean is 140.95 km/h.
+        mean = fitted["speed"]["maximum_likelihood"]["straight_mean"]["value"]
+        assert mean * 3.6 == pytest.approx(140.95, rel=1e-12)
+        assert fitted["aim"]["cells"] == [16, 16, 16, 16, 16]
+        assert {each["reason"]: each["first_rows"] for each in fitted["left_out"]} == {
+            "v is missing": [81],
+            "cell is missing": [82],
+        }
+
+    def test_a_table_that_is_none_is_no_traceback(self):
+        run = longball("fit", "-", stdin=b"a,b\n1,2\n")
+        assert run.returncode == 1
+        assert b"pitch_type" in run.stderr
+        assert b"Traceback" not in run.stderr
+
+    def test_what_is_fitted_is_drawn_from(self, tmp_path: Path):
+        path = tmp_path / "fitted.json"
+        path.write_bytes(longball("fit", "--example", "--json").stdout)
+        few = ("--samples", "300", "--e", "0.42", "--workers", "1")
+        scenes = tmp_path / "s.jsonl"
+        run = longball("homerun", "--pitches", str(path), *few, "--scenes", str(scenes))
+        assert run.returncode == 0
+        speeds = [json.loads(line)["pitch"]["speed"] for line in scenes.read_text().splitlines()]
+        # The mean of a day of MLB's is 39.9 m/s, of the paper's pitches 36.9; s/√300 is 0.15.
+        with open(EXAMPLE, encoding="utf-8") as file:
+            mph = [float(row["release_speed"]) for row in csv.DictReader(file)]
+        expected = 0.44704 * sum(mph) / len(mph)
+        assert sum(speeds) / len(speeds) == pytest.approx(expected, abs=4 * 0.16)
+
+
 class TestReadings:
     def test_prints_the_ledger(self):
         run = longball("readings", "--samples", "0")
@@ -236,7 +297,7 @@ class TestReadings:
         assert all("p" in row for row in rows if row["switch"] != "masses")
 
 
-@pytest.mark.parametrize("command", [[], ["solve"], ["homerun"], ["readings"]])
+@pytest.mark.parametrize("command", [[], ["solve"], ["homerun"], ["readings"], ["fit"]])
 def test_help_shows_an_example(command: list[str]):
     run = longball(*command, "--help")
     assert run.returncode == 0

@@ -15,7 +15,8 @@ from longball.engines import create
 from longball.engines.at_bat import solve
 from longball.engines.engine import Engine
 from longball.engines.verlet import TREATMENTS, Verlet
-from longball.judge.convergence import Order, converge
+from longball.judge.convergence import converge
+from longball.judge.convergence_report import Order
 from longball.model.readings import Reading, VerletForces
 from longball.model.result import Bounded, Number
 from longball.model.scene import FlightScene, Launch

@@ -74,7 +74,8 @@ static int land(vec r, vec v, double time, double since) {
         old = now;
         now = step(old, to, (vec){0, 0, 0});
     }
-    double share = (old.r.z - floor_z) / (old.r.z - now.r.z), t = (k - 1 + share) * dt;
+    double drop = old.r.z - now.r.z, share = drop > 0 ? (old.r.z - floor_z) / drop : 0;
+    double t = (k - 1 + share) * dt;
     r = between(old.r, now.r, share);
     r.z = floor_z;
     printf(", \"landing\": {\"time\": %.17g, \"hang_time\": %.17g, \"distance\": %.17g, ",
@@ -142,7 +143,8 @@ static const char *pitch(void) {
     printf(", \"plate\": {\"time\": %.17g, ", (k - 1 + share) * dt), print("position", plate);
     printf(", "), print("velocity", between(old.v, now.v, share)), printf("}");
     if (is("pitch")) return "crossed";
-    double height = plate.z + num("swing", "height_offset", 0), d = 0, closest = INFINITY;
+    double height = plate.z + num("swing", "height_offset", 0), d = 0;
+    double closest = hypot(start.r.x, start.r.z - height);
     for (now = start, k = 0; now.r.x > -reach && now.r.z > ground && k <= last; k++) {
         old = now;
         now = step(old, to, (vec){0, 0, 0});

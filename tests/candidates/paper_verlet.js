@@ -50,7 +50,8 @@ function land(scene, r, v, time, since) {
   const flight = fly(scene, r, v, (p) => p[2] <= floor);
   if (!flight) return null;
   const { k, before, after } = flight;
-  const share = (before.r[2] - floor) / (before.r[2] - after.r[2]);
+  const drop = before.r[2] - after.r[2];
+  const share = drop > 0 ? (before.r[2] - floor) / drop : 0;
   const t = (k - 1 + share) * dt;
   const [x, y] = between(before.r, after.r, share);
   return {

@@ -69,7 +69,8 @@ def land(scene, r, v, time, since, dt):
     if not flight:
         return None
     k, (r0, v0), (r1, v1) = flight
-    share = (r0[2] - floor) / (r0[2] - r1[2])
+    drop = r0[2] - r1[2]
+    share = (r0[2] - floor) / drop if drop > 0.0 else 0.0
     r, v, t = between(r0, r1, share), between(v0, v1, share), (k - 1 + share) * dt
     r[2] = floor
     return {"time": time + t, "hang_time": since + t, "position": r, "velocity": v,
@@ -123,7 +124,7 @@ def bat(scene, dt):
     height = result["plate"]["position"][2] + scene["swing"]["height_offset"]
     reach = scene["ball"]["radius"] + scene["bat"]["radius"]
     floor = scene["ground"]["height"]
-    distances = []
+    distances = [math.hypot(r[0], r[2] - height)]
 
     def met(r):
         distances.append(math.hypot(r[0], r[2] - height))

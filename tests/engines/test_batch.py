@@ -32,8 +32,8 @@ from longball.engines.batch.expansion import (
     expand,
     room,
 )
-from longball.engines.batch.lanes import WIDTH
-from longball.engines.batch.roots import NEVER, curvature, first_fall, first_zero
+from longball.engines.batch.lanes import WIDTH, kept
+from longball.engines.batch.roots import NEVER, curvature, downward, first_fall, first_zero
 from longball.engines.enclosure import Enclosure
 from longball.engines.engine import Stops
 from longball.engines.ivp import Ivp
@@ -338,8 +338,21 @@ def polynomial(*roots: float, scale: float = 1.0) -> tuple[Any, Any, Any, int]:
 @given(st.floats(1e-3, 0.9), st.lists(st.floats(0.05, 2.0), max_size=4))
 def test_the_first_root_is_found(first: float, further: list[float]) -> None:
     p, slope, _, degree = polynomial(first, *(first + distance for distance in further))
-    found = first_zero(p, slope, degree, 1.0, 0.0, 0.0, 1.0, curvature(slope, degree - 1, 1.0))
-    assert found == pytest.approx(first, abs=1e-9)
+    for bound in (curvature, downward):
+        bend = bound(slope, degree - 1, 1.0)
+        found = first_zero(p, slope, degree, 1.0, 0.0, 0.0, 1.0, bend)
+        assert found == pytest.approx(first, abs=1e-9)
+
+
+@given(st.lists(st.floats(-3.0, 3.0), min_size=2, max_size=6), st.floats(0.1, 2.0))
+def test_no_curvature_is_beyond_its_bounds(coefficients: list[float], end: float) -> None:
+    slope = np.array(coefficients)
+    times = np.linspace(0.0, end, 50)
+    bends = np.polynomial.polynomial.polyval(times, np.polynomial.polynomial.polyder(slope))
+    rounding = 1e-14 * (np.abs(slope) * np.arange(len(slope)) * max(1.0, end) ** 5).sum()
+    assert np.abs(bends).max() <= curvature(slope, len(slope) - 1, end) + rounding
+    assert -bends.min() <= downward(slope, len(slope) - 1, end) + rounding
+    assert downward(slope, 0, end) == 0.0
 
 
 def test_a_root_beyond_the_end_is_none() -> None:
@@ -371,6 +384,13 @@ def test_the_second_dip_counts_when_the_first_is_too_shallow() -> None:
     assert time == pytest.approx(1.5, abs=0.01)
 
 
+def test_where_no_code_can_be_kept_it_is_made_in_each_process() -> None:
+    """A function of no file has no place for it."""
+    names: dict[str, Any] = {}
+    exec("def twice(x): return 2.0 * x", names)
+    assert kept(names["twice"])(3.0) == 6.0
+
+
 # --- accuracy, asked for and delivered ------------------------------------------------------------
 
 
@@ -392,6 +412,29 @@ def test_the_error_stays_below_the_tolerance(tolerance: float) -> None:
     assert error < tolerance
     if tolerance > 1e-12:
         assert error > tolerance / 1e4  # or it would be paid for and not used
+
+
+def test_landings_of_every_tolerance_lie_that_close_to_proven_ones() -> None:
+    """Within the tolerance and, for the rounding, the engine's own statement of its error."""
+    rng = np.random.default_rng(6)
+    scenes = [
+        FlightScene(
+            id=str(i),
+            launch=Launch(
+                position=(0.0, 0.0, 1.0),
+                velocity=(speed * math.cos(rise), 0.0, speed * math.sin(rise)),
+            ),
+        )
+        for i, (speed, rise) in enumerate(
+            zip(rng.uniform(15, 55, 40), np.radians(rng.uniform(-5, 89, 40)), strict=True)
+        )
+    ]
+    truth = np.array([numbers(solve(s, Enclosure()))[".landing.distance"] for s in scenes])
+    rounding = Batch(1e-14).flight_error
+    for tolerance in 10.0 ** -np.arange(4.0, 15.0):
+        results = solve_all(scenes, Batch(tolerance))
+        found = np.array([numbers(result)[".landing.distance"] for result in results])
+        assert (np.abs(found - truth) < tolerance + rounding * truth).all(), tolerance
 
 
 @pytest.mark.parametrize("tolerance", [0.0, 1e-15, 1e-3, math.nan])

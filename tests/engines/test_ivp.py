@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 from flint import arb
 
+from longball.engines import ivp
 from longball.engines.at_bat import solve
 from longball.engines.engine import CannotSolve, Stops
 from longball.engines.ivp import METHODS, Ivp
 from longball.model import exact
-from longball.model.motion import Forces, PlaneState
+from longball.model.motion import Forces, PlaneState, acceleration
 from longball.model.numbers import Undecided
 from longball.model.scene import AtBatScene, Pitch, Swing, parse_scene
 from tests import oracle
@@ -36,6 +37,7 @@ TOLERANCES = {
 NO_AIR = Forces(None, None, 9.8, False)
 DRAG = Forces(0.0075, None, 9.8, False)
 USUAL = Forces(0.0075, 0.00375, 9.8, False)
+LOOPS = Forces(None, 0.0381, 0.0126, False)  # at 160 m/s a loop takes 1 s
 
 
 def fly(start, forces, engine=ENGINE, **stops):
@@ -377,6 +379,33 @@ def test_plate_and_ground_within_one_step(above):
 
 
 # ---- stiff, and beyond ---------------------------------------------------------------------------
+
+
+# Steps at these tolerances are of 0.1 to 0.3 rad of a loop; an event is settled in a few more.
+@pytest.mark.parametrize(
+    ("start", "forces", "stop", "most"),
+    [
+        ((0.0, 1.0, 30.0, 30.0), USUAL, "floor", 600),
+        ((0.0, 50.0, 160.0, 0.0), LOOPS, "time", 10_000),  # ten loops
+    ],
+)
+def test_the_work_of_a_flight_is_bounded(monkeypatch, start, forces, stop, most):
+    worked = 0
+
+    def counted(*which):
+        function = acceleration(*which)
+
+        def evaluate(u, w):
+            nonlocal worked
+            worked += 1
+            return function(u, w)
+
+        return evaluate
+
+    monkeypatch.setattr(ivp, "acceleration", counted)
+    arrival = fly(start, forces, floor=0.0, time_limit=10.0)
+    assert arrival.stop == stop
+    assert 0 < worked < most
 
 
 @pytest.mark.parametrize("drag", [1.0, 100.0, 1e4])

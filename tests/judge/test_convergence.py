@@ -9,12 +9,8 @@ import pytest
 
 from longball.engines.at_bat import solve
 from longball.engines.verlet import Verlet
-from longball.judge.convergence import (
-    ConvergenceReport,
-    converge,
-    phase_step,
-    save_convergence,
-)
+from longball.judge.convergence import converge, phase_step, save_convergence
+from longball.judge.convergence_report import ConvergenceReport
 from longball.judge.order import (
     errors_without_truth,
     fit_power_law,

@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 
 from longball.engines.ivp import Ivp
+from longball.golden import load
 from longball.judge.candidate import Limits
 from longball.judge.cases import Known, profile, solved
 from longball.judge.trial import Court
@@ -81,7 +82,24 @@ def test_against_the_truth_it_is_found_out(name: str, cases: list[Known], tmp_pa
         ("paper_verlet.c", "a.z -= gravity", "a.z -= 9.81", "g-9.81"),
         ("paper_verlet.c", "L * L / 3 + rb * rb / 4", "L * L / 3", "thin-rod"),
         ("paper_verlet.c", "lever = L / 2 - r.y", "lever = L / 2 + r.y", "other-pivot"),
+        ("paper_verlet.c", "-drag * speed, v", "-drag, v", "drag-with-v"),
+        ("paper_verlet.c", 'radius = num("ball", "radius", 0)',
+         'radius = num("ball", "radius", 0) / 2', "radius-or-diameter"),
+        ("paper_verlet.c", 'k = num("air", "density", 0)',
+         'k = 1.225 * (num("air", "density", 0) > 0)', "air-1.225"),
+        ("paper_verlet.c", 'k = num("air", "density", 0)',
+         'k = 1.2 * (num("air", "density", 0) > 0)', "air-1.2"),
         ("paper_verlet.js", "drag * p + lift", "drag * p - lift", "lift-sign"),
+        ("paper_verlet.js", "speed * (-drag * p + lift * across[i])",
+         "speed * lift * across[i] - drag * Math.abs(p) * p", "drag-per-component"),
+        ("paper_verlet.js", "{ ball, bat, swing }, r, v, height) {",
+         "{ ball, bat, swing: { tilt: degrees, angular_speed } }, r, v, height) {\n"
+         "  const swing = { angular_speed, tilt: (degrees * Math.PI) / 180 };", "tilt-in-degrees"),
+        ("paper_verlet.js", "speed / Math.sqrt(dot(c, c))", "speed / 3.6 / Math.sqrt(dot(c, c))",
+         "speed-in-km/h"),
+        ("paper_verlet.js", "(ball.mass * bat.mass) / (ball.mass + bat.mass)",
+         "ball.mass / (1 + ratio)", "reduced-mass"),
+        ("paper_verlet.js", "bat.length ** 2 / 3", "bat.length ** 2 / 12", "inertia-about-centre"),
         ("paper_verlet.js", "restitution * (1 + ratio) + ratio;", "restitution;",
          "plain-restitution"),
         ("paper_verlet.js", "lever ** 2) / inertia", "lever) / inertia", "effective-mass"),
@@ -91,6 +109,9 @@ def test_against_the_truth_it_is_found_out(name: str, cases: list[Known], tmp_pa
          "half-step-verlet"),
         ("paper_verlet.py", "t = between(r0, r1, share), between(v0, v1, share), (k - 1 + share)",
          "t = list(r1), v1, k", "first-below"),
+        ("paper_verlet.py", 'floor = scene["ground"]["height"]\n    flight',
+         'floor = scene["ground"]["height"] + scene["ball"]["radius"]\n    flight',
+         "landing-of-surface"),
         ("paper_verlet.py", 'math.hypot(r[0], r[1])}', 'math.hypot(r[0] - 0.07, r[1])}', None),
     ],
 )  # fmt: skip
@@ -108,3 +129,67 @@ def test_a_mistake_in_the_source_is_named(
     assert verdict.diagnosis is not None
     named = verdict.diagnosis.named
     assert named == ([mistake] if mistake else []), verdict.diagnosis.sentence
+
+
+# The paper's push over two steps, and a blow at once in its place.
+PUSH = """    push = [x / (2 * dt) for x in add(impact["velocity"], v, -1.0)]
+    acceleration = forces(scene)
+    air = acceleration(v, heading(v))
+    for _ in range(2):
+        r, v, air = step(r, v, air, dt, acceleration, None, push)
+    landing = land(scene, r, v, (k + 1) * dt, 2 * dt - ahead, dt)
+"""
+BLOW = """    at, after = contact["position"], impact["velocity"]
+    landing = land(scene, at, after, touching["time"], 0.0, dt)
+"""
+OLD, HALF, NEXT = (
+    f"acceleration({v}, to or heading({v}))" for v in ("v", "half", "add(half, total, 0.5 * dt)")
+)
+
+
+@pytest.mark.parametrize(
+    ("dt", "edits", "mistakes"),
+    [
+        (0.05, [(PUSH, BLOW)], {"lagged-verlet"}),
+        (0.004, [(PUSH, BLOW)], {"lagged-verlet"}),
+        (0.004, [(PUSH, BLOW), (OLD, HALF)], {"half-step-verlet"}),
+        (0.004, [(PUSH, BLOW), (OLD, NEXT)], {"verlet-steps"}),
+        (0.004, [(OLD, NEXT)], {"two-step-push"}),
+        (0.004, [("speed * (-drag * p + lift * q)", "-drag * abs(p) * p + speed * lift * q")],
+         {"drag-per-component", "lagged-verlet"}),
+        (0.02, [("speed * (-drag * p + lift * q)", "-drag * p + speed * lift * q")],
+         {"drag-with-v", "lagged-verlet"}),
+        (0.02, [("a[2] -= g", "a[2] -= 9.81"), ("rb**2 / 4)", "0)")],
+         {"lagged-verlet", "g-9.81", "thin-rod"}),
+    ],
+)  # fmt: skip
+def test_against_the_truth_its_mistakes_are_told_from_its_scheme(
+    dt: float,
+    edits: list[tuple[str, str]],
+    mistakes: set[str],
+    cases: list[Known],
+    tmp_path: Path,
+):
+    text = (FOLDER / "paper_verlet.py").read_text(encoding="utf-8")
+    for right, wrong in edits:
+        assert right in text
+        text = text.replace(right, wrong)
+    source = tmp_path / "candidate.py"
+    source.write_text(text, encoding="utf-8")
+    court = Court(cases, profile("converged", 1e-6))
+    verdict = court.try_command([*command(source, tmp_path), "--dt", str(dt)], GENEROUS).verdict
+    assert verdict.diagnosis is not None
+    assert set(verdict.diagnosis.named) == mistakes, verdict.diagnosis.sentence
+    assert verdict.diagnosis.share > 0.999
+    assert f"(Δt = {dt:g} s)" in verdict.diagnosis.sentence
+
+
+@pytest.mark.parametrize("dt", [0.05, 0.004])
+def test_single_precision_is_named(dt: float, tmp_path: Path):
+    text = (FOLDER / "paper_verlet.c").read_text(encoding="utf-8")
+    source = tmp_path / "single.c"
+    source.write_text(text.replace("double", "float"), encoding="utf-8")
+    court = Court(load(), profile("paper", dt=dt))
+    verdict = court.try_command([*command(source, tmp_path), "--dt", str(dt)], GENEROUS).verdict
+    assert verdict.diagnosis is not None
+    assert verdict.diagnosis.named == ["single-precision"], verdict.diagnosis.sentence

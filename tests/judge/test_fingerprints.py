@@ -18,6 +18,7 @@ from longball.engines.at_bat import solve
 from longball.engines.ivp import Ivp
 from longball.engines.verlet import Verlet
 from longball.judge.altered import solve_with_drag
+from longball.judge.altered_scheme import solve_in_steps
 from longball.judge.answers import Answer
 from longball.judge.cases import Known
 from longball.judge.diagnosis import Diagnosis
@@ -53,12 +54,14 @@ def under(scene: Scene, switches: Mapping[str, str]) -> Scene:
 def planted(cases: Sequence[Known], variants: Sequence[Variant], dt: float = DT) -> Answers:
     """Return the answers of a candidate that makes mistakes."""
     switches: dict[str, str] = {}
-    for variant in sorted(variants, key=lambda v: v.scheme != KNOWN["two-step-push"]):
+    for variant in variants:
         switches |= {k: v for k, v in (variant.scheme or {}).items() if k not in switches
                      or switches[k] == "predicted_recomputed"}  # fmt: skip
     laws = [variant.drag for variant in variants if variant.drag]
 
     def base(scene: Scene) -> Result:
+        if laws and switches and scene.kind != "impact":
+            return solve_in_steps(under(scene, switches), laws[0], Verlet(dt=dt))
         if laws:
             return solve_with_drag(scene, laws[0])
         return solve(under(scene, switches), Verlet(dt=dt)) if switches else solve(scene, ENGINE)
@@ -118,8 +121,7 @@ def pairs(prints: Fingerprints, count: int) -> list[tuple[str, str]]:
         atoms = [Atom(name, 0) for name in pair]
         step = any(atom.made.steps for atom in atoms)
         both = prints.predict(Guess(tuple(atoms), DT if step else 0.0))
-        law, scheme = (any(getattr(a.made, k) for a in atoms) for k in ("drag", "scheme"))
-        if both is None or (law and scheme):
+        if both is None:
             continue
         alone = [prints.predict(Guess((atom,), DT if atom.made.steps else 0.0)) for atom in atoms]
         seen = np.isfinite(prints.truth.numbers)

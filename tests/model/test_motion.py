@@ -94,6 +94,12 @@ def test_a_vertical_launch_heads_for_the_pitcher(w):
     assert (plane.cos, plane.sin, start.u, start.w) == (1.0, 0.0, 0.0, w)
 
 
+@pytest.mark.parametrize("speed", [5e-324, 1e-200, 1e-30, 1e30])
+def test_the_heading_of_any_speed(speed):
+    plane, start = into_plane((0.0, 0.0, 1.0), (-speed, 0.0, 10.0), DOUBLES)
+    assert (plane.cos, plane.sin, start.u) == (-1.0, 0.0, speed)
+
+
 def test_numbers_that_cannot_tell_a_vertical_launch_say_so():
     class Vague(type(DOUBLES)):
         def positive(self, x, error, question):

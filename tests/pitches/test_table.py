@@ -208,7 +208,7 @@ def test_a_cell_is_one_of_five(index):
 
 
 def test_files_that_cannot_be_read(tmp_path):
-    with pytest.raises(PitchesError, match=r"^nowhere\.csv: cannot be read: No such file"):
+    with pytest.raises(PitchesError, match=r"/nowhere\.csv: cannot be read: No such file"):
         read_pitches(tmp_path / "nowhere.csv")
     path = tmp_path / "shift-jis.csv"
     path.write_bytes("球種,球速\n".encode("shift-jis"))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
@@ -12,11 +11,8 @@ import typer
 from longball import engines
 from longball.cli.common import progress_bar, reading_from, say, wrong_call
 from longball.engines.at_bat import solve
-from longball.model.result import Result
 from longball.model.scene import Scene, SceneError, parse_scene
 
-SAMPLE = 12  # cases of each family below: enough for a typical error
-FAMILIES = ("flight-both", "at-bat")  # of the golden data, solved if no scenes are given
 DIGITS = 20  # of the truth: more than any double shows
 
 
@@ -48,32 +44,26 @@ def converge(
 ) -> None:
     """Run a family of time steps, and report observed orders against theory."""
     # The judge brings compiled code with it, and --help does not need it.
-    from longball.judge.answers import as_result
-    from longball.judge.candidate import Limits, run
-    from longball.judge.convergence import converge as study
+    from longball.judge.candidate import Limits
     from longball.judge.convergence import save_convergence
+    from longball.judge.ladder import PLACE, converge_command, parse_ladder, takes_step
 
-    if not any("{dt}" in word for word in command):
-        wrong_call("the COMMAND must contain {dt}, where its time step goes")
-    asked = read_scenes(scenes) if scenes else golden_scenes([golden] if golden else FAMILIES)
-    complaints: list[str] = []
-
-    def answers(step: float) -> Sequence[Result]:
-        words = [word.replace("{dt}", repr(step)) for word in command]
-        collected = run(words, asked, Limits(timeout)).collected
-        complaints.extend(f"dt = {step:g}: {complaint}" for complaint in collected.complaints)
-        return [as_result(answer) for answer in collected.answers.values()]
-
-    proven = [solve(scene, engines.create("enclosure", digits=DIGITS)) for scene in asked]
+    if not takes_step(command):
+        wrong_call(f"the COMMAND must contain {PLACE}, where its time step goes")
+    asked = read_scenes(scenes) if scenes else golden_scenes(golden)
+    proven = None
+    if truth:
+        proven = [solve(scene, engines.create("enclosure", digits=DIGITS)) for scene in asked]
     with progress_bar("runs", 1) as advance:
         try:
-            report = study(
-                answers,
+            report, complaints = converge_command(
+                command,
                 asked,
-                ladder(steps),
-                proven if truth else None,
+                parse_ladder(steps),
+                proven,
                 expected,
                 phases=phases,
+                limits=Limits(timeout),
                 progress=advance,
             )
         except ValueError as error:
@@ -92,18 +82,6 @@ def converge(
         raise typer.Exit(1)
 
 
-def ladder(text: str) -> list[float]:
-    """Return the steps of FROM:TO:COUNT, evenly spaced in their logarithm."""
-    try:
-        first, last, count = text.split(":")
-        coarse, fine, rungs = float(first), float(last), int(count)
-        if not (0 < fine < coarse < math.inf and 2 <= rungs <= 1000):
-            raise ValueError
-    except ValueError:
-        wrong_call(f"--steps {text}: FROM:TO:COUNT, in s and from coarse to fine")
-    return [coarse * (fine / coarse) ** (rung / (rungs - 1)) for rung in range(rungs)]
-
-
 def read_scenes(source: str) -> list[Scene]:
     """Return the scenes of a file of lines; a line that is none is a wrong call."""
     with reading_from(source) as lines:
@@ -116,13 +94,13 @@ def read_scenes(source: str) -> list[Scene]:
     return found
 
 
-def golden_scenes(families: Sequence[str]) -> list[Scene]:
-    """Return some cases of golden families, under the default reading."""
+def golden_scenes(family: str | None) -> Sequence[Scene]:
+    """Return some cases of a golden family, or of those that tell most."""
     from longball.golden import load
+    from longball.judge.ladder import FAMILIES, sample
 
     try:
-        found = [load(family) for family in families]
+        cases = load(family)
     except ValueError as error:
         wrong_call(str(error))
-    plain = ([c.scene for c in cases if not c.scene.reading.model_dump()] for cases in found)
-    return [scene for scenes in plain for scene in scenes[:SAMPLE]]
+    return [case.scene for case in sample(cases, [family] if family else FAMILIES)]

@@ -60,6 +60,8 @@ def fit(
     try:
         fitted = fit_pitches(table, columns, types, draw_from=draw_from, seed=seed, **options)  # type: ignore[arg-type]
     except PitchesError as error:
+        if isinstance(error.__cause__, OSError):  # there is no such file: the call is wrong
+            wrong_call(str(error))
         say.print(f"longball: {error}", markup=False)
         raise typer.Exit(1) from None
     print(fitted.model_dump_json(indent=2) if as_json else as_text(fitted).rstrip())

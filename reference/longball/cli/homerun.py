@@ -12,6 +12,7 @@ from typing import Annotated, Any
 import typer
 
 from longball import engines
+from longball.cli.cluster import Scheduler, on_cluster
 from longball.cli.common import (
     Seed,
     Workers,
@@ -68,6 +69,7 @@ def homerun(
     reading: ReadingOption = None,
     set_: SetOption = None,
     workers: Workers = -1,
+    scheduler: Scheduler = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON, not a table.")] = False,
     csv_file: Annotated[Path | None, typer.Option("--csv", help="Write the table here.")] = None,
     figure: Annotated[Path | None, typer.Option(help="Draw P(e) here: .png, .svg, .pdf")] = None,
@@ -94,6 +96,8 @@ def homerun(
         wrong_call(f"--engine {engine}: quadrature takes the engine batch")
     if method == "quadrature" and scenes_file:
         wrong_call("--scenes: quadrature draws no samples")
+    if method == "quadrature" and scheduler:
+        wrong_call("--scheduler: quadrature takes seconds, and works on this machine")
     check_workers(workers)
     base = base_scene(reading or [], set_ or [])
     restitutions = parse_restitutions(e)
@@ -111,7 +115,7 @@ def homerun(
         fitted = fit_form(restitutions, [row.p for row in rows])
         fields, drawn = INTEGRAL_FIELDS, {}
     else:
-        with progress_bar("at-bats", samples) as advance:
+        with on_cluster(scheduler), progress_bar("at-bats", samples) as advance:
             struck = monte_carlo(
                 base,
                 at_bats,

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from longball import engines
+from longball.cli.cluster import Scheduler, on_cluster
 from longball.cli.common import check_workers, reading_from, say, writing_to, wrong_call
 from longball.engines.lines import solve_lines
 
@@ -38,6 +39,7 @@ def solve(
         str | None, typer.Option(help="verlet: treatment of the force, whatever the scene reads.")
     ] = None,
     workers: Annotated[int, typer.Option(help="Processes; -1: one a core.")] = 1,
+    scheduler: Scheduler = None,
 ) -> None:
     """Solve scenes: one line of JSON in, one line of JSON out."""
     options = {
@@ -55,8 +57,12 @@ def solve(
         wrong_call(str(error))
     check_workers(workers)
     solved = failed = 0
-    with reading_from(source) as lines, writing_to(output, source) as results:
-        for result in solve_lines(lines, solver, workers):
+    with (
+        on_cluster(scheduler),
+        reading_from(source) as lines,
+        writing_to(output, source) as results,
+    ):
+        for result in solve_lines(lines, solver, -1 if scheduler else workers):
             results.write(result.line().encode() + b"\n")
             results.flush()
             solved += 1

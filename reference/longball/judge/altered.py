@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -29,6 +30,32 @@ Array = NDArray[np.float64]
 # Acceleration by drag, m/s², from k_D = ρ C_D A/(2m), 1/m, and the velocity, m/s.
 Drag = Callable[[float, Array], Array]
 
+
+@dataclass(frozen=True)
+class DragLaw:
+    """Drag against the velocity, each component times a speed: the model's law, and slips of it.
+
+    Attributes
+    ----------
+    whole
+        Whether times the whole speed V.
+    own
+        Whether times the component's own size.
+    """
+
+    whole: bool
+    own: bool
+
+    def __call__(self, k: float, velocity: Array) -> Array:
+        """Return the acceleration by drag; see `Drag`."""
+        drag: Array = -k * velocity
+        if self.whole:
+            drag = drag * math.sqrt(float(velocity @ velocity))
+        return drag * np.abs(velocity) if self.own else drag
+
+
+THE_MODELS = DragLaw(whole=True, own=False)
+
 TOLERANCE = 1e-11
 
 
@@ -45,10 +72,15 @@ def solve_with_drag(scene: Scene, drag: Drag) -> Result:
             return _solve_pitch(scene, drag)
 
 
+def release(scene: PitchScene | AtBatScene) -> Array:
+    """Return where a pitch starts, m, and how fast, m/s, as one array."""
+    position = np.array(scene.pitch.release)
+    toward = np.array([0.0, *scene.pitch.aim]) - position
+    return np.concatenate([position, scene.pitch.speed * toward / np.linalg.norm(toward)])
+
+
 def _solve_pitch(scene: PitchScene | AtBatScene, drag: Drag) -> Result:
-    release = np.array(scene.pitch.release)
-    toward = np.array([0.0, *scene.pitch.aim]) - release
-    start = np.concatenate([release, scene.pitch.speed * toward / np.linalg.norm(toward)])
+    start = release(scene)
     floor = scene.floor(scene.ground)
     end, path, stop = fly(
         scene, start, drag, [lambda y: float(y[0]), lambda y: float(y[2]) - floor]
@@ -82,18 +114,7 @@ def _meet(
         )
     time = scipy.optimize.brentq(lambda t: depth(path(t)), 0.0, closest, xtol=1e-14)
     ball = path(time)
-    # Not validated: the touching is as good as the root, and a scene asks for 1e-9 m.
-    touching = ImpactScene.model_construct(
-        id=scene.id,
-        ball=scene.ball,
-        bat=scene.bat,
-        swing=scene.swing,
-        reading=scene.reading,
-        incoming=Incoming.model_construct(
-            position=_triple(ball[:3]), velocity=_triple(ball[3:]), bat_height=height
-        ),
-    )
-    blow = solve(touching, Ivp())
+    blow = blow_at(scene, _triple(ball[:3]), _triple(ball[3:]), height)
     contact = (blow.contact or written.Contact()).model_copy(
         update={"time": time, "position": _triple(ball[:3]), "margin": margin}
     )
@@ -109,6 +130,20 @@ def _meet(
         impact=blow.impact,
         landing=landing,
     )
+
+
+def blow_at(scene: AtBatScene, position: Any, velocity: Any, height: float) -> Result:
+    """Return contact and impact of a ball that touches the bat at a position, m, velocity, m/s."""
+    # Not validated: the touching is as good as its root, and a scene asks for 1e-9 m.
+    touching = ImpactScene.model_construct(
+        id=scene.id,
+        ball=scene.ball,
+        bat=scene.bat,
+        swing=scene.swing,
+        reading=scene.reading,
+        incoming=Incoming.model_construct(position=position, velocity=velocity, bat_height=height),
+    )
+    return solve(touching, Ivp())
 
 
 def _land(

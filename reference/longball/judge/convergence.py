@@ -13,18 +13,24 @@ at each rung of the ladder, and its error is their root mean square.
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, Field
 
+from longball.judge.convergence_report import (
+    ConvergenceReport,
+    Limit,
+    Lost,
+    Order,
+    Rung,
+    Use,
+    Verdict,
+)
 from longball.judge.order import (
     FEWEST,
     PowerLaw,
@@ -99,134 +105,6 @@ QUANTITIES = (
 )
 
 
-# --- the report -----------------------------------------------------------------------------------
-
-
-class _Frozen(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-Use = Literal["fitted", "pre-asymptotic", "floor", "no range", "no error"]
-Verdict = Literal[
-    "as expected", "other order", "wrong limit", "exact", "not resolved", "no expectation"
-]
-
-
-class Rung(_Frozen):
-    """A step of the ladder, for one quantity."""
-
-    step: float = Field(description="s")
-    error: float | None = Field(description="typical of all scenes; null if none has one")
-    scenes: int = Field(description="that have an error here")
-    phases: int = Field(description="of the step, that the error is the root mean square of")
-    use: Use = Field(description="whether the order is fitted to it, and if not, why")
-
-
-class Order(_Frozen):
-    """How one quantity converges."""
-
-    quantity: str
-    unit: str
-    order: float | None = Field(description="observed; null if there is no asymptotic range")
-    low: float | None = Field(description="of the 95 % interval of the order")
-    high: float | None
-    constant: float | None = Field(description="C of the error C h^p, in unit/s^p")
-    expected: float | None
-    jump: float = Field(description="change of the error with the step's phase, relative")
-    jumps: bool = Field(description="whether it was averaged over phases for that")
-    rungs: tuple[Rung, ...]
-    verdict: Verdict
-    why: str
-
-
-class Limit(_Frozen):
-    """The value at h = 0 of one quantity of one scene, by Richardson's extrapolation."""
-
-    scene: str
-    quantity: str
-    value: tuple[float, ...]
-    error: float = Field(description="estimated: the change that one more step made")
-    off: float | None = Field(description="distance from the truth; null if there is none")
-
-
-class Lost(_Frozen):
-    """A step, and how many scenes ended otherwise there than they should."""
-
-    step: float
-    lost: int
-    of: int
-
-
-class ConvergenceReport(_Frozen):
-    """What a family of steps showed."""
-
-    engine: str | None = Field(description="as the implementation names itself")
-    against_truth: bool
-    orders: tuple[Order, ...]
-    limits: tuple[Limit, ...]
-    lost: tuple[Lost, ...]
-
-    @property
-    def passed(self) -> bool:
-        """Whether no verdict is against the implementation."""
-        bad = ("other order", "wrong limit", "not resolved")
-        return bool(self.orders) and not any(order.verdict in bad for order in self.orders)
-
-    def text(self) -> str:
-        """Return the report for people: a line a quantity, its sentence, and the scenes lost."""
-        head = ("quantity", "order", "95 %", "expected", "C", "steps fitted, s", "verdict")
-        rows = [head, *(_row(order) for order in self.orders)]
-        widths = [max(len(row[i]) for row in rows) for i in range(len(head))]
-        lines = [
-            "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
-            for row in rows
-        ]
-        lines += ["", *(f"{order.quantity}: {order.why}" for order in self.orders)]
-        lines += [
-            f"step {row.step:.3g} s: {row.lost} of {row.of} scenes end otherwise than they should"
-            for row in self.lost
-            if row.lost
-        ]
-        return "\n".join(lines) + "\n"
-
-    def csv(self) -> str:
-        """Return every rung of every quantity as a table."""
-        out = io.StringIO()
-        write = csv.writer(out, lineterminator="\n").writerow
-        write(["quantity", "unit", "step_s", "error", "scenes", "phases", "use"])
-        for order in self.orders:
-            for rung in order.rungs:
-                error = "" if rung.error is None else repr(rung.error)
-                write(
-                    [
-                        order.quantity,
-                        order.unit,
-                        repr(rung.step),
-                        error,
-                        rung.scenes,
-                        rung.phases,
-                        rung.use,
-                    ]
-                )
-        return out.getvalue()
-
-
-def _row(order: Order) -> tuple[str, ...]:
-    expected = "" if order.expected is None else f"{order.expected:g}"
-    if order.order is None or order.constant is None:
-        return (order.quantity, "", "", expected, "", "", order.verdict)
-    fitted = [rung.step for rung in order.rungs if rung.use == "fitted"]
-    return (
-        order.quantity,
-        f"{order.order:.3f}",
-        f"{order.low:.3f} to {order.high:.3f}",
-        expected,
-        f"{order.constant:.3g} {order.unit}/s^{order.order:.2f}",
-        f"{max(fitted):.2g} to {min(fitted):.2g}",
-        order.verdict,
-    )
-
-
 # --- the study ------------------------------------------------------------------------------------
 
 
@@ -262,8 +140,10 @@ def converge(
     Raises
     ------
     ValueError
-        If there are too few steps, or results that belong to no scene.
+        If there are too few steps, no scenes, or results that belong to no scene.
     """
+    if not scenes:
+        raise ValueError("there is no scene to converge in")
     ladder = np.array(sorted(set(steps), reverse=True))
     if len(ladder) < FEWEST or not (np.isfinite(ladder).all() and ladder[-1] > 0):
         raise ValueError(f"{len(ladder)} steps; {FEWEST} different positive ones are needed")

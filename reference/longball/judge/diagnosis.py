@@ -17,8 +17,9 @@ class Suspect(_Strict):
     name: str
     sentence: str = Field(description="what the candidate then does")
     remedy: str = Field(description="how to mend it")
-    share: float = Field(
-        description="of the error explained by it alone; negative if it makes matters worse"
+    share: float | None = Field(
+        description="of the error explained by it alone; negative if it makes matters worse; null "
+        "for single precision, which shows in the numbers and not in their errors"
     )
     step: float | None = Field(description="s, the time step that fits best; null if it has none")
     twins: list[str] = Field(

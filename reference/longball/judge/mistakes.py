@@ -14,12 +14,12 @@ from typing import Any
 
 import numpy as np
 
-from longball.judge.altered import Drag
+from longball.judge.altered import DragLaw
 from longball.model.motion import FlightPlane, PlaneState, acceleration, forces, into_plane
 from longball.model.numbers import DOUBLES
 from longball.model.readings import Reading
 from longball.model.result import Contact, Landing, Result
-from longball.model.scene import AtBatScene, FlightScene, ImpactScene, PitchScene, Scene
+from longball.model.scene import AtBatScene, FlightScene, ImpactScene, Launch, PitchScene, Scene
 
 Solver = Callable[[Scene], Result]
 
@@ -46,12 +46,16 @@ class Variant:
         steps as the paper does.
     steps
         Whether the mistake depends on a time step.
+    blow
+        Whether the bat strikes at once, in a scheme that is else the paper's. Where that scheme is
+        the truth no such form is looked for: it is another departure from it than its mistake's.
     """
 
     wrapper: Wrapper = _unchanged
-    drag: Drag | None = None
+    drag: DragLaw | None = None
     scheme: Mapping[str, str] | None = None
     steps: bool = False
+    blow: bool = False
 
 
 @dataclass(frozen=True)
@@ -234,6 +238,30 @@ def _on_floor(scene: Scene, result: Result) -> Result:
     return result.model_copy(update={"landing": landing})
 
 
+def _blow(scene: Scene, solve: Solver, dt: float) -> Result:
+    """Let the ball fly on from the touching, with steps counted from there: no push that lasts."""
+    result = solve(scene)
+    contact, impact, landing = result.contact, result.impact, result.landing
+    if not isinstance(scene, AtBatScene) or not (contact and impact and landing):
+        return result
+    if contact.time is None or contact.position is None:
+        return result
+    flight = FlightScene(
+        id=scene.id,
+        ball=scene.ball,
+        air=scene.air,
+        gravity=scene.gravity,
+        launch=Launch(position=_floats(contact.position), velocity=_floats(impact.velocity)),
+        ground=scene.ground,
+        reading=scene.reading,
+        time_limit=scene.time_limit,
+    )
+    batted = solve(flight).landing
+    if batted is not None:
+        batted = batted.model_copy(update={"time": float(contact.time) + float(batted.time)})
+    return result.model_copy(update={"landing": batted})
+
+
 def _separating(scene: Scene, solve: Solver, dt: float) -> Result:
     """Find ball and bat parting where the ball leaves the bat: no force, and no batted ball."""
     result = solve(scene)
@@ -327,16 +355,17 @@ def _floats(vector: Any) -> tuple[float, float, float]:
 # --- the library ----------------------------------------------------------------------------------
 
 
-def _each_component(k: float, velocity: Any) -> Any:
-    return -k * np.abs(velocity) * velocity
-
-
-def _first_power(k: float, velocity: Any) -> Any:
-    return -k * velocity
-
-
 def _scheme(**switches: str) -> Variant:
     return Variant(scheme=switches, steps=True)
+
+
+def _struck_at_once(forces: str) -> Variant:
+    return Variant(_blow, scheme={"verlet_forces": forces}, steps=True, blow=True)
+
+
+# What fixed steps do at best, with one of the treatments of the forces that are of order 2.
+NO_SLIP = "verlet-steps"
+SOUND = ("predicted_recomputed", "predicted_carried", "implicit")
 
 
 KNOWN: dict[str, Mistake] = {
@@ -347,24 +376,31 @@ KNOWN: dict[str, Mistake] = {
             "takes drag and lift at the velocity of the step before",
             "predict the velocity at the step's end, v + aΔt, or iterate, before asking for the "
             "force there: the error then falls with Δt² instead of Δt",
-            (_scheme(verlet_forces="old_carried"), _scheme(verlet_forces="old_recomputed")),
+            (
+                _scheme(verlet_forces="old_carried"),
+                _scheme(verlet_forces="old_recomputed"),
+                _struck_at_once("old_carried"),
+                _struck_at_once("old_recomputed"),
+            ),
         ),
         Mistake(
             "half-step-verlet",
             "takes drag and lift at the half-step velocity, as is usual in molecular dynamics, "
             "where forces do not depend on it",
             "predict the velocity at the step's end, v½ + aΔt/2, before asking for the force there",
-            (_scheme(verlet_forces="half_step"),),
+            (_scheme(verlet_forces="half_step"), _struck_at_once("half_step")),
+        ),
+        Mistake(
+            NO_SLIP,
+            "flies in steps of velocity Verlet; the error is that of the steps, and falls with Δt²",
+            "this is no slip: take shorter steps, or a method of higher order",
+            tuple(map(_struck_at_once, SOUND)),
         ),
         Mistake(
             "two-step-push",
             "lets the bat push for two steps, as Appendix B has it, while the ball flies on",
             "strike at once, at the time and place of touching; only the impulse is meant",
-            (
-                _scheme(verlet_forces="predicted_recomputed"),
-                _scheme(verlet_forces="predicted_carried"),
-                _scheme(verlet_forces="implicit"),
-            ),
+            tuple(_scheme(verlet_forces=forces) for forces in SOUND),
         ),
         Mistake(
             "first-below",
@@ -415,13 +451,13 @@ KNOWN: dict[str, Mistake] = {
             "drag-per-component",
             "drags each component by itself, with its own square",
             "the drag is -k V v: every component times the whole speed V",
-            (Variant(drag=_each_component),),
+            (Variant(drag=DragLaw(whole=False, own=True)),),
         ),
         Mistake(
             "drag-with-v",
             "lets the drag grow with V, not with V²",
             "the drag is ½ C_D ρ A V², against the velocity",
-            (Variant(drag=_first_power),),
+            (Variant(drag=DragLaw(whole=False, own=False)),),
         ),
         Mistake(
             "lift-sign",

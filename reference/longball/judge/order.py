@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import t as student
+from scipy.special import stdtrit
 
 Array = NDArray[np.float64]
 
@@ -72,7 +72,7 @@ def fit_line(steps: Array, errors: Array, first: int, last: int) -> PowerLaw:
     residuals = y - at_zero - order * x
     free = len(x) - 2
     deviation = math.sqrt(residuals @ residuals / free / (centred @ centred))
-    half = float(student.ppf(0.975, free)) * deviation
+    half = float(stdtrit(free, 0.975)) * deviation
     return PowerLaw(order, order - half, order + half, math.exp(at_zero), first, last)
 
 
@@ -135,7 +135,7 @@ def _is_bent(steps: Array, errors: Array) -> bool:
     bend = float(parabola @ y / size)
     rest = y - np.polynomial.Polynomial.fit(x, y, 2)(x)
     free = len(x) - 3
-    scatter = math.sqrt(rest @ rest / free / size) * float(student.ppf(0.975, free))
+    scatter = math.sqrt(rest @ rest / free / size) * float(stdtrit(free, 0.975))
     steeper = abs(2 * x[-1] - turn)
     return abs(bend) * steeper > HARMLESS and abs(bend) > scatter
 

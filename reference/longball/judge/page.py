@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import base64
 import io
-import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from html import escape
 from typing import TYPE_CHECKING
@@ -12,11 +11,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from longball.judge.altered import fly
+from longball.judge.altered import THE_MODELS, fly, release
+from longball.judge.answers import quoted
+from longball.judge.convergence import draw_convergence
 from longball.judge.quantities import Value, values_of
 from longball.judge.trial import Trial
 from longball.judge.verdict import Comparison, Measured, Verdict
-from longball.judge.words import told
+from longball.judge.words import LONGEST_NAME, told
 from longball.model.scene import AtBatScene, FlightScene, ImpactScene, PitchScene
 
 if TYPE_CHECKING:
@@ -26,7 +27,8 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 SHOWN = 20  # failures and complaints on the page
-NOTHING = 1e-17  # where an error of zero is drawn on a logarithmic axis
+NOTHING = 1e-17  # where a relative error of zero is drawn on a logarithmic axis
+WHOLE = 1.0  # where one is drawn that is as large as its quantity, or larger
 
 STYLE = """
 body { font: 15px/1.45 system-ui, sans-serif; max-width: 68em; margin: 2em auto; padding: 0 1em;
@@ -43,16 +45,19 @@ img { max-width: 100% } pre, code { font-size: 12px; white-space: pre-wrap; word
 def page(trial: Trial) -> str:
     """Return a trial as HTML that needs no other file."""
     verdict = trial.verdict
+    candidate = escape(quoted(verdict.candidate, LONGEST_NAME))
     word = "passed" if verdict.passed else "failed"
     parts = [
         "<!doctype html>",
         '<html lang="en"><head><meta charset="utf-8">',
         '<meta name="viewport" content="width=device-width, initial-scale=1">',
-        f"<title>{escape(verdict.candidate)}: {word}</title><style>{STYLE}</style></head><body>",
-        f'<h1><span class="{word}">{word.upper()}</span> {escape(verdict.candidate)}</h1>',
+        f"<title>{candidate}: {word}</title><style>{STYLE}</style></head><body>",
+        f'<h1><span class="{word}">{word.upper()}</span> {candidate}</h1>',
         *_head(verdict),
         *_diagnosis(verdict),
         *_pictures(trial),
+        *_convergence(verdict),
+        *_sampling(verdict),
         *_errors(verdict),
         *_failures(verdict),
         *_rest(verdict),
@@ -65,6 +70,12 @@ def page(trial: Trial) -> str:
 
 
 def _head(verdict: Verdict) -> Iterator[str]:
+    if verdict.cases:
+        yield from _counts(verdict)
+    yield from _list(verdict.reasons)
+
+
+def _counts(verdict: Verdict) -> Iterator[str]:
     yield f"<p>Profile {escape(verdict.profile)}. Held against {escape(verdict.truth)}.</p>"
     yield (
         f"<p>{verdict.cases} scenes, {verdict.judged} answers judged, {verdict.right} right, "
@@ -73,7 +84,6 @@ def _head(verdict: Verdict) -> Iterator[str]:
         f"contacts missed {len(verdict.contacts_missed)}, "
         f"invented {len(verdict.contacts_invented)}.</p>"
     )
-    yield from _list(verdict.reasons)
 
 
 def _diagnosis(verdict: Verdict) -> Iterator[str]:
@@ -82,7 +92,13 @@ def _diagnosis(verdict: Verdict) -> Iterator[str]:
         return
     yield f"<h2>Diagnosis</h2><p>{escape(diagnosis.sentence)}</p>"
     rows = [
-        (s.name, f"{max(0.0, s.share):.1%}", s.sentence, s.remedy, ", ".join(s.twins))
+        (
+            s.name,
+            "" if s.share is None else f"{max(0.0, s.share):.1%}",
+            s.sentence,
+            s.remedy,
+            ", ".join(s.twins),
+        )
         for s in diagnosis.suspects
     ]
     if rows:
@@ -92,7 +108,30 @@ def _diagnosis(verdict: Verdict) -> Iterator[str]:
         yield f"<p>Not to be seen in these scenes: {escape(', '.join(diagnosis.invisible))}.</p>"
 
 
+def _convergence(verdict: Verdict) -> Iterator[str]:
+    report = verdict.convergence
+    if report is None:
+        return
+    yield "<h2>Convergence: a family of time steps against the truth</h2>"
+    yield _image(lambda figure: draw_convergence(figure.add_subplot(), report), (7, 4.6), "orders")
+    yield f"<pre>{escape(report.text())}</pre>"
+
+
+def _sampling(verdict: Verdict) -> Iterator[str]:
+    sampling = verdict.sampling
+    if sampling is None:
+        return
+    yield f"<h2>Sampling: {sampling.at_bats} different at-bats of {escape(sampling.source)}</h2>"
+    rows = [
+        ("right" if found.right else "WRONG", found.sentence, ", ".join(found.named))
+        for found in sampling.found
+    ]
+    yield from _table(("", "beside the paper's", "known mistakes"), rows, numbers=())
+
+
 def _errors(verdict: Verdict) -> Iterator[str]:
+    if not verdict.rows:
+        return
     rows = [
         (
             row.family,
@@ -102,7 +141,7 @@ def _errors(verdict: Verdict) -> Iterator[str]:
             f"{row.worst_error:.1e}",
             f"{row.median_error:.1e}",
             row.unit,
-            f"{row.worst_ulps:.3g}",
+            "" if row.worst_ulps is None else f"{row.worst_ulps:.3g}",
             "" if row.digits_right is None else f"{row.digits_right:.1f}",
             "" if row.digits_attainable is None else f"{row.digits_attainable:.1f}",
             row.worst_case,
@@ -201,19 +240,26 @@ def draw_errors(figure: Figure, measured: Sequence[tuple[Comparison, Measured]])
         points = [(c, m) for c, m in measured if m.passed is passed]
         if not points:
             continue
-        errors = [max(m.error / m.size, NOTHING) for _, m in points]
+        errors = [_relative(m.error, m) for _, m in points]
         label = f"{'within' if passed else 'beyond'} tolerance ({len(points)})"
         style = {"marker": marker, "color": colour, "s": 14, "linewidths": 0.8}
         rows = [families.index(c.case.family) + spread.uniform(-0.3, 0.3) for c, _ in points]
         left.scatter(errors, rows, label=label, **style)
-        attainable = [max(m.attainable / m.size, NOTHING) for _, m in points]
+        attainable = [_relative(m.attainable, m) for _, m in points]
         right.scatter(attainable, errors, **style)
     left.set_xscale("log")
     left.set_yticks(range(len(families)), families)
     left.invert_yaxis()
-    left.set_xlabel(f"error, relative to the quantity; none: at {NOTHING:g}")
+    left.set_xlabel(
+        f"error, relative to the quantity\n(none: at {NOTHING:g}; larger than it: at 1)"
+    )
     figure.legend(loc="outside upper left", ncols=2, frameon=False, fontsize="small")
-    _draw_attainable(right, [m.attainable / m.size for _, m in measured if m.attainable > 0])
+    _draw_attainable(right, [_relative(m.attainable, m) for _, m in measured if m.attainable > 0])
+
+
+def _relative(error: float, measured: Measured) -> float:
+    """Return an error relative to its quantity, as far as a logarithmic axis shows it."""
+    return min(max(error / measured.size, NOTHING), WHOLE)
 
 
 def _draw_attainable(axes: Axes, attainable: Sequence[float]) -> None:
@@ -223,7 +269,9 @@ def _draw_attainable(axes: Axes, attainable: Sequence[float]) -> None:
         ends = np.array([min(attainable) / 2, max(attainable) * 2])
         axes.plot(ends, ends, "k-", linewidth=0.8, label="as good as doubles can be")
         axes.legend(fontsize="small", frameon=False, loc="center right")
-    axes.set_xlabel("error that double precision cannot avoid, relative (difficulty)")
+    axes.set_xlabel(
+        "difficulty: error that double precision\ncannot avoid, relative to the quantity"
+    )
     axes.set_ylabel("error, relative to the quantity")
 
 
@@ -269,9 +317,11 @@ def draw_flight(figure: Figure, comparison: Comparison) -> None:
                       label=f"candidate, {label}" if axes is side else None)  # fmt: skip
         _draw_error(side, above, truth.get(name), given)
     outcome = comparison.answer.outcome or "no outcome"
-    side.set_title(
-        f"expected {comparison.case.expected.outcome}, candidate: {outcome}", fontsize="medium"
-    )
+    title = f"expected {comparison.case.expected.outcome}, candidate: {outcome}"
+    errors = {m.quantity: m.error for m in comparison.measured}
+    if "landing.position" in errors:
+        title += f"; it lands {errors['landing.position']:.2g} m off"
+    side.set_title(title, fontsize="medium")
     side.set_ylabel("height z, m")
     above.set_ylabel("aside y, m")
     above.set_xlabel("x, m: from the plate (0) toward the pitcher")
@@ -283,8 +333,8 @@ def _draw_error(side: Axes, above: Axes, expected: Value | None, given: Value) -
         return
     (x0, y0, z0), (x1, y1, z1) = map(float, expected), map(float, given)
     first = not any(line.get_label() == "error" for line in side.lines)
-    side.plot([x0, x1], [z0, z1], "C3-", linewidth=1, label="error" if first else None)
-    above.plot([x0, x1], [y0, y1], "C3-", linewidth=1)
+    side.plot([x0, x1], [z0, z1], "C3:", linewidth=2, label="error" if first else None)
+    above.plot([x0, x1], [y0, y1], "C3:", linewidth=2)
 
 
 def _paths(comparison: Comparison) -> Iterator[tuple[str, Array]]:
@@ -293,36 +343,23 @@ def _paths(comparison: Comparison) -> Iterator[tuple[str, Array]]:
     if isinstance(scene, ImpactScene):
         return
     if isinstance(scene, PitchScene | AtBatScene):
-        release = np.array(scene.pitch.release)
-        toward = np.array([0.0, *scene.pitch.aim]) - release
-        velocity = scene.pitch.speed * toward / np.linalg.norm(toward)
         met = truth.contact is not None and truth.contact.position is not None
         until = truth.contact if met else truth.plate
         if until is not None and until.time is not None:
-            yield "pitch", _path(scene, release, velocity, float(until.time))
+            yield "pitch", _path(scene, release(scene), float(until.time))
     if truth.landing is None:
         return
     hang_time = float(truth.landing.hang_time)
     if isinstance(scene, FlightScene):
-        start, velocity = np.array(scene.launch.position), np.array(scene.launch.velocity)
-        yield "flight", _path(scene, start, velocity, hang_time)
+        start = np.array([*scene.launch.position, *scene.launch.velocity])
+        yield "flight", _path(scene, start, hang_time)
     elif truth.contact and truth.contact.position and truth.impact:
-        start = np.array([float(v) for v in truth.contact.position])
-        velocity = np.array([float(v) for v in truth.impact.velocity])
-        yield "batted ball", _path(scene, start, velocity, hang_time)
+        start = np.array([*truth.contact.position, *truth.impact.velocity], float)
+        yield "batted ball", _path(scene, start, hang_time)
 
 
-def _path(
-    scene: FlightScene | PitchScene | AtBatScene, start: Array, velocity: Array, seconds: float
-) -> Array:
-    state = np.concatenate([start, velocity])
-    end, path, _ = fly(scene, state, _drag, [])
+def _path(scene: FlightScene | PitchScene | AtBatScene, start: Array, seconds: float) -> Array:
+    end, path, _ = fly(scene, start, THE_MODELS, [])
     times = np.linspace(0.0, min(seconds, end), 200)
     points: Array = np.array([path(float(time))[:3] for time in times]).T
     return points
-
-
-def _drag(k: float, velocity: Array) -> Array:
-    """Return the model's own law."""
-    drag: Array = -k * math.sqrt(float(velocity @ velocity)) * velocity
-    return drag

@@ -10,7 +10,10 @@ from pathlib import Path
 from longball.judge.answers import Collector, read_results
 from longball.judge.candidate import Limits, run
 from longball.judge.cases import Case, Profile
+from longball.judge.convergence_report import ConvergenceReport
 from longball.judge.fingerprints import Fingerprints
+from longball.judge.ladder import FAMILIES, converge_command, sample, with_step
+from longball.judge.sampling import Sampling
 from longball.judge.search import diagnose
 from longball.judge.verdict import Comparison, Verdict, compare_all, verdict
 
@@ -29,6 +32,25 @@ class Trial:
 
     verdict: Verdict
     comparisons: Sequence[Comparison]
+
+
+@dataclass(frozen=True)
+class Ladder:
+    """Time steps that a candidate is run with, to see how it converges.
+
+    Attributes
+    ----------
+    steps
+        s; see `longball.judge.convergence.converge`.
+    expected
+        The order in theory; None if nobody says.
+    progress
+        Is told the runs done, and how many there are.
+    """
+
+    steps: Sequence[float]
+    expected: float | None = None
+    progress: Callable[[int, int], None] = lambda done, of: None
 
 
 @dataclass(frozen=True)
@@ -63,15 +85,74 @@ class Court:
         command: Sequence[str],
         limits: Limits | None = None,
         progress: Callable[[int], None] = lambda answered: None,
+        ladder: Ladder | None = None,
+        sampling: Sampling | None = None,
     ) -> Trial:
-        """Run a candidate and judge it; see `longball.judge.candidate.run`."""
-        heard = run(command, [case.scene for case in self.cases], limits, progress)
-        return self.judge(heard.collected, shlex.join(command), heard.errors, heard.seconds)
+        """Run a candidate and judge it; see `longball.judge.candidate.run`.
 
-    def try_file(self, path: Path, columns: Mapping[str, str] | None = None) -> Trial:
+        Parameters
+        ----------
+        command
+            The candidate's. If {dt} is in it, `dt` goes there.
+        limits, progress
+            Of this run; the ladder's together have the same limit of time in all.
+        ladder
+            Time steps to run it with again, to see how it converges to the golden truth, whatever
+            the profile. They are not tried with a candidate that does not end well.
+        sampling
+            How it draws at-bats, to be told in the same verdict.
+        """
+        words = with_step(command, self.dt) if self.dt else command
+        heard = run(words, [case.scene for case in self.cases], limits, progress)
+        report = None
+        if ladder and not any(c.kind == "process" for c in heard.collected.complaints):
+            report = self._converge(command, ladder, heard.collected, limits)
+        elif ladder:
+            heard.collected.complain("process", "for that, its convergence was not looked at")
+        return self.judge(
+            heard.collected,
+            shlex.join(words),
+            heard.errors,
+            heard.seconds,
+            convergence=report,
+            sampling=sampling,
+        )
+
+    def _converge(
+        self,
+        command: Sequence[str],
+        ladder: Ladder,
+        collected: Collector,
+        limits: Limits | None,
+    ) -> ConvergenceReport:
+        families = {case.family for case in self.cases}
+        cases = sample(self.cases, FAMILIES if families > set(FAMILIES) else ())
+        report, complaints = converge_command(
+            command,
+            [case.scene for case in cases],
+            ladder.steps,
+            [case.expected for case in cases],
+            ladder.expected,
+            limits=limits,
+            progress=ladder.progress,
+        )
+        for complaint in complaints:
+            collected.complain("process", complaint)
+        return report
+
+    def try_file(
+        self,
+        path: Path,
+        columns: Mapping[str, str] | None = None,
+        sampling: Sampling | None = None,
+    ) -> Trial:
         """Judge a file of results; see `longball.judge.answers.read_results`."""
         ids = [case.id for case in self.cases]
-        return self.judge(read_results(path, ids, columns), path.name)
+        return self.judge(read_results(path, ids, columns), path.name, sampling=sampling)
+
+    def try_samples(self, sampling: Sampling) -> Trial:
+        """Judge nothing but how at-bats were drawn; this needs no cases."""
+        return self.judge(Collector([]), sampling.source, sampling=sampling)
 
     def judge(
         self,
@@ -79,8 +160,10 @@ class Court:
         candidate: str,
         standard_error: str = "",
         seconds: float | None = None,
+        convergence: ConvergenceReport | None = None,
+        sampling: Sampling | None = None,
     ) -> Trial:
-        """Judge answers."""
+        """Judge answers; what was found beside them is told in the same verdict."""
         truths = self.profile.truths(self.cases)
         comparisons = compare_all(truths, collected, self.profile)
         diagnosis = None
@@ -98,6 +181,8 @@ class Court:
                 standard_error=standard_error,
                 seconds=seconds,
                 diagnosis=diagnosis,
+                convergence=convergence,
+                sampling=sampling,
             ),
             comparisons,
         )

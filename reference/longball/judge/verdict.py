@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import math
+import sys
 from collections import Counter, defaultdict
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
@@ -17,9 +18,11 @@ from typing import Any
 from pydantic import BaseModel, ConfigDict, Field
 
 from longball.judge.answers import Answer, Collector, Kind
-from longball.judge.cases import Case, Profile, attainable, decidable
+from longball.judge.cases import FRAGILE, Case, Profile, attainable, decidable
+from longball.judge.convergence_report import ConvergenceReport
 from longball.judge.diagnosis import Diagnosis
 from longball.judge.quantities import QUANTITIES, Value, difference, length, radii_of, values_of
+from longball.judge.sampling import Sampling
 from longball.model.schema import DRAFT, FOLDER, text
 
 # What --require can name besides the quantities.
@@ -67,9 +70,10 @@ class Measured:
         return self.error / self.tolerance if self.tolerance else math.inf
 
     @property
-    def ulps(self) -> float:
-        """The error in units in the last place of the expected double."""
-        return self.error / math.ulp(self.size)
+    def ulps(self) -> float | None:
+        """The error in units in the last place of the expected double; None if that is zero."""
+        # JSON knows no infinity.
+        return min(self.error / math.ulp(self.size), sys.float_info.max) if self.size else None
 
     @property
     def digits(self) -> float | None:
@@ -106,7 +110,7 @@ class Comparison:
         None if there was none.
     judged
         Whether there is a truth to judge by: the case has one, and not just in bits that double
-        precision does not have.
+        precision does not have. A fragile case is judged if its outcome was hit.
     outcome_wrong
         Whether another outcome was given.
     measured
@@ -147,6 +151,8 @@ def compare(case: Case, answer: Answer | None, profile: Profile) -> Comparison:
     missing = [] if answer.outcome else ["outcome"]
     # Beside another outcome it is no wonder that a quantity is not there.
     wrong = answer.outcome not in (None, case.expected.outcome)
+    if wrong and FRAGILE in case.flags:
+        return Comparison(case, answer, judged=False)
     measured = []
     for quantity, value in expected.items():
         if quantity in answer.unreadable:
@@ -195,8 +201,10 @@ class Row(_Strict):
     failed: int = Field(description="in which its error is above the tolerance")
     worst_error: float = Field(description="in the unit; of vectors, the length of the error")
     median_error: float
-    worst_ulps: float = Field(description="in units in the last place of the expected double")
-    median_ulps: float
+    worst_ulps: float | None = Field(
+        description="in units in the last place of the expected double; null if all are zero"
+    )
+    median_ulps: float | None
     digits_right: float | None = Field(
         description="of the case with the worst share of its attainable digits; null if every "
         "expected value is zero"
@@ -288,12 +296,18 @@ class Verdict(_Strict):
         description="ids of cases without a truth, or with one that hangs on the last bits of "
         "the inputs: any answer will do"
     )
-    complaints: list[Grievance]
+    complaints: list[Grievance] = Field(description="those about its conduct first")
     complaints_left_out: dict[str, int] = Field(description="of a kind, beyond those listed")
     standard_error: str = Field(description="its end")
     seconds: float | None
     diagnosis: Diagnosis | None = Field(
         default=None, description="which known mistakes explain the errors"
+    )
+    convergence: ConvergenceReport | None = Field(
+        default=None, description="what a family of time steps told"
+    )
+    sampling: Sampling | None = Field(
+        default=None, description="how the candidate draws its at-bats"
     )
 
     def line(self) -> str:
@@ -325,6 +339,8 @@ def verdict(
     standard_error: str = "",
     seconds: float | None = None,
     diagnosis: Diagnosis | None = None,
+    convergence: ConvergenceReport | None = None,
+    sampling: Sampling | None = None,
 ) -> Verdict:
     """Return the verdict on a candidate.
 
@@ -345,7 +361,11 @@ def verdict(
     standard_error, seconds
         Of the candidate's run.
     diagnosis
-        From `longball.judge.fingerprints`.
+        From `longball.judge.search`.
+    convergence
+        From `longball.judge.convergence`.
+    sampling
+        From `longball.judge.sampling`.
 
     Raises
     ------
@@ -367,6 +387,10 @@ def verdict(
     reasons = _reasons(comparisons, judged, failures, missing, collected)
     if {"all", "answers"} & set(require) and (silent := len(unanswered) + len(refused)):
         reasons.append(f"{silent} scenes without an answer, and answers are required")
+    if convergence:
+        reasons += [f"convergence: {fault}" for fault in convergence.faults]
+    if sampling:
+        reasons += [f"sampling: {found.sentence}" for found in sampling.wrong]
     engine = profile.engine()
     return Verdict(
         passed=not reasons,
@@ -387,12 +411,15 @@ def verdict(
         refused=refused,
         undecidable=[c.case.id for c in comparisons if not c.judged],
         complaints=[
-            Grievance(kind=c.kind, sentence=c.sentence, line=c.line) for c in collected.complaints
+            Grievance(kind=c.kind, sentence=c.sentence, line=c.line)
+            for c in sorted(collected.complaints, key=lambda c: c.kind != "process")
         ],
         complaints_left_out=dict(collected.left_out),
         standard_error=standard_error,
         seconds=seconds,
         diagnosis=diagnosis,
+        convergence=convergence,
+        sampling=sampling,
     )
 
 
@@ -404,9 +431,9 @@ def _reasons(
     collected: Collector,
 ) -> list[str]:
     reasons = []
-    if not judged:
+    if comparisons and not judged:
         reasons.append("no answer could be judged")
-    elif not any(c.measured or "outcome" not in c.missing for c in judged):
+    elif judged and not any(c.measured or "outcome" not in c.missing for c in judged):
         reasons.append("the answers hold nothing that could be judged")
     if failures:
         reasons.append(f"{len(failures)} of {len(judged)} answers are wrong")
@@ -466,6 +493,7 @@ def _rows(judged: Iterable[Comparison]) -> Iterable[Row]:
 def _row(family: str, name: str, unit: str, group: list[tuple[Comparison, Measured]]) -> Row:
     measured = [m for _, m in group]
     worst = max(group, key=lambda pair: pair[1].error)
+    ulps = [m.ulps for m in measured if m.ulps is not None]
     lost = [
         (m.digits_attainable - m.digits, m.digits, m.digits_attainable)
         for m in measured
@@ -480,17 +508,12 @@ def _row(family: str, name: str, unit: str, group: list[tuple[Comparison, Measur
         failed=sum(not m.passed for m in measured),
         worst_error=worst[1].error,
         median_error=median(m.error for m in measured),
-        worst_ulps=_finite(max(m.ulps for m in measured)),
-        median_ulps=_finite(median(m.ulps for m in measured)),
+        worst_ulps=max(ulps, default=None),
+        median_ulps=median(ulps) if ulps else None,
         digits_right=digits_right,
         digits_attainable=digits_attainable,
         worst_case=worst[0].case.id,
     )
-
-
-def _finite(x: float) -> float:
-    """Return a number that JSON can write: an error beside an expected zero has endless ulps."""
-    return min(x, 1.7976931348623157e308)
 
 
 def failure(comparison: Comparison) -> Failure:

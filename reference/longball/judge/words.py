@@ -5,11 +5,16 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 
+from longball.judge.answers import quoted
+from longball.judge.convergence_report import ConvergenceReport
 from longball.judge.diagnosis import Diagnosis
+from longball.judge.sampling import Sampling
 from longball.judge.verdict import Failure, Fault, Verdict
 
 # How many of each list are printed; all are in the JSON.
 SHOWN = 5
+
+LONGEST_NAME = 120  # of a candidate: its command may hold a whole program
 
 
 def words(verdict: Verdict, shown: int = SHOWN) -> str:
@@ -19,6 +24,8 @@ def words(verdict: Verdict, shown: int = SHOWN) -> str:
         _errors(verdict),
         _contacts(verdict),
         _diagnosis(verdict.diagnosis),
+        _convergence(verdict.convergence),
+        _sampling(verdict.sampling),
         _failures(verdict, shown),
         _silence(verdict, shown),
         _complaints(verdict, shown),
@@ -27,7 +34,15 @@ def words(verdict: Verdict, shown: int = SHOWN) -> str:
 
 
 def _head(verdict: Verdict) -> Iterator[str]:
-    yield f"{'PASSED' if verdict.passed else 'FAILED'}: {verdict.candidate}"
+    candidate = quoted(verdict.candidate, LONGEST_NAME)
+    yield f"{'PASSED' if verdict.passed else 'FAILED'}: {candidate}"
+    if verdict.cases:
+        yield from _counts(verdict)
+    for reason in verdict.reasons:
+        yield f"failed because: {reason}"
+
+
+def _counts(verdict: Verdict) -> Iterator[str]:
     yield f"profile {verdict.profile}"
     yield f"held against {verdict.truth}"
     counts = [f"{verdict.cases} scenes", f"{verdict.judged} answers judged"]
@@ -41,8 +56,6 @@ def _head(verdict: Verdict) -> Iterator[str]:
     if verdict.seconds is not None:
         counts.append(f"{verdict.seconds:.1f} s")
     yield ", ".join(counts)
-    for reason in verdict.reasons:
-        yield f"failed because: {reason}"
 
 
 def _errors(verdict: Verdict) -> Iterator[str]:
@@ -79,7 +92,9 @@ def _errors(verdict: Verdict) -> Iterator[str]:
         yield f"quantities right in every case, by family: {listed}"
 
 
-def _short(ulps: float) -> str:
+def _short(ulps: float | None) -> str:
+    if ulps is None:
+        return ""
     return f"{ulps:.0f}" if ulps < 1e5 else f"{ulps:.0e}"
 
 
@@ -109,10 +124,26 @@ def _diagnosis(diagnosis: Diagnosis | None) -> Iterator[str]:
             yield f"    the same answers to all these scenes: {', '.join(suspect.twins)}"
     others = [s for s in diagnosis.suspects if s.name not in diagnosis.named]
     if others:
-        listed = ", ".join(f"{s.name} {max(0.0, s.share):.0%}" for s in others)
+        listed = ", ".join(f"{s.name} {max(0.0, s.share or 0.0):.0%}" for s in others)
         yield f"  others, each by itself: {listed}"
     if diagnosis.invisible:
         yield f"  not to be seen in these scenes: {', '.join(diagnosis.invisible)}"
+
+
+def _convergence(report: ConvergenceReport | None) -> Iterator[str]:
+    if report is None:
+        return
+    yield "convergence: the error of a family of time steps, against the truth"
+    yield from (f"  {line}".rstrip() for line in report.text().splitlines())
+
+
+def _sampling(sampling: Sampling | None) -> Iterator[str]:
+    if sampling is None:
+        return
+    yield f"sampling: {sampling.at_bats} different at-bats of {sampling.source}, beside the paper's"
+    for found in sampling.found:
+        named = f" [{', '.join(found.named)}]" if found.named else ""
+        yield f"  {'right' if found.right else 'WRONG'}  {found.sentence}{named}"
 
 
 def _failures(verdict: Verdict, shown: int) -> Iterator[str]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Generic, NamedTuple
+from typing import Generic, NamedTuple, cast
 
 from longball.model.numbers import N, Numbers, Vector
 from longball.model.scene import Air, Ball
@@ -133,9 +133,10 @@ def into_plane(
     x, y, z = position
     vx, vy, vz = velocity
     nothing = numbers.exact(0.0)
-    horizontal = numbers.sqrt(vx * vx + vy * vy)
-    if numbers.positive(horizontal, nothing, "whether the launch is vertical"):
-        plane = FlightPlane(x, y, vx / horizontal, vy / horizontal)
-    else:
-        plane = FlightPlane(x, y, numbers.exact(1.0), nothing)
-    return plane, PlaneState(nothing, z, horizontal, vz)
+    size = cast(N, abs(vx) + abs(vy))  # mypy knows abs() of a Real only
+    if not numbers.positive(size, nothing, "whether the launch is vertical"):
+        return FlightPlane(x, y, numbers.exact(1.0), nothing), PlaneState(nothing, z, nothing, vz)
+    # The squares of a heading near 1 neither overflow nor vanish, whatever the speed.
+    cos, sin = vx / size, vy / size
+    length = numbers.sqrt(cos * cos + sin * sin)
+    return FlightPlane(x, y, cos / length, sin / length), PlaneState(nothing, z, size * length, vz)

@@ -53,7 +53,8 @@ Errors = tuple[float | None, ...]
 REPLICATES = 200
 
 # km/h: the bins of Fig. 2 are not printed. With 1,548 pitches of the paper's own mixture, bins of
-# 3 to 6 km/h give the printed R² = 0.9942; bins of 1 km/h are too noisy (analysis/pitch_fits.py).
+# 3 to 6 km/h give the printed R² = 0.9942; bins of 1 km/h are too noisy: see
+# analysis/paper/pitch_fits.py.
 BIN_WIDTH = 3.0
 
 # Five numbers are fitted to the histogram; and more bins than this hold next to nothing each.

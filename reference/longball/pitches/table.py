@@ -241,7 +241,9 @@ def _frame(table: str | Path | TextIO | pd.DataFrame) -> tuple[str, pd.DataFrame
     try:
         # The header is read as a row: pandas would rename a column that is there twice, and take
         # the first column for an index where rows are longer than the header.
-        lines = pd.read_csv(table, header=None, dtype="string", encoding="utf-8-sig")
+        # An open text file, like standard input, has decided on an encoding: its bytes are read.
+        raw = getattr(table, "buffer", table)
+        lines = pd.read_csv(raw, header=None, dtype="string", encoding="utf-8-sig")
     except pd.errors.EmptyDataError:
         raise PitchesError(f"{source}: the table is empty") from None
     except pd.errors.ParserError as error:
@@ -249,7 +251,7 @@ def _frame(table: str | Path | TextIO | pd.DataFrame) -> tuple[str, pd.DataFrame
     except UnicodeDecodeError as error:
         raise PitchesError(f"{source}: not UTF-8 text: byte {error.start + 1}") from None
     except OSError as error:
-        raise PitchesError(f"{source}: cannot be read: {error.strerror}") from None
+        raise PitchesError(f"{path}: cannot be read: {error.strerror}") from error
     header = [str(name).strip() for name in lines.iloc[0].fillna("")]
     return source, lines.iloc[1:].set_axis(header, axis="columns").reset_index(drop=True)
 

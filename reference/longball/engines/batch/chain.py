@@ -12,14 +12,13 @@ from collections.abc import Mapping
 from copy import copy
 from dataclasses import dataclass, replace
 from types import SimpleNamespace
-from typing import Any, cast, get_args
+from typing import Any, Protocol, cast, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
 from longball.engines.batch import flights
-from longball.engines.batch.engine import Batch
-from longball.engines.batch.flights import FLIGHT
+from longball.engines.batch.flights import FLIGHT, Records
 from longball.engines.batch.lanes import kept
 from longball.engines.batch.records import (
     Start,
@@ -40,11 +39,26 @@ from longball.model.result import Outcome
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
+Rows = NDArray[np.int64] | slice
 Vector = tuple[Array, Array, Array]
 Columns = Mapping[str, Any]  # arrays of a number a scene, or one number for all
 
 OUTCOMES: tuple[str, ...] = get_args(Outcome)
 UNSOLVED = -1  # stands in a column of outcomes where a scene has no answer
+
+
+class Fleet(Protocol):
+    """Who flies balls for the chain, many at a time; `longball.engines.batch.engine.Batch` does."""
+
+    @property
+    def flight_error(self) -> float:
+        """Error of a state at the end of a flight, relative to its size."""
+
+    def fly_all(self, starts: Records) -> Records:
+        """Fly records of `flights.FLIGHT`; return records of `flights.ARRIVAL`, in order."""
+
+    def search_all(self, starts: Records) -> Records:
+        """Do the same for flights past a bat."""
 
 
 class Elementwise:
@@ -91,7 +105,7 @@ class Flown:
 
 
 def _fly(
-    count: int, start: PlaneState[Any], forces: Forces[Any], stops: Stops[Any], engine: Batch
+    count: int, start: PlaneState[Any], forces: Forces[Any], stops: Stops[Any], engine: Fleet
 ) -> Flown:
     """Fly to a stop, through the vertical if need be; see `longball.engines.at_bat`."""
     records = np.zeros(count, FLIGHT)
@@ -224,7 +238,7 @@ class Table:
 # --- the links of the chain -----------------------------------------------------------------------
 
 
-def solve_flights(table: Table, c: Columns, reading: Reading, engine: Batch) -> None:
+def solve_flights(table: Table, c: Columns, reading: Reading, engine: Fleet) -> None:
     """Solve launches and landings."""
     everyone = np.arange(len(table))
     position, velocity = _point(c, "launch.position"), _point(c, "launch.velocity")
@@ -240,14 +254,14 @@ def _land(
     velocity: Vector,
     time: Array,
     reading: Reading,
-    engine: Batch,
+    engine: Fleet,
 ) -> None:
     """Fly to the ground from launches at `time`, and write how that ends: batted or airborne."""
     plane, start = _into_plane(position, velocity)
     stops = Stops(time_limit=c["time_limit"], floor=_floor(c, reading))
     flown = _fly(len(rows), start, _forces(c, reading), stops, engine)
     table.decide("airborne", rows[flown.stop == flights.TIME_LIMIT])
-    down = flown.stop == flights.FLOOR
+    down = _flagged(flown.stop == flights.FLOOR)
     table.decide("batted", rows[down])
     x, y, z = plane.position(flown.state)
     for name, values in (
@@ -271,7 +285,7 @@ class Delivered:
     flown: Flown
 
 
-def _deliver(count: int, c: Columns, reading: Reading, engine: Batch) -> Delivered:
+def _deliver(count: int, c: Columns, reading: Reading, engine: Fleet) -> Delivered:
     x, y, z = _point(c, "pitch.release")
     toward = (-x, c["pitch.aim.0"] - y, c["pitch.aim.1"] - z)
     scale = c["pitch.speed"] / np.sqrt(_dot(toward, toward))
@@ -282,10 +296,10 @@ def _deliver(count: int, c: Columns, reading: Reading, engine: Batch) -> Deliver
     return Delivered(plane, start, forces, stops, _fly(count, start, forces, stops, engine))
 
 
-def _plate(table: Table, delivered: Delivered) -> Flags:
+def _plate(table: Table, delivered: Delivered) -> Rows:
     """Write how pitches end, and the plate of those that reach it; return which do."""
     flown, plane = delivered.flown, delivered.plane
-    crossed: Flags = flown.stop == flights.WALL
+    crossed = _flagged(flown.stop == flights.WALL)
     table.decide("crossed", crossed)
     table.decide("grounded", flown.stop == flights.FLOOR)
     table.decide("airborne", flown.stop == flights.TIME_LIMIT)
@@ -296,7 +310,7 @@ def _plate(table: Table, delivered: Delivered) -> Flags:
     return crossed
 
 
-def solve_pitches(table: Table, c: Columns, reading: Reading, engine: Batch) -> None:
+def solve_pitches(table: Table, c: Columns, reading: Reading, engine: Fleet) -> None:
     """Solve releases and plates."""
     _plate(table, _deliver(len(table), c, reading, engine))
 
@@ -329,9 +343,10 @@ def _blows(
     half = c["bat.length"] / 2
     end = _sign(half - abs(y), half * (inherited + 2 * DOUBLES.rounding) if inherited else 0.0 * y)
     table.outcome[rows] = UNSOLVED
-    table.decide("beyond_bat", rows[end < 0])
-    table.put("contact.position", rows[end < 0], _at(position, end < 0))
-    on_bat = end > 0
+    beyond = _flagged(end < 0)
+    table.decide("beyond_bat", rows[beyond])
+    table.put("contact.position", rows[beyond], _at(position, beyond))
+    on_bat = _flagged(end > 0)
     rows, c, time, height = rows[on_bat], at_rows(c, on_bat), time[on_bat], height[on_bat]
     position, velocity = _at(position, on_bat), _at(velocity, on_bat)
     x, y, z = position
@@ -353,14 +368,15 @@ def _blows(
     closing = _sign(-normal_speed, doubt)
     table.decide("separating", rows[closing < 0])
     table.decide("struck", rows[closing > 0])
+    decided = _flagged(closing != 0)
     for name, values in (
         ("position", position),
         ("normal", normal),
         ("bat_velocity", (bat[0], np.zeros_like(x), bat[2])),
         ("normal_speed", normal_speed),
     ):
-        table.put(f"contact.{name}", rows[closing != 0], _at(values, closing != 0))
-    kept = closing > 0
+        table.put(f"contact.{name}", rows[decided], _at(values, decided))
+    kept = _flagged(closing > 0)
     return Blows(
         rows[kept],
         *(_at(values, kept) for values in (position, velocity, normal, arm, normal_speed, time)),
@@ -386,7 +402,7 @@ def _strike(table: Table, blows: Blows, c: Columns, reading: Reading) -> Vector:
     return after
 
 
-def solve_impacts(table: Table, c: Columns, reading: Reading, engine: Batch) -> None:
+def solve_impacts(table: Table, c: Columns, reading: Reading, engine: Fleet) -> None:
     """Solve touchings that are given."""
     rows = np.arange(len(table))
     c = {name: np.broadcast_to(column, len(table)) for name, column in c.items()}
@@ -398,19 +414,20 @@ def solve_impacts(table: Table, c: Columns, reading: Reading, engine: Batch) -> 
     _strike(table, blows, at_rows(c, blows.rows), reading)
 
 
-def solve_at_bats(table: Table, c: Columns, reading: Reading, engine: Batch) -> None:
+def solve_at_bats(table: Table, c: Columns, reading: Reading, engine: Fleet) -> None:
     """Solve whole at-bats."""
     finish_at_bats(table, meet_at_bats(table, c, reading, engine), c, reading, engine)
 
 
-def meet_at_bats(table: Table, c: Columns, reading: Reading, engine: Batch) -> Blows:
+def meet_at_bats(table: Table, c: Columns, reading: Reading, engine: Fleet) -> Blows:
     """Solve at-bats up to the blow: all of them that the ball's restitution leaves alone."""
     delivered = _deliver(len(table), c, reading, engine)
-    rows = np.flatnonzero(_plate(table, delivered))
-    return _meet(table, rows, at_rows(c, rows), _delivered_at(delivered, rows), engine)
+    crossed = _plate(table, delivered)
+    rows = np.arange(len(table))[crossed]
+    return _meet(table, rows, at_rows(c, crossed), _delivered_at(delivered, crossed), engine)
 
 
-def finish_at_bats(table: Table, blows: Blows, c: Columns, reading: Reading, engine: Batch) -> None:
+def finish_at_bats(table: Table, blows: Blows, c: Columns, reading: Reading, engine: Fleet) -> None:
     """Solve at-bats from the blow on."""
     struck = at_rows(c, blows.rows)
     after = _strike(table, blows, struck, reading)
@@ -419,7 +436,7 @@ def finish_at_bats(table: Table, blows: Blows, c: Columns, reading: Reading, eng
 
 
 def _meet(
-    table: Table, rows: NDArray[np.int64], c: Columns, delivered: Delivered, engine: Batch
+    table: Table, rows: NDArray[np.int64], c: Columns, delivered: Delivered, engine: Fleet
 ) -> Blows:
     """Put the bats where they are swung, and write how the pitches meet them."""
     plane, flown = delivered.plane, delivered.flown
@@ -446,13 +463,13 @@ def _meet(
     put_bat(records, bat, _margin_error(bat, flown.state.z, engine.flight_error))
     ends = engine.search_all(records)
     stop = ends["stop"]
-    missed = np.isin(stop, (flights.FLOOR, flights.WALL, flights.TIME_LIMIT))
-    told = missed | np.isin(stop, (flights.TOUCH, flights.GRAZES_BAT))
+    touched = _flagged(stop == flights.TOUCH)
+    missed = (stop == flights.FLOOR) | (stop == flights.WALL) | (stop == flights.TIME_LIMIT)
+    told = _flagged(missed | (stop == flights.TOUCH) | (stop == flights.GRAZES_BAT))
     table.outcome[rows] = UNSOLVED
     table.decide("missed", rows[missed])
     table.put("contact.margin", rows[told], ends["margin"][told])
-    touched = stop == flights.TOUCH
-    time, state = noted(ends[touched])
+    time, state = _start_at(noted(ends), touched)
     plane = FlightPlane(*_at((plane.x, plane.y, plane.cos, plane.sin), touched))
     table.put("contact.time", rows[touched], time)
     return _blows(
@@ -478,22 +495,29 @@ def _margin_error(bat: BatSection[Any], plate: Array, flight_error: float) -> Ar
 # --- rows and blocks ------------------------------------------------------------------------------
 
 
-def at_rows(c: Columns, rows: Any) -> dict[str, Array]:
-    """Return some rows of columns, by index or by flag."""
+def _flagged(flags: Flags) -> Rows:
+    """Return the rows with a flag: as a slice if all have it, for a slice copies nothing."""
+    return slice(None) if flags.all() else np.flatnonzero(flags)
+
+
+def at_rows(c: Columns, rows: Rows) -> dict[str, Array]:
+    """Return some rows of columns."""
     return {name: _at(column, rows) for name, column in c.items()}
 
 
-def _at(values: Any, rows: Any) -> Any:
+def _at(values: Any, rows: Rows) -> Any:
     """Return some rows of an array, or of each array of a tuple; a number is that of every row."""
     if isinstance(values, tuple):
         return tuple(_at(value, rows) for value in values)
     return values[rows] if np.ndim(values) else values
 
 
-def _delivered_at(delivered: Delivered, rows: NDArray[np.int64]) -> Delivered:
-    def state(whole: PlaneState[Any]) -> PlaneState[Any]:
-        return PlaneState(*_at(tuple(whole), rows))
+def _start_at(start: Start, rows: Rows) -> Start:
+    """Return some rows of times and states."""
+    return Start(_at(start.time, rows), PlaneState(*_at(tuple(start.state), rows)))
 
+
+def _delivered_at(delivered: Delivered, rows: Rows) -> Delivered:
     plane, forces, stops, flown = (
         delivered.plane,
         delivered.forces,
@@ -502,7 +526,7 @@ def _delivered_at(delivered: Delivered, rows: NDArray[np.int64]) -> Delivered:
     )
     return Delivered(
         FlightPlane(*_at((plane.x, plane.y, plane.cos, plane.sin), rows)),
-        state(delivered.start),
+        _start_at(Start(0.0, delivered.start), rows).state,
         replace(
             forces,
             drag=_at(forces.drag, rows),
@@ -512,9 +536,8 @@ def _delivered_at(delivered: Delivered, rows: NDArray[np.int64]) -> Delivered:
         Stops(time_limit=_at(stops.time_limit, rows), floor=_at(stops.floor, rows)),
         Flown(
             flown.stop[rows],
-            flown.time[rows],
-            state(flown.state),
-            Start(flown.approach.time[rows], state(flown.approach.state)),
+            *_start_at(Start(flown.time, flown.state), rows),
+            _start_at(flown.approach, rows),
         ),
     )
 

@@ -39,6 +39,7 @@ from longball.engines.batch.roots import (
     NEVER,
     curvature,
     differentiate,
+    downward,
     first_fall,
     first_zero,
     value,
@@ -499,7 +500,7 @@ def _meets_bat(
             arrival.stop, arrival.margin, arrival.doubt = GRAZES_BAT, margin, margin
             return True
         if margin > 0.0 and math.isnan(arrival.mark_time):
-            bend_of_depth = curvature(slope, degree - 1, end)
+            bend_of_depth = downward(slope, degree - 1, end)
             touch = first_zero(p, slope, degree, 1.0, 0.0, begin, until, bend_of_depth)
             touch = touch if touch < until else until
             s, z, u, w = _state(desk, order, touch)

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from longball.engines.at_bat import solve
 from longball.engines.batch import chain
-from longball.engines.batch.chain import OUTCOMES, UNSOLVED, Table, at_rows
+from longball.engines.batch.chain import OUTCOMES, UNSOLVED, Fleet, Table, at_rows
 from longball.engines.batch.engine import Batch
 from longball.model import result as written
 from longball.model.readings import Reading
@@ -29,7 +29,7 @@ BLOCK = 4096
 # Fewer scenes of a kind are solved one by one in less time than the calls of NumPy take.
 FEW = 16
 
-_CHAINS: dict[type[Any], Callable[[Table, chain.Columns, Reading, Batch], None]] = {
+_CHAINS: dict[type[Any], Callable[[Table, chain.Columns, Reading, Fleet], None]] = {
     FlightScene: chain.solve_flights,
     PitchScene: chain.solve_pitches,
     ImpactScene: chain.solve_impacts,
@@ -38,7 +38,7 @@ _CHAINS: dict[type[Any], Callable[[Table, chain.Columns, Reading, Batch], None]]
 
 
 def solve_columns(
-    scene: Scene, columns: Mapping[str, ArrayLike], engine: Batch | None = None, threads: int = 1
+    scene: Scene, columns: Mapping[str, ArrayLike], engine: Fleet | None = None, threads: int = 1
 ) -> dict[str, NDArray[Any]]:
     """Solve many scenes that differ from one in some of their numbers.
 
@@ -189,7 +189,7 @@ def _solve(
     count: int,
     columns: chain.Columns,
     reading: Reading,
-    engine: Batch,
+    engine: Fleet,
     threads: int,
 ) -> Table:
     """Solve columns in blocks, each by one thread."""

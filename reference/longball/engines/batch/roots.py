@@ -21,7 +21,6 @@ NEVER = math.inf
 # A search takes three to six walks; near a double root each halves the rest of the way.
 _LONGEST_WALK = 1000
 _NOTHING = 1e-17  # of a time: a tenth of its rounding
-_SMALLEST = 1e-300  # stands for a curvature of zero
 
 
 @compiled
@@ -72,6 +71,15 @@ def curvature(slope: Array, degree: int, end: float) -> float:
 
 
 @compiled
+def downward(slope: Array, degree: int, end: float) -> float:
+    """Return an upper bound on -p'' over [0, end], from the coefficients of p'."""
+    total = 0.0
+    for k in range(degree, 1, -1):
+        total = fma(total, end, k * abs(slope[k]))
+    return float(fma(total, end, -slope[1])) if degree > 0 else 0.0
+
+
+@compiled
 def first_zero(
     p: Array,
     slope: Array,
@@ -91,10 +99,9 @@ def first_zero(
     p, slope
         Coefficients of p, of degree `degree`, and of p'.
     bend
-        A bound on |p''| up to the end.
+        An upper bound on ``-sign p''`` up to the end.
     """
     t: float = begin
-    bend = max(bend, _SMALLEST)
     height, rate = p[0], slope[0]
     for walk in range(_LONGEST_WALK):
         if walk > 0 or begin > 0.0:
@@ -104,14 +111,17 @@ def first_zero(
             if rate <= 0.0:
                 return t
             height = 0.0  # on the way up from a root
-        root = math.sqrt(rate * rate + 2.0 * bend * height)
+        square = rate * rate + 2.0 * bend * height
+        if square < 0.0 or (rate > 0.0 and bend <= 0.0):  # the parabola turns up before zero
+            return NEVER
+        root = math.sqrt(square)
         step = (rate + root) / bend if rate > 0.0 else 2.0 * height / (root - rate)
         stays = t + step == t
         t += step
         if not t <= end:
             return NEVER
         # Above the parabola p has at most `bend step²` left here, and its slope is about `root`.
-        if stays or bend * step * step <= _NOTHING * t * root:
+        if stays or abs(bend) * step * step <= _NOTHING * t * root:
             return t
     return math.nan
 
@@ -125,24 +135,25 @@ def first_fall(
     Where p has a minimum within `error` of zero, whether it falls through cannot be told: the time
     then is NaN, and the second number the minimum. Otherwise the second number is 0.
     """
-    bend = curvature(slope, degree - 1, end)
-    zero = first_zero(p, slope, degree, 1.0, 0.0, 0.0, end, bend)
+    sag = downward(slope, degree - 1, end)
+    zero = first_zero(p, slope, degree, 1.0, 0.0, 0.0, end, sag)
     if error == 0.0:
         return zero, 0.0
     if zero == NEVER:
-        if first_zero(p, slope, degree, 1.0, error, 0.0, end, bend) == NEVER:
+        if first_zero(p, slope, degree, 1.0, error, 0.0, end, sag) == NEVER:
             return NEVER, 0.0
     else:
         rate = value(slope, degree - 1, zero)
+        bend = curvature(slope, degree - 1, end)
         if rate < 0.0 and rate * rate > 4.0 * bend * error:
             # So steep that even the strongest bend turns p only below -error.
             return zero, 0.0
-    return _fall_by_pieces(p, slope, scratch, degree, end, error, bend)
+    return _fall_by_pieces(p, slope, scratch, degree, end, error, sag)
 
 
 @compiled
 def _fall_by_pieces(
-    p: Array, slope: Array, scratch: Array, degree: int, end: float, error: float, bend: float
+    p: Array, slope: Array, scratch: Array, degree: int, end: float, error: float, sag: float
 ) -> tuple[float, float]:
     """Do what `first_fall` does, from one turning point of p to the next."""
     differentiate(slope, degree - 1, scratch)
@@ -159,7 +170,7 @@ def _fall_by_pieces(
             if turn != NEVER and abs(least) <= error:
                 return math.nan, least
             if least <= 0.0:
-                zero = first_zero(p, slope, degree, 1.0, 0.0, begin, end, bend)
+                zero = first_zero(p, slope, degree, 1.0, 0.0, begin, end, sag)
                 return (zero if zero < end else end), 0.0
         if turn == NEVER:
             return NEVER, 0.0

@@ -2,7 +2,7 @@
 
 import pytest
 
-from analysis.pitch_fits import (
+from analysis.paper.pitch_fits import (
     PRINTED,
     Printed,
     _on_equation_2,

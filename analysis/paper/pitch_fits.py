@@ -9,9 +9,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import joblib
 import numpy as np
 import pandas as pd
 
@@ -27,6 +29,8 @@ if TYPE_CHECKING:
 Rows = list[dict[str, Any]]
 
 PITCHES = 1548  # in the paper's 12 games
+SYNTHETIC_SEED = 2014
+DRAWS, FULL_DRAWS = 40, 200  # of that many pitches
 # Table II, its headings exchanged (km/h), and p; Fig. 3 (cells), and q.
 MEAN_1, SPREAD_1, MEAN_2, SPREAD_2, P = 139.1, 4.58, 127.8, 7.80, 0.45
 LEFT, RIGHT, SPREAD, Q = 2.0, 4.0, 0.77, 0.52
@@ -91,14 +95,10 @@ def run(report: Path, full: bool) -> str:
     for folder in (tables, figures):
         folder.mkdir(parents=True, exist_ok=True)
 
-    draws = 200 if full else 40
-    example = fit_pitches(EXAMPLE)
-    synthetic = fit_pitches(draw_pitches(PITCHES, seed=2014), CHART, KINDS)
-    million = fit_pitches(draw_pitches(10**6, seed=2014), CHART, KINDS)
-
-    counterparts = compare(example, synthetic, million)
+    draws = FULL_DRAWS if full else DRAWS
+    example, synthetic = fit_pitches(EXAMPLE), synthetic_fit()
+    counterparts, determination = compared(), determine(draws)
     coverage = cover(draws)
-    determination = determine(draws)
     grid = vary_grid()
     classes = vary_classes()
     for name, table in (
@@ -121,6 +121,19 @@ def run(report: Path, full: bool) -> str:
         figure.savefig(figures / f"pitch_fits_{name}.png", dpi=150, metadata={"Software": None})
 
     return write(example, synthetic, counterparts, coverage, determination, grid, classes)
+
+
+@cache
+def synthetic_fit() -> FittedPitches:
+    """Return the fit of as many pitches as the paper had, drawn from what it prints."""
+    return fit_pitches(draw_pitches(PITCHES, SYNTHETIC_SEED), CHART, KINDS)
+
+
+@cache
+def compared() -> Rows:
+    """Return printed and ours; `analysis.paper.counterparts` asks for it, too."""
+    million = fit_pitches(draw_pitches(10**6, SYNTHETIC_SEED), CHART, KINDS)
+    return compare(fit_pitches(EXAMPLE), synthetic_fit(), million)
 
 
 # --- pitches drawn from what is printed -----------------------------------------------------------
@@ -210,10 +223,10 @@ def verdict(printed: Printed, method: str, value: float, error: float | None) ->
 
 def cover(draws: int) -> Rows:
     """Return how far from the printed numbers the fits of many draws lie, in standard errors."""
-    fits = [
-        fit_pitches(draw_pitches(PITCHES, seed), CHART, KINDS, replicates=2)
+    fits = joblib.Parallel(n_jobs=-1)(
+        joblib.delayed(fit_pitches)(draw_pitches(PITCHES, seed), CHART, KINDS, replicates=2)
         for seed in range(draws)
-    ]
+    )
     rows: Rows = []
     for printed in PRINTED:
         found = [printed.ours(fitted, "maximum_likelihood") for fitted in fits]
@@ -230,12 +243,19 @@ def cover(draws: int) -> Rows:
     return rows
 
 
+@cache
 def determine(draws: int) -> Rows:
     """Return what R² the paper's fits would have if they were the truth, by width of bin."""
     rows: Rows = []
     tables = [draw_pitches(PITCHES, 10_000 + seed) for seed in range(draws)]
-    for width in (1.0, 2.0, 3.0, 4.0, 5.0, 6.0):
-        fits = [fit_pitches(table, CHART, KINDS, bin_width=width, replicates=2) for table in tables]
+    widths = (1.0, 2.0, 3.0, 4.0, 5.0, 6.0)
+    everything = joblib.Parallel(n_jobs=-1)(
+        joblib.delayed(fit_pitches)(table, CHART, KINDS, bin_width=width, replicates=2)
+        for width in widths
+        for table in tables
+    )
+    for i, width in enumerate(widths):
+        fits = everything[i * draws : (i + 1) * draws]
         for what, values in (
             ("speed", [fitted.speed.least_squares.r_squared for fitted in fits]),
             ("speed as printed", [f.speed.least_squares_as_printed.r_squared for f in fits]),
@@ -461,25 +481,25 @@ def write(
         "batter's own, the ring of the grid is open to the outside. ± is one standard error."
     )
     sections = (
-        "# Pitches: the paper's Section II",
+        "## Pitches: Sec. II, Figs. 2 to 4, Table II",
         introduction,
-        "## Table II, p, q and Fig. 3, given back",
+        "### Table II, p, q and Fig. 3, given back",
         "Verdict: do pitches drawn from the printed numbers give them back?",
         _counterpart_table(counterparts, "maximum_likelihood", "Maximum likelihood"),
         _counterpart_table(counterparts, "least_squares", "Curves through histograms"),
         _on_coverage(coverage),
-        "## Fig. 2: speeds",
+        "### Fig. 2: speeds",
         "![Speeds](figures/pitch_fits_fig2.png)",
         _on_r_squared(example, synthetic, determination),
         "![R² and bins](figures/pitch_fits_r_squared.png)",
         _on_equation_2(determination),
         _on_classes(classes),
-        "## Fig. 3: across the plate",
+        "### Fig. 3: across the plate",
         "![Across the plate](figures/pitch_fits_fig3.png)",
         _on_r_squared_of_aims(determination),
         _on_spread(),
         _on_peaks(example, grid),
-        "## Fig. 4: heights",
+        "### Fig. 4: heights",
         "![Heights](figures/pitch_fits_fig4.png)",
         _on_heights(example),
     )

@@ -1,0 +1,560 @@
+"""The paper's own argument for the form of P(e), step by step (Sec. IV)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from statistics import NormalDist
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from analysis.paper import combinations
+from analysis.paper.balls import Balls, Space, cores, strike
+from analysis.paper.printed import CARRIES
+from analysis.writing import LINES, figure, shown, table
+from longball.engines.batch import solve_columns
+from longball.home_run import (
+    HOME_RUN_DISTANCE,
+    PAPER_CURVES,
+    RESTITUTIONS,
+    draw,
+    fit,
+    paper_at_bats,
+)
+from longball.model.scene import AtBatScene, FlightScene, Launch
+
+Array = NDArray[np.float64]
+
+SAMPLES = 400_000
+SEED = 21
+E, STEP = 0.43, 0.01  # the middle of the paper's range, and the step of the differences
+WINDOW = (100.0, 200.0)  # m, "approximately D = 150 m"
+NORMAL = NormalDist()
+
+
+# --- is D near 150 m normal, with mean C₁ e? ------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Tail:
+    """What a reading has at the fence, against the normal distribution that the paper assumes.
+
+    A normal density of D with mean m and deviation σ is fixed by P = Φ((m - 150)/σ) and by its
+    density p at 150 m; and P changes with e by p(150) times the mean of dD/de there, whatever
+    the density (Leibniz' rule). The paper's form says that both are C₁: m = C₁ e, and dm/de = C₁.
+
+    Attributes
+    ----------
+    p, density
+        P(D ≥ 150 m) and the density at 150 m, 1/m, of the balls in the sample space.
+    sigma, mean
+        m, of the normal distribution that has both.
+    shift
+        m, dP/de over the density: the mean of dD/de at the fence.
+    curvature
+        m, of the density in the window about 150 m: 1/√(-d² ln p/dD²), which is σ for a normal
+        one; NaN if the logarithm of the density curves upwards.
+    c1, c1_sigma
+        m, the paper's form fitted to P(e).
+    """
+
+    p: float
+    density: float
+    sigma: float
+    mean: float
+    shift: float
+    curvature: float
+    c1: float
+    c1_sigma: float
+
+    @property
+    def c1_of_the_mean(self) -> float:
+        """Return C₁ = mean / e, m."""
+        return self.mean / E
+
+
+def tail(space: Space, struck: Sequence[Balls]) -> Tail:
+    """Compare the balls of a sample space, struck at the paper's restitutions, with the form."""
+    rows = [space.estimate(e, balls) for e, balls in zip(RESTITUTIONS, struck, strict=True)]
+    middle = RESTITUTIONS.index(E)
+    row, distances = rows[middle], space.distances(struck[middle])
+    p, density = row.p, density_at_fence(distances) * len(distances) / row.trials
+    z = NORMAL.inv_cdf(1 - p)
+    sigma = NORMAL.pdf(z) / density
+    slope = (rows[middle + 1].p - rows[middle - 1].p) / (2 * STEP)
+    fitted = fit(rows)
+    return Tail(
+        p=p,
+        density=density,
+        sigma=sigma,
+        mean=HOME_RUN_DISTANCE - z * sigma,
+        shift=slope / density,
+        curvature=width(distances),
+        c1=fitted.curve.c1 if fitted else math.nan,
+        c1_sigma=fitted.curve.sigma if fitted else math.nan,
+    )
+
+
+def log_density(distances: Array) -> Array:
+    """Return a parabola for ln p(D) in the window, highest power first; D - 150 m in metres."""
+    edges = np.arange(WINDOW[0], WINDOW[1] + 1, 5.0)
+    counts = np.histogram(distances, edges)[0]
+    filled = counts > 0
+    middles = (edges[:-1] + edges[1:])[filled] / 2 - HOME_RUN_DISTANCE
+    # The logarithm of a count n has the standard error 1/√n.
+    heights = np.log(counts[filled] / (len(distances) * np.diff(edges)[filled]))
+    return np.polyfit(middles, heights, 2, w=np.sqrt(counts[filled]))
+
+
+def density_at_fence(distances: Array) -> float:
+    """Return the density of D at 150 m, 1/m, from the smooth curve through the window."""
+    return math.exp(log_density(distances)[2])
+
+
+def width(distances: Array) -> float:
+    """Return σ if the density in the window were normal; NaN if it is not peaked at all."""
+    bend = log_density(distances)[0]
+    return math.sqrt(-1 / (2 * bend)) if bend < 0 else math.nan
+
+
+# --- is the pitch's speed at contact nearly constant? ---------------------------------------------
+
+
+@dataclass(frozen=True)
+class Contact:
+    """Speeds at the bat.
+
+    Attributes
+    ----------
+    mean, deviation
+        m/s, of the ball's speed as it meets the bat.
+    by_speed
+        m/s, how much faster a ball leaves the bat for one deviation of the pitch's speed, all
+        else equal.
+    by_restitution
+        m/s, how much faster at e = 0.45 than at 0.41.
+    """
+
+    mean: float
+    deviation: float
+    by_speed: float
+    by_restitution: float
+
+
+def contact(base: AtBatScene, struck: Sequence[Balls]) -> Contact:
+    """Return what the scatter of the pitch's speed amounts to, for the balls hit upwards."""
+    flies = struck[0].elevation > 0
+    speeds = struck[0].pitch_speed[flies]
+    samples = draw(paper_at_bats(base.reading), SAMPLES // 10, SEED)
+    factor = 1 + float(speeds.std() / speeds.mean())
+    faster = type(samples)(samples.speed * factor, samples.aim, samples.offset, samples.tilt)
+    usual, quick = (strike(base, one, [E], threads=cores())[0] for one in (samples, faster))
+    return Contact(
+        mean=float(speeds.mean()),
+        deviation=float(speeds.std()),
+        by_speed=float(np.nanmedian(quick.exit_speed - usual.exit_speed)),
+        by_restitution=float(np.median(struck[-1].exit_speed[flies] - struck[0].exit_speed[flies])),
+    )
+
+
+# --- is D linear in the exit speed? ---------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Line:
+    """A straight line laid through D against a speed or a restitution.
+
+    Attributes
+    ----------
+    slope, intercept
+        Of D, in m.
+    off
+        m, the largest distance of a point from it.
+    power
+        d ln D / d ln x in the middle: 1 if D is proportional to x.
+    """
+
+    slope: float
+    intercept: float
+    off: float
+    power: float
+
+
+def line(x: Array, d: Array) -> Line:
+    """Lay a line through points by least squares."""
+    slope, intercept = np.polyfit(x, d, 1)
+    middle = len(x) // 2
+    steepness = np.gradient(d, x)[middle]
+    return Line(
+        slope=float(slope),
+        intercept=float(intercept),
+        off=float(np.abs(d - slope * x - intercept).max()),
+        power=float(steepness * x[middle] / d[middle]),
+    )
+
+
+SPEEDS = np.linspace(40.0, 60.0, 21)  # m/s
+ELEVATIONS = (20.0, 30.0, 40.0)  # degrees
+STRAIGHT = 0.05  # off a line by less than this share of the whole change: linear to the eye
+
+
+def ranges(base: AtBatScene, elevation: float) -> Array:
+    """Return D, m, of flights from 1 m above the ground at the speeds above."""
+    angle = math.radians(elevation)
+    scene = FlightScene(
+        id="flight",
+        ball=base.ball,
+        air=base.air,
+        reading=base.reading,
+        launch=Launch(position=(0.0, 0.0, 1.0), velocity=(1.0, 0.0, 0.0)),
+    )
+    columns = {
+        "launch.velocity.0": SPEEDS * math.cos(angle),
+        "launch.velocity.2": SPEEDS * math.sin(angle),
+    }
+    found: Array = solve_columns(scene, columns)["landing.distance"]
+    return found
+
+
+# --- what does dD/de come to? ---------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Shift:
+    """dD/de of single at-bats that land at some distance, by differences over the same swing.
+
+    Attributes
+    ----------
+    distance
+        m, the middle of where they land, ± 5 m.
+    balls
+        How many.
+    median, low, high
+        m, dD/de: half of them lie between low and high.
+    power
+        Median of d ln D / d ln e: 1 if D is proportional to e, as in D = C₁ e.
+    bend
+        Largest share of dD/de that changes from e = 0.42 to 0.44, for 95 % of them: 0 if D is
+        linear in e.
+    """
+
+    distance: float
+    balls: int
+    median: float
+    low: float
+    high: float
+    power: float
+    bend: float
+
+
+def shift(distance: float, struck: Sequence[Balls]) -> Shift | None:
+    """Return dD/de of the fair flies that land at a distance; None if there are too few."""
+    middle = RESTITUTIONS.index(E)
+    below, at, above = (struck[middle + i] for i in (-1, 0, 1))
+    here = at.fair & (at.elevation > 0) & (np.abs(at.distance - distance) < 5.0)
+    if here.sum() < 100:
+        return None
+    d = np.array([one.distance[here] for one in (below, at, above)])
+    slope = (d[2] - d[0]) / (2 * STEP)
+    low, median, high = np.quantile(slope, (0.25, 0.5, 0.75))
+    bend = np.abs((d[2] - 2 * d[1] + d[0]) / STEP / slope)
+    return Shift(
+        distance=distance,
+        balls=int(here.sum()),
+        median=float(median),
+        low=float(low),
+        high=float(high),
+        power=float(np.median(slope * E / d[1])),
+        bend=float(np.quantile(bend, 0.95)),
+    )
+
+
+# --- the report -----------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Case:
+    """A reading that the argument is tried on."""
+
+    name: str
+    base: AtBatScene
+    space: Space
+
+
+@dataclass(frozen=True)
+class Tested:
+    """What was found for a reading."""
+
+    case: Case
+    tail: Tail
+    contact: Contact
+    shifts: list[Shift]
+    flights: dict[float, Line]
+    exit: Line
+    density: Array
+
+
+def tested(case: Case) -> Tested:
+    """Try the argument on a reading."""
+    samples = draw(paper_at_bats(case.base.reading), SAMPLES, SEED)
+    struck = strike(case.base, samples, RESTITUTIONS, threads=cores())
+    shifts = [shift(distance, struck) for distance in (75.0, 110.0, 150.0)]
+    middle = struck[RESTITUTIONS.index(E)]
+    return Tested(
+        case=case,
+        tail=tail(case.space, struck),
+        contact=contact(case.base, struck),
+        shifts=[one for one in shifts if one is not None],
+        flights={angle: line(SPEEDS, ranges(case.base, angle)) for angle in ELEVATIONS},
+        exit=exit_line(middle),
+        density=np.histogram(case.space.distances(middle), np.arange(0.0, 301.0, 5.0))[0]
+        / (5.0 * case.space.estimate(E, middle).trials),
+    )
+
+
+def exit_line(balls: Balls) -> Line:
+    """Lay a line through the mean D of fair flies against their exit speed, m/s."""
+    flies = balls.fair & (balls.elevation > 0)
+    speed, d = balls.exit_speed[flies], balls.distance[flies]
+    edges = np.quantile(speed, np.linspace(0.02, 0.98, 25))
+    where = np.digitize(speed, edges)
+    groups = [where == i for i in range(1, len(edges))]
+    return line(
+        np.array([speed[group].mean() for group in groups]),
+        np.array([d[group].mean() for group in groups]),
+    )
+
+
+@cache
+def everything() -> list[Tested]:
+    """Try the argument on the default and the nearest reading; two sections ask for it."""
+    default, best = combinations.default_trial(), combinations.study().best
+    return [
+        tested(Case("default", default.base, default.space)),
+        tested(Case("nearest", best.base, best.space)),
+    ]
+
+
+def run(report: Path, full: bool) -> str:
+    """Write the section; `full` changes nothing."""
+    found = everything()
+    draw_argument(report, found)
+    return "\n".join(
+        [
+            "## The paper's argument, step by step\n",
+            "Sec. IV takes D near 150 m for normal with the mean C₁ e, since the pitch meets the "
+            "bat at a nearly constant speed and the range is linear in the exit speed. Each step, "
+            f"tried on {len(found)} readings with {SAMPLES:,} at-bats each (seed {SEED}): "
+            + "; ".join(f"{one.case.name}, samples: {one.case.space.name}" for one in found)
+            + ".\n",
+            "### Is D near 150 m normal, with the mean C₁ e?\n",
+            on_normality(report, found),
+            shown(
+                "paper_argument",
+                "Left: density of D at e = 0.43 and the normal density with the same P(0.43) and "
+                "the same density at 150 m (thin). Right: D against the exit speed at three "
+                "elevations, with straight lines (dotted).",
+            ),
+            "### Is the pitch's speed at contact nearly constant?\n",
+            on_contact(found),
+            "### Is D linear in the exit speed?\n",
+            on_linearity(report, found),
+            "### What does dD/de come to?\n",
+            on_shift(report, found),
+        ]
+    )
+
+
+def on_normality(report: Path, found: Sequence[Tested]) -> str:
+    """Say whether the normal form holds at the fence."""
+    rows = pd.DataFrame(
+        [
+            {
+                "reading": one.case.name,
+                f"P({E})": f"{one.tail.p:.4f}",
+                "density at 150 m, 1/m": f"{one.tail.density:.2e}",
+                "σ by both, m": f"{one.tail.sigma:.1f}",
+                "σ by the bend of ln p, m": f"{one.tail.curvature:.1f}",
+                "mean by both, m": f"{one.tail.mean:.1f}",
+                "C₁ = mean/e, m": f"{one.tail.c1_of_the_mean:.0f}",
+                "C₁ = dP/de / density, m": f"{one.tail.shift:.0f}",
+                "fitted C₁, m": f"{one.tail.c1:.0f}",
+                "fitted σ, m": f"{one.tail.c1_sigma:.1f}",
+            }
+            for one in found
+        ]
+    )
+    words = [
+        "A normal density is fixed by P and by its own value at 150 m; and whatever the density "
+        "is, dP/de is its value at 150 m times the mean of dD/de of the balls that land there. "
+        "The paper's form asks that the mean is C₁ e and that it moves by C₁.\n",
+        table(report, "paper_normality", rows),
+    ]
+    for one in found:
+        ratio = one.tail.c1_of_the_mean / one.tail.shift
+        bend = one.tail.curvature / one.tail.sigma
+        same_width = 0.8 < bend < 1.25  # NaN if the density is not peaked
+        same_c1 = 0.8 < ratio < 1.25
+        words.append(
+            f"{one.case.name.capitalize()}: the two C₁ "
+            + (
+                f"agree within {100 * abs(ratio - 1):.0f} %"
+                if same_c1
+                else f"**disagree by a factor of {max(ratio, 1 / ratio):.1f}**"
+            )
+            + ", and the density "
+            + (
+                f"bends like a normal one of that width within {100 * abs(bend - 1):.0f} %."
+                if same_width
+                else "**does not bend like a normal one**."
+                if math.isnan(bend)
+                else f"bends like a normal one {bend:.1f} times as wide."
+            )
+        )
+    caption = PAPER_CURVES["caption"]
+    words.append(
+        f"The caption's own C₁ = {caption.c1:g} m puts the mean of D at {caption.c1 * E:.0f} m "
+        f"for e = {E}, with σ = {caption.sigma:g} m."
+    )
+    return "\n".join(words[:2]) + "\n" + " ".join(words[2:]) + "\n"
+
+
+def on_contact(found: Sequence[Tested]) -> str:
+    """Say whether the pitch's speed may be taken for constant."""
+    words = []
+    for one in found:
+        at = one.contact
+        share = at.by_speed / at.by_restitution
+        words.append(
+            f"{one.case.name.capitalize()}: the balls hit upwards meet the bat at {at.mean:.1f} ± "
+            f"{at.deviation:.1f} m/s ({100 * at.deviation / at.mean:.1f} %). One such deviation "
+            f"changes the exit speed by {at.by_speed:+.2f} m/s in the median; e from "
+            f"{min(RESTITUTIONS)} to {max(RESTITUTIONS)} changes it by {at.by_restitution:+.2f} "
+            "m/s. "
+            + (
+                "**Nearly constant** next to what e does."
+                if abs(share) < 0.2
+                else f"**Not constant** next to what e does: {abs(share):.0%} of it."
+            )
+        )
+    return " ".join(words) + "\n"
+
+
+def on_linearity(report: Path, found: Sequence[Tested]) -> str:
+    """Say whether the range is linear in the exit speed."""
+    rows = [
+        {
+            "reading": one.case.name,
+            "balls": what,
+            "slope, m per m/s": f"{laid.slope:.2f}",
+            "D at speed 0, m": f"{laid.intercept:+.0f}",
+            "off the line at most, m": f"{laid.off:.1f}",
+            "d ln D / d ln v": f"{laid.power:.2f}",
+        }
+        for one in found
+        for what, laid in [
+            *(
+                (f"launched at {angle:g}°, {SPEEDS[0]:g} to {SPEEDS[-1]:g} m/s", flown)
+                for angle, flown in one.flights.items()
+            ),
+            ("all fair flies, mean D by exit speed", one.exit),
+        ]
+    ]
+    words = []
+    for one in found:
+        rise = SPEEDS[-1] - SPEEDS[0]
+        worst = max(laid.off / (laid.slope * rise) for laid in one.flights.values())
+        powers = [laid.power for laid in one.flights.values()]
+        proportional = all(abs(power - 1) < 0.1 for power in powers)
+        words.append(
+            f"{one.case.name.capitalize()}: at one elevation D is "
+            + ("**linear**" if worst < STRAIGHT else "**not linear**")
+            + f" in the exit speed: off a line by {100 * worst:.1f} % of its change over these "
+            "speeds at most. It is "
+            + (
+                "proportional to it."
+                if proportional
+                else f"not proportional to it: d ln D / d ln v is {min(powers):.2f} to "
+                f"{max(powers):.2f}."
+            )
+        )
+    return table(report, "paper_linearity", pd.DataFrame(rows)) + "\n" + " ".join(words) + "\n"
+
+
+def on_shift(report: Path, found: Sequence[Tested]) -> str:
+    """Say what dD/de is, and whether it is C₁."""
+    rows = [
+        {
+            "reading": one.case.name,
+            "D, m": f"{each.distance:g} ± 5",
+            "balls": each.balls,
+            "dD/de, median, m": f"{each.median:.0f}",
+            "middle half, m": f"{each.low:.0f} to {each.high:.0f}",
+            "d ln D / d ln e": f"{each.power:.2f}",
+            "change of dD/de over 0.02": f"{100 * each.bend:.0f} %",
+        }
+        for one in found
+        for each in one.shifts
+    ]
+    words = [
+        "Of dD/de at a carry of 110 m "
+        + "; ".join(
+            f"{carry.who} says {carry.slope:.0f} ± {carry.slope_error:.0f} m" for carry in CARRIES
+        )
+        + " (± the rounding of its figures); the paper's C₁ is "
+        + " m or ".join(f"{curve.c1:g}" for curve in PAPER_CURVES.values())
+        + " m."
+    ]
+    for one in found:
+        at = {each.distance: each for each in one.shifts}
+        if 110.0 in at:
+            here = at[110.0]
+            inside = [c.who for c in CARRIES if here.low <= c.slope <= here.high]
+            near = " and ".join(inside) if inside else "neither"
+            words.append(
+                f"{one.case.name.capitalize()}: {here.median:.0f} m at 110 m, in whose middle half "
+                f"lies what {near} says."
+            )
+        if HOME_RUN_DISTANCE in at:
+            here = at[HOME_RUN_DISTANCE]
+            words.append(
+                f"At the fence D goes like e to the power {here.power:.2f}, "
+                + (
+                    "as C₁ e asks."
+                    if abs(here.power - 1) < 0.1
+                    else "where C₁ e asks for 1: a ball leaves the bat with 1 + e, not with e, and "
+                    "the bat's own speed on top."
+                )
+            )
+    return table(report, "paper_shift", pd.DataFrame(rows)) + "\n" + " ".join(words) + "\n"
+
+
+def draw_argument(report: Path, found: Sequence[Tested]) -> None:
+    """Draw the density with the normal one, and D against the exit speed."""
+    d = np.arange(0.0, 300.0, 5.0) + 2.5
+    with figure(report, "paper_argument", columns=2, size=(9.0, 3.8)) as (left, right):
+        for i, (one, dash) in enumerate(zip(found, LINES, strict=False)):
+            left.plot(d, 1e3 * one.density, dash, color=f"C{i}", label=one.case.name)
+            normal = NormalDist(one.tail.mean, one.tail.sigma)
+            near = (d > WINDOW[0] - 50) & (d < WINDOW[1] + 50)
+            left.plot(
+                d[near], [1e3 * normal.pdf(x) for x in d[near]], dash, color=f"C{i}", linewidth=0.7
+            )
+            for j, (angle, laid) in enumerate(one.flights.items()):
+                right.plot(
+                    SPEEDS, ranges(one.case.base, angle), dash, color=f"C{i}",
+                    linewidth=0.8 + 0.6 * j,
+                    label=f"{one.case.name}, {angle:g}°" if i == 0 or j == 2 else None,
+                )  # fmt: skip
+                right.plot(SPEEDS, laid.slope * SPEEDS + laid.intercept, ":", color="0.5")
+        left.axvline(HOME_RUN_DISTANCE, color="black", linewidth=0.8, linestyle=":")
+        left.set(xlabel="distance D, m", ylabel="density, 1/km", xlim=(0.0, 250.0))
+        left.set_ylim(0.0, 1.05 * max(1e3 * one.density[2:].max() for one in found))
+        left.legend(fontsize="small")
+        right.set(xlabel="exit speed, m/s", ylabel="distance D, m")
+        right.legend(fontsize="small")

@@ -1,0 +1,367 @@
+"""The numbers that the paper does not print, and how P depends on all of them."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from analysis.paper.balls import Share, Space, cores, strike
+from analysis.paper.combinations import Trial, trial
+from analysis.paper.distances import NEAR
+from analysis.paper.printed import P_TEXT
+from analysis.writing import figure, shown, table
+from longball.home_run import PAPER_CURVES, RESTITUTIONS, Samples, draw, paper_at_bats
+from longball.model.scene import AtBatScene
+
+SAMPLES = 100_000
+CORNER_SAMPLES = 20_000
+SEED = 1
+E = P_TEXT[0]
+STEP = 0.02  # of a number's value: its third order is 1 % of P' where P goes like its tenth power
+
+Problem = tuple[AtBatScene, Samples]
+
+
+def drawn(base: AtBatScene, count: int = SAMPLES) -> Problem:
+    """Return an at-bat with its random numbers: the same ones for every reading."""
+    return base, draw(paper_at_bats(base.reading), count, SEED)
+
+
+def with_number(base: AtBatScene, name: str, value: float) -> AtBatScene:
+    """Return a scene with another number, named like ``ball.mass`` or ``gravity``."""
+    block, _, key = name.partition(".")
+    if not key:
+        return base.model_copy(update={block: value})
+    return base.model_copy(update={block: getattr(base, block).model_copy(update={key: value})})
+
+
+def number(base: AtBatScene, name: str) -> float:
+    """Return a number of a scene."""
+    block, _, key = name.partition(".")
+    found: float = getattr(getattr(base, block), key) if key else getattr(base, block)
+    return found
+
+
+def share(problem: Problem, space: Space) -> Share:
+    """Return P at the restitution of the problem's ball."""
+    base, samples = problem
+    (balls,) = strike(base, samples, [base.ball.restitution], threads=cores())
+    return space.share(balls)
+
+
+# --- what is not printed --------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Unknown:
+    """A number that the paper does not print, or prints for other balls than its own.
+
+    Attributes
+    ----------
+    name, unit
+        In a scene.
+    low, high
+        Its range.
+    source
+        Where that comes from.
+    """
+
+    name: str
+    unit: str
+    low: float
+    high: float
+    source: str
+
+
+UNKNOWN = (
+    Unknown("ball.mass", "kg", 0.1417, 0.1488, "not printed; NPB's rules"),
+    Unknown("bat.mass", "kg", 0.85, 0.96, "not printed; wooden bats of 30 to 34 oz"),
+    Unknown(
+        "reading.cell_width", "m", 0.12, 0.20,
+        "not printed; a third of the plate is 0.144, with a ball's width 0.168; a chart may be "
+        "drawn narrower or wider",
+    ),
+    Unknown(
+        "air.drag_coefficient", "", 0.3, 0.5,
+        "printed 0.4; baseballs as measured about the drag crisis (the paper's Refs. by Kensrud "
+        "and Smith, Frohlich)",
+    ),
+    Unknown(
+        "air.lift_coefficient", "", 0.1, 0.3,
+        "printed 0.2; baseballs with spin parameters of about 0.1 to 0.4 (its Ref. by Nathan)",
+    ),
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Ranged:
+    """What one number does to P(0.42) over its range: (change, standard error) at its ends."""
+
+    unknown: Unknown
+    low: tuple[float, float]
+    high: tuple[float, float]
+
+
+def over_ranges(base: AtBatScene, space: Space) -> tuple[Share, list[Ranged]]:
+    """Return P(0.42), and what each number alone does to it."""
+    before = share(drawn(base), space)
+    return before, [
+        Ranged(
+            one,
+            *(
+                share(drawn(with_number(base, one.name, value)), space).above(before)
+                for value in (one.low, one.high)
+            ),
+        )
+        for one in UNKNOWN
+    ]
+
+
+def at_corners(base: AtBatScene, space: Space) -> list[Trial]:
+    """Return P(e) with all numbers at the ends of their ranges, in all combinations."""
+    found = []
+    for values in itertools.product(*((one.low, one.high) for one in UNKNOWN)):
+        corner = base
+        for one, value in zip(UNKNOWN, values, strict=True):
+            corner = with_number(corner, one.name, value)
+        struck = strike(*drawn(corner, CORNER_SAMPLES), RESTITUTIONS, threads=cores())
+        found.append(trial(corner, space, struck))
+    return found
+
+
+def section(report: Path, cases: dict[str, tuple[AtBatScene, Space]]) -> str:
+    """Write the section: what the unknown numbers do, alone and together."""
+    cases = {
+        name: (with_number(base, "ball.restitution", E), s) for name, (base, s) in cases.items()
+    }
+    found = {name: over_ranges(*case) for name, case in cases.items()}
+    rows = pd.DataFrame(
+        [
+            {
+                "number": f"{one.name}, {one.unit}".rstrip(", "),
+                "from": f"{one.low:g}",
+                "to": f"{one.high:g}",
+                **{
+                    f"{name}: P({E})": " to ".join(
+                        f"{before.p + change:.4f} ± {error:.4f}"
+                        for change, error in (ranged[i].low, ranged[i].high)
+                    )
+                    for name, (before, ranged) in found.items()
+                },
+                "source": one.source,
+            }
+            for i, one in enumerate(UNKNOWN)
+        ]
+    )
+    draw_ranges(report, found)
+    return "\n".join(
+        [
+            "### Numbers that are not printed\n",
+            f"Each one alone over its range, from the same {SAMPLES:,} at-bats (seed {SEED}); ± is "
+            "the standard error of the difference from the value of the reading.\n",
+            table(report, "paper_numbers", rows),
+            shown(
+                "paper_numbers",
+                f"P({E}) over the range of each number that is not printed or not certain: circles "
+                "at the lower ends, squares at the upper.",
+            ),
+            *(on_corners(name, at_corners(*case)) for name, case in cases.items()),
+        ]
+    )
+
+
+def on_corners(name: str, corners: Sequence[Trial]) -> str:
+    """Say what all numbers together can do."""
+    p = [one.p(E) for one in corners]
+    nearest = min(corners, key=lambda one: one.to["caption"].squared)
+    d2 = nearest.to["caption"].squared
+    values = ", ".join(f"{one.name} = {number(nearest.base, one.name):g}" for one in UNKNOWN)
+    near = sum(one.to["caption"].near for one in corners)
+    return (
+        f"All together, from the {name} reading: at the {len(corners)} corners of these ranges "
+        f"({CORNER_SAMPLES:,} at-bats each) P({E}) runs from {min(p):.4f} to {max(p):.4f}; the "
+        f"caption's curve has {PAPER_CURVES['caption'](E):.4f}. The corner nearest to that curve "
+        f"(d² as below) has {values}: d² = {d2:.1f}, "
+        + (
+            f"and {near} of the corners cannot be told from it.\n"
+            if near
+            else f"where {NEAR:.2f} would be near: **no corner is**.\n"
+        )
+    )
+
+
+def draw_ranges(report: Path, found: dict[str, tuple[Share, list[Ranged]]]) -> None:
+    """Draw P at both ends of each range."""
+    heights = np.arange(len(UNKNOWN))[::-1]
+    with figure(report, "paper_numbers", columns=len(found), size=(9.0, 2.6)) as panels:
+        for axes, (name, (before, ranged)) in zip(panels, found.items(), strict=True):
+            for height, one in zip(heights, ranged, strict=True):
+                ends = np.array([one.low[0], one.high[0]]) + before.p
+                axes.plot(ends, [height, height], color="0.6", linewidth=3.0)
+                axes.plot(ends[0], height, "o", color="black", markerfacecolor="white")
+                axes.plot(ends[1], height, "s", color="black", markerfacecolor="black")
+            axes.axvline(before.p, color="black", linewidth=0.8)
+            axes.axvline(PAPER_CURVES["caption"](E), color="black", linestyle=":", linewidth=1.0)
+            labels = [f"{one.name}, {one.low:g} to {one.high:g}" for one in UNKNOWN]
+            axes.set_yticks(heights, labels, fontsize="small")
+            axes.set(
+                xlabel=f"P({E})", title=f"from the {name} reading", ylim=(-0.6, len(UNKNOWN) - 0.4)
+            )
+            axes.set_xlim(left=0.0)
+
+
+# --- sensitivities --------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A number that P depends on.
+
+    Attributes
+    ----------
+    name, unit
+        As the report calls it.
+    value
+        Of it in a problem.
+    scaled
+        The problem with the number multiplied by a factor, the random numbers left alone.
+    """
+
+    name: str
+    unit: str
+    value: Callable[[Problem], float]
+    scaled: Callable[[Problem, float], Problem]
+
+
+def of_scene(name: str, unit: str) -> Parameter:
+    """Return a number of the scene; one of its reading changes what is drawn."""
+
+    def scaled(problem: Problem, factor: float) -> Problem:
+        base, samples = problem
+        other = with_number(base, name, factor * number(base, name))
+        return drawn(other, len(samples)) if name.startswith("reading.") else (other, samples)
+
+    return Parameter(name, unit, lambda problem: number(problem[0], name), scaled)
+
+
+def _heights_scaled(problem: Problem, factor: float) -> Problem:
+    base, samples = problem
+    pitch = base.pitch
+    x, y, z = pitch.release
+    aim = (pitch.aim[0], factor * pitch.aim[1])
+    other = pitch.model_copy(update={"release": (x, y, factor * z), "aim": aim})
+    return base.model_copy(update={"pitch": other}), samples
+
+
+PARAMETERS = (
+    of_scene("ball.restitution", ""),
+    of_scene("ball.mass", "kg"),
+    of_scene("ball.radius", "m"),
+    of_scene("bat.mass", "kg"),
+    of_scene("bat.radius", "m"),
+    of_scene("swing.angular_speed", "rad/s"),
+    of_scene("air.density", "kg/m³"),
+    of_scene("air.drag_coefficient", ""),
+    of_scene("air.lift_coefficient", ""),
+    of_scene("gravity", "m/s²"),
+    of_scene("reading.offset_spread", "m"),
+    of_scene("reading.cell_width", "m"),
+    Parameter(
+        "all pitch speeds, their mean", "m/s",
+        lambda problem: float(problem[1].speed.mean()),
+        lambda problem, factor: (
+            problem[0], replace(problem[1], speed=factor * problem[1].speed),
+        ),
+    ),
+    Parameter(
+        "largest tilt", "rad",
+        lambda problem: paper_at_bats(problem[0].reading).largest_tilt,
+        lambda problem, factor: (problem[0], replace(problem[1], tilt=factor * problem[1].tilt)),
+    ),
+    Parameter(
+        "heights of release and aim", "m",
+        lambda problem: problem[0].pitch.release[2],
+        _heights_scaled,
+    ),
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Sensitivity:
+    """∂P/∂x of a parameter x with its standard error, and d ln P / d ln x with its own."""
+
+    parameter: Parameter
+    value: float
+    slope: float
+    slope_error: float
+    power: float
+    power_error: float
+
+
+def sensitivity(parameter: Parameter, problem: Problem, space: Space, p: float) -> Sensitivity:
+    """Return the central difference over ± 2 % with the same random numbers."""
+    above, below = (
+        share(parameter.scaled(problem, factor), space) for factor in (1 + STEP, 1 - STEP)
+    )
+    rise, error = above.above(below)
+    value = parameter.value(problem)
+    return Sensitivity(
+        parameter=parameter,
+        value=value,
+        slope=rise / (2 * STEP * value),
+        slope_error=error / (2 * STEP * value),
+        power=rise / (2 * STEP * p),
+        power_error=error / (2 * STEP * p),
+    )
+
+
+def sensitivities(report: Path, cases: dict[str, tuple[AtBatScene, Space]]) -> str:
+    """Write the section: ∂P/∂parameter at the default and the nearest reading."""
+    found = {}
+    for name, (base, space) in cases.items():
+        problem = drawn(with_number(base, "ball.restitution", E))
+        p = share(problem, space).p
+        found[name] = [sensitivity(one, problem, space, p) for one in PARAMETERS]
+    rows = pd.DataFrame(
+        [
+            {
+                "parameter": f"{one.name}, {one.unit}".rstrip(", "),
+                **{
+                    key: text
+                    for name, sensitive in found.items()
+                    for here in [sensitive[i]]
+                    for key, text in (
+                        (f"{name}: value", f"{here.value:.4g}"),
+                        ("∂P/∂x, " + name, f"{here.slope:+.3g} ± {here.slope_error:.1g}"),
+                        (
+                            "d ln P / d ln x, " + name,
+                            f"{here.power:+.2f} ± {here.power_error:.2f}",
+                        ),
+                    )
+                },
+            }
+            for i, one in enumerate(PARAMETERS)
+        ]
+    )
+    words = []
+    for name, sensitive in found.items():
+        order = sorted(sensitive, key=lambda one: -abs(one.power))[:3]
+        words.append(
+            f"From the {name} reading 1 % more of "
+            + ", ".join(f"{one.parameter.name} changes P by {one.power:+.1f} %" for one in order)
+            + "."
+        )
+    return "\n".join(
+        [
+            "### Sensitivities\n",
+            f"∂P/∂x at e = {E}, by central differences over ± {100 * STEP:g} % of the value with "
+            f"the same {SAMPLES:,} at-bats (seed {SEED}); ± is the standard error.\n",
+            table(report, "paper_sensitivities", rows),
+            " ".join(words) + "\n",
+        ]
+    )

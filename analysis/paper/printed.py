@@ -1,0 +1,62 @@
+"""What the paper prints about home runs and distances, and two figures of the ball's makers.
+
+What it prints about pitches stands in `analysis.paper.pitch_fits`, the numbers of its model in
+`longball.home_run` and `longball.model.scene`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+SAMPLES = 1_000  # behind each density of Fig. 6 and each point of Fig. 7 (Sec. IV)
+PEAKS = {0.41: 75.0, 0.45: 125.0}  # m, highest peak of Fig. 6 by restitution (Sec. IV)
+FLAT = (40.0, 80.0)  # m, where the density at e = 0.45 is called almost the same (Sec. V)
+P_TEXT = (0.42, 0.17)  # P(0.42) ≈ 0.17 (Sec. V)
+UZR_SPAN, UZR_SHARE = (91.44, 121.92), 0.179  # m; share of batted balls found there (Sec. V)
+
+
+@dataclass(frozen=True)
+class Season:
+    """A line of Table I."""
+
+    year: int
+    restitution: float
+    home_runs: int
+
+
+SEASONS = (
+    Season(2010, 0.418, 1605),
+    Season(2011, 0.408, 939),
+    Season(2012, 0.408, 881),
+    Season(2013, 0.416, 1311),
+)
+# Seasons that Table I invites to compare: a livelier ball, and a duller one.
+PAIRS = ((2010, 2011), (2013, 2012))
+
+
+@dataclass(frozen=True)
+class Carry:
+    """What somebody else says a change of the restitution does to the carry of a ball."""
+
+    who: str
+    restitutions: tuple[float, float]
+    change: float  # m
+    rounding: float  # m, half of the last digit of the change, or of both carries
+
+    @property
+    def slope(self) -> float:
+        """Return dD/de, m."""
+        return self.change / (self.restitutions[1] - self.restitutions[0])
+
+    @property
+    def slope_error(self) -> float:
+        """Return how far the rounding lets the slope be off, m."""
+        return self.rounding / (self.restitutions[1] - self.restitutions[0])
+
+
+# The league's carries are 109.4 m and 110.4 m. The maker gives 20 cm for 0.001, for a pitch of
+# 144 km/h, a swing of 126 km/h and a launch at 27° (Mizuno, notice of 12 June 2013).
+CARRIES = (
+    Carry("the league", (0.4134, 0.417), 110.4 - 109.4, 0.1),
+    Carry("the maker of the ball", (0.416, 0.417), 0.20, 0.05),
+)

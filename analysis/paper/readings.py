@@ -1,0 +1,29 @@
+"""Which reading of the paper gives its numbers: the study `python -m analysis readings`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from analysis.paper import combinations, numbers, switches, variance
+
+
+def run(report: Path, full: bool) -> str:
+    """Write the section; `full` changes nothing: the errors of the samples are below the paper's.
+
+    What is said of the nearest reading needs all combinations first, so that they come first in
+    time, and below in the section.
+    """
+    found, default = combinations.study(), combinations.default_trial()
+    best = found.best
+    cases = {"default": (default.base, default.space), "nearest": (best.base, best.space)}
+    return "\n".join(
+        [
+            "## Which reading gives the paper's numbers?\n",
+            "Written by `python -m analysis readings`.\n",
+            switches.section(report, cases),
+            numbers.section(report, cases),
+            combinations.section(report, found, default, [combinations.stepped(best)]),
+            numbers.sensitivities(report, cases),
+            variance.section(report, {name: base for name, (base, _) in cases.items()}),
+        ]
+    )

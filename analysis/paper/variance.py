@@ -1,0 +1,146 @@
+"""Which of an at-bat's four random inputs the distance D comes from: Sobol's indices."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from analysis.paper.balls import SPACES, cores, strike, told
+from analysis.writing import table
+from longball.home_run import HOME_RUN_DISTANCE, Samples, draw, paper_at_bats
+from longball.model.scene import AtBatScene
+
+Array = NDArray[np.float64]
+
+INPUTS = {"speed": "pitch's speed", "aim": "aim", "tilt": "tilt", "offset": "offset"}
+SAMPLES = 50_000  # of each of the two sets; six times as many at-bats are solved
+SEEDS = (11, 12)
+RESAMPLES = 200
+E = 0.42
+
+
+@dataclass(frozen=True)
+class Indices:
+    """Shares of a variance that inputs have, with standard errors; arrays of shape (inputs,).
+
+    Attributes
+    ----------
+    first, first_error
+        What an input explains alone.
+    total, total_error
+        What it has a part in.
+    """
+
+    first: Array
+    first_error: Array
+    total: Array
+    total_error: Array
+
+
+def indices(a: Array, b: Array, mixed: Array, seed: int) -> Indices:
+    """Return Sobol's indices of first order and total.
+
+    Parameters
+    ----------
+    a, b
+        The quantity for two independent sets of n samples: shape (n,).
+    mixed
+        The quantity for the first set with one input taken from the second: shape (inputs, n).
+    seed
+        Of the bootstrap that the standard errors come from.
+
+    Notes
+    -----
+    First order: A. Saltelli et al., Comput. Phys. Commun. 181 (2010) 259, Table 2 (b). Total:
+    M. J. W. Jansen, Comput. Phys. Commun. 117 (1999) 35.
+    """
+    middle = (a.mean() + b.mean()) / 2  # centred: less noise, the same indices
+    a, b, mixed = a - middle, b - middle, mixed - middle
+    generator = np.random.default_rng(seed)
+    resampled = []
+    for _ in range(RESAMPLES):
+        rows = generator.integers(len(a), size=len(a))
+        resampled.append(_saltelli_jansen(a[rows], b[rows], mixed[:, rows]))
+    first, total = _saltelli_jansen(a, b, mixed)
+    first_error, total_error = np.std(resampled, axis=0, ddof=1)
+    return Indices(first, first_error, total, total_error)
+
+
+def _saltelli_jansen(a: Array, b: Array, mixed: Array) -> Array:
+    variance = np.concatenate([a, b]).var()
+    first = (b * (mixed - a)).mean(axis=1) / variance
+    total = ((a - mixed) ** 2).mean(axis=1) / (2 * variance)
+    return np.array([first, total])
+
+
+def quantities(base: AtBatScene, samples: Samples) -> dict[str, Array]:
+    """Return what is asked of at-bats: D, 0 for a miss, and whether it is a home run's."""
+    (balls,) = strike(base, samples, [E], threads=cores())
+    distance = np.where(balls.batted, balls.distance, 0.0)
+    upwards = np.where(balls.elevation > 0, distance, 0.0)
+    return {
+        "D": distance,
+        "D of balls hit upwards": upwards,
+        "D ≥ 150 m": (distance >= HOME_RUN_DISTANCE).astype(float),
+    }
+
+
+def analyse(base: AtBatScene) -> dict[str, Indices]:
+    """Return the indices of each quantity."""
+    at_bats = paper_at_bats(base.reading)
+    one, other = (draw(at_bats, SAMPLES, seed) for seed in SEEDS)
+    a, b = quantities(base, one), quantities(base, other)
+    mixed = [quantities(base, replace(one, **{name: getattr(other, name)})) for name in INPUTS]
+    return {
+        what: indices(a[what], b[what], np.array([each[what] for each in mixed]), seed=SEEDS[0])
+        for what in a
+    }
+
+
+def section(report: Path, bases: dict[str, AtBatScene]) -> str:
+    """Write the section."""
+    found = {name: analyse(base) for name, base in bases.items()}
+    rows = [
+        {
+            "reading": name,
+            "quantity": what,
+            **{
+                label: f"{one.first[i]:.3f} ± {one.first_error[i]:.3f}, "
+                f"{one.total[i]:.3f} ± {one.total_error[i]:.3f}"
+                for i, label in enumerate(INPUTS.values())
+            },
+            "alone, all": f"{one.first.sum():.2f}",
+        }
+        for name, by_quantity in found.items()
+        for what, one in by_quantity.items()
+    ]
+    named = "; ".join(f"{name}: {told(base, SPACES[0])}" for name, base in bases.items())
+    return "\n".join(
+        [
+            "### Where the scatter of D comes from\n",
+            f"Sobol's indices at e = {E}: the share of the variance that an input explains alone, "
+            f"and the share that it has a part in, ± one standard error (bootstrap, {RESAMPLES} "
+            f"resamples of {SAMPLES:,}). A miss has D = 0. Readings: {named}.\n",
+            table(report, "paper_sobol", pd.DataFrame(rows)),
+            *(words(name, by_quantity) for name, by_quantity in found.items()),
+        ]
+    )
+
+
+def words(name: str, found: dict[str, Indices]) -> str:
+    """Say which input rules, and whether inputs act alone."""
+    labels = list(INPUTS.values())
+    distance = found["D"]
+    first, second = (labels[i] for i in np.argsort(-distance.total)[:2])
+    speed = labels.index(INPUTS["speed"])
+    together = 1 - distance.first.sum()
+    return (
+        f"{name.capitalize()}: D is ruled by the {first}, then the {second}; the pitch's speed has "
+        f"a part in {100 * distance.total[speed]:.1f} % of its variance and in "
+        f"{100 * found['D ≥ 150 m'].total[speed]:.1f} % of that of a home run. "
+        f"{100 * together:.0f} % of the variance of D belongs to no input alone.\n"
+    )

@@ -1,0 +1,177 @@
+"""Who takes part: every engine of longball over its settings, and the peers that are installed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from importlib.util import find_spec
+from typing import Any
+
+from analysis.speed_error import peers
+from analysis.speed_error.work import Work
+from longball.engines.at_bat import solve
+from longball.engines.batch import Batch, solve_columns
+from longball.engines.batch.chain import Fleet
+from longball.engines.batch.many import BLOCK
+from longball.engines.enclosure import Enclosure
+from longball.engines.engine import Engine
+from longball.engines.ivp import Ivp
+from longball.engines.multiprecision import Multiprecision
+from longball.engines.verlet import TREATMENTS, Verlet
+from longball.model.motion import Forces, forces
+from longball.model.numbers import DOUBLES
+from longball.model.result import Number
+from longball.model.scene import AtBatScene
+
+# The packages of peers, and the modules that they bring.
+PEERS = {"heyoka": "heyoka", "diffrax": "diffrax", "scikit-sundae": "sksundae"}
+
+
+@dataclass(frozen=True)
+class Answers:
+    """Outcomes (empty: no answer) and distances D, m (None: none), a scene each."""
+
+    outcomes: Sequence[str]
+    distances: Sequence[Number | None]
+
+
+@dataclass(frozen=True)
+class Contender:
+    """Someone who can solve the work, at one setting.
+
+    Attributes
+    ----------
+    family
+        What the settings belong to: a line of a diagram.
+    setting
+        Tolerance or step.
+    solve
+        Solves scenes.
+    turn
+        How many scenes a turn of the timing has.
+    most
+        How many scenes its error is looked at over; None: all.
+    """
+
+    family: str
+    setting: str
+    solve: Callable[[Work], Answers]
+    turn: int
+    most: int | None = None
+
+    @property
+    def name(self) -> str:
+        """Family and setting."""
+        return f"{self.family}, {self.setting}"
+
+
+def in_columns(fleet: Fleet) -> Callable[[Work], Answers]:
+    """Return how the batch chain solves the work."""
+
+    def solved(work: Work) -> Answers:
+        table = solve_columns(work.base, work.columns, fleet)
+        distances = table["landing.distance"].tolist()
+        return Answers(table["outcome"].tolist(), [d if d == d else None for d in distances])
+
+    return solved
+
+
+def one_by_one(engine: Engine[Any]) -> Callable[[Work], Answers]:
+    """Return how an engine solves the work, scene by scene."""
+
+    def solved(work: Work) -> Answers:
+        results = [solve(scene, engine) for scene in work.scenes]
+        return Answers(
+            [result.outcome or "" for result in results],
+            [result.landing.distance if result.landing else None for result in results],
+        )
+
+    return solved
+
+
+# Scenes a turn, so that few turns take more than a tenth of a second.
+COMPILED, QUICK, SLOW = 4 * BLOCK, 512, 16
+
+
+def batch(tolerance: float) -> Contender:
+    """Return the batch engine, over columns."""
+    return Contender("batch", f"{tolerance:g} m", in_columns(Batch(tolerance)), COMPILED)
+
+
+def longball_engines() -> Iterator[Contender]:
+    """Yield longball's engines over their settings, from loose to tight."""
+    for tolerance in (1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-13, 1e-14):
+        yield batch(tolerance)
+    for method, tolerances in {
+        "DOP853": (1e-4, 1e-6, 1e-8, 1e-10, 1e-12, Ivp().rtol),
+        "RK45": (1e-4, 1e-6, 1e-8, 1e-10, 1e-12),
+        "LSODA": (1e-4, 1e-6, 1e-8, 1e-10, 1e-12),
+        "Radau": (1e-4, 1e-6, 1e-8),
+    }.items():
+        for rtol in tolerances:
+            engine = Ivp(method, rtol, rtol)
+            turn, most = (2, 20) if method == "Radau" else (SLOW, None)
+            yield Contender(f"ivp {method}", f"{rtol:g}", one_by_one(engine), turn, most)
+    for variant in TREATMENTS:
+        for dt in (0.05, 0.01, 2e-3, 4e-4):
+            verlet = one_by_one(Verlet(dt, variant=variant))
+            yield Contender(f"verlet {variant}", f"{dt:g} s", verlet, QUICK)
+    yield Contender("enclosure", "30 digits", one_by_one(Enclosure(30)), 5, 50)
+    yield Contender("multiprecision", "30 digits", one_by_one(Multiprecision(30)), 1, 5)
+
+
+SHORT_STEPS, SHORTEST_STEP = "scipy DOP853 1e-9 in short steps", 2e-3  # s
+SHORTEST = f"{SHORT_STEPS}, {SHORTEST_STEP:g} s"
+
+
+def plain_scipy(work: Work) -> Iterator[Contender]:
+    """Yield solve_ivp as its manual shows it, with its own events."""
+    for method in ("DOP853", "RK45", "LSODA"):
+        for rtol in (1e-6, 1e-9, 1e-12):
+            yield plain(work, method, rtol)
+    if isinstance(work.base, AtBatScene):
+        for max_step in (0.05, 0.01, SHORTEST_STEP):
+            fleet = peers.Scipy(*_air(work), "DOP853", 1e-9, max_step)
+            solver = in_columns(fleet)
+            yield Contender(SHORT_STEPS, f"{max_step:g} s", solver, SLOW)
+
+
+def plain(work: Work, method: str, rtol: float) -> Contender:
+    """Return solve_ivp by a method, with its own events."""
+    solver = in_columns(peers.Scipy(*_air(work), method, rtol))
+    return Contender(f"scipy {method}", f"{rtol:g}", solver, SLOW)
+
+
+def heyoka(work: Work, tolerance: float = 0.0) -> Contender:
+    """Return heyoka; tolerance 0 stands for its default."""
+    solver = in_columns(peers.Heyoka(*_air(work), tolerance))
+    return Contender("heyoka", f"{tolerance:g}" if tolerance else "default", solver, BLOCK)
+
+
+def installed_peers(work: Work) -> Iterator[Contender]:
+    """Yield the peers of `PEERS` that are installed, from loose to tight."""
+    air, absent = _air(work), missing_peers()
+    for rtol in (1e-6, 1e-9, 1e-12):
+        if "scikit-sundae" not in absent:
+            yield Contender("CVODE Adams", f"{rtol:g}", in_columns(peers.Cvode(*air, rtol)), SLOW)
+        if "diffrax" not in absent:
+            for name in ("Tsit5", "Dopri8"):
+                solver = in_columns(peers.Diffrax(*air, name, rtol))
+                yield Contender(f"diffrax {name}", f"{rtol:g}", solver, peers.LOCKSTEP)
+        if "heyoka" not in absent:
+            yield heyoka(work, rtol)
+    if "heyoka" not in absent:
+        yield heyoka(work)
+
+
+def missing_peers() -> list[str]:
+    """Return the packages of peers that are not installed."""
+    return [package for package, module in PEERS.items() if find_spec(module) is None]
+
+
+def _air(work: Work) -> tuple[Forces[float], float]:
+    """Return what a peer flies under: the forces of the work, and its time limit, s."""
+    base = work.base
+    always_up = base.reading.lift_direction == "always_up"
+    field = forces(base.ball, base.air, base.gravity, always_up, DOUBLES)
+    return field, base.time_limit

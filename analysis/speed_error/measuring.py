@@ -1,0 +1,141 @@
+"""Time and error of contenders, side by side."""
+
+from __future__ import annotations
+
+import math
+import os
+import platform
+import statistics
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from decimal import Decimal
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+
+import numpy as np
+
+from analysis.speed_error.contenders import Answers, Contender
+from analysis.speed_error.work import Work
+from longball.model.result import Bounded, Number, Result
+
+VERSIONS = ("numpy", "scipy", "numba", "python-flint", "heyoka", "diffrax", "jax", "scikit-sundae")
+
+
+def seconds(turns: Sequence[tuple[Contender, Work]], rounds: int) -> list[list[float]]:
+    """Return how long contenders take for the first scenes of their work, s a scene, by round.
+
+    In a round everyone takes a turn, so that what the machine does besides slows all alike. A
+    first round, in which code is compiled, does not count.
+    """
+    portions = [(entrant, work.first(entrant.turn)) for entrant, work in turns]
+    for entrant, portion in portions:
+        entrant.solve(portion)
+    found: list[list[float]] = [[] for _ in portions]
+    for _ in range(rounds):
+        for (entrant, portion), mine in zip(portions, found, strict=True):
+            begin = time.perf_counter()
+            entrant.solve(portion)
+            mine.append((time.perf_counter() - begin) / len(portion))
+    return found
+
+
+def ratio(mine: Sequence[float], measure: Sequence[float]) -> float:
+    """Return the median of the rounds' ratios: a slow moment counts on both sides."""
+    return statistics.median(a / b for a, b in zip(mine, measure, strict=True))
+
+
+@dataclass(frozen=True)
+class Errors:
+    """What a contender made of scenes whose truth is known.
+
+    Attributes
+    ----------
+    scenes
+        How many there were.
+    median, most, worst
+        m, of |D - true D| where both have landed: the middle, the 99th percentile, the largest;
+        NaN if there is none.
+    contacts
+        In how many the ball truly meets the bat between its ends.
+    missed
+        In how many of those the answer is that it does not.
+    unanswered
+        In how many there is no answer.
+    """
+
+    scenes: int
+    median: float
+    most: float
+    worst: float
+    contacts: int
+    missed: int
+    unanswered: int
+
+    def row(self) -> dict[str, object]:
+        """Return the numbers as columns of a table."""
+        return {
+            "scenes": self.scenes,
+            "median error, m": self.median,
+            "99 % error, m": self.most,
+            "worst error, m": self.worst,
+            "contacts": self.contacts,
+            "missed": self.missed,
+            "unanswered": self.unanswered,
+        }
+
+
+CONTACT = ("batted", "separating", "airborne")
+
+
+def errors(answers: Answers, true: Sequence[Result]) -> Errors:
+    """Hold answers against the truth."""
+    off = [
+        distance_error(distance, result.landing.distance)
+        for distance, result in zip(answers.distances, true, strict=True)
+        if distance is not None and result.landing is not None
+    ] or [math.nan]
+    met = [
+        outcome
+        for outcome, result in zip(answers.outcomes, true, strict=True)
+        if result.contact is not None and result.outcome in CONTACT
+    ]
+    return Errors(
+        scenes=len(true),
+        median=float(np.median(off)),
+        most=float(np.quantile(off, 0.99)),
+        worst=max(off),
+        contacts=len(met),
+        missed=sum(outcome not in (*CONTACT, "") for outcome in met),
+        unanswered=sum(outcome == "" for outcome in answers.outcomes),
+    )
+
+
+def distance_error(found: Number, true: Number) -> float:
+    """Return the size of a difference, m, whatever kinds of numbers the two are."""
+    return abs(float(_decimal(found) - _decimal(true)))
+
+
+def _decimal(number: Number) -> Decimal:
+    return Decimal(number.value if isinstance(number, Bounded) else number)
+
+
+def machine() -> str:
+    """Describe the kind of machine."""
+    processor = platform.processor() or platform.machine()
+    info = Path("/proc/cpuinfo")
+    if info.exists():
+        names = [line for line in info.read_text().splitlines() if line.startswith("model name")]
+        processor = names[0].partition(":")[2].strip() if names else processor
+    return f"{processor}, {os.cpu_count()} cores"
+
+
+def versions() -> str:
+    """Return the versions of what is compared."""
+    found = [f"Python {platform.python_version()}"]
+    for package in VERSIONS:
+        try:
+            found.append(f"{package} {version(package)}")
+        except PackageNotFoundError:
+            continue
+    return ", ".join(found)

@@ -1,0 +1,96 @@
+"""What everyone is given to solve: the same flights, the same at-bats; and the truth about them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from longball import engines
+from longball.engines.at_bat import solve
+from longball.home_run import draw, paper_at_bats
+from longball.model.result import Result
+from longball.model.scene import AtBatScene, FlightScene, Launch
+
+Array = NDArray[np.float64]
+Scene = FlightScene | AtBatScene
+
+SEED = 1
+HEIGHT = 1.0  # m, of the launches
+TRUE_DIGITS = 40
+
+
+@dataclass(frozen=True)
+class Work:
+    """Scenes that differ in some of their numbers.
+
+    Attributes
+    ----------
+    base
+        Says what is the same in all.
+    columns
+        What differs, as `longball.engines.batch.solve_columns` takes it.
+    """
+
+    base: Scene
+    columns: dict[str, Array]
+
+    def __len__(self) -> int:
+        return min(map(len, self.columns.values()))
+
+    def first(self, count: int) -> Work:
+        """Return the first scenes."""
+        return Work(self.base, {name: column[:count] for name, column in self.columns.items()})
+
+    @cached_property
+    def scenes(self) -> list[Scene]:
+        """The scenes one by one."""
+        rows = zip(*(column.tolist() for column in self.columns.values()), strict=True)
+        return [_with(self.base, dict(zip(self.columns, row, strict=True))) for row in rows]
+
+
+def _with(base: Scene, numbers: dict[str, float]) -> Scene:
+    """Return a scene with some of its numbers changed."""
+    data = base.model_dump()
+    for name, value in numbers.items():
+        block, quantity, *place = name.split(".")
+        if place:
+            values = list(data[block][quantity])
+            values[int(place[0])] = value
+            data[block][quantity] = tuple(values)
+        else:
+            data[block][quantity] = value
+    return type(base).model_validate(data)
+
+
+def flights(count: int) -> Work:
+    """Return launches of batted balls: line drives to high flies, 25 to 50 m/s, 5° to 60°."""
+    rng = np.random.default_rng(SEED)
+    speed, rise = rng.uniform(25.0, 50.0, count), np.radians(rng.uniform(5.0, 60.0, count))
+    level = Launch(position=(0.0, 0.0, HEIGHT), velocity=(30.0, 0.0, 30.0))
+    columns = {
+        "launch.velocity.0": speed * np.cos(rise),
+        "launch.velocity.2": speed * np.sin(rise),
+    }
+    return Work(FlightScene(id="flight", launch=level), columns)
+
+
+def at_bats(count: int) -> Work:
+    """Return at-bats of the paper's distributions."""
+    base = AtBatScene(id="at-bat")
+    samples = draw(paper_at_bats(base.reading), count, SEED)
+    columns = {
+        "pitch.speed": samples.speed,
+        "pitch.aim.0": samples.aim,
+        "swing.height_offset": samples.offset,
+        "swing.tilt": samples.tilt,
+    }
+    return Work(base, columns)
+
+
+def truth(work: Work) -> list[Result]:
+    """Return the results of scenes with proven digits."""
+    exact = engines.create("enclosure", digits=TRUE_DIGITS)
+    return [solve(scene, exact) for scene in work.scenes]

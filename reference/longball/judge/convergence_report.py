@@ -1,0 +1,146 @@
+"""What a family of time steps told about an implementation, as JSON, CSV and text have it."""
+
+from __future__ import annotations
+
+import csv
+import io
+from typing import Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+
+class _Frozen(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+
+Use = Literal["fitted", "pre-asymptotic", "floor", "no range", "no error"]
+Verdict = Literal[
+    "as expected", "other order", "wrong limit", "exact", "not resolved", "no expectation"
+]
+
+BAD: tuple[Verdict, ...] = ("other order", "wrong limit", "not resolved")
+
+
+class Rung(_Frozen):
+    """A step of the ladder, for one quantity."""
+
+    step: float = Field(description="s")
+    error: float | None = Field(description="typical of all scenes; null if none has one")
+    scenes: int = Field(description="that have an error here")
+    phases: int = Field(description="of the step, that the error is the root mean square of")
+    use: Use = Field(description="whether the order is fitted to it, and if not, why")
+
+
+class Order(_Frozen):
+    """How one quantity converges."""
+
+    quantity: str
+    unit: str
+    order: float | None = Field(description="observed; null if there is no asymptotic range")
+    low: float | None = Field(description="of the 95 % interval of the order")
+    high: float | None
+    constant: float | None = Field(description="C of the error C h^p, in unit/s^p")
+    expected: float | None
+    jump: float = Field(description="change of the error with the step's phase, relative")
+    jumps: bool = Field(description="whether it was averaged over phases for that")
+    rungs: tuple[Rung, ...]
+    verdict: Verdict
+    why: str
+
+
+class Limit(_Frozen):
+    """The value at h = 0 of one quantity of one scene, by Richardson's extrapolation."""
+
+    scene: str
+    quantity: str
+    value: tuple[float, ...]
+    error: float = Field(description="estimated: the change that one more step made")
+    off: float | None = Field(description="distance from the truth; null if there is none")
+
+
+class Lost(_Frozen):
+    """A step, and how many scenes ended otherwise there than they should."""
+
+    step: float
+    lost: int
+    of: int
+
+
+class ConvergenceReport(_Frozen):
+    """What a family of steps showed."""
+
+    engine: str | None = Field(description="as the implementation names itself")
+    against_truth: bool
+    orders: tuple[Order, ...]
+    limits: tuple[Limit, ...]
+    lost: tuple[Lost, ...]
+
+    @property
+    def passed(self) -> bool:
+        """Whether no verdict is against the implementation."""
+        return bool(self.orders) and not any(order.verdict in BAD for order in self.orders)
+
+    @property
+    def faults(self) -> list[str]:
+        """Return what is wrong: nothing but a wrong limit where no order is expected."""
+        if not self.orders:
+            return ["nothing was answered that could converge"]
+        return [
+            f"{order.quantity}: {order.verdict}"
+            for order in self.orders
+            if order.verdict == "wrong limit" or (order.expected and order.verdict in BAD)
+        ]
+
+    def text(self) -> str:
+        """Return the report for people: a line a quantity, its sentence, and the scenes lost."""
+        head = ("quantity", "order", "95 %", "expected", "C", "steps fitted, s", "verdict")
+        rows = [head, *(_row(order) for order in self.orders)]
+        widths = [max(len(row[i]) for row in rows) for i in range(len(head))]
+        lines = [
+            "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
+            for row in rows
+        ]
+        lines += ["", *(f"{order.quantity}: {order.why}" for order in self.orders)]
+        lines += [
+            f"step {row.step:.3g} s: {row.lost} of {row.of} scenes end otherwise than they should"
+            for row in self.lost
+            if row.lost
+        ]
+        return "\n".join(lines) + "\n"
+
+    def csv(self) -> str:
+        """Return every rung of every quantity as a table."""
+        out = io.StringIO()
+        write = csv.writer(out, lineterminator="\n").writerow
+        write(["quantity", "unit", "step_s", "error", "scenes", "phases", "use"])
+        for order in self.orders:
+            for rung in order.rungs:
+                error = "" if rung.error is None else repr(rung.error)
+                write(
+                    [
+                        order.quantity,
+                        order.unit,
+                        repr(rung.step),
+                        error,
+                        rung.scenes,
+                        rung.phases,
+                        rung.use,
+                    ]
+                )
+        return out.getvalue()
+
+
+def _row(order: Order) -> tuple[str, ...]:
+    expected = "" if order.expected is None else f"{order.expected:g}"
+    if order.order is None or order.constant is None:
+        return (order.quantity, "", "", expected, "", "", order.verdict)
+    fitted = [rung.step for rung in order.rungs if rung.use == "fitted"]
+    return (
+        order.quantity,
+        f"{order.order:.3f}",
+        f"{order.low:.3f} to {order.high:.3f}",
+        expected,
+        f"{order.constant:.3g} {order.unit}/s^{order.order:.2f}",
+        f"{max(fitted):.2g} to {min(fitted):.2g}",
+        order.verdict,
+    )

@@ -1,0 +1,101 @@
+"""A candidate run with a ladder of time steps: the command, the scenes, and what to complain of."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+
+from longball.judge.answers import as_result
+from longball.judge.candidate import Limits, run
+from longball.judge.cases import Case, decidable
+from longball.judge.convergence import PHASES, converge
+from longball.judge.convergence_report import ConvergenceReport
+from longball.model.readings import Reading
+from longball.model.result import Result
+from longball.model.scene import Scene
+
+PLACE = "{dt}"  # in a command, where its time step goes
+
+SAMPLE = 12  # cases of each family: enough for a typical error
+FAMILIES = ("flight-both", "at-bat")  # of the golden data, where no other is asked for
+STEPS = "0.01:0.0001:9"  # a geometric ladder, s
+
+
+def takes_step(command: Sequence[str]) -> bool:
+    """Tell whether a command has a place for a time step."""
+    return any(PLACE in word for word in command)
+
+
+def with_step(command: Sequence[str], step: float) -> list[str]:
+    """Return a command with a time step in its place."""
+    return [word.replace(PLACE, repr(step)) for word in command]
+
+
+def parse_ladder(text: str) -> list[float]:
+    """Return the steps of FROM:TO:COUNT, evenly spaced in their logarithm.
+
+    Raises
+    ------
+    ValueError
+        If it is none.
+    """
+    try:
+        first, last, count = text.split(":")
+        coarse, fine, rungs = float(first), float(last), int(count)
+        if not (0 < fine < coarse < float("inf") and 2 <= rungs <= 1000):
+            raise ValueError
+    except ValueError:
+        raise ValueError(f"--steps {text}: FROM:TO:COUNT, in s and from coarse to fine") from None
+    return [coarse * (fine / coarse) ** (rung / (rungs - 1)) for rung in range(rungs)]
+
+
+def sample(cases: Sequence[Case], families: Sequence[str] = ()) -> list[Case]:
+    """Return the first few cases of some families, or of all, under the default reading."""
+    plain = [case for case in cases if case.scene.reading == Reading() and decidable(case)]
+    chosen = dict.fromkeys(families or (case.family for case in plain))
+    return [
+        case
+        for family in chosen
+        for case in [case for case in plain if case.family == family][:SAMPLE]
+    ]
+
+
+def converge_command(
+    command: Sequence[str],
+    scenes: Sequence[Scene],
+    steps: Sequence[float],
+    truth: Sequence[Result] | None = None,
+    expected: float | Mapping[str, float] | None = None,
+    *,
+    phases: int = PHASES,
+    limits: Limits | None = None,
+    progress: Callable[[int, int], None] = lambda done, of: None,
+) -> tuple[ConvergenceReport, list[str]]:
+    """Run a command with a ladder of steps; see `longball.judge.convergence.converge`.
+
+    The limit of time in all is that of all runs together; after a run that had to be stopped, no
+    other is begun.
+
+    Returns
+    -------
+    report, complaints
+        How it converges, and what is wrong with its conduct, each with its time step.
+    """
+    complaints: list[str] = []
+    limits = limits or Limits()
+    until = time.monotonic() + limits.total_seconds
+    stopped = False
+
+    def answers(step: float) -> Sequence[Result]:
+        nonlocal stopped
+        if stopped:
+            return []
+        left = replace(limits, total_seconds=max(0.0, until - time.monotonic()))
+        heard = run(with_step(command, step), scenes, left)
+        stopped = heard.status is None
+        complaints.extend(f"dt = {step:g}: {complaint}" for complaint in heard.collected.complaints)
+        return [as_result(answer) for answer in heard.collected.answers.values()]
+
+    report = converge(answers, scenes, steps, truth, expected, phases=phases, progress=progress)
+    return report, complaints

@@ -1,0 +1,90 @@
+"""What the studies ask of struck balls agrees with `longball.home_run` and with the formulas."""
+
+import math
+
+import numpy as np
+import pytest
+
+from analysis.paper.balls import SPACES, Share, Space, strike, strike_in_steps, told
+from longball.home_run import draw, monte_carlo, paper_at_bats
+from longball.model.readings import Reading
+from longball.model.scene import AtBatScene, Ball
+
+# The inertia about the centre has home runs enough for small samples.
+BASE = AtBatScene(id="base", reading=Reading(inertia="about_centre"))
+COUNT = 4_000
+AT_BATS = paper_at_bats(BASE.reading)
+
+
+@pytest.fixture(scope="module")
+def balls():
+    return strike(BASE, draw(AT_BATS, COUNT, 5), [0.42, 0.45])
+
+
+def test_the_landings_are_those_of_monte_carlo(balls):
+    for ours, theirs in zip(balls, monte_carlo(BASE, AT_BATS, [0.42, 0.45], COUNT, 5), strict=True):
+        np.testing.assert_array_equal(ours.x, theirs.x)
+        np.testing.assert_array_equal(ours.y, theirs.y)
+
+
+def test_a_ball_meets_the_bat_slower_than_it_was_thrown(balls):
+    thrown = draw(AT_BATS, COUNT, 5).speed
+    batted = balls[0].batted
+    ratio = balls[0].pitch_speed[batted] / thrown[batted]
+    # V' = -k_D V over some 18 m, k_D = 0.0075 1/m: a factor of about exp(-0.138) = 0.87, and
+    # gravity gives a little back.
+    assert (ratio > 0.85).all()
+    assert (ratio < 0.90).all()
+    assert (balls[0].elevation[batted] > 0).any()
+    assert (balls[0].elevation[batted] < 0).any()
+    assert np.isnan(balls[0].exit_speed[~batted]).all()
+
+
+def test_the_two_ways_of_counting_agree(balls):
+    for space in SPACES:
+        assert space.share(balls[0]).p == pytest.approx(space.estimate(0.42, balls[0]).p, rel=1e-12)
+
+
+def test_flies_are_some_of_the_batted_balls(balls):
+    trials = [space.estimate(0.42, balls[0]).trials for space in SPACES]
+    pitches, batted, fair, flies, fair_flies = trials
+    assert pitches == COUNT > batted > max(fair, flies) > fair_flies > 0
+    assert len(SPACES[4].distances(balls[0])) == fair_flies
+
+
+def test_the_error_of_a_share_is_binomial(balls):
+    for space in SPACES:
+        share, row = space.share(balls[0]), space.estimate(0.42, balls[0])
+        nothing = Share(0.0, np.zeros(COUNT))
+        value, error = share.above(nothing)
+        assert value == share.p
+        assert error == pytest.approx(math.sqrt(row.p * (1 - row.p) / row.trials), rel=1e-9)
+
+
+def test_a_difference_of_the_same_at_bats_is_known_better(balls):
+    low, high = (SPACES[0].share(one) for one in balls)
+    rise, error = high.above(low)
+    # With the same at-bats only those count that became home runs.
+    changed = ((balls[1].distance >= 150) & ~(balls[0].distance >= 150)).sum()
+    assert rise == pytest.approx(changed / COUNT)
+    assert error == pytest.approx(math.sqrt(rise * (1 - rise) / COUNT), rel=1e-9)
+
+
+def test_the_printed_scheme_sees_few_of_the_balls(balls):
+    (stepped,) = strike_in_steps(BASE, 1_000, 5, [0.42], 0.05)
+    (fine,) = strike_in_steps(BASE, 200, 5, [0.42], 2e-4)
+    assert 0.0 < stepped.batted.mean() < 0.1
+    exact = balls[0].batted[:200]
+    # A ball passes 7 mm in a step: the thinnest grazes alone are overlooked.
+    assert (fine.batted & ~exact).sum() == 0
+    assert (exact & ~fine.batted).sum() <= 0.02 * 200
+    both = exact & fine.batted
+    assert np.median(np.abs(fine.exit_speed[both] - balls[0].exit_speed[:200][both])) < 0.1
+
+
+def test_a_reading_is_told_by_what_differs():
+    assert told(AtBatScene(id="base"), SPACES[0]) == "nothing changed"
+    base = AtBatScene(id="base", ball=Ball(radius=0.0183), reading=Reading(cell_width=0.12))
+    assert told(base, Space("flies", "batted", flies=True)) == (
+        "ball.radius = 0.0183, cell_width = 0.12, samples: flies"
+    )

@@ -1,0 +1,67 @@
+"""Speed against error: that the errors, the work and the peers are what the study says."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from analysis.speed_error import contenders
+from analysis.speed_error.contenders import Answers
+from analysis.speed_error.measuring import distance_error, errors, ratio
+from analysis.speed_error.work import Work, at_bats, flights, truth
+from longball.model.result import Bounded, Result
+
+
+@pytest.fixture(scope="module")
+def struck() -> tuple[Work, list[Result]]:
+    work = at_bats(12)
+    return work, truth(work)
+
+
+def test_a_distance_is_compared_beyond_the_digits_of_doubles() -> None:
+    true = Bounded(value="100.00000000000000000001", radius="1e-30")
+    assert distance_error(100.0, true) == pytest.approx(1e-20)
+    assert distance_error(Bounded(value="100.00000000000000000001", radius="1e-30"), true) == 0.0
+
+
+def test_columns_and_scenes_are_the_same_work() -> None:
+    work = flights(3)
+    scene = work.scenes[1]
+    assert scene.launch.velocity[0] == work.columns["launch.velocity.0"][1]
+    assert scene.launch.velocity[2] == work.columns["launch.velocity.2"][1]
+    assert [s.id for s in work.first(2).scenes] == ["flight"] * 2
+
+
+def test_what_misses_the_bat_is_counted(struck: tuple[Work, list[Result]]) -> None:
+    work, true = struck
+    batted = sum(result.outcome == "batted" for result in true)
+    assert batted > 0
+    nobody = errors(Answers(["missed"] * len(work), [None] * len(work)), true)
+    assert (nobody.contacts, nobody.missed, nobody.unanswered) == (batted, batted, 0)
+    assert math.isnan(nobody.worst)
+    everybody = errors(contenders.batch(1e-13).solve(work), true)
+    assert everybody.missed == 0
+    # Half ulps of a touching, 1e-16 m, grow a hundred-thousandfold to the landing of a graze.
+    assert everybody.worst < 1e-11
+
+
+def test_plain_scipy_lands_where_the_batch_engine_does() -> None:
+    work = flights(4)
+    true = truth(work)
+    # A thousand times its tolerance at 100 m: events are roots of an interpolant.
+    assert errors(contenders.plain(work, "DOP853", 1e-12).solve(work), true).worst < 1e-8
+
+
+def test_short_steps_find_the_bat(struck: tuple[Work, list[Result]]) -> None:
+    work, true = struck
+    by_setting = {entrant.name: entrant for entrant in contenders.plain_scipy(work)}
+    found = errors(by_setting[contenders.SHORTEST].solve(work), true)
+    plain = errors(by_setting["scipy DOP853, 1e-09"].solve(work), true)
+    assert found.missed < plain.missed
+
+
+def test_a_ratio_is_that_of_each_round() -> None:
+    assert ratio([2.0, 40.0, 6.0], [1.0, 20.0, 2.0]) == 2.0
+    assert np.isnan(errors(Answers([""], [None]), truth(at_bats(1))).worst)

@@ -1,0 +1,196 @@
+"""``longball judge``, run as a user runs it."""
+
+from __future__ import annotations
+
+import csv
+import json
+import shlex
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from xml.etree import ElementTree
+
+import jsonschema
+import pytest
+
+from longball.engines.at_bat import solve
+from longball.engines.ivp import Ivp
+from longball.golden import load
+from longball.judge.verdict import schema
+from tests.judge.test_sampling import at_bats
+
+CANDIDATE = Path(__file__).parents[1] / "candidates" / "paper_verlet.py"
+LONGBALL = [sys.executable, "-m", "longball"]
+
+# A candidate of a few lines, which says the same of every scene.
+HANGING = "import time; time.sleep(600)"
+SILENT = "import sys; sys.stdin.read()"
+
+
+def judge(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [*LONGBALL, "judge", *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        timeout=300,
+        check=False,
+    )
+
+
+def verlet(dt: str, *more: str) -> list[str]:
+    return ["--", *LONGBALL, "solve", "--engine", "verlet", "--dt", dt, *more]
+
+
+def results(folder: Path, change: Callable[[dict], dict | None] = lambda answer: answer) -> Path:
+    """Return a file of the ivp engine's answers to the golden pitches, changed."""
+    path = folder / "results.jsonl"
+    answers = [change(json.loads(solve(case.scene, Ivp()).line())) for case in load("pitch")]
+    path.write_text("".join(json.dumps(a) + "\n" for a in answers if a), encoding="utf-8")
+    return path
+
+
+def test_the_reference_passes_and_so_does_its_file(tmp_path: Path):
+    said = judge("--golden", "pitch", "--", *LONGBALL, "solve")
+    assert (said.returncode, said.stderr) == (0, ""), said.stdout
+    assert said.stdout.startswith(f"PASSED: {shlex.join([*LONGBALL, 'solve'])}\n")
+    said = judge("--golden", "pitch", "--results", results(tmp_path))
+    assert said.returncode == 0, said.stdout
+    assert said.stdout.startswith("PASSED: results.jsonl\nprofile exact")
+
+
+def test_a_verdict_in_every_form(tmp_path: Path):
+    junit, html = tmp_path / "verdict.xml", tmp_path / "verdict.html"
+    said = judge("--golden", "flight-drag", "--json", "--junit", junit, "--html", html,
+                 *verlet("0.01", "--variant", "old_carried"))  # fmt: skip
+    assert said.returncode == 1
+    verdict = json.loads(said.stdout)
+    jsonschema.validate(verdict, schema())
+    assert not verdict["passed"]
+    assert verdict["diagnosis"]["named"] == ["lagged-verlet"]
+    assert verdict["diagnosis"]["suspects"][0]["step"] == pytest.approx(0.01)
+    assert verdict["convergence"] is None
+    (suite, conduct) = ElementTree.parse(junit).getroot()
+    assert suite.get("name") == "flight-drag"
+    assert suite.get("failures") == str(len(verdict["failures"]))
+    assert conduct.get("failures") == "1"
+    assert html.read_text(encoding="utf-8").count("<img") == 2
+
+
+def test_a_place_for_the_step_shows_how_it_converges(tmp_path: Path):
+    html = tmp_path / "verdict.html"
+    arguments = ("--golden", "flight-drag", "--profile", "converged", "--tolerance", "1",
+                 "--steps", "0.02:0.002:5", "--html", html)  # fmt: skip
+    command = ("--", sys.executable, "-I", CANDIDATE, "--dt", "{dt}")
+    said = judge(*arguments, "--expected", "2", *command)
+    assert said.returncode == 1
+    assert said.stdout.splitlines()[0].endswith("--dt 0.002")
+    assert "failed because: convergence: distance: other order" in said.stdout
+    assert ", but 2 in theory" in said.stdout
+    assert html.read_text(encoding="utf-8").count("<img") == 2
+    said = judge(*arguments, "--expected", "1", "--json", *command)
+    assert said.returncode == 0, said.stdout
+    orders = json.loads(said.stdout)["convergence"]["orders"]
+    assert {order["verdict"] for order in orders} == {"as expected"}
+
+
+def test_samples_are_judged_alone_and_beside_answers(tmp_path: Path):
+    samples = tmp_path / "samples.jsonl"
+    lines = [json.dumps(scene) for scene in at_bats(offset_spread=0.0732)]
+    samples.write_text("\n".join(lines), encoding="utf-8")
+    alone = judge("--samples", samples)
+    assert alone.returncode == 1
+    assert alone.stdout.startswith("FAILED: samples.jsonl\nfailed because: sampling: swing.height")
+    both = judge(
+        "--golden", "pitch", "--results", results(tmp_path), "--samples", samples, "--json"
+    )
+    assert both.returncode == 1
+    verdict = json.loads(both.stdout)
+    jsonschema.validate(verdict, schema())
+    assert verdict["right"] == verdict["judged"] > 0
+    (reason,) = verdict["reasons"]
+    assert reason.startswith("sampling: swing.height_offset")
+
+
+def test_a_table_with_columns_of_its_own(tmp_path: Path):
+    table = tmp_path / "results.csv"
+    with table.open("w", encoding="utf-8", newline="") as file:
+        write = csv.writer(file).writerow
+        write(["case", "t", "plate.velocity.x", "plate.velocity.y", "plate.velocity.z", "remark"])
+        for case in load("pitch"):
+            plate = solve(case.scene, Ivp()).plate
+            cells = [repr(plate.time), *map(repr, plate.velocity)] if plate else [""] * 4
+            write([case.id, *cells, "mine"])
+    arguments = ("--golden", "pitch", "--results", table, "--column", "case=id")
+    said = judge(*arguments, "--column", "t=plate.time")
+    assert said.returncode == 0, said.stdout
+    assert "left out: plate.position in " in said.stdout
+    said = judge(*arguments, "--column", "t=plate.time", "--require", "plate.position")
+    assert said.returncode == 1
+    assert "failed because: plate.position is missing in " in said.stdout
+
+
+@pytest.mark.parametrize(
+    ("program", "sentence"),
+    [
+        (HANGING, "no answer came for 1 s, and was stopped; it answered 0 of"),
+        (SILENT, "ended with status 0; it answered 0 of"),
+        ("print('\\x00\\x1b' * 99); raise SystemExit(7)", "ended with status 7; it answered 0 of"),
+        ("while True: print('x' * 60000)", "wrote more than 268435456 bytes, and was stopped"),
+    ],
+    ids=["hangs", "says nothing", "crashes", "floods"],
+)
+@pytest.mark.parametrize("step", [(), ("{dt}",)], ids=["", "dt"])
+def test_a_candidate_that_misbehaves_fails_with_a_sentence(
+    program: str, sentence: str, step: tuple[str, ...]
+):
+    command = [sys.executable, "-I", "-S", "-c", program, *step]
+    said = judge("--golden", "pitch", "--timeout", "1", "--", *command)
+    assert said.returncode == 1
+    assert sentence in said.stdout
+    assert "Traceback" not in said.stderr
+    assert "\x1b" not in said.stdout
+    assert ("its convergence was not looked at" in said.stdout) == bool(step)
+
+
+def test_a_step_that_hangs_is_the_last_that_is_tried():
+    # It answers with the finest step only, which it is first judged with.
+    program = (
+        "import sys, time, json\n"
+        "if sys.argv[1] != '0.001': time.sleep(600)\n"
+        "for line in sys.stdin: print(json.dumps({'id': json.loads(line)['id']}))\n"
+    )
+    command = [sys.executable, "-I", "-S", "-c", program, "{dt}"]
+    said = judge("--golden", "pitch", "--timeout", "1", "--steps", "0.1:0.001:5", "--", *command)
+    assert said.returncode == 1
+    assert said.stdout.count("no answer came for 1 s, and was stopped") == 1
+    assert "dt = 0.1: the candidate: no answer came" in said.stdout
+    assert "convergence: nothing was answered that could converge" in said.stdout
+
+
+@pytest.mark.parametrize(
+    ("arguments", "named"),
+    [
+        ([], "COMMAND"),
+        (["--results", "r.jsonl", "--", "true"], "not both"),
+        (["--results", "/no/such/file"], "/no/such/file"),
+        (["--samples", "/no/such/file"], "/no/such/file"),
+        (["--golden", "nonsense", "--", "true"], "nonsense"),
+        (["--profile", "nonsense", "--", "true"], "exact, converged, paper"),
+        (["--tolerance", "1", "--", "true"], "takes no tolerance"),
+        (["--require", "nonsense", "--golden", "pitch", "--", "true"], "nonsense"),
+        (["--column", "a=id", "--", "true"], "--column"),
+        (["--expected", "2", "--", "true"], "{dt}"),
+        (["--steps", "0.1:0.01:5", "--", "true"], "{dt}"),
+        (["--steps", "0.01:0.1:5", "--", "true", "{dt}"], "from coarse to fine"),
+        (["--", "/no/such/program"], "/no/such/program"),
+        (["--", ""], "longball"),
+    ],
+)
+def test_a_wrong_call_says_what_is_wrong(arguments: list[str], named: str):
+    said = judge(*arguments)
+    assert said.returncode == 2
+    assert said.stdout == ""
+    assert named in said.stderr
+    assert "Traceback" not in said.stderr
+    assert "unexpected" not in said.stderr
