@@ -117,6 +117,11 @@ class FlightPlane(Generic[N]):
         return self.cos * state.u, self.sin * state.u, state.w
 
 
+# The square of a speed below TINY, in m/s, may vanish from a double. That of LARGER times any such
+# double does not, and a power of 2 changes no digit.
+TINY, LARGER = 2.0**-500, 2.0**600
+
+
 def into_plane(
     position: Vector[N], velocity: Vector[N], numbers: Numbers[N]
 ) -> tuple[FlightPlane[N], PlaneState[N]]:
@@ -136,7 +141,8 @@ def into_plane(
     size = cast(N, abs(vx) + abs(vy))  # mypy knows abs() of a Real only
     if not numbers.positive(size, nothing, "whether the launch is vertical"):
         return FlightPlane(x, y, numbers.exact(1.0), nothing), PlaneState(nothing, z, nothing, vz)
-    # The squares of a heading near 1 neither overflow nor vanish, whatever the speed.
-    cos, sin = vx / size, vy / size
-    length = numbers.sqrt(cos * cos + sin * sin)
-    return FlightPlane(x, y, cos / length, sin / length), PlaneState(nothing, z, size * length, vz)
+    tiny = numbers.positive(numbers.exact(TINY) - size, nothing, "whether the launch is vertical")
+    scale = numbers.exact(LARGER if tiny else 1.0)
+    u, v = scale * vx, scale * vy
+    length = numbers.sqrt(u * u + v * v)
+    return FlightPlane(x, y, u / length, v / length), PlaneState(nothing, z, length / scale, vz)

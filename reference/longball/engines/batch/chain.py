@@ -32,7 +32,7 @@ from longball.engines.batch.records import (
 from longball.engines.engine import BatSection, Stops
 from longball.model.bat import bat_velocity, couple, lever
 from longball.model.impact import energy_change, impulse, velocity_after
-from longball.model.motion import FlightPlane, Forces, PlaneState
+from longball.model.motion import LARGER, TINY, FlightPlane, Forces, PlaneState
 from longball.model.numbers import DOUBLES
 from longball.model.readings import Reading
 from longball.model.result import Outcome
@@ -130,11 +130,14 @@ def _into_plane(position: Vector, velocity: Vector) -> tuple[FlightPlane[Any], P
     """Do what `longball.model.motion.into_plane` does."""
     x, y, z = position
     vx, vy, vz = velocity
-    size = np.abs(vx) + np.abs(vy)  # one number for all is NumPy's too: its 0/0 is no error
+    size = np.abs(vx) + np.abs(vy)
+    scale = np.where(size < TINY, LARGER, 1.0)
+    u, v = scale * vx, scale * vy
+    length = np.sqrt(u * u + v * v)
     heads = size > 0.0
-    cos, sin = np.where(heads, vx / size, 1.0), np.where(heads, vy / size, 0.0)
-    length = np.sqrt(cos * cos + sin * sin)
-    return FlightPlane(x, y, cos / length, sin / length), PlaneState(0.0, z, size * length, vz)
+    divisor = np.where(heads, length, 1.0)
+    plane = FlightPlane(x, y, np.where(heads, u / divisor, 1.0), v / divisor)
+    return plane, PlaneState(0.0, z, length / scale, vz)
 
 
 def _forces(c: Columns, reading: Reading) -> Forces[Any]:
