@@ -178,7 +178,9 @@ def draw(report: Path, frame: pd.DataFrame) -> None:
         grid[row, place[str(trial.case)]] = VERDICTS.index(str(trial.verdict))
     shades = ListedColormap(["0.95", "0.7", "0.4", "black"])
     with figure(report, "stability", size=(9.0, 4.6)) as (axes,):
-        image = axes.imshow(grid, aspect="auto", cmap=shades, vmin=-0.5, vmax=3.5)
+        image = axes.imshow(
+            grid, aspect="auto", interpolation="nearest", cmap=shades, vmin=-0.5, vmax=3.5
+        )
         axes.set_yticks(range(len(ENGINES)), list(ENGINES))
         edges, names = [], []
         for group, members in groupby(cases, key=lambda case: "-".join(case.split("-")[:2])):

@@ -133,12 +133,12 @@ def test_a_table_with_columns_of_its_own(tmp_path: Path):
 @pytest.mark.parametrize(
     ("program", "patience", "sentence"),
     [
-        (HANGING, "1", "no answer came for 1 s, and was stopped; it answered 0 of"),
-        (SILENT, "60", "ended with status 0; it answered 0 of"),
+        (HANGING, "1", "no answer came for 1 s, and was stopped"),
+        (SILENT, "60", "ended with status 0"),
         (
             "print('\\x00\\x1b' * 99); raise SystemExit(7)",
             "60",
-            "ended with status 7; it answered 0 of",
+            "ended with status 7",
         ),
         (
             "while True: print('x' * 60000)",
@@ -155,7 +155,9 @@ def test_a_candidate_that_misbehaves_fails_with_a_sentence(
     command = [sys.executable, "-I", "-S", "-c", program, *step]
     said = judge("--golden", "pitch", "--timeout", patience, "--", *command)
     assert said.returncode == 1
+    # It may have ended "before it had read all scenes": that depends on who is faster.
     assert sentence in said.stdout
+    assert "; it answered 0 of" in said.stdout
     assert "Traceback" not in said.stderr
     assert "\x1b" not in said.stdout
     assert ("its convergence was not looked at" in said.stdout) == bool(step)
