@@ -78,6 +78,7 @@ class Doubles:
 
     pi = math.pi
     rounding = 2.0**-53  # half an ulp of 1, relative
+    sqrt = staticmethod(math.sqrt)  # correctly rounded; every evaluation of a force calls it
 
     def arithmetic(self) -> AbstractContextManager[None]:
         """Return a context that does nothing: doubles are what they are."""
@@ -86,10 +87,6 @@ class Doubles:
     def exact(self, value: float) -> float:
         """Return the double itself."""
         return value
-
-    def sqrt(self, x: float) -> float:
-        """Return the correctly rounded square root."""
-        return math.sqrt(x)
 
     def cos_sin(self, angle: float) -> tuple[float, float]:
         """Return cosine and sine of an angle in radians."""
