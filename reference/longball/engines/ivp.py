@@ -103,8 +103,8 @@ class Ivp:
         Any of solve_ivp's methods, by name.
     rtol, atol
         Tolerances of its steps, relative and absolute (m and m/s). With DOP853 at the default
-        every landing of 700 batted balls was good to 3e-12 m, for 1.4 times the time of a plain
-        solve at 1e-12 (`python -m analysis accuracy`).
+        every landing of 700 batted balls was good to 3e-12 m, for 1.4 to 1.5 times the time of a
+        plain solve at 1e-12 (`python -m analysis accuracy`).
     """
 
     method: str = "DOP853"
