@@ -114,14 +114,31 @@ def _meet(
         )
     time = scipy.optimize.brentq(lambda t: depth(path(t)), 0.0, closest, xtol=1e-14)
     ball = path(time)
-    blow = blow_at(scene, _triple(ball[:3]), _triple(ball[3:]), height)
+    position = _triple(ball[:3])
+    touching = written.Contact(time=time, position=position, margin=margin)
+
+    def fly_on(after: Array) -> written.Landing | None:
+        return _land(scene, np.array([*position, *after]), time, drag)
+
+    return from_blow(scene, plate, touching, _triple(ball[3:]), height, fly_on)
+
+
+def from_blow(
+    scene: AtBatScene,
+    plate: written.Plate,
+    touching: written.Contact,
+    velocity: Any,
+    height: float,
+    fly_on: Callable[[Array], written.Landing | None],
+) -> Result:
+    """Return an at-bat whose ball touches the bat with a velocity, m/s; `fly_on` lands it."""
+    blow = _blow_at(scene, touching.position, velocity, height)
     contact = (blow.contact or written.Contact()).model_copy(
-        update={"time": time, "position": _triple(ball[:3]), "margin": margin}
+        update={name: getattr(touching, name) for name in ("time", "position", "margin")}
     )
     if blow.impact is None:
         return Result(id=scene.id, outcome=blow.outcome, plate=plate, contact=contact)
-    after = np.array([*ball[:3], *(float(v) for v in blow.impact.velocity)])
-    landing = _land(scene, after, time, drag)
+    landing = fly_on(np.array(blow.impact.velocity, float))
     return Result(
         id=scene.id,
         outcome="batted" if landing else "airborne",
@@ -132,7 +149,7 @@ def _meet(
     )
 
 
-def blow_at(scene: AtBatScene, position: Any, velocity: Any, height: float) -> Result:
+def _blow_at(scene: AtBatScene, position: Any, velocity: Any, height: float) -> Result:
     """Return contact and impact of a ball that touches the bat at a position, m, velocity, m/s."""
     # Not validated: the touching is as good as its root, and a scene asks for 1e-9 m.
     touching = ImpactScene.model_construct(

@@ -23,7 +23,7 @@ from longball.engines.verlet import (
     line_touch,
     step,
 )
-from longball.judge.altered import DragLaw, blow_at, release
+from longball.judge.altered import DragLaw, from_blow, release
 from longball.model import result as written
 from longball.model.motion import PlaneState, forces, into_plane
 from longball.model.numbers import DOUBLES, Vector
@@ -118,24 +118,14 @@ def _meet(
         return Result(id=scene.id, plate=plate, contact=contact, error="no Δt' of touching")
     touching = tuple(r + ahead * v for r, v in zip(*back, strict=True))
     time = (pitch.hit - 1) * scheme.dt + ahead
+    contact = contact.model_copy(update={"time": time, "position": touching})
     if abs(pitch.inside.position[1]) >= scene.bat.length / 2:
-        contact = contact.model_copy(update={"time": time, "position": touching})
         return Result(id=scene.id, outcome="beyond_bat", plate=plate, contact=contact)
-    blow = blow_at(scene, touching, back.velocity, height)
-    contact = (blow.contact or contact).model_copy(
-        update={"time": time, "position": touching, "margin": contact.margin}
-    )
-    if blow.impact is None:
-        return Result(id=scene.id, outcome=blow.outcome, plate=plate, contact=contact)
-    landing = _rebound(scene, law, scheme, pitch, ahead, np.array(blow.impact.velocity, float))
-    return Result(
-        id=scene.id,
-        outcome="batted" if landing else "airborne",
-        plate=plate,
-        contact=contact,
-        impact=blow.impact,
-        landing=landing,
-    )
+
+    def fly_on(after: Any) -> written.Landing | None:
+        return _rebound(scene, law, scheme, pitch, ahead, after)
+
+    return from_blow(scene, plate, contact, back.velocity, height, fly_on)
 
 
 def _rebound(
