@@ -63,15 +63,7 @@ def strike(
     """
     pitched = samples.pitched
     tables = solve_columns_with_restitutions(
-        base,
-        {
-            "pitch.speed": samples.speed[pitched],
-            "pitch.aim.0": samples.aim[pitched],
-            "swing.height_offset": samples.offset[pitched],
-            "swing.tilt": samples.tilt[pitched],
-        },
-        restitutions,
-        threads=threads,
+        base, samples.chosen(pitched).columns, restitutions, threads=threads
     )
 
     def whole(column: Array) -> Array:

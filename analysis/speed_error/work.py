@@ -80,14 +80,7 @@ def flights(count: int) -> Work:
 def at_bats(count: int) -> Work:
     """Return at-bats of the paper's distributions."""
     base = AtBatScene(id="at-bat")
-    samples = draw(paper_at_bats(base.reading), count, SEED)
-    columns = {
-        "pitch.speed": samples.speed,
-        "pitch.aim.0": samples.aim,
-        "swing.height_offset": samples.offset,
-        "swing.tilt": samples.tilt,
-    }
-    return Work(base, columns)
+    return Work(base, draw(paper_at_bats(base.reading), count, SEED).columns)
 
 
 def truth(work: Work) -> list[Result]:

@@ -149,6 +149,20 @@ class Samples:
         """
         return self.speed > 0
 
+    def chosen(self, which: NDArray[np.bool_]) -> Samples:
+        """Return some of them."""
+        return Samples(self.speed[which], self.aim[which], self.offset[which], self.tilt[which])
+
+    @property
+    def columns(self) -> dict[str, Array]:
+        """As `longball.engines.batch.solve_columns` names them."""
+        return {
+            "pitch.speed": self.speed,
+            "pitch.aim.0": self.aim,
+            "swing.height_offset": self.offset,
+            "swing.tilt": self.tilt,
+        }
+
 
 def draw(at_bats: AtBats, count: int, seed: int, first: int = 0) -> Samples:
     """Return samples of a seed, from the one numbered `first` on: a multiple of BLOCK."""

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from longball.home_run.at_bats import Samples
 from longball.home_run.estimation import HOME_RUN_DISTANCE
 from longball.model.scene import AtBatScene
 
@@ -108,13 +109,8 @@ class Clearance:
     def _solve(self, inputs: Inputs) -> Mapping[str, NDArray[Any]]:
         from longball.engines.batch import solve_columns
 
-        columns = {
-            "pitch.speed": inputs.speed,
-            "pitch.aim.0": inputs.aim,
-            "swing.height_offset": inputs.offset,
-            "swing.tilt": inputs.tilt,
-            "ball.restitution": np.full_like(inputs.speed, self.restitution),
-        }
+        restitution = np.full_like(inputs.speed, self.restitution)
+        columns = Samples(*inputs).columns | {"ball.restitution": restitution}
         return solve_columns(self.base, columns, self.engine)
 
 

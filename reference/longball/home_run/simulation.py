@@ -130,15 +130,7 @@ def _strike_columns(
     samples = draw(at_bats, count, seed, first)
     pitched = samples.pitched
     tables = solve_columns_with_restitutions(
-        base,
-        {
-            "pitch.speed": samples.speed[pitched],
-            "pitch.aim.0": samples.aim[pitched],
-            "swing.height_offset": samples.offset[pitched],
-            "swing.tilt": samples.tilt[pitched],
-        },
-        restitutions,
-        engine,
+        base, samples.chosen(pitched).columns, restitutions, engine
     )
     landed = _nothing(len(restitutions), count)
     for one, table in zip(landed, tables, strict=True):
