@@ -7,7 +7,9 @@ so that they stand once for doubles, for mpmath and for ball arithmetic.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager, nullcontext
+from types import MappingProxyType
 from typing import Any, Protocol, Self, TypeVar
 
 from longball.model.result import Number
@@ -51,8 +53,15 @@ class Numbers(Protocol[N]):
     def arithmetic(self) -> AbstractContextManager[object]:
         """Return the context in which + - * / of these numbers are as precise as the system."""
 
+    @property
+    def functions(self) -> Mapping[str, Callable[..., N]]:
+        """The functions of traced formulas: `sqrt`, `exp`, `log`, and `unit` (`trace.Node`)."""
+
     def exact(self, value: float) -> N:
         """Return the double `value` itself, not a rounded or decimal relative of it."""
+
+    def absent(self, value: float) -> bool:
+        """Tell whether a number of a scene is zero, so that what it multiplies is not there."""
 
     def sqrt(self, x: N) -> N:
         """Return the square root of ``x >= 0``."""
@@ -73,12 +82,20 @@ class Numbers(Protocol[N]):
         """Return `x` as a result writes it."""
 
 
+def ratio(part: Any, whole: Any) -> Any:
+    """Return ``part / whole`` for a part of a vector's size, and 0 for a vector of no size."""
+    return part / whole if whole != 0 else part * 0
+
+
 class Doubles:
     """IEEE 754 double precision."""
 
     pi = math.pi
     rounding = 2.0**-53  # half an ulp of 1, relative
     sqrt = staticmethod(math.sqrt)  # correctly rounded; every evaluation of a force calls it
+    functions: Mapping[str, Callable[..., float]] = MappingProxyType(
+        {"sqrt": math.sqrt, "exp": math.exp, "log": math.log, "unit": ratio}
+    )
 
     def arithmetic(self) -> AbstractContextManager[None]:
         """Return a context that does nothing: doubles are what they are."""
@@ -87,6 +104,10 @@ class Doubles:
     def exact(self, value: float) -> float:
         """Return the double itself."""
         return value
+
+    def absent(self, value: float) -> bool:
+        """Tell whether a number of a scene is zero."""
+        return value == 0.0
 
     def cos_sin(self, angle: float) -> tuple[float, float]:
         """Return cosine and sine of an angle in radians."""
