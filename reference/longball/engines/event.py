@@ -13,7 +13,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, Generic, Protocol
 
-from longball.model.law import State
+from longball.model.frame import Frame
+from longball.model.law import PlaneState, State
 from longball.model.numbers import N, Numbers
 
 
@@ -34,6 +35,8 @@ class Event(Generic[N]):
         Puts a state that is within rounding of the event onto it.
     size
         What the error of the value is relative to, in its unit.
+    level
+        The coordinate at which the event is, m: the height of a ground, the way to a plate.
     """
 
     name: str
@@ -41,10 +44,68 @@ class Event(Generic[N]):
     value: Callable[[Any], Any]
     place: Callable[[Any], Any]
     size: N
+    level: N
+
+
+def ground(height: N, start: State[N], numbers: Numbers[N]) -> Event[N]:
+    """Return the landing of a flight that starts in a state, at a height, m."""
+    return Event(
+        "ground",
+        "the ball touches the ground",
+        lambda state: state.z - height,
+        lambda state: state._replace(z=height),
+        _size(numbers, height, start.z),
+        height,
+    )
+
+
+def plate(frame: Frame[N], numbers: Numbers[N]) -> Event[N]:
+    """Return the crossing of the plane x = 0 by a pitch in a frame."""
+    way = -frame.x / frame.cos
+
+    def place(state: State[N]) -> State[N]:
+        return state._replace(s=way) if isinstance(state, PlaneState) else state
+
+    return Event(
+        "plate", "the ball reaches the plate", frame.towards_x, place, _size(numbers, frame.x), way
+    )
+
+
+def vertical(numbers: Numbers[N]) -> Event[N]:
+    """Return where a flight turns vertical, u falling to zero."""
+    nothing = numbers.exact(0.0)
+    return Event(
+        "vertical",
+        "the ball turns vertical",
+        lambda state: state.u,
+        lambda state: state._replace(u=nothing),
+        numbers.exact(1.0),
+        nothing,
+    )
+
+
+def past(frame: Frame[N], reach: N, numbers: Numbers[N]) -> Event[N]:
+    """Return where a pitch has passed a bat that it touches at a distance `reach`, m."""
+    return Event(
+        "past",
+        "the ball passes the bat",
+        lambda state: frame.towards_x(state) + reach,
+        lambda state: state,
+        _size(numbers, frame.x, reach),
+        -(frame.x + reach) / frame.cos,
+    )
+
+
+def _size(numbers: Numbers[N], *lengths: N) -> N:
+    """Return the largest of some lengths, and at least 1 m."""
+    largest = numbers.exact(1.0)
+    for length in map(abs, lengths):
+        largest = numbers.where(length > largest, length, largest)
+    return largest
 
 
 class Curve(Protocol[N]):
-    """The value of an event along a piece of a flight, as a function of the time on the piece, s."""
+    """The value of an event along a piece, as a function of the time on the piece, s."""
 
     def __call__(self, t: N) -> N:
         """Return the value."""

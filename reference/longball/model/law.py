@@ -165,6 +165,13 @@ class Law(Generic[N]):
         """The class of the states: `PlaneState` or `SpaceState`."""
         return SpaceState if "v" in self.program.variables else PlaneState
 
+    def state_of(self, start: PlaneState[N]) -> State[N]:
+        """Return a launch as a state of this law."""
+        if self.state is PlaneState:
+            return start
+        nothing = start.s * 0
+        return SpaceState(start.s, nothing, start.z, start.u, nothing, start.w)
+
     @property
     def gravity(self) -> N | None:
         """g, m/s²; None where there is none."""
@@ -184,10 +191,10 @@ class Law(Generic[N]):
         return traced(rest, self.strengths)
 
     def straight(self, sense: N) -> Law[N] | None:
-        """Return the law of a vertical flight, `sense` being 1 on the way up and -1 on the way down.
+        """Return the law of a vertical flight; `sense` is 1 on the way up and -1 on the way down.
 
         The speed is ``sense w`` there, without a square root: this law is smooth where the ball
-        comes to rest, and holds on one side of it. None if a force drives the ball off the vertical.
+        comes to rest, and holds on one side of it. None if a force drives the ball aside.
         """
         program = _program(self.forces, tuple(self.strengths), "vertical")
         if program is None:

@@ -10,7 +10,7 @@ import math
 from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager, nullcontext
 from types import MappingProxyType
-from typing import Any, Protocol, Self, TypeVar
+from typing import Any, Generic, Protocol, Self, TypeVar
 
 from longball.model.result import Number
 
@@ -63,6 +63,9 @@ class Numbers(Protocol[N]):
     def absent(self, value: float) -> bool:
         """Tell whether a number of a scene is zero, so that what it multiplies is not there."""
 
+    def where(self, condition: Any, x: N, y: N) -> N:
+        """Return x where a condition of `positive` holds, y elsewhere."""
+
     def sqrt(self, x: N) -> N:
         """Return the square root of ``x >= 0``."""
 
@@ -87,7 +90,19 @@ def ratio(part: Any, whole: Any) -> Any:
     return part / whole if whole != 0 else part * 0
 
 
-class Doubles:
+class Single(Generic[N]):
+    """What number systems of one number at a time share."""
+
+    def absent(self, value: float) -> bool:
+        """Tell whether a number of a scene is zero."""
+        return value == 0.0
+
+    def where(self, condition: bool, x: N, y: N) -> N:
+        """Return x if a condition holds, else y."""
+        return x if condition else y
+
+
+class Doubles(Single[float]):
     """IEEE 754 double precision."""
 
     pi = math.pi
@@ -104,10 +119,6 @@ class Doubles:
     def exact(self, value: float) -> float:
         """Return the double itself."""
         return value
-
-    def absent(self, value: float) -> bool:
-        """Tell whether a number of a scene is zero."""
-        return value == 0.0
 
     def cos_sin(self, angle: float) -> tuple[float, float]:
         """Return cosine and sine of an angle in radians."""
