@@ -28,7 +28,7 @@ ENGINES: dict[str, tuple[str, dict[str, Any]]] = {
     "ivp RK45": ("ivp", {"method": "RK45", "rtol": 1e-10, "atol": 1e-10}),
     "ivp LSODA": ("ivp", {"method": "LSODA", "rtol": 1e-12, "atol": 1e-12}),
     "batch": ("batch", {}),
-    "verlet 1 ms": ("verlet", {"dt": 1e-3, "variant": "implicit"}),
+    "verlet 1 ms": ("verlet", {"dt": 1e-3, "forces": "implicit"}),
     "multiprecision 30": ("multiprecision", {"digits": 30}),
     "enclosure 30": ("enclosure", {"digits": 30}),
 }

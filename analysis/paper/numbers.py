@@ -16,7 +16,7 @@ from analysis.paper.distances import NEAR
 from analysis.paper.printed import P_TEXT
 from analysis.writing import figure, shown, table
 from longball.home_run import PAPER_CURVES, RESTITUTIONS, Samples, draw, paper_at_bats
-from longball.model.scene import AtBatScene
+from longball.model.drawn import DrawnAtBat
 
 SAMPLES = 100_000
 CORNER_SAMPLES = 20_000
@@ -24,15 +24,15 @@ SEED = 1
 E = P_TEXT[0]
 STEP = 0.02  # of a number's value: its third order is 1 % of P' where P goes like its tenth power
 
-Problem = tuple[AtBatScene, Samples]
+Problem = tuple[DrawnAtBat, Samples]
 
 
-def drawn(base: AtBatScene, count: int = SAMPLES) -> Problem:
+def drawn(base: DrawnAtBat, count: int = SAMPLES) -> Problem:
     """Return an at-bat with its random numbers: the same ones for every reading."""
     return base, draw(paper_at_bats(base.reading), count, SEED)
 
 
-def with_number(base: AtBatScene, name: str, value: float) -> AtBatScene:
+def with_number(base: DrawnAtBat, name: str, value: float) -> DrawnAtBat:
     """Return a scene with another number, named like ``ball.mass`` or ``gravity``."""
     block, _, key = name.partition(".")
     if not key:
@@ -40,7 +40,7 @@ def with_number(base: AtBatScene, name: str, value: float) -> AtBatScene:
     return base.model_copy(update={block: getattr(base, block).model_copy(update={key: value})})
 
 
-def number(base: AtBatScene, name: str) -> float:
+def number(base: DrawnAtBat, name: str) -> float:
     """Return a number of a scene."""
     block, _, key = name.partition(".")
     found: float = getattr(getattr(base, block), key) if key else getattr(base, block)
@@ -107,7 +107,7 @@ class Ranged:
     high: tuple[float, float]
 
 
-def over_ranges(base: AtBatScene, space: Space) -> tuple[Share, list[Ranged]]:
+def over_ranges(base: DrawnAtBat, space: Space) -> tuple[Share, list[Ranged]]:
     """Return P(0.42), and what each number alone does to it."""
     before = share(drawn(base), space)
     return before, [
@@ -122,7 +122,7 @@ def over_ranges(base: AtBatScene, space: Space) -> tuple[Share, list[Ranged]]:
     ]
 
 
-def at_corners(base: AtBatScene, space: Space) -> list[Trial]:
+def at_corners(base: DrawnAtBat, space: Space) -> list[Trial]:
     """Return P(e) with all numbers at the ends of their ranges, in all combinations."""
     found = []
     for values in itertools.product(*((one.low, one.high) for one in UNKNOWN)):
@@ -134,7 +134,7 @@ def at_corners(base: AtBatScene, space: Space) -> list[Trial]:
     return found
 
 
-def section(report: Path, cases: dict[str, tuple[AtBatScene, Space]]) -> str:
+def section(report: Path, cases: dict[str, tuple[DrawnAtBat, Space]]) -> str:
     """Write the section: what the unknown numbers do, alone and together."""
     cases = {
         name: (with_number(base, "ball.restitution", E), s) for name, (base, s) in cases.items()
@@ -320,7 +320,7 @@ def sensitivity(parameter: Parameter, problem: Problem, space: Space, p: float) 
     )
 
 
-def sensitivities(report: Path, cases: dict[str, tuple[AtBatScene, Space]]) -> str:
+def sensitivities(report: Path, cases: dict[str, tuple[DrawnAtBat, Space]]) -> str:
     """Write the section: ∂P/∂parameter at the default and the nearest reading."""
     found = {}
     for name, (base, space) in cases.items():

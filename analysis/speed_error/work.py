@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from longball import engines
 from longball.engines.at_bat import solve
 from longball.home_run import draw, paper_at_bats
+from longball.model.readings import SamplingReading
 from longball.model.result import Result
 from longball.model.scene import AtBatScene, FlightScene, Launch
 
@@ -80,7 +81,7 @@ def flights(count: int) -> Work:
 def at_bats(count: int) -> Work:
     """Return at-bats of the paper's distributions."""
     base = AtBatScene(id="at-bat")
-    return Work(base, draw(paper_at_bats(base.reading), count, SEED).columns)
+    return Work(base, draw(paper_at_bats(SamplingReading()), count, SEED).columns)
 
 
 def truth(work: Work) -> list[Result]:

@@ -62,7 +62,7 @@ def test_the_reference_passes_and_so_does_its_file(tmp_path: Path):
 def test_a_verdict_in_every_form(tmp_path: Path):
     junit, html = tmp_path / "verdict.xml", tmp_path / "verdict.html"
     said = judge("--golden", "flight-drag", "--json", "--junit", junit, "--html", html,
-                 *verlet("0.01", "--variant", "old_carried"))  # fmt: skip
+                 *verlet("0.01", "--forces", "old_carried"))  # fmt: skip
     assert said.returncode == 1
     verdict = json.loads(said.stdout)
     jsonschema.validate(verdict, schema())

@@ -17,7 +17,7 @@ from longball.judge.cases import Exact
 from longball.judge.sampling import FEWEST, BadSamples, Sampling, judge_samples, read_samples
 from longball.judge.trial import Court
 from longball.judge.words import words
-from longball.model.readings import Reading
+from longball.model.readings import SamplingReading
 from longball.model.scene import AtBatScene
 
 Scene = dict[str, Any]
@@ -25,7 +25,7 @@ Scene = dict[str, Any]
 
 def at_bats(count: int = 1000, seed: int = 5, **switches: object) -> list[Scene]:
     """Return at-bats as a candidate writes them, impossible ones included."""
-    samples = draw(paper_at_bats(Reading.model_validate(switches)), count, seed)
+    samples = draw(paper_at_bats(SamplingReading.model_validate(switches)), count, seed)
     speed, aim, offset, tilt = (
         column.tolist() for column in (samples.speed, samples.aim, samples.offset, samples.tilt)
     )

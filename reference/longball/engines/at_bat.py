@@ -34,7 +34,6 @@ from longball.model.scene import AtBatScene, FlightScene, ImpactScene, PitchScen
 
 def solve(scene: Scene, engine: Engine[N]) -> Result:
     """Return the result of a scene; what cannot be solved is a result with an error."""
-    engine = as_read(engine, scene)
     with engine.numbers.arithmetic():
         try:
             match scene:
@@ -57,7 +56,6 @@ def solve_with_restitutions(
 
     The pitch and its touching of the bat, which do not depend on it, are solved once.
     """
-    engine = as_read(engine, scene)
     with engine.numbers.arithmetic():
         try:
             meeting = meet(scene, engine)
@@ -79,11 +77,6 @@ def _reason(error: ArithmeticError | ValueError) -> str:
         return str(error)
     what = "a quantity is not finite" if isinstance(error, ValidationError) else str(error)
     return f"the numbers leave the range of the engine: {what}"
-
-
-def as_read(engine: Engine[N], scene: Scene) -> Engine[N]:
-    """Return the engine under the scene's reading, if it is one that readings change."""
-    return engine.under(scene.reading) if isinstance(engine, Stepped) else engine
 
 
 # --- a ball that is already in the air ------------------------------------------------------------
@@ -369,8 +362,7 @@ def strike(scene: AtBatScene, meeting: Meeting[N], engine: Engine[N]) -> Result:
     """Finish an at-bat from where pitch and bat meet.
 
     `scene` may differ in the ball's restitution from the scene that was met. Whoever calls this
-    or `meet` by itself does so within the engine's `numbers.arithmetic()`, with an engine that is
-    `as_read`.
+    or `meet` by itself does so within the engine's `numbers.arithmetic()`.
     """
     numbers = engine.numbers
     delivery, touch, height = meeting.delivery, meeting.touch, meeting.height

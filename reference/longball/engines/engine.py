@@ -5,11 +5,10 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Generic, Literal, Protocol, Self
+from typing import Generic, Literal, Protocol
 
 from longball.model.motion import FlightPlane, Forces, PlaneState
 from longball.model.numbers import N, Numbers, Vector
-from longball.model.readings import Reading
 from longball.model.result import Result
 from longball.model.scene import Scene
 
@@ -155,13 +154,8 @@ class Engine(Protocol[N]):
 class Stepped(ABC, Generic[N]):
     """What an engine offers besides if it advances in fixed steps, as the paper does.
 
-    Its steps are subject to readings of their own, and its bat pushes for some of them instead of
-    striking at once.
+    Its bat pushes for some of the steps instead of striking at once.
     """
-
-    @abstractmethod
-    def under(self, reading: Reading) -> Self:
-        """Return the engine under a reading; the chain gives it each scene's."""
 
     @abstractmethod
     def rebound(

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from longball.model.readings import Reading
+from longball.model.readings import SamplingReading
 from longball.model.scene import AtBatScene
 
 Array = NDArray[np.float64]
@@ -104,7 +104,7 @@ class AtBats:
         return Mixture(1.0, (0.0, 0.0), (self.offset_deviation, self.offset_deviation))
 
 
-def paper_at_bats(reading: Reading) -> AtBats:
+def paper_at_bats(reading: SamplingReading) -> AtBats:
     """Return the paper's distributions, as a reading of Table II, Eqs. 2 to 4 and Sec. III."""
     kmh = 1 / 3.6
     large, small = (139.1, 127.8), (4.58, 7.80)  # km/h, Table II

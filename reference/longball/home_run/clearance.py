@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from longball.home_run.at_bats import Samples
 from longball.home_run.estimation import HOME_RUN_DISTANCE
+from longball.model.readings import SampleSpace
 from longball.model.scene import AtBatScene
 
 if TYPE_CHECKING:
@@ -47,13 +48,16 @@ class Clearance:
         The ball's.
     engine
         Who flies the balls.
+    sample_space
+        Of which the home runs are a share.
     counted
-        Home runs within the sample space of the reading, or all of that space.
+        Home runs within the sample space, or all of that space.
     """
 
     base: AtBatScene
     restitution: float
     engine: Batch
+    sample_space: SampleSpace = "pitches"
     counted: Counted = "home runs"
 
     def __call__(self, inputs: Inputs) -> Array:
@@ -68,7 +72,7 @@ class Clearance:
         inside = np.full_like(x, HOME_RUN_DISTANCE)
         if self.counted == "home runs":
             inside = np.hypot(x, y) - HOME_RUN_DISTANCE
-        if self.base.reading.sample_space == "fair":
+        if self.sample_space == "fair":
             inside = np.minimum(inside, x - abs(y))
         clearances = np.where(np.isnan(x), -HOME_RUN_DISTANCE, inside)
         return clearances, table["outcome"] == ""

@@ -76,7 +76,7 @@ def monte_carlo(
     Parameters
     ----------
     base
-        Everything about the at-bats that is not random, its reading of the ledger included.
+        Everything about the at-bats that is not random, its reading included.
     at_bats
         The distributions of what is.
     restitutions

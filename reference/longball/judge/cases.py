@@ -189,7 +189,7 @@ SAME_SCHEME = 1e-9
 class Paper(Profile):
     """The same answers as the paper's scheme at its time step, right or wrong.
 
-    What counts as true is what longball's own Verlet engine answers under each scene's reading.
+    What counts as true is what longball's own Verlet engine answers.
 
     Attributes
     ----------
@@ -202,8 +202,8 @@ class Paper(Profile):
 
     def __str__(self) -> str:
         return (
-            f"paper: the answers of the printed scheme at Δt = {self.dt:g} s under each scene's "
-            f"reading, as longball's own Verlet engine gives them (not the truth), within "
+            f"paper: the answers of the printed scheme at Δt = {self.dt:g} s, "
+            f"as longball's own Verlet engine gives them (not the truth), within "
             f"{SAME_SCHEME:g} of each value"
         )
 

@@ -24,7 +24,7 @@ from scipy.special import ndtr
 
 from longball.home_run import AtBats, Mixture, paper_at_bats
 from longball.judge.answers import LONGEST_LINE, quoted
-from longball.model.readings import Reading
+from longball.model.readings import SamplingReading
 from longball.model.scene import AtBatScene
 
 Array = NDArray[np.float64]
@@ -226,7 +226,7 @@ def _judge(quantity: str, values: Array) -> Drawn:
     best = max(guesses, key=lambda guess: guess.log_likelihood(values) - guess.doubt)
     note = ""
     if best.fitted:
-        width = best.scale * Reading().cell_width
+        width = best.scale * SamplingReading().cell_width
         note = f"with cells {width:.3g} m wide: ask for the reading cell_width"
     return _said(quantity, best.named, _kolmogorov(best.distribution(np.sort(values))), note)
 
@@ -297,7 +297,7 @@ class _Guess:
 
 
 def _paper(**switches: object) -> AtBats:
-    return paper_at_bats(Reading.model_validate(switches))
+    return paper_at_bats(SamplingReading.model_validate(switches))
 
 
 def _speeds() -> Iterator[_Guess]:
@@ -322,7 +322,7 @@ def _speeds() -> Iterator[_Guess]:
 def _aims(values: Array) -> Iterator[_Guess]:
     aim = _paper().aim
     yield _Guess((), aim)
-    cell = Reading().cell_width
+    cell = SamplingReading().cell_width
     yield _Guess(("cells-for-metres",), aim, 1 / cell)
     middle = Mixture(aim.weight, (2.0, 4.0), (0.77, 0.77))
     yield _Guess(("cells-from-the-edge",), middle, 1.0)

@@ -17,10 +17,9 @@ from analysis.paper.printed import CARRIES, SAMPLES
 from analysis.paper.switches import options, turned_to
 from analysis.paper.variance import indices
 from longball.home_run import PAPER_CURVES, RESTITUTIONS, Curve, Estimate, fit
-from longball.model.readings import Reading
-from longball.model.scene import AtBatScene
+from longball.model.drawn import DrawnAtBat, DrawnReading
 
-BASE = AtBatScene(id="base")
+BASE = DrawnAtBat(id="base")
 
 
 # ---- Sobol's indices -----------------------------------------------------------------------------
@@ -152,9 +151,9 @@ def test_every_switch_is_turned_to_every_other_option():
 
 
 def test_what_the_ledger_forbids_is_no_reading():
-    reading = Reading(reduced_mass="effective_mass")
+    reading = DrawnReading(reduced_mass="effective_mass")
     assert turned_to(reading, "bat_ball_restitution", "plain") is None
-    assert turned_to(reading, "inertia", "thin_rod") == Reading(
+    assert turned_to(reading, "inertia", "thin_rod") == DrawnReading(
         reduced_mass="effective_mass", inertia="thin_rod"
     )
 
