@@ -20,7 +20,8 @@ from longball import engines
 from longball.engines.at_bat import solve
 from longball.engines.engine import CannotSolve
 from longball.golden import Case, load
-from longball.golden.case import decisive, values_of
+from longball.golden.case import decisive
+from longball.model.quantities import numbers
 from longball.model.result import Number, Result
 
 ENGINES: dict[str, tuple[str, dict[str, Any]]] = {
@@ -105,7 +106,7 @@ def compare(case: Case, result: Result) -> tuple[str, float, float]:
         return "declined", math.nan, math.nan
     if result.outcome != case.expected.outcome:
         return "wrong", math.nan, math.nan
-    expected, found = dict(values_of(case.expected)), dict(values_of(result))
+    expected, found = dict(numbers(case.expected)), dict(numbers(result))
     paths = [path for path in decisive(case.expected) if path in expected]
     if not paths:
         return "right", math.nan, math.nan

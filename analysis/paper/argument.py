@@ -215,8 +215,8 @@ def ranges(base: DrawnAtBat, elevation: float) -> Array:
         launch=Launch(position=(0.0, 0.0, 1.0), velocity=(1.0, 0.0, 0.0)),
     )
     columns = {
-        "launch.velocity.0": SPEEDS * math.cos(angle),
-        "launch.velocity.2": SPEEDS * math.sin(angle),
+        "launch.velocity[0]": SPEEDS * math.cos(angle),
+        "launch.velocity[2]": SPEEDS * math.sin(angle),
     }
     found: Array = solve_columns(scene, columns)["landing.distance"]
     return found

@@ -73,15 +73,15 @@ def strike(
 
     struck = []
     for table in tables:
-        after = np.array([table[f"impact.velocity.{i}"] for i in range(3)])
-        normal = np.array([table[f"contact.normal.{i}"] for i in range(3)])
+        after = np.array([table[f"impact.velocity[{i}]"] for i in range(3)])
+        normal = np.array([table[f"contact.normal[{i}]"] for i in range(3)])
         before = after - table["impact.impulse"] / base.ball.mass * normal
         failed = np.zeros(len(pitched), bool)
         failed[pitched] = table["outcome"] == ""
         struck.append(
             Balls(
-                x=whole(table["landing.position.0"]),
-                y=whole(table["landing.position.1"]),
+                x=whole(table["landing.position[0]"]),
+                y=whole(table["landing.position[1]"]),
                 failed=failed,
                 pitch_speed=whole(np.sqrt((before * before).sum(axis=0))),
                 exit_speed=whole(np.sqrt((after * after).sum(axis=0))),

@@ -62,7 +62,7 @@ class TestClearance:
             BASE,
             {
                 "pitch.speed": self.inputs.speed,
-                "pitch.aim.0": self.inputs.aim,
+                "pitch.aim[0]": self.inputs.aim,
                 "swing.height_offset": self.inputs.offset,
                 "swing.tilt": self.inputs.tilt,
             },
@@ -81,12 +81,12 @@ class TestClearance:
             BASE,
             {
                 "pitch.speed": self.inputs.speed,
-                "pitch.aim.0": aim,
+                "pitch.aim[0]": aim,
                 "swing.height_offset": self.inputs.offset,
                 "swing.tilt": self.inputs.tilt,
             },
         )
-        np.testing.assert_allclose(table["contact.position.1"], -0.45, rtol=0, atol=1e-8)
+        np.testing.assert_allclose(table["contact.position[1]"], -0.45, rtol=0, atol=1e-8)
 
     def test_the_window_is_where_the_bat_touches(self):
         (half,) = self.clearance.window(np.array([36.0]))

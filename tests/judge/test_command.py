@@ -116,7 +116,9 @@ def test_a_table_with_columns_of_its_own(tmp_path: Path):
     table = tmp_path / "results.csv"
     with table.open("w", encoding="utf-8", newline="") as file:
         write = csv.writer(file).writerow
-        write(["case", "t", "plate.velocity.x", "plate.velocity.y", "plate.velocity.z", "remark"])
+        write(
+            ["case", "t", "plate.velocity[0]", "plate.velocity[1]", "plate.velocity[2]", "remark"]
+        )
         for case in load("pitch"):
             plate = solve(case.scene, Ivp()).plate
             cells = [repr(plate.time), *map(repr, plate.velocity)] if plate else [""] * 4

@@ -28,6 +28,7 @@ from longball.model.bat import bat_velocity, couple, lever
 from longball.model.impact import energy_change, impulse, velocity_after
 from longball.model.motion import FlightPlane, Forces, PlaneState, forces, into_plane
 from longball.model.numbers import N, Numbers, Undecided, Vector
+from longball.model.quantities import replaced
 from longball.model.result import Result
 from longball.model.scene import AtBatScene, FlightScene, ImpactScene, PitchScene, Scene
 
@@ -63,8 +64,7 @@ def solve_with_restitutions(
             return [_unsolved(scene, engine, _reason(error))] * len(restitutions)
         results = []
         for e in restitutions:
-            ball = scene.ball.model_copy(update={"restitution": e})
-            one = scene.model_copy(update={"ball": ball})
+            one = replaced(scene, {"ball.restitution": e})
             try:
                 results.append(strike(one, meeting, engine))
             except (ArithmeticError, ValueError) as error:

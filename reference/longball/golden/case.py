@@ -12,7 +12,8 @@ from typing import Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from longball.model.drawn import DrawnAtBat
-from longball.model.result import Bounded, Number, Result
+from longball.model.quantities import numbers
+from longball.model.result import Bounded, Result
 from longball.model.scene import FlightScene, ImpactScene, PitchScene, Scene
 
 Level = Literal["lower", "average", "higher"]
@@ -146,22 +147,9 @@ class Header(_Strict):
     made_by: dict[str, str] = Field(description="engines, and versions of the libraries")
 
 
-def values_of(result: Result) -> Iterator[tuple[str, Number]]:
-    """Yield every number of a result with its path, such as ``landing.position[0]``."""
-    for block in ("plate", "contact", "impact", "landing"):
-        part = getattr(result, block)
-        for name in type(part).model_fields if part is not None else ():
-            value = getattr(part, name)
-            if isinstance(value, tuple):
-                for i, component in enumerate(value):
-                    yield f"{block}.{name}[{i}]", component
-            elif value is not None:
-                yield f"{block}.{name}", value
-
-
 def numbers_of(result: Result) -> Iterator[tuple[str, Bounded]]:
     """Yield every number of a result that is written with digits, with its path."""
-    for path, value in values_of(result):
+    for path, value in numbers(result):
         if isinstance(value, Bounded):
             yield path, value
 

@@ -68,7 +68,7 @@ class Clearance:
     def with_unsolved(self, inputs: Inputs) -> tuple[Array, NDArray[np.bool_]]:
         """Return clearances, and which at-bats the engine could not tell: as if not batted."""
         table = self._solve(inputs)
-        x, y = _column(table, "landing.position.0"), _column(table, "landing.position.1")
+        x, y = _column(table, "landing.position[0]"), _column(table, "landing.position[1]")
         inside = np.full_like(x, HOME_RUN_DISTANCE)
         if self.counted == "home runs":
             inside = np.hypot(x, y) - HOME_RUN_DISTANCE
@@ -85,7 +85,7 @@ class Clearance:
         """
         nothing = np.zeros_like(speed)
         table = self._solve(Inputs(speed, nothing, nothing, nothing))
-        x, y, z = (_column(table, f"plate.velocity.{i}") for i in range(3))
+        x, y, z = (_column(table, f"plate.velocity[{i}]") for i in range(3))
         level = np.hypot(x, y)
         reach = self.base.ball.radius + self.base.bat.radius
         return np.nan_to_num(_WIDER * reach * np.hypot(level, z) / level)
@@ -106,7 +106,7 @@ class Clearance:
         """
         release_x, release_y, _ = self.base.pitch.release
         aim = np.full_like(inputs.speed, y)
-        x = _column(self._solve(inputs._replace(aim=aim)), "contact.position.0")
+        x = _column(self._solve(inputs._replace(aim=aim)), "contact.position[0]")
         way = np.nan_to_num(x) / release_x
         return (y - release_y * way) / (1.0 - way)
 

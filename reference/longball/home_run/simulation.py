@@ -134,8 +134,8 @@ def _strike_columns(
     )
     landed = _nothing(len(restitutions), count)
     for one, table in zip(landed, tables, strict=True):
-        one[0, pitched] = table["landing.position.0"]
-        one[1, pitched] = table["landing.position.1"]
+        one[0, pitched] = table["landing.position[0]"]
+        one[1, pitched] = table["landing.position[1]"]
         one[2, pitched] = table["outcome"] == ""
     return landed
 

@@ -312,8 +312,8 @@ def _tolerances(cases: Sequence[Case]) -> Array:
         known = values_of(case.expected)
         row = []
         for name, i in COLUMNS:
-            path = f"{name}[{i}]" if QUANTITIES[name].size > 1 else name
-            row.append(SLACK * case.attainable(path) if name in known else math.nan)
+            number = QUANTITIES[name].names[i]
+            row.append(SLACK * case.attainable(number) if name in known else math.nan)
         rows.append(row)
     return np.array(rows).reshape(-1, len(COLUMNS))
 

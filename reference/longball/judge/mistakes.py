@@ -88,7 +88,11 @@ def _changed(change: Callable[[Scene], Scene]) -> Variant:
 
 
 def _with(scene: Any, block: str, **values: object) -> Any:
-    """Return a scene with other values in a block; as it is if it has no such block."""
+    """Return a scene with other values in a block; as it is if it has no such block.
+
+    It is not validated: who makes a mistake in a number does not notice that a launch is now
+    underground, or a ball inside the bat.
+    """
     held = getattr(scene, block, None)
     if held is None:
         return scene

@@ -24,6 +24,7 @@ from scipy.special import ndtr
 
 from longball.home_run import AtBats, Mixture, paper_at_bats
 from longball.judge.answers import LONGEST_LINE, quoted
+from longball.model.quantities import at
 from longball.model.readings import SamplingReading
 from longball.model.scene import AtBatScene
 
@@ -135,20 +136,11 @@ def read_samples(path: Path) -> Iterator[dict[str, Any]]:
 
 
 def _number(scene: Mapping[str, Any], path: str) -> float | None:
-    """Return a number of a scene; None if it is left out.
-
-    `path` is written ``block.key``, ``block.key[1]`` or ``key``.
-    """
-    name, _, component = path.partition("[")
-    held: Any = scene
-    for key in name.split("."):
-        if held is None:
-            return None
-        if not isinstance(held, Mapping):
-            raise BadSamples(f"{path}: {quoted(held)} is no JSON object")
-        held = held.get(key)
-    if component and isinstance(held, list) and len(held) > int(component[:-1]):
-        held = held[int(component[:-1])]
+    """Return a number of a scene; None if it is left out."""
+    try:
+        held = at(scene, path)
+    except ValueError as error:
+        raise BadSamples(str(error)) from None
     if held is None:
         return None
     number = math.nan

@@ -162,7 +162,7 @@ def _floor(c: Columns, reading: Reading) -> Any:
 
 
 def _point(c: Columns, name: str) -> Any:
-    return c[f"{name}.0"], c[f"{name}.1"], c[f"{name}.2"]
+    return c[f"{name}[0]"], c[f"{name}[1]"], c[f"{name}[2]"]
 
 
 def _dot(a: Any, b: Any) -> Any:
@@ -176,8 +176,8 @@ def _dot(a: Any, b: Any) -> Any:
 _LAST = {
     "landed": "landing.distance",
     "batted": "landing.distance",
-    "crossed": "plate.velocity.2",
-    "struck": "impact.velocity.2",
+    "crossed": "plate.velocity[2]",
+    "struck": "impact.velocity[2]",
 }
 
 
@@ -231,7 +231,7 @@ class Table:
         """Write a quantity into rows: an array, or a vector of three."""
         if isinstance(values, tuple):
             for i, value in enumerate(values):
-                self.put(f"{name}.{i}", rows, value)
+                self.put(f"{name}[{i}]", rows, value)
             return
         if name not in self.columns:
             self.columns.setdefault(name, np.full(len(self.whole), np.nan))
@@ -290,7 +290,7 @@ class Delivered:
 
 def _deliver(count: int, c: Columns, reading: Reading, engine: Fleet) -> Delivered:
     x, y, z = _point(c, "pitch.release")
-    toward = (-x, c["pitch.aim.0"] - y, c["pitch.aim.1"] - z)
+    toward = (-x, c["pitch.aim[0]"] - y, c["pitch.aim[1]"] - z)
     scale = c["pitch.speed"] / np.sqrt(_dot(toward, toward))
     velocity = (toward[0] * scale, toward[1] * scale, toward[2] * scale)
     plane, start = _into_plane((x, y, z), velocity)
