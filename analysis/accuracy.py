@@ -20,6 +20,7 @@ from longball.engines.ivp import Ivp
 from longball.home_run import draw, paper_at_bats, scenes
 from longball.model.motion import acceleration, forces, into_plane
 from longball.model.numbers import DOUBLES
+from longball.model.readings import SamplingReading
 from longball.model.result import Result
 from longball.model.scene import AtBatScene, FlightScene, Launch
 
@@ -73,7 +74,7 @@ def batted(count: int) -> list[tuple[AtBatScene, Result]]:
     """Return the first batted at-bats of a seed."""
     base = AtBatScene(id="base")
     found = []
-    for scene in scenes(base, draw(paper_at_bats(base.reading), 2 * count, SEED)):
+    for scene in scenes(base, draw(paper_at_bats(SamplingReading()), 2 * count, SEED)):
         assert scene is not None
         result = solve(scene, Ivp())
         if result.outcome == "batted":

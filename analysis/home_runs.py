@@ -18,6 +18,7 @@ from longball.home_run import (
     monte_carlo,
     paper_at_bats,
 )
+from longball.model.readings import SamplingReading
 from longball.model.scene import AtBatScene
 from longball.pictures import draw_probability
 
@@ -30,8 +31,10 @@ def run(report: Path, full: bool) -> str:
     """Sample at-bats, count home runs, draw both figures."""
     base = AtBatScene(id="base")
     count = FULL_SAMPLES if full else SAMPLES
-    struck = monte_carlo(base, paper_at_bats(base.reading), RESTITUTIONS, count, SEED, workers=-1)
-    rows = [estimate(e, one, base.reading) for e, one in zip(RESTITUTIONS, struck, strict=True)]
+    struck = monte_carlo(
+        base, paper_at_bats(SamplingReading()), RESTITUTIONS, count, SEED, workers=-1
+    )
+    rows = [estimate(e, one) for e, one in zip(RESTITUTIONS, struck, strict=True)]
     return "\n".join(
         [
             "## The distance D and the probability of a home run\n",

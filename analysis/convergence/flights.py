@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +18,7 @@ from longball.engines.engine import Engine
 from longball.engines.verlet import TREATMENTS, Verlet
 from longball.judge.convergence import converge
 from longball.judge.convergence_report import Order
-from longball.model.readings import Reading, VerletForces
+from longball.model.readings import VerletForces, VerletLanding
 from longball.model.result import Bounded, Number
 from longball.model.scene import FlightScene, Launch
 
@@ -105,18 +106,18 @@ def run(report: Path, full: bool) -> str:
     )
 
 
-def flight(name: str, speed: float, degrees: float, reading: Reading) -> FlightScene:
+def flight(name: str, speed: float, degrees: float) -> FlightScene:
     """Return a flight launched 1 m over the plate."""
     angle = math.radians(degrees)
     velocity = (speed * math.cos(angle), 0.0, speed * math.sin(angle))
     launch = Launch(position=(0.0, 0.0, 1.0), velocity=velocity)
-    return FlightScene(id=name, launch=launch, reading=reading)
+    return FlightScene(id=name, launch=launch)
 
 
-def four(reading: Reading) -> list[FlightScene]:
+def four() -> list[FlightScene]:
     """Return the flights that the orders are taken from."""
     return [
-        flight(f"{speed:g} m/s, {angle}°", speed, angle, reading)
+        flight(f"{speed:g} m/s, {angle}°", speed, angle)
         for speed in (30.0, 45.0)
         for angle in (25, 45)
     ]
@@ -124,14 +125,13 @@ def four(reading: Reading) -> list[FlightScene]:
 
 def order(treatment: VerletForces, finest: float) -> Order:
     """Return how D converges with a treatment, down to a finest step."""
-    scenes = four(Reading(verlet_forces=treatment))
-    return distance(scenes, ladder(finest), phases=2)
+    return distance(Verlet(forces=treatment), ladder(finest), phases=2)
 
 
 def converge_below() -> Order:
     """Return how D converges if the ball lands at the first step below the ground."""
-    scenes = four(Reading(verlet_forces="implicit", verlet_landing="first_below"))
-    return distance(scenes, ladder(1e-4), phases=8)
+    below = Verlet(forces="implicit", landing="first_below")
+    return distance(below, ladder(1e-4), phases=8)
 
 
 def ladder(finest: float) -> list[float]:
@@ -140,10 +140,11 @@ def ladder(finest: float) -> list[float]:
     return [float(step) for step in np.geomspace(PRINTED, finest, count)]
 
 
-def distance(scenes: list[FlightScene], steps: list[float], phases: int) -> Order:
-    """Return how D converges."""
+def distance(scheme: Verlet, steps: list[float], phases: int) -> Order:
+    """Return how D converges by a scheme, whatever its own step."""
+    scenes = four()
     report = converge(
-        lambda step: [solve(scene, Verlet(step)) for scene in scenes],
+        lambda step: [solve(scene, replace(scheme, dt=step)) for scene in scenes],
         scenes,
         steps,
         [solve(scene, proven()) for scene in scenes],
@@ -152,11 +153,12 @@ def distance(scenes: list[FlightScene], steps: list[float], phases: int) -> Orde
     return next(found for found in report.orders if found.quantity == "distance")
 
 
-def error_at(step: float, treatment: VerletForces, landing: str = "interpolated") -> float:
+def error_at(
+    step: float, treatment: VerletForces, landing: VerletLanding = "interpolated"
+) -> float:
     """Return the error of D, m, of the noted flight."""
-    reading = Reading.model_validate({"verlet_forces": treatment, "verlet_landing": landing})
-    scene = flight("noted", 45.0, 30, reading)
-    found, true = solve(scene, Verlet(step)).landing, solve(scene, proven()).landing
+    scene, scheme = flight("noted", 45.0, 30), Verlet(step, treatment, landing)
+    found, true = solve(scene, scheme).landing, solve(scene, proven()).landing
     assert found is not None
     assert true is not None
     return as_double(found.distance) - as_double(true.distance)

@@ -26,7 +26,8 @@ from longball.home_run import (
     fit,
     paper_at_bats,
 )
-from longball.model.scene import AtBatScene, FlightScene, Launch
+from longball.model.drawn import DrawnAtBat
+from longball.model.scene import FlightScene, Launch
 
 Array = NDArray[np.float64]
 
@@ -146,7 +147,7 @@ class Contact:
     by_restitution: float
 
 
-def contact(base: AtBatScene, struck: Sequence[Balls]) -> Contact:
+def contact(base: DrawnAtBat, struck: Sequence[Balls]) -> Contact:
     """Return what the scatter of the pitch's speed amounts to, for the balls hit upwards."""
     flies = struck[0].elevation > 0
     speeds = struck[0].pitch_speed[flies]
@@ -203,19 +204,19 @@ ELEVATIONS = (20.0, 30.0, 40.0)  # degrees
 STRAIGHT = 0.05  # off a line by less than this share of the whole change: linear to the eye
 
 
-def ranges(base: AtBatScene, elevation: float) -> Array:
+def ranges(base: DrawnAtBat, elevation: float) -> Array:
     """Return D, m, of flights from 1 m above the ground at the speeds above."""
     angle = math.radians(elevation)
     scene = FlightScene(
         id="flight",
         ball=base.ball,
         air=base.air,
-        reading=base.reading,
+        reading=base.scene.reading,
         launch=Launch(position=(0.0, 0.0, 1.0), velocity=(1.0, 0.0, 0.0)),
     )
     columns = {
-        "launch.velocity.0": SPEEDS * math.cos(angle),
-        "launch.velocity.2": SPEEDS * math.sin(angle),
+        "launch.velocity[0]": SPEEDS * math.cos(angle),
+        "launch.velocity[2]": SPEEDS * math.sin(angle),
     }
     found: Array = solve_columns(scene, columns)["landing.distance"]
     return found
@@ -282,7 +283,7 @@ class Case:
     """A reading that the argument is tried on."""
 
     name: str
-    base: AtBatScene
+    base: DrawnAtBat
     space: Space
 
 

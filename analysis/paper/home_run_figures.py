@@ -37,7 +37,7 @@ from longball.home_run import (
     fit,
     paper_at_bats,
 )
-from longball.model.scene import AtBatScene
+from longball.model.drawn import DrawnAtBat
 
 Array = NDArray[np.float64]
 
@@ -80,7 +80,7 @@ class Reproduced:
     """
 
     name: str
-    base: AtBatScene
+    base: DrawnAtBat
     space: Space
     rows: list[Estimate]
     fitted: Fit | None
@@ -106,7 +106,7 @@ def reproduced() -> list[Reproduced]:
     ]
 
 
-def reproduce(name: str, base: AtBatScene, space: Space) -> Reproduced:
+def reproduce(name: str, base: DrawnAtBat, space: Space) -> Reproduced:
     """Return what a reading gives."""
     restitutions = sorted({*RESTITUTIONS, *(season.restitution for season in SEASONS)})
     samples = draw(paper_at_bats(base.reading), SAMPLES, SEED)

@@ -112,10 +112,10 @@ def longball_engines() -> Iterator[Contender]:
             engine = Ivp(method, rtol, rtol)
             turn, most = (2, 20) if method == "Radau" else (SLOW, None)
             yield Contender(f"ivp {method}", f"{rtol:g}", one_by_one(engine), turn, most)
-    for variant in TREATMENTS:
+    for treatment in TREATMENTS:
         for dt in (0.05, 0.01, 2e-3, 4e-4):
-            verlet = one_by_one(Verlet(dt, variant=variant))
-            yield Contender(f"verlet {variant}", f"{dt:g} s", verlet, QUICK)
+            verlet = one_by_one(Verlet(dt, treatment))
+            yield Contender(f"verlet {treatment}", f"{dt:g} s", verlet, QUICK)
     yield Contender("enclosure", "30 digits", one_by_one(Enclosure(30)), 5, 50)
     yield Contender("multiprecision", "30 digits", one_by_one(Multiprecision(30)), 1, 5)
 

@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from longball import engines
 from longball.engines.at_bat import solve
 from longball.home_run import draw, paper_at_bats
+from longball.model.quantities import replaced
+from longball.model.readings import SamplingReading
 from longball.model.result import Result
 from longball.model.scene import AtBatScene, FlightScene, Launch
 
@@ -48,21 +50,7 @@ class Work:
     def scenes(self) -> list[Scene]:
         """The scenes one by one."""
         rows = zip(*(column.tolist() for column in self.columns.values()), strict=True)
-        return [_with(self.base, dict(zip(self.columns, row, strict=True))) for row in rows]
-
-
-def _with(base: Scene, numbers: dict[str, float]) -> Scene:
-    """Return a scene with some of its numbers changed."""
-    data = base.model_dump()
-    for name, value in numbers.items():
-        block, quantity, *place = name.split(".")
-        if place:
-            values = list(data[block][quantity])
-            values[int(place[0])] = value
-            data[block][quantity] = tuple(values)
-        else:
-            data[block][quantity] = value
-    return type(base).model_validate(data)
+        return [replaced(self.base, dict(zip(self.columns, row, strict=True))) for row in rows]
 
 
 def flights(count: int) -> Work:
@@ -71,8 +59,8 @@ def flights(count: int) -> Work:
     speed, rise = rng.uniform(25.0, 50.0, count), np.radians(rng.uniform(5.0, 60.0, count))
     level = Launch(position=(0.0, 0.0, HEIGHT), velocity=(30.0, 0.0, 30.0))
     columns = {
-        "launch.velocity.0": speed * np.cos(rise),
-        "launch.velocity.2": speed * np.sin(rise),
+        "launch.velocity[0]": speed * np.cos(rise),
+        "launch.velocity[2]": speed * np.sin(rise),
     }
     return Work(FlightScene(id="flight", launch=level), columns)
 
@@ -80,7 +68,7 @@ def flights(count: int) -> Work:
 def at_bats(count: int) -> Work:
     """Return at-bats of the paper's distributions."""
     base = AtBatScene(id="at-bat")
-    return Work(base, draw(paper_at_bats(base.reading), count, SEED).columns)
+    return Work(base, draw(paper_at_bats(SamplingReading()), count, SEED).columns)
 
 
 def truth(work: Work) -> list[Result]:

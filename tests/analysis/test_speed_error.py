@@ -29,8 +29,8 @@ def test_a_distance_is_compared_beyond_the_digits_of_doubles() -> None:
 def test_columns_and_scenes_are_the_same_work() -> None:
     work = flights(3)
     scene = work.scenes[1]
-    assert scene.launch.velocity[0] == work.columns["launch.velocity.0"][1]
-    assert scene.launch.velocity[2] == work.columns["launch.velocity.2"][1]
+    assert scene.launch.velocity[0] == work.columns["launch.velocity[0]"][1]
+    assert scene.launch.velocity[2] == work.columns["launch.velocity[2]"][1]
     assert [s.id for s in work.first(2).scenes] == ["flight"] * 2
 
 

@@ -9,7 +9,6 @@ import pytest
 from scipy import stats
 
 from longball.home_run import PAPER_CURVES, Curve, Estimate, Struck, estimate, fit, wilson
-from longball.model.readings import Reading
 
 
 class TestEstimate:
@@ -24,7 +23,7 @@ class TestEstimate:
         ("space", "home_runs", "trials"), [("pitches", 4, 6), ("batted", 4, 5), ("fair", 2, 3)]
     )
     def test_counts_in_its_sample_space(self, space: str, home_runs: int, trials: int):
-        row = estimate(0.42, self.struck, Reading(sample_space=space))
+        row = estimate(0.42, self.struck, space)
         assert (row.home_runs, row.trials, row.failed) == (home_runs, trials, 1)
         assert row.p == home_runs / trials
 

@@ -77,8 +77,8 @@ def test_a_table(tmp_path: Path):
     path = written(
         tmp_path,
         "results.csv",
-        "id,outcome,plate.time,landing.distance,landing.position.x,landing.position.y,"
-        "landing.position.z,remark\r\n"
+        "id,outcome,plate.time,landing.distance,landing.position[0],landing.position[1],"
+        "landing.position[2],remark\r\n"
         "a,batted,0.55,100.5,100,10.012492197250394,0,far\r\n"
         "b,missed,0.5,,,,,\r\n"
         "c,batted,x,nan,1,,0,\r\n",

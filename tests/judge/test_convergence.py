@@ -17,7 +17,6 @@ from longball.judge.order import (
     richardson,
     typical,
 )
-from longball.model.readings import Reading
 from longball.model.result import Landing, Result
 from longball.model.scene import FlightScene, Launch
 
@@ -298,9 +297,12 @@ def test_our_own_scheme_by_itself_and_against_the_parabola():
 
 @pytest.fixture(scope="module")
 def report():
-    scenes = [s.model_copy(update={"reading": Reading(verlet_forces="implicit")}) for s in SCENES]
     return converge(
-        lambda h: [solve(s, Verlet(h)) for s in scenes], scenes, LADDER, None, {"distance": 2}
+        lambda h: [solve(s, Verlet(h, "implicit")) for s in SCENES],
+        SCENES,
+        LADDER,
+        None,
+        {"distance": 2},
     )
 
 

@@ -26,7 +26,6 @@ from longball.judge.fingerprints import Atom, Fingerprints, Guess, telling
 from longball.judge.mistakes import KNOWN, Mistake, Variant
 from longball.judge.quantities import values_of
 from longball.judge.search import common_step, diagnose
-from longball.model.readings import Reading
 from longball.model.result import Result
 from longball.model.scene import Scene
 
@@ -46,25 +45,20 @@ def answers(cases: Sequence[Known], solver: Callable[[Scene], Result]) -> Answer
     return {r.id: Answer(r.id, r.outcome, values_of(r)) for r in results}
 
 
-def under(scene: Scene, switches: Mapping[str, str]) -> Scene:
-    reading = Reading.model_validate(scene.reading.model_dump() | dict(switches))
-    return scene.model_copy(update={"reading": reading})
-
-
 def planted(cases: Sequence[Known], variants: Sequence[Variant], dt: float = DT) -> Answers:
     """Return the answers of a candidate that makes mistakes."""
-    switches: dict[str, str] = {}
+    options: dict[str, str] = {}
     for variant in variants:
-        switches |= {k: v for k, v in (variant.scheme or {}).items() if k not in switches
-                     or switches[k] == "predicted_recomputed"}  # fmt: skip
+        options |= {k: v for k, v in (variant.scheme or {}).items() if k not in options
+                    or options[k] == "predicted_recomputed"}  # fmt: skip
     laws = [variant.drag for variant in variants if variant.drag]
 
     def base(scene: Scene) -> Result:
-        if laws and switches and scene.kind != "impact":
-            return solve_in_steps(under(scene, switches), laws[0], Verlet(dt=dt))
+        if laws and options and scene.kind != "impact":
+            return solve_in_steps(scene, laws[0], Verlet(dt, **options))
         if laws:
             return solve_with_drag(scene, laws[0])
-        return solve(under(scene, switches), Verlet(dt=dt)) if switches else solve(scene, ENGINE)
+        return solve(scene, Verlet(dt, **options) if options else ENGINE)
 
     solver = base
     for variant in variants:

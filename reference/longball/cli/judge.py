@@ -28,7 +28,7 @@ def judge(
         Path | None,
         typer.Option(
             help="Answers in a file, .jsonl or .csv, instead of a COMMAND. Columns of a .csv: id, "
-            "outcome, landing.distance, landing.position.x, …"
+            "outcome, landing.distance, landing.position[0], …"
         ),
     ] = None,
     column: Annotated[

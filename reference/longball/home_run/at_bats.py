@@ -13,7 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from longball.model.readings import Reading
+from longball.model.quantities import replaced
+from longball.model.readings import SamplingReading
 from longball.model.scene import AtBatScene
 
 Array = NDArray[np.float64]
@@ -104,7 +105,7 @@ class AtBats:
         return Mixture(1.0, (0.0, 0.0), (self.offset_deviation, self.offset_deviation))
 
 
-def paper_at_bats(reading: Reading) -> AtBats:
+def paper_at_bats(reading: SamplingReading) -> AtBats:
     """Return the paper's distributions, as a reading of Table II, Eqs. 2 to 4 and Sec. III."""
     kmh = 1 / 3.6
     large, small = (139.1, 127.8), (4.58, 7.80)  # km/h, Table II
@@ -158,7 +159,7 @@ class Samples:
         """As `longball.engines.batch.solve_columns` names them."""
         return {
             "pitch.speed": self.speed,
-            "pitch.aim.0": self.aim,
+            "pitch.aim[0]": self.aim,
             "swing.height_offset": self.offset,
             "swing.tilt": self.tilt,
         }
@@ -190,21 +191,16 @@ def scenes(base: AtBatScene, samples: Samples, first: int = 0) -> Iterator[AtBat
 
     Yields None for a ball that is never pitched.
     """
-    for i in range(len(samples)):
-        if not samples.pitched[i]:
+    rows = zip(*(column.tolist() for column in samples.columns.values()), strict=True)
+    for i, (row, pitched) in enumerate(zip(rows, samples.pitched, strict=True), first):
+        if not pitched:
             yield None
             continue
-        aim = (float(samples.aim[i]), base.pitch.aim[1])
-        pitch = base.pitch.model_copy(update={"speed": float(samples.speed[i]), "aim": aim})
-        swing = base.swing.model_copy(
-            update={"height_offset": float(samples.offset[i]), "tilt": float(samples.tilt[i])}
-        )
-        yield base.model_copy(
-            update={"id": f"sample-{first + i:06d}", "pitch": pitch, "swing": swing}
-        )
+        scene = replaced(base, dict(zip(samples.columns, row, strict=True)))
+        yield scene.model_copy(update={"id": f"sample-{i:06d}"})
 
 
 def with_restitution(scene: AtBatScene, restitution: float) -> AtBatScene:
     """Return a scene with another restitution of the ball, which its id tells."""
-    ball = scene.ball.model_copy(update={"restitution": restitution})
-    return scene.model_copy(update={"id": f"{scene.id}-e{restitution:g}", "ball": ball})
+    other = replaced(scene, {"ball.restitution": restitution})
+    return other.model_copy(update={"id": f"{scene.id}-e{restitution:g}"})

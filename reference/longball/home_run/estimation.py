@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from longball.home_run.simulation import Struck
-from longball.model.readings import Reading
+from longball.model.readings import SampleSpace
 
 Array = NDArray[np.float64]
 
@@ -28,7 +28,7 @@ class Estimate:
     e
         The ball's coefficient of restitution.
     home_runs, trials
-        What was counted, among how many of the sample space that the reading names.
+        What was counted, among how many of the sample space.
     failed
         Samples that the engine could not tell, counted as no home runs.
     p, low, high
@@ -44,9 +44,9 @@ class Estimate:
     high: float
 
 
-def estimate(e: float, struck: Struck, reading: Reading) -> Estimate:
+def estimate(e: float, struck: Struck, sample_space: SampleSpace = "pitches") -> Estimate:
     """Count the home runs at one restitution: D >= 150 m (paper, Sec. IV)."""
-    match reading.sample_space:
+    match sample_space:
         case "pitches":
             space = np.ones_like(struck.batted)
         case "batted":

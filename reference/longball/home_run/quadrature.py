@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 from longball.home_run.at_bats import AtBats, Mixture
 from longball.home_run.clearance import Clearance, Inputs
 from longball.home_run.crossings import Places, crossings
+from longball.model.readings import SampleSpace
 from longball.model.scene import AtBatScene
 
 Array = NDArray[np.float64]
@@ -107,6 +108,7 @@ def integrals(
     at_bats: AtBats,
     restitutions: Sequence[float],
     *,
+    sample_space: SampleSpace = "pitches",
     tolerance: float = TOLERANCE,
     workers: int = 1,
     progress: Callable[[int], None] = lambda done: None,
@@ -116,11 +118,13 @@ def integrals(
     Parameters
     ----------
     base
-        Everything about the at-bats that is not random, its reading of the ledger included.
+        Everything about the at-bats that is not random, its reading included.
     at_bats
         The distributions of what is.
     restitutions
         Values of e.
+    sample_space
+        Of which the home runs are a share.
     tolerance
         Error of P that is asked for; ten times as much of dP/de. The rules are refined until two in
         a row agree so far, or there is no finer one.
@@ -133,7 +137,7 @@ def integrals(
 
     found = []
     for done, e in enumerate(restitutions, 1):
-        home_runs = Clearance(base, e, Batch())
+        home_runs = Clearance(base, e, Batch(), sample_space)
         found.append(_refined(home_runs, at_bats, tolerance, workers))
         progress(done)
     return found
@@ -158,7 +162,7 @@ def _probability(
 ) -> Share:
     """Return the share of the sample space that home runs have."""
     runs = _share(home_runs, at_bats, nodes, tolerance, workers)
-    if home_runs.base.reading.sample_space == "pitches":
+    if home_runs.sample_space == "pitches":
         return runs
     # An error of the sample space enters P as a part of P, which is small.
     loose = tolerance / max(float(runs.p), 1e-3)

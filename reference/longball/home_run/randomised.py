@@ -19,6 +19,7 @@ from longball.home_run.at_bats import AtBats
 from longball.home_run.clearance import Clearance, Counted, Inputs
 from longball.home_run.crossings import Places, crossings
 from longball.home_run.quadrature import FARTHEST
+from longball.model.readings import SampleSpace
 from longball.model.scene import AtBatScene
 
 Array = NDArray[np.float64]
@@ -43,6 +44,7 @@ def scrambled(
     lines: int,
     seed: int,
     *,
+    sample_space: SampleSpace = "pitches",
     workers: int = 1,
     progress: Callable[[int], None] = lambda done: None,
 ) -> list[Randomised]:
@@ -51,7 +53,7 @@ def scrambled(
     Parameters
     ----------
     base
-        Everything about the at-bats that is not random, its reading of the ledger included.
+        Everything about the at-bats that is not random, its reading included.
     at_bats
         The distributions of what is.
     restitutions
@@ -60,6 +62,8 @@ def scrambled(
         Lines along the offset in each of the scrambles: a power of 2.
     seed
         Where the scrambles come from.
+    sample_space
+        Of which the home runs are a share.
     workers
         Threads; -1 for one a core. The answer does not depend on them, to the last bit.
     progress
@@ -70,12 +74,12 @@ def scrambled(
     through = [_lines(base, at_bats, lines, seed, scramble) for scramble in range(SCRAMBLES)]
     everything = Inputs(*map(np.concatenate, zip(*through, strict=True)))
     kinds: list[Counted] = ["home runs"]
-    if base.reading.sample_space != "pitches":
+    if sample_space != "pitches":
         kinds.append("sample space")
     estimates = []
     for done, e in enumerate(restitutions, 1):
         shares = [
-            _means(Clearance(base, e, Batch(), kind), at_bats, everything, workers)
+            _means(Clearance(base, e, Batch(), sample_space, kind), at_bats, everything, workers)
             for kind in kinds
         ]
         with np.errstate(invalid="ignore"):  # 0/0 where there is no sample space

@@ -76,7 +76,7 @@ def monte_carlo(
     Parameters
     ----------
     base
-        Everything about the at-bats that is not random, its reading of the ledger included.
+        Everything about the at-bats that is not random, its reading included.
     at_bats
         The distributions of what is.
     restitutions
@@ -134,8 +134,8 @@ def _strike_columns(
     )
     landed = _nothing(len(restitutions), count)
     for one, table in zip(landed, tables, strict=True):
-        one[0, pitched] = table["landing.position.0"]
-        one[1, pitched] = table["landing.position.1"]
+        one[0, pitched] = table["landing.position[0]"]
+        one[1, pitched] = table["landing.position[1]"]
         one[2, pitched] = table["outcome"] == ""
     return landed
 

@@ -73,7 +73,6 @@ def solve_in_steps(
     scene: FlightScene | PitchScene | AtBatScene, law: DragLaw, scheme: Verlet
 ) -> Result:
     """Return what the paper's scheme makes of a scene in which the air drags by another law."""
-    scheme = scheme.under(scene.reading)
     if isinstance(scene, FlightScene):
         start = State(scene.launch.position, scene.launch.velocity)
         landing = _land(scene, law, scheme, start, 0.0, 0.0)
@@ -113,7 +112,7 @@ def _meet(
         return Result(id=scene.id, outcome="missed", plate=plate, contact=contact)
     (x, _, z), (u, _, w) = back = pitch.outside
     section = BatSection(x=0.0, cos=1.0, height=height, reach=reach)
-    ahead = line_touch(PlaneState(x, z, u, w), section, scheme.reading.appendix_b_root)
+    ahead = line_touch(PlaneState(x, z, u, w), section, scheme.root)
     if ahead is None:
         return Result(id=scene.id, plate=plate, contact=contact, error="no Δt' of touching")
     touching = tuple(r + ahead * v for r, v in zip(*back, strict=True))
@@ -144,7 +143,7 @@ def _rebound(
     force = air(velocity)
     for done in (1, 2):
         position, velocity, force = step(
-            position, velocity, force, dt, TREATMENTS[scheme.reading.verlet_forces], air, push
+            position, velocity, force, dt, TREATMENTS[scheme.forces], air, push
         )
         before, state = state, State(tuple(position.tolist()), tuple(velocity.tolist()))
         if state.position[2] <= floor:
@@ -174,12 +173,12 @@ def _landing(
 ) -> written.Landing:
     """Return the landing in a step whose end, below the floor, is at a time and hang time."""
     share = 1.0
-    if scheme.reading.verlet_landing == "interpolated":
+    if scheme.landing == "interpolated":
         drop = before.position[2] - after.position[2]
         share = max(0.0, (before.position[2] - floor) / drop) if drop else 0.0
     position, velocity = _between(before, after, share)
     early = (1.0 - share) * scheme.dt
-    if scheme.reading.verlet_landing == "interpolated":
+    if scheme.landing == "interpolated":
         position = (*position[:2], floor)
     return written.Landing(
         time=time - early,
@@ -225,7 +224,7 @@ def _march(
         (law.whole, law.own),
         _strengths(scene),
         scheme.dt,
-        tuple(TREATMENTS[scheme.reading.verlet_forces]),
+        tuple(TREATMENTS[scheme.forces]),
         math.ceil(scene.time_limit / scheme.dt),
         floor,
         wall,

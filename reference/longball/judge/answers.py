@@ -19,7 +19,7 @@ from typing import Any, BinaryIO, Literal, cast, get_args
 
 from pydantic import BaseModel
 
-from longball.judge.quantities import AXES, BLOCKS, QUANTITIES, Value
+from longball.judge.quantities import BLOCKS, QUANTITIES, Value
 from longball.model.result import Contact, Impact, Landing, Outcome, Plate, Result
 
 # A result with ninety digits a number takes five thousand bytes.
@@ -341,16 +341,13 @@ def _lines(file: BinaryIO, collector: Collector) -> Iterator[bytes]:
 def csv_columns() -> dict[str, tuple[str, int | None]]:
     """Return what a column can hold: its name, the quantity, and which component.
 
-    ``id``, ``outcome``, ``error``; a number by its name, ``landing.distance``; a vector by
-    component, ``landing.position.x``.
+    ``id``, ``outcome``, ``error``; a number by its name, ``landing.distance``,
+    ``landing.position[0]``.
     """
     columns: dict[str, tuple[str, int | None]] = {key: (key, None) for key in _WORDS}
     for quantity in QUANTITIES.values():
-        if quantity.size == 1:
-            columns[quantity.name] = (quantity.name, None)
-        else:
-            for component, axis in enumerate(AXES):
-                columns[f"{quantity.name}.{axis}"] = (quantity.name, component)
+        for component, name in enumerate(quantity.names):
+            columns[name] = (quantity.name, component if quantity.size > 1 else None)
     return columns
 
 
@@ -396,5 +393,7 @@ def _nested(cells: Iterable[tuple[str, str]]) -> dict[str, Any]:
         if component is None:
             held[key] = _decimal(cell.strip())
         else:
-            held.setdefault(key, [None] * len(AXES))[component] = _decimal(cell.strip())
+            held.setdefault(key, [None] * QUANTITIES[quantity].size)[component] = _decimal(
+                cell.strip()
+            )
     return data

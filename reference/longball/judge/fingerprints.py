@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from typing import get_args
+from dataclasses import dataclass, replace
+from typing import Any, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -169,22 +169,21 @@ class Fingerprints:
         atoms = sorted(guess.atoms)
         variants = [atom.made for atom in atoms]
         switches = _merged([v.scheme for v in variants if v.scheme is not None])
-        if self.scheme and switches.get("verlet_forces") == MILD:
-            del switches["verlet_forces"]  # the scene's own reading holds
+        if self.scheme and switches.get("forces") == MILD:
+            del switches["forces"]  # the scheme's own treatment holds
         laws = [v.drag for v in variants if v.drag is not None]
         if len(laws) > 1:
             raise _Contradiction("two laws of drag")
         if switches and any(v.steps and v.scheme is None for v in variants):
             raise _Contradiction("the scheme does this by itself")
         engine = self._engine(guess.dt, switches)
-        if NO_SLIP in {atom.mistake for atom in atoms} and switches["verlet_forces"] not in SOUND:
+        if NO_SLIP in {atom.mistake for atom in atoms} and switches["forces"] not in SOUND:
             raise _Contradiction("no slip in the forces, and one")
         law = laws[0] if laws else None
-        if law and switches.get("appendix_b_root") == "larger":
+        if law and switches.get("root") == "larger":
             raise _Contradiction("where a ball leaves the bat is known under the model's drag only")
 
         def base(scene: Scene) -> Result:
-            scene = _under(scene, switches)
             return solve(scene, engine) if law is None else _solve_with_drag(scene, law, engine)
 
         solver: Solver = base if law or switches else self._remembering(base)
@@ -205,10 +204,10 @@ class Fingerprints:
 
         return remembering
 
-    def _engine(self, dt: float, switches: Mapping[str, str]) -> Engine[float]:
+    def _engine(self, dt: float, options: Mapping[str, Any]) -> Engine[float]:
         if self.scheme:
-            return self.scheme
-        return Verlet(dt=dt) if switches else Ivp()
+            return replace(self.scheme, **options)
+        return Verlet(dt=dt, **options) if options else Ivp()
 
     # --- comparing --------------------------------------------------------------------------------
 
@@ -313,8 +312,8 @@ def _tolerances(cases: Sequence[Case]) -> Array:
         known = values_of(case.expected)
         row = []
         for name, i in COLUMNS:
-            path = f"{name}[{i}]" if QUANTITIES[name].size > 1 else name
-            row.append(SLACK * case.attainable(path) if name in known else math.nan)
+            number = QUANTITIES[name].names[i]
+            row.append(SLACK * case.attainable(number) if name in known else math.nan)
         rows.append(row)
     return np.array(rows).reshape(-1, len(COLUMNS))
 
@@ -344,13 +343,6 @@ def _merged(schemes: Sequence[Mapping[str, str]]) -> dict[str, str]:
 
 # The treatment of forces that a mistake of the scheme is combined with if nothing else is known.
 MILD = "predicted_recomputed"
-
-
-def _under(scene: Scene, switches: Mapping[str, str]) -> Scene:
-    if not switches:
-        return scene
-    reading = Reading.model_validate(scene.reading.model_dump() | dict(switches))
-    return scene.model_copy(update={"reading": reading})
 
 
 def _wrapped(variant: Variant, inner: Solver, dt: float) -> Solver:

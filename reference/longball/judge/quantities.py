@@ -13,11 +13,10 @@ from dataclasses import dataclass
 from decimal import Decimal
 from typing import TypeVar
 
+from longball.model.quantities import numbers
 from longball.model.result import Result
 
 Value = tuple[Decimal, ...]
-
-AXES = ("x", "y", "z")
 
 # Differences of thirty-digit numbers, and of doubles written out (at most 53 binary places after
 # a leading digit near 1), lose nothing in this many digits.
@@ -41,6 +40,13 @@ class Quantity:
     name: str
     unit: str
     size: int = 1
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of its numbers."""
+        if self.size == 1:
+            return (self.name,)
+        return tuple(f"{self.name}[{i}]" for i in range(self.size))
 
 
 QUANTITIES: dict[str, Quantity] = {
@@ -86,12 +92,10 @@ T = TypeVar("T")
 
 
 def _quantities(result: Result, read: Callable[..., T]) -> dict[str, tuple[T, ...]]:
-    found = {}
-    for name in QUANTITIES:
-        block, _, key = name.partition(".")
-        held = getattr(getattr(result, block), key, None)
-        if held is not None:
-            found[name] = tuple(map(read, held if isinstance(held, tuple) else (held,)))
+    found: dict[str, tuple[T, ...]] = {}
+    for name, x in numbers(result):
+        quantity = name.partition("[")[0]
+        found[quantity] = (*found.get(quantity, ()), read(x))
     return found
 
 

@@ -24,7 +24,8 @@ from scipy.special import ndtr
 
 from longball.home_run import AtBats, Mixture, paper_at_bats
 from longball.judge.answers import LONGEST_LINE, quoted
-from longball.model.readings import Reading
+from longball.model.quantities import at
+from longball.model.readings import SamplingReading
 from longball.model.scene import AtBatScene
 
 Array = NDArray[np.float64]
@@ -135,20 +136,11 @@ def read_samples(path: Path) -> Iterator[dict[str, Any]]:
 
 
 def _number(scene: Mapping[str, Any], path: str) -> float | None:
-    """Return a number of a scene; None if it is left out.
-
-    `path` is written ``block.key``, ``block.key[1]`` or ``key``.
-    """
-    name, _, component = path.partition("[")
-    held: Any = scene
-    for key in name.split("."):
-        if held is None:
-            return None
-        if not isinstance(held, Mapping):
-            raise BadSamples(f"{path}: {quoted(held)} is no JSON object")
-        held = held.get(key)
-    if component and isinstance(held, list) and len(held) > int(component[:-1]):
-        held = held[int(component[:-1])]
+    """Return a number of a scene; None if it is left out."""
+    try:
+        held = at(scene, path)
+    except ValueError as error:
+        raise BadSamples(str(error)) from None
     if held is None:
         return None
     number = math.nan
@@ -226,7 +218,7 @@ def _judge(quantity: str, values: Array) -> Drawn:
     best = max(guesses, key=lambda guess: guess.log_likelihood(values) - guess.doubt)
     note = ""
     if best.fitted:
-        width = best.scale * Reading().cell_width
+        width = best.scale * SamplingReading().cell_width
         note = f"with cells {width:.3g} m wide: ask for the reading cell_width"
     return _said(quantity, best.named, _kolmogorov(best.distribution(np.sort(values))), note)
 
@@ -297,7 +289,7 @@ class _Guess:
 
 
 def _paper(**switches: object) -> AtBats:
-    return paper_at_bats(Reading.model_validate(switches))
+    return paper_at_bats(SamplingReading.model_validate(switches))
 
 
 def _speeds() -> Iterator[_Guess]:
@@ -322,7 +314,7 @@ def _speeds() -> Iterator[_Guess]:
 def _aims(values: Array) -> Iterator[_Guess]:
     aim = _paper().aim
     yield _Guess((), aim)
-    cell = Reading().cell_width
+    cell = SamplingReading().cell_width
     yield _Guess(("cells-for-metres",), aim, 1 / cell)
     middle = Mixture(aim.weight, (2.0, 4.0), (0.77, 0.77))
     yield _Guess(("cells-from-the-edge",), middle, 1.0)

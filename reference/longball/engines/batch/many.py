@@ -16,10 +16,11 @@ from longball.engines.at_bat import solve
 from longball.engines.batch import chain
 from longball.engines.batch.chain import OUTCOMES, UNSOLVED, Fleet, Table, at_rows
 from longball.engines.batch.engine import Batch
+from longball.model import quantities
 from longball.model import result as written
 from longball.model.readings import Reading
 from longball.model.result import Outcome, Result
-from longball.model.scene import AtBatScene, FlightScene, ImpactScene, PitchScene, Scene
+from longball.model.scene import Air, AtBatScene, FlightScene, ImpactScene, PitchScene, Scene
 
 Array = NDArray[np.float64]
 
@@ -47,8 +48,8 @@ def solve_columns(
     scene
         Says what is the same in all.
     columns
-        Arrays of shape (n,) under the names of what differs: ``pitch.speed``, ``pitch.aim.0``,
-        ``swing.height_offset``, ``ball.restitution``, ``launch.velocity.2``, …
+        Arrays of shape (n,) under the names of what differs: ``pitch.speed``, ``pitch.aim[0]``,
+        ``swing.height_offset``, ``ball.restitution``, ``launch.velocity[2]``, …
     threads
         Of this process. Neither their number nor the order of the scenes changes a bit.
 
@@ -57,7 +58,7 @@ def solve_columns(
     dict of str to array
         Columns of shape (n,): ``outcome``, a string, empty where the scene has no answer
         (`longball.engines.at_bat.solve` says why); and the quantities of the result,
-        ``plate.time``, ``contact.normal.0``, ``landing.distance``, …, NaN where there is none.
+        ``plate.time``, ``contact.normal[0]``, ``landing.distance``, …, NaN where there is none.
 
     Raises
     ------
@@ -109,7 +110,7 @@ def _columns(scene: Scene, columns: Mapping[str, ArrayLike]) -> tuple[int, dict[
     n = max((np.size(column) for column in columns.values()), default=1)
     for name, column in columns.items():
         if name not in base:
-            raise ValueError(f"{name} is not a number of this scene; it has {', '.join(base)}")
+            raise quantities.unknown(name, base)
         if np.shape(column) != (n,) or not np.isfinite(column).all():
             raise ValueError(f"{name} must have {n} finite numbers, as the longest column has")
     whole: dict[str, Any] = dict(base)
@@ -152,7 +153,7 @@ def _columns_of(scenes: list[Scene]) -> dict[str, Array]:
     """Return the numbers of scenes of one kind, all of them with air or all without."""
     columns: dict[str, Any] = numbers_of(scenes[0])
     has_air = getattr(scenes[0], "air", None) is not None
-    ways = (name.rpartition(".")[0] if name[-1].isdigit() else name for name in columns)
+    ways = (name.partition("[")[0] for name in columns)
     for way in list(dict.fromkeys(ways)):
         if way.startswith("air.") and not has_air:
             continue
@@ -160,28 +161,16 @@ def _columns_of(scenes: list[Scene]) -> dict[str, Array]:
         if values.ndim == 1:
             columns[way] = values
         else:
-            columns |= {f"{way}.{i}": values[:, i] for i in range(values.shape[1])}
+            columns |= {f"{way}[{i}]": values[:, i] for i in range(values.shape[1])}
     return columns
 
 
 def numbers_of(scene: Scene) -> dict[str, float]:
     """Return the numbers of a scene, named by the way to them; no air has the density 0."""
-    blocks = scene.model_dump(exclude={"id", "kind", "reading"})
-    if blocks.get("air", ...) is None:
-        blocks["air"] = {"density": 0.0, "drag_coefficient": 0.0, "lift_coefficient": 0.0}
-    return dict(_flat("", blocks))
-
-
-def _flat(name: str, value: Any) -> Iterable[tuple[str, float]]:
-    if isinstance(value, dict):
-        items: Iterable[tuple[Any, Any]] = value.items()
-    elif isinstance(value, tuple | list):
-        items = enumerate(value)
-    else:
-        yield name, float(value)
-        return
-    for key, inner in items:
-        yield from _flat(f"{name}.{key}" if name else str(key), inner)
+    found = {name: float(x) for name, x in quantities.numbers(scene)}
+    if getattr(scene, "air", ...) is None:
+        found |= {f"air.{key}": 0.0 for key in Air.model_fields}
+    return found
 
 
 def _solve(
@@ -225,30 +214,30 @@ _PARTS: dict[str, type[Any]] = {
 
 def _rows(table: Table) -> Iterator[tuple[Outcome | None, dict[str, Any]]]:
     """Yield the table's rows as outcomes (None: no answer) and parts of results."""
-    quantities: dict[str, dict[str, list[Array]]] = {part: {} for part in _PARTS}
+    found: dict[str, dict[str, list[Array]]] = {part: {} for part in _PARTS}
     for name, column in table.columns.items():
-        part, quantity, *_ = name.split(".")
-        quantities[part].setdefault(quantity, []).append(column)
-    parts = {name: _part(name, columns) for name, columns in quantities.items() if columns}
+        part, quantity = name.partition("[")[0].split(".")
+        found[part].setdefault(quantity, []).append(column)
+    parts = {name: _part(name, columns) for name, columns in found.items() if columns}
     for i, outcome in enumerate(table.outcome.tolist()):
         known = {name: rows[i] for name, rows in parts.items()}
         yield None if outcome == UNSOLVED else OUTCOMES[outcome], known
 
 
-def _part(name: str, quantities: dict[str, list[Array]]) -> list[Any]:
-    """Return a part of each row's result, or None where the row has none of its quantities."""
-    known = zip(*(np.isfinite(columns[0]).tolist() for columns in quantities.values()), strict=True)
+def _part(name: str, columns_of: dict[str, list[Array]]) -> list[Any]:
+    """Return a part of each row's result, or None where the row has none of its columns_of."""
+    known = zip(*(np.isfinite(columns[0]).tolist() for columns in columns_of.values()), strict=True)
     values = zip(
         *(
             zip(*(column.tolist() for column in columns), strict=True)
             if len(columns) > 1
             else columns[0].tolist()
-            for columns in quantities.values()
+            for columns in columns_of.values()
         ),
         strict=True,
     )
     return [
-        _PARTS[name](**dict(compress(zip(quantities, row, strict=True), there)))
+        _PARTS[name](**dict(compress(zip(columns_of, row, strict=True), there)))
         if any(there)
         else None
         for row, there in zip(values, known, strict=True)
