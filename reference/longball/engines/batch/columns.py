@@ -30,7 +30,6 @@ from longball.engines.batch.records import (
 from longball.engines.chain import Cases, Model
 from longball.engines.contact import BatSection, margin_error
 from longball.engines.engine import Touch
-from longball.engines.event import Event
 from longball.engines.path import Flight, Path
 from longball.model.law import Law, State
 from longball.model.numbers import DOUBLES, ratio
@@ -298,13 +297,21 @@ class ManyCases(Cases[Any]):
         """See `Cases`."""
         self.table.outcome[self.rows] = OUTCOMES.index(outcome)
 
+    def with_restitution(self, restitution: float, table: Table) -> ManyCases:
+        """Return the same cases with other balls, writing into another table."""
+        ball = SimpleNamespace(**{**vars(self.scene.ball), "restitution": restitution})
+        scene = SimpleNamespace(**{**vars(self.scene), "ball": ball})
+        return replace(self, scene=scene, table=table)
+
     def _flags(self, condition: Any) -> Flags:
         return np.broadcast_to(condition, len(self.rows))
 
 
-def select(value: Any, rows: Flags) -> Any:
+def select(value: Any, rows: Flags | slice) -> Any:
     """Return some rows of whatever holds columns; a number is that of every row."""
-    return _mapped(lambda column: column[rows], value) if not rows.all() else value
+    if isinstance(rows, np.ndarray) and rows.all():
+        return value  # a view copies nothing
+    return _mapped(lambda column: column[rows], value)
 
 
 def merged(flags: Flags, yes: Any, no: Any) -> Any:
@@ -320,26 +327,25 @@ def merged(flags: Flags, yes: Any, no: Any) -> Any:
     return _mapped(merge, yes, no)
 
 
-def _mapped(function: Callable[..., Any], first: Any, *others: Any) -> Any:
+def _mapped(function: Callable[..., Any], *values: Any) -> Any:
     """Return a structure of columns with a function of each."""
-    if isinstance(first, np.ndarray):
-        return function(first, *others)
-    if isinstance(first, tuple):
-        parts = [_mapped(function, *same) for same in zip(first, *others, strict=True)]
-        return type(first)(*parts) if hasattr(first, "_fields") else tuple(parts)
-    if isinstance(first, list):
-        return [_mapped(function, *same) for same in zip(first, *others, strict=True)]
-    if isinstance(first, Mapping):
-        return {
-            name: _mapped(function, value, *(other[name] for other in others))
-            for name, value in first.items()
-        }
-    if isinstance(first, SimpleNamespace):
-        return SimpleNamespace(**_mapped(function, vars(first), *map(vars, others)))
-    if isinstance(first, Law | Event | Flight | Touch | BatSection) or is_dataclass(first):
-        changed = {
-            f.name: _mapped(function, *(getattr(one, f.name) for one in (first, *others)))
-            for f in fields(first)
-        }
-        return replace(first, **changed)
+    first = values[0]
+    match first:
+        case np.ndarray():
+            return function(*values)
+        case tuple() | list():
+            parts = [_mapped(function, *same) for same in zip(*values, strict=True)]
+            return type(first)(*parts) if hasattr(first, "_fields") else type(first)(parts)
+        case Mapping():
+            return {name: _mapped(function, *(value[name] for value in values)) for name in first}
+        case SimpleNamespace():
+            return SimpleNamespace(**_mapped(function, *map(vars, values)))
+        case Law():
+            return replace(first, strengths=_mapped(function, *(law.strengths for law in values)))
+        case _ if is_dataclass(first):
+            names = [f.name for f in fields(first)]
+            changed = {n: _mapped(function, *(getattr(v, n) for v in values)) for n in names}
+            return replace(first, **changed)  # type: ignore[type-var]
+    if any(isinstance(value, np.ndarray) for value in values):
+        return function(*values)
     return first
