@@ -23,6 +23,7 @@ from longball.model.scene import (
     Rotation,
     SceneError,
     Swing,
+    landing_height,
     parse_scene,
 )
 
@@ -106,7 +107,7 @@ def test_the_reading_is_written_only_where_it_differs():
 )
 def test_the_floor_is_where_the_balls_centre_lands(contact, height):
     scene = parsed("at-bat", reading={"ground_contact": contact}, ground={"height": 0.25})
-    assert scene.floor(scene.ground) == height
+    assert landing_height(scene) == height
 
 
 def test_a_pitch_has_the_ground_of_the_paper():

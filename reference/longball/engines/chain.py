@@ -18,7 +18,7 @@ from pydantic import ValidationError
 from longball.engines.contact import BatSection
 from longball.engines.engine import CannotSolve, Engine, Launch, Stepped, Touch
 from longball.engines.event import Event, ground, plate, vertical
-from longball.engines.path import Flight, Path
+from longball.engines.path import Flight, Leg, Path, Trajectory
 from longball.model import result as written
 from longball.model.bat import bat_velocity, collision_parameters, lever_arm
 from longball.model.frame import Frame, launch_frame
@@ -154,6 +154,9 @@ class Cases(ABC, Generic[N]):
     def touched(self, touch: Touch[N]) -> tuple[Any, Any]:
         """Return the conditions that ball and bat touch, and that they miss; see `decide`."""
 
+    def follow(self, frame: Frame[N], flight: Flight[N], begin: N) -> None:
+        """Take note of a flight that begins at a time, s since the start of the scene."""
+
     @property
     def numbers(self) -> Numbers[N]:
         """The engine's number system."""
@@ -235,6 +238,7 @@ def land(cases: Cases[N], launch: Launch[N], outcome: Outcome) -> None:
         flight = _landed(start, cases.numbers)
     else:
         flight = fly(cases, start, cases.ground(start))
+    cases.follow(frame, flight, launch.time)
     (airborne,) = cases.take(flight.stopped("time"))
     airborne.conclude("airborne")
     cases, flight, frame, launch = cases.take(flight.stopped("ground"), flight, frame, launch)
@@ -280,6 +284,7 @@ def throw(cases: Cases[N]) -> Pitch[N]:
 def reach_plate(cases: Cases[N]) -> tuple[Cases[N], Pitch[N]]:
     """Throw; conclude the pitches that end before the plate, and return the others."""
     pitch = throw(cases)
+    cases.follow(pitch.frame, pitch.flight, cases.numbers.exact(0.0))
     for stop, outcome in (("ground", "grounded"), ("time", "airborne")):
         (ended,) = cases.take(pitch.flight.stopped(stop))
         ended.conclude(outcome)
@@ -481,12 +486,13 @@ CHAINS: dict[str, Callable[[Cases[Any]], None]] = {
 
 @dataclass(frozen=True)
 class OneCase(Cases[N]):
-    """A scene, whose results are written into `answer`."""
+    """A scene, whose results are written into `answer`, and the way of its ball into `legs`."""
 
     scene: Scene
     engine: Engine[N]
     model: Model
     answer: dict[str, Any] = field(default_factory=dict)
+    legs: list[Leg[N]] = field(default_factory=list)
 
     @property
     def empty(self) -> bool:
@@ -517,6 +523,10 @@ class OneCase(Cases[N]):
     ) -> Flight[N]:
         """See `Cases`."""
         return (yes if condition else no)(self, *values)
+
+    def follow(self, frame: Frame[N], flight: Flight[N], begin: N) -> None:
+        """See `Cases`."""
+        self.legs.append(Leg(begin, frame, flight))
 
     def record(self, name: str, value: Any) -> None:
         """See `Cases`."""
@@ -553,6 +563,9 @@ class _Nobody(OneCase[N]):
     def empty(self) -> bool:
         return True
 
+    def follow(self, frame: Frame[N], flight: Flight[N], begin: N) -> None:
+        pass
+
     def record(self, name: str, value: Any) -> None:
         pass
 
@@ -572,6 +585,15 @@ def solve(scene: Scene, engine: Engine[N], model: Model = MODEL) -> Result:
     """Return the result of a scene; what cannot be solved is a result with an error."""
     case = OneCase(scene, engine, model)
     return _answer(case, lambda: CHAINS[scene.kind](case))
+
+
+def solve_with_path(
+    scene: Scene, engine: Engine[N], model: Model = MODEL
+) -> tuple[Result, Trajectory[N]]:
+    """Return the result of a scene, and the way of its ball from the start of the scene on."""
+    case = OneCase(scene, engine, model)
+    result = _answer(case, lambda: CHAINS[scene.kind](case))
+    return result, Trajectory(tuple(case.legs))
 
 
 def solve_with_restitutions(

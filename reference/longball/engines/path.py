@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from typing import Any, Generic, cast
 
 from longball.engines.event import Curve, Piece
+from longball.model.frame import Frame
 from longball.model.law import State
-from longball.model.numbers import N
+from longball.model.numbers import N, Vector
 
 
 class Path(Generic[N]):
@@ -103,3 +104,39 @@ class Part(Generic[N]):
     def curve(self, value: Callable[[Any], Any]) -> Curve[N]:
         """Return the value of an event along the piece."""
         return self.piece.curve(value)
+
+
+@dataclass(frozen=True)
+class Leg(Generic[N]):
+    """A flight of a scene: when it begins, s since the start of the scene, and in which frame."""
+
+    begin: N
+    frame: Frame[N]
+    flight: Flight[N]
+
+
+@dataclass(frozen=True)
+class Trajectory(Generic[N]):
+    """The way of the ball from the start of a scene to its end: a pitch, a batted ball, or both."""
+
+    legs: tuple[Leg[N], ...]
+
+    @property
+    def end(self) -> N:
+        """When it ends, s since the start of the scene."""
+        return self.legs[-1].begin + self.legs[-1].flight.time
+
+    def at(self, time: N) -> tuple[Vector[N], Vector[N]]:
+        """Return position, m, and velocity, m/s, at a time, s since the start of the scene.
+
+        Raises
+        ------
+        ValueError
+            If the trajectory has no such time.
+        """
+        begun = [leg for leg in self.legs if not time < leg.begin]
+        if not begun:
+            raise ValueError(f"the trajectory has no state at t = {float(cast(Any, time))} s")
+        leg = begun[-1]
+        state = leg.flight.path.at(time - leg.begin)
+        return leg.frame.position(state), leg.frame.velocity(state)

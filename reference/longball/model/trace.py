@@ -368,7 +368,8 @@ class Names(dict[Node, str]):
             case "plus":
                 return " + ".join(self[x] for x in node.args)
             case "product":
-                return " * ".join(self[x] for x in node.args)
+                a, b = node.args
+                return f"-{self[b]}" if a is _MINUS_ONE else f"{self[a]} * {self[b]}"
             case "quotient":
                 return " / ".join(self[x] for x in node.args)
         return f"{node.kind}({', '.join(self[x] for x in node.args)})"
