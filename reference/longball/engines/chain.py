@@ -401,23 +401,24 @@ def strike(cases: Cases[N], contact: ContactState[N]) -> Impact[N]:
 
 
 @dataclass(frozen=True)
-class Meeting(Generic[N]):
-    """Pitch and bat up to the touching: all of an at-bat that the ball's restitution leaves alone.
-
-    Attributes
-    ----------
-    height
-        Of the bat's axis, m.
-    """
+class Approach(Generic[N]):
+    """A pitch, the height of the bat's axis, m, and how they meet."""
 
     pitch: Pitch[N]
     height: N
     touch: Touch[N]
+
+
+@dataclass(frozen=True)
+class Meeting(Generic[N]):
+    """Pitch and bat up to the impulse: all of an at-bat that the ball's restitution leaves alone."""
+
+    approach: Approach[N]
     contact: ContactState[N]
 
 
-def meet_bat(cases: Cases[N]) -> tuple[Cases[N], Meeting[N] | None]:
-    """Throw, put the bat where it is swung, and find how the two meet; return those that strike."""
+def approach_bat(cases: Cases[N]) -> tuple[Cases[N], Approach[N] | None]:
+    """Throw, put the bat where it is swung, and find how the two meet."""
     cases, pitch = reach_plate(cases)
     if cases.empty:
         return cases, None
@@ -431,37 +432,48 @@ def meet_bat(cases: Cases[N]) -> tuple[Cases[N], Meeting[N] | None]:
     if scene.reading.lift_direction == "always_up" and LIFT in law.forces:
         events.append(vertical(numbers))
     touch = cases.engine.touch(pitch.flight, law, bat, events, cases.time_limit)
+    return cases, Approach(pitch, height, touch)
+
+
+def meet_bat(cases: Cases[N]) -> tuple[Cases[N], Meeting[N] | None]:
+    """Throw and swing; conclude what is not struck, and return the others."""
+    cases, approach = approach_bat(cases)
+    if approach is None:
+        return cases, None
+    touch = approach.touch
     cases.record("contact.margin", touch.margin)
     touched, missed = cases.touched(touch)
     (ended,) = cases.take(missed)
     ended.conclude("missed")
-    cases, pitch, height, touch = cases.take(touched, pitch, height, touch)
+    cases, approach = cases.take(touched, approach)
     if cases.empty:
         return cases, None
+    touch, frame = approach.touch, approach.pitch.frame
     ball = Ball(
-        pitch.frame.position(touch.state),
-        pitch.frame.velocity(touch.state),
-        pitch.frame.position(touch.detected)[1],
+        frame.position(touch.state),
+        frame.velocity(touch.state),
+        frame.position(touch.detected)[1],
         touch.leaving,
     )
     cases.record("contact.time", touch.time)
     cases.record("contact.position", ball.position)
     error = cases.engine.flight_error
-    cases, contact, *rest = meet(cases, ball, height, error, pitch, height, touch)
-    return cases, None if contact is None else Meeting(*rest, contact)
+    cases, contact, approach = meet(cases, ball, approach.height, error, approach)
+    return cases, None if contact is None else Meeting(approach, contact)
 
 
 def finish(cases: Cases[N], meeting: Meeting[N] | None) -> None:
     """Solve at-bats from the impulse on."""
     if meeting is None or cases.empty:
         return
-    contact, touch, engine = meeting.contact, meeting.touch, cases.engine
+    contact, engine = meeting.contact, cases.engine
+    touch, pitch = meeting.approach.touch, meeting.approach.pitch
     impact = strike(cases, contact)
     if isinstance(engine, Stepped):
         before, after = contact.velocity, impact.velocity
         delta_v = (after[0] - before[0], after[1] - before[1], after[2] - before[2])
-        ground = cases.ground(meeting.pitch.start)
-        launch = engine.rebound(meeting.pitch.frame, touch, delta_v, cases.law(), ground)
+        law, surface = cases.law(), cases.ground(pitch.start)
+        launch = engine.rebound(pitch.frame, touch, delta_v, law, surface)
     else:
         nothing = touch.time * 0
         launch = Launch(contact.position, impact.velocity, touch.time, nothing)
@@ -616,15 +628,15 @@ def solve_with_restitutions(
     return results or [failed] * len(restitutions)
 
 
-def meet_one(scene: AtBatScene, engine: Engine[N]) -> Meeting[N] | None:
-    """Return how pitch and bat of a scene meet; None if the ball is not struck.
+def approach_of(scene: AtBatScene, engine: Engine[N]) -> Approach[N] | None:
+    """Return how pitch and bat of a scene meet; None if the pitch does not reach the plate.
 
     Raises
     ------
     CannotSolve, Undecided
     """
     with engine.numbers.arithmetic():
-        return meet_bat(OneCase(scene, engine, MODEL))[1]
+        return approach_bat(OneCase(scene, engine, MODEL))[1]
 
 
 def _answer(case: OneCase[N], chain: Callable[[], None]) -> Result:
