@@ -24,7 +24,8 @@ SCENES, FULL_SCENES = 100, 300  # of which the errors are looked at
 _SHORT = (
     f"batch, {Batch().tolerance:g} m",
     "batch, 1e-08 m",
-    "heyoka, default",
+    "heyoka batch of 16, default",
+    "heyoka scalar, default",
     "diffrax Tsit5, 1e-09",
     "diffrax Dopri8, 1e-12",
     "CVODE Adams, 1e-12",

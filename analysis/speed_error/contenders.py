@@ -142,10 +142,13 @@ def plain(work: Work, method: str, rtol: float) -> Contender:
     return Contender(f"scipy {method}", f"{rtol:g}", solver, SLOW)
 
 
-def heyoka(work: Work, tolerance: float = 0.0) -> Contender:
-    """Return heyoka; tolerance 0 stands for its default."""
-    solver = in_columns(peers.Heyoka(*_air(work), tolerance))
-    return Contender("heyoka", f"{tolerance:g}" if tolerance else "default", solver, BLOCK)
+def heyoka(work: Work, tolerance: float = 0.0) -> Iterator[Contender]:
+    """Yield heyoka's scalar and its batch mode; tolerance 0 stands for its default."""
+    setting = f"{tolerance:g}" if tolerance else "default"
+    scalar = peers.Heyoka(*_air(work), tolerance)
+    batch = peers.HeyokaBatch(*_air(work), tolerance)
+    yield Contender("heyoka scalar", setting, in_columns(scalar), BLOCK)
+    yield Contender(f"heyoka batch of {batch.lanes}", setting, in_columns(batch), BLOCK)
 
 
 def installed_peers(work: Work) -> Iterator[Contender]:
@@ -159,9 +162,9 @@ def installed_peers(work: Work) -> Iterator[Contender]:
                 solver = in_columns(peers.Diffrax(*air, name, rtol))
                 yield Contender(f"diffrax {name}", f"{rtol:g}", solver, peers.LOCKSTEP)
         if "heyoka" not in absent:
-            yield heyoka(work, rtol)
+            yield from heyoka(work, rtol)
     if "heyoka" not in absent:
-        yield heyoka(work)
+        yield from heyoka(work)
 
 
 def missing_peers() -> list[str]:

@@ -16,7 +16,7 @@ MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*", "<", ">")
 HALO = [patheffects.withStroke(linewidth=2.0, foreground="white")]
 BEYOND = 1e-15  # m; smaller errors than doubles can have at 100 m are drawn there
 
-PEERS = ("heyoka", "diffrax Tsit5", "diffrax Dopri8", "CVODE Adams")
+PEERS = ("heyoka scalar", "heyoka batch of 16", "diffrax Tsit5", "diffrax Dopri8", "CVODE Adams")
 PLAIN = ("scipy DOP853", "scipy RK45", "scipy LSODA")
 OURS = (
     *("batch", "ivp DOP853", "ivp RK45", "ivp LSODA", "ivp Radau"),
