@@ -73,7 +73,8 @@ def section(report: Path, whole: pd.DataFrame, rounds: int, count: int, full: bo
             found(whole),
             table(report, "speed_error_short", short(whole)),
             "*Scipy*, *CVODE*, *diffrax* and *heyoka* find their events themselves; their chain of "
-            "an at-bat is longball's, over columns. *Missed*: the bat was not noticed, of at-bats "
+            "an at-bat is longball's, over columns. heyoka's batch mode is given flights of like "
+            "duration. *Missed*: the bat was not noticed, of at-bats "
             "with a contact; errors of D are over those that were noticed. *ivp*, *verlet*, "
             "*enclosure* and *multiprecision* solve scene by scene, each result made and "
             "checked.\n",
