@@ -12,6 +12,7 @@ from typing import Any
 import pandas as pd
 
 from analysis.speed_error import contenders, measuring, pictures
+from analysis.speed_error.peers import HeyokaBatch
 from analysis.speed_error.work import SEED, TRUE_DIGITS, Known, at_bats, flights, known
 from analysis.writing import shown, table
 from longball.engines.batch import Batch
@@ -23,7 +24,7 @@ SCENES, FULL_SCENES = 100, 300  # of which the errors are looked at
 _SHORT = (
     f"batch, {Batch().tolerance:g} m",
     "batch, 1e-08 m",
-    "heyoka batch of 16, default",
+    "heyoka batch, default",
     "heyoka scalar, default",
     "diffrax Tsit5, 1e-09",
     "diffrax Dopri8, 1e-12",
@@ -73,9 +74,9 @@ def section(report: Path, whole: pd.DataFrame, rounds: int, count: int, full: bo
             found(whole),
             table(report, "speed_error_short", short(whole)),
             "*Scipy*, *CVODE*, *diffrax* and *heyoka* find their events themselves; their chain of "
-            "an at-bat is longball's, over columns. heyoka's batch mode is given flights of like "
-            "duration. *Missed*: the bat was not noticed, of at-bats "
-            "with a contact; errors of D are over those that were noticed. *ivp*, *verlet*, "
+            f"an at-bat is longball's, over columns. *heyoka batch* takes {HeyokaBatch.lanes} "
+            "flights of like duration at once. *Missed*: the bat was not noticed, of at-bats with "
+            "a contact; errors of D are over those that were noticed. *ivp*, *verlet*, "
             "*enclosure* and *multiprecision* solve scene by scene, each result made and "
             "checked.\n",
             shown(

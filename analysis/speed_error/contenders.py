@@ -158,7 +158,7 @@ def heyoka(work: Work, tolerance: float = 0.0) -> Iterator[Contender]:
     scalar = peers.Heyoka(*_air(work), tolerance)
     batch = peers.HeyokaBatch(*_air(work), tolerance)
     yield Contender("heyoka scalar", setting, in_columns(scalar), BLOCK)
-    yield Contender(f"heyoka batch of {batch.lanes}", setting, in_columns(batch), BLOCK)
+    yield Contender("heyoka batch", setting, in_columns(batch), BLOCK)
 
 
 def installed_peers(work: Work) -> Iterator[Contender]:
