@@ -44,7 +44,11 @@ class Work:
 
     def first(self, count: int) -> Work:
         """Return the first scenes."""
-        return Work(self.base, {name: column[:count] for name, column in self.columns.items()})
+        return self.part(slice(count))
+
+    def part(self, rows: slice | list[int]) -> Work:
+        """Return some of the scenes."""
+        return Work(self.base, {name: column[rows] for name, column in self.columns.items()})
 
     @cached_property
     def scenes(self) -> list[Scene]:
@@ -65,13 +69,26 @@ def flights(count: int) -> Work:
     return Work(FlightScene(id="flight", launch=level), columns)
 
 
-def at_bats(count: int) -> Work:
+def at_bats(count: int, seed: int = SEED) -> Work:
     """Return at-bats of the paper's distributions."""
     base = AtBatScene(id="at-bat")
-    return Work(base, draw(paper_at_bats(SamplingReading()), count, SEED).columns)
+    return Work(base, draw(paper_at_bats(SamplingReading()), count, seed).columns)
 
 
 def truth(work: Work) -> list[Result]:
     """Return the results of scenes with proven digits."""
     exact = engines.create("enclosure", digits=TRUE_DIGITS)
     return [solve(scene, exact) for scene in work.scenes]
+
+
+@dataclass(frozen=True)
+class Known:
+    """Work, and the truth about its first scenes."""
+
+    work: Work
+    true: list[Result]
+
+
+def known(work: Work, count: int) -> Known:
+    """Return work with the truth about so many of its scenes."""
+    return Known(work, truth(work.first(count)))
