@@ -14,7 +14,7 @@ from analysis.speed_error import contenders
 from analysis.speed_error.measuring import difference, measure, ratio
 from analysis.speed_error.work import TRUE_DIGITS, Work, at_bats, known, truth
 from analysis.writing import table
-from longball.engines.at_bat import solve
+from longball.engines.chain import solve
 from longball.engines.ivp import Ivp
 from longball.model.result import Result
 from longball.model.scene import FlightScene, Launch

@@ -17,7 +17,7 @@ from matplotlib.colors import ListedColormap
 
 from analysis.writing import figure, markdown_table, shown, table
 from longball import engines
-from longball.engines.at_bat import solve
+from longball.engines.chain import solve
 from longball.engines.engine import CannotSolve
 from longball.golden import Case, load
 from longball.golden.case import decisive

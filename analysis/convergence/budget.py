@@ -19,7 +19,7 @@ from scipy.optimize import brentq
 
 from analysis.convergence.pieces import TRUTH, batted, each, golden
 from analysis.writing import figure, shown, table
-from longball.engines.at_bat import meet, solve
+from longball.engines.chain import meet, solve
 from longball.engines.engine import (
     Arrival,
     BatSection,

@@ -13,7 +13,7 @@ import pandas as pd
 from analysis.convergence.pieces import each, verdict
 from analysis.writing import figure, shown, table
 from longball.engines import create
-from longball.engines.at_bat import solve
+from longball.engines.chain import solve
 from longball.engines.engine import Engine
 from longball.engines.verlet import TREATMENTS, Verlet
 from longball.judge.convergence import converge

@@ -13,7 +13,7 @@ from rich.console import Console
 from rich.progress import track
 
 import longball
-from longball.engines.at_bat import solve
+from longball.engines.chain import solve
 from longball.engines.ivp import Ivp
 from longball.home_run import draw, paper_at_bats, scenes
 from longball.model.readings import SamplingReading

@@ -18,7 +18,7 @@ from scipy.optimize import brentq
 
 from analysis.convergence.pieces import TRUTH, each, golden
 from analysis.writing import figure, shown, table
-from longball.engines.at_bat import meet
+from longball.engines.chain import meet
 from longball.engines.verlet import Verlet
 from longball.home_run import BLOCK, draw, draw_block, paper_at_bats, scenes, wilson
 from longball.model.readings import SamplingReading

@@ -9,7 +9,7 @@ from typing import Any
 
 from analysis.speed_error import peers
 from analysis.speed_error.work import Work
-from longball.engines.at_bat import solve
+from longball.engines.chain import solve
 from longball.engines.batch import Batch, solve_columns
 from longball.engines.batch.chain import Fleet
 from longball.engines.batch.many import BLOCK

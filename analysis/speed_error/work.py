@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from longball import engines
-from longball.engines.at_bat import solve
+from longball.engines.chain import solve
 from longball.home_run import draw, paper_at_bats
 from longball.model.quantities import replaced
 from longball.model.readings import SamplingReading

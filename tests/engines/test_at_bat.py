@@ -7,7 +7,7 @@ import math
 import pytest
 
 from longball import engines
-from longball.engines.at_bat import meet, solve, solve_with_restitutions, strike
+from longball.engines.chain import meet, solve, solve_with_restitutions, strike
 from longball.engines.ivp import Ivp
 from longball.model.scene import parse_scene
 

@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from longball.engines import series
-from longball.engines.at_bat import solve
+from longball.engines.chain import solve
 from longball.engines.batch import (
     Batch,
     solve_all,

@@ -15,7 +15,7 @@ import pytest
 from flint import arb
 
 from longball.engines import contact
-from longball.engines.at_bat import meet, solve
+from longball.engines.chain import meet, solve
 from longball.engines.enclosure import Enclosure
 from longball.engines.engine import BatSection, CannotSolve, Stops
 from longball.engines.ivp import Ivp

@@ -20,7 +20,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from longball.engines import enclosure
-from longball.engines.at_bat import solve, solve_with_restitutions
+from longball.engines.chain import solve, solve_with_restitutions
 from longball.engines.enclosure import Balls, Enclosure
 from longball.engines.engine import Stops
 from longball.engines.ivp import Ivp

@@ -9,7 +9,7 @@ import pytest
 from flint import arb
 
 from longball.engines import ivp
-from longball.engines.at_bat import solve
+from longball.engines.chain import solve
 from longball.engines.engine import CannotSolve, Stops
 from longball.engines.ivp import METHODS, Ivp
 from longball.model import exact

@@ -11,7 +11,7 @@ from __future__ import annotations
 import pytest
 
 from longball import golden
-from longball.engines.at_bat import solve
+from longball.engines.chain import solve
 from longball.engines.ivp import Ivp
 from longball.golden.case import ROUNDING
 from longball.model.quantities import numbers

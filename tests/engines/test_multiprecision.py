@@ -6,7 +6,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from longball.engines.at_bat import solve
+from longball.engines.chain import solve
 from longball.engines.engine import Stops
 from longball.engines.ivp import Ivp
 from longball.engines.multiprecision import Multiprecision

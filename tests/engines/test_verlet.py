@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from longball.engines import contact, create
-from longball.engines.at_bat import meet, solve
+from longball.engines.chain import meet, solve
 from longball.engines.engine import BatSection, Stops
 from longball.engines.ivp import Ivp
 from longball.engines.verlet import (

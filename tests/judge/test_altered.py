@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from longball.engines.at_bat import solve
+from longball.engines.chain import solve
 from longball.engines.verlet import TREATMENTS, Verlet
 from longball.judge.altered import THE_MODELS, DragLaw, solve_with_drag
 from longball.judge.altered_scheme import solve_in_steps

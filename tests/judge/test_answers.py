@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from longball.engines.at_bat import solve
+from longball.engines.chain import solve
 from longball.engines.ivp import Ivp
 from longball.judge.answers import (
     LONGEST_LINE,

@@ -7,7 +7,7 @@ import jsonschema
 import numpy as np
 import pytest
 
-from longball.engines.at_bat import solve
+from longball.engines.chain import solve
 from longball.engines.verlet import Verlet
 from longball.judge.convergence import converge, phase_step, save_convergence
 from longball.judge.convergence_report import ConvergenceReport

@@ -14,7 +14,7 @@ from decimal import Decimal
 import numpy as np
 import pytest
 
-from longball.engines.at_bat import solve
+from longball.engines.chain import solve
 from longball.engines.ivp import Ivp
 from longball.engines.verlet import Verlet
 from longball.judge.altered import solve_with_drag

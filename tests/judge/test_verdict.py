@@ -12,7 +12,7 @@ from xml.etree import ElementTree
 import jsonschema
 import pytest
 
-from longball.engines.at_bat import solve
+from longball.engines.chain import solve
 from longball.engines.ivp import Ivp
 from longball.judge import assert_case
 from longball.judge import cases as golden_cases

@@ -10,7 +10,7 @@ import typer
 
 from longball import engines
 from longball.cli.common import progress_bar, reading_from, say, wrong_call
-from longball.engines.at_bat import solve
+from longball.engines.chain import solve
 from longball.model.scene import Scene, SceneError, parse_scene
 
 DIGITS = 20  # of the truth: more than any double shows

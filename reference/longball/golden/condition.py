@@ -34,7 +34,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from longball.engines.at_bat import solve
+from longball.engines.chain import solve
 from longball.engines.engine import Engine
 from longball.golden.case import ROUNDING, Condition, as_double, decisive, numbers_of, vector_of
 from longball.model.quantities import numbers, replaced

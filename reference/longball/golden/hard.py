@@ -16,7 +16,7 @@ from itertools import product
 
 import mpmath
 
-from longball.engines.at_bat import meet, solve
+from longball.engines.chain import meet, solve
 from longball.engines.enclosure import Enclosure
 from longball.golden.draft import Draft, between_powers, five_digits, shares, solve_for
 from longball.home_run import HOME_RUN_DISTANCE

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from decimal import ROUND_CEILING, Decimal, localcontext
 from typing import Any
 
-from longball.engines.at_bat import solve
+from longball.engines.chain import solve
 from longball.engines.enclosure import Enclosure
 from longball.engines.multiprecision import Multiprecision
 from longball.golden.case import (

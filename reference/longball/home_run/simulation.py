@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from longball.engines.at_bat import solve_with_restitutions
+from longball.engines.chain import solve_with_restitutions
 from longball.engines.engine import Engine
 from longball.home_run.at_bats import BLOCK, AtBats, draw, scenes
 from longball.model.scene import AtBatScene

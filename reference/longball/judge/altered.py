@@ -17,7 +17,7 @@ import scipy.integrate
 import scipy.optimize
 from numpy.typing import NDArray
 
-from longball.engines.at_bat import solve
+from longball.engines.chain import solve
 from longball.engines.ivp import Ivp
 from longball.model import result as written
 from longball.model.motion import Forces, forces, into_plane

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
-from longball.engines.at_bat import solve
+from longball.engines.chain import solve
 from longball.engines.engine import Engine
 from longball.engines.verlet import Verlet
 from longball.judge.quantities import QUANTITIES, Value, length, radii_of, values_of

@@ -15,7 +15,7 @@ from typing import Any, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from longball.engines.at_bat import solve
+from longball.engines.chain import solve
 from longball.engines.engine import Engine
 from longball.engines.ivp import Ivp
 from longball.engines.verlet import Verlet
