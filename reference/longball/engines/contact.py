@@ -38,16 +38,16 @@ class BatSection(Generic[N]):
         return numbers.sqrt(across * across + above * above)
 
     def depth(self, state: Any) -> Any:
-        """Return ``(d² - reach²)/2``, m², of a state or of polynomials: negative in the bat."""
+        """Return ``d² - reach²``, m², of a state or of polynomials: negative in the bat."""
         return self.beyond(self.reach, state)
 
     def beyond(self, distance: N, state: Any) -> Any:
-        """Return ``(d² - distance²)/2``, m²."""
+        """Return ``d² - distance²``, m²."""
         across, above = self.frame.towards_x(state), state.z - self.height
-        return (across * across + above * above - distance * distance) / 2
+        return across * across + above * above - distance * distance
 
     def approach(self, state: State[N]) -> N:
-        """Return d·v, m²/s, the derivative of `depth`: negative while the ball comes closer."""
+        """Return d·v, m²/s, half the derivative of `depth`: negative while the ball comes closer."""
         across, above = self.frame.towards_x(state), state.z - self.height
         return across * self.frame.velocity(state)[0] + above * state.w
 

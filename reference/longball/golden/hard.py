@@ -16,7 +16,7 @@ from itertools import product
 
 import mpmath
 
-from longball.engines.chain import meet, solve
+from longball.engines.chain import approach_of, solve
 from longball.engines.enclosure import Enclosure
 from longball.golden.draft import Draft, between_powers, five_digits, shares, solve_for
 from longball.home_run import HOME_RUN_DISTANCE
@@ -85,9 +85,9 @@ def _beside(x: float) -> tuple[tuple[str, float], ...]:
 
 def _margin(scene: AtBatScene) -> Decimal:
     with _CHOOSING.numbers.arithmetic():
-        touch = meet(scene, _CHOOSING).touch
-        assert touch is not None
-        return Decimal(_CHOOSING.numbers.report(touch.margin).value)
+        approach = approach_of(scene, _CHOOSING)
+        assert approach is not None
+        return Decimal(_CHOOSING.numbers.report(approach.touch.margin).value)
 
 
 def grazes() -> Iterator[Draft]:
