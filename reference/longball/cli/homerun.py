@@ -160,7 +160,7 @@ def homerun(
         except ValueError as error:  # an ending that matplotlib does not know
             wrong_call(f"--figure {figure}: {error}")
     if as_json:
-        chosen = {name: x for part in switches.values() for name, x in part.items()}
+        chosen = base.reading.model_dump() | sampling.model_dump() | switches["figure"]
         data = as_data(rows, fields, fitted, chosen) | {"method": method} | drawn
         print(json.dumps(data, ensure_ascii=False))
     else:
@@ -197,7 +197,7 @@ def sampling_reading(switches: Mapping[str, Any]) -> SamplingReading:
 
 def figure_curve(switches: Mapping[str, Any]) -> Fig7Parameters:
     """Return which of the paper's curves P(e) is held against."""
-    chosen: Any = switches.get(FIGURE_SWITCH, "caption")
+    chosen = str(switches.get(FIGURE_SWITCH, "caption"))
     if chosen not in PAPER_CURVES:
         wrong_call(f"--reading {FIGURE_SWITCH}: must be one of {', '.join(PAPER_CURVES)}")
     return cast(Fig7Parameters, chosen)
