@@ -141,8 +141,6 @@ def test_another_law_or_collision_may_stand_in_the_chain():
     no_lift = solve(scene, Ivp(), replace(MODEL, forces=(DRAG, GRAVITY)))
     without = '{"id":"x","kind":"at-bat","swing":{"height_offset":-0.03},"air":%s}'
     assert no_lift == solved(without % '{"lift_coefficient":0}')
-        f'{{"id":"x","kind":"at-bat",{air},"swing":{{"height_offset":-0.03}}}}'
-    )
 
 
 def test_a_sideways_force_goes_through_the_whole_chain():
