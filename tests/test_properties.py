@@ -13,12 +13,12 @@ import numpy as np
 import pytest
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
+from longball.model.motion import forces, into_plane
 
 from longball.engines import chain
 from longball.engines.engine import Stops
 from longball.engines.ivp import Ivp
 from longball.model import exact
-from longball.model.motion import forces, into_plane
 from longball.model.numbers import DOUBLES
 from longball.model.readings import Reading
 from longball.model.result import Result

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from longball.model.motion import Forces, PlaneState
 
 from longball.engines import series
-from longball.engines.chain import solve
 from longball.engines.batch import (
     Batch,
     solve_all,
@@ -34,10 +34,10 @@ from longball.engines.batch.expansion import (
 )
 from longball.engines.batch.lanes import WIDTH, kept
 from longball.engines.batch.roots import NEVER, curvature, downward, first_fall, first_zero
+from longball.engines.chain import solve
 from longball.engines.enclosure import Enclosure
 from longball.engines.engine import Stops
 from longball.engines.ivp import Ivp
-from longball.model.motion import Forces, PlaneState
 from longball.model.readings import Reading
 from longball.model.result import Bounded, Contact, Impact, Landing, Plate, Result
 from longball.model.scene import (

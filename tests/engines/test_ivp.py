@@ -7,13 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from flint import arb
+from longball.model.motion import Forces, PlaneState, acceleration
 
 from longball.engines import ivp
 from longball.engines.chain import solve
 from longball.engines.engine import CannotSolve, Stops
 from longball.engines.ivp import METHODS, Ivp
 from longball.model import exact
-from longball.model.motion import Forces, PlaneState, acceleration
 from longball.model.numbers import Undecided
 from longball.model.scene import AtBatScene, Pitch, Swing, parse_scene
 from tests import oracle

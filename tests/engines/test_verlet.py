@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from longball.model.motion import Forces, PlaneState, acceleration
 
 from longball.engines import contact, create
 from longball.engines.chain import meet, solve
@@ -22,7 +23,6 @@ from longball.engines.verlet import (
     step,
     step_compiled,
 )
-from longball.model.motion import Forces, PlaneState, acceleration
 from longball.model.numbers import DOUBLES
 from longball.model.readings import Reading, VerletForces
 from longball.model.scene import Air, AtBatScene, FlightScene, Ground, Launch, Pitch, Swing

@@ -11,6 +11,7 @@ from itertools import pairwise
 
 import jsonschema
 import pytest
+from longball.model.motion import forces, into_plane
 
 from longball import golden
 from longball.engines.enclosure import Enclosure
@@ -21,7 +22,6 @@ from longball.golden.files import CHECKSUMS, HEADER, schemas
 from longball.golden.legend import FLAGS, LEVELS, NUMBERS
 from longball.golden.reader import DATA
 from longball.model import exact
-from longball.model.motion import forces, into_plane
 from longball.model.readings import Reading, SamplingReading
 from longball.model.scene import parse_scene
 

@@ -6,13 +6,13 @@ import math
 
 import numpy as np
 import pytest
+from longball.model.motion import forces
 
 from longball.engines.chain import solve
 from longball.engines.verlet import TREATMENTS, Verlet
 from longball.judge.altered import THE_MODELS, DragLaw, solve_with_drag
 from longball.judge.altered_scheme import solve_in_steps
 from longball.judge.quantities import values_of
-from longball.model.motion import forces
 from longball.model.numbers import DOUBLES
 from longball.model.scene import FlightScene, Launch
 from tests.judge.material import at_bats, flights, pitches
