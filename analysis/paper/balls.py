@@ -219,7 +219,7 @@ SPACES = (
 )
 
 
-def told(base: AtBatScene, space: Space) -> str:
+def describe(base: AtBatScene, space: Space) -> str:
     """Say in which readings and numbers an at-bat differs from the default ones."""
     default = AtBatScene(id="default")
     blocks = [
