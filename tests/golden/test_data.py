@@ -17,7 +17,7 @@ from longball.engines.enclosure import Enclosure
 from longball.golden.case import as_double, decisive, numbers_of, vector_of
 from longball.golden.checker import check
 from longball.golden.files import CHECKSUMS, HEADER, schemas
-from longball.golden.legend import FLAGS, LEVELS, NUMBERS
+from longball.golden.headers import FLAGS, LEVELS, NUMBERS
 from longball.golden.reader import DATA
 from longball.model import exact
 from longball.model.motion import forces, into_plane

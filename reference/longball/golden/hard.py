@@ -18,7 +18,7 @@ import mpmath
 
 from longball.engines.at_bat import meet, solve
 from longball.engines.enclosure import Enclosure
-from longball.golden.draft import Draft, between_powers, five_digits, shares, solve_for
+from longball.golden.case_builder import Draft, between_powers, five_digits, shares, solve_for
 from longball.home_run import HOME_RUN_DISTANCE
 from longball.model.readings import Reading
 from longball.model.result import Bounded

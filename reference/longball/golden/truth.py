@@ -21,6 +21,7 @@ from longball.golden.case import (
     numbers_of,
     vector_of,
 )
+from longball.golden.case_builder import Draft
 from longball.golden.condition import (
     Sensitivity,
     attainable_errors,
@@ -28,7 +29,6 @@ from longball.golden.condition import (
     magnitudes,
     sensitivity,
 )
-from longball.golden.draft import Draft
 from longball.model.result import Bounded, Result
 from longball.model.scene import AtBatScene, Scene
 

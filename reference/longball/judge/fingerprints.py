@@ -19,8 +19,8 @@ from longball.engines.at_bat import solve
 from longball.engines.engine import Engine
 from longball.engines.ivp import Ivp
 from longball.engines.verlet import Verlet
-from longball.judge.altered import DragLaw, solve_with_drag
-from longball.judge.altered_scheme import solve_in_steps
+from longball.judge.alternative_laws import DragLaw, solve_with_drag
+from longball.judge.alternative_schemes import solve_in_steps
 from longball.judge.cases import SLACK, Case, decidable
 from longball.judge.mistakes import KNOWN, NO_SLIP, SOUND, Solver, Variant
 from longball.judge.quantities import QUANTITIES, Value, values_of
@@ -126,7 +126,7 @@ class Fingerprints:
     def __init__(
         self, cases: Sequence[Case], engine: Engine[float] | None = None, dt: float | None = None
     ) -> None:
-        self.cases = tuple(telling(cases))
+        self.cases = tuple(select_cases(cases))
         self.scenes = [case.scene for case in self.cases]
         self.truth = _of_results(case.expected for case in self.cases)
         self.tolerance = _tolerances(self.cases)
@@ -220,8 +220,8 @@ class Fingerprints:
         """
         return float(self._differences(a, b, seen).mean())
 
-    def most(self, a: Answers, b: Answers, seen: Flags) -> float:
-        """Return what nine of ten of the differences do not exceed; see `error`."""
+    def quantile90(self, a: Answers, b: Answers, seen: Flags) -> float:
+        """Return the 90 % quantile of the differences; see `error`."""
         return float(np.quantile(self._differences(a, b, seen), 0.9))
 
     def _differences(self, a: Answers, b: Answers, seen: Flags) -> Array:
@@ -232,11 +232,11 @@ class Fingerprints:
         return np.concatenate([np.nan_to_num(numbers), said.astype(float)])
 
 
-# --- scenes that tell most ------------------------------------------------------------------------
+# --- the cases that discriminate best -------------------------------------------------------------
 
 
-def telling(cases: Iterable[Case]) -> list[Case]:
-    """Return the cases that fingerprints are taken from: of each kind those that tell most.
+def select_cases(cases: Iterable[Case]) -> list[Case]:
+    """Return the cases that fingerprints are taken from: of each kind those that discriminate best.
 
     First come flights that turn back over the vertical, where alone the readings of the lift
     differ; then scenes with the paper's ball, air and gravity, which a program is likely to have

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from longball.judge.altered import DragLaw
+from longball.judge.alternative_laws import DragLaw
 from longball.model.motion import FlightPlane, PlaneState, acceleration, forces, into_plane
 from longball.model.numbers import DOUBLES
 from longball.model.readings import Reading
@@ -40,7 +40,7 @@ class Variant:
     wrapper
         What is done to scenes and results.
     drag
-        Another law of drag than the model's; see `longball.judge.altered`.
+        Another law of drag than the model's; see `longball.judge.alternative_laws`.
     scheme
         Switches of the paper's scheme that the mistake sets: it is made by those who take fixed
         steps as the paper does.

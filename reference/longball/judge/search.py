@@ -91,7 +91,7 @@ def diagnose(prints: Fingerprints, answers: Mapping[str, Answer]) -> Diagnosis:
 
 
 @dataclass(frozen=True)
-class _Tried:
+class _Scored:
     """A guess, and the mean error that it leaves."""
 
     guess: Guess
@@ -112,7 +112,7 @@ class _Search:
         self.single = _in_single_precision(answer for answer in given if answer)
         self.count = sum(answer is not None and answer.error is None for answer in given)
         self.error = self.left_by(truth) if self.count else 0.0
-        self.most = prints.most(self.candidate, truth, self.seen) if self.count else 0.0
+        self.quantile90 = prints.quantile90(self.candidate, truth, self.seen) if self.count else 0.0
         step = None if prints.step_known else common_step(self._landing_times())
         self.steps = prints.steps if step is None else (*prints.steps, step)
 
@@ -130,10 +130,10 @@ class _Search:
         """Return the mean error that a prediction leaves."""
         return self.prints.error(self.candidate, prediction, self.seen)
 
-    def attempt(self, guess: Guess) -> _Tried | None:
+    def attempt(self, guess: Guess) -> _Scored | None:
         """Return what a guess leaves; None if it contradicts itself."""
         prediction = self.prints.predict(guess)
-        return None if prediction is None else _Tried(guess, self.left_by(prediction))
+        return None if prediction is None else _Scored(guess, self.left_by(prediction))
 
     def share(self, left: float) -> float:
         """Return the share of the error that is explained."""
@@ -159,7 +159,7 @@ class _Search:
             if self.single:
                 names.append(SINGLE.name)
             return self._found("known", "", names, share, singles, best)
-        if self.single and self.most < SINGLE_NOISE:
+        if self.single and self.quantile90 < SINGLE_NOISE:
             return self._found("known", "", [SINGLE.name], max(0.0, share), singles)
         if self.error < NOISE:
             sentence = (
@@ -183,19 +183,19 @@ class _Search:
         other = (outcomes >= 0) & (outcomes != self.prints.truth.outcomes)
         return not (off[self.seen].any() or other.any() or self.single)
 
-    def _best_singles(self) -> dict[str, _Tried]:
+    def _best_singles(self) -> dict[str, _Scored]:
         """Return the best form of each mistake alone, best first."""
-        forms: dict[Atom, _Tried] = {}
+        forms: dict[Atom, _Scored] = {}
         for guess in self.alone:
             tried, (atom,) = self.attempt(guess), guess.atoms
             if tried and (atom not in forms or tried.left < forms[atom].left):
                 forms[atom] = tried
-        best: dict[str, _Tried] = {}
+        best: dict[str, _Scored] = {}
         for tried in sorted(map(self._refined, forms.values()), key=lambda t: t.left):
             best.setdefault(tried.guess.names[0], tried)
         return best
 
-    def _best_set(self, singles: Mapping[str, _Tried]) -> _Tried:
+    def _best_set(self, singles: Mapping[str, _Scored]) -> _Scored:
         best = next(iter(singles.values()))
         seeds = list(singles.values())[:3]
         for size in range(2, LARGEST_SET + 1):
@@ -214,7 +214,7 @@ class _Search:
             best, seeds = tried[0], tried[:3]
         return best
 
-    def _tried(self, guesses: Iterable[Guess]) -> list[_Tried]:
+    def _tried(self, guesses: Iterable[Guess]) -> list[_Scored]:
         """Return what guesses leave, the least first; no further once all is explained."""
         tried = []
         for guess in guesses:
@@ -224,7 +224,7 @@ class _Search:
                     break
         return sorted(tried, key=lambda t: t.left)
 
-    def _screened(self, seeds: Sequence[_Tried], size: int) -> list[Guess]:
+    def _screened(self, seeds: Sequence[_Scored], size: int) -> list[Guess]:
         """Return the most promising sets of a size, by adding up fingerprints.
 
         Some promise most over all numbers, some over those that no bat has jumbled.
@@ -277,7 +277,7 @@ class _Search:
         assert prediction is not None
         return prediction.outcomes
 
-    def _bold(self, seeds: Sequence[_Tried], singles: Mapping[str, _Tried]) -> list[Guess]:
+    def _bold(self, seeds: Sequence[_Scored], singles: Mapping[str, _Scored]) -> list[Guess]:
         """Return the best guesses, each with every other mistake.
 
         A mistake that changes much spoils the sum of fingerprints.
@@ -289,7 +289,7 @@ class _Search:
         joined += [joined_guess(seed.guess, guess) for seed in seeds[1:] for guess in others]
         return list(dict.fromkeys(guess for guess in joined if guess))
 
-    def _refined(self, tried: _Tried) -> _Tried:
+    def _refined(self, tried: _Scored) -> _Scored:
         """Return a guess with the time step that fits best, where it is not known.
 
         The effect of a scheme grows with a power of its step, more or less, as long as ball and
@@ -342,7 +342,7 @@ class _Search:
         middle = np.searchsorted(np.cumsum(weights[order]), weights.sum() / 2)
         return float(ratios[order][middle])
 
-    # --- the words --------------------------------------------------------------------------------
+    # --- the text --------------------------------------------------------------------------------
 
     def _found(
         self,
@@ -350,8 +350,8 @@ class _Search:
         sentence: str,
         named: Sequence[str],
         share: float,
-        singles: Mapping[str, _Tried],
-        best: _Tried | None = None,
+        singles: Mapping[str, _Scored],
+        best: _Scored | None = None,
     ) -> Diagnosis:
         if finding == "known":
             step = best.guess.dt if best else 0.0
@@ -361,7 +361,9 @@ class _Search:
             if best:
                 sentence += f": this explains {share:.2%} of the error"
             else:
-                sentence += f", which leaves errors like these, {self.most:.0e} of each quantity"
+                sentence += (
+                    f", which leaves errors like these, {self.quantile90:.0e} of each quantity"
+                )
             if step:
                 sentence += f" (Δt = {step:.4g} s)"
             if best and self._misses_as(best.guess):
@@ -391,7 +393,7 @@ class _Search:
         )
         return bool((candidate & scheme & ~truth).any())
 
-    def _suspect(self, name: str, singles: Mapping[str, _Tried], best: _Tried | None) -> Suspect:
+    def _suspect(self, name: str, singles: Mapping[str, _Scored], best: _Scored | None) -> Suspect:
         if name == SINGLE.name:
             return Suspect(
                 name=name,
@@ -413,7 +415,7 @@ class _Search:
             twins=self._twins(alone, best if best and name in best.guess.names else None),
         )
 
-    def _twins(self, alone: _Tried, best: _Tried | None) -> list[str]:
+    def _twins(self, alone: _Scored, best: _Scored | None) -> list[str]:
         """Return the other mistakes that predict the same, alone or in the company named."""
         mine = self.prints.predict(alone.guess)
         assert mine is not None
@@ -426,7 +428,7 @@ class _Search:
         ]
         return list(dict.fromkeys([*same, *self._twins_in_company(alone, best)]))
 
-    def _twins_in_company(self, alone: _Tried, best: _Tried | None) -> Iterator[str]:
+    def _twins_in_company(self, alone: _Scored, best: _Scored | None) -> Iterator[str]:
         """Yield the mistakes of the scheme that would do as well beside the others named.
 
         What tells two of them apart may be hidden by a third: no root of Appendix B is seen where

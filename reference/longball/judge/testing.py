@@ -17,9 +17,9 @@ from typing import Any
 from longball.judge.answers import Answer, Collector
 from longball.judge.cases import Case, Exact, Profile
 from longball.judge.quantities import values_of
+from longball.judge.text import describe
 from longball.judge.verdict import REQUIRABLE, compare
 from longball.judge.verdict import failure as failure_of
-from longball.judge.words import told
 from longball.model.result import Result
 
 
@@ -62,7 +62,7 @@ def assert_case(
     if comparison.judged:
         if answer is not None and answer.error is not None:
             faults.append(f"no answer: {answer.error}")
-        faults += [told(fault) for fault in failure_of(comparison).faults]
+        faults += [describe(fault) for fault in failure_of(comparison).faults]
         faults += [
             f"{name}: is missing"
             for name in comparison.missing
@@ -82,7 +82,7 @@ def _answer(case: Case, obtained: Result | Mapping[str, Any]) -> tuple[Answer | 
     collector = Collector([case.id])
     line = json.dumps({**obtained, "id": case.id}, default=_plain)
     collector.take_line(1, line.encode())
-    faults = [c.sentence.removeprefix(f"{case.id}: ") for c in collector.complaints]
+    faults = [issue.sentence.removeprefix(f"{case.id}: ") for issue in collector.issues]
     return collector.answers.get(case.id), faults
 
 

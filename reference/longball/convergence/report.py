@@ -1,4 +1,4 @@
-"""What a family of time steps told about an implementation, as JSON, CSV and text have it."""
+"""What a family of time steps shows, as JSON, CSV and text."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ class _Frozen(BaseModel):
 
 
 Use = Literal["fitted", "pre-asymptotic", "floor", "no range", "no error"]
-Verdict = Literal[
+OrderVerdict = Literal[
     "as expected", "other order", "wrong limit", "exact", "not resolved", "no expectation"
 ]
 
-BAD: tuple[Verdict, ...] = ("other order", "wrong limit", "not resolved")
+BAD: tuple[OrderVerdict, ...] = ("other order", "wrong limit", "not resolved")
 
 
-class Rung(_Frozen):
-    """A step of the ladder, for one quantity."""
+class Level(_Frozen):
+    """A step of the family, for one quantity."""
 
     step: float = Field(description="s")
     error: float | None = Field(description="typical of all scenes; null if none has one")
@@ -43,9 +43,14 @@ class Order(_Frozen):
     expected: float | None
     jump: float = Field(description="change of the error with the step's phase, relative")
     jumps: bool = Field(description="whether it was averaged over phases for that")
-    rungs: tuple[Rung, ...]
-    verdict: Verdict
+    rungs: tuple[Level, ...]
+    verdict: OrderVerdict
     why: str
+
+    @property
+    def errors(self) -> list[tuple[float, float, Use]]:
+        """The steps that have an error, s; the error; and whether the order is fitted to it."""
+        return [(r.step, r.error, r.use) for r in self.rungs if r.error is not None]
 
 
 class Limit(_Frozen):
@@ -109,24 +114,15 @@ class ConvergenceReport(_Frozen):
         return "\n".join(lines) + "\n"
 
     def csv(self) -> str:
-        """Return every rung of every quantity as a table."""
+        """Return every step of every quantity as a table."""
         out = io.StringIO()
         write = csv.writer(out, lineterminator="\n").writerow
         write(["quantity", "unit", "step_s", "error", "scenes", "phases", "use"])
         for order in self.orders:
-            for rung in order.rungs:
-                error = "" if rung.error is None else repr(rung.error)
-                write(
-                    [
-                        order.quantity,
-                        order.unit,
-                        repr(rung.step),
-                        error,
-                        rung.scenes,
-                        rung.phases,
-                        rung.use,
-                    ]
-                )
+            for level in order.rungs:
+                error = "" if level.error is None else repr(level.error)
+                row = (order.quantity, order.unit, repr(level.step), error)
+                write([*row, level.scenes, level.phases, level.use])
         return out.getvalue()
 
 
@@ -134,7 +130,7 @@ def _row(order: Order) -> tuple[str, ...]:
     expected = "" if order.expected is None else f"{order.expected:g}"
     if order.order is None or order.constant is None:
         return (order.quantity, "", "", expected, "", "", order.verdict)
-    fitted = [rung.step for rung in order.rungs if rung.use == "fitted"]
+    fitted = [step for step, _, use in order.errors if use == "fitted"]
     return (
         order.quantity,
         f"{order.order:.3f}",
