@@ -36,15 +36,15 @@ def few() -> list[Known]:
     return solved(scenes, Ivp(rtol=3e-14, atol=3e-14))
 
 
-def tried(cases, change: Change = lambda r: r, profile=None, **judge) -> Evaluation:
+def tried(cases, change: Change = lambda r: r, profile=None, **options) -> Evaluation:
     """Judge the ivp engine's answers, changed."""
     collector = Collector([case.id for case in cases])
     for number, case in enumerate(cases, 1):
         answer = change(json.loads(solve(case.scene, Ivp()).line()))
         if answer is not None:
             collector.take_line(number, json.dumps(answer).encode())
-    judge = {"diagnose": False} | judge
-    return Judge(cases, profile or Exact(), **judge).evaluate(Submission("a candidate <&>", collector))
+    judge = Judge(cases, profile or Exact(), **{"diagnose": False} | options)
+    return judge.evaluate(Submission("a candidate <&>", collector))
 
 
 def test_the_right_answers_pass(few: list[Known]):

@@ -11,7 +11,7 @@ from __future__ import annotations
 import itertools
 import json
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field
-from scipy.special import ndtr
+from scipy.stats import kstest
 
 from longball.home_run import AtBats, Mixture, paper_at_bats
 from longball.judge.answers import LONGEST_LINE, quoted
@@ -228,7 +228,7 @@ def _judge(quantity: str, values: Array) -> Drawn:
     if best.fitted:
         width = best.scale * Reading().cell_width
         note = f"with cells {width:.3g} m wide: ask for the reading cell_width"
-    return _said(quantity, best.named, _kolmogorov(best.distribution(np.sort(values))), note)
+    return _said(quantity, best.named, _kolmogorov(values, best.distribution), note)
 
 
 # --- ways of drawing ------------------------------------------------------------------------------
@@ -263,37 +263,24 @@ class _Guess:
         """How much likelier than what the paper means it has to be, as a logarithm."""
         return LIKELIER * (bool(self.named) + 2 * self.fitted)
 
+    @property
+    def lost(self) -> float:
+        """The share that is thrown away."""
+        return float(self.mixture.distribution.cdf(0.0)) if self.positive else 0.0
+
     def distribution(self, values: Array) -> Array:
         """Return the distribution function."""
-        below = self._normal(values / self.scale)
-        lost = float(self._normal(np.zeros(1))[0]) if self.positive else 0.0
-        kept: Array = np.clip((below - lost) / (1 - lost), 0.0, 1.0)
+        below = self.mixture.distribution.cdf(values / self.scale)
+        kept: Array = np.clip((below - self.lost) / (1 - self.lost), 0.0, 1.0)
         return kept
 
     def log_likelihood(self, values: Array) -> float:
         """Return the logarithm of the likelihood of values."""
-        x, mixture = values / self.scale, self.mixture
+        x = values / self.scale
         if self.positive and (x <= 0).any():
             return -math.inf
-        kept = 1.0 - float(self._normal(np.zeros(1))[0]) if self.positive else 1.0
-        terms = [
-            math.log(weight / (deviation * math.sqrt(2 * math.pi) * self.scale * kept))
-            - 0.5 * ((x - mean) / deviation) ** 2
-            for weight, mean, deviation in zip(
-                (mixture.weight, 1 - mixture.weight), mixture.means, mixture.deviations, strict=True
-            )
-            if weight > 0
-        ]
-        return float(np.logaddexp.reduce(np.array(terms), axis=0).sum())
-
-    def _normal(self, x: Array) -> Array:
-        mixture = self.mixture
-        first, second = (
-            ndtr((x - mean) / deviation)
-            for mean, deviation in zip(mixture.means, mixture.deviations, strict=True)
-        )
-        mixed: Array = mixture.weight * first + (1 - mixture.weight) * second
-        return mixed
+        terms = self.mixture.distribution.logpdf(x) - math.log(self.scale * (1 - self.lost))
+        return float(terms.sum())
 
 
 def _paper(**switches: object) -> AtBats:
@@ -349,18 +336,14 @@ def _offsets() -> Iterator[_Guess]:
 
 def _judge_tilt(values: Array) -> Drawn:
     largest = {"": _paper().largest_tilt, "tilt-in-degrees": 10.0}
-    statistics = {
-        name: _kolmogorov(np.clip(np.sort(values) / top, 0.0, 1.0)) for name, top in largest.items()
-    }
+    statistics = {name: _kolmogorov(values / top, "uniform") for name, top in largest.items()}
     best = "" if statistics[""] < CRITICAL else min(statistics, key=lambda n: statistics[n])
     return _said("swing.tilt", (best,) if best else (), statistics[best])
 
 
-def _kolmogorov(expected: Array) -> float:
-    """Return √n D of sorted values at which the distribution function is `expected`."""
-    n = len(expected)
-    steps = np.arange(n + 1) / n
-    return float(math.sqrt(n) * max((steps[1:] - expected).max(), (expected - steps[:-1]).max()))
+def _kolmogorov(values: Array, distribution: str | Callable[[Array], Array]) -> float:
+    """Return Kolmogorov's √n D of values."""
+    return math.sqrt(len(values)) * float(kstest(values, distribution, method="asymp").statistic)
 
 
 _SENTENCES = {
