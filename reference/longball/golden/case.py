@@ -13,7 +13,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from longball.model.result import Bounded, Number, Result
 from longball.model.scene import Scene
 
-Level = Literal["lower", "average", "higher"]
+Difficulty = Literal["lower", "average", "higher"]
 
 # 2^-53: half an ulp of 1, relative; the largest error of rounding a number to a double.
 ROUNDING = 2.0**-53
@@ -73,7 +73,7 @@ class Case(_Strict):
 
     id: str = Field(min_length=1, description="of the case and of its scene; never given anew")
     family: str
-    level: Level = Field(description="difficulty, by digits attainable; see the header")
+    level: Difficulty = Field(description="difficulty, by digits attainable; see the header")
     comment: str = Field(description="what the case is there for")
     flags: tuple[str, ...] = Field(description="each one is explained in the header")
     scene: Annotated[Scene, Field(discriminator="kind")]

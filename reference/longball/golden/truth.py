@@ -14,7 +14,7 @@ from longball.engines.multiprecision import Multiprecision
 from longball.golden.case import (
     Case,
     Confirmation,
-    Level,
+    Difficulty,
     Quantity,
     as_double,
     decisive,
@@ -165,7 +165,7 @@ def quantities(result: Result, errors: dict[str, float | None]) -> dict[str, Qua
     return table
 
 
-def level_of(result: Result, table: dict[str, Quantity], fragile: bool) -> Level:
+def level_of(result: Result, table: dict[str, Quantity], fragile: bool) -> Difficulty:
     """Return the difficulty of a case, from the digits that doubles can know of it."""
     if result.outcome is None or fragile:
         return "higher"

@@ -228,8 +228,8 @@ class Fingerprints:
         with np.errstate(invalid="ignore", over="ignore"):
             numbers = np.minimum(np.abs(a.numbers - b.numbers) / self.sizes, 1.0)
         numbers = np.where(np.isnan(a.numbers) != np.isnan(b.numbers), 1.0, numbers)[seen]
-        said = (a.outcomes != b.outcomes) & (a.outcomes >= 0) & (b.outcomes >= 0)
-        return np.concatenate([np.nan_to_num(numbers), said.astype(float)])
+        differ = (a.outcomes != b.outcomes) & (a.outcomes >= 0) & (b.outcomes >= 0)
+        return np.concatenate([np.nan_to_num(numbers), differ.astype(float)])
 
 
 # --- the cases that discriminate best -------------------------------------------------------------

@@ -228,7 +228,7 @@ def _judge(quantity: str, values: Array) -> Drawn:
     if best.fitted:
         width = best.scale * Reading().cell_width
         note = f"with cells {width:.3g} m wide: ask for the reading cell_width"
-    return _said(quantity, best.named, _kolmogorov(values, best.distribution), note)
+    return _drawn(quantity, best.named, _kolmogorov(values, best.distribution), note)
 
 
 # --- ways of drawing ------------------------------------------------------------------------------
@@ -338,7 +338,7 @@ def _judge_tilt(values: Array) -> Drawn:
     largest = {"": _paper().largest_tilt, "tilt-in-degrees": 10.0}
     statistics = {name: _kolmogorov(values / top, "uniform") for name, top in largest.items()}
     best = "" if statistics[""] < CRITICAL else min(statistics, key=lambda n: statistics[n])
-    return _said("swing.tilt", (best,) if best else (), statistics[best])
+    return _drawn("swing.tilt", (best,) if best else (), statistics[best])
 
 
 def _kolmogorov(values: Array, distribution: str | Callable[[Array], Array]) -> float:
@@ -358,7 +358,7 @@ _SENTENCES = {
 }
 
 
-def _said(quantity: str, named: tuple[str, ...], statistic: float, note: str = "") -> Drawn:
+def _drawn(quantity: str, named: tuple[str, ...], statistic: float, note: str = "") -> Drawn:
     fits = statistic < CRITICAL
     if not fits:
         sentence = "drawn from none of the known distributions"

@@ -113,18 +113,21 @@ class _Search:
         self.count = sum(answer is not None and answer.error is None for answer in given)
         self.error = self.left_by(truth) if self.count else 0.0
         self.quantile90 = prints.quantile90(self.candidate, truth, self.seen) if self.count else 0.0
-        step = None if prints.step_known else common_step(self._landing_times())
-        self.steps = prints.steps if step is None else (*prints.steps, step)
-
-    def _landing_times(self) -> list[float]:
         times = self.candidate.numbers[:, COLUMNS.index(("landing.time", 0))]
-        return [float(time) for time in times if np.isfinite(time)]
+        step = None if prints.step_known else common_step(times[np.isfinite(times)].tolist())
+        self.steps = prints.steps if step is None else (*prints.steps, step)
 
     @cached_property
     def alone(self) -> list[Guess]:
         """Every mistake by itself, in every form that can be predicted."""
         guesses = self.prints.singles(self.steps)
         return [guess for guess in guesses if self.prints.predict(guess) is not None]
+
+    def predicted(self, guess: Guess) -> Answers:
+        """Return the prediction of a guess that does not contradict itself."""
+        prediction = self.prints.predict(guess)
+        assert prediction is not None
+        return prediction
 
     def left_by(self, prediction: Answers) -> float:
         """Return the mean error that a prediction leaves."""
@@ -227,39 +230,33 @@ class _Search:
     def _screened(self, seeds: Sequence[_Scored], size: int) -> list[Guess]:
         """Return the most promising sets of a size, by adding up fingerprints.
 
-        Some promise most over all numbers, some over those that no bat has jumbled.
+        Some promise most over all numbers, some over those that no bat has amplified.
         """
         starts = self.alone if size == 2 else [seed.guess for seed in seeds]
         prints = self.prints
         effects = np.array([self._effect(guess) for guess in self.alone])
         aim = self._relative(self.candidate) - self._relative(prints.truth)
-        others = np.array([self._outcomes(guess) for guess in self.alone])
+        others = np.array([self.predicted(guess).outcomes for guess in self.alone])
         changed = others != prints.truth.outcomes
-        said = self.candidate.outcomes >= 0
+        given = self.candidate.outcomes >= 0
         smooth = prints.smooth[self.seen]
-        everything: dict[tuple[Atom, ...], tuple[float, Guess]] = {}
-        unjumbled: dict[tuple[Atom, ...], tuple[float, Guess]] = {}
+        # By all numbers, and by the smooth ones: what each set leaves at the best of its steps.
+        rankings: tuple[dict[tuple[Atom, ...], tuple[float, Guess]], ...] = {}, {}
         for start in starts:
             with np.errstate(invalid="ignore"):
                 left = np.minimum(np.abs(aim - self._effect(start) - effects), 1.0)
             left = np.where(np.isnan(left), 1.0, left)
-            outcomes = np.where(changed, others, self._outcomes(start))
-            confused = ((outcomes != self.candidate.outcomes) & said).sum(axis=1)
+            outcomes = np.where(changed, others, self.predicted(start).outcomes)
+            confused = ((outcomes != self.candidate.outcomes) & given).sum(axis=1)
             whole = left.sum(axis=1) + confused
             part = left[:, smooth].sum(axis=1)
-            for guess, most, least in zip(self.alone, whole.tolist(), part.tolist(), strict=True):
-                joined = joined_guess(start, guess)
-                if joined is None:
-                    continue
-                key = joined.atoms
-                for found, rest in ((everything, most), (unjumbled, least)):
-                    if key not in found or rest < found[key][0]:
-                        found[key] = rest, joined
-        promising = []
-        for found in (everything, unjumbled):
-            ranked = sorted(found.values(), key=lambda item: item[0])
-            promising += [guess for _, guess in ranked[:PROMISING]]
-        return list(dict.fromkeys(promising))
+            for guess, *rests in zip(self.alone, whole.tolist(), part.tolist(), strict=True):
+                if joined := joined_guess(start, guess):
+                    for ranking, rest in zip(rankings, rests, strict=True):
+                        if rest < ranking.get(joined.atoms, (math.inf,))[0]:
+                            ranking[joined.atoms] = rest, joined
+        ranked = (sorted(r.values(), key=lambda item: item[0])[:PROMISING] for r in rankings)
+        return list(dict.fromkeys(guess for best in ranked for _, guess in best))
 
     def _relative(self, answers: Answers) -> Array:
         """Return the numbers that are seen, relative to the sizes of their quantities."""
@@ -268,14 +265,7 @@ class _Search:
 
     def _effect(self, guess: Guess) -> Array:
         """Return what a guess does to the numbers that are seen."""
-        prediction = self.prints.predict(guess)
-        assert prediction is not None
-        return self._relative(prediction) - self._relative(self.prints.truth)
-
-    def _outcomes(self, guess: Guess) -> NDArray[np.int64]:
-        prediction = self.prints.predict(guess)
-        assert prediction is not None
-        return prediction.outcomes
+        return self._relative(self.predicted(guess)) - self._relative(self.prints.truth)
 
     def _bold(self, seeds: Sequence[_Scored], singles: Mapping[str, _Scored]) -> list[Guess]:
         """Return the best guesses, each with every other mistake.
@@ -338,9 +328,7 @@ class _Search:
             return 1.0
         # A median of ratios, weighted by the steps: whatever jumps has no say.
         ratios, weights = way[used] / step[used], np.abs(step[used])
-        order = np.argsort(ratios)
-        middle = np.searchsorted(np.cumsum(weights[order]), weights.sum() / 2)
-        return float(ratios[order][middle])
+        return float(np.quantile(ratios, 0.5, weights=weights, method="inverted_cdf"))
 
     # --- the text --------------------------------------------------------------------------------
 
@@ -384,12 +372,11 @@ class _Search:
 
     def _misses_as(self, guess: Guess) -> bool:
         """Tell whether the candidate misses a bat that steps in a guess's scheme miss, too."""
-        prediction = self.prints.predict(guess)
-        if prediction is None or not any(atom.made.scheme for atom in guess.atoms):
+        if not any(atom.made.scheme for atom in guess.atoms):
             return False
         candidate, scheme, truth = (
             answers.outcomes == OUTCOMES["missed"]
-            for answers in (self.candidate, prediction, self.prints.truth)
+            for answers in (self.candidate, self.predicted(guess), self.prints.truth)
         )
         return bool((candidate & scheme & ~truth).any())
 
@@ -417,8 +404,7 @@ class _Search:
 
     def _twins(self, alone: _Scored, best: _Scored | None) -> list[str]:
         """Return the other mistakes that predict the same, alone or in the company named."""
-        mine = self.prints.predict(alone.guess)
-        assert mine is not None
+        mine = self.predicted(alone.guess)
         if self.prints.error(mine, self.prints.truth, self.seen) <= ROUNDING:
             return []  # seen by nobody: no twin of another such
         same = [
@@ -436,8 +422,7 @@ class _Search:
         """
         if best is None or not alone.guess.atoms[0].made.scheme:
             return
-        mine = self.prints.predict(best.guess)
-        assert mine is not None
+        mine = self.predicted(best.guess)
         rest = tuple(atom for atom in best.guess.atoms if atom.mistake != alone.guess.names[0])
         for atom in dict.fromkeys(guess.atoms[0] for guess in self.alone):
             if not atom.made.scheme:
@@ -465,10 +450,10 @@ def common_step(times: Sequence[float]) -> float | None:
 
     A multiple is met to a millionth of a step.
     """
-    told = sorted({time for time in times if time > LONGEST_STEP})
-    if len(told) < 5:
+    distinct = sorted({time for time in times if time > LONGEST_STEP})
+    if len(distinct) < 5:
         return None
-    known = np.array(told[:12])
+    known = np.array(distinct[:12])
     counts = np.arange(math.ceil(known[0] / LONGEST_STEP), math.floor(known[0] / SHORTEST_STEP) + 1)
     multiples = known[1:, None] * counts / known[0]
     fits = np.abs(multiples - np.round(multiples)).max(axis=0) < 1e-6
@@ -488,8 +473,8 @@ def _in_single_precision(answers: Iterable[Answer]) -> bool:
     for answer in answers:
         for name, value in answer.values.items():
             numbers[name].update(x for x in value if x)
-    told = [all(map(_is_single, some)) for some in numbers.values() if len(some) >= ENOUGH]
-    return 2 * sum(told) > len(told)
+    single = [all(map(_is_single, some)) for some in numbers.values() if len(some) >= ENOUGH]
+    return 2 * sum(single) > len(single)
 
 
 def _is_single(x: Decimal) -> bool:

@@ -18,7 +18,7 @@ from longball.judge.answers import Answer, Collector
 from longball.judge.cases import Case, Exact, Profile
 from longball.judge.quantities import values_of
 from longball.judge.text import describe
-from longball.judge.verdict import REQUIRABLE, compare
+from longball.judge.verdict import check_requirable, compare
 from longball.judge.verdict import failure as failure_of
 from longball.model.result import Result
 
@@ -52,9 +52,7 @@ def assert_case(
         If something required cannot be.
     """
     __tracebackhide__ = True  # pytest shows the caller's line
-    for name in require:
-        if name not in REQUIRABLE:
-            raise ValueError(f"{name} cannot be required; {', '.join(REQUIRABLE)} can")
+    check_requirable(require)
     profile = profile or Exact()
     (truth,) = profile.truths([case])
     answer, faults = _answer(case, obtained)

@@ -315,6 +315,13 @@ def schema() -> dict[str, Any]:
     return {"$schema": DRAFT} | Verdict.model_json_schema(mode="serialization")
 
 
+def check_requirable(names: Iterable[str]) -> None:
+    """Raise a ValueError that names what is not in `REQUIRABLE`."""
+    for name in names:
+        if name not in REQUIRABLE:
+            raise ValueError(f"{name} cannot be required; {', '.join(REQUIRABLE)} can")
+
+
 def compare_all(
     cases: Sequence[Case], answers: Mapping[str, Answer], profile: Profile
 ) -> list[Comparison]:
@@ -376,9 +383,7 @@ def verdict(
     ValueError
         If something required is not in `REQUIRABLE`.
     """
-    for name in require:
-        if name not in REQUIRABLE:
-            raise ValueError(f"{name} cannot be required; {', '.join(REQUIRABLE)} can")
+    check_requirable(require)
     judged = [c for c in comparisons if c.judged and c.answer is not None and not c.refused]
     failures = sorted((failure(c) for c in judged if not c.passed), key=lambda f: -f.excess)
     unanswered = [c.case.id for c in comparisons if c.answer is None]
