@@ -9,7 +9,9 @@ from typing import Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 
-class _Frozen(BaseModel):
+class Frozen(BaseModel):
+    """A part of a report: finite numbers only, for JSON knows no others."""
+
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
 
@@ -21,7 +23,7 @@ OrderVerdict = Literal[
 BAD: tuple[OrderVerdict, ...] = ("other order", "wrong limit", "not resolved")
 
 
-class Level(_Frozen):
+class Level(Frozen):
     """A step of the family, for one quantity."""
 
     step: float = Field(description="s")
@@ -31,7 +33,7 @@ class Level(_Frozen):
     use: Use = Field(description="whether the order is fitted to it, and if not, why")
 
 
-class Order(_Frozen):
+class Order(Frozen):
     """How one quantity converges."""
 
     quantity: str
@@ -53,7 +55,7 @@ class Order(_Frozen):
         return [(r.step, r.error, r.use) for r in self.rungs if r.error is not None]
 
 
-class Limit(_Frozen):
+class Limit(Frozen):
     """The value at h = 0 of one quantity of one scene, by Richardson's extrapolation."""
 
     scene: str
@@ -63,7 +65,7 @@ class Limit(_Frozen):
     off: float | None = Field(description="distance from the truth; null if there is none")
 
 
-class Lost(_Frozen):
+class Lost(Frozen):
     """A step, and how many scenes ended otherwise there than they should."""
 
     step: float
@@ -71,7 +73,7 @@ class Lost(_Frozen):
     of: int
 
 
-class ConvergenceReport(_Frozen):
+class ConvergenceReport(Frozen):
     """What a family of steps showed."""
 
     engine: str | None = Field(description="as the implementation names itself")

@@ -236,7 +236,7 @@ def _first_and_last_event(results: Sequence[Result]) -> tuple[float, float]:
 def _in_order(results: Sequence[Result], ids: Sequence[str]) -> list[Result]:
     """Return the results in the order of the scenes; an error for one that is missing."""
     by_id = {result.id: result for result in results}
-    strangers = [name for name in by_id if name not in ids]
-    if strangers:
-        raise ValueError(f"a result belongs to no scene: its id is {strangers[0]!r}")
+    unknown = [name for name in by_id if name not in ids]
+    if unknown:
+        raise ValueError(f"a result belongs to no scene: its id is {unknown[0]!r}")
     return [by_id.get(name) or Result(id=name, error="there is no result") for name in ids]

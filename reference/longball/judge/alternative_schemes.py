@@ -23,7 +23,7 @@ from longball.engines.verlet import (
     line_touch,
     step,
 )
-from longball.judge.alternative_laws import DragLaw, from_blow, release
+from longball.judge.alternative_laws import DragLaw, from_contact, release
 from longball.model import result as written
 from longball.model.motion import PlaneState, forces, into_plane
 from longball.model.numbers import DOUBLES, Vector
@@ -125,7 +125,7 @@ def _meet(
     def fly_on(after: Any) -> written.Landing | None:
         return _rebound(scene, law, scheme, pitch, ahead, after)
 
-    return from_blow(scene, plate, contact, back.velocity, height, fly_on)
+    return from_contact(scene, plate, contact, back.velocity, height, fly_on)
 
 
 def _rebound(

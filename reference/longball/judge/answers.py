@@ -17,8 +17,9 @@ from decimal import Decimal, InvalidOperation
 from pathlib import Path
 from typing import Any, BinaryIO, Literal, cast, get_args
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, Field
 
+from longball.convergence.report import Frozen
 from longball.judge.quantities import AXES, BLOCKS, QUANTITIES, Value
 from longball.model.result import Contact, Impact, Landing, Outcome, Plate, Result
 
@@ -38,10 +39,8 @@ Kind = Literal[
 ]
 
 
-class Issue(BaseModel):
+class Issue(Frozen):
     """Something wrong with the candidate's output or conduct."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
     kind: Kind
     sentence: str
@@ -194,7 +193,7 @@ class Collector:
 
 
 def quoted(what: Any, longest: int = 60) -> str:
-    """Return a text in which a stranger's characters can do no harm, cut to a length."""
+    """Return untrusted text with its control characters escaped, cut to a length."""
     if isinstance(what, Decimal):
         what = str(what)
     elif isinstance(what, dict | list):

@@ -340,7 +340,7 @@ MARK = "LONGBALL_JUDGE"
 def kill_marked(mark: str) -> None:
     """Kill the processes that have a mark in their environment, where /proc shows it (Linux)."""
     needle = f"{MARK}={mark}".encode()
-    # Again until none is found: one may have been born while we looked.
+    # Again until none is found: one may have started while we looked.
     for _ in range(10):
         found = [pid for pid in _processes() if needle in _environment(pid)]
         for pid in found:

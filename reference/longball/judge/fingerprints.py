@@ -160,7 +160,7 @@ class Fingerprints:
         """Yield every form of every mistake, with every one of some time steps."""
         for mistake in KNOWN.values():
             for i, variant in enumerate(mistake.variants):
-                if self.scheme and (variant.blow or (variant.steps and variant.scheme is None)):
+                if self.scheme and (variant.instant or (variant.steps and variant.scheme is None)):
                     continue  # the scheme does otherwise; or it does this by itself
                 for dt in steps if variant.steps else (0.0,):
                     yield Guess((Atom(mistake.name, i),), dt)
@@ -169,7 +169,7 @@ class Fingerprints:
         atoms = sorted(guess.atoms)
         variants = [atom.made for atom in atoms]
         switches = _merged([v.scheme for v in variants if v.scheme is not None])
-        if self.scheme and switches.get("verlet_forces") == MILD:
+        if self.scheme and switches.get("verlet_forces") == ANY_SOUND:
             del switches["verlet_forces"]  # the scene's own reading holds
         laws = [v.drag for v in variants if v.drag is not None]
         if len(laws) > 1:
@@ -335,15 +335,15 @@ def _merged(schemes: Sequence[Mapping[str, str]]) -> dict[str, str]:
     merged: dict[str, str] = {}
     for scheme in schemes:
         for switch, option in scheme.items():
-            held = merged.get(switch, MILD)
-            if held not in (option, MILD) and option != MILD:
+            held = merged.get(switch, ANY_SOUND)
+            if held not in (option, ANY_SOUND) and option != ANY_SOUND:
                 raise _Contradiction(f"{switch} is {held} and {option}")
-            merged[switch] = option if held == MILD else held
+            merged[switch] = option if held == ANY_SOUND else held
     return merged
 
 
 # The treatment of forces that a mistake of the scheme is combined with if nothing else is known.
-MILD = "predicted_recomputed"
+ANY_SOUND = "predicted_recomputed"
 
 
 def _under(scene: Scene, switches: Mapping[str, str]) -> Scene:

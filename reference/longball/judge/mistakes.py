@@ -46,7 +46,7 @@ class Variant:
         steps as the paper does.
     steps
         Whether the mistake depends on a time step.
-    blow
+    instant
         Whether the bat strikes at once, in a scheme that is else the paper's. Where that scheme is
         the truth no such form is looked for: it is another departure from it than its mistake's.
     """
@@ -55,7 +55,7 @@ class Variant:
     drag: DragLaw | None = None
     scheme: Mapping[str, str] | None = None
     steps: bool = False
-    blow: bool = False
+    instant: bool = False
 
 
 @dataclass(frozen=True)
@@ -238,7 +238,7 @@ def _on_floor(scene: Scene, result: Result) -> Result:
     return result.model_copy(update={"landing": landing})
 
 
-def _blow(scene: Scene, solve: Solver, dt: float) -> Result:
+def _strike_at_once(scene: Scene, solve: Solver, dt: float) -> Result:
     """Let the ball fly on from the touching, with steps counted from there: no push that lasts."""
     result = solve(scene)
     contact, impact, landing = result.contact, result.impact, result.landing
@@ -305,9 +305,9 @@ def _tunnel(scene: Scene, solve: Solver, dt: float) -> Result:
         return result
     if contact.time is None or contact.position is None or contact.normal is None:
         return result
-    kick = float(impact.impulse) / scene.ball.mass
+    delta_v = float(impact.impulse) / scene.ball.mass
     incoming = tuple(
-        after - kick * n
+        after - delta_v * n
         for after, n in zip(_floats(impact.velocity), _floats(contact.normal), strict=True)
     )
     time = float(contact.time)
@@ -360,7 +360,7 @@ def _scheme(**switches: str) -> Variant:
 
 
 def _struck_at_once(forces: str) -> Variant:
-    return Variant(_blow, scheme={"verlet_forces": forces}, steps=True, blow=True)
+    return Variant(_strike_at_once, scheme={"verlet_forces": forces}, steps=True, instant=True)
 
 
 # What fixed steps do at best, with one of the treatments of the forces that are of order 2.

@@ -19,9 +19,10 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 from scipy.stats import kstest
 
+from longball.convergence.report import Frozen
 from longball.home_run import AtBats, Mixture, paper_at_bats
 from longball.judge.answers import LONGEST_LINE, quoted
 from longball.model.readings import Reading
@@ -38,7 +39,8 @@ CRITICAL = 2.47
 LIKELIER = math.log(1e5)
 
 # Of so many at-bats the mistake that is hardest to see, the speed's spread without its 2, is named
-# in 995 of 1,000 trials; of 400 in 974, of 300 in 857. Of 2,000 right samplings none was accused.
+# in 995 of 1,000 trials; of 400 in 974, of 300 in 857. Of 2,000 right samplings none was called
+# wrong.
 FEWEST = 500
 
 DRAWN = ("pitch.speed", "pitch.aim[0]", "swing.height_offset", "swing.tilt")
@@ -48,11 +50,7 @@ class BadSamples(ValueError):
     """A file that holds no at-bats to be judged; the message says why."""
 
 
-class _Strict(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
-
-
-class Drawn(_Strict):
+class Drawn(Frozen):
     """How one random quantity of the at-bats was drawn."""
 
     quantity: str
@@ -67,7 +65,7 @@ class Drawn(_Strict):
         return self.fits and not self.named
 
 
-class Constant(_Strict):
+class Constant(Frozen):
     """A number of the at-bats that the paper prints, and that is another one here."""
 
     quantity: str
@@ -82,7 +80,7 @@ class Constant(_Strict):
         return False
 
 
-class Sampling(_Strict):
+class Sampling(Frozen):
     """What is right and wrong in the at-bats that a candidate draws."""
 
     source: str

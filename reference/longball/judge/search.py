@@ -68,7 +68,7 @@ LARGEST_SET = 3
 PROMISING = 12  # sets that are solved, of all that were screened
 REFINEMENTS = 8  # of a time step
 LISTED = 5  # suspects in the report
-MENTIONED = 0.01  # share of the error that an innocent suspect must explain to be listed
+MENTIONED = 0.01  # share of the error that a suspect not named must explain to be listed
 
 SHORTEST_STEP, LONGEST_STEP = 2e-5, 0.2  # s
 
@@ -330,7 +330,7 @@ class _Search:
         ratios, weights = way[used] / step[used], np.abs(step[used])
         return float(np.quantile(ratios, 0.5, weights=weights, method="inverted_cdf"))
 
-    # --- the text --------------------------------------------------------------------------------
+    # --- the text ---------------------------------------------------------------------------------
 
     def _found(
         self,
@@ -403,7 +403,7 @@ class _Search:
         )
 
     def _twins(self, alone: _Scored, best: _Scored | None) -> list[str]:
-        """Return the other mistakes that predict the same, alone or in the company named."""
+        """Return the other mistakes that predict the same, alone or in the set named."""
         mine = self.predicted(alone.guess)
         if self.prints.error(mine, self.prints.truth, self.seen) <= ROUNDING:
             return []  # seen by nobody: no twin of another such
@@ -412,10 +412,10 @@ class _Search:
             for guess in self.alone
             if guess.names != alone.guess.names and self._alike(mine, guess)
         ]
-        return list(dict.fromkeys([*same, *self._twins_in_company(alone, best)]))
+        return list(dict.fromkeys([*same, *self._twins_in_set(alone, best)]))
 
-    def _twins_in_company(self, alone: _Scored, best: _Scored | None) -> Iterator[str]:
-        """Yield the mistakes of the scheme that would do as well beside the others named.
+    def _twins_in_set(self, alone: _Scored, best: _Scored | None) -> Iterator[str]:
+        """Yield the mistakes of the scheme that would do as well in the set named.
 
         What tells two of them apart may be hidden by a third: no root of Appendix B is seen where
         a slow pitch never reaches the bat.

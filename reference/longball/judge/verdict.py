@@ -15,9 +15,10 @@ from dataclasses import dataclass
 from statistics import median
 from typing import Any
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
 from longball.convergence import ConvergenceReport
+from longball.convergence.report import Frozen
 from longball.judge.answers import Answer, Collector, Issue
 from longball.judge.cases import FRAGILE, Case, Profile, attainable, decidable
 from longball.judge.diagnosis import Diagnosis
@@ -27,10 +28,6 @@ from longball.model.schema import DRAFT, FOLDER, text
 
 # What --require can name besides the quantities.
 REQUIRABLE = ("all", "answers", "outcome", *QUANTITIES)
-
-
-class _Strict(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
 
 # --- one answer -----------------------------------------------------------------------------------
@@ -191,7 +188,7 @@ def _measure(
 # --- the verdict, as JSON has it ------------------------------------------------------------------
 
 
-class Row(_Strict):
+class Row(Frozen):
     """A quantity of a family of cases."""
 
     family: str
@@ -213,7 +210,7 @@ class Row(_Strict):
     worst_case: str = Field(description="id of the case with the worst error")
 
 
-class Fault(_Strict):
+class Fault(Frozen):
     """What is wrong in one answer."""
 
     what: str = Field(description="outcome, or a quantity")
@@ -224,7 +221,7 @@ class Fault(_Strict):
     tolerance: float | None
 
 
-class Failure(_Strict):
+class Failure(Frozen):
     """A case that failed."""
 
     id: str
@@ -242,7 +239,7 @@ class Failure(_Strict):
         )
 
 
-class Confusion(_Strict):
+class Confusion(Frozen):
     """How often one outcome was given for another."""
 
     expected: str
@@ -250,7 +247,7 @@ class Confusion(_Strict):
     cases: int
 
 
-class Missing(_Strict):
+class Missing(Frozen):
     """A quantity that was left out."""
 
     quantity: str
@@ -258,14 +255,14 @@ class Missing(_Strict):
     required: bool
 
 
-class Unsolved(_Strict):
+class Unsolved(Frozen):
     """A scene that the candidate says it cannot solve."""
 
     id: str
     reason: str
 
 
-class Verdict(_Strict):
+class Verdict(Frozen):
     """A candidate's answers beside the truth."""
 
     passed: bool
