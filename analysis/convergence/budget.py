@@ -19,6 +19,7 @@ from scipy.optimize import brentq
 
 from analysis.convergence.pieces import TRUTH, batted, each, golden
 from analysis.writing import figure, shown, table
+from longball.convergence.order import PowerLaw, fit_power_law, typical
 from longball.engines.chain import meet, solve
 from longball.engines.engine import (
     Arrival,
@@ -32,7 +33,6 @@ from longball.engines.engine import (
 )
 from longball.engines.ivp import Ivp, Leg, State
 from longball.engines.verlet import Verlet, interpolate, line_touch
-from longball.judge.order import PowerLaw, fit_power_law, typical
 from longball.model.motion import FlightPlane, Forces
 from longball.model.numbers import Vector
 from longball.model.readings import VerletForces
@@ -301,7 +301,7 @@ def run(report: Path, full: bool) -> str:
     return "\n".join(
         [
             "### The error budget of an at-bat\n",
-            words(len(scenes), phases, seen, laws, left),
+            describe(len(scenes), phases, seen, laws, left),
             table(report, "convergence_budget", pd.DataFrame(rows)),
             shown(
                 "convergence_budget",
@@ -344,7 +344,7 @@ def row(name: str, seen: Array, law: PowerLaw | None) -> dict[str, object]:
     }
 
 
-def words(
+def describe(
     scenes: int,
     phases: int,
     seen: dict[str, Array],

@@ -147,7 +147,7 @@ def run(report: Path, full: bool) -> str:
     return "\n".join(
         [
             "### What it does to P(e)\n",
-            words(len(chunks) * CHUNK, struck, biases, probabilities, crossing),
+            describe(len(chunks) * CHUNK, struck, biases, probabilities, crossing),
             short_table(report, probability_rows(biases, probabilities)),
             "Distances, at e = 0.42 in the default reading:\n",
             table(report, "convergence_distances", distance_rows(struck)),
@@ -270,7 +270,7 @@ def what(distance: float) -> str:
     return "gained" if distance >= HOME_RUN_DISTANCE else "lost: shorter"
 
 
-def words(
+def describe(
     count: int,
     struck: Struckness,
     biases: Biases,

@@ -183,7 +183,7 @@ def run(report: Path, full: bool) -> str:
     grazes = np.array(each(report, "grazes", count_grazes, calls)).reshape(len(RARE), 4, 3)
     draw_shares(report, missed / trials, waited / trials, ways, safe)
     windows = f"{1e3 * REACH * 2 / ways[:, 0].mean():.1f} ms"
-    words = (
+    text = (
         f"**Contacts that go unseen.** Of {len(blocks) * BLOCK:,} pitches of the paper's "
         f"distributions {len(ways):,} touch the bat; each was tried with {PHASES} phases of every "
         f"step. A ball that meets the bat's middle is in it for {windows}. At the printed 0.05 s "
@@ -193,7 +193,7 @@ def run(report: Path, full: bool) -> str:
         "like Δt², as only grazes are missed. "
         + " ".join(
             f"Fewer than 1 in {1 / rare:,.0f} are missed below Δt = {step:.2e} s"
-            f"{graze_words(counts)}."
+            f"{describe_grazes(counts)}."
             for (rare, step), counts in zip(safe.items(), grazes, strict=True)
         )
         + "\n"
@@ -205,14 +205,14 @@ def run(report: Path, full: bool) -> str:
     return "\n".join(
         [
             "### Tunnelling through the bat\n",
-            words,
+            text,
             table(report, "convergence_tunnelling", pd.DataFrame(rows)),
             shown("convergence_tunnelling", caption),
         ]
     )
 
 
-def graze_words(counts: Array) -> str:
+def describe_grazes(counts: Array) -> str:
     """Say whether grazes at a step so short are missed as often as the closed form says."""
     trials, missed, waited = counts.sum(axis=0)
     low, high = wilson(int(missed), int(trials))

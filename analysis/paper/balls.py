@@ -219,7 +219,7 @@ SPACES = (
 )
 
 
-def told(base: DrawnAtBat, space: Space) -> str:
+def describe(base: DrawnAtBat, space: Space) -> str:
     """Say in which readings and numbers an at-bat differs from the default ones."""
     default = DrawnAtBat(id="default")
     blocks = [

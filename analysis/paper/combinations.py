@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from analysis.paper.balls import SPACES, Balls, Space, cores, strike, strike_in_steps, told
+from analysis.paper.balls import SPACES, Balls, Space, cores, describe, strike, strike_in_steps
 from analysis.paper.distances import (
     BIN,
     HEIGHT_AND_SLOPE,
@@ -106,7 +106,7 @@ class Trial:
     @property
     def name(self) -> str:
         """What it differs in from the default."""
-        return told(self.base, self.space)
+        return describe(self.base, self.space)
 
     @property
     def shared(self) -> Distance:

@@ -330,10 +330,10 @@ def sensitivities(report: Path, cases: dict[str, tuple[DrawnAtBat, Space]]) -> s
             for i, one in enumerate(PARAMETERS)
         ]
     )
-    words = []
+    sentences = []
     for name, sensitive in found.items():
         order = sorted(sensitive, key=lambda one: -abs(one.power))[:3]
-        words.append(
+        sentences.append(
             f"From the {name} reading 1 % more of "
             + ", ".join(f"{one.parameter.name} changes P by {one.power:+.1f} %" for one in order)
             + "."
@@ -344,6 +344,6 @@ def sensitivities(report: Path, cases: dict[str, tuple[DrawnAtBat, Space]]) -> s
             f"∂P/∂x at e = {E}, by central differences over ± {100 * STEP:g} % of the value with "
             f"the same {SAMPLES:,} at-bats (seed {SEED}); ± is the standard error.\n",
             table(report, "paper_sensitivities", rows),
-            " ".join(words) + "\n",
+            " ".join(sentences) + "\n",
         ]
     )

@@ -11,7 +11,16 @@ import numpy as np
 import pandas as pd
 from pydantic import ValidationError
 
-from analysis.paper.balls import SPACES, Balls, Share, Space, cores, strike, strike_in_steps, told
+from analysis.paper.balls import (
+    SPACES,
+    Balls,
+    Share,
+    Space,
+    cores,
+    describe,
+    strike,
+    strike_in_steps,
+)
 from analysis.paper.combinations import RADII, STEP
 from analysis.paper.printed import P_TEXT
 from analysis.writing import figure, shown, table
@@ -210,7 +219,7 @@ def on_switches(
     cases: dict[str, tuple[DrawnAtBat, Space]], found: dict[str, tuple[Share, list[Turned]]]
 ) -> str:
     """Say which switches move P most, and whether one of them is enough."""
-    words = [
+    sentences = [
         f"The same {SAMPLES:,} random at-bats (seed {SEED}) for every reading; ± is the standard "
         "error of the change, which is smaller than that of P itself. The ball 0.0366 m wide and "
         "the flies are not in the ledger: see below."
@@ -222,14 +231,14 @@ def on_switches(
         still = [one for one in turned if abs(one.change) < 2 * one.change_error]
         order = sorted(turned, key=lambda one: -abs(one.change))
         high = [one for one in turned if one.p >= 0.9 * wanted]
-        words.append(
-            f"**From the {name} reading** ({told(base, space)}): P({E}) = {before.p:.4f}. Most is "
-            "moved by "
+        sentences.append(
+            f"**From the {name} reading** ({describe(base, space)}): P({E}) = {before.p:.4f}. Most "
+            "is moved by "
             + ", ".join(f"{one.name} ({one.change:+.4f})" for one in order[:3])
             + (f"; not to be seen: {', '.join(one.name for one in still)}." if still else ".")
         )
         if before.p < 0.9 * wanted:
-            words.append(
+            sentences.append(
                 f"The caption's {wanted:.3f} is reached, or nearly, by "
                 + ", ".join(
                     f"{one.name} ({one.p:.3f}, with dP/de = {one.slope:.2f} for the caption's "
@@ -240,7 +249,7 @@ def on_switches(
                 if high
                 else f"No switch alone reaches the caption's {wanted:.3f}."
             )
-    return " ".join(words) + "\n"
+    return " ".join(sentences) + "\n"
 
 
 def on_scheme(report: Path, found: Sequence[Scheme]) -> str:

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from analysis.paper.balls import SPACES, cores, strike, told
+from analysis.paper.balls import SPACES, cores, describe, strike
 from analysis.writing import table
 from longball.home_run import HOME_RUN_DISTANCE, Samples, draw, paper_at_bats
 from longball.model.drawn import DrawnAtBat
@@ -118,7 +118,7 @@ def section(report: Path, bases: dict[str, DrawnAtBat]) -> str:
         for name, by_quantity in found.items()
         for what, one in by_quantity.items()
     ]
-    named = "; ".join(f"{name}: {told(base, SPACES[0])}" for name, base in bases.items())
+    named = "; ".join(f"{name}: {describe(base, SPACES[0])}" for name, base in bases.items())
     return "\n".join(
         [
             "### Where the scatter of D comes from\n",
@@ -126,12 +126,12 @@ def section(report: Path, bases: dict[str, DrawnAtBat]) -> str:
             f"and the share that it has a part in, ± one standard error (bootstrap, {RESAMPLES} "
             f"resamples of {SAMPLES:,}). A miss has D = 0. Readings: {named}.\n",
             table(report, "paper_sobol", pd.DataFrame(rows)),
-            *(words(name, by_quantity) for name, by_quantity in found.items()),
+            *(describe_indices(name, by_quantity) for name, by_quantity in found.items()),
         ]
     )
 
 
-def words(name: str, found: dict[str, Indices]) -> str:
+def describe_indices(name: str, found: dict[str, Indices]) -> str:
     """Say which input rules, and whether inputs act alone."""
     labels = list(INPUTS.values())
     distance = found["D"]

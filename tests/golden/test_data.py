@@ -19,7 +19,7 @@ from longball.golden.case import as_double, decisive, numbers_of, vector_of
 from longball.golden.checker import check
 from longball.golden.families import at_bat
 from longball.golden.files import CHECKSUMS, HEADER, schemas
-from longball.golden.legend import FLAGS, LEVELS, NUMBERS
+from longball.golden.headers import FLAGS, LEVELS, NUMBERS
 from longball.golden.reader import DATA
 from longball.model import exact
 from longball.model.readings import Reading, SamplingReading

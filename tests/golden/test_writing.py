@@ -11,9 +11,9 @@ from pathlib import Path
 import pytest
 
 from longball.golden import home_runs, writer
+from longball.golden.case_builder import Draft, solve_for
 from longball.golden.checker import check
 from longball.golden.condition import inputs, sensitivity, with_input
-from longball.golden.draft import Draft, solve_for
 from longball.golden.families import FAMILIES
 from longball.golden.files import CHECKSUMS, PARTIAL
 from longball.golden.reader import header, load, probabilities

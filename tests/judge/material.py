@@ -64,7 +64,7 @@ def pitches() -> list[PitchScene]:
 
 def collected(cases, results: list[Result]) -> Collector:
     """Return results as a candidate's lines of JSON would arrive."""
-    heard = Collector([case.id for case in cases])
+    collector = Collector([case.id for case in cases])
     for number, result in enumerate(results, 1):
-        heard.take_line(number, json.dumps(json.loads(result.line())).encode())
-    return heard
+        collector.take_line(number, json.dumps(json.loads(result.line())).encode())
+    return collector

@@ -31,7 +31,7 @@ def written(folder: Path, name: str, content: str | bytes) -> Path:
 
 
 def said(collected) -> str:
-    return "\n".join(map(str, collected.complaints))
+    return "\n".join(map(str, collected.issues))
 
 
 def test_the_quantities_are_those_of_a_result():

@@ -17,12 +17,12 @@ import pytest
 from longball.engines.chain import solve
 from longball.engines.ivp import Ivp
 from longball.engines.verlet import Verlet
-from longball.judge.altered import solve_with_drag
-from longball.judge.altered_scheme import solve_in_steps
+from longball.judge.alternative_laws import solve_with_drag
+from longball.judge.alternative_schemes import solve_in_steps
 from longball.judge.answers import Answer
 from longball.judge.cases import Known
 from longball.judge.diagnosis import Diagnosis
-from longball.judge.fingerprints import Atom, Fingerprints, Guess, telling
+from longball.judge.fingerprints import Atom, Fingerprints, Guess, select_cases
 from longball.judge.mistakes import KNOWN, Mistake, Variant
 from longball.judge.quantities import values_of
 from longball.judge.search import common_step, diagnose
@@ -269,7 +269,7 @@ def test_no_answers_are_no_mistake(prints: Fingerprints):
 
 
 def test_few_scenes_are_chosen_from_many(cases: list[Known]):
-    chosen = telling(cases * 5)
+    chosen = select_cases(cases * 5)
     assert len(chosen) <= 44
     assert {case.scene.kind for case in chosen} == {"at-bat", "flight", "impact", "pitch"}
     assert any(case.id == "flight-89" for case in chosen)

@@ -14,9 +14,9 @@ import pytest
 
 from longball.home_run import draw, paper_at_bats
 from longball.judge.cases import Exact
+from longball.judge.evaluation import Judge
 from longball.judge.sampling import FEWEST, BadSamples, Sampling, judge_samples, read_samples
-from longball.judge.trial import Court
-from longball.judge.words import words
+from longball.judge.text import render
 from longball.model.readings import SamplingReading
 from longball.model.scene import AtBatScene
 
@@ -160,13 +160,13 @@ def test_a_line_that_is_no_at_bat_is_named(tmp_path: Path, line: str, why: str):
 
 
 def test_a_verdict_on_the_sampling_alone():
-    court = Court([], Exact())
-    right = court.try_samples(judge_samples(at_bats(), "mine.jsonl")).verdict
+    judge = Judge([], Exact())
+    right = judge.evaluate_samples(judge_samples(at_bats(), "mine.jsonl")).verdict
     assert right.passed
-    assert "right  pitch.speed: drawn as the paper means it" in words(right)
-    wrong = court.try_samples(judge_samples(at_bats(offset_spread=0.0732))).verdict
+    assert "right  pitch.speed: drawn as the paper means it" in render(right)
+    wrong = judge.evaluate_samples(judge_samples(at_bats(offset_spread=0.0732))).verdict
     assert not wrong.passed
     assert len(wrong.reasons) == 1
     assert wrong.reasons[0].startswith("sampling: swing.height_offset: its spread")
-    assert "WRONG  swing.height_offset" in words(wrong)
-    assert "[radius-or-diameter]" in words(wrong)
+    assert "WRONG  swing.height_offset" in render(wrong)
+    assert "[radius-or-diameter]" in render(wrong)

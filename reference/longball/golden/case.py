@@ -16,7 +16,7 @@ from longball.model.quantities import numbers
 from longball.model.result import Bounded, Result
 from longball.model.scene import FlightScene, ImpactScene, PitchScene, Scene
 
-Level = Literal["lower", "average", "higher"]
+Difficulty = Literal["lower", "average", "higher"]
 
 # 2^-53: half an ulp of 1, relative; the largest error of rounding a number to a double.
 ROUNDING = 2.0**-53
@@ -76,7 +76,7 @@ class Case(_Strict):
 
     id: str = Field(min_length=1, description="of the case and of its scene; never given anew")
     family: str
-    level: Level = Field(description="difficulty, by digits attainable; see the header")
+    level: Difficulty = Field(description="difficulty, by digits attainable; see the header")
     comment: str = Field(description="what the case is there for")
     flags: tuple[str, ...] = Field(description="each one is explained in the header")
     given: FlightScene | PitchScene | ImpactScene | DrawnAtBat = Field(

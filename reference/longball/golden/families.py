@@ -10,7 +10,7 @@ import math
 from collections.abc import Callable, Iterator
 from itertools import islice, product
 
-from longball.golden.draft import Draft, between, five_digits, shares
+from longball.golden.case_builder import Draft, between, five_digits, shares
 from longball.golden.hard import hard
 from longball.home_run import draw, paper_at_bats, scenes, with_restitution
 from longball.model.readings import Reading, SamplingReading, readings_of

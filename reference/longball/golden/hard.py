@@ -18,7 +18,7 @@ import mpmath
 
 from longball.engines.chain import approach_of, solve
 from longball.engines.enclosure import Enclosure
-from longball.golden.draft import Draft, between_powers, five_digits, shares, solve_for
+from longball.golden.case_builder import Draft, between_powers, five_digits, shares, solve_for
 from longball.home_run import HOME_RUN_DISTANCE
 from longball.model.quantities import replaced
 from longball.model.readings import Reading

@@ -16,7 +16,7 @@ from pydantic import ValidationError
 
 import longball
 from longball.golden.case import Case
-from longball.golden.draft import Draft
+from longball.golden.case_builder import Draft
 from longball.golden.families import FAMILIES
 from longball.golden.files import (
     HEADER,
@@ -26,8 +26,8 @@ from longball.golden.files import (
     write_files,
     write_whole,
 )
+from longball.golden.headers import header, made_by
 from longball.golden.history import ABOUT, history
-from longball.golden.legend import header, made_by
 from longball.golden.truth import make
 from longball.model.scene import FlightScene
 

@@ -9,6 +9,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +18,9 @@ from numpy.typing import NDArray
 from longball.model.quantities import replaced
 from longball.model.readings import SamplingReading
 from longball.model.scene import AtBatScene
+
+if TYPE_CHECKING:
+    from scipy import stats
 
 Array = NDArray[np.float64]
 
@@ -46,36 +51,16 @@ class Mixture:
         every = zip(weights, self.means, self.deviations, strict=True)
         return tuple(part for part in every if part[0] > 0)
 
-    def density(self, values: Array) -> Array:
-        """Return the probability density at values."""
-        total = np.zeros_like(values)
-        for weight, mean, deviation in self.parts:
-            far = (values - mean) / deviation
-            total += weight / (deviation * math.sqrt(2 * math.pi)) * np.exp(-0.5 * far * far)
-        return total
+    @cached_property
+    def distribution(self) -> stats.Mixture:
+        """As SciPy's, with its density, distribution function and quantiles."""
+        from scipy import stats  # slow to import, and not needed for --help
 
-    def below(self, values: Array) -> Array:
-        """Return the probability of a draw below values."""
-        from scipy.special import ndtr  # slow to import, and not needed for --help
-
-        total = np.zeros_like(values)
-        for weight, mean, deviation in self.parts:
-            total += weight * ndtr((values - mean) / deviation)
-        return total
-
-    def quantiles(self, shares: Array) -> Array:
-        """Return the values that are above the given shares of draws."""
-        from scipy.optimize import elementwise
-        from scipy.special import ndtri
-
-        every = [mean + deviation * ndtri(shares) for _, mean, deviation in self.parts]
-        found = elementwise.find_root(
-            lambda value, share: self.below(value) - share,
-            (np.minimum.reduce(every), np.maximum.reduce(every)),
-            args=(shares,),
+        weights, means, deviations = zip(*self.parts, strict=True)
+        return stats.Mixture(
+            [stats.Normal(mu=m, sigma=s) for m, s in zip(means, deviations, strict=True)],
+            weights=weights,
         )
-        values: Array = found.x
-        return values
 
 
 @dataclass(frozen=True)

@@ -104,7 +104,7 @@ def _lines(base: AtBatScene, at_bats: AtBats, count: int, seed: int, scramble: i
     unit = np.clip(sobol.random(count), 2.0**-51, None)
     low, high = _aims(base, at_bats)
     return Inputs(
-        at_bats.speed.quantiles(unit[:, 0]),
+        at_bats.speed.distribution.icdf(unit[:, 0]),
         low + (high - low) * unit[:, 1],
         np.zeros(count),
         at_bats.largest_tilt * unit[:, 2],
@@ -139,7 +139,7 @@ def _means(clearance: Clearance, at_bats: AtBats, lines: Inputs, workers: int) -
     )
     low, high = _aims(clearance.base, at_bats)
     shares = np.concatenate(Parallel(n_jobs=workers, prefer="threads")(tasks))
-    shares *= (high - low) * at_bats.aim.density(lines.aim)
+    shares *= (high - low) * at_bats.aim.distribution.pdf(lines.aim)
     means: Array = shares.reshape(SCRAMBLES, -1).mean(axis=1)
     return means
 
@@ -157,9 +157,9 @@ def _share_over_offsets(clearance: Clearance, at_bats: AtBats, lines: Inputs) ->
     every = np.repeat(np.arange(len(grid)), grid.shape[1])
     values = on_lines(grid.ravel(), every).reshape(grid.shape)
     found = crossings(on_lines, grid, values)
-    law = at_bats.offset
-    share = np.where(values[:, -1] >= 0.0, law.below(grid[:, -1]), 0.0)
-    share -= np.where(values[:, 0] >= 0.0, law.below(grid[:, 0]), 0.0)
-    np.add.at(share, found.line, np.where(found.rises, -1.0, 1.0) * law.below(found.place))
+    law = at_bats.offset.distribution
+    share = np.where(values[:, -1] >= 0.0, law.cdf(grid[:, -1]), 0.0)
+    share -= np.where(values[:, 0] >= 0.0, law.cdf(grid[:, 0]), 0.0)
+    np.add.at(share, found.line, np.where(found.rises, -1.0, 1.0) * law.cdf(found.place))
     shares[pitched] = share
     return shares

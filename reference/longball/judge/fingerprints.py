@@ -19,8 +19,8 @@ from longball.engines.chain import solve
 from longball.engines.engine import Engine
 from longball.engines.ivp import Ivp
 from longball.engines.verlet import Verlet
-from longball.judge.altered import DragLaw, solve_with_drag
-from longball.judge.altered_scheme import solve_in_steps
+from longball.judge.alternative_laws import DragLaw, solve_with_drag
+from longball.judge.alternative_schemes import solve_in_steps
 from longball.judge.cases import SLACK, Case, decidable
 from longball.judge.mistakes import KNOWN, NO_SLIP, SOUND, Solver, Variant
 from longball.judge.quantities import QUANTITIES, Value, values_of
@@ -126,7 +126,7 @@ class Fingerprints:
     def __init__(
         self, cases: Sequence[Case], engine: Engine[float] | None = None, dt: float | None = None
     ) -> None:
-        self.cases = tuple(telling(cases))
+        self.cases = tuple(select_cases(cases))
         self.scenes = [case.scene for case in self.cases]
         self.truth = _of_results(case.expected for case in self.cases)
         self.tolerance = _tolerances(self.cases)
@@ -160,7 +160,7 @@ class Fingerprints:
         """Yield every form of every mistake, with every one of some time steps."""
         for mistake in KNOWN.values():
             for i, variant in enumerate(mistake.variants):
-                if self.scheme and (variant.blow or (variant.steps and variant.scheme is None)):
+                if self.scheme and (variant.instant or (variant.steps and variant.scheme is None)):
                     continue  # the scheme does otherwise; or it does this by itself
                 for dt in steps if variant.steps else (0.0,):
                     yield Guess((Atom(mistake.name, i),), dt)
@@ -169,7 +169,7 @@ class Fingerprints:
         atoms = sorted(guess.atoms)
         variants = [atom.made for atom in atoms]
         switches = _merged([v.scheme for v in variants if v.scheme is not None])
-        if self.scheme and switches.get("forces") == MILD:
+        if self.scheme and switches.get("forces") == ANY_SOUND:
             del switches["forces"]  # the scheme's own treatment holds
         laws = [v.drag for v in variants if v.drag is not None]
         if len(laws) > 1:
@@ -219,23 +219,23 @@ class Fingerprints:
         """
         return float(self._differences(a, b, seen).mean())
 
-    def most(self, a: Answers, b: Answers, seen: Flags) -> float:
-        """Return what nine of ten of the differences do not exceed; see `error`."""
+    def quantile90(self, a: Answers, b: Answers, seen: Flags) -> float:
+        """Return the 90 % quantile of the differences; see `error`."""
         return float(np.quantile(self._differences(a, b, seen), 0.9))
 
     def _differences(self, a: Answers, b: Answers, seen: Flags) -> Array:
         with np.errstate(invalid="ignore", over="ignore"):
             numbers = np.minimum(np.abs(a.numbers - b.numbers) / self.sizes, 1.0)
         numbers = np.where(np.isnan(a.numbers) != np.isnan(b.numbers), 1.0, numbers)[seen]
-        said = (a.outcomes != b.outcomes) & (a.outcomes >= 0) & (b.outcomes >= 0)
-        return np.concatenate([np.nan_to_num(numbers), said.astype(float)])
+        differ = (a.outcomes != b.outcomes) & (a.outcomes >= 0) & (b.outcomes >= 0)
+        return np.concatenate([np.nan_to_num(numbers), differ.astype(float)])
 
 
-# --- scenes that tell most ------------------------------------------------------------------------
+# --- the cases that discriminate best -------------------------------------------------------------
 
 
-def telling(cases: Iterable[Case]) -> list[Case]:
-    """Return the cases that fingerprints are taken from: of each kind those that tell most.
+def select_cases(cases: Iterable[Case]) -> list[Case]:
+    """Return the cases that fingerprints are taken from: of each kind those that discriminate best.
 
     First come flights that turn back over the vertical, where alone the readings of the lift
     differ; then scenes with the paper's ball, air and gravity, which a program is likely to have
@@ -334,15 +334,15 @@ def _merged(schemes: Sequence[Mapping[str, str]]) -> dict[str, str]:
     merged: dict[str, str] = {}
     for scheme in schemes:
         for switch, option in scheme.items():
-            held = merged.get(switch, MILD)
-            if held not in (option, MILD) and option != MILD:
+            held = merged.get(switch, ANY_SOUND)
+            if held not in (option, ANY_SOUND) and option != ANY_SOUND:
                 raise _Contradiction(f"{switch} is {held} and {option}")
-            merged[switch] = option if held == MILD else held
+            merged[switch] = option if held == ANY_SOUND else held
     return merged
 
 
 # The treatment of forces that a mistake of the scheme is combined with if nothing else is known.
-MILD = "predicted_recomputed"
+ANY_SOUND = "predicted_recomputed"
 
 
 def _wrapped(variant: Variant, inner: Solver, dt: float) -> Solver:

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from longball.judge.altered import DragLaw
+from longball.judge.alternative_laws import DragLaw
 from longball.model.motion import FlightPlane, PlaneState, acceleration, forces, into_plane
 from longball.model.numbers import DOUBLES
 from longball.model.readings import Reading
@@ -40,13 +40,13 @@ class Variant:
     wrapper
         What is done to scenes and results.
     drag
-        Another law of drag than the model's; see `longball.judge.altered`.
+        Another law of drag than the model's; see `longball.judge.alternative_laws`.
     scheme
         Options of the engine verlet that the mistake sets: it is made by those who take fixed
         steps as the paper does.
     steps
         Whether the mistake depends on a time step.
-    blow
+    instant
         Whether the bat strikes at once, in a scheme that is else the paper's. Where that scheme is
         the truth no such form is looked for: it is another departure from it than its mistake's.
     """
@@ -55,7 +55,7 @@ class Variant:
     drag: DragLaw | None = None
     scheme: Mapping[str, str] | None = None
     steps: bool = False
-    blow: bool = False
+    instant: bool = False
 
 
 @dataclass(frozen=True)
@@ -242,7 +242,7 @@ def _on_floor(scene: Scene, result: Result) -> Result:
     return result.model_copy(update={"landing": landing})
 
 
-def _blow(scene: Scene, solve: Solver, dt: float) -> Result:
+def _strike_at_once(scene: Scene, solve: Solver, dt: float) -> Result:
     """Let the ball fly on from the touching, with steps counted from there: no push that lasts."""
     result = solve(scene)
     contact, impact, landing = result.contact, result.impact, result.landing
@@ -309,9 +309,9 @@ def _tunnel(scene: Scene, solve: Solver, dt: float) -> Result:
         return result
     if contact.time is None or contact.position is None or contact.normal is None:
         return result
-    kick = float(impact.impulse) / scene.ball.mass
+    delta_v = float(impact.impulse) / scene.ball.mass
     incoming = tuple(
-        after - kick * n
+        after - delta_v * n
         for after, n in zip(_floats(impact.velocity), _floats(contact.normal), strict=True)
     )
     time = float(contact.time)
@@ -364,7 +364,7 @@ def _scheme(**switches: str) -> Variant:
 
 
 def _struck_at_once(forces: str) -> Variant:
-    return Variant(_blow, scheme={"forces": forces}, steps=True, blow=True)
+    return Variant(_strike_at_once, scheme={"forces": forces}, steps=True, instant=True)
 
 
 # What fixed steps do at best, with one of the treatments of the forces that are of order 2.

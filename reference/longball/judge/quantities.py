@@ -24,8 +24,8 @@ ARITHMETIC = decimal.Context(prec=80)
 
 
 @dataclass(frozen=True)
-class Quantity:
-    """A quantity of a result.
+class QuantitySpec:
+    """What a quantity of a result is called, and what it consists of.
 
     Attributes
     ----------
@@ -49,27 +49,27 @@ class Quantity:
         return tuple(f"{self.name}[{i}]" for i in range(self.size))
 
 
-QUANTITIES: dict[str, Quantity] = {
+QUANTITIES: dict[str, QuantitySpec] = {
     quantity.name: quantity
     for quantity in (
-        Quantity("plate.time", "s"),
-        Quantity("plate.position", "m", 3),
-        Quantity("plate.velocity", "m/s", 3),
-        Quantity("contact.time", "s"),
-        Quantity("contact.position", "m", 3),
-        Quantity("contact.normal", "", 3),
-        Quantity("contact.bat_velocity", "m/s", 3),
-        Quantity("contact.normal_speed", "m/s"),
-        Quantity("contact.margin", "m"),
-        Quantity("impact.restitution", ""),
-        Quantity("impact.impulse", "N s"),
-        Quantity("impact.velocity", "m/s", 3),
-        Quantity("impact.energy_change", "J"),
-        Quantity("landing.time", "s"),
-        Quantity("landing.hang_time", "s"),
-        Quantity("landing.position", "m", 3),
-        Quantity("landing.velocity", "m/s", 3),
-        Quantity("landing.distance", "m"),
+        QuantitySpec("plate.time", "s"),
+        QuantitySpec("plate.position", "m", 3),
+        QuantitySpec("plate.velocity", "m/s", 3),
+        QuantitySpec("contact.time", "s"),
+        QuantitySpec("contact.position", "m", 3),
+        QuantitySpec("contact.normal", "", 3),
+        QuantitySpec("contact.bat_velocity", "m/s", 3),
+        QuantitySpec("contact.normal_speed", "m/s"),
+        QuantitySpec("contact.margin", "m"),
+        QuantitySpec("impact.restitution", ""),
+        QuantitySpec("impact.impulse", "N s"),
+        QuantitySpec("impact.velocity", "m/s", 3),
+        QuantitySpec("impact.energy_change", "J"),
+        QuantitySpec("landing.time", "s"),
+        QuantitySpec("landing.hang_time", "s"),
+        QuantitySpec("landing.position", "m", 3),
+        QuantitySpec("landing.velocity", "m/s", 3),
+        QuantitySpec("landing.distance", "m"),
     )
 }
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from analysis.paper.balls import SPACES, Share, Space, strike, strike_in_steps, told
+from analysis.paper.balls import SPACES, Share, Space, describe, strike, strike_in_steps
 from longball.engines.verlet import Verlet
 from longball.home_run import draw, monte_carlo, paper_at_bats
 from longball.model.drawn import DrawnAtBat, DrawnReading
@@ -86,8 +86,8 @@ def test_the_printed_scheme_sees_few_of_the_balls(balls):
 
 
 def test_a_reading_is_told_by_what_differs():
-    assert told(DrawnAtBat(id="base"), SPACES[0]) == "nothing changed"
+    assert describe(DrawnAtBat(id="base"), SPACES[0]) == "nothing changed"
     base = DrawnAtBat(id="base", ball=Ball(radius=0.0183), reading=DrawnReading(cell_width=0.12))
-    assert told(base, Space("flies", "batted", flies=True)) == (
+    assert describe(base, Space("flies", "batted", flies=True)) == (
         "ball.radius = 0.0183, cell_width = 0.12, samples: flies"
     )

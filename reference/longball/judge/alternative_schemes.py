@@ -2,7 +2,7 @@
 
 `longball.engines.verlet` steps in the vertical plane of the launch, under the model's forces. A law
 that drags each component by itself leaves that plane; so here the same steps are taken in space.
-Under the model's own law they are the engine's, to rounding (tests/judge/test_altered.py).
+Under the model's own law they are the engine's, to rounding (tests/judge/test_alternative_laws.py).
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from longball.engines.verlet import (
     line_touch,
     step,
 )
-from longball.judge.altered import DragLaw, from_blow, release
+from longball.judge.alternative_laws import DragLaw, from_contact, release
 from longball.model import result as written
 from longball.model.motion import PlaneState, forces, into_plane
 from longball.model.numbers import DOUBLES, Vector
@@ -124,7 +124,7 @@ def _meet(
     def fly_on(after: Any) -> written.Landing | None:
         return _rebound(scene, law, scheme, pitch, ahead, after)
 
-    return from_blow(scene, plate, contact, back.velocity, height, fly_on)
+    return from_contact(scene, plate, contact, back.velocity, height, fly_on)
 
 
 def _rebound(

@@ -10,8 +10,8 @@ from longball.model.motion import forces
 
 from longball.engines.chain import solve
 from longball.engines.verlet import TREATMENTS, Verlet
-from longball.judge.altered import THE_MODELS, DragLaw, solve_with_drag
-from longball.judge.altered_scheme import solve_in_steps
+from longball.judge.alternative_laws import THE_MODELS, DragLaw, solve_with_drag
+from longball.judge.alternative_schemes import solve_in_steps
 from longball.judge.quantities import values_of
 from longball.model.numbers import DOUBLES
 from longball.model.scene import FlightScene, Launch
