@@ -13,6 +13,7 @@ from typing import cast
 
 import numpy as np
 import pandas as pd
+from longball.model.motion import FlightPlane, Forces
 from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline
 from scipy.optimize import brentq
@@ -33,7 +34,6 @@ from longball.engines.engine import (
 )
 from longball.engines.ivp import Ivp, Leg, State
 from longball.engines.verlet import Verlet, interpolate, line_touch
-from longball.model.motion import FlightPlane, Forces
 from longball.model.numbers import Vector
 from longball.model.readings import VerletForces
 from longball.model.scene import AtBatScene

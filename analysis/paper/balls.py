@@ -11,8 +11,8 @@ import joblib
 import numpy as np
 from numpy.typing import NDArray
 
-from longball.engines.chain import solve_with_restitutions
 from longball.engines.batch import solve_columns_with_restitutions
+from longball.engines.chain import solve_with_restitutions
 from longball.engines.verlet import Verlet
 from longball.home_run import (
     HOME_RUN_DISTANCE,

@@ -7,18 +7,19 @@ from dataclasses import dataclass
 from importlib.util import find_spec
 from typing import Any
 
+from longball.engines.batch.chain import Fleet
+from longball.model.motion import Forces, forces
+
 from analysis.speed_error import peers
 from analysis.speed_error.work import Work
-from longball.engines.chain import solve
 from longball.engines.batch import Batch, solve_columns
-from longball.engines.batch.chain import Fleet
 from longball.engines.batch.many import BLOCK
+from longball.engines.chain import solve
 from longball.engines.enclosure import Enclosure
 from longball.engines.engine import Engine
 from longball.engines.ivp import Ivp
 from longball.engines.multiprecision import Multiprecision
 from longball.engines.verlet import TREATMENTS, Verlet
-from longball.model.motion import Forces, forces
 from longball.model.numbers import DOUBLES
 from longball.model.result import Number
 from longball.model.scene import AtBatScene

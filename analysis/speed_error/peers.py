@@ -20,10 +20,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.integrate
+from longball.model.motion import Forces, acceleration
 from numpy.typing import NDArray
 
 from longball.engines.batch.flights import ARRIVAL, FLOOR, TIME_LIMIT, TOUCH, WALL, Records
-from longball.model.motion import Forces, acceleration
 
 Array = NDArray[np.float64]
 
