@@ -1,4 +1,4 @@
-"""Real numbers as balls: a midpoint and a radius that holds every rounding (python-flint's `arb`)."""
+"""Real numbers as balls: midpoints, and radii that hold every rounding (python-flint's `arb`)."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ class Balls:
 
     def sqrt(self, x: arb) -> arb:
         """Return the square root of a number that is known not to be negative."""
-        return x.nonnegative_part().sqrt()
+        return x.sqrt() if x > 0 else arb(0).union(x.nonnegative_part().upper().sqrt())
 
     def cos_sin(self, angle: arb) -> tuple[arb, arb]:
         """Return cosine and sine of an angle in radians."""

@@ -124,16 +124,19 @@ class Defect:
 def _residual(node: Node, value: Mapping[Node, Any]) -> arb_poly:
     """Return what an approximation misses its node's equation by."""
     n, a = value[node], value[node.args[0]]
+    residual: arb_poly
     match node.kind:
         case "sqrt":
-            return n * n - a
+            residual = n * n - a
         case "quotient":
-            return n * value[node.args[1]] - a
+            residual = n * value[node.args[1]] - a
         case "exp":
-            return n.derivative() - a.derivative() * n
+            residual = n.derivative() - a.derivative() * n
         case "log":
-            return a * n.derivative() - a.derivative()
-    raise TypeError(f"a {node.kind} has no residual")
+            residual = a * n.derivative() - a.derivative()
+        case kind:
+            raise TypeError(f"a {kind} has no residual")
+    return residual
 
 
 def _root_error(root: arb_poly, residual: arb_poly, error: arb, h: arb) -> arb:

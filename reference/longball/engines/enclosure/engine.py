@@ -7,13 +7,14 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import flint
 from flint import arb, arb_poly
 
 from longball.engines.enclosure import lemmas
 from longball.engines.enclosure.balls import Balls
 from longball.engines.enclosure.curve import EnclosedPiece
 from longball.engines.enclosure.defect import Defect, leading
-from longball.engines.enclosure.system import System
+from longball.engines.enclosure.system import Structure, System
 from longball.engines.event import Event
 from longball.engines.path import CannotSolve, PathEngine
 from longball.model.law import Law, State
@@ -34,9 +35,13 @@ _MOST_TRIALS = 1000
 # A flight of a minute has a hundred steps, one that loops with strong lift some thousand.
 _MOST_STEPS = 10_000
 
-# Parts of a step over each of which the law's derivative is bounded: one suffices where errors do
-# not grow; where they do, the bound on a part is about as much too large as the state changes.
-_PARTS = (1, 8)
+# Bounds need few digits, unlike what they are bounds of.
+_BITS_OF_BOUNDS = 64
+
+# A step is cut into as many parts, on each of which the law's derivative is bounded, as make errors
+# grow by little on each: by as much as the state changes on a part, the bound is too large.
+_PARTS = (1, 8, 32, 128)
+_GROWTH_OF_A_PART = 1 / 64
 
 # How often a tube is made wider, for errors that grow much in a step.
 _TUBES = 4
@@ -68,26 +73,20 @@ class _Steps:
         self._limit = limit
         self._bits = bits
         structure = system.structure
-        self._weights = structure.weights
-        self._names = structure.core.variables
-        self._core = start_of([getattr(start, name) for name in self._names], arb(0), self._weights)
+        core = [getattr(start, name) for name in structure.core.variables]
+        self._core = start_of(core, arb(0), structure.weights)
         # What a rounding of the launch's speed is, is no speed.
-        self._negligible = self._speed(self._core) * arb(2) ** -bits
-
-    def _speed(self, core: Start) -> arb:
-        resting = self._system.structure.resting
-        return sum(
-            (abs(x) for name, x in zip(self._names, core.state, strict=True) if name in resting),
-            arb(0),
-        )
+        self._negligible = _speed(self._core, structure) * arb(2) ** -bits
 
     def next(self, begin: arb, state: State[arb]) -> EnclosedPiece:
         """Take a step from a state, the one that the step before ended with."""
         system, structure = self._system, self._system.structure
-        core = brought_to_rest(self._core, structure.resting, self._names, self._negligible)
+        core = brought_to_rest(self._core, structure, self._negligible)
         motion = proven(system, core, self._limit - begin, self._bits)
-        families: dict[str, arb_poly] = {}
-        for name, weight, p in zip(self._names, self._weights, motion.polynomials, strict=True):
+        families: dict[str, Any] = {}
+        for name, weight, p in zip(
+            structure.core.variables, structure.weights, motion.polynomials, strict=True
+        ):
             error = arb_poly([arb(0, motion.early / weight), arb(0, motion.late / weight)])
             families[name] = p + error
         for name, (rest, terms) in structure.quadratures.items():
@@ -99,7 +98,7 @@ class _Steps:
         self._core = start_of(
             [p(length) for p in motion.polynomials],
             motion.early + motion.late * length,
-            self._weights,
+            structure.weights,
         )
         return EnclosedPiece(begin, length, type(state)(**families))
 
@@ -110,22 +109,21 @@ def start_of(state: Sequence[arb], error: arb, weights: Sequence[float]) -> Star
     return Start(tuple(x.mid() for x in state), (error + off).upper())
 
 
-def brought_to_rest(
-    core: Start, resting: Sequence[str], names: Sequence[str], negligible: arb
-) -> Start:
+def _speed(core: Start, structure: Structure) -> arb:
+    """Bound the size of the variables that are zero at rest; 0 if there are none."""
+    return sum((abs(core.state[n]) for n in structure.resting), arb(0))
+
+
+def brought_to_rest(core: Start, structure: Structure, negligible: arb) -> Start:
     """Return a velocity that is not told from rest, or is negligible (m/s), as rest with an error.
 
     A Taylor step cannot come closer to V = 0 than to a fraction, but the bound on the error holds
     there as well; and from rest there is another series (`longball.engines.series`).
     """
-    speed = sum(
-        (abs(x) for name, x in zip(names, core.state, strict=True) if name in resting), arb(0)
-    )
+    speed = _speed(core, structure)
     if speed == 0 or not (speed <= negligible or speed <= core.error):
         return core
-    still = tuple(
-        arb(0) if name in resting else x for name, x in zip(names, core.state, strict=True)
-    )
+    still = tuple(arb(0) if n in structure.resting else x for n, x in enumerate(core.state))
     return Start(still, (core.error + speed).upper())
 
 
@@ -137,40 +135,58 @@ def proven(system: System, core: Start, left: arb, bits: int) -> Motion:
     left
         How much of the flight is left, s; the step is shorter, or at least as long.
     """
-    structure, weights = system.structure, system.structure.weights
-    series = _series(system, core, bits)
-    polynomials = {node: arb_poly([c.mid() for c in row]) for node, row in series.items()}
+    structure = system.structure
+    order = math.ceil(_ORDER_PER_BIT * bits)
+    series = _series(system, core, order)
+    polynomials = {node: arb_poly([arb(c).mid() for c in row]) for node, row in series.items()}
     motion = tuple(polynomials[variable(name)] for name in structure.core.variables)
     defect = Defect(structure.core, system.static, polynomials)
+    guarded = [defect.polynomial(node) for node in structure.guarded]
+    longest = left.upper()
+    with flint.ctx.workprec(_BITS_OF_BOUNDS):
+        tolerance = _TOLERANCE * arb(2) ** -bits
+        guess = arb(_guess(motion, guarded, structure.weights, order, tolerance))
+        first = guess if guess < left else longest
+        h, missed = _length(motion, defect, structure.weights, first, tolerance)
+        return Motion(motion, h, *_error(system, motion, core.error, missed, h))
+
+
+def _length(
+    motion: Sequence[arb_poly],
+    defect: Defect,
+    weights: Sequence[float],
+    first: arb,
+    tolerance: arb,
+) -> tuple[arb, arb]:
+    """Return a time, s, in which the defect does little, and the norm of the defect till then.
+
+    Parameters
+    ----------
+    first
+        The time to try first.
+    tolerance
+        What the defect may do, relative to the state.
+    """
     size = lemmas.norm([p[0] for p in motion], weights)
     change = lemmas.norm([p[1] for p in motion], weights)
-    tolerance = _TOLERANCE * arb(2) ** -bits
-
-    guarded = [defect.polynomial(node) for node in structure.guarded]
-    h = arb(_guess(motion, guarded, weights, tolerance))
-    if not h < left:
-        h = left.upper()
+    h = first
     for _ in range(_MOST_TRIALS):
-        bound = lemmas.norm(defect.bounds(h), weights)
-        if bound * h <= tolerance * (size + change * h):
-            break
+        missed = lemmas.norm(defect.bounds(h), weights)
+        if missed * h <= tolerance * (size + change * h):
+            return h, missed
         h = (h * _SHORTER).mid()
-    else:
-        raise CannotSolve("the forces are so strong that no step can be proven")
-    return Motion(motion, h, *_error(system, motion, core.error, bound, h))
+    raise CannotSolve("the forces are so strong that no step can be proven")
 
 
-def _series(system: System, core: Start, bits: int) -> dict[Node, list[arb]]:
-    order = math.ceil(_ORDER_PER_BIT * bits)
-    resting = system.structure.resting
-    names = system.structure.core.variables
-    at_rest = bool(resting) and all(
-        x == 0 for name, x in zip(names, core.state, strict=True) if name in resting
-    )
+def _series(system: System, core: Start, order: int) -> dict[Node, list[arb]]:
+    """Return the Taylor coefficients; of a ball that stays at rest, only the first."""
+    structure = system.structure
+    at_rest = bool(structure.resting) and _speed(core, structure) == 0
     if at_rest:
-        first = system.series(core.state, 1, at_rest)
-        if all(first[variable(name)][1] == 0 for name in resting):
-            return first  # it stays at rest
+        few = system.series(core.state, 1, at_rest)
+        rates = (few[variable(structure.core.variables[n])][1] for n in structure.resting)
+        if all(rate == 0 for rate in rates):
+            return few
     return system.series(core.state, order, at_rest)
 
 
@@ -202,7 +218,7 @@ def _growth(system: System, motion: Sequence[arb_poly], tube: arb, h: arb) -> ar
             box = [p(times) + near for p, near in zip(motion, around, strict=True)]
             rate = lemmas.logarithmic_norm(system.jacobian(box), weights)
             rates.append((rate, h / parts))
-        if all(rate <= 0 for rate, _ in rates):
+        if all(rate * length <= _GROWTH_OF_A_PART for rate, length in rates):
             break
     return lemmas.growth(rates)
 
@@ -211,6 +227,7 @@ def _guess(
     motion: Sequence[arb_poly],
     guarded: Sequence[arb_poly],
     weights: Sequence[float],
+    order: int,
     tolerance: arb,
 ) -> float:
     """Return the time, s, at which the series' last terms are small next to the state.
@@ -223,15 +240,10 @@ def _guess(
         if first is not None and (falling := abs(p[first + 1])) > 0:
             times.append(abs(p[first]) / falling * (1 - arb(2) ** -10))
     first, size = next(
-        (
-            (n, size)
-            for n in (0, 1)
-            if (size := lemmas.norm([p[n] for p in motion], weights)) > 0
-        ),
+        ((n, size) for n in (0, 1) if (size := lemmas.norm([p[n] for p in motion], weights)) > 0),
         (0, arb(1)),
     )
-    last = max(p.degree() for p in motion)
-    for n in (last - 1, last):
+    for n in (order - 1, order):
         term = lemmas.norm([p[n] for p in motion], weights)
         if n > first and term > 0:
             times.append(((tolerance * size / term).log() / (n - first)).exp())

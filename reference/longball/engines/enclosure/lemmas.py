@@ -73,13 +73,14 @@ def exponential_error(
 ) -> arb:
     """Bound the error of N for ``eᵃ``.
 
-    With ``r = N' - A' N``, `start` the size of ``N - e^A`` at t = 0, `rate` = |A'| and `exponential`
+    With ``r = N' - A' N``, `start` the size of ``N - e^A`` at t = 0, `rate` = |A'|, `exponential`
     = |N|, the bound is ``E = (start + h |r|) exp(h |A'|)`` for ``N - e^A``, and for ``N - eᵃ``
 
         ``E + (|N| + E) (exp(e) - 1)``.
 
-    Since ``(N e^{-A})' = r e^{-A}``, ``N - e^A = e^{A - A(0)} (N - e^A)(0) + ∫ r(s) e^{A - A(s)} ds``,
-    and A moves by at most h |A'|. And ``|eᵃ - e^A| = e^A |e^{a - A} - 1|``.
+    Since ``(N - e^A)' = A' (N - e^A) + r``, ``N - e^A`` is at the time t what it was at 0 times
+    ``e^{A(t) - A(0)}``, plus ``∫ r(s) e^{A(t) - A(s)} ds``, and A moves by at most h |A'|. And
+    ``|eᵃ - e^A| = e^A |e^{a - A} - 1|``.
     """
     own = (start + h * residual) * (h * rate).exp()
     return (own + (exponential + own) * error.expm1()).upper()
@@ -88,8 +89,8 @@ def exponential_error(
 def logarithm_error(start: arb, residual: arb, error: arb, least: arb, h: arb) -> arb:
     """Bound the error of N for ``ln a``: ``start + h |r| / min A + e / (min A - e)``.
 
-    ``r = A N' - A'`` and `start` is the size of ``N - ln A`` at t = 0. Since ``(N - ln A)' = r / A``;
-    and ln has the slope ``1/x`` at x, and both A and a are at least ``min A - e``.
+    ``r = A N' - A'`` and `start` is the size of ``N - ln A`` at t = 0; ``(N - ln A)' = r / A``. The
+    slope of ln at x is ``1/x``, and both A and a are at least ``min A - e``.
     """
     return (start + h * _ratio(residual, least) + _ratio(error, least - error)).upper()
 
@@ -103,8 +104,10 @@ def _ratio(top: arb, bottom: arb) -> arb:
 
 def norm(components: Sequence[arb], weights: Sequence[float]) -> arb:
     """Bound the weighted norm ``√(Σ (w_i x_i)²)`` of a vector."""
-    total = sum(((w * x) ** 2 for w, x in zip(weights, components, strict=True)), arb(0))
-    return total.nonnegative_part().sqrt().upper()
+    total = arb(0)
+    for weight, x in zip(weights, components, strict=True):
+        total += (weight * x) * (weight * x)
+    return total.upper().sqrt().upper()
 
 
 def logarithmic_norm(matrix: Sequence[Sequence[arb]], weights: Sequence[float]) -> arb:
@@ -122,11 +125,13 @@ def logarithmic_norm(matrix: Sequence[Sequence[arb]], weights: Sequence[float]) 
     mean = sum((arb(matrix[i][i]) for i in range(n)), arb(0)) / n
     squares = arb(0)
     for i in range(n):
-        squares += (matrix[i][i] - mean) ** 2
+        off = matrix[i][i] - mean
+        squares += off * off
         for j in range(i):
             scale = weights[i] / weights[j]
-            squares += (matrix[i][j] * scale + matrix[j][i] / scale) ** 2 / 2
-    return (mean + (squares.nonnegative_part() * (n - 1) / n).sqrt()).upper()
+            twice = matrix[i][j] * scale + matrix[j][i] / scale
+            squares += twice * twice / 2
+    return (mean + (squares.upper() * (n - 1) / n).sqrt()).upper()
 
 
 def growth(rates: Iterable[tuple[arb, arb]]) -> arb:

@@ -35,9 +35,8 @@ class Structure:
     quadratures
         The linear rates of the other variables: a constant, and coefficients of core variables.
     resting
-        Variables that are all zero if the ball is at rest: the parts of the roots
-        ``√(x x + y y + …)``, where these are all the roots' arguments. Empty: nothing is special
-        about rest.
+        Indices in the core of what is zero at rest: the parts of the roots ``√(x x + y y + …)``, if
+        they are variables. Empty: the law is smooth where the ball is at rest.
     guarded
         Nodes of the core that must not come to zero on a step: roots, denominators and arguments
         of logarithms.
@@ -46,8 +45,7 @@ class Structure:
     core: Program
     weights: tuple[float, ...]
     quadratures: Mapping[str, tuple[Node, Sequence[tuple[Node, Node]]]]
-    resting: tuple[str, ...]
-    roots: tuple[Node, ...]
+    resting: tuple[int, ...]
     guarded: tuple[Node, ...]
     jacobian: Program
 
@@ -64,15 +62,13 @@ def structure(program: Program) -> Structure:
     }
     names = tuple(name for name in program.variables if name not in quadratures)
     core = Program(names, program.parameters, tuple(rates[name] for name in names))
-    roots = recurrence(core).roots
-    parts = {part for root in roots for part in squares(root.args[0])}
+    parts = {part for root in recurrence(core).roots for part in squares(root.args[0])}
     still = all(part.kind == "variable" for part in parts)
     return Structure(
         core=core,
         weights=tuple(1 / _TIME_SCALE if rates[n].kind == "variable" else 1.0 for n in names),
         quadratures=quadratures,
-        resting=tuple(n for n in names if variable(n) in parts) if still else (),
-        roots=roots,
+        resting=tuple(n for n, name in enumerate(names) if still and variable(name) in parts),
         guarded=tuple(
             {"sqrt": n, "quotient": n.args[-1], "log": n.args[0]}[n.kind]
             for n in dynamic(core)
@@ -134,7 +130,7 @@ class System:
 def _static_values(
     program: Program, strengths: Mapping[str, arb], functions: Mapping[str, Callable[..., arb]]
 ) -> dict[Node, arb]:
-    values: dict[Node, Any] = {}
+    values: dict[Node, Any] = {ZERO: arb(0), constant(1.0): arb(1)}
     for node in program.nodes:
         if not node.static:
             continue
