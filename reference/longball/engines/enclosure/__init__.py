@@ -12,8 +12,8 @@ proof.
 series (`longball.engines.series`), but how they were found does not matter. The sums and products
 of which f is made are polynomials again. For every other node of f, a root, a quotient, an
 exponential or a logarithm, there is another polynomial, which misses the equation that the node
-obeys (``N² = a``, ``N b = a``, ``N' = a' N``, ``a N' = a'``) by a polynomial *residual*. So N is off
-by a bounded error; later nodes hand it on; and ``|p' - f(p)| <= δ``, where everything is bounded by
+obeys (``N² = a``, ``N b = a``, ``N' = a' N``, ``a N' = a'``) by a *residual*, a polynomial. So N is
+off by a bounded error, later nodes hand it on, and ``|p' - f(p)| <= δ``. Everything is bounded by
 the sizes of the terms of polynomials.
 
 **The error** e = v - p obeys ``|e|' <= λ |e| + δ``, where λ bounds the largest eigenvalue of the
