@@ -118,13 +118,12 @@ class Ivp(PathEngine[float]):
         """
         expand = Expander(law)
         time, state = begin, np.array(start, dtype=float)
-        stops = [_stop(event, law) for event in events]
         taken = 0
         while time < limit:
-            if taken >= _MANY_STEPS and _has_settled(law, state):
+            if taken > 0 and _has_settled(law, state):
                 yield _uniform(law, time, state, limit)
                 return
-            solution = self._integrate(law, time, state, limit, [*stops, _after(_MANY_STEPS)])
+            solution = self._integrate(law, time, state, limit, events)
             for piece in self._polynomials(expand, solution):
                 taken += 1
                 if taken > _MOST_STEPS:
@@ -137,20 +136,25 @@ class Ivp(PathEngine[float]):
                     f"solve_ivp gave up at t = {solution.t[-1]:.6g} s: {solution.message}"
                 )
             time, state = float(solution.t[-1]), solution.y[:, -1]
-            stops = []  # whoever asks for more did not stop there
+            events = ()  # whoever asks for more did not stop there
 
     # A trial step may overflow; the step control then takes a shorter one or gives up.
     @np.errstate(all="ignore")
     def _integrate(
-        self, law: Law[float], time: float, state: Array, limit: float, stops: list[Any]
+        self,
+        law: Law[float],
+        time: float,
+        state: Array,
+        limit: float,
+        events: Sequence[Event[float]],
     ) -> Any:
         taylor = self.method == "Taylor"
         return scipy.integrate.solve_ivp(
-            right_hand_side(law),
+            None if taylor else right_hand_side(law),
             (time, limit),
             state,
             method=Taylor if taylor else self.method,
-            events=stops,
+            events=_ends(events, law),
             dense_output=taylor,
             **({"law": law} if taylor else self.tolerances),
         )
@@ -191,36 +195,25 @@ class Ivp(PathEngine[float]):
         return PolynomialPiece(time, reach, law.state, series)
 
 
-def _stop(event: Event[float], law: Law[float]) -> Callable[[float, Array], float]:
-    """Return the terminal event for solve_ivp that ends the step on which a value falls below zero.
+def _ends(events: Sequence[Event[float]], law: Law[float]) -> Callable[[float, Array], float]:
+    """Return the terminal event that ends an integration with the step that meets an event.
 
-    It stays at zero from there, and so solve_ivp finds it at the end of that step.
+    Its value stays at zero from there, and so solve_ivp finds it at the end of that step. An
+    integration also ends after many steps.
     """
+    make, steps, last = law.state, 0, math.inf
 
-    def value(_: float, y: Array) -> float:
-        return max(event.value(law.state(*y.tolist())), 0.0)
+    def left(time: float, y: Array) -> float:
+        nonlocal steps, last
+        steps += 1
+        if steps > _MANY_STEPS:
+            last = min(last, time)
+        state = make(*y.tolist())
+        return min([float(time < last), *[max(event.value(state), 0.0) for event in events]])
 
-    return _terminal(value)
-
-
-def _after(steps: int) -> Callable[[float, Array], float]:
-    """Return the terminal event that ends an integration after a number of steps."""
-    calls, end = 0, math.inf
-
-    def left(time: float, _: Array) -> float:
-        nonlocal calls, end
-        calls += 1
-        if calls > steps:
-            end = min(end, time)
-        return float(time < end)
-
-    return _terminal(left)
-
-
-def _terminal(function: Callable[[float, Array], float]) -> Callable[[float, Array], float]:
-    function.terminal = True  # type: ignore[attr-defined]
-    function.direction = -1  # type: ignore[attr-defined]
-    return function
+    left.terminal = True  # type: ignore[attr-defined]
+    left.direction = -1  # type: ignore[attr-defined]
+    return left
 
 
 def _length(begin: float, end: float) -> float:

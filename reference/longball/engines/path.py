@@ -147,8 +147,10 @@ class PathEngine(ABC, Generic[N]):
         There the ball is at rest, and the drag of V² has a kink.
         """
         begin = self.numbers.exact(0.0)
-        up, down = (law.straight(self.numbers.exact(sense)) for sense in (1.0, -1.0))
-        if up is None or down is None or not start.u == 0:
+        up = down = None
+        if start.u == 0:
+            up, down = (law.straight(self.numbers.exact(sense)) for sense in (1.0, -1.0))
+        if up is None or down is None:
             yield from self.steps(law, start, begin, limit, events)
             return
         if start.w > 0:

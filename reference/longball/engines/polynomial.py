@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -18,7 +17,6 @@ from longball.model.numbers import Undecided
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False)
 class Polynomial:
     """A polynomial in doubles, for the formulas of events: + - * with another or with a number.
 
@@ -28,7 +26,10 @@ class Polynomial:
         Of t^0, t^1, …
     """
 
-    coefficients: Array
+    __slots__ = ("coefficients",)
+
+    def __init__(self, coefficients: Array) -> None:
+        self.coefficients = coefficients
 
     def __add__(self, other: Polynomial | float) -> Polynomial:
         if not isinstance(other, Polynomial):
@@ -46,7 +47,7 @@ class Polynomial:
         return Polynomial(-self.coefficients)
 
     def __sub__(self, other: Polynomial | float) -> Polynomial:
-        return self + (-other)
+        return self + -other
 
     def __rsub__(self, other: float) -> Polynomial:
         return (-self) + other
@@ -118,13 +119,9 @@ class PolynomialPiece:
         state: State[float] = self.state(*found.tolist())
         return state
 
-    @cached_property
-    def _components(self) -> Any:
-        return self.state(*map(Polynomial, self.coefficients))
-
     def curve(self, value: Callable[[Any], Any]) -> PolynomialCurve:
         """Return the value of an event along the piece."""
-        along: Polynomial = value(self._components)
+        along: Polynomial = value(self.state(*map(Polynomial, self.coefficients)))
         return PolynomialCurve(along.coefficients)
 
 
