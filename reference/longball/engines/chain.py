@@ -292,7 +292,7 @@ def reach_plate(cases: Cases[N]) -> tuple[Cases[N], Pitch[N]]:
     if not cases.empty:
         _, y, z = pitch.frame.position(pitch.flight.state)
         cases.record("plate.time", pitch.flight.time)
-        cases.record("plate.position", (y * 0, y, z))
+        cases.record("plate.position", (cases.numbers.exact(0.0), y, z))
         cases.record("plate.velocity", pitch.frame.velocity(pitch.flight.state))
     return cases, pitch
 
@@ -365,7 +365,7 @@ def meet(
         return cases, None, *carried
     (x, y, z), velocity = ball.position, ball.velocity
     distance = numbers.sqrt(x * x + (z - height) * (z - height))
-    normal = (x / distance, x * 0, (z - height) / distance)
+    normal = (x / distance, numbers.exact(0.0), (z - height) / distance)
     arm = lever_arm(y, cases.scene.bat, numbers)
     moving = bat_velocity(arm, cases.scene.swing, numbers)
     relative = (velocity[0] - moving[0], velocity[1] - moving[1], velocity[2] - moving[2])
@@ -411,7 +411,7 @@ class Approach(Generic[N]):
 
 @dataclass(frozen=True)
 class Meeting(Generic[N]):
-    """Pitch and bat up to the impulse: all of an at-bat that the ball's restitution leaves alone."""
+    """Pitch and bat up to the impulse, on which the ball's restitution has no influence."""
 
     approach: Approach[N]
     contact: ContactState[N]

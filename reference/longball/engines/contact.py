@@ -47,7 +47,7 @@ class BatSection(Generic[N]):
         return across * across + above * above - distance * distance
 
     def approach(self, state: State[N]) -> N:
-        """Return d·v, m²/s, half the derivative of `depth`: negative while the ball comes closer."""
+        """Return d·v, m²/s, half the rate of `depth`: negative while the ball comes closer."""
         across, above = self.frame.towards_x(state), state.z - self.height
         return across * self.frame.velocity(state)[0] + above * state.w
 

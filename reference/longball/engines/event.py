@@ -215,7 +215,7 @@ def first_met(
         If the error leaves open whether an event is met, whether in time, or which of two is first.
     """
     errors = {event.name: error * event.size for event in events}
-    state = None
+    last = None
     for number, piece in enumerate(pieces):
         left = limit - piece.begin
         end = piece.length if piece.length < left else left
@@ -227,10 +227,14 @@ def first_met(
         ]
         if found:
             return _earliest(found, events, errors, limit, error, numbers)
-        state = piece.at(end)
+        last = piece, end
         if not piece.begin + piece.length < limit:
             break
-    for event in events if state is not None else ():
+    if last is None:
+        return None
+    piece, end = last
+    state = piece.at(end)
+    for event in events:
         numbers.positive(
             event.value(state), errors[event.name], f"whether {event.question} in the time limit"
         )

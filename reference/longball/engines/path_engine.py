@@ -73,9 +73,10 @@ class PathEngine(ABC, Generic[N]):
         There the ball is at rest, and the drag of V² has a kink.
         """
         begin = self.numbers.exact(0.0)
-        up, down = (law.straight(self.numbers.exact(sense)) for sense in (1.0, -1.0))
-        upright = start.u == 0 and (start.w > 0 or start.w <= 0)  # for certain
-        if up is None or down is None or not upright:
+        up = down = None
+        if start.u == 0 and (start.w > 0 or start.w <= 0):  # for certain
+            up, down = (law.straight(self.numbers.exact(sense)) for sense in (1.0, -1.0))
+        if up is None or down is None:
             yield from self.steps(law, start, begin, limit, events)
             return
         if start.w > 0:
@@ -106,13 +107,11 @@ class PathEngine(ABC, Generic[N]):
             return Flight(path, "time", limit, path.at(limit))
         return Flight(path, met.event.name, met.time, met.state)
 
-    def around(self, pitch: Flight[N], law: Law[N]) -> Iterator[Piece[N]]:
-        """Yield the pieces of a pitch, for the search for the bat.
-
-        An engine with rounding errors expands one about the end of the pitch, where it crosses the
-        plate: the bat is put at the height of that very state, and shares its error.
-        """
-        yield from pitch.path.pieces()
+    def views(self, pitch: Flight[N], law: Law[N], bat: BatSection[N]) -> Iterator[View[N]]:
+        """Yield the pieces of a pitch, for the search for the bat."""
+        nothing = self.numbers.exact(0.0)
+        for piece in pitch.path.pieces():
+            yield View(piece, nothing, piece.length, nothing)
 
     def touch(
         self,
@@ -139,25 +138,25 @@ class PathEngine(ABC, Generic[N]):
         if not gap > error and bat.approach(launch) < 0:
             first = numbers.exact(0.0), launch
         closest = -gap
-        for fall in self._approaches(pitch, law, bat, events, limit):
-            margin = bat.reach - bat.distance(fall.end, numbers)
+        for way in self._ways_in(pitch, law, bat, events, limit):
+            margin = bat.reach - bat.distance(way.end, numbers)
             closest = margin if margin > closest else closest
             if first is None:
-                first = fall.touching
-            if fall.settled and not abs(margin) > error:
-                return Touch(margin, None, doubt=_doubt(margin, error, numbers))
-            if fall.settled and margin > error and first is not None:
+                first = way.touching
+            if way.settled and not abs(margin) > error + way.error:
+                return Touch(margin, None, doubt=_doubt(margin, error + way.error, numbers))
+            if way.settled and margin > error and first is not None:
                 return Touch(margin, True, *first)
         return Touch(closest, False)
 
-    def _approaches(
+    def _ways_in(
         self,
         pitch: Flight[N],
         law: Law[N],
         bat: BatSection[N],
         events: Sequence[Event[N]],
         limit: N,
-    ) -> Iterator[_Approach[N]]:
+    ) -> Iterator[_WayIn[N]]:
         """Yield the parts of a pitch on which it comes closer to the bat."""
         numbers = self.numbers
         ends = [past(bat.frame, bat.reach, numbers), *events]
@@ -165,29 +164,29 @@ class PathEngine(ABC, Generic[N]):
         search_end = limit if met is None else met.time
         at_plate = bat.distance(pitch.state, numbers)
         near = at_plate if at_plate > bat.reach else bat.reach
-        zero = numbers.exact(0.0)
-        pending: _Approach[N] | None = None
-        for piece in self.around(pitch, law):
+        pending: _WayIn[N] | None = None
+        for view in self.views(pitch, law, bat):
+            piece = view.piece
             left = search_end - piece.begin
-            over = not piece.length < left
-            end = left if over else piece.length
-            if piece.curve(partial(bat.beyond, near)).positive(zero, end):
+            over = not view.until < left
+            end = left if over else view.until
+            far = piece.curve(partial(bat.beyond, near))
+            if far(view.since) > 0 and far.positive(view.since, end):
                 pending = None
-                if over:
-                    break
-                continue
-            curve = piece.curve(bat.depth)
-            for a, b in pairwise([zero, *curve.turns(zero, end), end]):
-                if curve(b) < curve(a):
-                    touching = None
-                    if curve(b) < 0:
-                        t = curve.zero(a, b)
-                        touching = piece.begin + t, piece.at(t)
-                    pending = _Approach(piece.at(b), touching, settled=b is not end or over)
-                    yield pending
-                elif pending is not None and not pending.settled:
-                    yield replace(pending, settled=True)  # it turned where the pieces join
-                    pending = None
+            else:
+                curve = piece.curve(bat.depth)
+                for a, b in pairwise([view.since, *curve.turns(view.since, end), end]):
+                    if curve(b) < curve(a):
+                        touching = None
+                        if curve(b) < 0:
+                            t = curve.zero(a, b)
+                            touching = piece.begin + t, piece.at(t)
+                        settled = b is not end or over
+                        pending = _WayIn(piece.at(b), touching, view.error, settled)
+                        yield pending
+                    elif pending is not None and not pending.settled:
+                        yield replace(pending, settled=True)  # it turned where the pieces join
+                        pending = None
             if over:
                 break
         if met is not None and met.event.name == "vertical":
@@ -205,8 +204,27 @@ APEX: Event[Any] = Event(
 
 
 @dataclass(frozen=True)
-class _Approach(Generic[N]):
-    """A part of a pitch on which it comes closer to the bat, or its end.
+class View(Generic[N]):
+    """A piece of a pitch, or a part of it, in which the bat is looked for.
+
+    Attributes
+    ----------
+    since, until
+        The part, s since the piece begins; `since` may be negative.
+    error
+        Of the distance to a bat that is put at the height of the pitch at the plate, m, besides
+        what `longball.engines.contact.margin_error` counts.
+    """
+
+    piece: Piece[N]
+    since: N
+    until: N
+    error: N
+
+
+@dataclass(frozen=True)
+class _WayIn(Generic[N]):
+    """A part of a pitch on which it comes closer to the bat.
 
     `end` is the state at its end; `touching` when, s, and in what state the two first touch, if
     they do; `settled` tells whether the distance turns there, or the search ends.
@@ -214,6 +232,7 @@ class _Approach(Generic[N]):
 
     end: State[N]
     touching: tuple[N, State[N]] | None
+    error: N
     settled: bool
 
 

@@ -15,8 +15,9 @@ from longball.engines.enclosure.balls import Balls
 from longball.engines.enclosure.curve import EnclosedPiece
 from longball.engines.enclosure.defect import Defect, leading
 from longball.engines.enclosure.system import Structure, System
+from longball.engines.engine import CannotSolve
 from longball.engines.event import Event
-from longball.engines.path import CannotSolve, PathEngine
+from longball.engines.path_engine import PathEngine
 from longball.model.law import Law, State
 from longball.model.trace import Node, variable
 
