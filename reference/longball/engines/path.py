@@ -107,6 +107,40 @@ class Part(Generic[N]):
 
 
 @dataclass(frozen=True)
+class Rest(Generic[N]):
+    """A ball that nothing moves, as a piece of a flight."""
+
+    begin: N
+    length: N
+    state: State[N]
+
+    def at(self, t: N) -> State[N]:
+        """Return the state, which is always the same."""
+        return self.state
+
+    def curve(self, value: Callable[[Any], Any]) -> Curve[N]:
+        """Return the value of an event, which is always the same."""
+        return _Constant(value(self.state))
+
+
+@dataclass(frozen=True)
+class _Constant(Generic[N]):
+    value: N
+
+    def __call__(self, t: N) -> N:
+        return self.value
+
+    def positive(self, a: N, b: N) -> bool:
+        return bool(self.value > 0)  # type: ignore[operator]
+
+    def turns(self, a: N, b: N) -> list[N]:
+        return []
+
+    def zero(self, a: N, b: N) -> N:
+        return a
+
+
+@dataclass(frozen=True)
 class Leg(Generic[N]):
     """A flight of a scene: when it begins, s since the start of the scene, and in which frame."""
 

@@ -16,7 +16,7 @@ from typing import Any, Generic
 from longball.engines.contact import TURNS_VERTICAL, BatSection, inside_bat, margin_error
 from longball.engines.engine import CannotSolve, Touch
 from longball.engines.event import Event, Piece, first_fall, first_met, past
-from longball.engines.path import Flight, Part, Path
+from longball.engines.path import Flight, Part, Path, Rest
 from longball.model.law import Law, State
 from longball.model.numbers import N, Numbers, Undecided
 
@@ -68,11 +68,14 @@ class PathEngine(ABC, Generic[N]):
     def _pieces(
         self, law: Law[N], start: State[N], limit: N, events: Sequence[Event[N]]
     ) -> Iterator[Piece[N]]:
-        """Yield the pieces of a flight: a vertical one in two, on either side of its apex.
+        """Yield the pieces of a flight: one of a ball at rest, two of one that flies vertically.
 
-        There the ball is at rest, and the drag of V² has a kink.
+        At its apex it is at rest, and the drag of V² has a kink.
         """
         begin = self.numbers.exact(0.0)
+        if all(rate == 0 for rate in law.rates(self.numbers)(*start)):
+            yield Rest(begin, limit, start)
+            return
         up = down = None
         if start.u == 0 and (start.w > 0 or start.w <= 0):  # for certain
             up, down = (law.straight(self.numbers.exact(sense)) for sense in (1.0, -1.0))
@@ -132,7 +135,7 @@ class PathEngine(ABC, Generic[N]):
         gap = bat.distance(launch, numbers) - bat.reach
         if gap < -error:
             raise CannotSolve(inside_bat(float(gap + bat.reach), float(bat.reach)))
-        if not gap >= -error:
+        if not gap > error:
             numbers.positive(gap, error, "whether the ball starts inside the bat or touches it")
         first: tuple[N, State[N]] | None = None
         if not gap > error and bat.approach(launch) < 0:

@@ -11,7 +11,7 @@ from typing import cast
 import flint
 from flint import arb
 
-from longball.model.numbers import Undecided
+from longball.model.numbers import Single, Undecided
 from longball.model.result import Bounded
 
 # Bits beyond the digits asked for. A flight's error is some 2¹⁴ roundings: 2⁸ a step, and 2⁵ steps.
@@ -19,7 +19,7 @@ from longball.model.result import Bounded
 _GUARD_BITS = 64
 
 
-class Balls:
+class Balls(Single[arb]):
     """Real numbers as balls that contain them, written with a number of digits."""
 
     rounding = 0.0
@@ -45,10 +45,6 @@ class Balls:
     def exact(self, value: float) -> arb:
         """Return the double, with radius 0."""
         return arb(value)
-
-    def absent(self, value: float) -> bool:
-        """Tell whether a number of a scene is zero."""
-        return value == 0.0
 
     def sqrt(self, x: arb) -> arb:
         """Return the square root of a number that is known not to be negative."""
