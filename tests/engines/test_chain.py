@@ -145,7 +145,7 @@ def test_another_law_or_collision_may_stand_in_the_chain():
 
 def test_a_sideways_force_goes_through_the_whole_chain():
     """1 m/s² to the left of the flight, whatever else acts: y = a t²/2 in a vacuum."""
-    across = Force(("push",), lambda scene, numbers: (numbers.exact(1.0),), push_left)
+    across = Force(("push",), lambda scene, frame, numbers: (numbers.exact(1.0),), push_left)
     model = replace(MODEL, forces=(GRAVITY, across))
     scene = parse_scene(
         '{"id":"x","kind":"flight","air":null,"launch":{"position":[0,0,1],"velocity":[30,0,20]}}'

@@ -23,7 +23,7 @@ class ThickFlight(FlightScene):
     air: ThickAir = ThickAir()
 
 
-def strength(scene, numbers):
+def strength(scene, frame, numbers):
     rate = scene.air.linear_drag
     return None if numbers.absent(rate) else (numbers.exact(rate),)
 

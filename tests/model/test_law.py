@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import sympy as sp
 
+from longball.model.frame import Frame
 from longball.model.law import (
     DRAG,
     FORCES,
@@ -24,6 +25,7 @@ from longball.model.trace import ZERO
 
 K_D, K_L, G = sp.symbols("k_D k_L g", positive=True)
 U, V, W = sp.symbols("u v w", real=True)
+ALONG_X = Frame(0.0, 0.0, 1.0, 0.0)
 SYMBOLS = SimpleNamespace(functions={"sqrt": sp.sqrt})
 
 
@@ -60,7 +62,7 @@ def test_backspin_lifts_and_drag_brakes():
 
 def test_the_constants_are_those_of_the_paper():
     """k = ρ C A / (2 m), in numbers: 1.29 · 0.4 · π · 0.0366² / (2 · 0.145)."""
-    strengths = law_of(scene(), DOUBLES).strengths
+    strengths = law_of(scene(), ALONG_X, DOUBLES).strengths
     assert strengths["drag"] == pytest.approx(0.007488, rel=1e-4)
     assert strengths["lift"] == pytest.approx(0.003744, rel=1e-4)
     assert strengths["gravity"] == 9.8
@@ -78,7 +80,7 @@ def test_the_constants_are_those_of_the_paper():
     ],
 )
 def test_only_what_the_scene_names_is_there(air, gravity, named):
-    law = law_of(scene(air, gravity), DOUBLES)
+    law = law_of(scene(air, gravity), ALONG_X, DOUBLES)
     assert set(law.forces) == named
     assert set(law.strengths) == {name for force in named for name in force.parameters}
 
@@ -96,20 +98,20 @@ def sideways(motion, p):
 
 
 def test_a_force_across_takes_the_flight_out_of_its_plane():
-    push = Force(("push",), lambda scene, numbers: (0.5,), sideways)
-    law = law_of(scene(), DOUBLES, (*FORCES, push))
+    push = Force(("push",), lambda scene, frame, numbers: (0.5,), sideways)
+    law = law_of(scene(), ALONG_X, DOUBLES, (*FORCES, push))
     assert law.state is SpaceState
     start = law.state_of(PlaneState(0.0, 1.0, 30.0, 10.0))
     assert start == SpaceState(0.0, 0.0, 1.0, 30.0, 0.0, 10.0)
     ds, dy, dz, du, dv, dw = law.rates(DOUBLES)(*start)
-    planar = law_of(scene(), DOUBLES).rates(DOUBLES)(0.0, 1.0, 30.0, 10.0)
+    planar = law_of(scene(), ALONG_X, DOUBLES).rates(DOUBLES)(0.0, 1.0, 30.0, 10.0)
     assert (ds, dz, du, dw) == pytest.approx(planar, rel=1e-15)
     assert (dy, dv) == (0.0, 0.5)
 
 
 def test_without_a_force():
-    law = law_of(scene(), DOUBLES)
-    assert law.without(LIFT) == law_of(scene(Air(lift_coefficient=0.0)), DOUBLES)
+    law = law_of(scene(), ALONG_X, DOUBLES)
+    assert law.without(LIFT) == law_of(scene(Air(lift_coefficient=0.0)), ALONG_X, DOUBLES)
 
 
 def test_a_straight_flight_has_no_root():

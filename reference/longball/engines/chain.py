@@ -23,7 +23,7 @@ from longball.model import result as written
 from longball.model.bat import bat_velocity, collision_parameters, lever_arm
 from longball.model.frame import Frame, launch_frame
 from longball.model.impact import energy_change, impulse, velocity_after
-from longball.model.law import FORCES, LIFT, Force, Law, State, law_of
+from longball.model.law import FORCES, LIFT, Force, Law, PlaneState, State, law_of
 from longball.model.numbers import N, Numbers, Undecided, Vector
 from longball.model.result import Outcome, Result
 from longball.model.scene import AtBatScene, Scene, landing_height
@@ -172,9 +172,9 @@ class Cases(ABC, Generic[N]):
         x, y, z = map(self.numbers.exact, values)
         return x, y, z
 
-    def law(self) -> Law[N]:
-        """Return the law of motion."""
-        return law_of(self.scene, self.numbers, self.model.forces)
+    def law(self, frame: Frame[N]) -> Law[N]:
+        """Return the law of motion of a flight in a frame."""
+        return law_of(self.scene, frame, self.numbers, self.model.forces)
 
     def ground(self, start: State[N]) -> Event[N]:
         """Return the landing of a flight from a state."""
@@ -184,7 +184,7 @@ class Cases(ABC, Generic[N]):
 # --- balls in the air -----------------------------------------------------------------------------
 
 
-def fly(cases: Cases[N], start: State[N], *events: Event[N]) -> Flight[N]:
+def fly(cases: Cases[N], frame: Frame[N], start: PlaneState[N], *events: Event[N]) -> Flight[N]:
     """Fly to an event or the time limit, through the vertical if need be.
 
     With lift that is always up, a ball that reaches the vertical cannot leave it: on either side
@@ -192,7 +192,7 @@ def fly(cases: Cases[N], start: State[N], *events: Event[N]) -> Flight[N]:
     (the sliding solution in Filippov's sense; on the way down it is the symmetric one of two). From
     rest, or straight up or down, it is there already.
     """
-    law = cases.law()
+    law = cases.law(frame)
     if cases.scene.reading.lift_direction == "always_up" and LIFT in law.forces:
         return cases.either(start.u == 0, _fly_upright, _fly_to_vertical, law, start, events)
     return cases.engine.fly(law, law.state_of(start), events, cases.time_limit)
@@ -237,7 +237,7 @@ def land(cases: Cases[N], launch: Launch[N], outcome: Outcome) -> None:
     if launch.landed:
         flight = _landed(start, cases.numbers)
     else:
-        flight = fly(cases, start, cases.ground(start))
+        flight = fly(cases, frame, start, cases.ground(start))
     cases.follow(frame, flight, launch.time)
     (airborne,) = cases.take(flight.stopped("time"))
     airborne.conclude("airborne")
@@ -278,7 +278,7 @@ def throw(cases: Cases[N]) -> Pitch[N]:
     scale = numbers.exact(pitch.speed) / numbers.sqrt(_dot(toward, toward))
     velocity = (toward[0] * scale, toward[1] * scale, toward[2] * scale)
     frame, start = launch_frame(release, velocity, numbers)
-    return Pitch(frame, start, fly(cases, start, cases.ground(start), plate(frame, numbers)))
+    return Pitch(frame, start, fly(cases, frame, start, cases.ground(start), plate(frame, numbers)))
 
 
 def reach_plate(cases: Cases[N]) -> tuple[Cases[N], Pitch[N]]:
@@ -427,7 +427,7 @@ def approach_bat(cases: Cases[N]) -> tuple[Cases[N], Approach[N] | None]:
     height = pitch.flight.state.z + numbers.exact(scene.swing.height_offset)
     reach = numbers.exact(scene.ball.radius) + numbers.exact(scene.bat.radius)
     bat = BatSection(pitch.frame, height, reach)
-    law, start = cases.law(), pitch.start
+    law, start = cases.law(pitch.frame), pitch.start
     events = [cases.ground(start)]
     if scene.reading.lift_direction == "always_up" and LIFT in law.forces:
         events.append(vertical(numbers))
@@ -472,7 +472,7 @@ def finish(cases: Cases[N], meeting: Meeting[N] | None) -> None:
     if isinstance(engine, Stepped):
         before, after = contact.velocity, impact.velocity
         delta_v = (after[0] - before[0], after[1] - before[1], after[2] - before[2])
-        law, surface = cases.law(), cases.ground(pitch.start)
+        law, surface = cases.law(pitch.frame), cases.ground(pitch.start)
         launch = engine.rebound(pitch.frame, touch, delta_v, law, surface)
     else:
         nothing = touch.time * 0
@@ -596,7 +596,7 @@ BLOCKS: dict[str, type[Any]] = {
 def solve(scene: Scene, engine: Engine[N], model: Model = MODEL) -> Result:
     """Return the result of a scene; what cannot be solved is a result with an error."""
     case = OneCase(scene, engine, model)
-    return _answer(case, lambda: CHAINS[scene.kind](case))
+    return _answer(case, CHAINS[scene.kind])
 
 
 def solve_with_path(
@@ -604,7 +604,7 @@ def solve_with_path(
 ) -> tuple[Result, Trajectory[N]]:
     """Return the result of a scene, and the way of its ball from the start of the scene on."""
     case = OneCase(scene, engine, model)
-    result = _answer(case, lambda: CHAINS[scene.kind](case))
+    result = _answer(case, CHAINS[scene.kind])
     return result, Trajectory(tuple(case.legs))
 
 
@@ -616,16 +616,18 @@ def solve_with_restitutions(
     The pitch and its touching of the bat, which do not depend on it, are solved once.
     """
     case = OneCase(scene, engine, model)
-    met: list[tuple[Cases[N], Meeting[N] | None]] = []
-    failed = _answer(case, lambda: met.append(meet_bat(case)))
-    results = []
-    for e in restitutions if met else ():
-        ball = scene.ball.model_copy(update={"restitution": e})  # validated as the others were not
-        one = replace(case, scene=scene.model_copy(update={"ball": ball}), answer=dict(case.answer))
-        cases, meeting = met[0]
-        left = cases.empty
-        results.append(_answer(one, lambda: None if left else finish(one, meeting)))  # noqa: B023
-    return results or [failed] * len(restitutions)
+    struck: list[tuple[Cases[N], Meeting[N] | None]] = []
+    concluded = _follow(case, lambda: struck.append(meet_bat(case)))
+    if concluded is not None:
+        return [concluded] * len(restitutions)
+    ((_, meeting),) = struck
+    return [
+        _answer(
+            replace(case, scene=replaced(scene, {"ball.restitution": e}), answer=dict(case.answer)),
+            lambda one: finish(one, meeting),
+        )
+        for e in restitutions
+    ]
 
 
 def approach_of(scene: AtBatScene, engine: Engine[N]) -> Approach[N] | None:
@@ -639,12 +641,19 @@ def approach_of(scene: AtBatScene, engine: Engine[N]) -> Approach[N] | None:
         return approach_bat(OneCase(scene, engine, MODEL))[1]
 
 
-def _answer(case: OneCase[N], chain: Callable[[], None]) -> Result:
-    """Go through a chain; return the result, which is an error if there is no way."""
+def _answer(case: OneCase[N], chain: Callable[[OneCase[N]], None]) -> Result:
+    """Go through a chain to its end; return the result."""
+    result = _follow(case, lambda: chain(case))
+    assert result is not None
+    return result
+
+
+def _follow(case: OneCase[N], chain: Callable[[], None]) -> Result | None:
+    """Go through a chain; return the result, or an error; None if it is not concluded."""
     with case.numbers.arithmetic():
         try:
             chain()
-            return case.result()
+            return case.result() if "outcome" in case.answer else None
         except (Undecided, CannotSolve) as error:
             return case.result(str(error))
         except (ArithmeticError, ValueError) as error:

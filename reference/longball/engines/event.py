@@ -15,7 +15,7 @@ from typing import Any, Generic, Protocol
 
 from longball.model.frame import Frame
 from longball.model.law import PlaneState, State
-from longball.model.numbers import N, Numbers
+from longball.model.numbers import N, Numbers, Undecided
 
 
 @dataclass(frozen=True)
@@ -235,9 +235,8 @@ def first_met(
     piece, end = last
     state = piece.at(end)
     for event in events:
-        numbers.positive(
-            event.value(state), errors[event.name], f"whether {event.question} in the time limit"
-        )
+        question = f"whether {event.question} in the time limit"
+        _require_positive(event.value(state), errors[event.name], question, numbers)
     return None
 
 
@@ -262,11 +261,13 @@ def _earliest(
             first = met
     for other in events:
         if other is not first.event and not first.time <= 0:
-            numbers.positive(
-                other.value(first.state),
-                errors[other.name],
-                f"whether {first.event.question} before {other.question}",
-            )
+            question = f"whether {first.event.question} before {other.question}"
+            _require_positive(other.value(first.state), errors[other.name], question, numbers)
     question = f"whether {first.event.question} in the time limit"
-    numbers.positive(limit - first.time, error * limit, question)
+    _require_positive(limit - first.time, error * limit, question, numbers)
     return first
+
+
+def _require_positive(x: N, error: N, question: str, numbers: Numbers[N]) -> None:
+    if not numbers.positive(x, error, question):
+        raise Undecided(f"{question} cannot be decided: the two coincide")

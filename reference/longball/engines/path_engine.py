@@ -141,15 +141,13 @@ class PathEngine(ABC, Generic[N]):
         if not gap > error and bat.approach(launch) < 0:
             first = numbers.exact(0.0), launch
         closest = -gap
-        for way in self._ways_in(pitch, law, bat, events, limit):
+        for way in self._ways_in(pitch, law, bat, events, limit, first):
             margin = bat.reach - bat.distance(way.end, numbers)
             closest = margin if margin > closest else closest
-            if first is None:
-                first = way.touching
             if way.settled and not abs(margin) > error + way.error:
                 return Touch(margin, None, doubt=_doubt(margin, error + way.error, numbers))
-            if way.settled and margin > error and first is not None:
-                return Touch(margin, True, *first)
+            if way.settled and margin > error and way.touching is not None:
+                return Touch(margin, True, *way.touching)
         return Touch(closest, False)
 
     def _ways_in(
@@ -159,8 +157,12 @@ class PathEngine(ABC, Generic[N]):
         bat: BatSection[N],
         events: Sequence[Event[N]],
         limit: N,
+        touching: tuple[N, State[N]] | None,
     ) -> Iterator[_WayIn[N]]:
-        """Yield the parts of a pitch on which it comes closer to the bat."""
+        """Yield the parts of a pitch on which it comes closer to the bat.
+
+        `touching` is when, s, and in what state the two touch at once, if they do.
+        """
         numbers = self.numbers
         ends = [past(bat.frame, bat.reach, numbers), *events]
         met = first_met(pitch.path.pieces(), ends, limit, self.flight_error, numbers)
@@ -180,8 +182,7 @@ class PathEngine(ABC, Generic[N]):
                 curve = piece.curve(bat.depth)
                 for a, b in pairwise([view.since, *curve.turns(view.since, end), end]):
                     if curve(b) < curve(a):
-                        touching = None
-                        if curve(b) < 0:
+                        if touching is None and curve(b) < 0:
                             t = curve.zero(a, b)
                             touching = piece.begin + t, piece.at(t)
                         settled = b is not end or over

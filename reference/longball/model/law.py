@@ -73,24 +73,24 @@ class Force:
     parameters
         Names of the force's parameters.
     strengths
-        From a scene and a number system to the values of the parameters; None if the scene does
-        not name the force, which then is not in the law.
+        From a scene, the `longball.model.frame.Frame` of a flight and a number system to the values
+        of the parameters; None if the scene does not name the force, which then is not in the law.
     acceleration
         From the motion and the parameters to the acceleration, m/s². Parameters are attributes.
     """
 
     parameters: tuple[str, ...]
-    strengths: Callable[[Any, Numbers[Any]], tuple[Any, ...] | None]
+    strengths: Callable[[Any, Any, Numbers[Any]], tuple[Any, ...] | None]
     acceleration: Callable[[Motion, Any], Vector[Any]]
 
 
 # --- the paper's forces ---------------------------------------------------------------------------
 
 
-def _per_metre(coefficient: str) -> Callable[[Any, Numbers[N]], tuple[N] | None]:
+def _per_metre(coefficient: str) -> Callable[[Any, Any, Numbers[N]], tuple[N] | None]:
     """Return the function from a scene to ``k = ρ C A / (2 m)``, 1/m."""
 
-    def strength(scene: Any, numbers: Numbers[N]) -> tuple[N] | None:
+    def strength(scene: Any, frame: Any, numbers: Numbers[N]) -> tuple[N] | None:
         if scene.air is None:
             return None
         density, value = scene.air.density, getattr(scene.air, coefficient)
@@ -105,7 +105,7 @@ def _per_metre(coefficient: str) -> Callable[[Any, Numbers[N]], tuple[N] | None]
     return strength
 
 
-def _weight(scene: Any, numbers: Numbers[N]) -> tuple[N] | None:
+def _weight(scene: Any, frame: Any, numbers: Numbers[N]) -> tuple[N] | None:
     return None if numbers.absent(scene.gravity) else (numbers.exact(scene.gravity),)
 
 
@@ -200,11 +200,13 @@ class Law(Generic[N]):
         return replace(self, program=program, strengths={**self.strengths, "sense": sense})
 
 
-def law_of(scene: Any, numbers: Numbers[N], forces: tuple[Force, ...] = FORCES) -> Law[N]:
-    """Return the law of motion of a scene with ball, air and gravity."""
+def law_of(
+    scene: Any, frame: Any, numbers: Numbers[N], forces: tuple[Force, ...] = FORCES
+) -> Law[N]:
+    """Return the law of motion of a flight in a frame, of a scene with ball, air and gravity."""
     strengths: dict[str, N] = {}
     for force in forces:
-        values = force.strengths(scene, numbers)
+        values = force.strengths(scene, frame, numbers)
         if values is not None:
             strengths |= zip(force.parameters, values, strict=True)
     return law_with(strengths, forces)
