@@ -25,6 +25,7 @@ from longball.model.frame import Frame, launch_frame
 from longball.model.impact import energy_change, impulse, velocity_after
 from longball.model.law import FORCES, LIFT, Force, Law, PlaneState, State, law_of
 from longball.model.numbers import N, Numbers, Undecided, Vector
+from longball.model.quantities import replaced
 from longball.model.result import Outcome, Result
 from longball.model.scene import AtBatScene, Scene, landing_height
 
