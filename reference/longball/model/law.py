@@ -248,11 +248,11 @@ def _program(forces: tuple[Force, ...], names: tuple[str, ...], motion: str) -> 
 _SENSE = "sense"
 
 
-def _speed(velocity: Vector[Node]) -> Node:
+def _speed(velocity: tuple[Node, Node, Node]) -> Node:
     moving = [component for component in velocity if component is not ZERO]
     if len(moving) == 1:
         return trace.parameter(_SENSE) * moving[0]
-    return trace.sqrt(sum((component * component for component in moving), ZERO))
+    return trace.sqrt(trace.total(component * component for component in moving))
 
 
 @cache
