@@ -5,8 +5,9 @@ import pickle
 import mpmath
 import pytest
 
-from longball.engines.event import Event
+from longball.engines import event
 from longball.engines.multiprecision import Multiprecision
+from longball.model.frame import Frame
 from longball.model.law import DRAG, GRAVITY, LIFT, Force, PlaneState, SpaceState, traced
 from longball.model.numbers import Undecided
 from longball.model.result import Bounded
@@ -37,23 +38,12 @@ def launched(z, u, w):
 
 
 def ground(height=0.0):
-    return Event(
-        "ground",
-        "the ball reaches the ground",
-        lambda y: y.z - height,
-        lambda y: y._replace(z=exact(0.0) + height),
-        exact(1.0),
-    )
+    return event.ground(exact(0.0) + height, launched(1.0, 0.0, 0.0), NUMBERS)
 
 
 def plate(distance):
-    return Event(
-        "plate",
-        "the ball reaches the plate",
-        lambda y: distance - y.s,
-        lambda y: y._replace(s=exact(distance)),
-        exact(1.0),
-    )
+    zero, one = exact(0.0), exact(1.0)
+    return event.plate(Frame(exact(distance), zero, -one, zero), NUMBERS)
 
 
 # ---- closed forms: every digit -------------------------------------------------------------------
@@ -241,7 +231,7 @@ def test_a_dip_is_told_from_a_miss(circle, above, stop):
 
 def test_a_tangential_landing_is_not_guessed(circle):
     start, law, bottom = circle
-    with pytest.raises(Undecided, match="whether the ball reaches the ground"):
+    with pytest.raises(Undecided, match="whether the ball touches the ground"):
         ENGINE.fly(law, start, [ground(bottom)], exact(1.0))
 
 

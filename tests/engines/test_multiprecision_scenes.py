@@ -4,6 +4,7 @@ import mpmath
 import numpy as np
 import pytest
 
+from longball.engines.chain import solve
 from longball.engines.ivp import Ivp
 from longball.engines.multiprecision import Multiprecision
 from longball.model.readings import Reading
@@ -20,8 +21,6 @@ from longball.model.scene import (
     PitchScene,
     Swing,
 )
-
-solve = pytest.importorskip("longball.engines.chain").solve
 
 ENGINE = Multiprecision(30)
 NUMBERS = ENGINE.numbers

@@ -32,7 +32,7 @@ import scipy.linalg
 from mpmath import MPContext
 from numpy.typing import NDArray
 
-from longball.engines.path import CannotSolve
+from longball.engines.engine import CannotSolve
 from longball.model.law import Law, State
 from longball.model.numbers import Numbers
 from longball.model.trace import ZERO

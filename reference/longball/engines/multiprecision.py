@@ -18,9 +18,9 @@ from mpmath import MPContext
 
 from longball.engines.collocation import Collocation, Mpf, Segment, gauss_legendre
 from longball.engines.event import Event
-from longball.engines.path import PathEngine
+from longball.engines.path_engine import PathEngine
 from longball.model.law import Law, State
-from longball.model.numbers import Undecided, ratio
+from longball.model.numbers import Single, Undecided, ratio
 from longball.model.result import Bounded
 
 # Digits beyond those that are printed. What a step leaves out is 14 digits below; a flight of
@@ -35,7 +35,7 @@ _ROUNDING_GUARD = 20
 _NODES_PER_DIGIT = 1.25
 
 
-class MultiprecisionNumbers:
+class MultiprecisionNumbers(Single[Mpf]):
     """Numbers of mpmath with so many digits to be printed, and some more behind them.
 
     They have a context of their own, so that engines of different precision do not meet.
@@ -61,10 +61,6 @@ class MultiprecisionNumbers:
     def exact(self, value: float) -> Mpf:
         """Return the double itself."""
         return self.context.mpf(value)
-
-    def absent(self, value: float) -> bool:
-        """Tell whether a number of a scene is zero."""
-        return value == 0
 
     def sqrt(self, x: Mpf) -> Mpf:
         """Return the square root."""
