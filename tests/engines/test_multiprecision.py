@@ -8,7 +8,7 @@ import pytest
 from longball.engines import event
 from longball.engines.multiprecision import Multiprecision
 from longball.model.frame import Frame
-from longball.model.law import DRAG, GRAVITY, LIFT, Force, PlaneState, SpaceState, traced
+from longball.model.law import GRAVITY, Force, PlaneState, SpaceState, law_with
 from longball.model.numbers import Undecided
 from longball.model.result import Bounded
 from longball.model.trace import ZERO, exp, log
@@ -25,12 +25,8 @@ def printed(x, digits=30):
 
 
 def plane_law(drag=None, lift=None, gravity=9.8):
-    named = {"drag": (DRAG, drag), "lift": (LIFT, lift), "gravity": (GRAVITY, gravity)}
-    named = {name: each for name, each in named.items() if each[1] is not None}
-    return traced(
-        tuple(force for force, _ in named.values()),
-        {name: exact(k) for name, (_, k) in named.items()},
-    )
+    named = {"drag": drag, "lift": lift, "gravity": gravity}
+    return law_with({name: exact(k) for name, k in named.items() if k is not None})
 
 
 def launched(z, u, w):
@@ -153,6 +149,10 @@ def test_balance_of_energy_with_everything_on():
 # ---- laws of any kind ----------------------------------------------------------------------------
 
 
+def made_up(acceleration, *parameters):
+    return Force(parameters, lambda scene, numbers: None, acceleration)
+
+
 def wind_tunnel_law():
     """Linear drag, weight and a constant force to the left, which drives the ball off the plane."""
 
@@ -162,9 +162,9 @@ def wind_tunnel_law():
     def aside(motion, p):
         return ZERO, p.aside, ZERO
 
-    forces = Force(dict, drag), Force(dict, aside), GRAVITY
+    forces = made_up(drag, "rate"), made_up(aside, "aside"), GRAVITY
     strengths = {"rate": exact(0.25), "aside": exact(1.5), "gravity": exact(9.8)}
-    return traced(forces, strengths), strengths
+    return law_with(strengths, forces), strengths
 
 
 def test_a_force_that_leaves_the_plane_is_flown_in_space():
@@ -193,7 +193,7 @@ def test_a_force_that_leaves_the_plane_is_flown_in_space():
 )
 def test_a_force_of_the_height_keeps_its_energy(force, potential):
     """Unlike drag, lift and weight it depends on the position."""
-    law = traced((Force(dict, lambda motion, p: (ZERO, ZERO, force(motion.position[2]))),), {})
+    law = law_with({}, (made_up(lambda motion, p: (ZERO, ZERO, force(motion.position[2]))),))
     start = launched(2.0, 3.0, -0.5)
     end = ENGINE.fly(law, start, [], exact(3.0)).state
 
@@ -205,7 +205,7 @@ def test_a_force_of_the_height_keeps_its_energy(force, potential):
 
 
 def test_a_spring_swings():
-    law = traced((Force(dict, lambda motion, p: (ZERO, ZERO, -4 * motion.position[2])),), {})
+    law = law_with({}, (made_up(lambda motion, p: (ZERO, ZERO, -4 * motion.position[2])),))
     flight = ENGINE.fly(law, launched(1.0, 3.0, 0.0), [ground()], exact(3.0))
     assert printed(flight.time) == printed(mp.pi / 4)
     assert printed(flight.state.w) == printed(exact(-2.0))

@@ -32,6 +32,7 @@ import scipy.linalg
 from mpmath import MPContext
 from numpy.typing import NDArray
 
+from longball.engines.dual import Dual
 from longball.engines.engine import CannotSolve
 from longball.model.law import Law, State
 from longball.model.numbers import Numbers
@@ -520,42 +521,6 @@ _ROUGHLY = 1e-11
 
 
 # --- events on a segment --------------------------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class Dual:
-    """A number and its rate of change, with as much arithmetic as an event is made of."""
-
-    value: Any
-    rate: Any
-
-    def __add__(self, other: Any) -> Dual:
-        other = _dual(other)
-        return Dual(self.value + other.value, self.rate + other.rate)
-
-    __radd__ = __add__
-
-    def __neg__(self) -> Dual:
-        return Dual(-self.value, -self.rate)
-
-    def __sub__(self, other: Any) -> Dual:
-        return self + -_dual(other)
-
-    def __rsub__(self, other: Any) -> Dual:
-        return _dual(other) + -self
-
-    def __mul__(self, other: Any) -> Dual:
-        other = _dual(other)
-        return Dual(self.value * other.value, self.rate * other.value + self.value * other.rate)
-
-    __rmul__ = __mul__
-
-    def __truediv__(self, divisor: Any) -> Dual:
-        return Dual(self.value / divisor, self.rate / divisor)
-
-
-def _dual(x: Any) -> Dual:
-    return x if isinstance(x, Dual) else Dual(x, 0 * x)
 
 
 @dataclass(frozen=True)
