@@ -324,14 +324,14 @@ class Verlet(Stepped[float]):
             last, done, length = (
                 states[:, -1],
                 done + states.shape[1] - 1,
-                min(2 * length, _MOST_STEPS),
+                min(4 * length, _MOST_STEPS),
             )
 
     def _chords(self, law: Law[float], start: State[float], limit: float) -> Iterator[Chord]:
         for done, states in self._march(law, start, limit):
             before = law.state(*states[:, 0].tolist())
-            for count, row in enumerate(states.T[1:].tolist(), done):
-                after = law.state(*row)
+            for count, row in enumerate(states.T[1:], done):
+                after = law.state(*row.tolist())
                 begin = count * self.dt
                 yield Chord(begin, (count + 1) * self.dt - begin, before, after)
                 before = after
@@ -344,8 +344,9 @@ class Verlet(Stepped[float]):
             )
 
 
-# Steps that are taken at a time: a pitch of the paper's steps, and what a processor's cache holds.
-_FIRST_STEPS, _MOST_STEPS = 32, 4096
+# Steps that are taken at a time: some more than a flight of the paper's steps has, so that it takes
+# one array; and what a processor's cache holds.
+_FIRST_STEPS, _MOST_STEPS = 128, 4096
 
 
 # --- the rules between the steps ------------------------------------------------------------------
