@@ -9,13 +9,13 @@ from __future__ import annotations
 
 import math
 
+import flint
 import pytest
-from flint import arb, arb_poly
+from flint import arb, arb_poly, arb_series
 
 from longball.engines.enclosure import Balls
-from longball.engines.enclosure.defect import Defect
+from longball.engines.enclosure.defect import TRANSCENDENTAL, Defect, dynamic, polynomial_of
 from longball.engines.enclosure.system import static_values
-from longball.engines.series import recurrence
 from longball.model import trace
 from longball.model.law import law_with
 from longball.model.trace import exp, log, sqrt, variable
@@ -27,30 +27,40 @@ TIMES = [H * n / 8 for n in range(9)]
 
 @pytest.fixture(autouse=True)
 def _precise():
+    cap = flint.ctx.cap  # the order of arb_series
+    flint.ctx.cap = ORDER
     with BALLS.arithmetic():
         yield
+    flint.ctx.cap = cap
+
+
+def series_of(node, value):
+    """Return the power series of a node whose arguments are polynomials or numbers."""
+    a, *more = (
+        value[x] if x.static else arb_series(value[x].coeffs(), prec=ORDER) for x in node.args
+    )
+    series = a / more[0] if node.kind == "quotient" else getattr(a, node.kind)()
+    return arb_poly([c.mid() for c in series.coeffs()])
 
 
 def wrong(function, kind, order, size):
     """Return bound and truth of the defect of ``s' = f(z)``, where z is the time since `START`.
 
-    The polynomial of the one node of a kind is off by ``size t^order``; s is the integral of what
-    then stands for f(z), so that nothing else is amiss.
+    The polynomial of the one node of a kind is off by ``size t^order``, which later nodes take on;
+    s is the integral of what then stands for f(z), so that nothing else is amiss.
     """
-    program = trace.trace(lambda x, y, k: (function(y, k), 1.0), ("s", "z"), ("k",))
+    program = trace.trace(lambda s, z, k: (function(z, k), 1.0), ("s", "z"), ("k",))
     strengths = {"k": arb(0.75)}
-    series = recurrence(program)
-    rows = [[arb(0)] * (ORDER + 2) for _ in series.rows]
-    rows[1][0] = arb(START)
-    series.function(BALLS.functions)(rows, ORDER, *strengths.values())
-    polynomials = {
-        node: arb_poly([arb(c).mid() for c in row])
-        for node, row in zip(series.rows, rows, strict=True)
-    }
-    (node,) = (node for node in program.nodes if node.kind == kind)
-    polynomials[node] += arb_poly([0] * order + [size])
     static = static_values(program, strengths, BALLS.functions)
-    rate = Defect(program, static, polynomials).polynomial(program.outputs[0])
+    polynomials = {variable("s"): arb_poly([]), variable("z"): arb_poly([START, 1.0])}
+    value = {**static, **polynomials}
+    for node in dynamic(program):
+        if node.kind in TRANSCENDENTAL:
+            polynomials[node] = series_of(node, value)
+            if node.kind == kind:
+                polynomials[node] += arb_poly([0] * order + [size])
+        value[node] = polynomials.get(node) or polynomial_of(node, value)
+    rate = value[program.outputs[0]]
     polynomials[variable("s")] = rate.integral()
     defect = Defect(program, static, polynomials)
     rates = program.bind(strengths, BALLS.functions)

@@ -1,7 +1,7 @@
 """Each lemma of the enclosure: the bound holds, and cannot be less.
 
 Every lemma is given cases in which the truth is known and comes as close to the bound as `share`
-says, the more so the smaller the parts are: a bound that were half as large, or had one of its terms
+says: a bound that were half as large, or had one of its terms
 left out, would be below the truth.
 """
 
@@ -137,7 +137,12 @@ def test_exponential_error_is_nearly_attained(start, residual, error, share, rat
 
 @pytest.mark.parametrize(
     ("start", "residual", "error", "share"),
-    [(1e-3, 0.0, 0.0, 1.0), (0.0, 1e-3, 0.0, 1.0), (0.0, 0.0, 1e-3, 0.99), (1e-4, 1e-4, 1e-4, 0.99)],
+    [
+        (1e-3, 0.0, 0.0, 1.0),
+        (0.0, 1e-3, 0.0, 1.0),
+        (0.0, 0.0, 1e-3, 0.99),
+        (1e-4, 1e-4, 1e-4, 0.99),
+    ],
 )
 def test_logarithm_error_is_nearly_attained(start, residual, error, share):
     # A = 0.5, N' = r / A, N(0) = ln A + start: at h, N is too large, and a = A - e is smaller.
@@ -178,7 +183,9 @@ def logarithmic_norm(matrix, weights):
 
 
 def bounded(matrix, weights):
-    return float(lemmas.logarithmic_norm([[arb(x) for x in row] for row in matrix.tolist()], weights))
+    return float(
+        lemmas.logarithmic_norm([[arb(x) for x in row] for row in matrix.tolist()], weights)
+    )
 
 
 @pytest.mark.parametrize("n", [1, 2, 3, 4, 6])

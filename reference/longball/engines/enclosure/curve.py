@@ -50,7 +50,7 @@ class Curve:
         return zeros(slope, a.lower(), b.upper())
 
     def zero(self, a: arb, b: arb) -> arb:
-        """Enclose the zeros of the members, all of which fall from a to b; or return a, if past it.
+        """Enclose the zeros of the members, which all fall from a to b; a, if none starts above zero.
 
         Raises
         ------
@@ -58,7 +58,7 @@ class Curve:
             If a member may have fallen to zero before, but need not.
         """
         there = self.value(a)
-        if there < 0:
+        if there <= 0:
             return a
         if not there > 0:
             raise Undecided("whether the value falls to zero there cannot be decided")

@@ -47,18 +47,10 @@ class Defect:
         self._value = value
         self._residual: dict[Node, arb_poly] = {}
         for node in self._nodes:
-            match node.kind:
-                case "sum":
-                    constant, *terms = node.args
-                    total = arb_poly([value[constant]])
-                    for c, x in terms:
-                        total += value[c] * value[x]
-                    value[node] = total
-                case "product":
-                    a, b = node.args
-                    value[node] = value[a] * value[b]
-                case _:
-                    self._residual[node] = _residual(node, value)
+            if node.kind in TRANSCENDENTAL:
+                self._residual[node] = _residual(node, value)
+            else:
+                value[node] = polynomial_of(node, value)
         self._misses = [
             value[variable(name)].derivative() - value[rate]
             for name, rate in zip(program.variables, program.outputs, strict=True)
@@ -119,6 +111,19 @@ class Defect:
                 )
         start = abs(value[node][0] - value[first][0].log())
         return lemmas.logarithm_error(start, missed, error, least(value[first], h), h)
+
+
+def polynomial_of(node: Node, value: Mapping[Node, Any]) -> arb_poly:
+    """Return the polynomial of a sum or product of polynomials."""
+    if node.kind == "product":
+        a, b = node.args
+        product: arb_poly = value[a] * value[b]
+        return product
+    constant, *terms = node.args
+    total = arb_poly([value[constant]])
+    for c, x in terms:
+        total += value[c] * value[x]
+    return total
 
 
 def _residual(node: Node, value: Mapping[Node, Any]) -> arb_poly:
