@@ -50,7 +50,7 @@ class Curve:
         return zeros(slope, a.lower(), b.upper())
 
     def zero(self, a: arb, b: arb) -> arb:
-        """Enclose the zeros of the members, which all fall from a to b; a, if none starts above zero.
+        """Enclose the zeros of members, which all fall from a to b; a, if none starts above zero.
 
         Raises
         ------
