@@ -13,7 +13,6 @@ from longball.engines.path import CannotSolve
 from longball.model import exact
 from longball.model.law import (
     DRAG,
-    FORCES,
     GRAVITY,
     LIFT,
     Force,
@@ -402,7 +401,9 @@ def first_change(start, air, rate):
     path = ENGINE.path(air, PlaneState(*start), 6.0)
     times = np.linspace(0.02, 6.0, 300).tolist()
     signs = [rate(path.at(time)) > 0 for time in times]
-    return next((b for b, old, new in zip(times[1:], signs, signs[1:], strict=False) if old != new), None)
+    return next(
+        (b for b, old, new in zip(times[1:], signs, signs[1:], strict=False) if old != new), None
+    )
 
 
 def over_the_ground(rng):
@@ -427,7 +428,8 @@ def least_of_u(rng):
     start = (0.0, 50.0, rng.uniform(20, 40), rng.uniform(10, 20))
     rates = air.rates(DOUBLES)
     guess = first_change(start, air, lambda y: rates(*y)[2])
-    path = path_of(start, air, 25)
+    if guess is None:
+        return least_of_u(rng)
 
     def jerk(v, a):
         speed = oracle.length(v)
@@ -504,7 +506,7 @@ def test_the_work_of_a_flight_is_bounded(start, air, stop, most):
 
 
 def test_a_flight_without_end_is_given_up():
-    with pytest.raises(CannotSolve, match="over 50000 steps"):
+    with pytest.raises(CannotSolve, match="over 20000 steps"):
         fly((0.0, 50.0, 160.0, 0.0), law(0.0, 38.1, 0.0126), ground(), limit=60.0)
 
 
@@ -542,7 +544,7 @@ def test_a_piece_around_a_state_holds_on_both_sides():
     curve = piece.curve(lambda state: state.w - flight.path.at(2.9).w)
     assert curve.turns(-0.3, 0.3) == []
     assert curve.zero(-0.3, 0.3) == pytest.approx(-0.1, abs=1e-14)
-    assert curve.positive(-0.3, -0.2)
+    assert curve.positive(-0.3, -0.25)
     assert not curve.positive(-0.3, 0.0)
 
 

@@ -7,6 +7,7 @@ written to in the user's cache, or in the folder that NUMBA_CACHE_DIR names.
 from __future__ import annotations
 
 import hashlib
+import importlib
 import importlib.util
 import os
 import sys
@@ -17,9 +18,10 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, TypeVar, cast
 
+numba: Any
 try:
-    import numba
-    import numba.extending
+    numba = importlib.import_module("numba")
+    importlib.import_module("numba.extending")
 except ImportError:
     numba = None
 
@@ -43,22 +45,23 @@ def compiled(function: F) -> F:
         return cast(F, numba.njit(**settings)(function))
 
 
-if COMPILES:
+def _plain(a: float, b: float, c: float) -> float:
+    return a * b + c
 
-    @numba.extending.intrinsic
-    def fma(typing: Any, a: Any, b: Any, c: Any) -> Any:
-        """Return ``a b + c``, rounded once."""
-        double = numba.types.float64
 
-        def code(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-            return builder.fma(*args)
+def _rounded_once(typing: Any, a: Any, b: Any, c: Any) -> Any:
+    double = numba.types.float64
 
-        return double(double, double, double), code
-else:
+    def code(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        return builder.fma(*args)
 
-    def fma(a: float, b: float, c: float) -> float:
-        """Return ``a b + c``."""
-        return a * b + c
+    return double(double, double, double), code
+
+
+# a b + c, rounded once where it is compiled
+fma: Callable[[float, float, float], float] = (
+    numba.extending.intrinsic(_rounded_once) if COMPILES else _plain
+)
 
 
 @cache

@@ -31,9 +31,11 @@ Array = NDArray[np.float64]
 
 # A baseball's flight takes a dozen steps of Taylor's method and a hundred of others. Strong lift
 # can loop a ball a thousand times a second: the limit is some seconds of work.
-_MOST_STEPS = 50_000
+_MOST_STEPS = 20_000
 # After so many the ball may have settled to its final speed.
 _MANY_STEPS = 2_000
+
+_BEYOND = "the forces are beyond the range of double precision"
 
 
 @dataclass(frozen=True)
@@ -116,7 +118,6 @@ class Ivp(PathEngine[float]):
         CannotSolve
             If solve_ivp gives up, or the flight takes too many steps.
         """
-        expand = Expander(law)
         time, state = begin, np.array(start, dtype=float)
         taken = 0
         while time < limit:
@@ -124,7 +125,7 @@ class Ivp(PathEngine[float]):
                 yield _uniform(law, time, state, limit)
                 return
             solution = self._integrate(law, time, state, limit, events)
-            for piece in self._polynomials(expand, solution):
+            for piece in self._polynomials(law, solution):
                 taken += 1
                 if taken > _MOST_STEPS:
                     raise CannotSolve(
@@ -148,34 +149,34 @@ class Ivp(PathEngine[float]):
         limit: float,
         events: Sequence[Event[float]],
     ) -> Any:
-        taylor = self.method == "Taylor"
+        span, ends = (time, limit), _ends(events, law)
+        if self.method == "Taylor":
+            return scipy.integrate.solve_ivp(
+                None, span, state, method=Taylor, law=law, events=ends, dense_output=True
+            )
+        rates = right_hand_side(law)
+        if not np.isfinite(rates(time, state)).all():
+            raise CannotSolve(_BEYOND)
         return scipy.integrate.solve_ivp(
-            None if taylor else right_hand_side(law),
-            (time, limit),
-            state,
-            method=Taylor if taylor else self.method,
-            events=_ends(events, law),
-            dense_output=taylor,
-            **({"law": law} if taylor else self.tolerances),
+            rates, span, state, method=self.method, events=ends, **self.tolerances
         )
 
-    def _polynomials(self, expand: Expander, solution: Any) -> Iterator[PolynomialPiece]:
+    def _polynomials(self, law: Law[float], solution: Any) -> Iterator[PolynomialPiece]:
         """Yield the polynomials of what solve_ivp has integrated."""
-        make = expand.law.state
         if self.method == "Taylor":
             for step in solution.sol.interpolants:
                 length = _length(step.t_old, step.t)
-                yield PolynomialPiece(step.t_old, length, make, step.coefficients)
+                yield PolynomialPiece(step.t_old, length, law.state, step.coefficients)
             return
         # Each accepted state is expanded anew, and again where a step is longer than the series.
-        times = solution.t.tolist()
+        expand, times = Expander(law), solution.t.tolist()
         for time, state, end in zip(times, solution.y.T, times[1:], strict=False):
             while time < end:
                 series, reach = expand(state)
                 if not reach > 0:
-                    raise CannotSolve("the law of motion is beyond the range of double precision")
+                    raise CannotSolve(_BEYOND)
                 until = min(time + reach, end)
-                piece = PolynomialPiece(time, _length(time, until), make, series)
+                piece = PolynomialPiece(time, _length(time, until), law.state, series)
                 yield piece
                 time, state = until, np.array(piece.at(piece.length))
 
@@ -191,7 +192,7 @@ class Ivp(PathEngine[float]):
         """
         series, reach = Expander(law)(np.array(state, dtype=float))
         if not reach > 0:
-            raise CannotSolve("the law of motion is beyond the range of double precision")
+            raise CannotSolve(_BEYOND)
         return PolynomialPiece(time, reach, law.state, series)
 
 
@@ -209,7 +210,8 @@ def _ends(events: Sequence[Event[float]], law: Law[float]) -> Callable[[float, A
         if steps > _MANY_STEPS:
             last = min(last, time)
         state = make(*y.tolist())
-        return min([float(time < last), *[max(event.value(state), 0.0) for event in events]])
+        ahead: float = min([float(time < last), *[event.value(state) for event in events]])
+        return max(ahead, 0.0)
 
     left.terminal = True  # type: ignore[attr-defined]
     left.direction = -1  # type: ignore[attr-defined]
@@ -249,6 +251,4 @@ def _uniform(law: Law[float], time: float, state: Array, limit: float) -> Polyno
         rate if node.kind == "variable" else 0.0
         for rate, node in zip(rates, law.program.outputs, strict=True)
     ]
-    return PolynomialPiece(
-        time, _length(time, limit), law.state, np.column_stack([state, slopes])
-    )
+    return PolynomialPiece(time, _length(time, limit), law.state, np.column_stack([state, slopes]))

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -60,22 +60,32 @@ class Polynomial:
     __rmul__ = __mul__
 
 
-@dataclass(frozen=True)
-class PolynomialCurve:
+class PolynomialCurve(NamedTuple):
     """The value of an event along a piece; see `longball.engines.event.Curve`.
 
     Its turning points and zeros are found by walks that pass none
     (`longball.engines.roots.first_zero`).
+
+    Attributes
+    ----------
+    piece
+    value
+        Of a state.
+    coefficients
+        Of the value, as a polynomial in the time on the piece. Where a distance is small at the end
+        of a long piece they cancel, and so a single value is that of a state.
     """
 
+    piece: PolynomialPiece
+    value: Callable[[Any], Any]
     coefficients: Array
 
     def __call__(self, t: float) -> float:
         """Return the value."""
-        return float(roots.value(self.coefficients, len(self.coefficients) - 1, t))
+        return float(self.value(self.piece.at(t)) if t else self.coefficients[0])
 
     def _from(self, begin: float) -> Array:
-        return self.coefficients if begin == 0 else roots.shifted(self.coefficients, begin)
+        return roots.shifted(self.coefficients, begin) if begin else self.coefficients
 
     def positive(self, a: float, b: float) -> bool:
         """Tell whether the value stays above half of what it is at a, which is positive."""
@@ -84,17 +94,21 @@ class PolynomialCurve:
     def turns(self, a: float, b: float) -> Sequence[float]:
         """Return where in (a, b) the value may turn, in rising order."""
         found: list[float] = roots.turning_points(self._from(a), b - a).tolist()
-        if found and found[-1] != found[-1]:
+        if found and math.isnan(found[-1]):
             raise Undecided("where the path turns cannot be decided in double precision")
         return [a + t for t in found] if a else found
 
     def zero(self, a: float, b: float) -> float:
         """Return where the value is zero, given that from a to b it falls through zero."""
-        return a + float(roots.falls(self._from(a), b - a))
+        p = self._from(a)
+        t = roots.falls(p, b - a)
+        rate = roots.rate(p, t)
+        if rate < 0:  # to the zero of single values
+            t -= self(a + t) / rate
+        return min(max(a + t, a), b)
 
 
-@dataclass(frozen=True)
-class PolynomialPiece:
+class PolynomialPiece(NamedTuple):
     """A piece of a flight on which the state is polynomial; see `longball.engines.event.Piece`.
 
     Attributes
@@ -122,7 +136,7 @@ class PolynomialPiece:
     def curve(self, value: Callable[[Any], Any]) -> PolynomialCurve:
         """Return the value of an event along the piece."""
         along: Polynomial = value(self.state(*map(Polynomial, self.coefficients)))
-        return PolynomialCurve(along.coefficients)
+        return PolynomialCurve(self, value, along.coefficients)
 
 
 @compiled

@@ -126,6 +126,15 @@ def first_zero(
     return math.nan
 
 
+@compiled
+def rate(p: Array, t: float) -> float:
+    """Return p'(t)."""
+    total = 0.0
+    for k in range(len(p) - 1, 0, -1):
+        total = fma(total, t, k * p[k])
+    return total
+
+
 # --- what is asked of a polynomial, once for each step -------------------------------------------
 
 
