@@ -21,7 +21,6 @@ from typing import Any, TypeVar, cast
 numba: Any
 try:
     numba = importlib.import_module("numba")
-    importlib.import_module("numba.extending")
 except ImportError:
     numba = None
 
@@ -41,27 +40,8 @@ def compiled(function: F) -> F:
     settings = {"nogil": True, "error_model": "numpy"}
     try:
         return cast(F, numba.njit(cache=True, **settings)(function))
-    except RuntimeError:  # no file or no place that one can write to: compile in each process
+    except (OSError, RuntimeError):  # no file, or no place to write: compile in each process
         return cast(F, numba.njit(**settings)(function))
-
-
-def _plain(a: float, b: float, c: float) -> float:
-    return a * b + c
-
-
-def _rounded_once(typing: Any, a: Any, b: Any, c: Any) -> Any:
-    double = numba.types.float64
-
-    def code(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        return builder.fma(*args)
-
-    return double(double, double, double), code
-
-
-# a b + c, rounded once where it is compiled
-fma: Callable[[float, float, float], float] = (
-    numba.extending.intrinsic(_rounded_once) if COMPILES else _plain
-)
 
 
 @cache

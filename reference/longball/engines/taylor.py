@@ -10,6 +10,7 @@ is the dense output: a state between two steps, and an event there, is as exact 
 from __future__ import annotations
 
 import math
+import re
 import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -31,8 +32,8 @@ Array = NDArray[np.float64]
 Rows = Any  # an array of shape (rows, order + 2); of lists where nothing is compiled
 
 # The reach of a series to 16 digits grows like the order, the work like its square. But solve_ivp's
-# own work for a step is ten times that of a series: all orders from 28 to 42 cost the same.
-ORDER = 30
+# own work for a step is ten times that of a series: all orders from 30 to 42 cost much the same.
+ORDER = 34
 # The first terms left out are then smaller than the rounding of the velocity.
 TRUNCATION = 2.0**-54
 
@@ -218,6 +219,10 @@ def _step(program: Program, at_rest: bool) -> Callable[..., float]:
     return step
 
 
+# Names in printed code.
+_TAKEN = re.compile("[xjkmn]|order|rtol|power|size|reach|last|bend|[crsxy][0-9]+")
+
+
 def _source(program: Program, at_rest: bool) -> str:
     """Print ``step(x, order, rtol, *parameters)``, which expands and returns the reach.
 
@@ -225,6 +230,9 @@ def _source(program: Program, at_rest: bool) -> str:
     term that is not zero. Besides, a square root has to stay analytic: V² ≈ V₀² + S₁ t + S₂ t² has
     its complex zeros near V₀/√S₂ from a place where V is least, and a step stays within half of it.
     """
+    for name in (*program.variables, *program.parameters):
+        if _TAKEN.fullmatch(name):
+            raise ValueError(f"a variable or parameter of a law cannot be called {name}")
     series = recurrence(program)
     changing = [i for i, rate in enumerate(program.outputs) if rate.kind != "variable"]
 
