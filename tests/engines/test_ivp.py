@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from flint import arb
 
-from longball.engines.event import Event
+from longball.engines.event import Event, first_met
 from longball.engines.ivp import METHODS, Ivp
 from longball.engines.path import CannotSolve
 from longball.model import exact
@@ -487,6 +487,31 @@ def test_no_dip_is_missed_and_none_invented(surface):
             if depth > 0:
                 assert flight.time <= time
     assert decided > 450
+
+
+def test_a_dip_on_the_joint_of_two_pieces():
+    """They turn at its end, or at its start, or at neither: to rounding."""
+    rng = np.random.default_rng(7)
+    decided = 0
+    for _ in range(20):
+        with oracle.in_digits(25):
+            start, air, time, dip = over_the_ground(rng)
+        pieces = fly(start, air, limit=time + 0.1).path.pieces()
+        before = next(p for p in pieces if p.begin + p.length > time)
+        joint = time + rng.choice([0.0, -1e-15, 1e-15, -1e-12, 1e-12])
+        near = before._replace(length=joint - before.begin)
+        pieces = [near, ENGINE.around(air, joint, near.at(near.length))]
+        for depth in (s * d for s in (1, -1) for d in np.geomspace(1e-6, 1e-15, 10)):
+            with oracle.in_digits(25):
+                event, truly = dip(depth)
+            try:
+                met = first_met(pieces, [event], joint + 0.01, ENGINE.flight_error, DOUBLES)
+            except Undecided:
+                assert abs(truly) < 1e-12
+                continue
+            decided += 1
+            assert (met is not None) == (truly > 0)
+    assert decided > 200
 
 
 # ---- stiff, and beyond ---------------------------------------------------------------------------

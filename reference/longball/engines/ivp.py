@@ -142,8 +142,6 @@ class Ivp(PathEngine[float]):
             time, state = float(solution.t[-1]), solution.y[:, -1]
             events = ()  # whoever asks for more did not stop there
 
-    # A trial step may overflow; the step control then takes a shorter one or gives up.
-    @np.errstate(all="ignore")
     def _integrate(
         self,
         law: Law[float],
@@ -160,16 +158,19 @@ class Ivp(PathEngine[float]):
         rates = right_hand_side(law)
         if not np.isfinite(rates(time, state)).all():
             raise CannotSolve(_BEYOND)
-        return scipy.integrate.solve_ivp(
-            rates, span, state, method=self.method, events=ends, **self.tolerances
-        )
+        # A trial step may overflow; the step control then takes a shorter one or gives up.
+        with np.errstate(all="ignore"):
+            return scipy.integrate.solve_ivp(
+                rates, span, state, method=self.method, events=ends, **self.tolerances
+            )
 
     def _polynomials(self, law: Law[float], solution: Any) -> Iterator[PolynomialPiece]:
         """Yield the polynomials of what solve_ivp has integrated."""
+        make = law.state
         if self.method == "Taylor":
             for step in solution.sol.interpolants:
                 length = _length(step.t_old, step.t)
-                yield PolynomialPiece(step.t_old, length, law.state, step.coefficients)
+                yield PolynomialPiece(step.t_old, length, make, step.coefficients)
             return
         # Each accepted state is expanded anew, and again where a step is longer than the series.
         expand, times = Expander(law), solution.t.tolist()
@@ -179,7 +180,7 @@ class Ivp(PathEngine[float]):
                 if not reach > 0:
                     raise CannotSolve(_BEYOND)
                 until = min(time + reach, end)
-                piece = PolynomialPiece(time, _length(time, until), law.state, series)
+                piece = PolynomialPiece(time, _length(time, until), make, series)
                 yield piece
                 time, state = until, np.array(piece.at(piece.length))
 
@@ -206,15 +207,19 @@ def _ends(events: Sequence[Event[float]], law: Law[float]) -> Callable[[float, A
     integration also ends after many steps.
     """
     make, steps, last = law.state, 0, math.inf
+    values = [event.value for event in events]
 
     def left(time: float, y: Array) -> float:
         nonlocal steps, last
         steps += 1
         if steps > _MANY_STEPS:
             last = min(last, time)
+        least = 1.0 if time < last else 0.0
         state = make(*y.tolist())
-        ahead: float = min([float(time < last), *[event.value(state) for event in events]])
-        return max(ahead, 0.0)
+        for value in values:
+            if not (height := value(state)) >= least:
+                least = max(height, 0.0)
+        return least
 
     left.terminal = True  # type: ignore[attr-defined]
     left.direction = -1  # type: ignore[attr-defined]

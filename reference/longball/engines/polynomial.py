@@ -83,7 +83,7 @@ class PolynomialCurve(NamedTuple):
 
     def positive(self, a: float, b: float) -> bool:
         """Tell whether the value stays above half of what it is at a, which is positive."""
-        return bool(stays_high(self._from(a), b - a))
+        return stays_high(self._from(a), b - a)
 
     def turns(self, a: float, b: float) -> Sequence[float]:
         """Return where in (a, b) the value may turn, in rising order."""
@@ -188,7 +188,7 @@ def stays_high(p: Array, end: float) -> bool:
     least = 0.0
     for k in range(len(p) - 1, 0, -1):
         least = p[k] + min(0.0, least * end)
-    return bool(p[0] > 0.0 and p[0] + 2.0 * least * end >= 0.0)
+    return p[0] > 0.0 and p[0] + 2.0 * least * end >= 0.0  # type: ignore[no-any-return]
 
 
 @compiled
@@ -201,7 +201,9 @@ def zero(p: Array, left: float, right: float) -> float:
     if height == 0.0:
         return left
     t = 0.5 * (left + right)
+    steps = 0
     while True:
+        steps += 1
         here, slope = value(p, t), rate(p, t)
         if (here > 0.0) == (height > 0.0):
             left = t
@@ -211,7 +213,7 @@ def zero(p: Array, left: float, right: float) -> float:
         if here == 0.0 or not left < middle < right:
             return t if here == 0.0 else right
         following = t - here / slope if slope != 0.0 else middle
-        if not left < following < right:
+        if not left < following < right or steps > _MOST_NEWTON_STEPS:
             following = middle
         if abs(following - t) <= _ROUNDING * t:
             return following
@@ -219,6 +221,8 @@ def zero(p: Array, left: float, right: float) -> float:
 
 
 _ROUNDING = 2.0**-53
+# Six are enough at a simple zero; rounding could lead Newton's method on without end.
+_MOST_NEWTON_STEPS = 50
 # Between turning points that are this close, relative to the step, a polynomial changes by less
 # than its rounding: by the cube of it.
 _CLOSE = 1e-6

@@ -13,9 +13,8 @@ import math
 import re
 import warnings
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from functools import cache, cached_property
-from typing import Any
+from functools import cache
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -151,11 +150,10 @@ class Series(DenseOutput):  # type: ignore[misc]
 # --- a step ---------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
 class Expander:
     """From states to the series of a law.
 
-    Attributes
+    Parameters
     ----------
     law
     order
@@ -164,32 +162,20 @@ class Expander:
         Of their last terms; it sets how far they reach.
     """
 
-    law: Law[float]
-    order: int = ORDER
-    rtol: float = TRUNCATION
-
-    @cached_property
-    def _strengths(self) -> list[float]:
-        return [self.law.strengths[name] for name in self.law.program.parameters]
-
-    @cached_property
-    def _rows(self) -> int:
-        return len(recurrence(self.law.program).rows)
-
-    @cached_property
-    def _steps(self) -> tuple[Callable[..., float], Callable[..., float]]:
-        return _step(self.law.program, False), _step(self.law.program, True)
+    def __init__(self, law: Law[float], order: int = ORDER, rtol: float = TRUNCATION) -> None:
+        self._printed = _printed(law.program)
+        self._strengths = [law.strengths[name] for name in law.program.parameters]
+        self._order, self._rtol = order, rtol
 
     def __call__(self, state: Array) -> tuple[Array, float]:
         """Return the coefficients of the components of the state, and how far they reach, s.
 
         The reach is nan if numbers are beyond the range of doubles.
         """
-        step, from_rest = self._steps
-        order = self.order
+        step, order = self._printed.step, self._order
         x, reach = self._expand(step, order, state)
-        if not reach > 0 and self._at_rest(x):
-            step = from_rest
+        if not reach > 0 and any(x[root][0] == 0 for root in self._printed.roots):
+            step = self._printed.step_from_rest
             x, reach = self._expand(step, order, state)
         # Close to rest coefficients grow like the powers of 1/V, and the last may be too large.
         while not reach > 0 and order > 4:
@@ -198,29 +184,40 @@ class Expander:
         return np.asarray(x[: len(state)]), reach
 
     def _expand(self, step: Callable[..., float], order: int, state: Array) -> tuple[Rows, float]:
-        x: Rows = np.zeros((self._rows, order + 2))
+        x: Rows = np.zeros((self._printed.rows, order + 2))
         x[: len(state), 0] = state
         if not COMPILES:
             x = x.tolist()
         try:
-            return x, step(x, order, self.rtol, *self._strengths)
+            return x, step(x, order, self._rtol, *self._strengths)
         except (ZeroDivisionError, OverflowError):  # compiled code gives inf or nan
             return x, math.nan
 
-    def _at_rest(self, x: Rows) -> bool:
-        series = recurrence(self.law.program)
-        return any(x[series.rows.index(root)][0] == 0 for root in series.roots)
+
+class _Printed(NamedTuple):
+    """The printed recurrence of a program, the number of its rows, and which are sizes."""
+
+    rows: int
+    roots: tuple[int, ...]
+    step: Callable[..., float]
+    step_from_rest: Callable[..., float]
 
 
 @cache
-def _step(program: Program, at_rest: bool) -> Callable[..., float]:
-    """Return the function that expands a series."""
-    step: Callable[..., float] = module_of(_source(program, at_rest)).step
-    return step
+def _printed(program: Program) -> _Printed:
+    series = recurrence(program)
+    return _Printed(
+        len(series.rows),
+        tuple(series.rows.index(root) for root in series.roots),
+        module_of(_source(program, at_rest=False)).step,
+        module_of(_source(program, at_rest=True)).step,
+    )
 
 
 # Names in printed code.
-_TAKEN = re.compile("[xjkmn]|order|rtol|power|size|reach|last|bend|[crsxy][0-9]+")
+_TAKEN = re.compile(
+    "[xjkmn]|[crsxy][0-9]+|abs|bend|exp|expand|inf|last|log|min|nan|order|power|reach|rtol|size|sqrt"
+)
 
 
 def _source(program: Program, at_rest: bool) -> str:
