@@ -10,7 +10,7 @@ for the first event, and misses none.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -127,8 +127,8 @@ class Ivp(PathEngine[float]):
             if taken > 0 and _has_settled(law, state):
                 yield _uniform(law, time, state, limit)
                 return
-            solution = self._integrate(law, time, state, limit, events)
-            for piece in self._polynomials(law, solution):
+            solution, pieces = self._integrate(law, time, state, limit, events)
+            for piece in pieces:
                 taken += 1
                 if taken > _MOST_STEPS:
                     raise CannotSolve(
@@ -149,40 +149,24 @@ class Ivp(PathEngine[float]):
         state: Array,
         limit: float,
         events: Sequence[Event[float]],
-    ) -> Any:
+    ) -> tuple[Any, Iterable[PolynomialPiece]]:
+        """Return what solve_ivp returns, and the polynomials of its steps."""
         span, ends = (time, limit), _ends(events, law)
         if self.method == "Taylor":
-            return scipy.integrate.solve_ivp(
-                None, span, state, method=Taylor, law=law, events=ends, dense_output=True
+            pieces: list[PolynomialPiece] = []
+            solution = scipy.integrate.solve_ivp(
+                None, span, state, method=_TaylorPieces, law=law, events=ends, pieces=pieces
             )
+            return solution, pieces
         rates = right_hand_side(law)
         if not np.isfinite(rates(time, state)).all():
             raise CannotSolve(_BEYOND)
         # A trial step may overflow; the step control then takes a shorter one or gives up.
         with np.errstate(all="ignore"):
-            return scipy.integrate.solve_ivp(
+            solution = scipy.integrate.solve_ivp(
                 rates, span, state, method=self.method, events=ends, **self.tolerances
             )
-
-    def _polynomials(self, law: Law[float], solution: Any) -> Iterator[PolynomialPiece]:
-        """Yield the polynomials of what solve_ivp has integrated."""
-        make = law.state
-        if self.method == "Taylor":
-            for step in solution.sol.interpolants:
-                length = _length(step.t_old, step.t)
-                yield PolynomialPiece(step.t_old, length, make, step.coefficients)
-            return
-        # Each accepted state is expanded anew, and again where a step is longer than the series.
-        expand, times = Expander(law), solution.t.tolist()
-        for time, state, end in zip(times, solution.y.T, times[1:], strict=False):
-            while time < end:
-                series, reach = expand(state)
-                if not reach > 0:
-                    raise CannotSolve(_BEYOND)
-                until = min(time + reach, end)
-                piece = PolynomialPiece(time, _length(time, until), make, series)
-                yield piece
-                time, state = until, np.array(piece.at(piece.length))
+        return solution, _expanded(law, solution.t.tolist(), solution.y.T)
 
     def around(self, law: Law[float], time: float, state: State[float]) -> PolynomialPiece:
         """Return the flight around a state, s since the launch, as one piece on both sides of it.
@@ -198,6 +182,40 @@ class Ivp(PathEngine[float]):
         if not reach > 0:
             raise CannotSolve(_BEYOND)
         return PolynomialPiece(time, reach, law.state, series)
+
+
+class _TaylorPieces(Taylor):
+    """Taylor's method that hands on its steps: solve_ivp is slower with its own dense output."""
+
+    def __init__(
+        self, *given: Any, law: Law[float], pieces: list[PolynomialPiece], **options: Any
+    ) -> None:
+        super().__init__(*given, law=law, **options)
+        self._state, self._pieces = law.state, pieces
+
+    def _step_impl(self) -> tuple[bool, str | None]:
+        begin = self.t
+        success, message = super()._step_impl()
+        if success:
+            length = _length(begin, self.t)
+            self._pieces.append(PolynomialPiece(begin, length, self._state, self._x))
+        return success, message
+
+
+def _expanded(
+    law: Law[float], times: Sequence[float], states: Iterable[Array]
+) -> Iterator[PolynomialPiece]:
+    """Yield the series from accepted states; again where a step is longer than they reach."""
+    expand, make = Expander(law), law.state
+    for time, state, end in zip(times, states, times[1:], strict=False):
+        while time < end:
+            series, reach = expand(state)
+            if not reach > 0:
+                raise CannotSolve(_BEYOND)
+            until = min(time + reach, end)
+            piece = PolynomialPiece(time, _length(time, until), make, series)
+            yield piece
+            time, state = until, np.array(piece.at(piece.length))
 
 
 def _ends(events: Sequence[Event[float]], law: Law[float]) -> Callable[[float, Array], float]:
