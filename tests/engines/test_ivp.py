@@ -258,9 +258,25 @@ def test_a_ball_that_nearly_rests_at_its_apex(sideways):
         assert abs(landing.state.s / path.at(time)[0][0] - 1) < 1e-14
 
 
-def test_at_rest_with_nothing_to_move_it():
-    end = fly((1.0, 2.0, 0.0, 0.0), law(0.0075, 0.0, 0.0), ground(), limit=5.0)
+@pytest.mark.parametrize("air", [law(0.0075, 0.0, 0.0), law(0.0075, 0.00375, 0.0), law(0, 0, 0)])
+def test_at_rest_with_nothing_to_move_it(air):
+    end = fly((1.0, 2.0, 0.0, 0.0), air, ground(), limit=5.0)
     assert (end.stop, end.time, end.state) == ("time", 5.0, (1.0, 2.0, 0.0, 0.0))
+
+
+def test_through_a_cusp():
+    """Without drag a flight from rest, reversed, comes to rest at a cusp of its path, and goes on.
+
+    Reversed, lift turns the other way.
+    """
+    top = 2.0
+    falling = fly((0.0, 50.0, 0.0, 0.0), law(0.0, 0.02), limit=top)
+    back = PlaneState(*(falling.state.s, falling.state.z, -falling.state.u, -falling.state.w))
+    rising = fly(back, law(0.0, -0.02), limit=2 * top)
+    at_rest = rising.path.at(top)
+    assert math.hypot(at_rest.u, at_rest.w) < 1e-12
+    assert at_rest.z == pytest.approx(50.0, abs=LENGTH)
+    assert rising.state.z == pytest.approx(falling.state.z, abs=1e-11)
 
 
 # ---- events --------------------------------------------------------------------------------------

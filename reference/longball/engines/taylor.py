@@ -37,6 +37,10 @@ ORDER = 34
 TRUNCATION = 2.0**-54
 
 
+# From a speed of 1e-300 m/s steps grow by half each, until a thousand later they can be seen.
+_MOST_SHORT_STEPS = 5_000
+
+
 def right_hand_side(law: Law[float]) -> Callable[[float, Array], Sequence[float]]:
     """Return the law as `solve_ivp` takes it: a function of time and state."""
     rates = law.rates(DOUBLES)
@@ -98,22 +102,29 @@ class Taylor(OdeSolver):  # type: ignore[misc]
         self._low = np.zeros(self.n)
 
     def _step_impl(self) -> tuple[bool, str | None]:
-        left = abs(self.t_bound - self.t)
-        self._x, length = self._expand(self.y)
-        if not length > 0:
-            return False, "the rates are beyond the range of double precision"
-        if length >= left <= self._max_step:
-            t, h = self.t_bound, self.t_bound - self.t
-        else:
-            h = self.direction * min(length, self._max_step)
-            t = self.t + h
-            h = t - self.t  # exact, as the two times are close
-            if h == 0:
-                return False, self.TOO_SMALL_STEP
+        waited = 0.0
+        for _ in range(_MOST_SHORT_STEPS):
+            self._x, length = self._expand(self.y)
+            if not length > 0:
+                return False, "the rates are beyond the range of double precision"
+            length = min(length, self._max_step)
+            t = self.t + (waited + self.direction * length)
+            if length >= abs(self.t_bound - self.t):
+                t = self.t_bound
+            if t != self.t:
+                # The difference of two times that are close is exact.
+                self.y, self.t = self._at_end(t - self.t - waited), t
+                return True, None
+            # Where a ball all but rests its steps are shorter than the spacing of times.
+            self.y = self._at_end(self.direction * length)
+            waited += self.direction * length
+        return False, self.TOO_SMALL_STEP
+
+    def _at_end(self, h: float) -> Array:
+        """Return the state at the end of a step; its rounding is made up for at the next."""
         end = np.empty(self.n)
-        advance(self._x, h, self._low, end)  # the rounding is made up for at the next step
-        self.y, self.t = end, t
-        return True, None
+        advance(self._x, h, self._low, end)
+        return end
 
     def _dense_output_impl(self) -> Series:
         return Series(self.t_old, self.t, self._x)
@@ -177,6 +188,8 @@ class Expander:
         if not reach > 0 and any(x[root][0] == 0 for root in self._printed.roots):
             step = self._printed.step_from_rest
             x, reach = self._expand(step, order, state)
+            if all(row[1] == 0 for row in x[: len(state)]):
+                return np.column_stack([state, np.zeros(len(state))]), math.inf  # nothing moves
         # Close to rest coefficients grow like the powers of 1/V, and the last may be too large.
         while not reach > 0 and order > 4:
             order //= 2
