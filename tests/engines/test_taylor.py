@@ -1,5 +1,6 @@
 """Taylor's method inside scipy.integrate.solve_ivp, for anybody's traced law."""
 
+import math
 import subprocess
 import sys
 
@@ -50,6 +51,12 @@ def test_it_agrees_with_dop853(law, start):
     times = np.linspace(0, 6, 40)
     np.testing.assert_allclose(found.sol(times), other.sol(times), atol=1e-8)
     assert len(found.t) < len(other.t) / 2
+
+
+def test_laws_of_which_every_rate_is_a_variable():
+    growth = Law(trace.trace(lambda a, b: (b, a), ("a", "b"), ()), {}, ())
+    found = by_taylor(growth, (0, 3), [1.0, 1.0])
+    assert found.y[:, -1] == pytest.approx([math.exp(3)] * 2, rel=1e-15)
 
 
 def test_it_has_few_steps_and_lands_exactly():

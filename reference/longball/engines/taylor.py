@@ -35,8 +35,6 @@ Rows = Any  # an array of shape (rows, order + 2); of lists where nothing is com
 ORDER = 34
 # The first terms left out are then smaller than the rounding of the velocity.
 TRUNCATION = 2.0**-54
-
-
 # From a speed of 1e-300 m/s steps grow by half each, until a thousand later they can be seen.
 _MOST_SHORT_STEPS = 5_000
 
@@ -245,6 +243,7 @@ def _source(program: Program, at_rest: bool) -> str:
             raise ValueError(f"a variable or parameter of a law cannot be called {name}")
     series = recurrence(program)
     changing = [i for i, rate in enumerate(program.outputs) if rate.kind != "variable"]
+    changing = changing or list(range(len(program.outputs)))
 
     def total(index: str) -> str:
         return " + ".join(f"abs(x[{i}][{index}])" for i in changing)
