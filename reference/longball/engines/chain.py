@@ -11,7 +11,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, Generic
+from typing import Any, Generic, cast
 
 from pydantic import ValidationError
 
@@ -24,7 +24,7 @@ from longball.model.bat import bat_velocity, collision_parameters, lever_arm
 from longball.model.frame import Frame, launch_frame
 from longball.model.impact import energy_change, impulse, velocity_after
 from longball.model.law import FORCES, LIFT, Force, Law, PlaneState, State, law_of
-from longball.model.numbers import N, Numbers, Undecided, Vector
+from longball.model.numbers import N, Numbers, Undecided, Vector, absolute
 from longball.model.quantities import replaced
 from longball.model.result import Outcome, Result
 from longball.model.scene import AtBatScene, Scene, landing_height
@@ -195,7 +195,9 @@ def fly(cases: Cases[N], frame: Frame[N], start: PlaneState[N], *events: Event[N
     """
     law = cases.law(frame)
     if cases.scene.reading.lift_direction == "always_up" and LIFT in law.forces:
-        return cases.either(start.u == 0, _fly_upright, _fly_to_vertical, law, start, events)
+        return cases.either(
+            cast(Any, start.u) == 0, _fly_upright, _fly_to_vertical, law, start, events
+        )
     return cases.engine.fly(law, law.state_of(start), events, cases.time_limit)
 
 
@@ -218,8 +220,10 @@ def _fly_to_vertical(
         upright = turns.place(flight.state)
         return flight.then(cases.engine.fly(law.without(LIFT), upright, events, rest))
 
-    def stay(*_: Any) -> Flight[N]:
-        return _[-1]
+    def stay(
+        cases: Cases[N], law: Law[N], events: Sequence[Event[N]], flight: Flight[N]
+    ) -> Flight[N]:
+        return flight
 
     return cases.either(flight.stopped("vertical"), go_on, stay, law, events, flight)
 
@@ -358,12 +362,12 @@ def meet(
     slack = half * (inherited + 2 * numbers.rounding) if inherited else numbers.exact(0.0)
     question = "whether the ball meets the bat or its end"
     aside = ball.position[1] if ball.aside is None else ball.aside
-    on_bat, beyond = cases.decide(half - abs(aside), slack, question)
+    on_bat, beyond = cases.decide(half - absolute(aside), slack, question)
     (ended,) = cases.take(beyond)
     ended.conclude("beyond_bat")
-    cases, ball, height, *carried = cases.take(on_bat, ball, height, *carried)
+    cases, ball, height, *rest = cases.take(on_bat, ball, height, *carried)
     if cases.empty:
-        return cases, None, *carried
+        return cases, None, *rest
     (x, y, z), velocity = ball.position, ball.velocity
     distance = numbers.sqrt(x * x + (z - height) * (z - height))
     normal = (x / distance, numbers.exact(0.0), (z - height) / distance)
@@ -373,7 +377,7 @@ def meet(
     normal_speed = _dot(relative, normal)
     # Six operations stand between the velocities and their normal part.
     terms = [(v[i], normal[i]) for v in (velocity, moving) for i in (0, 2)]
-    doubt = sum((abs(a * b) * (inherited + 6 * numbers.rounding) for a, b in terms), x * 0)
+    doubt = sum((absolute(a * b) * (inherited + 6 * numbers.rounding) for a, b in terms), x * 0)
     # The force is the same for n and -n; a ball that would leave the bat approaches its back.
     approach = normal_speed if ball.leaving else -normal_speed
     question = "whether ball and bat approach or separate"
@@ -385,7 +389,7 @@ def meet(
     cases.record("contact.normal_speed", normal_speed)
     (ended,) = cases.take(separating)
     ended.conclude("separating")
-    return cases.take(closing, contact, *carried)
+    return cases.take(closing, contact, *rest)
 
 
 def strike(cases: Cases[N], contact: ContactState[N]) -> Impact[N]:
@@ -473,11 +477,11 @@ def finish(cases: Cases[N], meeting: Meeting[N] | None) -> None:
     if isinstance(engine, Stepped):
         before, after = contact.velocity, impact.velocity
         delta_v = (after[0] - before[0], after[1] - before[1], after[2] - before[2])
-        law, surface = cases.law(pitch.frame), cases.ground(pitch.start)
-        launch = engine.rebound(pitch.frame, touch, delta_v, law, surface)
+        surface = cases.ground(pitch.start)
+        launch = engine.rebound(pitch.frame, touch, delta_v, cases.law, surface)
     else:
-        nothing = touch.time * 0
-        launch = Launch(contact.position, impact.velocity, touch.time, nothing)
+        time = cast(N, touch.time)
+        launch = Launch(contact.position, impact.velocity, time, time * 0)
     land(cases, launch, "batted")
 
 

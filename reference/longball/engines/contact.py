@@ -11,7 +11,7 @@ from typing import Any, Generic
 
 from longball.model.frame import Frame
 from longball.model.law import State
-from longball.model.numbers import N, Numbers
+from longball.model.numbers import N, Numbers, absolute
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,8 @@ class BatSection(Generic[N]):
     def approach(self, state: State[N]) -> N:
         """Return d·v, m²/s, half the rate of `depth`: negative while the ball comes closer."""
         across, above = self.frame.towards_x(state), state.z - self.height
-        return across * self.frame.velocity(state)[0] + above * state.w
+        towards: N = across * self.frame.velocity(state)[0] + above * state.w
+        return towards
 
 
 def margin_error(
@@ -69,7 +70,7 @@ def margin_error(
       and of the distance itself: two half ulps of `reach`.
     """
     offset, bat_height, ball_height = (
-        abs(value) for value in (bat.height - plate_height, bat.height, plate_height)
+        absolute(value) for value in (bat.height - plate_height, bat.height, plate_height)
     )
     way = numbers.where(offset > bat.reach, offset, bat.reach)
     height = numbers.where(bat_height > ball_height, bat_height, ball_height)
@@ -77,11 +78,11 @@ def margin_error(
     return 2 * way * flight_error + rounding
 
 
-def inside_bat(distance: float, reach: float) -> str:
+def inside_bat(distance: Any, reach: Any) -> str:
     """Say that a pitch cannot be released there."""
     return (
-        f"the ball starts inside the bat: {distance:.6g} m from its axis, where the two touch at "
-        f"{reach:.6g} m; release it farther from the plate"
+        f"the ball starts inside the bat: {float(distance):.6g} m from its axis, "
+        f"where the two touch at {float(reach):.6g} m; release it farther from the plate"
     )
 
 

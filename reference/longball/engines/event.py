@@ -15,7 +15,7 @@ from typing import Any, Generic, Protocol
 
 from longball.model.frame import Frame
 from longball.model.law import PlaneState, State
-from longball.model.numbers import N, Numbers, Undecided
+from longball.model.numbers import N, Numbers, Undecided, absolute
 
 
 @dataclass(frozen=True)
@@ -99,7 +99,7 @@ def past(frame: Frame[N], reach: N, numbers: Numbers[N]) -> Event[N]:
 def _size(numbers: Numbers[N], *lengths: N) -> N:
     """Return the largest of some lengths, and at least 1 m."""
     largest = numbers.exact(1.0)
-    for length in map(abs, lengths):
+    for length in map(absolute, lengths):
         largest = numbers.where(length > largest, length, largest)
     return largest
 

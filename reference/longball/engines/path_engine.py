@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import pairwise
-from typing import Any, Generic
+from typing import Any, Generic, cast
 
 from longball.engines.contact import TURNS_VERTICAL, BatSection, inside_bat, margin_error
 from longball.engines.engine import CannotSolve, Touch
@@ -73,11 +73,11 @@ class PathEngine(ABC, Generic[N]):
         At its apex it is at rest, and the drag of V² has a kink.
         """
         begin = self.numbers.exact(0.0)
-        if all(rate == 0 for rate in law.rates(self.numbers)(*start)):
+        if all(cast(Any, rate) == 0 for rate in law.rates(self.numbers)(*start)):
             yield Rest(begin, limit, start)
             return
         up = down = None
-        if start.u == 0 and (start.w > 0 or start.w <= 0):  # for certain
+        if cast(Any, start.u) == 0 and (start.w > 0 or start.w <= 0):  # for certain
             up, down = (law.straight(self.numbers.exact(sense)) for sense in (1.0, -1.0))
         if up is None or down is None:
             yield from self.steps(law, start, begin, limit, events)
@@ -134,8 +134,8 @@ class PathEngine(ABC, Generic[N]):
         launch = pitch.path.at(numbers.exact(0.0))
         gap = bat.distance(launch, numbers) - bat.reach
         if gap < -error:
-            raise CannotSolve(inside_bat(float(gap + bat.reach), float(bat.reach)))
-        if not gap > error:
+            raise CannotSolve(inside_bat(bat.distance(launch, numbers), bat.reach))
+        if not (cast(Any, gap) == 0 or gap > error):
             numbers.positive(gap, error, "whether the ball starts inside the bat or touches it")
         first: tuple[N, State[N]] | None = None
         if not gap > error and bat.approach(launch) < 0:

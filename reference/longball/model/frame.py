@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any, Generic
 
 from longball.model.law import PlaneState, State
-from longball.model.numbers import N, Numbers, Vector
+from longball.model.numbers import N, Numbers, Vector, absolute
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ def launch_frame(
     x, y, z = position
     vx, vy, vz = velocity
     nothing = numbers.exact(0.0)
-    size = abs(vx) + abs(vy)
+    size = absolute(vx) + absolute(vy)
     question = "whether the launch is vertical"
     heads = numbers.positive(size, nothing, question)
     tiny = numbers.positive(numbers.exact(TINY) - size, nothing, question)

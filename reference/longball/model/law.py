@@ -194,9 +194,14 @@ class Law(Generic[N]):
         The speed is ``sense w`` there, without a square root: this law is smooth where the ball
         comes to rest, and holds on one side of it. None if a force drives the ball aside.
         """
-        program = _program(self.forces, tuple(self.strengths), "vertical")
-        if program is None:
+        vertical = _program(self.forces, tuple(self.strengths), "vertical")
+        if vertical is None:
             return None
+        rates = dict(zip(vertical.variables, vertical.outputs, strict=True))
+        variables = self.program.variables
+        program = replace(
+            vertical, variables=variables, outputs=tuple(rates.get(x, ZERO) for x in variables)
+        )
         return replace(self, program=program, strengths={**self.strengths, "sense": sense})
 
 
@@ -248,11 +253,11 @@ def _program(forces: tuple[Force, ...], names: tuple[str, ...], motion: str) -> 
 _SENSE = "sense"
 
 
-def _speed(velocity: Vector[Node]) -> Node:
+def _speed(velocity: tuple[Node, Node, Node]) -> Node:
     moving = [component for component in velocity if component is not ZERO]
     if len(moving) == 1:
         return trace.parameter(_SENSE) * moving[0]
-    return trace.sqrt(sum((component * component for component in moving), ZERO))
+    return trace.sqrt(trace.total(component * component for component in moving))
 
 
 @cache

@@ -10,7 +10,7 @@ import math
 from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager, nullcontext
 from types import MappingProxyType
-from typing import Any, Generic, Protocol, Self, TypeVar
+from typing import Any, Generic, Protocol, Self, TypeVar, cast
 
 from longball.model.result import Number
 
@@ -28,11 +28,21 @@ class Real(Protocol):
     def __rtruediv__(self, other: Any, /) -> Self: ...
     def __neg__(self) -> Self: ...
     def __abs__(self) -> Self: ...
+    # Of balls, only what is certain; of arrays, element by element.
+    def __lt__(self, other: Any, /) -> Any: ...
+    def __le__(self, other: Any, /) -> Any: ...
+    def __gt__(self, other: Any, /) -> Any: ...
+    def __ge__(self, other: Any, /) -> Any: ...
 
 
 N = TypeVar("N", bound=Real)
 
 Vector = tuple[N, N, N]
+
+
+def absolute(x: N) -> N:
+    """Return the size of a number."""
+    return cast(N, abs(x))
 
 
 class Undecided(ArithmeticError):

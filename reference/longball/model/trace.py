@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property, lru_cache
 from types import CodeType
-from typing import Any
+from typing import Any, cast
 
 Scalar = float  # Python's numbers; they stand for themselves, exactly
 
@@ -228,6 +228,11 @@ def _function(kind: str) -> Callable[[Any], Node]:
 sqrt, exp, log = map(_function, ("sqrt", "exp", "log"))
 
 
+def total(nodes: Iterable[Node]) -> Node:
+    """Return the sum of nodes."""
+    return sum(nodes, ZERO)
+
+
 def squares(node: Node) -> tuple[Node, ...]:
     """Return x, y, … of a node ``x x + y y + …``; nothing if it is another one."""
     rest, *terms = _as_sum(node)
@@ -255,23 +260,26 @@ def _derivative(node: Node, by: Node, known: dict[Node, Node]) -> Node:
         return _ONE if node is by else ZERO
     match node.kind:
         case "sum":
-            return sum((c * of(x) for c, x in node.args[1:]), ZERO)
+            return total(c * of(x) for c, x in node.args[1:])
         case "product":
-            a, b = node.args
+            a, b = cast(tuple[Node, Node], node.args)
             return of(a) * b + a * of(b)
         case "quotient":
-            a, b = node.args
+            a, b = cast(tuple[Node, Node], node.args)
             return (of(a) - node * of(b)) / b
         case "sqrt":
             (a,) = node.args
             if parts := squares(a):
                 # Each part is no larger than the root: the ratio is bounded even where both vanish.
-                return sum((_make("unit", x, node) * of(x) for x in parts), ZERO)
+                return total(_make("unit", x, node) * of(x) for x in parts)
             return of(a) / (2 * node)
         case "exp":
-            return node * of(node.args[0])
+            (a,) = node.args
+            rate: Node = of(a)
+            return node * rate
         case "log":
-            return of(node.args[0]) / node.args[0]
+            (a,) = cast(tuple[Node], node.args)
+            return of(a) / a
     raise TypeError(f"a {node.kind} has no derivative")
 
 
