@@ -248,7 +248,8 @@ def _source(program: Program, at_rest: bool) -> str:
     def total(index: str) -> str:
         return " + ".join(f"abs(x[{i}][{index}])" for i in changing)
 
-    roots = [] if at_rest else [i for i, node in enumerate(series.rows) if node.kind == "sqrt"]
+    roots = [i for i, node in enumerate(series.rows) if node.kind == "sqrt"]
+    moving = "if x[{i}][0] != 0.0 and bend != 0.0:" if at_rest else "if bend != 0.0:"
     lines = [
         f"    expand(x, order{''.join(f', {name}' for name in program.parameters)})",
         "    power = 0",
@@ -267,7 +268,7 @@ def _source(program: Program, at_rest: bool) -> str:
     for i in roots:
         lines += [
             f"    bend = x[{i}][1] * x[{i}][1] + 2.0 * x[{i}][0] * x[{i}][2]",
-            "    if bend != 0.0:",
+            "    " + moving.format(i=i),
             f"        reach = min(reach, 0.5 * x[{i}][0] / sqrt(abs(bend)))",
         ]
     return "\n".join(
