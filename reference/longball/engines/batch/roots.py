@@ -13,13 +13,14 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from longball.engines.batch.lanes import compiled, fma
+from longball.engines.batch.jit import compiled, fma
 
 Array = NDArray[np.float64]
 
 NEVER = math.inf
 # A search takes three to six walks; near a double root each halves the rest of the way.
 _LONGEST_WALK = 1000
+_STEEP = 1e6
 _NOTHING = 1e-17  # of a time: a tenth of its rounding
 
 
@@ -33,25 +34,21 @@ def value(p: Array, degree: int, t: float) -> float:
 
 
 @compiled
-def _height_and_rate(p: Array, slope: Array, degree: int, t: float) -> tuple[float, float]:
-    """Return p(t) and p'(t): even and odd powers apart, which halves the wait for each sum."""
+def two_values(p: Array, q: Array, degree: int, t: float) -> tuple[float, float]:
+    """Return p(t) and q(t): even and odd powers apart, which halves the wait for each sum."""
     square = t * t
-    even, odd, even_rate, odd_rate = 0.0, 0.0, 0.0, 0.0
+    odd, odd_too = 0.0, 0.0
     k = degree
-    if degree % 2 == 0:
-        even = p[k]
+    if degree % 2 == 1:
+        odd, odd_too = p[k], q[k]
         k -= 1
-    else:
-        odd, even, even_rate = p[k], p[k - 1], slope[k - 1]
-        k -= 2
+    even, even_too = p[k], q[k]
+    k -= 1
     while k > 0:
         odd, even = fma(odd, square, p[k]), fma(even, square, p[k - 1])
-        odd_rate, even_rate = (
-            fma(odd_rate, square, slope[k]),
-            fma(even_rate, square, slope[k - 1]),
-        )
+        odd_too, even_too = fma(odd_too, square, q[k]), fma(even_too, square, q[k - 1])
         k -= 2
-    return fma(odd, t, even), fma(odd_rate, t, even_rate)
+    return fma(odd, t, even), fma(odd_too, t, even_too)
 
 
 @compiled
@@ -62,21 +59,33 @@ def differentiate(p: Array, degree: int, derivative: Array) -> None:
 
 
 @compiled
+def _bend(slope: Array, degree: int, end: float) -> float:
+    """Return a bound on |p'' - p''(0)| over [0, end], from the coefficients of p'."""
+    square = end * end
+    even, odd = 0.0, 0.0
+    k = degree
+    if degree % 2 == 1:
+        even = k * abs(slope[k])
+        k -= 1
+    while k > 1:
+        odd, even = (
+            fma(odd, square, k * abs(slope[k])),
+            fma(even, square, (k - 1) * abs(slope[k - 1]) if k > 2 else 0.0),
+        )
+        k -= 2
+    return float(fma(odd, end, even)) if degree > 1 else 0.0
+
+
+@compiled
 def curvature(slope: Array, degree: int, end: float) -> float:
     """Return a bound on |p''| over [0, end], from the coefficients of p'."""
-    total = 0.0
-    for k in range(degree, 0, -1):
-        total = fma(total, end, k * abs(slope[k]))
-    return total
+    return float(_bend(slope, degree, end) + abs(slope[1])) if degree > 0 else 0.0
 
 
 @compiled
 def downward(slope: Array, degree: int, end: float) -> float:
     """Return an upper bound on -p'' over [0, end], from the coefficients of p'."""
-    total = 0.0
-    for k in range(degree, 1, -1):
-        total = fma(total, end, k * abs(slope[k]))
-    return float(fma(total, end, -slope[1])) if degree > 0 else 0.0
+    return float(_bend(slope, degree, end) - slope[1]) if degree > 0 else 0.0
 
 
 @compiled
@@ -105,7 +114,7 @@ def first_zero(
     height, rate = p[0], slope[0]
     for walk in range(_LONGEST_WALK):
         if walk > 0 or begin > 0.0:
-            height, rate = _height_and_rate(p, slope, degree, t)
+            height, rate = two_values(p, slope, degree, t)
         height, rate = sign * height - level, sign * rate
         if height <= 0.0:
             if rate <= 0.0:
@@ -130,24 +139,23 @@ def first_zero(
 def first_fall(
     p: Array, slope: Array, scratch: Array, degree: int, end: float, error: float
 ) -> tuple[float, float]:
-    """Return where p first falls through zero in [0, end], and the least value that is in doubt.
+    """Return where p first falls through zero in [0, end], or NEVER, and NaN.
 
-    Where p has a minimum within `error` of zero, whether it falls through cannot be told: the time
-    then is NaN, and the second number the minimum. Otherwise the second number is 0.
+    Where p has a minimum within `error` of zero, whether it falls through cannot be told: the
+    second number is that minimum then, and the first is where it lies. The first number is NaN if
+    the walk takes too long.
     """
     sag = downward(slope, degree - 1, end)
-    zero = first_zero(p, slope, degree, 1.0, 0.0, 0.0, end, sag)
-    if error == 0.0:
-        return zero, 0.0
-    if zero == NEVER:
-        if first_zero(p, slope, degree, 1.0, error, 0.0, end, sag) == NEVER:
-            return NEVER, 0.0
-    else:
-        rate = value(slope, degree - 1, zero)
-        bend = curvature(slope, degree - 1, end)
-        if rate < 0.0 and rate * rate > 4.0 * bend * error:
-            # So steep that even the strongest bend turns p only below -error.
-            return zero, 0.0
+    near = first_zero(p, slope, degree, 1.0, error, 0.0, end, sag)
+    if error == 0.0 or near == NEVER or math.isnan(near):
+        return near, math.nan
+    height, rate = two_values(p, slope, degree, near)
+    bend = curvature(slope, degree - 1, end)
+    if rate < 0.0 and height <= 2.0 * error and rate * rate > _STEEP * bend * error:
+        # Even the strongest bend turns p only far below -error; a step of Newton's method from here
+        # is good to 1/_STEEP of the way.
+        zero = near - height / rate
+        return (zero if zero <= end else NEVER), math.nan
     return _fall_by_pieces(p, slope, scratch, degree, end, error, sag)
 
 
@@ -164,16 +172,16 @@ def _fall_by_pieces(
         sign = 1.0 if rising else -1.0
         turn = first_zero(slope, scratch, degree - 1, sign, 0.0, begin, end, bend_of_slope)
         if math.isnan(turn):
-            return turn, 0.0
+            return turn, math.nan
         if not rising:
             least = value(p, degree, min(turn, end))
             if turn != NEVER and abs(least) <= error:
-                return math.nan, least
+                return turn, least
             if least <= 0.0:
                 zero = first_zero(p, slope, degree, 1.0, 0.0, begin, end, sag)
-                return (zero if zero < end else end), 0.0
+                return (zero if zero < end else end), math.nan
         if turn == NEVER:
-            return NEVER, 0.0
+            return NEVER, math.nan
         begin = turn
         rising = not rising
-    return math.nan, 0.0
+    return math.nan, math.nan
