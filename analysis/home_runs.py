@@ -18,6 +18,7 @@ from longball.home_run import (
     monte_carlo,
     paper_at_bats,
 )
+from longball.model.readings import SamplingReading
 from longball.model.scene import AtBatScene
 from longball.pictures import draw_probability
 
@@ -30,8 +31,10 @@ def run(report: Path, full: bool) -> str:
     """Sample at-bats, count home runs, draw both figures."""
     base = AtBatScene(id="base")
     count = FULL_SAMPLES if full else SAMPLES
-    struck = monte_carlo(base, paper_at_bats(base.reading), RESTITUTIONS, count, SEED, workers=-1)
-    rows = [estimate(e, one, base.reading) for e, one in zip(RESTITUTIONS, struck, strict=True)]
+    struck = monte_carlo(
+        base, paper_at_bats(SamplingReading()), RESTITUTIONS, count, SEED, workers=-1
+    )
+    rows = [estimate(e, one) for e, one in zip(RESTITUTIONS, struck, strict=True)]
     return "\n".join(
         [
             "## The distance D and the probability of a home run\n",
@@ -93,21 +96,21 @@ def probability(report: Path, rows: list[Estimate]) -> str:
             },
         }
     )
-    words = "These home runs do not determine C₁ and σ."
+    text = "These home runs do not determine C₁ and σ."
     if fitted:
-        words = (
+        text = (
             f"The paper's form fitted to them: C₁ = {fitted.curve.c1:.0f} ± "
             f"{fitted.c1_error:.0f} m, σ = {fitted.curve.sigma:.1f} ± {fitted.sigma_error:.1f} m "
             "(standard errors, as if the estimates were independent; they share their samples, "
             "so that the slope is known better and the height worse)."
         )
     factor = PAPER_CURVES["caption"](0.42) / next(row.p for row in rows if row.e == 0.42)
-    words += (
+    text += (
         f" At e = 0.42 the paper's caption is {factor:.0f} times the default reading: the printed "
         "parameters do not determine the paper's figure, and the next section shows which readings "
         "move it."
     )
     caption = "P(e) with Wilson intervals, fits and the paper's two printed curves (Fig. 7)."
     return "\n".join(
-        [table(report, "probability", frame), words + "\n", shown("probability", caption)]
+        [table(report, "probability", frame), text + "\n", shown("probability", caption)]
     )

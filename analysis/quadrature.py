@@ -22,6 +22,7 @@ from longball.home_run import (
     scrambled,
 )
 from longball.home_run.randomised import SCRAMBLES
+from longball.model.readings import SamplingReading
 from longball.model.scene import AtBatScene
 
 N = TypeVar("N", int, float)
@@ -33,7 +34,7 @@ LINES, FULL_LINES = (64, 256, 1024), (64, 256, 1024, 4096)
 TOLERANCES = (1e-3, 1e-7)
 
 BASE = AtBatScene(id="base")
-PAPER = paper_at_bats(BASE.reading)
+PAPER = paper_at_bats(SamplingReading())
 
 
 def run(report: Path, full: bool) -> str:
@@ -99,7 +100,7 @@ def integrated_error(frame: pd.DataFrame) -> float:
 def counted(samples: int) -> tuple[float, float]:
     """Return P and its standard error from a sample."""
     (struck,) = monte_carlo(BASE, PAPER, [E], samples, SEED, workers=-1)
-    p = estimate(E, struck, BASE.reading).p
+    p = estimate(E, struck).p
     return p, float(np.sqrt(p * (1 - p) / samples))
 
 

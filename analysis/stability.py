@@ -17,10 +17,11 @@ from matplotlib.colors import ListedColormap
 
 from analysis.writing import figure, markdown_table, shown, table
 from longball import engines
-from longball.engines.at_bat import solve
+from longball.engines.chain import solve
 from longball.engines.engine import CannotSolve
 from longball.golden import Case, load
-from longball.golden.case import decisive, values_of
+from longball.golden.case import decisive
+from longball.model.quantities import numbers
 from longball.model.result import Number, Result
 
 ENGINES: dict[str, tuple[str, dict[str, Any]]] = {
@@ -28,7 +29,7 @@ ENGINES: dict[str, tuple[str, dict[str, Any]]] = {
     "ivp RK45": ("ivp", {"method": "RK45", "rtol": 1e-10, "atol": 1e-10}),
     "ivp LSODA": ("ivp", {"method": "LSODA", "rtol": 1e-12, "atol": 1e-12}),
     "batch": ("batch", {}),
-    "verlet 1 ms": ("verlet", {"dt": 1e-3, "variant": "implicit"}),
+    "verlet 1 ms": ("verlet", {"dt": 1e-3, "forces": "implicit"}),
     "multiprecision 30": ("multiprecision", {"digits": 30}),
     "enclosure 30": ("enclosure", {"digits": 30}),
 }
@@ -105,7 +106,7 @@ def compare(case: Case, result: Result) -> tuple[str, float, float]:
         return "declined", math.nan, math.nan
     if result.outcome != case.expected.outcome:
         return "wrong", math.nan, math.nan
-    expected, found = dict(values_of(case.expected)), dict(values_of(result))
+    expected, found = dict(numbers(case.expected)), dict(numbers(result))
     paths = [path for path in decisive(case.expected) if path in expected]
     if not paths:
         return "right", math.nan, math.nan

@@ -10,7 +10,7 @@ import json
 import math
 import time
 from pathlib import Path
-from typing import Any, Literal, get_args, get_origin
+from typing import Any, get_args
 
 import numpy as np
 import pandas as pd
@@ -103,7 +103,6 @@ def random_scene(kind: str, generator: np.random.Generator) -> dict[str, Any]:
     reading = {
         name: generator.choice(get_args(field.annotation)).item()
         for name, field in Reading.model_fields.items()
-        if get_origin(field.annotation) is Literal
     }
     if reading["bat_ball_restitution"] == "plain":
         reading["reduced_mass"] = "bat_mass"

@@ -13,12 +13,12 @@ import numpy as np
 import pytest
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
+from longball.model.motion import forces, into_plane
 
-from longball.engines import at_bat
+from longball.engines import chain
 from longball.engines.engine import Stops
 from longball.engines.ivp import Ivp
 from longball.model import exact
-from longball.model.motion import forces, into_plane
 from longball.model.numbers import DOUBLES
 from longball.model.readings import Reading
 from longball.model.result import Result
@@ -42,7 +42,7 @@ ROUNDING = 2.0**-53
 
 
 def solve(scene):
-    solved = at_bat.solve(scene, ENGINE)
+    solved = chain.solve(scene, ENGINE)
     assert solved.error is None
     return solved
 
@@ -280,7 +280,7 @@ def test_the_effective_mass_as_printed_does_not_scale():
 
 @given(impacts())
 def test_momentum_is_conserved_and_energy_accounted_for(scene):
-    solved = at_bat.solve(scene, ENGINE)
+    solved = chain.solve(scene, ENGINE)
     assume(solved.outcome == "struck")
     m, mass, contact = scene.ball.mass, scene.bat.mass, solved.contact
     before, bat = np.array(scene.incoming.velocity), np.array(contact.bat_velocity)
@@ -308,7 +308,7 @@ def test_the_impact_is_the_same_to_whoever_moves_along(scene, boost, along):
     A scene can give the bat a velocity along V_b alone, by a faster swing; along the bat's axis
     none is needed, since there a cylinder is the same everywhere and its impulse has no part.
     """
-    here = at_bat.solve(scene, ENGINE)
+    here = chain.solve(scene, ENGINE)
     # Where the two hardly approach, the roundings of what is added may make them separate.
     assume(here.outcome == "struck" and here.contact.normal_speed < -1e-9)
     arm = scene.bat.length / 2 - scene.incoming.position[1]
@@ -495,7 +495,7 @@ def test_a_result_survives_being_written(result):
 
 @given(flights() | at_bats() | impacts())
 def test_so_does_what_the_engine_answers(scene):
-    line = at_bat.solve(scene, ENGINE).line()
+    line = chain.solve(scene, ENGINE).line()
     assert Result.model_validate_json(line).line() == line
 
 
@@ -508,7 +508,7 @@ def test_whatever_the_scene_there_is_an_answer(scene):
         if "time_limit" in (type(scene).model_fields)
         else scene
     )
-    solved = at_bat.solve(short, Ivp(rtol=1e-6, atol=1e-6))
+    solved = chain.solve(short, Ivp(rtol=1e-6, atol=1e-6))
     assert (solved.outcome is None) == (solved.error is not None)
 
 

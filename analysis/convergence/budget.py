@@ -13,13 +13,15 @@ from typing import cast
 
 import numpy as np
 import pandas as pd
+from longball.model.motion import FlightPlane, Forces
 from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline
 from scipy.optimize import brentq
 
 from analysis.convergence.pieces import TRUTH, batted, each, golden
 from analysis.writing import figure, shown, table
-from longball.engines.at_bat import meet, solve
+from longball.convergence.order import PowerLaw, fit_power_law, typical
+from longball.engines.chain import meet, solve
 from longball.engines.engine import (
     Arrival,
     BatSection,
@@ -32,10 +34,8 @@ from longball.engines.engine import (
 )
 from longball.engines.ivp import Ivp, Leg, State
 from longball.engines.verlet import Verlet, interpolate, line_touch
-from longball.judge.order import PowerLaw, fit_power_law, typical
-from longball.model.motion import FlightPlane, Forces
 from longball.model.numbers import Vector
-from longball.model.readings import Reading, VerletForces
+from longball.model.readings import VerletForces
 from longball.model.scene import AtBatScene
 
 Array = NDArray[np.float64]
@@ -165,10 +165,6 @@ class StraightToTheBat(Ivp, Stepped[float]):
 
     dt: float = 0.05
 
-    def under(self, reading: Reading) -> StraightToTheBat:
-        """Return itself: no reading matters here."""
-        return self
-
     def touch(
         self,
         pitch: Arrival[float],
@@ -210,10 +206,6 @@ class HalfForce(Ivp, Stepped[float]):
     """Half of the force over two steps, from the step before an exact contact; all else exact."""
 
     steps: Verlet = field(default_factory=Verlet)
-
-    def under(self, reading: Reading) -> HalfForce:
-        """Return the engine under a reading."""
-        return replace(self, steps=self.steps.under(reading))
 
     def touch(
         self,
@@ -289,7 +281,7 @@ def exact_state(start: State, forces: Forces[float], time: float) -> State:
 
 def run(report: Path, full: bool) -> str:
     """Measure every part alone, and hold their sum against the whole."""
-    scenes = batted(FULL_SCENES if full else SCENES, SEED, Reading())
+    scenes = batted(FULL_SCENES if full else SCENES, SEED)
     phases = FULL_PHASES if full else PHASES
     calls = [(scene, step, phases) for scene in scenes for step in STEPS]
     measured = iter(each(report, "error budget", errors, calls))
@@ -309,7 +301,7 @@ def run(report: Path, full: bool) -> str:
     return "\n".join(
         [
             "### The error budget of an at-bat\n",
-            words(len(scenes), phases, seen, laws, left),
+            describe(len(scenes), phases, seen, laws, left),
             table(report, "convergence_budget", pd.DataFrame(rows)),
             shown(
                 "convergence_budget",
@@ -352,7 +344,7 @@ def row(name: str, seen: Array, law: PowerLaw | None) -> dict[str, object]:
     }
 
 
-def words(
+def describe(
     scenes: int,
     phases: int,
     seen: dict[str, Array],
@@ -413,12 +405,11 @@ def draw(report: Path, seen: dict[str, Array], left: dict[VerletForces, Array]) 
         panels[0].legend(fontsize="x-small")
 
 
-def engines(reading: Reading, dt: float, contact: float) -> dict[str, Engine[float]]:
-    """Return the parts of the scheme in a reading, and the whole."""
-    steps, forces = Verlet(dt, reading), reading.verlet_forces
-    below = steps.under(reading.model_copy(update={"verlet_landing": "first_below"}))
+def engines(forces: VerletForces, dt: float, contact: float) -> dict[str, Engine[float]]:
+    """Return the parts of the scheme with a treatment of the force, and the whole."""
+    steps, below = Verlet(dt, forces), Verlet(dt, forces, "first_below")
     return {
-        FORCE.format(forces): SmoothForces(steps=Smooth(dt, reading)),
+        FORCE.format(forces): SmoothForces(steps=Smooth(dt, forces)),
         PLATE: PlateOnTheLine(dt=dt),
         LINE: StraightToTheBat(dt=dt),
         HALF_FORCE.format(forces): HalfForce(steps=steps),
@@ -446,10 +437,8 @@ def errors(scene: AtBatScene, step: float, phases: int) -> list[dict[str, float]
         dt = (enters + share * stays) / count
         row = {}
         for treatment in SHOWN:
-            reading = scene.reading.model_copy(update={"verlet_forces": treatment})
-            one = scene.model_copy(update={"reading": reading})
-            for name, engine in engines(reading, dt, enters).items():
-                landing = solve(one, engine).landing
+            for name, engine in engines(treatment, dt, enters).items():
+                landing = solve(scene, engine).landing
                 off = (
                     float(landing.distance) - float(true.landing.distance) if landing else math.nan
                 )

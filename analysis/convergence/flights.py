@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,13 +12,13 @@ import pandas as pd
 
 from analysis.convergence.pieces import each, verdict
 from analysis.writing import figure, shown, table
+from longball.convergence import converge
+from longball.convergence.report import Order
 from longball.engines import create
-from longball.engines.at_bat import solve
+from longball.engines.chain import solve
 from longball.engines.engine import Engine
 from longball.engines.verlet import TREATMENTS, Verlet
-from longball.judge.convergence import converge
-from longball.judge.convergence_report import Order
-from longball.model.readings import Reading, VerletForces
+from longball.model.readings import VerletForces, VerletLanding
 from longball.model.result import Bounded, Number
 from longball.model.scene import FlightScene, Launch
 
@@ -73,7 +74,7 @@ def run(report: Path, full: bool) -> str:
     jump = converge_below()
     held = all(row["notes"] == "reproduced" for row in rows)
     first = verdict(abs(below - NOTED_FIRST_BELOW) < 0.02 and jump.order is not None)
-    words = (
+    text = (
         "**The force's treatment.** Four flights (30 and 45 m/s at 25° and 45°) give "
         "the orders; one of 45 m/s at 30°, 112.75 m long, the errors at the printed step. "
         f"The project's expectations of orders 1, 1, 1, 2 and 2, and of the errors' sizes, are "
@@ -98,25 +99,25 @@ def run(report: Path, full: bool) -> str:
     return "\n".join(
         [
             "### The velocity-dependent force\n",
-            words,
+            text,
             table(report, "convergence_flights", pd.DataFrame(rows)),
             shown("convergence_flights", caption),
         ]
     )
 
 
-def flight(name: str, speed: float, degrees: float, reading: Reading) -> FlightScene:
+def flight(name: str, speed: float, degrees: float) -> FlightScene:
     """Return a flight launched 1 m over the plate."""
     angle = math.radians(degrees)
     velocity = (speed * math.cos(angle), 0.0, speed * math.sin(angle))
     launch = Launch(position=(0.0, 0.0, 1.0), velocity=velocity)
-    return FlightScene(id=name, launch=launch, reading=reading)
+    return FlightScene(id=name, launch=launch)
 
 
-def four(reading: Reading) -> list[FlightScene]:
+def four() -> list[FlightScene]:
     """Return the flights that the orders are taken from."""
     return [
-        flight(f"{speed:g} m/s, {angle}°", speed, angle, reading)
+        flight(f"{speed:g} m/s, {angle}°", speed, angle)
         for speed in (30.0, 45.0)
         for angle in (25, 45)
     ]
@@ -124,26 +125,26 @@ def four(reading: Reading) -> list[FlightScene]:
 
 def order(treatment: VerletForces, finest: float) -> Order:
     """Return how D converges with a treatment, down to a finest step."""
-    scenes = four(Reading(verlet_forces=treatment))
-    return distance(scenes, ladder(finest), phases=2)
+    return distance(Verlet(forces=treatment), step_family(finest), phases=2)
 
 
 def converge_below() -> Order:
     """Return how D converges if the ball lands at the first step below the ground."""
-    scenes = four(Reading(verlet_forces="implicit", verlet_landing="first_below"))
-    return distance(scenes, ladder(1e-4), phases=8)
+    below = Verlet(forces="implicit", landing="first_below")
+    return distance(below, step_family(1e-4), phases=8)
 
 
-def ladder(finest: float) -> list[float]:
+def step_family(finest: float) -> list[float]:
     """Return steps from the printed one down."""
     count = 1 + round(PER_DECADE * math.log10(PRINTED / finest))
     return [float(step) for step in np.geomspace(PRINTED, finest, count)]
 
 
-def distance(scenes: list[FlightScene], steps: list[float], phases: int) -> Order:
-    """Return how D converges."""
+def distance(scheme: Verlet, steps: list[float], phases: int) -> Order:
+    """Return how D converges by a scheme, whatever its own step."""
+    scenes = four()
     report = converge(
-        lambda step: [solve(scene, Verlet(step)) for scene in scenes],
+        lambda step: [solve(scene, replace(scheme, dt=step)) for scene in scenes],
         scenes,
         steps,
         [solve(scene, proven()) for scene in scenes],
@@ -152,11 +153,12 @@ def distance(scenes: list[FlightScene], steps: list[float], phases: int) -> Orde
     return next(found for found in report.orders if found.quantity == "distance")
 
 
-def error_at(step: float, treatment: VerletForces, landing: str = "interpolated") -> float:
+def error_at(
+    step: float, treatment: VerletForces, landing: VerletLanding = "interpolated"
+) -> float:
     """Return the error of D, m, of the noted flight."""
-    reading = Reading.model_validate({"verlet_forces": treatment, "verlet_landing": landing})
-    scene = flight("noted", 45.0, 30, reading)
-    found, true = solve(scene, Verlet(step)).landing, solve(scene, proven()).landing
+    scene, scheme = flight("noted", 45.0, 30), Verlet(step, treatment, landing)
+    found, true = solve(scene, scheme).landing, solve(scene, proven()).landing
     assert found is not None
     assert true is not None
     return as_double(found.distance) - as_double(true.distance)
@@ -174,22 +176,21 @@ def as_double(number: Number) -> float:
 
 def least(found: Order) -> float:
     """Return the smallest error of all steps, m."""
-    return min(rung.error for rung in found.rungs if rung.error is not None)
+    return min(error for _, error, _ in found.errors)
 
 
 def least_at(found: Order) -> float:
     """Return the step of the smallest error, s."""
-    return min((rung.error, rung.step) for rung in found.rungs if rung.error is not None)[1]
+    return min((error, step) for step, error, _ in found.errors)[1]
 
 
 def draw(report: Path, orders: dict[VerletForces, Order]) -> None:
     """Draw the errors against the step."""
     with figure(report, "convergence_flights", size=(6.4, 4.6)) as (axes,):
         for (name, found), marker in zip(orders.items(), "os^Dv*", strict=True):
-            points = [(r.step, r.error, r.use) for r in found.rungs if r.error is not None]
-            x, y = [p[0] for p in points], [p[1] for p in points]
+            x, y = [e[0] for e in found.errors], [e[1] for e in found.errors]
             (line,) = axes.plot(x, y, marker, markersize=5, markerfacecolor="none")
-            fitted = [(h, e) for h, e, use in points if use == "fitted"]
+            fitted = [(h, e) for h, e, use in found.errors if use == "fitted"]
             x, y = [h for h, _ in fitted], [e for _, e in fitted]
             label = f"{name}: order {found.order:.2f}"
             axes.plot(x, y, marker + "-", color=line.get_color(), markersize=5, label=label)

@@ -13,10 +13,10 @@ from rich.console import Console
 from rich.progress import track
 
 import longball
-from longball.engines.at_bat import solve
+from longball.engines.chain import solve
 from longball.engines.ivp import Ivp
 from longball.home_run import draw, paper_at_bats, scenes
-from longball.model.readings import Reading
+from longball.model.readings import SamplingReading
 from longball.model.scene import AtBatScene
 
 # Good to 1e-12 m (`python -m analysis accuracy`), and no error of an at-bat shown here is smaller
@@ -55,10 +55,10 @@ def _call(name: str, arguments: tuple[object, ...], code: str, work: Callable[..
     return work(*arguments)
 
 
-def batted(count: int, seed: int, reading: Reading) -> list[AtBatScene]:
+def batted(count: int, seed: int) -> list[AtBatScene]:
     """Return the first at-bats of a seed that the reference engine finds batted."""
-    base = AtBatScene(id="base", reading=reading)
-    drawn = scenes(base, draw(paper_at_bats(reading), 2 * count, seed))
+    at_bats = paper_at_bats(SamplingReading())
+    drawn = scenes(AtBatScene(id="base"), draw(at_bats, 2 * count, seed))
     hits = (s for s in drawn if s is not None and solve(s, TRUTH).outcome == "batted")
     return [scene for scene, _ in zip(hits, range(count), strict=False)]
 

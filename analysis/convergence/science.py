@@ -24,7 +24,7 @@ from longball.home_run import (
     monte_carlo,
     paper_at_bats,
 )
-from longball.model.readings import Inertia, Reading, VerletForces
+from longball.model.readings import Inertia, Reading, SamplingReading, VerletForces
 from longball.model.scene import AtBatScene
 
 Array = NDArray[np.float64]
@@ -50,8 +50,7 @@ class Case:
     @property
     def base(self) -> AtBatScene:
         """What is not random about the at-bats."""
-        reading = Reading(inertia=self.inertia, verlet_forces=self.forces)
-        return AtBatScene(id="base", reading=reading)
+        return AtBatScene(id="base", reading=Reading(inertia=self.inertia))
 
 
 IMPLICIT = "implicit forces"
@@ -67,11 +66,11 @@ def strike(case: Case, step: float | None, chunk: int) -> list[Struck]:
     """Return what becomes of a chunk of samples; by the reference if there is no step."""
     return monte_carlo(
         case.base,
-        paper_at_bats(case.base.reading),
+        paper_at_bats(SamplingReading()),
         case.restitutions,
         CHUNK,
         SEED + chunk,
-        engine=Ivp() if step is None else Verlet(step),
+        engine=Ivp() if step is None else Verlet(step, case.forces),
     )
 
 
@@ -124,7 +123,7 @@ def run(report: Path, full: bool) -> str:
         for case, step in keys
         for e, one in zip(case.restitutions, together([next(answers) for _ in chunks]), strict=True)
     }
-    # The reference asks no reading of the scheme.
+    # The reference has no forces of a scheme.
     struck[IMPLICIT, None, E] = struck[CASES[0].name, None, E]
     biases = {
         (case.name, step, e): bias(struck[case.name, step, e], struck[case.name, None, e])
@@ -148,7 +147,7 @@ def run(report: Path, full: bool) -> str:
     return "\n".join(
         [
             "### What it does to P(e)\n",
-            words(len(chunks) * CHUNK, struck, biases, probabilities, crossing),
+            describe(len(chunks) * CHUNK, struck, biases, probabilities, crossing),
             short_table(report, probability_rows(biases, probabilities)),
             "Distances, at e = 0.42 in the default reading:\n",
             table(report, "convergence_distances", distance_rows(struck)),
@@ -271,7 +270,7 @@ def what(distance: float) -> str:
     return "gained" if distance >= HOME_RUN_DISTANCE else "lost: shorter"
 
 
-def words(
+def describe(
     count: int,
     struck: Struckness,
     biases: Biases,

@@ -26,7 +26,8 @@ from longball.home_run import (
     fit,
     paper_at_bats,
 )
-from longball.model.scene import AtBatScene, FlightScene, Launch
+from longball.model.drawn import DrawnAtBat
+from longball.model.scene import FlightScene, Launch
 
 Array = NDArray[np.float64]
 
@@ -146,7 +147,7 @@ class Contact:
     by_restitution: float
 
 
-def contact(base: AtBatScene, struck: Sequence[Balls]) -> Contact:
+def contact(base: DrawnAtBat, struck: Sequence[Balls]) -> Contact:
     """Return what the scatter of the pitch's speed amounts to, for the balls hit upwards."""
     flies = struck[0].elevation > 0
     speeds = struck[0].pitch_speed[flies]
@@ -203,19 +204,19 @@ ELEVATIONS = (20.0, 30.0, 40.0)  # degrees
 STRAIGHT = 0.05  # off a line by less than this share of the whole change: linear to the eye
 
 
-def ranges(base: AtBatScene, elevation: float) -> Array:
+def ranges(base: DrawnAtBat, elevation: float) -> Array:
     """Return D, m, of flights from 1 m above the ground at the speeds above."""
     angle = math.radians(elevation)
     scene = FlightScene(
         id="flight",
         ball=base.ball,
         air=base.air,
-        reading=base.reading,
+        reading=base.scene.reading,
         launch=Launch(position=(0.0, 0.0, 1.0), velocity=(1.0, 0.0, 0.0)),
     )
     columns = {
-        "launch.velocity.0": SPEEDS * math.cos(angle),
-        "launch.velocity.2": SPEEDS * math.sin(angle),
+        "launch.velocity[0]": SPEEDS * math.cos(angle),
+        "launch.velocity[2]": SPEEDS * math.sin(angle),
     }
     found: Array = solve_columns(scene, columns)["landing.distance"]
     return found
@@ -282,7 +283,7 @@ class Case:
     """A reading that the argument is tried on."""
 
     name: str
-    base: AtBatScene
+    base: DrawnAtBat
     space: Space
 
 
@@ -389,7 +390,7 @@ def on_normality(report: Path, found: Sequence[Tested]) -> str:
             for one in found
         ]
     )
-    words = [
+    sentences = [
         "A normal density is fixed by P and by its own value at 150 m; and whatever the density "
         "is, dP/de is its value at 150 m times the mean of dD/de of the balls that land there. "
         "The paper's form asks that the mean is C₁ e and that it moves by C₁.\n",
@@ -400,7 +401,7 @@ def on_normality(report: Path, found: Sequence[Tested]) -> str:
         bend = one.tail.curvature / one.tail.sigma
         same_width = 0.8 < bend < 1.25  # NaN if the density is not peaked
         same_c1 = 0.8 < ratio < 1.25
-        words.append(
+        sentences.append(
             f"{one.case.name.capitalize()}: the two C₁ "
             + (
                 f"agree within {100 * abs(ratio - 1):.0f} %"
@@ -417,20 +418,20 @@ def on_normality(report: Path, found: Sequence[Tested]) -> str:
             )
         )
     caption = PAPER_CURVES["caption"]
-    words.append(
+    sentences.append(
         f"The caption's own C₁ = {caption.c1:g} m puts the mean of D at {caption.c1 * E:.0f} m "
         f"for e = {E}, with σ = {caption.sigma:g} m."
     )
-    return "\n".join(words[:2]) + "\n" + " ".join(words[2:]) + "\n"
+    return "\n".join(sentences[:2]) + "\n" + " ".join(sentences[2:]) + "\n"
 
 
 def on_contact(found: Sequence[Tested]) -> str:
     """Say whether the pitch's speed may be taken for constant."""
-    words = []
+    sentences = []
     for one in found:
         at = one.contact
         share = at.by_speed / at.by_restitution
-        words.append(
+        sentences.append(
             f"{one.case.name.capitalize()}: the balls hit upwards meet the bat at {at.mean:.1f} ± "
             f"{at.deviation:.1f} m/s ({100 * at.deviation / at.mean:.1f} %). One such deviation "
             f"changes the exit speed by {at.by_speed:+.2f} m/s in the median; e from "
@@ -442,7 +443,7 @@ def on_contact(found: Sequence[Tested]) -> str:
                 else f"**Not constant** next to what e does: {abs(share):.0%} of it."
             )
         )
-    return " ".join(words) + "\n"
+    return " ".join(sentences) + "\n"
 
 
 def on_linearity(report: Path, found: Sequence[Tested]) -> str:
@@ -465,13 +466,13 @@ def on_linearity(report: Path, found: Sequence[Tested]) -> str:
             ("all fair flies, mean D by exit speed", one.exit),
         ]
     ]
-    words = []
+    sentences = []
     for one in found:
         rise = SPEEDS[-1] - SPEEDS[0]
         worst = max(laid.off / (laid.slope * rise) for laid in one.flights.values())
         powers = [laid.power for laid in one.flights.values()]
         proportional = all(abs(power - 1) < 0.1 for power in powers)
-        words.append(
+        sentences.append(
             f"{one.case.name.capitalize()}: at one elevation D is "
             + ("**linear**" if worst < STRAIGHT else "**not linear**")
             + f" in the exit speed: off a line by {100 * worst:.1f} % of its change over these "
@@ -483,7 +484,7 @@ def on_linearity(report: Path, found: Sequence[Tested]) -> str:
                 f"{max(powers):.2f}."
             )
         )
-    return table(report, "paper_linearity", pd.DataFrame(rows)) + "\n" + " ".join(words) + "\n"
+    return table(report, "paper_linearity", pd.DataFrame(rows)) + "\n" + " ".join(sentences) + "\n"
 
 
 def on_shift(report: Path, found: Sequence[Tested]) -> str:
@@ -501,7 +502,7 @@ def on_shift(report: Path, found: Sequence[Tested]) -> str:
         for one in found
         for each in one.shifts
     ]
-    words = [
+    sentences = [
         "Of dD/de at a carry of 110 m "
         + "; ".join(
             f"{carry.who} says {carry.slope:.0f} ± {carry.slope_error:.0f} m" for carry in CARRIES
@@ -516,13 +517,13 @@ def on_shift(report: Path, found: Sequence[Tested]) -> str:
             here = at[110.0]
             inside = [c.who for c in CARRIES if here.low <= c.slope <= here.high]
             near = " and ".join(inside) if inside else "neither"
-            words.append(
+            sentences.append(
                 f"{one.case.name.capitalize()}: {here.median:.0f} m at 110 m, in whose middle half "
                 f"lies what {near} says."
             )
         if HOME_RUN_DISTANCE in at:
             here = at[HOME_RUN_DISTANCE]
-            words.append(
+            sentences.append(
                 f"At the fence D goes like e to the power {here.power:.2f}, "
                 + (
                     "as C₁ e asks."
@@ -531,7 +532,7 @@ def on_shift(report: Path, found: Sequence[Tested]) -> str:
                     "the bat's own speed on top."
                 )
             )
-    return table(report, "paper_shift", pd.DataFrame(rows)) + "\n" + " ".join(words) + "\n"
+    return table(report, "paper_shift", pd.DataFrame(rows)) + "\n" + " ".join(sentences) + "\n"
 
 
 def draw_argument(report: Path, found: Sequence[Tested]) -> None:

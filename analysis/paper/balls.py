@@ -11,8 +11,8 @@ import joblib
 import numpy as np
 from numpy.typing import NDArray
 
-from longball.engines.at_bat import solve_with_restitutions
 from longball.engines.batch import solve_columns_with_restitutions
+from longball.engines.chain import solve_with_restitutions
 from longball.engines.verlet import Verlet
 from longball.home_run import (
     HOME_RUN_DISTANCE,
@@ -24,8 +24,8 @@ from longball.home_run import (
     paper_at_bats,
     scenes,
 )
-from longball.model.readings import Reading, SampleSpace
-from longball.model.scene import AtBatScene
+from longball.model.drawn import DrawnAtBat
+from longball.model.readings import SampleSpace
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -55,7 +55,7 @@ class Balls(Struck):
 
 
 def strike(
-    base: AtBatScene, samples: Samples, restitutions: Sequence[float], threads: int = 1
+    base: DrawnAtBat, samples: Samples, restitutions: Sequence[float], threads: int = 1
 ) -> list[Balls]:
     """Return what becomes of samples, the same ones at each restitution.
 
@@ -63,7 +63,7 @@ def strike(
     """
     pitched = samples.pitched
     tables = solve_columns_with_restitutions(
-        base, samples.chosen(pitched).columns, restitutions, threads=threads
+        base.scene, samples.chosen(pitched).columns, restitutions, threads=threads
     )
 
     def whole(column: Array) -> Array:
@@ -73,15 +73,15 @@ def strike(
 
     struck = []
     for table in tables:
-        after = np.array([table[f"impact.velocity.{i}"] for i in range(3)])
-        normal = np.array([table[f"contact.normal.{i}"] for i in range(3)])
+        after = np.array([table[f"impact.velocity[{i}]"] for i in range(3)])
+        normal = np.array([table[f"contact.normal[{i}]"] for i in range(3)])
         before = after - table["impact.impulse"] / base.ball.mass * normal
         failed = np.zeros(len(pitched), bool)
         failed[pitched] = table["outcome"] == ""
         struck.append(
             Balls(
-                x=whole(table["landing.position.0"]),
-                y=whole(table["landing.position.1"]),
+                x=whole(table["landing.position[0]"]),
+                y=whole(table["landing.position[1]"]),
                 failed=failed,
                 pitch_speed=whole(np.sqrt((before * before).sum(axis=0))),
                 exit_speed=whole(np.sqrt((after * after).sum(axis=0))),
@@ -95,11 +95,11 @@ CHUNK = 500  # at-bats that a process takes at a time by the paper's scheme
 
 
 def strike_in_steps(
-    base: AtBatScene, count: int, seed: int, restitutions: Sequence[float], step: float
+    base: DrawnAtBat, count: int, seed: int, restitutions: Sequence[float], scheme: Verlet
 ) -> list[Balls]:
-    """Return what becomes of samples by the paper's scheme, with a step in s."""
+    """Return what becomes of samples by the paper's scheme."""
     parts = joblib.Parallel(n_jobs=-1)(
-        joblib.delayed(_chunk_in_steps)(base, first, min(CHUNK, count - first), seed, e, step)
+        joblib.delayed(_chunk_in_steps)(base, first, min(CHUNK, count - first), seed, e, scheme)
         for e in [tuple(restitutions)]
         for first in range(0, count, CHUNK)
     )
@@ -108,12 +108,12 @@ def strike_in_steps(
 
 
 def _chunk_in_steps(
-    base: AtBatScene,
+    base: DrawnAtBat,
     first: int,
     count: int,
     seed: int,
     restitutions: tuple[float, ...],
-    step: float,
+    scheme: Verlet,
 ) -> Array:
     """Return the fields of `Balls` for some of the samples: (restitution, field, sample)."""
     found = np.full((len(restitutions), len(fields(Balls)), count), np.nan)
@@ -122,7 +122,7 @@ def _chunk_in_steps(
     for i, scene in enumerate(drawn):
         if scene is None:
             continue
-        for k, result in enumerate(solve_with_restitutions(scene, restitutions, Verlet(step))):
+        for k, result in enumerate(solve_with_restitutions(scene, restitutions, scheme)):
             if result.error is not None:
                 found[k, 2, i] = 1.0
             elif result.landing and result.impact and result.contact:
@@ -174,7 +174,7 @@ class Space:
 
     def estimate(self, e: float, balls: Balls) -> Estimate:
         """Count the home runs."""
-        return estimate(e, self.members(balls), Reading(sample_space=self.ledger))
+        return estimate(e, self.members(balls), self.ledger)
 
     def share(self, balls: Balls) -> Share:
         """Return P with what each at-bat has to do with it; there must be a member."""
@@ -219,9 +219,9 @@ SPACES = (
 )
 
 
-def told(base: AtBatScene, space: Space) -> str:
+def describe(base: DrawnAtBat, space: Space) -> str:
     """Say in which readings and numbers an at-bat differs from the default ones."""
-    default = AtBatScene(id="default")
+    default = DrawnAtBat(id="default")
     blocks = [
         (name, getattr(base, name).model_dump(), getattr(default, name).model_dump())
         for name in ("ball", "bat", "air")

@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from analysis.paper.balls import SPACES, Balls, Space, cores, strike, strike_in_steps, told
+from analysis.paper.balls import SPACES, Balls, Space, cores, describe, strike, strike_in_steps
 from analysis.paper.distances import (
     BIN,
     HEIGHT_AND_SLOPE,
@@ -32,9 +32,11 @@ from analysis.paper.distances import (
 from analysis.paper.printed import P_TEXT, PEAKS
 from analysis.paper.printed import SAMPLES as PAPER_SAMPLES
 from analysis.writing import figure, markdown_table, shown, table
+from longball.engines.verlet import Verlet
 from longball.home_run import PAPER_CURVES, RESTITUTIONS, Estimate, draw, paper_at_bats
-from longball.model.readings import Reading
-from longball.model.scene import AtBatScene, Ball
+from longball.model.drawn import DrawnAtBat, DrawnReading
+from longball.model.readings import SamplingReading
+from longball.model.scene import Ball
 
 Array = NDArray[np.float64]
 
@@ -66,11 +68,11 @@ PLATE = 0.432  # m, its width
 RADII = (0.0366, 0.0183)  # m, of the ball; the paper calls 0.0366 m its diameter
 
 
-def bases() -> Iterator[AtBatScene]:
+def bases() -> Iterator[DrawnAtBat]:
     """Yield the at-bats of all combinations but for the sample spaces, which cost nothing."""
     for blow, offset, width, radius in itertools.product(BLOWS, OFFSET_SPREADS, CELL_WIDTHS, RADII):
-        reading = Reading.model_validate(blow | {"offset_spread": offset, "cell_width": width})
-        yield AtBatScene(id="base", ball=Ball(radius=radius), reading=reading)
+        reading = DrawnReading.model_validate(blow | {"offset_spread": offset, "cell_width": width})
+        yield DrawnAtBat(id="base", ball=Ball(radius=radius), reading=reading)
 
 
 @dataclass(frozen=True)
@@ -93,7 +95,7 @@ class Trial:
         The paper's Fig. 6 against it, by restitution; empty at first sight.
     """
 
-    base: AtBatScene
+    base: DrawnAtBat
     space: Space
     rows: list[Estimate]
     mode: dict[float, float]
@@ -104,7 +106,7 @@ class Trial:
     @property
     def name(self) -> str:
         """What it differs in from the default."""
-        return told(self.base, self.space)
+        return describe(self.base, self.space)
 
     @property
     def shared(self) -> Distance:
@@ -121,7 +123,7 @@ class Trial:
         return next(row.p for row in self.rows if row.e == e)
 
 
-def tried(base: AtBatScene) -> list[Trial]:
+def tried(base: DrawnAtBat) -> list[Trial]:
     """Return what a combination gives at first sight, in the sample spaces with balls enough."""
     struck = strike(base, draw(paper_at_bats(base.reading), SAMPLES, SEED), RESTITUTIONS)
     return [
@@ -131,13 +133,13 @@ def tried(base: AtBatScene) -> list[Trial]:
     ]
 
 
-def closer(base: AtBatScene, spaces: Sequence[Space], count: int) -> list[Trial]:
+def closer(base: DrawnAtBat, spaces: Sequence[Space], count: int) -> list[Trial]:
     """Return what a combination gives with more samples, the peaks of Fig. 6 with it."""
     struck = strike(base, draw(paper_at_bats(base.reading), count, SEED), RESTITUTIONS)
     return [with_peaks(trial(base, space, struck), struck) for space in spaces]
 
 
-def trial(base: AtBatScene, space: Space, struck: Sequence[Balls]) -> Trial:
+def trial(base: DrawnAtBat, space: Space, struck: Sequence[Balls]) -> Trial:
     """Hold struck balls against Fig. 7."""
     rows = [space.estimate(e, one) for e, one in zip(RESTITUTIONS, struck, strict=True)]
     flown = {e: space.distances(one) for e, one in zip(RESTITUTIONS, struck, strict=True)}
@@ -212,7 +214,7 @@ def study() -> Study:
 @cache
 def default_trial() -> Trial:
     """Return the ledger's defaults, seen as close as the near readings."""
-    return closer(AtBatScene(id="base"), SPACES[:1], CLOSEST_SAMPLES)[0]
+    return closer(DrawnAtBat(id="base"), SPACES[:1], CLOSEST_SAMPLES)[0]
 
 
 # --- the paper's scheme ---------------------------------------------------------------------------
@@ -247,7 +249,7 @@ class Stepped:
 def stepped(exact: Trial) -> Stepped:
     """Take a reading's at-bats with the paper's scheme."""
     base = exact.base
-    by_steps = strike_in_steps(base, STEPPED_SAMPLES, SEED, RESTITUTIONS, STEP)
+    by_steps = strike_in_steps(base, STEPPED_SAMPLES, SEED, RESTITUTIONS, Verlet(STEP))
     samples = draw(paper_at_bats(base.reading), STEPPED_SAMPLES, SEED)
     exactly = strike(base, samples, RESTITUTIONS[:1], threads=cores())[0]
     at = list(zip(RESTITUTIONS, by_steps, strict=True))
@@ -300,7 +302,7 @@ def on_the_grid(found: Study) -> str:
     solved = len(list(bases()))
     dropped = solved * len(SPACES) - len(found.first)
     widths = ", ".join(f"{width:g}" for width in CELL_WIDTHS)
-    printed = paper_at_bats(Reading(speed_table="as_printed"))
+    printed = paper_at_bats(SamplingReading(speed_table="as_printed"))
     backwards = 1 - draw(printed, SAMPLES, SEED).pitched.mean()
     return (
         f"{len(BLOWS)} blows that differ (`bat_ball_restitution`, `effective_mass`, "

@@ -9,7 +9,7 @@ from pathlib import Path
 import pandas as pd
 
 from analysis.paper import argument, pitch_fits
-from analysis.paper.balls import told
+from analysis.paper.balls import describe
 from analysis.paper.distances import BIN, distance
 from analysis.paper.home_run_figures import Reproduced, printed_ratio, reproduced
 from analysis.paper.printed import (
@@ -311,9 +311,9 @@ def run(report: Path, full: bool) -> str:
             "error).\n",
             table(report, "paper_pitches", pd.DataFrame(of_pitches(full))),
             "Home runs: under the default reading of the ledger, and under the one that comes "
-            f"nearest to Figs. 6 and 7 ({told(nearest.base, nearest.space)}). ± is the noise of "
-            f"{SAMPLES:,} samples, of counts, or the rounding; a number is reproduced within twice "
-            "that.\n",
+            f"nearest to Figs. 6 and 7 ({describe(nearest.base, nearest.space)}). ± is the noise "
+            f"of {SAMPLES:,} samples, of counts, or the rounding; a number is reproduced within "
+            "twice that.\n",
             table(report, "paper_home_runs", pd.DataFrame(lines)),
         ]
     )

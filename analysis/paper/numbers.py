@@ -16,7 +16,8 @@ from analysis.paper.distances import NEAR
 from analysis.paper.printed import P_TEXT
 from analysis.writing import figure, shown, table
 from longball.home_run import PAPER_CURVES, RESTITUTIONS, Samples, draw, paper_at_bats
-from longball.model.scene import AtBatScene
+from longball.model.drawn import DrawnAtBat
+from longball.model.quantities import number, replaced
 
 SAMPLES = 100_000
 CORNER_SAMPLES = 20_000
@@ -24,27 +25,12 @@ SEED = 1
 E = P_TEXT[0]
 STEP = 0.02  # of a number's value: its third order is 1 % of P' where P goes like its tenth power
 
-Problem = tuple[AtBatScene, Samples]
+Problem = tuple[DrawnAtBat, Samples]
 
 
-def drawn(base: AtBatScene, count: int = SAMPLES) -> Problem:
+def drawn(base: DrawnAtBat, count: int = SAMPLES) -> Problem:
     """Return an at-bat with its random numbers: the same ones for every reading."""
     return base, draw(paper_at_bats(base.reading), count, SEED)
-
-
-def with_number(base: AtBatScene, name: str, value: float) -> AtBatScene:
-    """Return a scene with another number, named like ``ball.mass`` or ``gravity``."""
-    block, _, key = name.partition(".")
-    if not key:
-        return base.model_copy(update={block: value})
-    return base.model_copy(update={block: getattr(base, block).model_copy(update={key: value})})
-
-
-def number(base: AtBatScene, name: str) -> float:
-    """Return a number of a scene."""
-    block, _, key = name.partition(".")
-    found: float = getattr(getattr(base, block), key) if key else getattr(base, block)
-    return found
 
 
 def share(problem: Problem, space: Space) -> Share:
@@ -107,14 +93,14 @@ class Ranged:
     high: tuple[float, float]
 
 
-def over_ranges(base: AtBatScene, space: Space) -> tuple[Share, list[Ranged]]:
+def over_ranges(base: DrawnAtBat, space: Space) -> tuple[Share, list[Ranged]]:
     """Return P(0.42), and what each number alone does to it."""
     before = share(drawn(base), space)
     return before, [
         Ranged(
             one,
             *(
-                share(drawn(with_number(base, one.name, value)), space).above(before)
+                share(drawn(replaced(base, {one.name: value})), space).above(before)
                 for value in (one.low, one.high)
             ),
         )
@@ -122,22 +108,21 @@ def over_ranges(base: AtBatScene, space: Space) -> tuple[Share, list[Ranged]]:
     ]
 
 
-def at_corners(base: AtBatScene, space: Space) -> list[Trial]:
+def at_corners(base: DrawnAtBat, space: Space) -> list[Trial]:
     """Return P(e) with all numbers at the ends of their ranges, in all combinations."""
     found = []
     for values in itertools.product(*((one.low, one.high) for one in UNKNOWN)):
-        corner = base
-        for one, value in zip(UNKNOWN, values, strict=True):
-            corner = with_number(corner, one.name, value)
+        names = [one.name for one in UNKNOWN]
+        corner = replaced(base, dict(zip(names, values, strict=True)))
         struck = strike(*drawn(corner, CORNER_SAMPLES), RESTITUTIONS, threads=cores())
         found.append(trial(corner, space, struck))
     return found
 
 
-def section(report: Path, cases: dict[str, tuple[AtBatScene, Space]]) -> str:
+def section(report: Path, cases: dict[str, tuple[DrawnAtBat, Space]]) -> str:
     """Write the section: what the unknown numbers do, alone and together."""
     cases = {
-        name: (with_number(base, "ball.restitution", E), s) for name, (base, s) in cases.items()
+        name: (replaced(base, {"ball.restitution": E}), s) for name, (base, s) in cases.items()
     }
     found = {name: over_ranges(*case) for name, case in cases.items()}
     rows = pd.DataFrame(
@@ -243,7 +228,7 @@ def of_scene(name: str, unit: str) -> Parameter:
 
     def scaled(problem: Problem, factor: float) -> Problem:
         base, samples = problem
-        other = with_number(base, name, factor * number(base, name))
+        other = replaced(base, {name: factor * number(base, name)})
         return drawn(other, len(samples)) if name.startswith("reading.") else (other, samples)
 
     return Parameter(name, unit, lambda problem: number(problem[0], name), scaled)
@@ -251,11 +236,8 @@ def of_scene(name: str, unit: str) -> Parameter:
 
 def _heights_scaled(problem: Problem, factor: float) -> Problem:
     base, samples = problem
-    pitch = base.pitch
-    x, y, z = pitch.release
-    aim = (pitch.aim[0], factor * pitch.aim[1])
-    other = pitch.model_copy(update={"release": (x, y, factor * z), "aim": aim})
-    return base.model_copy(update={"pitch": other}), samples
+    heights = ("pitch.release[2]", "pitch.aim[1]")
+    return replaced(base, {name: factor * number(base, name) for name in heights}), samples
 
 
 PARAMETERS = (
@@ -320,11 +302,11 @@ def sensitivity(parameter: Parameter, problem: Problem, space: Space, p: float) 
     )
 
 
-def sensitivities(report: Path, cases: dict[str, tuple[AtBatScene, Space]]) -> str:
+def sensitivities(report: Path, cases: dict[str, tuple[DrawnAtBat, Space]]) -> str:
     """Write the section: ∂P/∂parameter at the default and the nearest reading."""
     found = {}
     for name, (base, space) in cases.items():
-        problem = drawn(with_number(base, "ball.restitution", E))
+        problem = drawn(replaced(base, {"ball.restitution": E}))
         p = share(problem, space).p
         found[name] = [sensitivity(one, problem, space, p) for one in PARAMETERS]
     rows = pd.DataFrame(
@@ -348,10 +330,10 @@ def sensitivities(report: Path, cases: dict[str, tuple[AtBatScene, Space]]) -> s
             for i, one in enumerate(PARAMETERS)
         ]
     )
-    words = []
+    sentences = []
     for name, sensitive in found.items():
         order = sorted(sensitive, key=lambda one: -abs(one.power))[:3]
-        words.append(
+        sentences.append(
             f"From the {name} reading 1 % more of "
             + ", ".join(f"{one.parameter.name} changes P by {one.power:+.1f} %" for one in order)
             + "."
@@ -362,6 +344,6 @@ def sensitivities(report: Path, cases: dict[str, tuple[AtBatScene, Space]]) -> s
             f"∂P/∂x at e = {E}, by central differences over ± {100 * STEP:g} % of the value with "
             f"the same {SAMPLES:,} at-bats (seed {SEED}); ± is the standard error.\n",
             table(report, "paper_sensitivities", rows),
-            " ".join(words) + "\n",
+            " ".join(sentences) + "\n",
         ]
     )

@@ -7,18 +7,19 @@ from dataclasses import dataclass
 from importlib.util import find_spec
 from typing import Any
 
+from longball.engines.batch.chain import Fleet
+from longball.model.motion import Forces, forces
+
 from analysis.speed_error import peers
 from analysis.speed_error.work import Work
-from longball.engines.at_bat import solve
 from longball.engines.batch import Batch, solve_columns
-from longball.engines.batch.chain import Fleet
 from longball.engines.batch.many import BLOCK
+from longball.engines.chain import solve
 from longball.engines.enclosure import Enclosure
 from longball.engines.engine import Engine
 from longball.engines.ivp import Ivp
 from longball.engines.multiprecision import Multiprecision
 from longball.engines.verlet import TREATMENTS, Verlet
-from longball.model.motion import Forces, forces
 from longball.model.numbers import DOUBLES
 from longball.model.result import Number
 from longball.model.scene import AtBatScene
@@ -29,10 +30,11 @@ PEERS = {"heyoka": "heyoka", "diffrax": "diffrax", "scikit-sundae": "sksundae"}
 
 @dataclass(frozen=True)
 class Answers:
-    """Outcomes (empty: no answer) and distances D, m (None: none), a scene each."""
+    """Outcomes (empty: no answer), distances D, m, and times of landing, s (None: none)."""
 
     outcomes: Sequence[str]
     distances: Sequence[Number | None]
+    times: Sequence[Number | None]
 
 
 @dataclass(frozen=True)
@@ -70,8 +72,11 @@ def in_columns(fleet: Fleet) -> Callable[[Work], Answers]:
 
     def solved(work: Work) -> Answers:
         table = solve_columns(work.base, work.columns, fleet)
-        distances = table["landing.distance"].tolist()
-        return Answers(table["outcome"].tolist(), [d if d == d else None for d in distances])
+        distances, times = (
+            [number if number == number else None for number in table[name].tolist()]
+            for name in ("landing.distance", "landing.time")
+        )
+        return Answers(table["outcome"].tolist(), distances, times)
 
     return solved
 
@@ -84,6 +89,7 @@ def one_by_one(engine: Engine[Any]) -> Callable[[Work], Answers]:
         return Answers(
             [result.outcome or "" for result in results],
             [result.landing.distance if result.landing else None for result in results],
+            [result.landing.time if result.landing else None for result in results],
         )
 
     return solved
@@ -98,6 +104,13 @@ def batch(tolerance: float) -> Contender:
     return Contender("batch", f"{tolerance:g} m", in_columns(Batch(tolerance)), COMPILED)
 
 
+def ivp(method: str, rtol: float) -> Contender:
+    """Return the reference engine, scene by scene."""
+    turn, most = (2, 20) if method == "Radau" else (SLOW, None)
+    engine = one_by_one(Ivp(method, rtol, rtol))
+    return Contender(f"ivp {method}", f"{rtol:g}", engine, turn, most)
+
+
 def longball_engines() -> Iterator[Contender]:
     """Yield longball's engines over their settings, from loose to tight."""
     for tolerance in (1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-13, 1e-14):
@@ -109,13 +122,11 @@ def longball_engines() -> Iterator[Contender]:
         "Radau": (1e-4, 1e-6, 1e-8),
     }.items():
         for rtol in tolerances:
-            engine = Ivp(method, rtol, rtol)
-            turn, most = (2, 20) if method == "Radau" else (SLOW, None)
-            yield Contender(f"ivp {method}", f"{rtol:g}", one_by_one(engine), turn, most)
-    for variant in TREATMENTS:
+            yield ivp(method, rtol)
+    for treatment in TREATMENTS:
         for dt in (0.05, 0.01, 2e-3, 4e-4):
-            verlet = one_by_one(Verlet(dt, variant=variant))
-            yield Contender(f"verlet {variant}", f"{dt:g} s", verlet, QUICK)
+            verlet = one_by_one(Verlet(dt, treatment))
+            yield Contender(f"verlet {treatment}", f"{dt:g} s", verlet, QUICK)
     yield Contender("enclosure", "30 digits", one_by_one(Enclosure(30)), 5, 50)
     yield Contender("multiprecision", "30 digits", one_by_one(Multiprecision(30)), 1, 5)
 
@@ -142,10 +153,13 @@ def plain(work: Work, method: str, rtol: float) -> Contender:
     return Contender(f"scipy {method}", f"{rtol:g}", solver, SLOW)
 
 
-def heyoka(work: Work, tolerance: float = 0.0) -> Contender:
-    """Return heyoka; tolerance 0 stands for its default."""
-    solver = in_columns(peers.Heyoka(*_air(work), tolerance))
-    return Contender("heyoka", f"{tolerance:g}" if tolerance else "default", solver, BLOCK)
+def heyoka(work: Work, tolerance: float = 0.0) -> Iterator[Contender]:
+    """Yield heyoka's scalar and its batch mode; tolerance 0 stands for its default."""
+    setting = f"{tolerance:g}" if tolerance else "default"
+    scalar = peers.Heyoka(*_air(work), tolerance)
+    batch = peers.HeyokaBatch(*_air(work), tolerance)
+    yield Contender("heyoka scalar", setting, in_columns(scalar), BLOCK)
+    yield Contender("heyoka batch", setting, in_columns(batch), BLOCK)
 
 
 def installed_peers(work: Work) -> Iterator[Contender]:
@@ -159,9 +173,9 @@ def installed_peers(work: Work) -> Iterator[Contender]:
                 solver = in_columns(peers.Diffrax(*air, name, rtol))
                 yield Contender(f"diffrax {name}", f"{rtol:g}", solver, peers.LOCKSTEP)
         if "heyoka" not in absent:
-            yield heyoka(work, rtol)
+            yield from heyoka(work, rtol)
     if "heyoka" not in absent:
-        yield heyoka(work)
+        yield from heyoka(work)
 
 
 def missing_peers() -> list[str]:

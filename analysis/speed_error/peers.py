@@ -20,11 +20,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.integrate
+from longball.model.motion import Forces, acceleration
 from numpy.typing import NDArray
 
 from longball.engines.batch.flights import ARRIVAL, FLOOR, TIME_LIMIT, TOUCH, WALL, Records
-from longball.model.motion import Forces, acceleration
-from longball.model.numbers import DOUBLES
 
 Array = NDArray[np.float64]
 
@@ -52,6 +51,12 @@ class Flight(NamedTuple):
     def stops(self) -> int:
         """How many of `STOPS` are asked for."""
         return 3 if self.reach > 0.0 else 2 if self.wall < math.inf else 1
+
+
+def law(field: Forces[float], sqrt: Callable[[Any], Any]) -> Callable[[Any, Any], tuple[Any, Any]]:
+    """Return longball's law of motion, ``(u, w) -> (u', w')``, for any kind of numbers."""
+    numbers: Any = SimpleNamespace(sqrt=sqrt, exact=lambda value: value)
+    return acceleration(field, numbers)
 
 
 def height(place: int, flight: Flight, s: Any, z: Any, sqrt: Callable[[Any], Any]) -> Any:
@@ -130,7 +135,7 @@ class Scipy(Peer):
 
     def land(self, flights: Array, stops: int) -> Array:
         """Fly one after the other."""
-        accelerate = acceleration(self.field, DOUBLES)
+        accelerate = law(self.field, math.sqrt)
 
         def motion(_: float, y: Array) -> tuple[float, ...]:
             _, _, u, w = y.tolist()
@@ -175,7 +180,7 @@ class Cvode(Peer):
 
     def land(self, flights: Array, stops: int) -> Array:
         """Fly one after the other, by one solver."""
-        accelerate = acceleration(self.field, DOUBLES)
+        accelerate = law(self.field, math.sqrt)
         current = [Flight(*flights[0].tolist())]
 
         def motion(_: float, y: Array, rate: Array) -> None:
@@ -219,8 +224,7 @@ class Heyoka(Peer):
         """Fly one after the other, by one integrator."""
         integrator = _heyoka(self, stops)
         state, pars, limit = integrator.state, integrator.pars, self.time_limit
-        given = slice(5, 5 + len(pars))
-        places = {-1 - place: place for place in range(stops)}  # by the outcome's number
+        given, places = slice(5, 5 + len(pars)), _places(stops)
         arrived = np.empty((len(flights), 6))
         for flight, end in zip(flights, arrived, strict=True):
             integrator.time = flight[0]
@@ -232,28 +236,87 @@ class Heyoka(Peer):
         return arrived
 
 
+@dataclass(frozen=True)
+class HeyokaBatch(Heyoka):
+    """heyoka's integrator in batch mode: several flights at once, by vector instructions.
+
+    A propagation ends when any of its flights meets a terminal event, the others at the end of
+    their step. The next one gives each flight a time limit of its own: to those that have landed
+    the time they have, so that their steps have no length.
+
+    This is the quickest of the ways that were tried from Python; half of its time passes within
+    heyoka. Events whose callbacks note the landing and let the flight go on took 1.2 times as long,
+    a call for each step 1.8 times, the next flight in the place of each that has landed twice as
+    long. Eight and 32 lanes take as long as sixteen within a tenth; four, up to 1.4 times as long.
+    """
+
+    lanes: int = 16
+
+    def land(self, flights: Array, stops: int) -> Array:
+        """Fly in groups of flights of like duration; the last one is filled up."""
+        integrator = _heyoka_batch(self, stops)
+        state, pars, times = integrator.state, integrator.pars, integrator.time
+        given, places = slice(5, 5 + len(pars)), _places(stops)
+        flying = int(import_module("heyoka").taylor_outcome.success)
+        start = Flight(*flights.T)
+        order = np.argsort(start.w if stops == 1 else (start.wall - start.s) / start.u)
+        order = np.pad(order, (0, -len(order) % self.lanes), "edge")
+        groups = flights[order].reshape(-1, self.lanes, len(Flight._fields))
+        ends = np.empty((*groups.shape[:2], 6))
+        for group, end in zip(groups, ends, strict=True):
+            integrator.set_time(group[:, 0].tolist())
+            integrator.reset_cooldowns()
+            state[:], pars[:] = group[:, 1:5].T, group[:, given].T
+            met = [flying] * self.lanes
+            while flying in met:
+                limits = [
+                    self.time_limit if outcome == flying else time
+                    for outcome, time in zip(met, times.tolist(), strict=True)
+                ]
+                integrator.propagate_until(limits)
+                met = [
+                    int(found[0]) if outcome == flying else outcome
+                    for outcome, found in zip(met, integrator.propagate_res, strict=True)
+                ]
+            end[:, 0] = [places.get(outcome, -1) for outcome in met]
+            end[:, 1], end[:, 2:] = times, state.T
+        arrived = np.empty((len(flights), 6))
+        arrived[order] = ends.reshape(-1, 6)
+        return arrived
+
+
+def _places(stops: int) -> dict[int, int]:
+    """Return the places in `STOPS`, by the numbers of the outcomes that stand for them."""
+    return {-1 - place: place for place in range(stops)}
+
+
 @cache
 def _heyoka(peer: Heyoka, stops: int) -> Any:
     """Return the compiled integrator of flights with so many stops."""
     hy: Any = import_module("heyoka")
+    motion, heights = _expressions(peer.field, stops)
+    events = [hy.t_event(falls, direction=hy.event_direction.negative) for falls in heights]
+    return hy.taylor_adaptive(motion, np.ones(4), t_events=events, tol=peer.tolerance)
+
+
+@cache
+def _heyoka_batch(peer: HeyokaBatch, stops: int) -> Any:
+    """Return the compiled integrator of many flights with so many stops."""
+    hy: Any = import_module("heyoka")
+    motion, heights = _expressions(peer.field, stops)
+    events = [hy.t_event_batch(falls, direction=hy.event_direction.negative) for falls in heights]
+    start = np.ones((4, peer.lanes))
+    return hy.taylor_adaptive_batch(motion, start, t_events=events, tol=peer.tolerance)
+
+
+def _expressions(field: Forces[float], stops: int) -> tuple[list[tuple[Any, Any]], list[Any]]:
+    """Return the equations of motion, and what falls through zero at the stops, for heyoka."""
+    hy: Any = import_module("heyoka")
     s, z, u, w = hy.make_vars("s", "z", "u", "w")
-    accelerate: Any = acceleration(peer.field, _numbers(hy.sqrt))
-    u_rate, w_rate = accelerate(u, w)
+    u_rate, w_rate = law(field, hy.sqrt)(u, w)
     there = Flight(*[None] * 5, *(hy.par[i] for i in range(6)))
-    return hy.taylor_adaptive(
-        [(s, u), (z, w), (u, u_rate), (w, w_rate)],
-        [0.0, 1.0, 1.0, 1.0],
-        t_events=[
-            hy.t_event(height(place, there, s, z, hy.sqrt), direction=hy.event_direction.negative)
-            for place in range(stops)
-        ],
-        tol=peer.tolerance,
-    )
-
-
-def _numbers(sqrt: Callable[[Any], Any]) -> Any:
-    """Return what the equations of motion ask of a kind of numbers."""
-    return SimpleNamespace(sqrt=sqrt, exact=lambda value: value)
+    heights = [height(place, there, s, z, hy.sqrt) for place in range(stops)]
+    return [(s, u), (z, w), (u, u_rate), (w, w_rate)], heights
 
 
 # What diffrax flies at once: its code is made for an array of one size.
@@ -287,7 +350,7 @@ def _diffrax(solver: str, field: Forces[float], time_limit: float, stops: int) -
     diffrax: Any = import_module("diffrax")
     optimistix: Any = import_module("optimistix")
     jnp = jax.numpy
-    accelerate: Any = acceleration(field, _numbers(jnp.sqrt))
+    accelerate = law(field, jnp.sqrt)
 
     def motion(_: Any, y: Any, __: Any) -> Any:
         return jnp.stack([y[2], y[3], *accelerate(y[2], y[3])])

@@ -16,7 +16,7 @@ MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*", "<", ">")
 HALO = [patheffects.withStroke(linewidth=2.0, foreground="white")]
 BEYOND = 1e-15  # m; smaller errors than doubles can have at 100 m are drawn there
 
-PEERS = ("heyoka", "diffrax Tsit5", "diffrax Dopri8", "CVODE Adams")
+PEERS = ("heyoka scalar", "heyoka batch", "diffrax Tsit5", "diffrax Dopri8", "CVODE Adams")
 PLAIN = ("scipy DOP853", "scipy RK45", "scipy LSODA")
 OURS = (
     *("batch", "ivp DOP853", "ivp RK45", "ivp LSODA", "ivp Radau"),
@@ -39,7 +39,7 @@ def draw(report: Path, whole: pd.DataFrame) -> None:
                 axes: against_error(axes, rows, methods)
                 for axes, methods in ((ours, OURS), (others, ("batch", *PEERS, *PLAIN)))
             }
-            ours.set_xlim(left=BEYOND / 10)
+            ours.set_xlim(left=BEYOND / 100)  # room for names
             ours.set_ylabel(f"time a{'n' if kind == 'at-bat' else ''} {kind}, µs")
             for axes, ends in named.items():
                 axes.set_xlabel("worst error of D, m")

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from longball.model.motion import Forces, PlaneState
 
 from longball.engines import series
-from longball.engines.at_bat import solve
 from longball.engines.batch import (
     Batch,
     solve_all,
@@ -34,10 +34,10 @@ from longball.engines.batch.expansion import (
 )
 from longball.engines.batch.lanes import WIDTH, kept
 from longball.engines.batch.roots import NEVER, curvature, downward, first_fall, first_zero
+from longball.engines.chain import solve
 from longball.engines.enclosure import Enclosure
 from longball.engines.engine import Stops
 from longball.engines.ivp import Ivp
-from longball.model.motion import Forces, PlaneState
 from longball.model.readings import Reading
 from longball.model.result import Bounded, Contact, Impact, Landing, Plate, Result
 from longball.model.scene import (
@@ -156,7 +156,7 @@ def numbers(result: Result) -> dict[str, float]:
                 walk(f"{name}.{key}", inner)
         elif isinstance(value, tuple):
             for i, inner in enumerate(value):
-                walk(f"{name}.{i}", inner)
+                walk(f"{name}[{i}]", inner)
         elif isinstance(value, Bounded | float):
             found[name] = float(value)
 
@@ -251,7 +251,7 @@ def test_a_ball_straight_up_and_down() -> None:
 def test_a_heading_that_all_share_may_be_none() -> None:
     up = Launch(position=(0.0, 0.0, 1.0), velocity=(0.0, 0.0, 20.0))
     scene = FlightScene(id="up", launch=up)
-    columns = {"launch.position.2": [1.0, 2.0]}
+    columns = {"launch.position[2]": [1.0, 2.0]}
     found = solve_columns(scene, columns)
     assert found["landing.time"][0] == numbers(solve(scene, Batch()))[".landing.time"]
 
@@ -292,7 +292,7 @@ def test_neither_order_nor_number_nor_threads_change_a_bit() -> None:
     n = 9000  # three blocks
     columns = {
         "pitch.speed": rng.normal(37, 2, n),
-        "pitch.aim.0": rng.normal(0, 0.2, n),
+        "pitch.aim[0]": rng.normal(0, 0.2, n),
         "swing.height_offset": rng.normal(0, 0.0366, n),
         "swing.tilt": rng.uniform(0, 0.17, n),
         "ball.restitution": rng.uniform(0.41, 0.45, n),
@@ -410,12 +410,12 @@ def test_the_error_stays_below_the_tolerance(tolerance: float) -> None:
     speed, rise = rng.uniform(15, 55, n), np.radians(rng.uniform(-5, 89.9, n))
     scene = FlightScene(id="any", launch=Launch(position=(0.0, 0.0, 1.0), velocity=(1.0, 0.0, 0.0)))
     columns = {
-        "launch.velocity.0": speed * np.cos(rise),
-        "launch.velocity.2": speed * np.sin(rise),
+        "launch.velocity[0]": speed * np.cos(rise),
+        "launch.velocity[2]": speed * np.sin(rise),
         "air.lift_coefficient": rng.uniform(-0.2, 0.4, n),
     }
-    truth = solve_columns(scene, columns, Batch(1e-14))["landing.position.0"]
-    found = solve_columns(scene, columns, Batch(tolerance))["landing.position.0"]
+    truth = solve_columns(scene, columns, Batch(1e-14))["landing.position[0]"]
+    found = solve_columns(scene, columns, Batch(tolerance))["landing.position[0]"]
     error = np.abs(found - truth).max()
     assert error < tolerance
     if tolerance > 1e-12:
@@ -520,7 +520,7 @@ def test_a_ball_that_all_but_rests_in_the_air_is_solved_or_refused_never_wrong()
 @pytest.mark.parametrize(
     ("columns", "message"),
     [
-        ({"pitch.sped": [36.0]}, "is not a number of this scene"),
+        ({"pitch.sped": [36.0]}, "the nearest are pitch.speed"),
         ({"pitch.speed": [36.0, math.nan]}, "finite"),
         ({"pitch.speed": [36.0, 37.0], "swing.tilt": [0.1]}, "2 finite numbers"),
     ],

@@ -13,13 +13,13 @@ import math
 import numpy as np
 import pytest
 from flint import arb
+from longball.model.motion import Forces, PlaneState, acceleration
 
 from longball.engines import contact
-from longball.engines.at_bat import meet, solve
+from longball.engines.chain import meet, solve
 from longball.engines.enclosure import Enclosure
 from longball.engines.engine import BatSection, CannotSolve, Stops
 from longball.engines.ivp import Ivp
-from longball.model.motion import Forces, PlaneState, acceleration
 from longball.model.numbers import DOUBLES
 from longball.model.scene import Air, AtBatScene, Pitch, Swing, parse_scene
 from tests import oracle

@@ -18,15 +18,15 @@ import pytest
 from flint import arb
 from hypothesis import given
 from hypothesis import strategies as st
+from longball.model.motion import Forces, PlaneState, acceleration
 
 from longball.engines import enclosure
-from longball.engines.at_bat import solve, solve_with_restitutions
+from longball.engines.chain import solve, solve_with_restitutions
 from longball.engines.enclosure import Balls, Enclosure
 from longball.engines.engine import Stops
 from longball.engines.ivp import Ivp
 from longball.model import exact
 from longball.model.exact import METHODS
-from longball.model.motion import Forces, PlaneState, acceleration
 from longball.model.numbers import Undecided
 from longball.model.readings import Reading
 from longball.model.result import Bounded

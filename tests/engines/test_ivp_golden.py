@@ -11,9 +11,10 @@ from __future__ import annotations
 import pytest
 
 from longball import golden
-from longball.engines.at_bat import solve
+from longball.engines.chain import solve
 from longball.engines.ivp import Ivp
-from longball.golden.case import ROUNDING, values_of
+from longball.golden.case import ROUNDING
+from longball.model.quantities import numbers
 
 ENGINE = Ivp()
 FLOWN = ENGINE.flight_error / ROUNDING
@@ -63,7 +64,7 @@ def wrong(case: golden.Case):
         if "fragile" not in case.flags:
             yield f"{case.id}: {case.expected.outcome} expected, {result.outcome or result.error}"
         return
-    found = dict(values_of(result))
+    found = dict(numbers(result))
     for name, quantity in case.quantities.items():
         tolerance = case.attainable(name) * (STRUCK if case.scene.kind == "impact" else FLOWN)
         error = abs(found[name] - quantity.double)

@@ -5,12 +5,12 @@ import pickle
 import mpmath
 import numpy as np
 import pytest
+from longball.model.motion import Forces, PlaneState, acceleration
 
-from longball.engines.at_bat import solve
+from longball.engines.chain import solve
 from longball.engines.engine import Stops
 from longball.engines.ivp import Ivp
 from longball.engines.multiprecision import Multiprecision
-from longball.model.motion import Forces, PlaneState, acceleration
 from longball.model.numbers import Undecided
 from longball.model.readings import Reading
 from longball.model.result import Bounded

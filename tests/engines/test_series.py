@@ -6,9 +6,9 @@ import mpmath
 import numba
 import numpy as np
 import pytest
+from longball.model.motion import Forces, acceleration
 
 from longball.engines.series import extend
-from longball.model.motion import Forces, acceleration
 
 ORDER = 20
 

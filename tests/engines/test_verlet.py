@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from longball.model.motion import Forces, PlaneState, acceleration
 
 from longball.engines import contact, create
-from longball.engines.at_bat import meet, solve
+from longball.engines.chain import meet, solve
 from longball.engines.engine import BatSection, Stops
 from longball.engines.ivp import Ivp
 from longball.engines.verlet import (
@@ -22,7 +23,6 @@ from longball.engines.verlet import (
     step,
     step_compiled,
 )
-from longball.model.motion import Forces, PlaneState, acceleration
 from longball.model.numbers import DOUBLES
 from longball.model.readings import Reading, VerletForces
 from longball.model.scene import Air, AtBatScene, FlightScene, Ground, Launch, Pitch, Swing
@@ -42,8 +42,8 @@ PLAIN = AtBatScene(id="plain")
 every_treatment = pytest.mark.parametrize("treatment", TREATMENTS)
 
 
-def verlet(dt, treatment="implicit", **switches):
-    return Verlet(dt, Reading(verlet_forces=treatment, **switches))
+def verlet(dt, treatment="implicit", **options):
+    return Verlet(dt, treatment, **options)
 
 
 def after_steps(engine, count, start=START, forces=AIR):
@@ -62,10 +62,6 @@ def fall(engine):
 def flight(**keys):
     launch = Launch(position=(0.0, 0.0, 1.0), velocity=(32.0, 0.0, 22.0))
     return FlightScene(id="flight", launch=launch, **keys)
-
-
-def under(scene, **switches):
-    return scene.model_copy(update={"reading": Reading(**switches)})
 
 
 @pytest.fixture(scope="module")
@@ -95,7 +91,7 @@ def truth():
 
 def test_the_ledger_names_every_treatment():
     assert tuple(TREATMENTS) == get_args(VerletForces)
-    assert Reading().verlet_forces == next(iter(TREATMENTS))
+    assert Verlet().forces == next(iter(TREATMENTS))
 
 
 strengths = st.sampled_from([None, 0.004, 0.02, 0.3])
@@ -160,8 +156,7 @@ def test_the_textbook_scheme_runs_backwards(count, u, w):
 
 def test_time_is_counted_and_not_summed():
     """Twenty-five times 0.1 summed is 2.500000000000001; counted, it is 2.5."""
-    scene = under(flight(air=None), verlet_landing="first_below")
-    landing = solve(scene, Verlet(0.1)).landing
+    landing = solve(flight(air=None), Verlet(0.1, landing="first_below")).landing
     count = round(landing.time / 0.1)
     assert landing.time == count * 0.1
     assert sum([0.1] * count) != count * 0.1
@@ -196,11 +191,11 @@ def test_the_landing_converges_to_the_truth_and_not_merely_to_itself(treatment, 
 
 @every_treatment
 def test_a_scene_converges_to_the_proven_value(treatment):
-    scene = under(flight(), verlet_forces=treatment)
+    scene = flight()
     landing = solve(scene, create("enclosure", digits=20)).landing
     true = float(landing.distance.value)
     dt = 1e-5
-    found = solve(scene, Verlet(dt)).landing.distance
+    found = solve(scene, Verlet(dt, treatment)).landing.distance
     assert abs(found - true) < (40 * dt if ORDERS[treatment] == 1 else 6 * dt * dt)
 
 
@@ -214,9 +209,9 @@ def test_a_steep_ball_under_lift_that_is_always_up():
     scene = FlightScene(
         id="pop-up",
         launch=Launch(position=(0.0, 0.0, 1.0), velocity=(1.0, 0.0, 30.0)),
-        reading=Reading(lift_direction="always_up", verlet_forces="implicit"),
+        reading=Reading(lift_direction="always_up"),
     )
-    found, reference = solve(scene, Verlet(1e-4)).landing, solve(scene, Ivp()).landing
+    found, reference = solve(scene, verlet(1e-4)).landing, solve(scene, Ivp()).landing
     assert found.distance == pytest.approx(reference.distance, abs=1e-5)
     assert found.time == pytest.approx(reference.time, abs=1e-6)
 
@@ -240,7 +235,7 @@ def test_a_stop_lies_on_the_line_between_two_steps(stop):
 
 
 def test_the_first_point_below_is_a_step():
-    engine = verlet(0.05, verlet_landing="first_below")
+    engine = verlet(0.05, landing="first_below")
     arrival = fall(engine)
     count = round(arrival.time / engine.dt)
     assert arrival.time == count * engine.dt
@@ -280,7 +275,7 @@ def aligned(window, share, count):
 @pytest.mark.parametrize("count", [20, 37, 400])
 def test_a_step_in_the_window_finds_the_bat(window, share, count):
     dt = aligned(window, share, count)
-    result = solve(under(PLAIN, verlet_forces="implicit"), Verlet(dt))
+    result = solve(PLAIN, verlet(dt))
     # Within a step the pitch leaves its tangent by less than g Δt²/2, at 32 m/s and nearly level;
     # the chord under the plate and the scheme add as much.
     assert result.contact.time == pytest.approx(window[0], abs=2 * 9.8 * dt * dt / 32)
@@ -290,7 +285,7 @@ def test_a_step_in_the_window_finds_the_bat(window, share, count):
 @pytest.mark.parametrize("share", [-0.05, 1.05])
 @pytest.mark.parametrize("count", [10, 37])
 def test_a_contact_between_two_steps_goes_unseen(window, share, count):
-    result = solve(under(PLAIN, verlet_forces="implicit"), Verlet(aligned(window, share, count)))
+    result = solve(PLAIN, verlet(aligned(window, share, count)))
     assert result.outcome == "missed"
     assert result.contact.margin < 0
     assert solve(PLAIN, Ivp()).outcome == "batted"
@@ -319,9 +314,8 @@ def test_no_root_for_a_line_that_passes_by_or_leads_away():
 
 def test_a_line_that_passes_the_bat_by_is_an_error_and_no_guess(window):
     """In a step of 0.05 s the pitch drops centimetres below its tangent, into a bat held low."""
-    low = under(PLAIN, verlet_forces="implicit")
-    low = low.model_copy(update={"swing": Swing(height_offset=-0.064)})
-    result = solve(low, Verlet(aligned(window, 0.5, 11)))
+    low = PLAIN.model_copy(update={"swing": Swing(height_offset=-0.064)})
+    result = solve(low, verlet(aligned(window, 0.5, 11)))
     assert "Appendix B has no Δt'" in result.error
     assert result.contact.margin > 0
 
@@ -330,7 +324,7 @@ def test_the_larger_root_strikes_the_back_of_the_bat(window):
     """F̄ is the same for n and -n, so that the ball comes back all the same."""
     dt = aligned(window, 0.5, 20)
     first = solve(PLAIN, Verlet(dt))
-    larger = solve(under(PLAIN, appendix_b_root="larger"), Verlet(dt))
+    larger = solve(PLAIN, Verlet(dt, root="larger"))
     assert first.outcome == larger.outcome == "batted"
     assert larger.contact.time > first.contact.time
     assert first.contact.normal[0] > 0.9
@@ -376,7 +370,7 @@ def test_a_ball_that_is_down_before_the_bat_lets_go_has_landed(window):
     low = PLAIN.model_copy(update={"ground": ground, "swing": Swing(height_offset=0.06)})
     dt = aligned(window, 0.5, 20)
     between = solve(low, Verlet(dt))
-    below = solve(under(low, verlet_landing="first_below"), Verlet(dt))
+    below = solve(low, Verlet(dt, landing="first_below"))
     assert between.outcome == below.outcome == "batted"
     assert between.landing.position[2] == 1.05
     assert below.landing.position[2] < 1.05
@@ -402,11 +396,11 @@ def test_air_in_space_brakes_and_lifts_as_much_as_in_the_plane(vx, vy, vz):
 @every_treatment
 def test_the_whole_at_bat_converges_at_first_order(treatment, window):
     """At no more, whatever the treatment: the half-force over two steps is of first order."""
-    scene = under(PLAIN, verlet_forces=treatment)
-    reference = solve(scene, Ivp()).landing.distance
+    reference = solve(PLAIN, Ivp()).landing.distance
     coarse, fine = (
         # Half a step before the contact, so that the phase of the step is the same.
-        solve(scene, Verlet(aligned(window, 0.0, count - 0.5))).landing.distance - reference
+        solve(PLAIN, Verlet(aligned(window, 0.0, count - 0.5), treatment)).landing.distance
+        - reference
         for count in (10_000, 80_000)
     )
     assert abs(fine) < 1e-3
@@ -429,9 +423,8 @@ def test_a_step_too_long_for_the_forces_says_so(treatment):
         launch=Launch(position=(0.0, 0.0, 1.0), velocity=(30.0, 0.0, 0.0)),
         air=Air(drag_coefficient=1e6, lift_coefficient=0.0),
         gravity=0.0,
-        reading=Reading(verlet_forces=treatment),
     )
-    assert "too long for these forces" in solve(level, Verlet(0.5)).error
+    assert "too long for these forces" in solve(level, Verlet(0.5, treatment)).error
 
 
 def test_a_ball_that_stays_up_is_airborne_and_one_on_the_ground_is_down():
@@ -440,8 +433,13 @@ def test_a_ball_that_stays_up_is_airborne_and_one_on_the_ground_is_down():
     assert solve(FlightScene(id="resting", launch=resting), Verlet(0.05)).landing.time == 0.0
 
 
-def test_the_scenes_reading_rules_and_is_named():
-    scene = under(flight(), verlet_forces="half_step", verlet_landing="first_below")
-    assert solve(scene, verlet(0.01, "implicit")).engine == (
+def test_the_options_are_named():
+    assert solve(flight(), verlet(0.01, "half_step", landing="first_below")).engine == (
         "verlet dt=0.01 forces=half_step landing=first_below root=first"
     )
+
+
+@pytest.mark.parametrize("option", ["forces", "landing", "root"])
+def test_an_option_that_is_none_is_refused(option):
+    with pytest.raises(ValueError, match=f"{option} 'odd' is not one of"):
+        create("verlet", **{option: "odd"})

@@ -11,9 +11,9 @@ from pathlib import Path
 import pytest
 
 from longball.golden import home_runs, writer
+from longball.golden.case_builder import Draft, solve_for
 from longball.golden.checker import check
 from longball.golden.condition import inputs, sensitivity, with_input
-from longball.golden.draft import Draft, solve_for
 from longball.golden.families import FAMILIES
 from longball.golden.files import CHECKSUMS, PARTIAL
 from longball.golden.reader import header, load, probabilities
@@ -84,7 +84,7 @@ def test_a_case_whose_scene_changed_is_solved_again(tmp_path: Path, monkeypatch)
     kept = tmp_path / PARTIAL / "few.jsonl"
     kept.parent.mkdir()
     first, second, _ = few()
-    changed = make("few", first).model_copy(update={"scene": second.scene})
+    changed = make("few", first).model_copy(update={"given": second.given})
     kept.write_text(writer.fingerprint() + "\n" + changed.line() + "\n", encoding="utf-8")
     made = []
     monkeypatch.setattr(writer, "make", lambda *args: made.append(args[1].scene.id) or make(*args))

@@ -14,19 +14,18 @@ from decimal import Decimal
 import numpy as np
 import pytest
 
-from longball.engines.at_bat import solve
+from longball.engines.chain import solve
 from longball.engines.ivp import Ivp
 from longball.engines.verlet import Verlet
-from longball.judge.altered import solve_with_drag
-from longball.judge.altered_scheme import solve_in_steps
+from longball.judge.alternative_laws import solve_with_drag
+from longball.judge.alternative_schemes import solve_in_steps
 from longball.judge.answers import Answer
 from longball.judge.cases import Known
 from longball.judge.diagnosis import Diagnosis
-from longball.judge.fingerprints import Atom, Fingerprints, Guess, telling
+from longball.judge.fingerprints import Atom, Fingerprints, Guess, select_cases
 from longball.judge.mistakes import KNOWN, Mistake, Variant
 from longball.judge.quantities import values_of
 from longball.judge.search import common_step, diagnose
-from longball.model.readings import Reading
 from longball.model.result import Result
 from longball.model.scene import Scene
 
@@ -46,25 +45,20 @@ def answers(cases: Sequence[Known], solver: Callable[[Scene], Result]) -> Answer
     return {r.id: Answer(r.id, r.outcome, values_of(r)) for r in results}
 
 
-def under(scene: Scene, switches: Mapping[str, str]) -> Scene:
-    reading = Reading.model_validate(scene.reading.model_dump() | dict(switches))
-    return scene.model_copy(update={"reading": reading})
-
-
 def planted(cases: Sequence[Known], variants: Sequence[Variant], dt: float = DT) -> Answers:
     """Return the answers of a candidate that makes mistakes."""
-    switches: dict[str, str] = {}
+    options: dict[str, str] = {}
     for variant in variants:
-        switches |= {k: v for k, v in (variant.scheme or {}).items() if k not in switches
-                     or switches[k] == "predicted_recomputed"}  # fmt: skip
+        options |= {k: v for k, v in (variant.scheme or {}).items() if k not in options
+                    or options[k] == "predicted_recomputed"}  # fmt: skip
     laws = [variant.drag for variant in variants if variant.drag]
 
     def base(scene: Scene) -> Result:
-        if laws and switches and scene.kind != "impact":
-            return solve_in_steps(under(scene, switches), laws[0], Verlet(dt=dt))
+        if laws and options and scene.kind != "impact":
+            return solve_in_steps(scene, laws[0], Verlet(dt, **options))
         if laws:
             return solve_with_drag(scene, laws[0])
-        return solve(under(scene, switches), Verlet(dt=dt)) if switches else solve(scene, ENGINE)
+        return solve(scene, Verlet(dt, **options) if options else ENGINE)
 
     solver = base
     for variant in variants:
@@ -275,7 +269,7 @@ def test_no_answers_are_no_mistake(prints: Fingerprints):
 
 
 def test_few_scenes_are_chosen_from_many(cases: list[Known]):
-    chosen = telling(cases * 5)
+    chosen = select_cases(cases * 5)
     assert len(chosen) <= 44
     assert {case.scene.kind for case in chosen} == {"at-bat", "flight", "impact", "pitch"}
     assert any(case.id == "flight-89" for case in chosen)

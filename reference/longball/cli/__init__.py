@@ -34,7 +34,7 @@ app.add_typer(golden.app, name="golden")
 app.command(epilog="Example: longball judge -- longball solve --engine verlet --dt 1e-3")(judge)
 app.command(
     epilog="Example: longball converge --golden flight-both --expected 2 -- "
-    "longball solve --engine verlet --variant implicit --dt {dt}"
+    "longball solve --engine verlet --forces implicit --dt {dt}"
 )(converge)
 app.command(epilog="Example: longball homerun --samples 1000 --e 0.41:0.45:0.01 --figure P.png")(
     homerun

@@ -10,7 +10,7 @@ import typer
 
 from longball import engines
 from longball.cli.common import progress_bar, reading_from, say, wrong_call
-from longball.engines.at_bat import solve
+from longball.engines.chain import solve
 from longball.model.scene import Scene, SceneError, parse_scene
 
 DIGITS = 20  # of the truth: more than any double shows
@@ -28,7 +28,7 @@ def converge(
         str | None, typer.Option(metavar="SET", help="Cases of one golden family instead.")
     ] = None,
     steps: Annotated[
-        str, typer.Option(metavar="FROM:TO:COUNT", help="s; a geometric ladder.")
+        str, typer.Option(metavar="FROM:TO:COUNT", help="s; evenly spaced in their logarithm.")
     ] = "0.01:0.0001:9",
     expected: Annotated[float | None, typer.Option(help="The order in theory.")] = None,
     truth: Annotated[
@@ -39,14 +39,14 @@ def converge(
     ] = 8,
     timeout: Annotated[float, typer.Option(min=0.001, help="s without an answer.")] = 60.0,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON, not a text.")] = False,
-    csv: Annotated[Path | None, typer.Option(help="Write every rung here.")] = None,
-    figure: Annotated[Path | None, typer.Option(help="Draw errors over steps here.")] = None,
+    csv: Annotated[Path | None, typer.Option(help="Write the error at every step here.")] = None,
+    figure: Annotated[Path | None, typer.Option(help="Draw error against step here.")] = None,
 ) -> None:
     """Run a family of time steps, and report observed orders against theory."""
     # The judge brings compiled code with it, and --help does not need it.
+    from longball.convergence.figure import save_convergence
     from longball.judge.candidate import Limits
-    from longball.judge.convergence import save_convergence
-    from longball.judge.ladder import PLACE, converge_command, parse_ladder, takes_step
+    from longball.judge.step_sweep import PLACE, StepSweep, parse_steps, takes_step
 
     if not takes_step(command):
         wrong_call(f"the COMMAND must contain {PLACE}, where its time step goes")
@@ -56,27 +56,19 @@ def converge(
         proven = [solve(scene, engines.create("enclosure", digits=DIGITS)) for scene in asked]
     with progress_bar("runs", 1) as advance:
         try:
-            report, complaints = converge_command(
-                command,
-                asked,
-                parse_ladder(steps),
-                proven,
-                expected,
-                phases=phases,
-                limits=Limits(timeout),
-                progress=advance,
-            )
+            sweep = StepSweep(parse_steps(steps), expected, phases, advance)
+            report, issues = sweep.run(command, asked, proven, Limits(timeout))
         except ValueError as error:
             wrong_call(str(error))
-    for complaint in complaints[:20]:
-        say.print(f"longball: {complaint}", markup=False)
+    for issue in issues[:20]:
+        say.print(f"longball: {issue}", markup=False)
     print(report.model_dump_json(indent=2) if as_json else report.text().rstrip())
     if csv:
         csv.write_text(report.csv(), encoding="utf-8")
     if figure:
         try:
             save_convergence(figure, report)
-        except ValueError as error:  # an ending that matplotlib does not know
+        except ValueError as error:  # a suffix that matplotlib does not know
             wrong_call(f"--figure {figure}: {error}")
     if not report.passed:
         raise typer.Exit(1)
@@ -95,9 +87,9 @@ def read_scenes(source: str) -> list[Scene]:
 
 
 def golden_scenes(family: str | None) -> Sequence[Scene]:
-    """Return some cases of a golden family, or of those that tell most."""
+    """Return some cases of a golden family, or of those that show most."""
     from longball.golden import load
-    from longball.judge.ladder import FAMILIES, sample
+    from longball.judge.step_sweep import FAMILIES, sample
 
     try:
         cases = load(family)

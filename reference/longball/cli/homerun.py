@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import csv
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, cast
 
 import typer
+from pydantic import ValidationError
 
 from longball import engines
 from longball.cli.cluster import Scheduler, on_cluster
@@ -43,8 +44,15 @@ from longball.home_run import (
     scenes,
     with_restitution,
 )
-from longball.model.readings import Reading
-from longball.model.scene import AtBatScene, SceneError, parse_scene
+from longball.model.readings import (
+    FIGURE_SWITCH,
+    LEDGER,
+    SCHEME_OPTIONS,
+    Belongs,
+    Fig7Parameters,
+    SamplingReading,
+)
+from longball.model.scene import AtBatScene, SceneError, explain, parse_scene
 from longball.pitches import PitchesError, load_fitted
 
 ReadingOption = Annotated[
@@ -99,9 +107,12 @@ def homerun(
     if method == "quadrature" and scheduler:
         wrong_call("--scheduler: quadrature takes seconds, and works on this machine")
     check_workers(workers)
-    base = base_scene(reading or [], set_ or [])
+    switches = chosen_switches(reading or [])
+    base = base_scene(switches["scene"], set_ or [])
+    sampling = sampling_reading(switches["sampling"])
+    curve = figure_curve(switches["figure"])
     restitutions = parse_restitutions(e)
-    at_bats = paper_at_bats(base.reading)
+    at_bats = paper_at_bats(sampling)
     if pitches:
         at_bats = with_pitches(at_bats, pitches)
     if scenes_file:
@@ -111,7 +122,14 @@ def homerun(
     failed = 0
     if method == "quadrature":
         with progress_bar("restitutions", len(restitutions)) as advance:
-            rows = integrals(base, at_bats, restitutions, workers=workers, progress=advance)
+            rows = integrals(
+                base,
+                at_bats,
+                restitutions,
+                sample_space=sampling.sample_space,
+                workers=workers,
+                progress=advance,
+            )
         fitted = fit_form(restitutions, [row.p for row in rows])
         fields, drawn = INTEGRAL_FIELDS, {}
     else:
@@ -127,7 +145,8 @@ def homerun(
                 progress=advance,
             )
         rows = [
-            estimate(x, some, base.reading) for x, some in zip(restitutions, struck, strict=True)
+            estimate(x, some, sampling.sample_space)
+            for x, some in zip(restitutions, struck, strict=True)
         ]
         fitted = fit(rows)
         failed = max(row.failed for row in rows)
@@ -141,21 +160,52 @@ def homerun(
         except ValueError as error:  # an ending that matplotlib does not know
             wrong_call(f"--figure {figure}: {error}")
     if as_json:
-        data = as_data(rows, fields, fitted, base.reading) | {"method": method} | drawn
+        chosen = base.reading.model_dump() | sampling.model_dump() | switches["figure"]
+        data = as_data(rows, fields, fitted, chosen) | {"method": method} | drawn
         print(json.dumps(data, ensure_ascii=False))
     else:
-        print_probability(rows, fitted, base.reading)
+        print_probability(rows, fitted, curve)
     if failed:
         say.print(f"longball: {failed} at-bats could not be solved; they count as no home run")
         raise typer.Exit(1)
 
 
-def base_scene(readings: Sequence[str], values: Sequence[str]) -> AtBatScene:
-    """Return the at-bat that options describe, with everything that is not drawn at random."""
-    scene: dict[str, Any] = {"id": "base", "kind": "at-bat", "reading": {}}
+def chosen_switches(readings: Sequence[str]) -> dict[Belongs, dict[str, Any]]:
+    """Return the switches that options set, by what they belong to."""
+    ledger = {entry.switch: entry for entry in LEDGER if entry.is_switch}
+    switches: dict[Belongs, dict[str, Any]] = {"scene": {}, "sampling": {}, "figure": {}}
     for text in readings:
         name, option = split_assignment("--reading", text)
-        scene["reading"][name] = option_value(option)
+        if name not in ledger:
+            wrong_call(f"--reading {name}: not in the ledger, which has {', '.join(ledger)}")
+        if ledger[name].belongs == "scheme":
+            wrong_call(
+                f"--reading {name}: of the paper's scheme, which does not compute P(e) here; it is "
+                f"longball solve --engine verlet --{SCHEME_OPTIONS[name]}"
+            )
+        switches[ledger[name].belongs][name] = option_value(option)
+    return switches
+
+
+def sampling_reading(switches: Mapping[str, Any]) -> SamplingReading:
+    """Return how at-bats are drawn."""
+    try:
+        return SamplingReading.model_validate(switches)
+    except ValidationError as error:
+        wrong_call(f"--reading {explain(error, SamplingReading)}")
+
+
+def figure_curve(switches: Mapping[str, Any]) -> Fig7Parameters:
+    """Return which of the paper's curves P(e) is held against."""
+    chosen = str(switches.get(FIGURE_SWITCH, "caption"))
+    if chosen not in PAPER_CURVES:
+        wrong_call(f"--reading {FIGURE_SWITCH}: must be one of {', '.join(PAPER_CURVES)}")
+    return cast(Fig7Parameters, chosen)
+
+
+def base_scene(reading: Mapping[str, Any], values: Sequence[str]) -> AtBatScene:
+    """Return the at-bat that options describe, with everything that is not drawn at random."""
+    scene: dict[str, Any] = {"id": "base", "kind": "at-bat", "reading": reading}
     drawn = {"ball.restitution", "pitch.speed", "pitch.aim", "swing.tilt", "swing.height_offset"}
     for text in values:
         name, value = split_assignment("--set", text)
@@ -242,7 +292,7 @@ def as_data(
     rows: Sequence[Estimate] | Sequence[Integral],
     fields: Sequence[str],
     fitted: Fit | None,
-    reading: Reading,
+    reading: Mapping[str, Any],
 ) -> dict[str, Any]:
     """Return what --json prints; a number that is not defined is null."""
 
@@ -262,7 +312,7 @@ def as_data(
             name: {"c1": curve.c1, "sigma": curve.sigma, "p": [curve(row.e) for row in rows]}
             for name, curve in PAPER_CURVES.items()
         },
-        "reading": reading.model_dump(),
+        "reading": reading,
     }
 
 
@@ -277,10 +327,9 @@ def write_csv(
 
 
 def print_probability(
-    rows: Sequence[Estimate] | Sequence[Integral], fitted: Fit | None, reading: Reading
+    rows: Sequence[Estimate] | Sequence[Integral], fitted: Fit | None, chosen: Fig7Parameters
 ) -> None:
-    """Print P(e) beside the paper's printed curves."""
-    chosen = reading.fig7_parameters
+    """Print P(e) beside the paper's printed curves, and its difference from one of them."""
     sampled = isinstance(rows[0], Estimate)
     columns = ("P(e)", "95 %", "home runs") if sampled else ("P(e)", "error", "dP/de", "error")
     table = plain_table("e", *columns, "paper's caption", "text", "difference")

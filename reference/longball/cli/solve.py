@@ -35,8 +35,14 @@ def solve(
         int | None, typer.Option(help="enclosure, multiprecision: of each number; 30.")
     ] = None,
     dt: Annotated[float | None, typer.Option(help="verlet: the step, s; 0.05.")] = None,
-    variant: Annotated[
-        str | None, typer.Option(help="verlet: treatment of the force, whatever the scene reads.")
+    forces: Annotated[
+        str | None, typer.Option(help="verlet: how drag and lift are had; old_carried.")
+    ] = None,
+    landing: Annotated[
+        str | None, typer.Option(help="verlet: interpolated (if not given) or first_below.")
+    ] = None,
+    root: Annotated[
+        str | None, typer.Option(help="verlet: Appendix B's root, first (if not given) or larger.")
     ] = None,
     workers: Annotated[int, typer.Option(help="Processes; -1: one a core.")] = 1,
     scheduler: Scheduler = None,
@@ -49,7 +55,9 @@ def solve(
         "tolerance": tolerance,
         "digits": digits,
         "dt": dt,
-        "variant": variant,
+        "forces": forces,
+        "landing": landing,
+        "root": root,
     }
     try:
         solver = engines.create(engine, **{k: v for k, v in options.items() if v is not None})

@@ -13,8 +13,9 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, Generic, Protocol
 
-from longball.model.law import State
-from longball.model.numbers import N, Numbers
+from longball.model.frame import Frame
+from longball.model.law import PlaneState, State
+from longball.model.numbers import N, Numbers, Undecided, absolute
 
 
 @dataclass(frozen=True)
@@ -34,6 +35,8 @@ class Event(Generic[N]):
         Puts a state that is within rounding of the event onto it.
     size
         What the error of the value is relative to, in its unit.
+    level
+        The coordinate at which the event is, m: the height of a ground, the way to a plate.
     """
 
     name: str
@@ -41,10 +44,68 @@ class Event(Generic[N]):
     value: Callable[[Any], Any]
     place: Callable[[Any], Any]
     size: N
+    level: N
+
+
+def ground(height: N, start: State[N], numbers: Numbers[N]) -> Event[N]:
+    """Return the landing of a flight that starts in a state, at a height, m."""
+    return Event(
+        "ground",
+        "the ball touches the ground",
+        lambda state: state.z - height,
+        lambda state: state._replace(z=height),
+        _size(numbers, height, start.z),
+        height,
+    )
+
+
+def plate(frame: Frame[N], numbers: Numbers[N]) -> Event[N]:
+    """Return the crossing of the plane x = 0 by a pitch in a frame."""
+    way = -frame.x / frame.cos
+
+    def place(state: State[N]) -> State[N]:
+        return state._replace(s=way) if isinstance(state, PlaneState) else state
+
+    return Event(
+        "plate", "the ball reaches the plate", frame.towards_x, place, _size(numbers, frame.x), way
+    )
+
+
+def vertical(numbers: Numbers[N]) -> Event[N]:
+    """Return where a flight turns vertical, u falling to zero."""
+    nothing = numbers.exact(0.0)
+    return Event(
+        "vertical",
+        "the ball turns vertical",
+        lambda state: state.u,
+        lambda state: state._replace(u=nothing),
+        numbers.exact(1.0),
+        nothing,
+    )
+
+
+def past(frame: Frame[N], reach: N, numbers: Numbers[N]) -> Event[N]:
+    """Return where a pitch has passed a bat that it touches at a distance `reach`, m."""
+    return Event(
+        "past",
+        "the ball passes the bat",
+        lambda state: frame.towards_x(state) + reach,
+        lambda state: state,
+        _size(numbers, frame.x, reach),
+        -(frame.x + reach) / frame.cos,
+    )
+
+
+def _size(numbers: Numbers[N], *lengths: N) -> N:
+    """Return the largest of some lengths, and at least 1 m."""
+    largest = numbers.exact(1.0)
+    for length in map(absolute, lengths):
+        largest = numbers.where(length > largest, length, largest)
+    return largest
 
 
 class Curve(Protocol[N]):
-    """The value of an event along a piece of a flight, as a function of the time on the piece, s."""
+    """The value of an event along a piece, as a function of the time on the piece, s."""
 
     def __call__(self, t: N) -> N:
         """Return the value."""
@@ -154,7 +215,7 @@ def first_met(
         If the error leaves open whether an event is met, whether in time, or which of two is first.
     """
     errors = {event.name: error * event.size for event in events}
-    state = None
+    last = None
     for number, piece in enumerate(pieces):
         left = limit - piece.begin
         end = piece.length if piece.length < left else left
@@ -166,13 +227,16 @@ def first_met(
         ]
         if found:
             return _earliest(found, events, errors, limit, error, numbers)
-        state = piece.at(end)
+        last = piece, end
         if not piece.begin + piece.length < limit:
             break
-    for event in events if state is not None else ():
-        numbers.positive(
-            event.value(state), errors[event.name], f"whether {event.question} in the time limit"
-        )
+    if last is None:
+        return None
+    piece, end = last
+    state = piece.at(end)
+    for event in events:
+        question = f"whether {event.question} in the time limit"
+        _require_positive(event.value(state), errors[event.name], question, numbers)
     return None
 
 
@@ -197,11 +261,13 @@ def _earliest(
             first = met
     for other in events:
         if other is not first.event and not first.time <= 0:
-            numbers.positive(
-                other.value(first.state),
-                errors[other.name],
-                f"whether {first.event.question} before {other.question}",
-            )
+            question = f"whether {first.event.question} before {other.question}"
+            _require_positive(other.value(first.state), errors[other.name], question, numbers)
     question = f"whether {first.event.question} in the time limit"
-    numbers.positive(limit - first.time, error * limit, question)
+    _require_positive(limit - first.time, error * limit, question, numbers)
     return first
+
+
+def _require_positive(x: N, error: N, question: str, numbers: Numbers[N]) -> None:
+    if not numbers.positive(x, error, question):
+        raise Undecided(f"{question} cannot be decided: the two coincide")

@@ -1,23 +1,15 @@
-"""A flight that one can ask, and how engines with smooth flights fly and meet the bat.
-
-An engine gives a flight piece by piece, as smooth functions of time; everything else is here, once:
-the state at any time, the first event, the first touching of the bat.
-"""
+"""A flight that one can ask: the state at any time."""
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any, Generic, cast
 
-from longball.engines.event import Curve, Event, Piece, first_fall, first_met
-from longball.model.law import Law, State
-from longball.model.numbers import N, Numbers
-
-
-class CannotSolve(ArithmeticError):
-    """An engine's reason for giving no answer to a scene."""
+from longball.engines.event import Curve, Piece
+from longball.model.frame import Frame
+from longball.model.law import State
+from longball.model.numbers import N, Vector
 
 
 class Path(Generic[N]):
@@ -73,18 +65,37 @@ class Flight(Generic[N]):
     time: N
     state: State[N]
 
+    def stopped(self, name: str) -> Any:
+        """Tell whether an event of that name stopped it."""
+        return self.stop == name
+
+    def then(self, second: Flight[N]) -> Flight[N]:
+        """Return this flight, going on as another one where it ended."""
+
+        def pieces() -> Iterator[Piece[N]]:
+            for piece in self.path.pieces():
+                if not piece.begin + piece.length < self.time:
+                    yield Part(piece, self.time - piece.begin)
+                    break
+                yield piece
+            for piece in second.path.pieces():
+                yield Part(piece, piece.length, self.time)
+
+        return Flight(Path(pieces()), second.stop, self.time + second.time, second.state)
+
 
 @dataclass(frozen=True)
 class Part(Generic[N]):
-    """The beginning of a piece."""
+    """The beginning of a piece, up to a length, s, as a flight has it that begins later, s."""
 
     piece: Piece[N]
     length: N
+    delay: N | None = None
 
     @property
     def begin(self) -> N:
         """When it begins, s since the launch."""
-        return self.piece.begin
+        return self.piece.begin if self.delay is None else self.delay + self.piece.begin
 
     def at(self, t: N) -> State[N]:
         """Return the state at a time on the piece."""
@@ -95,95 +106,71 @@ class Part(Generic[N]):
         return self.piece.curve(value)
 
 
-class PathEngine(ABC, Generic[N]):
-    """An engine whose flights are smooth, piece by piece."""
+@dataclass(frozen=True)
+class Rest(Generic[N]):
+    """A ball that nothing moves, as a piece of a flight."""
+
+    begin: N
+    length: N
+    state: State[N]
+
+    def at(self, t: N) -> State[N]:
+        """Return the state, which is always the same."""
+        return self.state
+
+    def curve(self, value: Callable[[Any], Any]) -> Curve[N]:
+        """Return the value of an event, which is always the same."""
+        return _Constant(value(self.state))
+
+
+@dataclass(frozen=True)
+class _Constant(Generic[N]):
+    value: N
+
+    def __call__(self, t: N) -> N:
+        return self.value
+
+    def positive(self, a: N, b: N) -> bool:
+        return bool(self.value > 0)  # type: ignore[operator]
+
+    def turns(self, a: N, b: N) -> list[N]:
+        return []
+
+    def zero(self, a: N, b: N) -> N:
+        return a
+
+
+@dataclass(frozen=True)
+class Leg(Generic[N]):
+    """A flight of a scene: when it begins, s since the start of the scene, and in which frame."""
+
+    begin: N
+    frame: Frame[N]
+    flight: Flight[N]
+
+
+@dataclass(frozen=True)
+class Trajectory(Generic[N]):
+    """The way of the ball from the start of a scene to its end: a pitch, a batted ball, or both."""
+
+    legs: tuple[Leg[N], ...]
 
     @property
-    @abstractmethod
-    def description(self) -> str:
-        """Name and settings, as the result states them."""
+    def end(self) -> N:
+        """When it ends, s since the start of the scene."""
+        return self.legs[-1].begin + self.legs[-1].flight.time
 
-    @property
-    @abstractmethod
-    def numbers(self) -> Numbers[N]:
-        """The number system."""
-
-    @property
-    @abstractmethod
-    def flight_error(self) -> float:
-        """Error of a state at the end of a flight, relative to its size.
-
-        0 where the number carries its own error.
-        """
-
-    @abstractmethod
-    def steps(
-        self, law: Law[N], start: State[N], begin: N, limit: N, events: Sequence[Event[N]]
-    ) -> Iterator[Piece[N]]:
-        """Yield the pieces of a flight under a law that is smooth all the way, up to a time.
-
-        Parameters
-        ----------
-        start
-            The state at `begin`, s since the launch.
-        limit
-            Until when, s since the launch.
-        events
-            Where the flight is likely to end: an engine that integrates ahead may stop there and
-            go on when it is asked for more.
-        """
-
-    def path(
-        self, law: Law[N], start: State[N], limit: N, events: Sequence[Event[N]] = ()
-    ) -> Path[N]:
-        """Return the flight from a launch, up to a time."""
-        return Path(self._pieces(law, start, limit, events))
-
-    def _pieces(
-        self, law: Law[N], start: State[N], limit: N, events: Sequence[Event[N]]
-    ) -> Iterator[Piece[N]]:
-        """Yield the pieces of a flight: a vertical one in two, on either side of its apex.
-
-        There the ball is at rest, and the drag of V² has a kink.
-        """
-        begin = self.numbers.exact(0.0)
-        up, down = (law.straight(self.numbers.exact(sense)) for sense in (1.0, -1.0))
-        if up is None or down is None or not start.u == 0:
-            yield from self.steps(law, start, begin, limit, events)
-            return
-        if start.w > 0:
-            for piece in self.steps(up, start, begin, limit, [APEX, *events]):
-                top = first_fall(
-                    piece.curve(APEX.value), piece.length, begin, APEX.question, self.numbers
-                )
-                if top is None:
-                    yield piece
-                    continue
-                yield Part(piece, top)
-                begin, start = piece.begin + top, APEX.place(piece.at(top))
-                break
-            else:
-                return
-        yield from self.steps(down, start, begin, limit, events)
-
-    def fly(self, law: Law[N], start: State[N], events: Sequence[Event[N]], limit: N) -> Flight[N]:
-        """Fly until the first of several events, or to the time limit, s.
+    def at(self, time: N) -> tuple[Vector[N], Vector[N]]:
+        """Return position, m, and velocity, m/s, at a time, s since the start of the scene.
 
         Raises
         ------
-        CannotSolve, Undecided
+        ValueError
+            If the trajectory has no such time.
         """
-        path = self.path(law, start, limit, events)
-        met = first_met(path.pieces(), events, limit, self.flight_error, self.numbers)
-        if met is None:
-            return Flight(path, "time", limit, path.at(limit))
-        return Flight(path, met.event.name, met.time, met.state)
-
-
-APEX: Event[Any] = Event(
-    "apex",
-    "the ball comes to rest",
-    lambda state: state.w,
-    lambda state: state._replace(w=state.w * 0),
-    1.0,
-)
+        begun = [leg for leg in self.legs if not time < leg.begin]
+        if not begun:
+            raise ValueError(f"the trajectory has no state at t = {float(cast(Any, time))} s")
+        leg = begun[-1]
+        state = leg.flight.path.at(time - leg.begin)
+        return leg.frame.position(state), leg.frame.velocity(state)

@@ -34,8 +34,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
-from typing import Any, NamedTuple, TypeVar, cast
+from dataclasses import dataclass
+from typing import Any, NamedTuple, TypeVar, cast, get_args
 
 import numba
 import numpy as np
@@ -54,7 +54,7 @@ from longball.engines.engine import (
 )
 from longball.model.motion import FlightPlane, Forces, PlaneState, acceleration, into_plane
 from longball.model.numbers import DOUBLES, Doubles, Vector
-from longball.model.readings import AppendixBRoot, Reading, VerletForces
+from longball.model.readings import AppendixBRoot, VerletForces, VerletLanding
 
 State = PlaneState[float]
 Point = NDArray[np.float64]
@@ -90,6 +90,12 @@ TREATMENTS: dict[VerletForces, Treatment] = {
     "implicit": Treatment(1.0, iterates=True, carries=False),
 }
 
+OPTIONS: dict[str, tuple[str, ...]] = {
+    "forces": tuple(TREATMENTS),
+    "landing": get_args(VerletLanding),
+    "root": get_args(AppendixBRoot),
+}
+
 
 @dataclass(frozen=True)
 class Verlet(Stepped[float]):
@@ -99,21 +105,21 @@ class Verlet(Stepped[float]):
     ----------
     dt
         s, the step; 0.05 in the paper.
-    variant
-        Treatment of the force, whatever a scene's ``verlet_forces`` says; None: as it says.
-    reading
-        Of the ledger's switches for this scheme; the chain replaces it by each scene's.
+    forces, landing, root
+        Switches of the ledger: ``verlet_forces``, ``verlet_landing``, ``appendix_b_root``.
     """
 
     dt: float = 0.05
-    reading: Reading = field(default_factory=Reading)
-    variant: VerletForces | None = None
+    forces: VerletForces = "old_carried"
+    landing: VerletLanding = "interpolated"
+    root: AppendixBRoot = "first"
 
     def __post_init__(self) -> None:
         if not 0 < self.dt < math.inf:
             raise ValueError(f"dt = {self.dt} is not a positive number of seconds")
-        if self.variant not in (None, *TREATMENTS):
-            raise ValueError(f"variant {self.variant!r} is not one of {', '.join(TREATMENTS)}")
+        for name, options in OPTIONS.items():
+            if (chosen := getattr(self, name)) not in options:
+                raise ValueError(f"{name} {chosen!r} is not one of {', '.join(options)}")
 
     @property
     def numbers(self) -> Doubles:
@@ -123,22 +129,12 @@ class Verlet(Stepped[float]):
     @property
     def description(self) -> str:
         """Name, step and readings."""
-        reading = self.reading
-        return (
-            f"verlet dt={self.dt!r} forces={reading.verlet_forces} "
-            f"landing={reading.verlet_landing} root={reading.appendix_b_root}"
-        )
+        return f"verlet dt={self.dt!r} forces={self.forces} landing={self.landing} root={self.root}"
 
     @property
     def flight_error(self) -> float:
         """0: the scheme decides by its numbers as they are, however far from the truth."""
         return 0.0
-
-    def under(self, reading: Reading) -> Verlet:
-        """Return the engine under a reading, but for the variant that it was made with."""
-        if self.variant is not None:
-            reading = reading.model_copy(update={"verlet_forces": self.variant})
-        return replace(self, reading=reading)
 
     def fly(self, start: State, forces: Forces[float], stops: Stops[float]) -> Arrival[float]:
         """Fly until the first stop; see `longball.engines.engine.Engine.fly`."""
@@ -148,7 +144,7 @@ class Verlet(Stepped[float]):
             *start,
             *_strengths(forces),
             self.dt,
-            *TREATMENTS[self.reading.verlet_forces],
+            *TREATMENTS[self.forces],
             _steps_within(stops.time_limit, self.dt),
             -math.inf if stops.floor is None else stops.floor,
             math.inf if stops.wall is None else stops.wall,
@@ -175,7 +171,7 @@ class Verlet(Stepped[float]):
         if stops.vertical and after.u <= 0.0:
             met.append((_share(before.u, after.u, 0.0), "vertical"))
         share, stop = min(met)
-        if stop == "floor" and self.reading.verlet_landing == "first_below":
+        if stop == "floor" and self.landing == "first_below":
             return stop, count * self.dt, after
         state = PlaneState(*(interpolate(a, b, share) for a, b in zip(before, after, strict=True)))
         match stop:
@@ -204,7 +200,7 @@ class Verlet(Stepped[float]):
             *start,
             *_strengths(forces),
             self.dt,
-            *TREATMENTS[self.reading.verlet_forces],
+            *TREATMENTS[self.forces],
             _steps_within(stops.time_limit, self.dt),
             -math.inf if stops.floor is None else stops.floor,
             bat.x,
@@ -217,7 +213,7 @@ class Verlet(Stepped[float]):
         if not hit:
             return Touch(margin, False)
         before, inside = PlaneState(*numbers[:4]), PlaneState(*numbers[4:])
-        ahead = line_touch(before, bat, self.reading.appendix_b_root)
+        ahead = line_touch(before, bat, self.root)
         if ahead is None:
             return Touch(
                 margin,
@@ -232,7 +228,7 @@ class Verlet(Stepped[float]):
             (hit - 1) * self.dt + ahead,
             touching,
             noticed=inside,
-            leaving=self.reading.appendix_b_root == "larger",
+            leaving=self.root == "larger",
             record=(hit - 1, before, ahead),
         )
 
@@ -247,7 +243,7 @@ class Verlet(Stepped[float]):
         """Push for two steps from the step before the contact (paper, Appendix B)."""
         count, back, ahead = cast(tuple[int, State, float], touch.record)
         air, dt = air_in_space(forces), self.dt
-        treatment = TREATMENTS[self.reading.verlet_forces]
+        treatment = TREATMENTS[self.forces]
         push = np.array(kick) / (2 * dt)  # F̄/(2m), m/s²
         floor = -math.inf if stops.floor is None else stops.floor
         position, velocity = np.array(plane.position(back)), np.array(plane.velocity(back))
@@ -271,7 +267,7 @@ class Verlet(Stepped[float]):
         """Return where a ball comes down during a step that the bat pushes in."""
         share = 1.0
         position, velocity = after
-        if self.reading.verlet_landing == "interpolated":
+        if self.landing == "interpolated":
             share = _share(before[0][2], position[2], floor)
             position = interpolate(before[0], position, share)
             velocity = interpolate(before[1], velocity, share)

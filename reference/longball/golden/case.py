@@ -6,14 +6,17 @@ import json
 import math
 from collections.abc import Iterator
 from decimal import Decimal
-from typing import Annotated, Literal
+from functools import cached_property
+from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from longball.model.result import Bounded, Number, Result
-from longball.model.scene import Scene
+from longball.model.drawn import DrawnAtBat
+from longball.model.quantities import numbers
+from longball.model.result import Bounded, Result
+from longball.model.scene import FlightScene, ImpactScene, PitchScene, Scene
 
-Level = Literal["lower", "average", "higher"]
+Difficulty = Literal["lower", "average", "higher"]
 
 # 2^-53: half an ulp of 1, relative; the largest error of rounding a number to a double.
 ROUNDING = 2.0**-53
@@ -73,10 +76,12 @@ class Case(_Strict):
 
     id: str = Field(min_length=1, description="of the case and of its scene; never given anew")
     family: str
-    level: Level = Field(description="difficulty, by digits attainable; see the header")
+    level: Difficulty = Field(description="difficulty, by digits attainable; see the header")
     comment: str = Field(description="what the case is there for")
     flags: tuple[str, ...] = Field(description="each one is explained in the header")
-    scene: Annotated[Scene, Field(discriminator="kind")]
+    given: FlightScene | PitchScene | ImpactScene | DrawnAtBat = Field(
+        alias="scene", discriminator="kind"
+    )
     expected: Result = Field(
         description="the result by the contract, in decimal strings with proven radii; with "
         "`error` instead of an outcome if there is none to be had"
@@ -86,6 +91,11 @@ class Case(_Strict):
     )
     condition: Condition | None = Field(description="null if there is no outcome")
     confirmation: Confirmation
+
+    @cached_property
+    def scene(self) -> Scene:
+        """What is asked: the scene, without what it was drawn by."""
+        return self.given.scene if isinstance(self.given, DrawnAtBat) else self.given
 
     def attainable(self, quantity: str) -> float:
         """Return the error that double precision cannot avoid, in the quantity's unit.
@@ -110,8 +120,8 @@ class Case(_Strict):
 
     def line(self) -> str:
         """Return the case as a line of JSON; scene and result as the contract writes them."""
-        whole = self.model_dump(mode="json") | {
-            "scene": json.loads(self.scene.line()),
+        whole = self.model_dump(mode="json", by_alias=True) | {
+            "scene": json.loads(self.given.line()),
             "expected": json.loads(self.expected.line()),
         }
         return json.dumps(whole, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
@@ -137,22 +147,9 @@ class Header(_Strict):
     made_by: dict[str, str] = Field(description="engines, and versions of the libraries")
 
 
-def values_of(result: Result) -> Iterator[tuple[str, Number]]:
-    """Yield every number of a result with its path, such as ``landing.position[0]``."""
-    for block in ("plate", "contact", "impact", "landing"):
-        part = getattr(result, block)
-        for name in type(part).model_fields if part is not None else ():
-            value = getattr(part, name)
-            if isinstance(value, tuple):
-                for i, component in enumerate(value):
-                    yield f"{block}.{name}[{i}]", component
-            elif value is not None:
-                yield f"{block}.{name}", value
-
-
 def numbers_of(result: Result) -> Iterator[tuple[str, Bounded]]:
     """Yield every number of a result that is written with digits, with its path."""
-    for path, value in values_of(result):
+    for path, value in numbers(result):
         if isinstance(value, Bounded):
             yield path, value
 

@@ -27,24 +27,22 @@ forward error is the condition number times the backward error.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from decimal import Decimal
 from typing import Any
 
 from pydantic import ValidationError
 
-from longball.engines.at_bat import solve
+from longball.engines.chain import solve
 from longball.engines.engine import Engine
 from longball.golden.case import ROUNDING, Condition, as_double, decisive, numbers_of, vector_of
+from longball.model.quantities import numbers, replaced
 from longball.model.result import Bounded, Result
-from longball.model.scene import AtBatScene, Scene
+from longball.model.scene import AtBatScene, FlightScene, Scene
 
 # Of an input; see the module's docstring. An input of zero is moved by this in its unit.
 STEP = 2.0**-50
-
-# These are no inputs of a formula: what the scene is called, read as, and cut off at.
-_NO_INPUTS = ("id", "kind", "reading", "time_limit")
 
 # A zero here is a force that the scene does not name, and not a small one.
 _ABSENT_AT_ZERO = ("air.density", "air.drag_coefficient", "air.lift_coefficient", "gravity")
@@ -68,41 +66,18 @@ class Sensitivity:
 
 def inputs(scene: Scene) -> dict[str, float]:
     """Return the inputs of a scene by their paths, such as ``pitch.release[0]``."""
-    blocks = scene.model_dump(exclude=set(_NO_INPUTS))
-    found = dict(_leaves("", blocks))
-    if "launch" in blocks and not any(blocks["launch"]["velocity"][:2]):
+    found = dict(numbers(scene))
+    found.pop("time_limit", None)  # where the flight is cut off, and no input of a formula
+    if isinstance(scene, FlightScene) and not any(scene.launch.velocity[:2]):
         # A vertical launch takes the heading +x; any other heading is a jump away from it.
         del found["launch.velocity[0]"], found["launch.velocity[1]"]
     return {path: x for path, x in found.items() if x or path not in _ABSENT_AT_ZERO}
 
 
-def _leaves(path: str, value: Any) -> Iterator[tuple[str, float]]:
-    if isinstance(value, dict):
-        for key, inner in value.items():
-            yield from _leaves(f"{path}.{key}" if path else key, inner)
-    elif isinstance(value, tuple):
-        for i, inner in enumerate(value):
-            yield from _leaves(f"{path}[{i}]", inner)
-    elif value is not None:
-        yield path, value
-
-
 def with_input(scene: Scene, path: str, value: float) -> Scene | None:
     """Return the scene with another value of an input; None if there is no such scene."""
-    blocks = scene.model_dump()
-    name, _, index = path.removesuffix("]").partition("[")
-    *outer, key = name.split(".")
-    block = blocks
-    for step in outer:
-        block = block[step]
-    if index:
-        components = list(block[key])
-        components[int(index)] = value
-        block[key] = tuple(components)
-    else:
-        block[key] = value
     try:
-        return type(scene).model_validate(blocks)
+        return replaced(scene, {path: value})
     except ValidationError:
         return None
 

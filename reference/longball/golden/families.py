@@ -10,10 +10,10 @@ import math
 from collections.abc import Callable, Iterator
 from itertools import islice, product
 
-from longball.golden.draft import Draft, between, five_digits, shares
+from longball.golden.case_builder import Draft, between, five_digits, shares
 from longball.golden.hard import hard
 from longball.home_run import draw, paper_at_bats, scenes, with_restitution
-from longball.model.readings import Reading
+from longball.model.readings import Reading, SamplingReading, readings_of
 from longball.model.scene import (
     Air,
     AtBatScene,
@@ -242,7 +242,7 @@ def impact() -> Iterator[Draft]:
 # Where the paper's at-bats are drawn from; any number would do.
 SEED = 20261121
 
-# Every switch of the ledger that changes what an at-bat solves to, one at a time and two together.
+# Every switch of the ledger that changes an at-bat or how it is drawn: one at a time, and two.
 AT_BAT_READINGS: dict[str, dict[str, str | float]] = {
     "speed-table-as-printed": {"speed_table": "as_printed"},
     "speed-spread-as-printed": {"speed_spread": "as_printed"},
@@ -267,26 +267,28 @@ def at_bat() -> Iterator[Draft]:
 
     Misses stay in, as they were drawn.
     """
-    yield from _drawn("at-bat-default", Reading(), 60, AtBatScene(id="base"))
+    yield from _drawn("at-bat-default", SamplingReading(), 60, AtBatScene(id="base"))
     for name, switches in AT_BAT_READINGS.items():
-        reading = Reading.model_validate(switches)
-        yield from _drawn(f"at-bat-{name}", reading, 6, AtBatScene(id="base", reading=reading))
+        reading, sampling = readings_of(switches)
+        yield from _drawn(f"at-bat-{name}", sampling, 6, AtBatScene(id="base", reading=reading))
     # NPB's lightest and largest ball, and a light bat: the masses are not printed.
     light = AtBatScene(
         id="base", ball=Ball(mass=0.1417, radius=0.0374), bat=Bat(mass=0.82, length=0.85)
     )
-    yield from _drawn("at-bat-masses", Reading(), 6, light)
+    yield from _drawn("at-bat-masses", SamplingReading(), 6, light)
 
 
-def _drawn(name: str, reading: Reading, count: int, base: AtBatScene) -> Iterator[Draft]:
+def _drawn(name: str, sampling: SamplingReading, count: int, base: AtBatScene) -> Iterator[Draft]:
     """Yield the first samples of which there is a scene: with a speed that is positive."""
-    samples = draw(paper_at_bats(reading), 10 * count, SEED)
+    samples = draw(paper_at_bats(sampling), 10 * count, SEED)
     pitched = ((i, scene) for i, scene in enumerate(scenes(base, samples)) if scene is not None)
     for i, scene in islice(pitched, count):
         e = RESTITUTIONS[i % len(RESTITUTIONS)]
         struck = with_restitution(scene, e).model_copy(update={"id": f"{name}-{i:04d}"})
-        flags = ("reading",) if reading != Reading() else ()
-        yield Draft(struck, f"drawn from the paper's distributions, e = {e:g}", flags)
+        usual = (base.reading, sampling) == (Reading(), SamplingReading())
+        flags = () if usual else ("reading",)
+        comment = f"drawn from the paper's distributions, e = {e:g}"
+        yield Draft(struck, comment, flags, sampling)
 
 
 # --- all ------------------------------------------------------------------------------------------

@@ -16,10 +16,11 @@ from itertools import product
 
 import mpmath
 
-from longball.engines.at_bat import meet, solve
+from longball.engines.chain import approach_of, solve
 from longball.engines.enclosure import Enclosure
-from longball.golden.draft import Draft, between_powers, five_digits, shares, solve_for
+from longball.golden.case_builder import Draft, between_powers, five_digits, shares, solve_for
 from longball.home_run import HOME_RUN_DISTANCE
+from longball.model.quantities import replaced
 from longball.model.readings import Reading
 from longball.model.result import Bounded
 from longball.model.scene import (
@@ -84,9 +85,9 @@ def _beside(x: float) -> tuple[tuple[str, float], ...]:
 
 def _margin(scene: AtBatScene) -> Decimal:
     with _CHOOSING.numbers.arithmetic():
-        touch = meet(scene, _CHOOSING).touch
-        assert touch is not None
-        return Decimal(_CHOOSING.numbers.report(touch.margin).value)
+        approach = approach_of(scene, _CHOOSING)
+        assert approach is not None
+        return Decimal(_CHOOSING.numbers.report(approach.touch.margin).value)
 
 
 def grazes() -> Iterator[Draft]:
@@ -323,7 +324,7 @@ def restitutions() -> Iterator[Draft]:
         ("about-centre", 0.45, Reading(inertia="about_centre"), -0.49),
         ("at-the-pivot", 0.45, Reading(), 0.499999),
     ):
-        where = incoming.model_copy(update={"position": (0.0696, y, 1.0)})
+        where = replaced(incoming, {"position[1]": y})
         flags = ("restitution", "reading") if reading != Reading() else ("restitution",)
         yield Draft(
             ImpactScene(

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from decimal import Decimal, localcontext
 
+from longball.engines.chain import solve_with_path
 from longball.engines.enclosure import Enclosure
-from longball.engines.engine import Stops
-from longball.model.motion import forces, into_plane
 from longball.model.result import Bounded
 from longball.model.scene import FlightScene
 
@@ -26,18 +25,12 @@ def history(scene: FlightScene, until: float) -> str:
     numbers = engine.numbers
     lines = [",".join(COLUMNS)]
     with numbers.arithmetic():
-        x, y, z = (numbers.exact(value) for value in scene.launch.position)
-        vx, vy, vz = (numbers.exact(value) for value in scene.launch.velocity)
-        plane, state = into_plane((x, y, z), (vx, vy, vz), numbers)
-        always_up = scene.reading.lift_direction == "always_up"
-        field = forces(scene.ball, scene.air, scene.gravity, always_up, numbers)
-        step = Stops(time_limit=numbers.exact(1.0) / PER_SECOND)
+        _, way = solve_with_path(scene, engine)
         row = 0
         while row <= until * PER_SECOND:
-            components = (*plane.position(state), *plane.velocity(state))
-            shown = [_shown(numbers.report(x)) for x in components]
+            position, velocity = way.at(numbers.exact(row) / PER_SECOND)
+            shown = [_shown(numbers.report(x)) for x in (*position, *velocity)]
             lines.append(",".join([f"{row / PER_SECOND:.2f}", *shown]))
-            state = engine.fly(state, field, step).state
             row += 1
     return "\n".join(lines) + "\n"
 

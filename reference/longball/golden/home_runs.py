@@ -19,7 +19,8 @@ from longball.golden.probability import (
 )
 from longball.home_run import RESTITUTIONS, integrals, paper_at_bats, scrambled
 from longball.home_run.randomised import SCRAMBLES
-from longball.model.readings import Reading
+from longball.model.drawn import DrawnAtBat
+from longball.model.readings import Reading, SamplingReading, readings_of
 from longball.model.scene import AtBatScene
 
 LINES = 1024  # in each scramble
@@ -51,13 +52,17 @@ class ProbabilityDraft:
     id: str
     comment: str
     reading: Reading
+    sampling: SamplingReading
     restitutions: Sequence[float]
 
 
 def drafts() -> Iterator[ProbabilityDraft]:
     """Yield the default reading, and those switches that a scheme for P(e) may get wrong."""
     yield ProbabilityDraft(
-        "probability-default", "The default reading of the ledger.", Reading(), RESTITUTIONS
+        "probability-default",
+        "The default reading of the ledger.",
+        *readings_of({}),
+        RESTITUTIONS,
     )
     ends = (RESTITUTIONS[0], RESTITUTIONS[-1])
     for switch, option, comment in (
@@ -74,7 +79,7 @@ def drafts() -> Iterator[ProbabilityDraft]:
         yield ProbabilityDraft(
             f"probability-{switch}-{option}",
             comment,
-            Reading.model_validate({switch: option}),
+            *readings_of({switch: option}),
             ends,
         )
 
@@ -120,9 +125,9 @@ def write_probabilities(
         },
         cases=tuple(cases),
     )
-    data = whole.model_dump(mode="json")
+    data = whole.model_dump(mode="json", by_alias=True)
     for written, case in zip(data["cases"], cases, strict=True):
-        written["scene"] = json.loads(case.scene.line())  # as the contract writes it
+        written["scene"] = json.loads(case.given.line())  # as the contract writes it
     content = json.dumps(data, ensure_ascii=False, allow_nan=False, indent=1) + "\n"
     write_files(folder, {PROBABILITIES: content} | schemas())
     return len(cases)
@@ -131,13 +136,15 @@ def write_probabilities(
 def make(draft: ProbabilityDraft, lines: int, workers: int) -> ProbabilityCase:
     """Return a case: its integrals, and what the second method makes of them."""
     scene = AtBatScene(id=draft.id, reading=draft.reading)
-    at_bats = paper_at_bats(draft.reading)
-    found = integrals(scene, at_bats, draft.restitutions, workers=workers)
-    second = scrambled(scene, at_bats, draft.restitutions, lines, SEED, workers=workers)
+    at_bats, space = paper_at_bats(draft.sampling), draft.sampling.sample_space
+    found = integrals(scene, at_bats, draft.restitutions, sample_space=space, workers=workers)
+    second = scrambled(
+        scene, at_bats, draft.restitutions, lines, SEED, sample_space=space, workers=workers
+    )
     return ProbabilityCase(
         id=draft.id,
         comment=draft.comment,
-        scene=scene,
+        scene=DrawnAtBat.of(scene, draft.sampling),
         rows=tuple(
             ProbabilityRow(
                 e=row.e,
@@ -162,10 +169,11 @@ def integrated_again(case: ProbabilityCase, independent: bool) -> list[str]:
     independent
         Whether the second method, with other scrambles, computes it too.
     """
-    at_bats = paper_at_bats(case.scene.reading)
+    at_bats, space = paper_at_bats(case.sampling), case.sampling.sample_space
     restitutions = [row.e for row in case.rows]
     failures = []
-    for row, again in zip(case.rows, integrals(case.scene, at_bats, restitutions), strict=True):
+    again_found = integrals(case.scene, at_bats, restitutions, sample_space=space)
+    for row, again in zip(case.rows, again_found, strict=True):
         for name, known, now, error in (
             ("P", row.p, again.p, row.error + again.error),
             ("dP/de", row.slope, again.slope, row.slope_error + again.slope_error),
@@ -178,7 +186,9 @@ def integrated_again(case: ProbabilityCase, independent: bool) -> list[str]:
     for row in case.rows:
         failures += _not_confirmed(case, row, row.confirmation.p, row.confirmation.standard_error)
     if independent:
-        second = scrambled(case.scene, at_bats, restitutions, LINES, SEED_OF_CHECKS)
+        second = scrambled(
+            case.scene, at_bats, restitutions, LINES, SEED_OF_CHECKS, sample_space=space
+        )
         for row, other in zip(case.rows, second, strict=True):
             failures += _not_confirmed(case, row, other.p, other.standard_error)
     return failures

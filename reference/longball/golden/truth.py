@@ -8,19 +8,20 @@ from collections.abc import Callable
 from decimal import ROUND_CEILING, Decimal, localcontext
 from typing import Any
 
-from longball.engines.at_bat import solve
+from longball.engines.chain import solve
 from longball.engines.enclosure import Enclosure
 from longball.engines.multiprecision import Multiprecision
 from longball.golden.case import (
     Case,
     Confirmation,
-    Level,
+    Difficulty,
     Quantity,
     as_double,
     decisive,
     numbers_of,
     vector_of,
 )
+from longball.golden.case_builder import Draft
 from longball.golden.condition import (
     Sensitivity,
     attainable_errors,
@@ -28,7 +29,6 @@ from longball.golden.condition import (
     magnitudes,
     sensitivity,
 )
-from longball.golden.draft import Draft
 from longball.model.result import Bounded, Result
 from longball.model.scene import AtBatScene, Scene
 
@@ -165,7 +165,7 @@ def quantities(result: Result, errors: dict[str, float | None]) -> dict[str, Qua
     return table
 
 
-def level_of(result: Result, table: dict[str, Quantity], fragile: bool) -> Level:
+def level_of(result: Result, table: dict[str, Quantity], fragile: bool) -> Difficulty:
     """Return the difficulty of a case, from the digits that doubles can know of it."""
     if result.outcome is None or fragile:
         return "higher"
@@ -203,7 +203,7 @@ def make(family: str, draft: Draft) -> Case:
         level=level_of(result, table, found.fragile),
         comment=draft.comment,
         flags=tuple(flags),
-        scene=scene,
+        scene=draft.given,
         expected=result,
         quantities=table,
         condition=condition(result, found) if result.outcome is not None else None,

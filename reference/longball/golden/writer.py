@@ -16,7 +16,7 @@ from pydantic import ValidationError
 
 import longball
 from longball.golden.case import Case
-from longball.golden.draft import Draft
+from longball.golden.case_builder import Draft
 from longball.golden.families import FAMILIES
 from longball.golden.files import (
     HEADER,
@@ -26,8 +26,8 @@ from longball.golden.files import (
     write_files,
     write_whole,
 )
+from longball.golden.headers import header, made_by
 from longball.golden.history import ABOUT, history
-from longball.golden.legend import header, made_by
 from longball.golden.truth import make
 from longball.model.scene import FlightScene
 
@@ -130,7 +130,7 @@ def _cases(folder: Path, family: str, drafts: list[Draft], workers: int) -> Iter
 def _is_of(case: Case | None, draft: Draft) -> bool:
     return (
         case is not None
-        and case.scene == draft.scene
+        and case.given == draft.given
         and case.comment == draft.comment
         and case.flags[: len(draft.flags)] == draft.flags
     )

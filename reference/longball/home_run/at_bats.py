@@ -9,12 +9,18 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from longball.model.readings import Reading
+from longball.model.quantities import replaced
+from longball.model.readings import SamplingReading
 from longball.model.scene import AtBatScene
+
+if TYPE_CHECKING:
+    from scipy import stats
 
 Array = NDArray[np.float64]
 
@@ -45,36 +51,16 @@ class Mixture:
         every = zip(weights, self.means, self.deviations, strict=True)
         return tuple(part for part in every if part[0] > 0)
 
-    def density(self, values: Array) -> Array:
-        """Return the probability density at values."""
-        total = np.zeros_like(values)
-        for weight, mean, deviation in self.parts:
-            far = (values - mean) / deviation
-            total += weight / (deviation * math.sqrt(2 * math.pi)) * np.exp(-0.5 * far * far)
-        return total
+    @cached_property
+    def distribution(self) -> stats.Mixture:
+        """As SciPy's, with its density, distribution function and quantiles."""
+        from scipy import stats  # slow to import, and not needed for --help
 
-    def below(self, values: Array) -> Array:
-        """Return the probability of a draw below values."""
-        from scipy.special import ndtr  # slow to import, and not needed for --help
-
-        total = np.zeros_like(values)
-        for weight, mean, deviation in self.parts:
-            total += weight * ndtr((values - mean) / deviation)
-        return total
-
-    def quantiles(self, shares: Array) -> Array:
-        """Return the values that are above the given shares of draws."""
-        from scipy.optimize import elementwise
-        from scipy.special import ndtri
-
-        every = [mean + deviation * ndtri(shares) for _, mean, deviation in self.parts]
-        found = elementwise.find_root(
-            lambda value, share: self.below(value) - share,
-            (np.minimum.reduce(every), np.maximum.reduce(every)),
-            args=(shares,),
+        weights, means, deviations = zip(*self.parts, strict=True)
+        return stats.Mixture(
+            [stats.Normal(mu=m, sigma=s) for m, s in zip(means, deviations, strict=True)],
+            weights=weights,
         )
-        values: Array = found.x
-        return values
 
 
 @dataclass(frozen=True)
@@ -104,7 +90,7 @@ class AtBats:
         return Mixture(1.0, (0.0, 0.0), (self.offset_deviation, self.offset_deviation))
 
 
-def paper_at_bats(reading: Reading) -> AtBats:
+def paper_at_bats(reading: SamplingReading) -> AtBats:
     """Return the paper's distributions, as a reading of Table II, Eqs. 2 to 4 and Sec. III."""
     kmh = 1 / 3.6
     large, small = (139.1, 127.8), (4.58, 7.80)  # km/h, Table II
@@ -158,7 +144,7 @@ class Samples:
         """As `longball.engines.batch.solve_columns` names them."""
         return {
             "pitch.speed": self.speed,
-            "pitch.aim.0": self.aim,
+            "pitch.aim[0]": self.aim,
             "swing.height_offset": self.offset,
             "swing.tilt": self.tilt,
         }
@@ -190,21 +176,16 @@ def scenes(base: AtBatScene, samples: Samples, first: int = 0) -> Iterator[AtBat
 
     Yields None for a ball that is never pitched.
     """
-    for i in range(len(samples)):
-        if not samples.pitched[i]:
+    rows = zip(*(column.tolist() for column in samples.columns.values()), strict=True)
+    for i, (row, pitched) in enumerate(zip(rows, samples.pitched, strict=True), first):
+        if not pitched:
             yield None
             continue
-        aim = (float(samples.aim[i]), base.pitch.aim[1])
-        pitch = base.pitch.model_copy(update={"speed": float(samples.speed[i]), "aim": aim})
-        swing = base.swing.model_copy(
-            update={"height_offset": float(samples.offset[i]), "tilt": float(samples.tilt[i])}
-        )
-        yield base.model_copy(
-            update={"id": f"sample-{first + i:06d}", "pitch": pitch, "swing": swing}
-        )
+        scene = replaced(base, dict(zip(samples.columns, row, strict=True)))
+        yield scene.model_copy(update={"id": f"sample-{i:06d}"})
 
 
 def with_restitution(scene: AtBatScene, restitution: float) -> AtBatScene:
     """Return a scene with another restitution of the ball, which its id tells."""
-    ball = scene.ball.model_copy(update={"restitution": restitution})
-    return scene.model_copy(update={"id": f"{scene.id}-e{restitution:g}", "ball": ball})
+    other = replaced(scene, {"ball.restitution": restitution})
+    return other.model_copy(update={"id": f"{scene.id}-e{restitution:g}"})

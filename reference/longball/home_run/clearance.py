@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from longball.home_run.at_bats import Samples
 from longball.home_run.estimation import HOME_RUN_DISTANCE
+from longball.model.readings import SampleSpace
 from longball.model.scene import AtBatScene
 
 if TYPE_CHECKING:
@@ -47,13 +48,16 @@ class Clearance:
         The ball's.
     engine
         Who flies the balls.
+    sample_space
+        Of which the home runs are a share.
     counted
-        Home runs within the sample space of the reading, or all of that space.
+        Home runs within the sample space, or all of that space.
     """
 
     base: AtBatScene
     restitution: float
     engine: Batch
+    sample_space: SampleSpace = "pitches"
     counted: Counted = "home runs"
 
     def __call__(self, inputs: Inputs) -> Array:
@@ -64,11 +68,11 @@ class Clearance:
     def with_unsolved(self, inputs: Inputs) -> tuple[Array, NDArray[np.bool_]]:
         """Return clearances, and which at-bats the engine could not tell: as if not batted."""
         table = self._solve(inputs)
-        x, y = _column(table, "landing.position.0"), _column(table, "landing.position.1")
+        x, y = _column(table, "landing.position[0]"), _column(table, "landing.position[1]")
         inside = np.full_like(x, HOME_RUN_DISTANCE)
         if self.counted == "home runs":
             inside = np.hypot(x, y) - HOME_RUN_DISTANCE
-        if self.base.reading.sample_space == "fair":
+        if self.sample_space == "fair":
             inside = np.minimum(inside, x - abs(y))
         clearances = np.where(np.isnan(x), -HOME_RUN_DISTANCE, inside)
         return clearances, table["outcome"] == ""
@@ -81,7 +85,7 @@ class Clearance:
         """
         nothing = np.zeros_like(speed)
         table = self._solve(Inputs(speed, nothing, nothing, nothing))
-        x, y, z = (_column(table, f"plate.velocity.{i}") for i in range(3))
+        x, y, z = (_column(table, f"plate.velocity[{i}]") for i in range(3))
         level = np.hypot(x, y)
         reach = self.base.ball.radius + self.base.bat.radius
         return np.nan_to_num(_WIDER * reach * np.hypot(level, z) / level)
@@ -102,7 +106,7 @@ class Clearance:
         """
         release_x, release_y, _ = self.base.pitch.release
         aim = np.full_like(inputs.speed, y)
-        x = _column(self._solve(inputs._replace(aim=aim)), "contact.position.0")
+        x = _column(self._solve(inputs._replace(aim=aim)), "contact.position[0]")
         way = np.nan_to_num(x) / release_x
         return (y - release_y * way) / (1.0 - way)
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from longball.home_run.simulation import Struck
-from longball.model.readings import Reading
+from longball.model.readings import SampleSpace
 
 Array = NDArray[np.float64]
 
@@ -28,7 +28,7 @@ class Estimate:
     e
         The ball's coefficient of restitution.
     home_runs, trials
-        What was counted, among how many of the sample space that the reading names.
+        What was counted, among how many of the sample space.
     failed
         Samples that the engine could not tell, counted as no home runs.
     p, low, high
@@ -44,9 +44,9 @@ class Estimate:
     high: float
 
 
-def estimate(e: float, struck: Struck, reading: Reading) -> Estimate:
+def estimate(e: float, struck: Struck, sample_space: SampleSpace = "pitches") -> Estimate:
     """Count the home runs at one restitution: D >= 150 m (paper, Sec. IV)."""
-    match reading.sample_space:
+    match sample_space:
         case "pitches":
             space = np.ones_like(struck.batted)
         case "batted":
@@ -67,13 +67,10 @@ def wilson(successes: int, trials: int, level: float = 0.95) -> tuple[float, flo
     """
     if trials == 0:
         return math.nan, math.nan
-    z = NormalDist().inv_cdf(0.5 + level / 2)
-    p, shrink = successes / trials, 1 + z * z / trials
-    centre = (p + z * z / (2 * trials)) / shrink
-    half = z / shrink * math.sqrt(p * (1 - p) / trials + z * z / (4 * trials * trials))
-    # At the ends the interval reaches the end itself, which rounding may miss.
-    low = 0.0 if successes == 0 else centre - half
-    return low, 1.0 if successes == trials else centre + half
+    from scipy.stats import binomtest  # slow to import, and not needed for --help
+
+    interval = binomtest(successes, trials).proportion_ci(level, method="wilson")
+    return float(interval.low), float(interval.high)
 
 
 @dataclass(frozen=True)

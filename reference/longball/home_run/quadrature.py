@@ -16,7 +16,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +24,11 @@ from numpy.typing import NDArray
 from longball.home_run.at_bats import AtBats, Mixture
 from longball.home_run.clearance import Clearance, Inputs
 from longball.home_run.crossings import Places, crossings
+from longball.model.readings import SampleSpace
 from longball.model.scene import AtBatScene
+
+if TYPE_CHECKING:
+    from scipy import stats
 
 Array = NDArray[np.float64]
 
@@ -107,6 +111,7 @@ def integrals(
     at_bats: AtBats,
     restitutions: Sequence[float],
     *,
+    sample_space: SampleSpace = "pitches",
     tolerance: float = TOLERANCE,
     workers: int = 1,
     progress: Callable[[int], None] = lambda done: None,
@@ -116,11 +121,13 @@ def integrals(
     Parameters
     ----------
     base
-        Everything about the at-bats that is not random, its reading of the ledger included.
+        Everything about the at-bats that is not random, its reading included.
     at_bats
         The distributions of what is.
     restitutions
         Values of e.
+    sample_space
+        Of which the home runs are a share.
     tolerance
         Error of P that is asked for; ten times as much of dP/de. The rules are refined until two in
         a row agree so far, or there is no finer one.
@@ -133,7 +140,7 @@ def integrals(
 
     found = []
     for done, e in enumerate(restitutions, 1):
-        home_runs = Clearance(base, e, Batch())
+        home_runs = Clearance(base, e, Batch(), sample_space)
         found.append(_refined(home_runs, at_bats, tolerance, workers))
         progress(done)
     return found
@@ -158,7 +165,7 @@ def _probability(
 ) -> Share:
     """Return the share of the sample space that home runs have."""
     runs = _share(home_runs, at_bats, nodes, tolerance, workers)
-    if home_runs.base.reading.sample_space == "pitches":
+    if home_runs.sample_space == "pitches":
         return runs
     # An error of the sample space enters P as a part of P, which is small.
     loose = tolerance / max(float(runs.p), 1e-3)
@@ -200,13 +207,14 @@ def _share(
 
 def _speeds(clearance: Clearance, law: Mixture, nodes: int) -> tuple[Array, Array]:
     """Return speeds, m/s, and their weights; a pitch too slow to arrive is left out."""
+    from scipy.stats import Normal  # slow to import, and not needed for --help
 
     def arrives(speed: Array, line: Places) -> Array:
         return np.where(clearance.window(speed) > 0.0, 1.0, -1.0)
 
     speeds, weights = [], []
     for weight, mean, deviation in law.parts:
-        part = Mixture(1.0, (mean, mean), (deviation, deviation))
+        part = Normal(mu=mean, sigma=deviation)
         high = mean + FARTHEST * deviation
         # The printed columns of Table II draw negative speeds, too: such a ball is never pitched.
         grid = np.linspace(max(mean - FARTHEST * deviation, high / 1000), high, _SPEEDS)
@@ -217,7 +225,7 @@ def _speeds(clearance: Clearance, law: Mixture, nodes: int) -> tuple[Array, Arra
             if clearance.window(np.array([0.5 * (low + high)]))[0] > 0.0:
                 speed, width = _rule(low, high, nodes)
                 speeds.append(speed)
-                weights.append(weight * width * part.density(speed))
+                weights.append(weight * width * part.pdf(speed))
     return np.concatenate([*speeds, []]), np.concatenate([*weights, []])
 
 
@@ -289,10 +297,10 @@ def _over_ranges(
     x, w = np.polynomial.legendre.leggauss(_OFFSET_NODES)
     half = 0.5 * (ranges.high - ranges.low)[:, None]
     offset = 0.5 * (ranges.low + ranges.high)[:, None] + half * x
-    weight = half * w * at_bats.offset.density(offset)
+    weight = half * w * at_bats.offset.distribution.pdf(offset)
     pair = np.repeat(ranges.pair, _OFFSET_NODES)
     inputs = Inputs(speed[pair], np.zeros(len(pair)), offset.ravel(), tilt[pair])
-    shares = share_over_aims(clearance, at_bats.aim, inputs)
+    shares = share_over_aims(clearance, at_bats.aim.distribution, inputs)
     return np.array([(weight * share.reshape(offset.shape)).sum(axis=1) for share in shares])
 
 
@@ -322,7 +330,7 @@ def _ranges(clearance: Clearance, at_bats: AtBats, speed: Array, tilt: Array) ->
 
 
 def share_over_aims(
-    clearance: Clearance, law: Mixture, inputs: Inputs
+    clearance: Clearance, law: stats.Mixture, inputs: Inputs
 ) -> tuple[Array, Array, Array]:
     """Return, for given speeds, offsets and tilts, the probability of what is counted.
 
@@ -338,15 +346,15 @@ def share_over_aims(
     every = np.repeat(np.arange(len(low)), _AIMS)
     flat, unsolved = clearance.with_unsolved(at(grid.ravel(), every))
     values = flat.reshape(grid.shape)
-    p = np.where(values[:, -1] >= 0.0, law.below(high), 0.0)
-    p -= np.where(values[:, 0] >= 0.0, law.below(low), 0.0)
+    p = np.where(values[:, -1] >= 0.0, law.cdf(high), 0.0)
+    p -= np.where(values[:, 0] >= 0.0, law.cdf(low), 0.0)
     slope = np.zeros_like(p)
     ends = crossings(lambda aim, line: clearance(at(aim, line)), grid, values)
     # What lies below a beginning does not count, what lies below an end does.
     sign = np.where(ends.rises, -1.0, 1.0)
-    np.add.at(p, ends.line, sign * law.below(ends.place))
+    np.add.at(p, ends.line, sign * law.cdf(ends.place))
     moves = _moves(clearance, at(ends.place, ends.line), _STEP * (high - low)[ends.line])
-    np.add.at(slope, ends.line, sign * law.density(ends.place) * moves)
+    np.add.at(slope, ends.line, sign * law.pdf(ends.place) * moves)
     doubt = np.where(unsolved.reshape(grid.shape).any(axis=1), 1.0, 0.0)
     return p, slope, doubt
 

@@ -19,6 +19,7 @@ from longball.home_run.at_bats import AtBats
 from longball.home_run.clearance import Clearance, Counted, Inputs
 from longball.home_run.crossings import Places, crossings
 from longball.home_run.quadrature import FARTHEST
+from longball.model.readings import SampleSpace
 from longball.model.scene import AtBatScene
 
 Array = NDArray[np.float64]
@@ -43,6 +44,7 @@ def scrambled(
     lines: int,
     seed: int,
     *,
+    sample_space: SampleSpace = "pitches",
     workers: int = 1,
     progress: Callable[[int], None] = lambda done: None,
 ) -> list[Randomised]:
@@ -51,7 +53,7 @@ def scrambled(
     Parameters
     ----------
     base
-        Everything about the at-bats that is not random, its reading of the ledger included.
+        Everything about the at-bats that is not random, its reading included.
     at_bats
         The distributions of what is.
     restitutions
@@ -60,6 +62,8 @@ def scrambled(
         Lines along the offset in each of the scrambles: a power of 2.
     seed
         Where the scrambles come from.
+    sample_space
+        Of which the home runs are a share.
     workers
         Threads; -1 for one a core. The answer does not depend on them, to the last bit.
     progress
@@ -70,12 +74,12 @@ def scrambled(
     through = [_lines(base, at_bats, lines, seed, scramble) for scramble in range(SCRAMBLES)]
     everything = Inputs(*map(np.concatenate, zip(*through, strict=True)))
     kinds: list[Counted] = ["home runs"]
-    if base.reading.sample_space != "pitches":
+    if sample_space != "pitches":
         kinds.append("sample space")
     estimates = []
     for done, e in enumerate(restitutions, 1):
         shares = [
-            _means(Clearance(base, e, Batch(), kind), at_bats, everything, workers)
+            _means(Clearance(base, e, Batch(), sample_space, kind), at_bats, everything, workers)
             for kind in kinds
         ]
         with np.errstate(invalid="ignore"):  # 0/0 where there is no sample space
@@ -100,7 +104,7 @@ def _lines(base: AtBatScene, at_bats: AtBats, count: int, seed: int, scramble: i
     unit = np.clip(sobol.random(count), 2.0**-51, None)
     low, high = _aims(base, at_bats)
     return Inputs(
-        at_bats.speed.quantiles(unit[:, 0]),
+        at_bats.speed.distribution.icdf(unit[:, 0]),
         low + (high - low) * unit[:, 1],
         np.zeros(count),
         at_bats.largest_tilt * unit[:, 2],
@@ -135,7 +139,7 @@ def _means(clearance: Clearance, at_bats: AtBats, lines: Inputs, workers: int) -
     )
     low, high = _aims(clearance.base, at_bats)
     shares = np.concatenate(Parallel(n_jobs=workers, prefer="threads")(tasks))
-    shares *= (high - low) * at_bats.aim.density(lines.aim)
+    shares *= (high - low) * at_bats.aim.distribution.pdf(lines.aim)
     means: Array = shares.reshape(SCRAMBLES, -1).mean(axis=1)
     return means
 
@@ -153,9 +157,9 @@ def _share_over_offsets(clearance: Clearance, at_bats: AtBats, lines: Inputs) ->
     every = np.repeat(np.arange(len(grid)), grid.shape[1])
     values = on_lines(grid.ravel(), every).reshape(grid.shape)
     found = crossings(on_lines, grid, values)
-    law = at_bats.offset
-    share = np.where(values[:, -1] >= 0.0, law.below(grid[:, -1]), 0.0)
-    share -= np.where(values[:, 0] >= 0.0, law.below(grid[:, 0]), 0.0)
-    np.add.at(share, found.line, np.where(found.rises, -1.0, 1.0) * law.below(found.place))
+    law = at_bats.offset.distribution
+    share = np.where(values[:, -1] >= 0.0, law.cdf(grid[:, -1]), 0.0)
+    share -= np.where(values[:, 0] >= 0.0, law.cdf(grid[:, 0]), 0.0)
+    np.add.at(share, found.line, np.where(found.rises, -1.0, 1.0) * law.cdf(found.place))
     shares[pitched] = share
     return shares

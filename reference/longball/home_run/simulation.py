@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from longball.engines.at_bat import solve_with_restitutions
+from longball.engines.chain import solve_with_restitutions
 from longball.engines.engine import Engine
 from longball.home_run.at_bats import BLOCK, AtBats, draw, scenes
 from longball.model.scene import AtBatScene
@@ -76,7 +76,7 @@ def monte_carlo(
     Parameters
     ----------
     base
-        Everything about the at-bats that is not random, its reading of the ledger included.
+        Everything about the at-bats that is not random, its reading included.
     at_bats
         The distributions of what is.
     restitutions
@@ -134,8 +134,8 @@ def _strike_columns(
     )
     landed = _nothing(len(restitutions), count)
     for one, table in zip(landed, tables, strict=True):
-        one[0, pitched] = table["landing.position.0"]
-        one[1, pitched] = table["landing.position.1"]
+        one[0, pitched] = table["landing.position[0]"]
+        one[1, pitched] = table["landing.position[1]"]
         one[2, pitched] = table["outcome"] == ""
     return landed
 

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from longball.judge.altered import DragLaw
+from longball.judge.alternative_laws import DragLaw
 from longball.model.motion import FlightPlane, PlaneState, acceleration, forces, into_plane
 from longball.model.numbers import DOUBLES
 from longball.model.readings import Reading
@@ -40,13 +40,13 @@ class Variant:
     wrapper
         What is done to scenes and results.
     drag
-        Another law of drag than the model's; see `longball.judge.altered`.
+        Another law of drag than the model's; see `longball.judge.alternative_laws`.
     scheme
-        Switches of the paper's scheme that the mistake sets: it is made by those who take fixed
+        Options of the engine verlet that the mistake sets: it is made by those who take fixed
         steps as the paper does.
     steps
         Whether the mistake depends on a time step.
-    blow
+    instant
         Whether the bat strikes at once, in a scheme that is else the paper's. Where that scheme is
         the truth no such form is looked for: it is another departure from it than its mistake's.
     """
@@ -55,7 +55,7 @@ class Variant:
     drag: DragLaw | None = None
     scheme: Mapping[str, str] | None = None
     steps: bool = False
-    blow: bool = False
+    instant: bool = False
 
 
 @dataclass(frozen=True)
@@ -88,7 +88,11 @@ def _changed(change: Callable[[Scene], Scene]) -> Variant:
 
 
 def _with(scene: Any, block: str, **values: object) -> Any:
-    """Return a scene with other values in a block; as it is if it has no such block."""
+    """Return a scene with other values in a block; as it is if it has no such block.
+
+    It is not validated: who makes a mistake in a number does not notice that a launch is now
+    underground, or a ball inside the bat.
+    """
     held = getattr(scene, block, None)
     if held is None:
         return scene
@@ -238,7 +242,7 @@ def _on_floor(scene: Scene, result: Result) -> Result:
     return result.model_copy(update={"landing": landing})
 
 
-def _blow(scene: Scene, solve: Solver, dt: float) -> Result:
+def _strike_at_once(scene: Scene, solve: Solver, dt: float) -> Result:
     """Let the ball fly on from the touching, with steps counted from there: no push that lasts."""
     result = solve(scene)
     contact, impact, landing = result.contact, result.impact, result.landing
@@ -305,9 +309,9 @@ def _tunnel(scene: Scene, solve: Solver, dt: float) -> Result:
         return result
     if contact.time is None or contact.position is None or contact.normal is None:
         return result
-    kick = float(impact.impulse) / scene.ball.mass
+    delta_v = float(impact.impulse) / scene.ball.mass
     incoming = tuple(
-        after - kick * n
+        after - delta_v * n
         for after, n in zip(_floats(impact.velocity), _floats(contact.normal), strict=True)
     )
     time = float(contact.time)
@@ -360,7 +364,7 @@ def _scheme(**switches: str) -> Variant:
 
 
 def _struck_at_once(forces: str) -> Variant:
-    return Variant(_blow, scheme={"verlet_forces": forces}, steps=True, blow=True)
+    return Variant(_strike_at_once, scheme={"forces": forces}, steps=True, instant=True)
 
 
 # What fixed steps do at best, with one of the treatments of the forces that are of order 2.
@@ -377,8 +381,8 @@ KNOWN: dict[str, Mistake] = {
             "predict the velocity at the step's end, v + aΔt, or iterate, before asking for the "
             "force there: the error then falls with Δt² instead of Δt",
             (
-                _scheme(verlet_forces="old_carried"),
-                _scheme(verlet_forces="old_recomputed"),
+                _scheme(forces="old_carried"),
+                _scheme(forces="old_recomputed"),
                 _struck_at_once("old_carried"),
                 _struck_at_once("old_recomputed"),
             ),
@@ -388,7 +392,7 @@ KNOWN: dict[str, Mistake] = {
             "takes drag and lift at the half-step velocity, as is usual in molecular dynamics, "
             "where forces do not depend on it",
             "predict the velocity at the step's end, v½ + aΔt/2, before asking for the force there",
-            (_scheme(verlet_forces="half_step"), _struck_at_once("half_step")),
+            (_scheme(forces="half_step"), _struck_at_once("half_step")),
         ),
         Mistake(
             NO_SLIP,
@@ -400,7 +404,7 @@ KNOWN: dict[str, Mistake] = {
             "two-step-push",
             "lets the bat push for two steps, as Appendix B has it, while the ball flies on",
             "strike at once, at the time and place of touching; only the impulse is meant",
-            tuple(_scheme(verlet_forces=forces) for forces in SOUND),
+            tuple(_scheme(forces=forces) for forces in SOUND),
         ),
         Mistake(
             "first-below",
@@ -411,12 +415,12 @@ KNOWN: dict[str, Mistake] = {
                 _first_below(since_start=True, on_floor=True),
                 _first_below(since_start=False, on_floor=False),
                 _first_below(since_start=False, on_floor=True),
-                _scheme(verlet_forces="predicted_recomputed", verlet_landing="first_below"),
+                _scheme(forces="predicted_recomputed", landing="first_below"),
                 Variant(
                     lambda scene, solve, dt: _on_floor(scene, solve(scene)),
                     scheme={
-                        "verlet_forces": "predicted_recomputed",
-                        "verlet_landing": "first_below",
+                        "forces": "predicted_recomputed",
+                        "landing": "first_below",
                     },
                     steps=True,
                 ),
@@ -439,10 +443,10 @@ KNOWN: dict[str, Mistake] = {
             "takes the larger root of Appendix B's quadratic: where the ball would leave the bat",
             "take the smaller of the two positive roots",
             (
-                _scheme(verlet_forces="predicted_recomputed", appendix_b_root="larger"),
+                _scheme(forces="predicted_recomputed", root="larger"),
                 Variant(
                     _separating,
-                    scheme={"verlet_forces": "predicted_recomputed", "appendix_b_root": "larger"},
+                    scheme={"forces": "predicted_recomputed", "root": "larger"},
                     steps=True,
                 ),
             ),

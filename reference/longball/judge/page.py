@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from longball.judge.altered import THE_MODELS, fly, release
+from longball.convergence.figure import draw_convergence
+from longball.judge.alternative_laws import THE_MODELS, fly, release
 from longball.judge.answers import quoted
-from longball.judge.convergence import draw_convergence
+from longball.judge.evaluation import Evaluation
 from longball.judge.quantities import Value, values_of
-from longball.judge.trial import Trial
+from longball.judge.text import LONGEST_NAME, describe
 from longball.judge.verdict import Comparison, Measured, Verdict
-from longball.judge.words import LONGEST_NAME, told
 from longball.model.scene import AtBatScene, FlightScene, ImpactScene, PitchScene
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-SHOWN = 20  # failures and complaints on the page
+SHOWN = 20  # failures and issues on the page
 NOTHING = 1e-17  # where a relative error of zero is drawn on a logarithmic axis
 WHOLE = 1.0  # where one is drawn that is as large as its quantity, or larger
 
@@ -42,9 +42,9 @@ img { max-width: 100% } pre, code { font-size: 12px; white-space: pre-wrap; word
 """
 
 
-def page(trial: Trial) -> str:
-    """Return a trial as HTML that needs no other file."""
-    verdict = trial.verdict
+def page(evaluation: Evaluation) -> str:
+    """Return an evaluation as HTML that needs no other file."""
+    verdict = evaluation.verdict
     candidate = escape(quoted(verdict.candidate, LONGEST_NAME))
     word = "passed" if verdict.passed else "failed"
     parts = [
@@ -55,7 +55,7 @@ def page(trial: Trial) -> str:
         f'<h1><span class="{word}">{word.upper()}</span> {candidate}</h1>',
         *_head(verdict),
         *_diagnosis(verdict),
-        *_pictures(trial),
+        *_pictures(evaluation),
         *_convergence(verdict),
         *_sampling(verdict),
         *_errors(verdict),
@@ -165,19 +165,16 @@ def _failures(verdict: Verdict) -> Iterator[str]:
     for failure in shown:
         flags = f" [{', '.join(failure.flags)}]" if failure.flags else ""
         yield f"<details><summary>{escape(failure.id + flags)}</summary>"
-        yield from _list(told(fault) for fault in failure.faults)
+        yield from _list(describe(fault) for fault in failure.faults)
         yield f"<pre>{escape(str(failure.scene))}</pre></details>"
 
 
 def _rest(verdict: Verdict) -> Iterator[str]:
     sentences = [f"{m.quantity} is left out of {m.cases} answers" for m in verdict.missing]
     sentences += [f"refused: {r.id}: {r.reason}" for r in verdict.refused[:SHOWN]]
-    sentences += [
-        f"complaint: {'' if c.line is None else f'line {c.line}: '}{c.sentence}"
-        for c in verdict.complaints[:SHOWN]
-    ]
+    sentences += [f"issue: {issue}" for issue in verdict.complaints[:SHOWN]]
     if sentences:
-        yield "<h2>What else there is to say</h2>"
+        yield "<h2>Other findings</h2>"
         yield from _list(sentences)
     if verdict.complaints and verdict.standard_error:
         yield f"<h2>The end of its standard error</h2><pre>{escape(verdict.standard_error)}</pre>"
@@ -205,13 +202,13 @@ def _table(
 # --- pictures -------------------------------------------------------------------------------------
 
 
-def _pictures(trial: Trial) -> Iterator[str]:
-    measured = [(c, m) for c in trial.comparisons for m in c.measured if m.size > 0]
+def _pictures(evaluation: Evaluation) -> Iterator[str]:
+    measured = [(c, m) for c in evaluation.comparisons for m in c.measured if m.size > 0]
     if not measured:
         return
     yield "<h2>Errors by family, and over difficulty</h2>"
     yield _image(lambda figure: draw_errors(figure, measured), (10, 4.6), "errors")
-    worst = worst_flight(trial.comparisons)
+    worst = worst_flight(evaluation.comparisons)
     if worst:
         yield f"<h2>The worst flight against the truth: {escape(worst.case.id)}</h2>"
         yield _image(lambda figure: draw_flight(figure, worst), (10, 4.6), "the worst flight")

@@ -70,36 +70,43 @@ class Force:
 
     Attributes
     ----------
+    parameters
+        Names of the force's parameters.
     strengths
-        From a scene and a number system to the parameters of the force, by name; without those
-        that the scene does not name, which vanish from the law.
+        From a scene, the `longball.model.frame.Frame` of a flight and a number system to the values
+        of the parameters; None if the scene does not name the force, which then is not in the law.
     acceleration
         From the motion and the parameters to the acceleration, m/s². Parameters are attributes.
     """
 
-    strengths: Callable[[Any, Numbers[Any]], Mapping[str, Any]]
+    parameters: tuple[str, ...]
+    strengths: Callable[[Any, Any, Numbers[Any]], tuple[Any, ...] | None]
     acceleration: Callable[[Motion, Any], Vector[Any]]
 
 
 # --- the paper's forces ---------------------------------------------------------------------------
 
 
-def _per_metre(scene: Any, coefficient: str, numbers: Numbers[N]) -> N | None:
-    """Return ``k = ρ C A / (2 m)``, 1/m; None without air, or if the coefficient is 0."""
-    if scene.air is None:
-        return None
-    density, value = scene.air.density, getattr(scene.air, coefficient)
-    if numbers.absent(density) or numbers.absent(value):
-        return None
-    radius = numbers.exact(scene.ball.radius)
-    area = numbers.pi * radius * radius
-    return (
-        numbers.exact(density) * numbers.exact(value) * area / (2 * numbers.exact(scene.ball.mass))
-    )
+def _per_metre(coefficient: str) -> Callable[[Any, Any, Numbers[N]], tuple[N] | None]:
+    """Return the function from a scene to ``k = ρ C A / (2 m)``, 1/m."""
+
+    def strength(scene: Any, frame: Any, numbers: Numbers[N]) -> tuple[N] | None:
+        if scene.air is None:
+            return None
+        density, value = scene.air.density, getattr(scene.air, coefficient)
+        if numbers.absent(density) or numbers.absent(value):
+            return None
+        density, value, radius, mass = (
+            numbers.exact(x) for x in (density, value, scene.ball.radius, scene.ball.mass)
+        )
+        area = numbers.pi * radius * radius
+        return (density * value * area / (2 * mass),)
+
+    return strength
 
 
-def _named(name: str, value: Any) -> dict[str, Any]:
-    return {} if value is None else {name: value}
+def _weight(scene: Any, frame: Any, numbers: Numbers[N]) -> tuple[N] | None:
+    return None if numbers.absent(scene.gravity) else (numbers.exact(scene.gravity),)
 
 
 def _gravity(motion: Motion, p: Any) -> Vector[Any]:
@@ -123,18 +130,9 @@ def _lift(motion: Motion, p: Any) -> Vector[Any]:
     return -p.lift * (motion.speed * w), ZERO, p.lift * (motion.speed * u)
 
 
-GRAVITY = Force(
-    lambda scene, numbers: _named(
-        "gravity", None if numbers.absent(scene.gravity) else numbers.exact(scene.gravity)
-    ),
-    _gravity,
-)
-DRAG = Force(
-    lambda scene, numbers: _named("drag", _per_metre(scene, "drag_coefficient", numbers)), _drag
-)
-LIFT = Force(
-    lambda scene, numbers: _named("lift", _per_metre(scene, "lift_coefficient", numbers)), _lift
-)
+DRAG = Force(("drag",), _per_metre("drag_coefficient"), _drag)
+LIFT = Force(("lift",), _per_metre("lift_coefficient"), _lift)
+GRAVITY = Force(("gravity",), _weight, _gravity)
 
 FORCES: tuple[Force, ...] = (DRAG, LIFT, GRAVITY)
 
@@ -165,6 +163,13 @@ class Law(Generic[N]):
         """The class of the states: `PlaneState` or `SpaceState`."""
         return SpaceState if "v" in self.program.variables else PlaneState
 
+    def state_of(self, start: PlaneState[N]) -> State[N]:
+        """Return a launch as a state of this law."""
+        if self.state is PlaneState:
+            return start
+        nothing = start.s * 0
+        return SpaceState(start.s, nothing, start.z, start.u, nothing, start.w)
+
     @property
     def gravity(self) -> N | None:
         """g, m/s²; None where there is none."""
@@ -180,14 +185,14 @@ class Law(Generic[N]):
 
     def without(self, force: Force) -> Law[N]:
         """Return the law without one of its forces."""
-        rest = tuple(f for f in self.forces if f is not force)
-        return traced(rest, self.strengths)
+        strengths = {n: x for n, x in self.strengths.items() if n not in force.parameters}
+        return law_with(strengths, self.forces)
 
     def straight(self, sense: N) -> Law[N] | None:
-        """Return the law of a vertical flight, `sense` being 1 on the way up and -1 on the way down.
+        """Return the law of a vertical flight; `sense` is 1 on the way up and -1 on the way down.
 
         The speed is ``sense w`` there, without a square root: this law is smooth where the ball
-        comes to rest, and holds on one side of it. None if a force drives the ball off the vertical.
+        comes to rest, and holds on one side of it. None if a force drives the ball aside.
         """
         program = _program(self.forces, tuple(self.strengths), "vertical")
         if program is None:
@@ -195,24 +200,25 @@ class Law(Generic[N]):
         return replace(self, program=program, strengths={**self.strengths, "sense": sense})
 
 
-def law_of(scene: Any, numbers: Numbers[N], forces: tuple[Force, ...] = FORCES) -> Law[N]:
-    """Return the law of motion of a scene with ball, air and gravity."""
+def law_of(
+    scene: Any, frame: Any, numbers: Numbers[N], forces: tuple[Force, ...] = FORCES
+) -> Law[N]:
+    """Return the law of motion of a flight in a frame, of a scene with ball, air and gravity."""
     strengths: dict[str, N] = {}
-    acting = []
     for force in forces:
-        named = force.strengths(scene, numbers)
-        if named:
-            strengths |= named
-            acting.append(force)
-    return traced(tuple(acting), strengths)
+        values = force.strengths(scene, frame, numbers)
+        if values is not None:
+            strengths |= zip(force.parameters, values, strict=True)
+    return law_with(strengths, forces)
 
 
-def traced(forces: tuple[Force, ...], strengths: Mapping[str, N]) -> Law[N]:
-    """Return the law with given forces and values of their parameters, in the plane if it holds."""
+def law_with(strengths: Mapping[str, N], forces: tuple[Force, ...] = FORCES) -> Law[N]:
+    """Return the law of those forces whose parameters have values; in the plane, if it holds."""
+    acting = tuple(f for f in forces if all(name in strengths for name in f.parameters))
     names = tuple(strengths)
-    program = _program(forces, names, "plane") or _program(forces, names, "space")
+    program = _program(acting, names, "plane") or _program(acting, names, "space")
     assert program is not None
-    return Law(program, {name: strengths[name] for name in program.parameters}, forces)
+    return Law(program, strengths, acting)
 
 
 @cache
@@ -242,11 +248,11 @@ def _program(forces: tuple[Force, ...], names: tuple[str, ...], motion: str) -> 
 _SENSE = "sense"
 
 
-def _speed(velocity: Vector[Node]) -> Node:
+def _speed(velocity: tuple[Node, Node, Node]) -> Node:
     moving = [component for component in velocity if component is not ZERO]
     if len(moving) == 1:
         return trace.parameter(_SENSE) * moving[0]
-    return trace.sqrt(sum((component * component for component in moving), ZERO))
+    return trace.sqrt(trace.total(component * component for component in moving))
 
 
 @cache

@@ -10,7 +10,7 @@ import math
 from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager, nullcontext
 from types import MappingProxyType
-from typing import Any, Protocol, Self, TypeVar
+from typing import Any, Generic, Protocol, Self, TypeVar, cast
 
 from longball.model.result import Number
 
@@ -28,11 +28,21 @@ class Real(Protocol):
     def __rtruediv__(self, other: Any, /) -> Self: ...
     def __neg__(self) -> Self: ...
     def __abs__(self) -> Self: ...
+    # Of balls, only what is certain; of arrays, element by element.
+    def __lt__(self, other: Any, /) -> Any: ...
+    def __le__(self, other: Any, /) -> Any: ...
+    def __gt__(self, other: Any, /) -> Any: ...
+    def __ge__(self, other: Any, /) -> Any: ...
 
 
 N = TypeVar("N", bound=Real)
 
 Vector = tuple[N, N, N]
+
+
+def absolute(x: N) -> N:
+    """Return the size of a number."""
+    return cast(N, abs(x))
 
 
 class Undecided(ArithmeticError):
@@ -63,6 +73,9 @@ class Numbers(Protocol[N]):
     def absent(self, value: float) -> bool:
         """Tell whether a number of a scene is zero, so that what it multiplies is not there."""
 
+    def where(self, condition: Any, x: N, y: N) -> N:
+        """Return x where a condition of `positive` holds, y elsewhere."""
+
     def sqrt(self, x: N) -> N:
         """Return the square root of ``x >= 0``."""
 
@@ -87,7 +100,19 @@ def ratio(part: Any, whole: Any) -> Any:
     return part / whole if whole != 0 else part * 0
 
 
-class Doubles:
+class Single(Generic[N]):
+    """What number systems of one number at a time share."""
+
+    def absent(self, value: float) -> bool:
+        """Tell whether a number of a scene is zero."""
+        return value == 0.0
+
+    def where(self, condition: bool, x: N, y: N) -> N:
+        """Return x if a condition holds, else y."""
+        return x if condition else y
+
+
+class Doubles(Single[float]):
     """IEEE 754 double precision."""
 
     pi = math.pi
@@ -104,10 +129,6 @@ class Doubles:
     def exact(self, value: float) -> float:
         """Return the double itself."""
         return value
-
-    def absent(self, value: float) -> bool:
-        """Tell whether a number of a scene is zero."""
-        return value == 0.0
 
     def cos_sin(self, angle: float) -> tuple[float, float]:
         """Return cosine and sine of an angle in radians."""

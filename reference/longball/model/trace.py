@@ -13,12 +13,13 @@ combinations with static coefficients, and a static factor of a product stands b
 
 from __future__ import annotations
 
-import math
+import operator
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import cached_property, lru_cache
 from types import CodeType
-from typing import Any
+from typing import Any, cast
 
 Scalar = float  # Python's numbers; they stand for themselves, exactly
 
@@ -124,12 +125,22 @@ def _node(value: Any) -> Node:
 ZERO, _ONE, _MINUS_ONE = constant(0.0), constant(1.0), constant(-1.0)
 
 
+def _exact(a: Node, symbol: str, b: Node) -> Node:
+    """Return what an operation makes of two constants, if that is a double itself."""
+    operation = {"+": operator.add, "*": operator.mul, "/": operator.truediv}[symbol]
+    result = operation(a.args[0], b.args[0])
+    if operation(Fraction(a.args[0]), Fraction(b.args[0])) != Fraction(result):
+        written = f"{a.args[0]} {symbol} {b.args[0]}"
+        raise ArithmeticError(f"{written} is no double; make it a parameter")
+    return constant(result)
+
+
 def _add(a: Node, b: Node) -> Node:
     if a is ZERO or b is ZERO:
         return b if a is ZERO else a
     if a.static and b.static:
         if a.kind == b.kind == "constant":
-            return constant(a.args[0] + b.args[0])
+            return _exact(a, "+", b)
         return _make("plus", a, b)
     coefficients: dict[Node, Node] = {}
     rest = ZERO
@@ -164,7 +175,7 @@ def _multiply(a: Node, b: Node) -> Node:
         return b if a is _ONE else a
     if a.static and b.static:
         if a.kind == b.kind == "constant":
-            return constant(a.args[0] * b.args[0])
+            return _exact(a, "*", b)
         return _make("product", a, b)
     if a.static or b.static:
         factor, node = (a, b) if a.static else (b, a)
@@ -195,7 +206,7 @@ def _divide(a: Node, b: Node) -> Node:
     if a is ZERO or b is _ONE:
         return a
     if a.kind == b.kind == "constant":
-        return constant(a.args[0] / b.args[0])
+        return _exact(a, "/", b)
     if b.static and not a.static:
         return _multiply(_divide(_ONE, b), a)
     (c, x), (d, y) = _scaled(a), _scaled(b)
@@ -208,13 +219,18 @@ def _function(kind: str) -> Callable[[Any], Node]:
     def function(x: Any) -> Node:
         node = _node(x)
         if node.kind == "constant":
-            return constant(getattr(math, kind)(node.args[0]))
+            raise ArithmeticError(f"{kind}({node.args[0]}) is no double; make it a parameter")
         return _make(kind, node)
 
     return function
 
 
 sqrt, exp, log = map(_function, ("sqrt", "exp", "log"))
+
+
+def total(nodes: Iterable[Node]) -> Node:
+    """Return the sum of nodes."""
+    return sum(nodes, ZERO)
 
 
 def squares(node: Node) -> tuple[Node, ...]:
@@ -244,23 +260,25 @@ def _derivative(node: Node, by: Node, known: dict[Node, Node]) -> Node:
         return _ONE if node is by else ZERO
     match node.kind:
         case "sum":
-            return sum((c * of(x) for c, x in node.args[1:]), ZERO)
+            return total(c * of(x) for c, x in node.args[1:])
         case "product":
-            a, b = node.args
+            a, b = cast(tuple[Node, Node], node.args)
             return of(a) * b + a * of(b)
         case "quotient":
-            a, b = node.args
+            a, b = cast(tuple[Node, Node], node.args)
             return (of(a) - node * of(b)) / b
         case "sqrt":
             (a,) = node.args
             if parts := squares(a):
                 # Each part is no larger than the root: the ratio is bounded even where both vanish.
-                return sum((_make("unit", x, node) * of(x) for x in parts), ZERO)
+                return total(_make("unit", x, node) * of(x) for x in parts)
             return of(a) / (2 * node)
         case "exp":
-            return node * of(node.args[0])
+            (a,) = node.args
+            return node * of(a)
         case "log":
-            return of(node.args[0]) / node.args[0]
+            (a,) = node.args
+            return of(a) / a
     raise TypeError(f"a {node.kind} has no derivative")
 
 
@@ -368,7 +386,8 @@ class Names(dict[Node, str]):
             case "plus":
                 return " + ".join(self[x] for x in node.args)
             case "product":
-                return " * ".join(self[x] for x in node.args)
+                a, b = node.args
+                return f"-{self[b]}" if a is _MINUS_ONE else f"{self[a]} * {self[b]}"
             case "quotient":
                 return " / ".join(self[x] for x in node.args)
         return f"{node.kind}({', '.join(self[x] for x in node.args)})"

@@ -21,7 +21,7 @@ import numpy as np
 import numpy.typing as npt
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from longball.model.readings import Reading
+from longball.model.readings import SamplingReading
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -73,7 +73,9 @@ class Columns(_Strict):
         default="catcher", description="whose right is positive (or has the high cells)"
     )
     cell_width: float = Field(
-        default=Reading().cell_width, gt=0.0, description="m, of a cell across; paper: not given"
+        default=SamplingReading().cell_width,
+        gt=0.0,
+        description="m, of a cell across; paper: not given",
     )
 
 

@@ -12,15 +12,15 @@ from analysis.paper.balls import SPACES
 from analysis.paper.combinations import BLOWS, bases
 from analysis.paper.counterparts import Counterpart
 from analysis.paper.home_run_figures import curve_share, fit_noise, flatness, printed_ratio
-from analysis.paper.numbers import PARAMETERS, UNKNOWN, drawn, number, with_number
+from analysis.paper.numbers import PARAMETERS, UNKNOWN, drawn
 from analysis.paper.printed import CARRIES, SAMPLES
 from analysis.paper.switches import options, turned_to
 from analysis.paper.variance import indices
 from longball.home_run import PAPER_CURVES, RESTITUTIONS, Curve, Estimate, fit
-from longball.model.readings import Reading
-from longball.model.scene import AtBatScene
+from longball.model.drawn import DrawnAtBat, DrawnReading
+from longball.model.quantities import number
 
-BASE = AtBatScene(id="base")
+BASE = DrawnAtBat(id="base")
 
 
 # ---- Sobol's indices -----------------------------------------------------------------------------
@@ -152,9 +152,9 @@ def test_every_switch_is_turned_to_every_other_option():
 
 
 def test_what_the_ledger_forbids_is_no_reading():
-    reading = Reading(reduced_mass="effective_mass")
+    reading = DrawnReading(reduced_mass="effective_mass")
     assert turned_to(reading, "bat_ball_restitution", "plain") is None
-    assert turned_to(reading, "inertia", "thin_rod") == Reading(
+    assert turned_to(reading, "inertia", "thin_rod") == DrawnReading(
         reduced_mass="effective_mass", inertia="thin_rod"
     )
 
@@ -164,11 +164,7 @@ def test_combinations_differ():
     assert len(lines) == len(set(lines)) == len(BLOWS) * 2 * 5 * 2
 
 
-def test_a_number_of_a_scene_is_changed_alone():
-    other = with_number(BASE, "air.drag_coefficient", 0.3)
-    assert number(other, "air.drag_coefficient") == 0.3
-    assert with_number(other, "air.drag_coefficient", 0.4) == BASE
-    assert number(with_number(BASE, "gravity", 0.0), "gravity") == 0.0
+def test_the_ranges_hold_the_usual_numbers():
     assert all(one.low < number(BASE, one.name) < one.high for one in UNKNOWN)
 
 

@@ -52,7 +52,7 @@ _STOPS: dict[int, Stop] = {
 class Batch(ManyAtOnce):
     """Flights by Taylor series, compiled; many scenes go sixteen at a time.
 
-    `longball.engines.at_bat.solve` takes one scene; `longball.engines.batch.solve_all` takes many,
+    `longball.engines.chain.solve` takes one scene; `longball.engines.batch.solve_all` takes many,
     and gives the same bits.
 
     Attributes

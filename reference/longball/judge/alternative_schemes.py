@@ -2,7 +2,7 @@
 
 `longball.engines.verlet` steps in the vertical plane of the launch, under the model's forces. A law
 that drags each component by itself leaves that plane; so here the same steps are taken in space.
-Under the model's own law they are the engine's, to rounding (tests/judge/test_altered.py).
+Under the model's own law they are the engine's, to rounding (tests/judge/test_alternative_laws.py).
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from longball.engines.verlet import (
     line_touch,
     step,
 )
-from longball.judge.altered import DragLaw, from_blow, release
+from longball.judge.alternative_laws import DragLaw, from_contact, release
 from longball.model import result as written
 from longball.model.motion import PlaneState, forces, into_plane
 from longball.model.numbers import DOUBLES, Vector
@@ -73,7 +73,6 @@ def solve_in_steps(
     scene: FlightScene | PitchScene | AtBatScene, law: DragLaw, scheme: Verlet
 ) -> Result:
     """Return what the paper's scheme makes of a scene in which the air drags by another law."""
-    scheme = scheme.under(scene.reading)
     if isinstance(scene, FlightScene):
         start = State(scene.launch.position, scene.launch.velocity)
         landing = _land(scene, law, scheme, start, 0.0, 0.0)
@@ -113,7 +112,7 @@ def _meet(
         return Result(id=scene.id, outcome="missed", plate=plate, contact=contact)
     (x, _, z), (u, _, w) = back = pitch.outside
     section = BatSection(x=0.0, cos=1.0, height=height, reach=reach)
-    ahead = line_touch(PlaneState(x, z, u, w), section, scheme.reading.appendix_b_root)
+    ahead = line_touch(PlaneState(x, z, u, w), section, scheme.root)
     if ahead is None:
         return Result(id=scene.id, plate=plate, contact=contact, error="no Δt' of touching")
     touching = tuple(r + ahead * v for r, v in zip(*back, strict=True))
@@ -125,7 +124,7 @@ def _meet(
     def fly_on(after: Any) -> written.Landing | None:
         return _rebound(scene, law, scheme, pitch, ahead, after)
 
-    return from_blow(scene, plate, contact, back.velocity, height, fly_on)
+    return from_contact(scene, plate, contact, back.velocity, height, fly_on)
 
 
 def _rebound(
@@ -144,7 +143,7 @@ def _rebound(
     force = air(velocity)
     for done in (1, 2):
         position, velocity, force = step(
-            position, velocity, force, dt, TREATMENTS[scheme.reading.verlet_forces], air, push
+            position, velocity, force, dt, TREATMENTS[scheme.forces], air, push
         )
         before, state = state, State(tuple(position.tolist()), tuple(velocity.tolist()))
         if state.position[2] <= floor:
@@ -174,12 +173,12 @@ def _landing(
 ) -> written.Landing:
     """Return the landing in a step whose end, below the floor, is at a time and hang time."""
     share = 1.0
-    if scheme.reading.verlet_landing == "interpolated":
+    if scheme.landing == "interpolated":
         drop = before.position[2] - after.position[2]
         share = max(0.0, (before.position[2] - floor) / drop) if drop else 0.0
     position, velocity = _between(before, after, share)
     early = (1.0 - share) * scheme.dt
-    if scheme.reading.verlet_landing == "interpolated":
+    if scheme.landing == "interpolated":
         position = (*position[:2], floor)
     return written.Landing(
         time=time - early,
@@ -225,7 +224,7 @@ def _march(
         (law.whole, law.own),
         _strengths(scene),
         scheme.dt,
-        tuple(TREATMENTS[scheme.reading.verlet_forces]),
+        tuple(TREATMENTS[scheme.forces]),
         math.ceil(scene.time_limit / scheme.dt),
         floor,
         wall,

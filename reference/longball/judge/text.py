@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 
+from longball.convergence import ConvergenceReport
 from longball.judge.answers import quoted
-from longball.judge.convergence_report import ConvergenceReport
 from longball.judge.diagnosis import Diagnosis
 from longball.judge.sampling import Sampling
 from longball.judge.verdict import Failure, Fault, Verdict
@@ -17,8 +17,8 @@ SHOWN = 5
 LONGEST_NAME = 120  # of a candidate: its command may hold a whole program
 
 
-def words(verdict: Verdict, shown: int = SHOWN) -> str:
-    """Return a verdict as text of at most `shown` failed cases, complaints and so on."""
+def render(verdict: Verdict, shown: int = SHOWN) -> str:
+    """Return a verdict as text of at most `shown` failed cases, issues and so on."""
     sections = [
         _head(verdict),
         _errors(verdict),
@@ -28,7 +28,7 @@ def words(verdict: Verdict, shown: int = SHOWN) -> str:
         _sampling(verdict.sampling),
         _failures(verdict, shown),
         _silence(verdict, shown),
-        _complaints(verdict, shown),
+        _issues(verdict, shown),
     ]
     return "\n\n".join("\n".join(lines) for s in sections if (lines := list(s))) + "\n"
 
@@ -158,12 +158,12 @@ def _failure(failure: Failure) -> Iterator[str]:
     flags = f" [{', '.join(failure.flags)}]" if failure.flags else ""
     yield f"  {failure.id}{flags}"
     for fault in failure.faults[:2]:
-        yield f"    {told(fault)}"
+        yield f"    {describe(fault)}"
     if len(failure.faults) > 2:
         yield f"    and {len(failure.faults) - 2} quantities more"
 
 
-def told(fault: Fault) -> str:
+def describe(fault: Fault) -> str:
     """Return a fault as a sentence."""
     expected = _joined(fault.expected)
     if any(radius.strip("0.") for radius in fault.radius):
@@ -186,19 +186,18 @@ def _silence(verdict: Verdict, shown: int) -> Iterator[str]:
         yield f"left out: {missing.quantity} in {missing.cases} answers{required}"
     if verdict.unanswered:
         yield f"without an answer: {_some(verdict.unanswered, shown)}"
-    for refusal in verdict.refused[:shown]:
-        yield f"refused: {refusal.id}: {refusal.reason}"
+    for unsolved in verdict.refused[:shown]:
+        yield f"refused: {unsolved.id}: {unsolved.reason}"
     if verdict.undecidable:
         yield f"not judged, doubles cannot decide: {_some(verdict.undecidable, shown)}"
 
 
-def _complaints(verdict: Verdict, shown: int) -> Iterator[str]:
-    for complaint in verdict.complaints[:shown]:
-        where = "" if complaint.line is None else f"line {complaint.line}: "
-        yield f"complaint: {where}{complaint.sentence}"
+def _issues(verdict: Verdict, shown: int) -> Iterator[str]:
+    for issue in verdict.complaints[:shown]:
+        yield f"issue: {issue}"
     more = len(verdict.complaints) - shown + sum(verdict.complaints_left_out.values())
     if more > 0:
-        yield f"complaints: {more} more"
+        yield f"issues: {more} more"
     if verdict.complaints and verdict.standard_error.strip():
         yield "the end of its standard error:"
         for line in verdict.standard_error.strip().splitlines()[-shown:]:

@@ -17,7 +17,7 @@ import scipy.integrate
 import scipy.optimize
 from numpy.typing import NDArray
 
-from longball.engines.at_bat import solve
+from longball.engines.chain import solve
 from longball.engines.ivp import Ivp
 from longball.model import result as written
 from longball.model.motion import Forces, forces, into_plane
@@ -120,10 +120,10 @@ def _meet(
     def fly_on(after: Array) -> written.Landing | None:
         return _land(scene, np.array([*position, *after]), time, drag)
 
-    return from_blow(scene, plate, touching, _triple(ball[3:]), height, fly_on)
+    return from_contact(scene, plate, touching, _triple(ball[3:]), height, fly_on)
 
 
-def from_blow(
+def from_contact(
     scene: AtBatScene,
     plate: written.Plate,
     touching: written.Contact,
@@ -132,24 +132,24 @@ def from_blow(
     fly_on: Callable[[Array], written.Landing | None],
 ) -> Result:
     """Return an at-bat whose ball touches the bat with a velocity, m/s; `fly_on` lands it."""
-    blow = _blow_at(scene, touching.position, velocity, height)
-    contact = (blow.contact or written.Contact()).model_copy(
+    struck = _strike_at(scene, touching.position, velocity, height)
+    contact = (struck.contact or written.Contact()).model_copy(
         update={name: getattr(touching, name) for name in ("time", "position", "margin")}
     )
-    if blow.impact is None:
-        return Result(id=scene.id, outcome=blow.outcome, plate=plate, contact=contact)
-    landing = fly_on(np.array(blow.impact.velocity, float))
+    if struck.impact is None:
+        return Result(id=scene.id, outcome=struck.outcome, plate=plate, contact=contact)
+    landing = fly_on(np.array(struck.impact.velocity, float))
     return Result(
         id=scene.id,
         outcome="batted" if landing else "airborne",
         plate=plate,
         contact=contact,
-        impact=blow.impact,
+        impact=struck.impact,
         landing=landing,
     )
 
 
-def _blow_at(scene: AtBatScene, position: Any, velocity: Any, height: float) -> Result:
+def _strike_at(scene: AtBatScene, position: Any, velocity: Any, height: float) -> Result:
     """Return contact and impact of a ball that touches the bat at a position, m, velocity, m/s."""
     # Not validated: the touching is as good as its root, and a scene asks for 1e-9 m.
     touching = ImpactScene.model_construct(

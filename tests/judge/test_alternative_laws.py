@@ -6,15 +6,14 @@ import math
 
 import numpy as np
 import pytest
-
-from longball.engines.at_bat import solve
-from longball.engines.verlet import TREATMENTS, Verlet
-from longball.judge.altered import THE_MODELS, DragLaw, solve_with_drag
-from longball.judge.altered_scheme import solve_in_steps
-from longball.judge.quantities import values_of
 from longball.model.motion import forces
+
+from longball.engines.chain import solve
+from longball.engines.verlet import TREATMENTS, Verlet
+from longball.judge.alternative_laws import THE_MODELS, DragLaw, solve_with_drag
+from longball.judge.alternative_schemes import solve_in_steps
+from longball.judge.quantities import values_of
 from longball.model.numbers import DOUBLES
-from longball.model.readings import Reading
 from longball.model.scene import FlightScene, Launch
 from tests.judge.material import at_bats, flights, pitches
 
@@ -38,11 +37,9 @@ def test_the_laws(law: DragLaw, expected: tuple[float, float, float]):
 @pytest.mark.parametrize("treatment", TREATMENTS)
 @pytest.mark.parametrize("landing", ["interpolated", "first_below"])
 def test_under_the_models_law_the_steps_are_the_engines(dt: float, treatment: str, landing: str):
-    engine = Verlet(dt=dt)
+    engine = Verlet(dt, treatment, landing)
     outcomes = set()
     for scene in [*at_bats(20), *flights(), *pitches()]:
-        reading = Reading(verlet_forces=treatment, verlet_landing=landing)
-        scene = scene.model_copy(update={"reading": reading})
         expected, found = solve(scene, engine), solve_in_steps(scene, THE_MODELS, engine)
         outcomes.add(found.outcome)
         assert found.outcome == expected.outcome
@@ -77,15 +74,11 @@ def test_the_first_power_falls_as_it_can_be_worked_out():
 
 @pytest.mark.parametrize("law", [EACH_COMPONENT, FIRST_POWER])
 def test_short_steps_lead_to_what_is_flown_exactly(law: DragLaw):
-    scenes = [
-        scene.model_copy(update={"reading": Reading(verlet_forces="predicted_recomputed")})
-        for scene in [*flights()[:4], *pitches()[:2]]
-    ]
-    for scene in scenes:
+    for scene in [*flights()[:4], *pitches()[:2]]:
         expected = values_of(solve_with_drag(scene, law))
         errors = []
         for dt in (1e-2, 1e-3, 1e-4):
-            found = values_of(solve_in_steps(scene, law, Verlet(dt=dt)))
+            found = values_of(solve_in_steps(scene, law, Verlet(dt, "predicted_recomputed")))
             errors.append(
                 max(
                     float(np.max(np.abs(np.array(found[n], float) - np.array(expected[n], float))))

@@ -1,0 +1,164 @@
+"""Pieces of a flight as families of polynomials, and the zeros of such a family.
+
+A *family* is a polynomial whose coefficients are balls: its members are the polynomials with
+coefficients in them. A state, and the value of an event, is on a piece at every time the value of
+some member, though not of the same one at all times: an error that depends on time is in the balls
+like any other. So whatever holds for all members holds for the value. Where every member is
+positive it is positive; and all its zeros are zeros of members, which Newton's method over the
+family encloses.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import flint
+from flint import arb, arb_poly
+
+from longball.engines.enclosure.defect import leading
+from longball.model.law import State
+from longball.model.numbers import Undecided
+
+# A piece without a clear sign is cut here: not at a half, where a round number may be a zero.
+_CUT = 0.4871
+
+
+@dataclass(frozen=True)
+class Curve:
+    """The value of an event along a piece, as a family of polynomials."""
+
+    value: arb_poly
+
+    def __call__(self, t: arb) -> arb:
+        """Return what contains the values at all times of `t`."""
+        return self.value(t)
+
+    def positive(self, a: arb, b: arb) -> bool:
+        """Tell whether the value is certainly positive from a to b."""
+        return bool(self.value(a.union(b)) > 0)
+
+    def turns(self, a: arb, b: arb) -> Sequence[arb]:
+        """Enclose where in (a, b) members turn; turns that are not told apart are one ball."""
+        slope = self.value.derivative()
+        power = leading(slope)
+        if power is None:
+            return []
+        # The zeros at the beginning of the piece are none within it.
+        slope = slope.right_shift(power)
+        return zeros(slope, a.lower(), b.upper())
+
+    def zero(self, a: arb, b: arb) -> arb:
+        """Enclose the zeros of the members, all of which fall from a to b.
+
+        Raises
+        ------
+        Undecided
+            If one may have fallen to zero before.
+        """
+        if not self.value(a) > 0:
+            raise Undecided("whether the value falls to zero there cannot be decided")
+        return _crossing(self.value, a.lower(), b.upper())
+
+
+def zeros(value: arb_poly, a: arb, b: arb) -> list[arb]:
+    """Return balls, in rising order, that contain all zeros of a family's members in [a, b].
+
+    Zeros that are not told apart are in one ball; a ball may hold none.
+    """
+    slope = value.derivative()
+    smallest = (b - a) * arb(2) ** (-flint.ctx.prec // 2)
+    found: list[arb] = []
+    parts = [(a, b)]
+    while parts:
+        a, b = parts.pop()
+        part = a.union(b)
+        if _clear(value(part)):
+            continue
+        rate = slope(part)
+        if _clear(rate):
+            falling, falling_slope = (value, slope) if rate < 0 else (-value, -slope)
+            if falling(a) < 0 or falling(b) > 0:
+                continue
+            if falling(a) > 0 and falling(b) < 0:
+                found.append(_newton(falling, falling_slope, a, b))
+                continue
+        if b - a > smallest:
+            middle = _cut(a, b)
+            parts += [(middle, b), (a, middle)]
+        elif found and found[-1].overlaps(part):
+            found[-1] = found[-1].union(part)
+        else:
+            found.append(part)
+    return found
+
+
+def _clear(x: arb) -> bool:
+    return bool(x > 0 or x < 0)
+
+
+def _cut(a: arb, b: arb) -> arb:
+    return (a + (b - a) * _CUT).mid()
+
+
+def _crossing(value: arb_poly, a: arb, b: arb) -> arb:
+    """Enclose the zeros of a family's members, all of which fall from a, above zero, to b, below.
+
+    At an end they may be flat, so that Newton's method does not start there.
+    """
+    slope = value.derivative()
+    while not slope(a.union(b)) < 0:
+        middle = _cut(a, b)
+        there = value(middle)
+        if there > 0:
+            a = middle
+        elif there < 0:
+            b = middle
+        else:
+            return a.union(b)
+    return _newton(value, slope, a, b)
+
+
+def _newton(value: arb_poly, slope: arb_poly, a: arb, b: arb) -> arb:
+    """Enclose the zeros in [a, b] of members whose slopes are all negative there."""
+    root = a.union(b)
+    while True:
+        middle = min(max(root.mid(), a), b)
+        there = value(middle)
+        closer = root.intersection(middle - there / slope(root))
+        if not 2 * closer.rad() < root.rad():
+            # So flat at one end that its slope says little: the sign at the middle says half.
+            if there > 0:
+                closer = middle.union(root.upper())
+            elif there < 0:
+                closer = root.lower().union(middle)
+            if not 1.5 * closer.rad() < root.rad():
+                return closer
+        root = closer
+
+
+@dataclass(frozen=True)
+class EnclosedPiece:
+    """A piece of a flight.
+
+    Attributes
+    ----------
+    begin, length
+        s; `begin` since the launch.
+    families
+        The components of the state as families of polynomials in the time since `begin`. They hold
+        for as much longer than `length` as `begin` is uncertain.
+    """
+
+    begin: arb
+    length: arb
+    families: State[Any]
+
+    def at(self, t: arb) -> State[arb]:
+        """Return what contains the states at all times of `t`, s since `begin`."""
+        return type(self.families)(*(family(t) for family in self.families))
+
+    def curve(self, value: Callable[[Any], Any]) -> Curve:
+        """Return the value of an event along the piece."""
+        return Curve(value(self.families))
