@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 
 NEVER = math.inf
 # A search takes three to six walks; near a double root each halves the rest of the way.
-_LONGEST_WALK = 1000
+LONGEST_WALK = 1000
 _NOTHING = 1e-17  # of a time: a tenth of its rounding
 
 
@@ -33,7 +33,7 @@ def value(p: Array, degree: int, t: float) -> float:
 
 
 @compiled
-def _height_and_rate(p: Array, slope: Array, degree: int, t: float) -> tuple[float, float]:
+def height_and_rate(p: Array, slope: Array, degree: int, t: float) -> tuple[float, float]:
     """Return p(t) and p'(t): even and odd powers apart, which halves the wait for each sum."""
     square = t * t
     even, odd, even_rate, odd_rate = 0.0, 0.0, 0.0, 0.0
@@ -103,9 +103,9 @@ def first_zero(
     """
     t: float = begin
     height, rate = p[0], slope[0]
-    for walk in range(_LONGEST_WALK):
+    for walk in range(LONGEST_WALK):
         if walk > 0 or begin > 0.0:
-            height, rate = _height_and_rate(p, slope, degree, t)
+            height, rate = height_and_rate(p, slope, degree, t)
         height, rate = sign * height - level, sign * rate
         if height <= 0.0:
             if rate <= 0.0:

@@ -20,15 +20,27 @@ from typing import Any, TypeVar, cast
 import llvmlite
 import numba
 from llvmlite import binding
-from numba.core import caching, compiler, serialize
+from numba.core import caching as untyped_caching
+from numba.core import compiler as untyped_compiler
+from numba.core import serialize as untyped_serialize
 
 import longball
 
+caching: Any = untyped_caching
+compiler: Any = untyped_compiler
+serialize: Any = untyped_serialize
+
 F = TypeVar("F", bound=Callable[..., Any])
 
-_PACKAGE = Path(longball.__file__).parent
+PACKAGE = Path(longball.__file__).parent
 # What decides about the code: all of these files, and those in the folder of this one.
-_MODULES = ("engines/series.py", "model/law.py", "model/trace.py")
+MODULES = (
+    "engines/compiled.py",
+    "engines/roots.py",
+    "engines/series.py",
+    "model/law.py",
+    "model/trace.py",
+)
 
 _NOTICE = "longball: compiling the batch engine (a few seconds, once per machine)"
 
@@ -36,7 +48,7 @@ _NOTICE = "longball: compiling the batch engine (a few seconds, once per machine
 @cache
 def sources() -> tuple[str, ...]:
     """Return the sources of all modules that compiled code is made of."""
-    files = sorted([*(_PACKAGE / name for name in _MODULES), *Path(__file__).parent.glob("*.py")])
+    files = sorted([*(PACKAGE / n for n in MODULES), *(PACKAGE / "engines/batch").glob("*.py")])
     return tuple(file.read_text(encoding="utf-8") for file in files)
 
 
@@ -52,7 +64,7 @@ def folders() -> Iterator[Path]:
     if chosen := os.environ.get("NUMBA_CACHE_DIR"):
         yield Path(chosen)
         return
-    yield _PACKAGE / "__pycache__"
+    yield PACKAGE / "__pycache__"
     base = os.environ.get("LOCALAPPDATA") or os.environ.get("XDG_CACHE_HOME")
     yield Path(base or "~/.cache").expanduser() / "longball"
 
@@ -92,6 +104,12 @@ def _write(name: str, content: bytes) -> None:
             continue
 
 
+@cache
+def tell() -> None:
+    """Say on standard error, once, that code is being compiled."""
+    print(_NOTICE, file=sys.stderr, flush=True)
+
+
 class _Cache(caching._Cache):  # type: ignore[misc]
     """What numba asks about compiled code, from `stored`."""
 
@@ -109,7 +127,7 @@ class _Cache(caching._Cache):  # type: ignore[misc]
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         content = _read(self._file(sig))
         if content is None:
-            print(_NOTICE, file=sys.stderr, flush=True)
+            tell()
             return None
         target_context.refresh()
         return compiler.CompileResult._rebuild(target_context, *pickle.loads(content))
@@ -133,6 +151,6 @@ def compile_cached(function: F) -> F:
     The code is kept in the folder NUMBA_CACHE_DIR if that is set, else beside the package, or
     where that cannot be written to in the user's folder for such files.
     """
-    dispatcher = numba.njit(nogil=True, error_model="numpy")(function)
+    dispatcher: Any = numba.njit(nogil=True, error_model="numpy")(function)
     dispatcher._cache = _Cache(function)
     return cast(F, dispatcher)

@@ -100,9 +100,7 @@ class _Writer:
     ) -> None:
         self.lanes = lanes
         self.type = ir.VectorType(_DOUBLE, lanes) if lanes > 1 else _DOUBLE
-        arguments = (
-            [self.type.as_pointer()] * pointers + [_INDEX] * integers + [_DOUBLE] * doubles
-        )
+        arguments = [self.type.as_pointer()] * pointers + [_INDEX] * integers + [_DOUBLE] * doubles
         self.function = ir.Function(module, ir.FunctionType(_INDEX, arguments), name)
         self.arguments = self.function.args
         self.builder = ir.IRBuilder(self.function.append_basic_block())
@@ -314,10 +312,10 @@ class _Expansion(_Writer):
         total = None
         for coefficient, x in node.args[1:]:
             known = coefficient.args[0] if coefficient.kind == "constant" else None
-            if total is None:
-                total = values[x] if known == 1.0 else self.multiply(self.zeroth[coefficient], values[x])
-            elif known == 1.0:
-                total = self.add(total, values[x])
+            if known == 1.0:
+                total = values[x] if total is None else self.add(total, values[x])
+            elif total is None:
+                total = self.multiply(self.zeroth[coefficient], values[x])
             else:
                 total = self.fma(self.zeroth[coefficient], values[x], total)
         return total
@@ -359,8 +357,7 @@ class _Expansion(_Writer):
         rows = {
             node: factors
             for node in self.dynamic
-            if node not in self.from_rest
-            and (factors := self.recurrence.factors(node)) is not None
+            if node not in self.from_rest and (factors := self.recurrence.factors(node)) is not None
         }
         count = build.ashr(build.sub(n, self.index(1)), self.index(1))
 
@@ -415,7 +412,7 @@ class _Expansion(_Writer):
     def end(
         self, node: Node, n: Value, sums: dict[Node, Value], current: Values, halves: Values
     ) -> None:
-        """Write the coefficient n of a node, or half of it, from its sum and from its arguments'."""
+        """Write the coefficient n of a node, or half of it."""
         zeroth = self.zeroth
 
         def of(x: Node) -> Value:
@@ -487,15 +484,8 @@ class _Expansion(_Writer):
 
 def _divisor(node: Node) -> Node | None:
     """Return by what the coefficients of a node are divided, at t = 0."""
-    match node.kind:
-        case "quotient":
-            divisor: Node = node.args[1]
-            return divisor
-        case "sqrt":
-            return node
-        case "log":
-            return node.args[0]
-    return None
+    divisors: dict[str, Node] = {"quotient": node.args[-1], "sqrt": node, "log": node.args[0]}
+    return divisors.get(node.kind)
 
 
 # --- the step -------------------------------------------------------------------------------------

@@ -2,7 +2,7 @@
 
 The steps are taken for sixteen flights at once (`longball.engines.batch.expansion`). Whatever a
 flight decides, it decides alone: the first of its events within the step, found on the step's
-polynomials (`longball.engines.batch.roots`); a lane whose flight has ended takes the next one.
+polynomials (`longball.engines.batch.falls`); a lane whose flight has ended takes the next one.
 
 This code is the same for all laws. A state is an array of as many positions as velocities, and an
 event is a linear function of the state that falls through zero.
@@ -26,16 +26,9 @@ from longball.engines.batch.expansion import (
     Kernel,
     aligned,
 )
+from longball.engines.batch.falls import first_fall, two_values
 from longball.engines.batch.jit import call, compiled, fma, shifted, unowned_view
-from longball.engines.batch.roots import (
-    NEVER,
-    curvature,
-    differentiate,
-    downward,
-    first_fall,
-    first_zero,
-    two_values,
-)
+from longball.engines.roots import NEVER, curvature, differentiate, downward, first_zero
 from longball.model.trace import Program
 
 Array = NDArray[np.float64]
@@ -101,8 +94,9 @@ def arrival_dtype(program: Program) -> np.dtype[Any]:
 
     ``stop``
         The number of the event, `TIME_LIMIT`, `TOUCH`, or why there is no answer.
-    ``event``, ``doubt``
-        What is undecided, and the value that lies within its error.
+    ``event``, ``rival``, ``doubt``
+        What is undecided: about one event, or which of two is first; and the value that lies within
+        its error.
     ``steps``
         How many were taken.
     ``time`` and the program's variables
@@ -116,7 +110,7 @@ def arrival_dtype(program: Program) -> np.dtype[Any]:
     names = ("time", *program.variables)
     return np.dtype(
         [
-            *((name, np.int64) for name in ("stop", "event", "steps")),
+            *((name, np.int64) for name in ("stop", "steps", "event", "rival")),
             *((name, np.float64) for name in ("margin", "doubt")),
             *((f"{prefix}{name}", np.float64) for prefix in ("", "mark_") for name in names),
         ]
@@ -124,14 +118,14 @@ def arrival_dtype(program: Program) -> np.dtype[Any]:
 
 
 # Columns of arrivals.
-_STOP, _EVENT, _STEPS, _MARGIN, _DOUBT, _END = range(6)
+_STOP, _STEPS, _EVENT, _RIVAL, _MARGIN, _DOUBT, _END = range(7)
 
 
-def new_flights(program: Program, count: int, events: int) -> Records:
+def new_flights(program: Program, shape: tuple[int, ...], events: int) -> Records:
     """Return flights that have no waypoint, no bat, and events that never happen."""
-    flights = np.zeros(count, flight_dtype(program, events))
+    flights = np.zeros(shape, flight_dtype(program, events))
     constant = len(program.variables)
-    flights["waypoint"][:, constant] = flights["events"][:, :, constant] = math.inf
+    flights["waypoint"][..., constant] = flights["events"][..., constant] = math.inf
     return flights
 
 
@@ -142,7 +136,7 @@ def fly_all(kernel: Kernel, flights: Records, order: int, truncation: float) -> 
     ----------
     kernel
         Of the law.
-    flights : records of `flight_dtype`, shape (n,)
+    flights : records of `flight_dtype`, of any shape
     order
         Of the series.
     truncation
@@ -150,7 +144,7 @@ def fly_all(kernel: Kernel, flights: Records, order: int, truncation: float) -> 
 
     Returns
     -------
-    records of `arrival_dtype`, shape (n,)
+    records of `arrival_dtype`, of the same shape
     """
     return _flown(kernel, flights, order, truncation, np.empty((0, 0)))
 
@@ -160,7 +154,7 @@ def trail(kernel: Kernel, flights: Records, order: int, truncation: float) -> tu
 
     Returns
     -------
-    record of `arrival_dtype`, shape (1,)
+    record of `arrival_dtype`
     array of shape (steps, 1 + variables)
         Time, s, and state at the beginning of each step.
     """
@@ -175,8 +169,8 @@ def _flown(
     program, layout = kernel.layout.program, kernel.layout
     functions = flights.dtype["events"].shape[0] + 1
     variables, parameters = len(program.variables), len(program.parameters)
-    starts = np.ascontiguousarray(flights)
-    arrivals = np.empty(len(flights), arrival_dtype(program))
+    starts = np.ascontiguousarray(flights).reshape(-1)
+    arrivals = np.empty(len(starts), arrival_dtype(program))
     lanes, rest = layout.allocate(order, WIDTH), layout.allocate(order, 1)
     rows, width = lanes.shape[1], 2 * order + 4
     _fly_all(
@@ -184,7 +178,7 @@ def _flown(
         (variables, parameters, functions, order, rows, width),
         truncation,
         (starts.view(np.float64), arrivals.view(np.float64), arrivals.view(np.int64)),
-        (starts.itemsize // 8, arrivals.itemsize // 8, len(flights)),
+        (starts.itemsize // 8, arrivals.itemsize // 8, len(starts)),
         (
             lanes.ravel(),
             rest.ravel(),
@@ -195,7 +189,7 @@ def _flown(
         steps.ravel(),
         len(steps),
     )
-    return arrivals
+    return arrivals.reshape(flights.shape)
 
 
 # --- the loop -------------------------------------------------------------------------------------
@@ -387,7 +381,7 @@ def _launch(s: _Setup, slot: _Slot) -> None:
     """Put a flight into its lane."""
     flight, arrival, mark, lane = slot
     marked = shifted(arrival, _END + 1 + s.variables)
-    mark[_STOP] = mark[_EVENT] = _NONE
+    mark[_STOP] = mark[_EVENT] = mark[_RIVAL] = _NONE
     mark[_STEPS] = 0
     arrival[_MARGIN] = -math.inf
     arrival[_DOUBT] = 0.0
@@ -578,9 +572,7 @@ def _put_speed(s: _Setup) -> bool:
 
 
 @compiled
-def _put_function(
-    s: _Setup, function: Any, stride: int, p: Any, lane: int, part: float
-) -> bool:
+def _put_function(s: _Setup, function: Any, stride: int, p: Any, lane: int, part: float) -> bool:
     """Put the polynomial of a linear function on the workspace.
 
     Not if the function certainly stays above its error over a part of the step; then it returns
@@ -627,8 +619,11 @@ def _decide(s: _Setup, slot: _Slot, stop: int) -> None:
         error = s.linear[((number + 2) * (s.variables + 2) - 1) * WIDTH + lane]
         height = _height(s, number + 1, lane, s.state)
         if number != stop and abs(height) <= error:
-            mark[_STOP] = UNDECIDED_IN_TIME if stop == TIME_LIMIT else UNDECIDED_FIRST
-            mark[_EVENT], arrival[_DOUBT] = number, height
+            arrival[_DOUBT] = height
+            if stop == TIME_LIMIT:
+                mark[_STOP], mark[_EVENT] = UNDECIDED_IN_TIME, number
+            else:
+                mark[_STOP], mark[_EVENT], mark[_RIVAL] = UNDECIDED_FIRST, stop, number
             return
     left = flight[_LIMIT] - arrival[_END]
     if stop != TIME_LIMIT and left <= flight[_ERROR] * flight[_LIMIT]:
@@ -657,11 +652,11 @@ def _search_length(s: _Setup, flight: Any, end: float) -> float:
     x, z = 0.0, 0.0
     for k in range(s.degree, 0, -1):
         x, z = fma(x, end, abs(s.across[k])), fma(z, end, abs(s.above[k]))
-    farthest = end * math.sqrt(x * x + z * z)
+    farthest: float = end * math.sqrt(x * x + z * z)
     if distance - reach > farthest:
         return end
     # The bound grows at least in proportion to the time.
-    return end * (distance - 0.5 * _FAR * reach) / farthest
+    return float(end * (distance - 0.5 * _FAR * reach) / farthest)
 
 
 @compiled

@@ -1,4 +1,4 @@
-"""What compiled code needs beyond numba's own functions: pointers, calls, fused operations.
+"""What compiled code needs beyond numba's own functions: pointers and calls.
 
 Arrays go as pointers: those are one word, their indices are not wrapped around, and nobody counts
 who uses them; the code is compiled several times faster, and runs faster, than with arrays.
@@ -11,8 +11,13 @@ from typing import Any, TypeVar, cast
 
 import numba
 from llvmlite import ir
-from numba.core import types
+from numba.core import types as untyped_types
 from numba.extending import intrinsic
+
+from longball.engines import compiled as scalar
+
+types: Any = untyped_types
+fma = cast(Callable[..., float], scalar.fma)
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -28,16 +33,6 @@ def compiled(function: F) -> F:
 def operation(function: Callable[..., Any]) -> Callable[..., Any]:
     """Make a function that returns a signature and a writer of LLVM's code known to numba."""
     return cast(Callable[..., Any], intrinsic(function))
-
-
-@operation
-def fma(typing: Any, a: Any, b: Any, c: Any) -> Any:
-    """Return ``a b + c``, rounded once."""
-
-    def code(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        return builder.fma(*args)
-
-    return types.float64(types.float64, types.float64, types.float64), code
 
 
 @operation
