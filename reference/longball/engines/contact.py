@@ -81,8 +81,8 @@ def margin_error(
 def inside_bat(distance: Any, reach: Any) -> str:
     """Say that a pitch cannot be released there."""
     return (
-        f"the ball starts inside the bat: {float(distance):.6g} m from its axis, where the two touch at "
-        f"{float(reach):.6g} m; release it farther from the plate"
+        f"the ball starts inside the bat: {float(distance):.6g} m from its axis, "
+        f"where the two touch at {float(reach):.6g} m; release it farther from the plate"
     )
 
 

@@ -131,7 +131,7 @@ class _Constant(Generic[N]):
         return self.value
 
     def positive(self, a: N, b: N) -> bool:
-        return bool(self.value > 0)  # type: ignore[operator]
+        return bool(self.value > 0)
 
     def turns(self, a: N, b: N) -> list[N]:
         return []

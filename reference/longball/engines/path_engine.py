@@ -135,7 +135,7 @@ class PathEngine(ABC, Generic[N]):
         gap = bat.distance(launch, numbers) - bat.reach
         if gap < -error:
             raise CannotSolve(inside_bat(bat.distance(launch, numbers), bat.reach))
-        if not gap > error:
+        if not (cast(Any, gap) == 0 or gap > error):
             numbers.positive(gap, error, "whether the ball starts inside the bat or touches it")
         first: tuple[N, State[N]] | None = None
         if not gap > error and bat.approach(launch) < 0:

@@ -194,9 +194,14 @@ class Law(Generic[N]):
         The speed is ``sense w`` there, without a square root: this law is smooth where the ball
         comes to rest, and holds on one side of it. None if a force drives the ball aside.
         """
-        program = _program(self.forces, tuple(self.strengths), "vertical")
-        if program is None:
+        vertical = _program(self.forces, tuple(self.strengths), "vertical")
+        if vertical is None:
             return None
+        rates = dict(zip(vertical.variables, vertical.outputs, strict=True))
+        variables = self.program.variables
+        program = replace(
+            vertical, variables=variables, outputs=tuple(rates.get(x, ZERO) for x in variables)
+        )
         return replace(self, program=program, strengths={**self.strengths, "sense": sense})
 
 

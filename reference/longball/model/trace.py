@@ -275,9 +275,10 @@ def _derivative(node: Node, by: Node, known: dict[Node, Node]) -> Node:
             return of(a) / (2 * node)
         case "exp":
             (a,) = node.args
-            return node * of(a)
+            rate: Node = of(a)
+            return node * rate
         case "log":
-            (a,) = node.args
+            (a,) = cast(tuple[Node], node.args)
             return of(a) / a
     raise TypeError(f"a {node.kind} has no derivative")
 
