@@ -72,7 +72,7 @@ class Elementwise:
 
     def where(self, condition: Any, x: Any, y: Any) -> Any:
         """Return x where a condition holds, else y."""
-        return np.where(condition, x, y)
+        return np.where(condition, x, y)[()]  # a number of numbers
 
     def sqrt(self, x: Array) -> Array:
         """Return the correctly rounded square roots."""
@@ -85,7 +85,7 @@ class Elementwise:
             np.fromiter(map(function, angles.tolist()), float, angles.size)
             for function in (math.cos, math.sin)
         )
-        return cos.reshape(np.shape(angle)), sin.reshape(np.shape(angle))
+        return cos.reshape(np.shape(angle))[()], sin.reshape(np.shape(angle))[()]
 
     def positive(self, x: Array, error: Any, question: str) -> Any:
         """Tell where ``x > 0``, of numbers without error."""
