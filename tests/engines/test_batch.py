@@ -13,13 +13,12 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from longball.engines.roots import NEVER, curvature, downward, first_zero
 
-from longball.engines import roots
 from longball.engines.batch import (
     Batch,
     cache,
     expansion,
+    roots,
     solve_all,
     solve_columns,
     solve_columns_with_restitutions,
@@ -27,6 +26,7 @@ from longball.engines.batch import (
 from longball.engines.batch.expansion import WIDTH, aligned, kernel
 from longball.engines.batch.falls import first_fall, two_values
 from longball.engines.batch.jit import call, compiled, unowned_view
+from longball.engines.batch.roots import NEVER, curvature, downward, first_zero
 from longball.engines.chain import solve
 from longball.engines.enclosure import Enclosure
 from longball.engines.event import ground
