@@ -7,7 +7,7 @@ that is written once, and the parts can be added up and held against the whole.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, cast
@@ -61,6 +61,7 @@ IN_THEORY = {
 # --- engines that are the reference but for one part ----------------------------------------------
 
 Events = Sequence[Event[float]]
+LawOf = Callable[[Frame[float]], Law[float]]
 
 
 class StruckAtOnce(Stepped[float]):
@@ -76,7 +77,7 @@ class StruckAtOnce(Stepped[float]):
         frame: Frame[float],
         touch: Any,
         delta_v: Vector[float],
-        law: Law[float],
+        law_in: LawOf,
         ground: Event[float],
     ) -> Launch[float]:
         """Set the ball free; see `longball.engines.engine.Stepped`."""
@@ -235,11 +236,11 @@ class HalfForce(Ivp, Stepped[float]):
         frame: Frame[float],
         touch: Any,
         delta_v: Vector[float],
-        law: Law[float],
+        law_in: LawOf,
         ground: Event[float],
     ) -> Launch[float]:
         """Push for two steps, as the scheme does."""
-        return self.scheme.rebound(frame, touch, delta_v, law, ground)
+        return self.scheme.rebound(frame, touch, delta_v, law_in, ground)
 
 
 @dataclass(frozen=True)
