@@ -60,8 +60,12 @@ IN_THEORY = {
 
 # --- engines that are the reference but for one part ----------------------------------------------
 
-Events = Sequence[Event[float]]
-LawOf = Callable[[Frame[float]], Law[float]]
+Flown = Flight[float]
+Air = Law[float]
+Section = BatSection[float]
+Ground = Event[float]
+Events = Sequence[Ground]
+LawOf = Callable[[Frame[float]], Air]
 
 
 class StruckAtOnce(Stepped[float]):
@@ -73,12 +77,7 @@ class StruckAtOnce(Stepped[float]):
         return exact
 
     def rebound(
-        self,
-        frame: Frame[float],
-        touch: Any,
-        delta_v: Vector[float],
-        law_in: LawOf,
-        ground: Event[float],
+        self, frame: Frame[float], touch: Any, delta_v: Vector[float], law_in: LawOf, ground: Ground
     ) -> Launch[float]:
         """Set the ball free; see `longball.engines.engine.Stepped`."""
         at = self.struck(touch)
@@ -113,12 +112,7 @@ class Smooth(StruckAtOnce, Verlet):
         return met.event.name, met.time, met.state
 
     def touch(
-        self,
-        pitch: Flight[float],
-        law: Law[float],
-        bat: BatSection[float],
-        events: Events,
-        limit: float,
+        self, pitch: Flown, law: Air, bat: Section, events: Events, limit: float
     ) -> Touch[float]:
         """Touch as the reference does, from a step that is surely before the bat."""
         near = pitch.path.at(0.0)
@@ -138,9 +132,7 @@ class PlateOnTheLine(Ivp):
 
     dt: float = 0.05
 
-    def fly(
-        self, law: Law[float], start: State[float], events: Events, limit: float
-    ) -> Flight[float]:
+    def fly(self, law: Air, start: State[float], events: Events, limit: float) -> Flown:
         """Fly exactly, and report a pitch on the chord."""
         exact = super().fly(law, start, events, limit)
         if exact.stop != "plate":
@@ -150,12 +142,7 @@ class PlateOnTheLine(Ivp):
         return replace(exact, state=exact.state._replace(z=interpolate(before.z, after.z, share)))
 
     def touch(
-        self,
-        pitch: Flight[float],
-        law: Law[float],
-        bat: BatSection[float],
-        events: Events,
-        limit: float,
+        self, pitch: Flown, law: Air, bat: Section, events: Events, limit: float
     ) -> Touch[float]:
         """Touch on the exact path a bat that is put on the chord."""
         exact = replace(pitch, state=pitch.path.at(pitch.time))
@@ -184,12 +171,7 @@ class StraightToTheBat(StruckAtOnce, Ivp):
         return cast(Touch[float], touch.exact)
 
     def touch(
-        self,
-        pitch: Flight[float],
-        law: Law[float],
-        bat: BatSection[float],
-        events: Events,
-        limit: float,
+        self, pitch: Flown, law: Air, bat: Section, events: Events, limit: float
     ) -> Touch[float]:
         """Touch as Appendix B does; see `longball.engines.engine.Engine.touch`."""
         exact = super().touch(pitch, law, bat, events, limit)
@@ -209,35 +191,19 @@ class HalfForce(Ivp, Stepped[float]):
     scheme: Verlet = field(default_factory=Verlet)
 
     def touch(
-        self,
-        pitch: Flight[float],
-        law: Law[float],
-        bat: BatSection[float],
-        events: Events,
-        limit: float,
+        self, pitch: Flown, law: Air, bat: Section, events: Events, limit: float
     ) -> Touch[float]:
         """Touch exactly, and remember the step before."""
         exact = super().touch(pitch, law, bat, events, limit)
         assert exact.time is not None
         count, before, _ = steps_around(pitch, exact.time, self.scheme.dt)
+        ahead = exact.time - count * self.scheme.dt
         return SteppedTouch(
-            exact.margin,
-            exact.touched,
-            exact.time,
-            exact.state,
-            step=count,
-            before=before,
-            inside=exact.state,
-            ahead=exact.time - count * self.scheme.dt,
+            exact.margin, True, exact.time, exact.state, "", count, before, exact.state, ahead
         )
 
     def rebound(
-        self,
-        frame: Frame[float],
-        touch: Any,
-        delta_v: Vector[float],
-        law_in: LawOf,
-        ground: Event[float],
+        self, frame: Frame[float], touch: Any, delta_v: Vector[float], law_in: LawOf, ground: Ground
     ) -> Launch[float]:
         """Push for two steps, as the scheme does."""
         return self.scheme.rebound(frame, touch, delta_v, law_in, ground)
@@ -258,9 +224,7 @@ class GroundBetweenSteps(Ivp):
     scheme: Verlet = field(default_factory=Verlet)
     contact: float = 0.0
 
-    def fly(
-        self, law: Law[float], start: State[float], events: Events, limit: float
-    ) -> Flight[float]:
+    def fly(self, law: Air, start: State[float], events: Events, limit: float) -> Flown:
         """Fly exactly, and land by the scheme's rule."""
         exact = super().fly(law, start, events, limit)
         if [event.name for event in events] != ["ground"]:
@@ -273,9 +237,7 @@ class GroundBetweenSteps(Ivp):
         return replace(exact, time=time - self.contact, state=state)
 
 
-def steps_around(
-    flight: Flight[float], time: float, dt: float
-) -> tuple[int, State[float], State[float]]:
+def steps_around(flight: Flown, time: float, dt: float) -> tuple[int, State[float], State[float]]:
     """Return the number of the step before a time, and the exact states there and at the next."""
     count = math.floor(time / dt)
     return count, flight.path.at(count * dt), flight.path.at((count + 1) * dt)
@@ -359,32 +321,28 @@ def describe(
     """Say what was found."""
     largest, second = sorted(IN_THEORY, key=lambda name: -float(seen[name][0]))[:2]
     missed = [name for name in IN_THEORY if not as_in_theory(name, laws[name])]
-    orders = (
-        "Every part shows its order in theory."
-        if not missed
-        else "All parts but these show their order in theory: " + ", ".join(missed) + "."
-    )
+    orders = "Every part shows its order in theory."
+    if missed:
+        orders = f"All parts but these show their order in theory: {', '.join(missed)}."
     fine = STEPS.index(min(STEPS, key=lambda h: abs(h - 1e-3)))
-    shares = {t: left[t][fine] / seen[WHOLE.format(t)][fine] for t in SHOWN}
+    shares = {t: 100 * left[t][fine] / seen[WHOLE.format(t)][fine] for t in SHOWN}
+    force = {t: seen[FORCE.format(t)][0] for t in SHOWN}
     return (
         f"**Where the error of D comes from.** Each part of the scheme alone, all others exact, on "
         f"{scenes} batted at-bats of the paper's distributions (seed {SEED}), with {phases} steps "
-        "for each nominal one, changed by less than a window's share so that one ends in the bat: "
-        "a contact that is not seen has no error but loses the ball, and is the next section's "
-        f"matter. At the printed step the largest part is “{largest}” with "
-        f"{seen[largest][0]:.2g} m, before “{second}” with {seen[second][0]:.2g} m; the force's "
-        f"treatment makes {seen[FORCE.format('old_carried')][0]:.2g} m (old_carried) or "
-        f"{seen[FORCE.format('implicit')][0]:.2g} m (implicit). On a straight line the ball ends "
-        "up to g Δt²/2, a centimetre, above its path, and a centimetre across R + r_b turns the "
-        "normal by a seventh of a radian. "
-        f"{orders} The straight line's error falls like Δt² while the curvature of the path "
-        "rules, and like Δt in the end, when the velocity at the step before the contact, taken "
-        "for that at the contact, is all that is left of it. The half force over two steps keeps "
-        "the whole scheme at first order whatever the treatment: a force treatment of second order "
-        "is wasted on it. The five parts (with the ground interpolated) add up to the whole: at "
-        f"{STEPS[fine]:.1e} s they leave {100 * shares['implicit']:.1g} % of it with implicit "
-        f"forces and {100 * shares['old_carried']:.2g} % with old_carried, where the pitch's own "
-        "error changes the phase in which the step meets the bat.\n"
+        "for each nominal one, each changed a little so that one ends in the bat: contacts that go "
+        f"unseen are the next section's matter. At the printed step the largest part is “{largest}”"
+        f" with {seen[largest][0]:.2g} m, before “{second}” with {seen[second][0]:.2g} m; the "
+        f"force's treatment makes {force['old_carried']:.2g} m (old_carried) or "
+        f"{force['implicit']:.2g} m (implicit). A straight line ends up to g Δt²/2, a centimetre, "
+        "above the path, and a centimetre across R + r_b turns the normal by a seventh of a "
+        f"radian. {orders} The straight line's error falls like Δt² while the path's curvature "
+        "rules, and like Δt in the end, when what is left is the velocity, taken at the step "
+        "before. The half force over two steps keeps the whole at first order: a force treatment "
+        "of second order is wasted on it. The five parts (with the ground interpolated) add up: at "
+        f"{STEPS[fine]:.1e} s they leave {shares['implicit']:.1g} % of the whole with implicit "
+        f"forces and {shares['old_carried']:.2g} % with old_carried, where the pitch's own error "
+        "changes the phase in which the step meets the bat.\n"
     )
 
 

@@ -256,7 +256,7 @@ class Heyoka(Peer):
 
     def land(self, problem: Problem, flights: Array) -> Array:
         """Fly one after the other, by one integrator."""
-        integrator = _heyoka(self, problem)
+        integrator = _heyoka(problem, self.tolerance)
         state, pars = integrator.state, integrator.pars
         places = _places(problem)
         arrived = np.empty((len(flights), problem.state.stop))
@@ -288,7 +288,7 @@ class HeyokaBatch(Heyoka):
 
     def land(self, problem: Problem, flights: Array) -> Array:
         """Fly in groups of flights of like duration; the last one is filled up."""
-        integrator = _heyoka_batch(self, problem)
+        integrator = _heyoka(problem, self.tolerance, self.lanes)
         state, pars, times = integrator.state, integrator.pars, integrator.time
         places = _places(problem)
         flying = int(import_module("heyoka").taylor_outcome.success)
@@ -346,32 +346,22 @@ def _places(problem: Problem) -> dict[int, int]:
 
 
 @cache
-def _heyoka(peer: Heyoka, problem: Problem) -> Any:
-    """Return the compiled integrator of flights."""
-    hy: Any = import_module("heyoka")
-    motion, heights = _expressions(problem)
-    events = [hy.t_event(falls, direction=hy.event_direction.negative) for falls in heights]
-    return hy.taylor_adaptive(motion, np.ones(len(motion)), t_events=events, tol=peer.tolerance)
-
-
-@cache
-def _heyoka_batch(peer: HeyokaBatch, problem: Problem) -> Any:
-    """Return the compiled integrator of many flights at once."""
-    hy: Any = import_module("heyoka")
-    motion, heights = _expressions(problem)
-    events = [hy.t_event_batch(falls, direction=hy.event_direction.negative) for falls in heights]
-    start = np.ones((len(motion), peer.lanes))
-    return hy.taylor_adaptive_batch(motion, start, t_events=events, tol=peer.tolerance)
-
-
-def _expressions(problem: Problem) -> tuple[list[tuple[Any, Any]], list[Any]]:
-    """Return the equations of motion, and what falls through zero at the stops, for heyoka."""
+def _heyoka(problem: Problem, tolerance: float, lanes: int = 0) -> Any:
+    """Return the compiled integrator of flights: scalar, or of several lanes."""
     hy: Any = import_module("heyoka")
     names = problem.law.variables
     state = hy.make_vars(*names)
     own = [hy.par[i] for i in range(len(problem.stops[0].variables) - len(names))]
-    heights = [height(*state, *own)[0] for height in problem.heights(hy.sqrt)]
-    return list(zip(state, problem.rates(hy.sqrt)(*state), strict=True)), heights
+    event, integrator = (
+        (hy.t_event_batch, hy.taylor_adaptive_batch) if lanes else (hy.t_event, hy.taylor_adaptive)
+    )
+    events = [
+        event(height(*state, *own)[0], direction=hy.event_direction.negative)
+        for height in problem.heights(hy.sqrt)
+    ]
+    motion = list(zip(state, problem.rates(hy.sqrt)(*state), strict=True))
+    start = np.ones((len(names), lanes) if lanes else len(names))
+    return integrator(motion, start, t_events=events, tol=tolerance)
 
 
 # What diffrax flies at once: its code is made for an array of one size.
