@@ -469,7 +469,9 @@ def test_half_the_force_over_two_steps_from_the_step_gone_back_to():
     dt = engine.dt
     before, velocity = np.array([18.44 - 6 * dt * speed, 0.0, 1.8]), np.array([-speed, 0.0, 0.0])
     kick = np.array([70.0, 0.0, 5.0])
-    launch = engine.rebound(meeting.pitch.frame, meeting.touch, tuple(kick), NOTHING, ground())
+    launch = engine.rebound(
+        meeting.pitch.frame, meeting.touch, tuple(kick), lambda frame: NOTHING, ground()
+    )
     assert meeting.touch.time == pytest.approx(touching, rel=1e-14)
     assert launch.position == pytest.approx(before + 2 * velocity * dt + kick * dt, rel=1e-13)
     assert launch.velocity == pytest.approx(velocity + kick, rel=1e-14)
@@ -498,7 +500,7 @@ def test_a_ball_that_is_down_before_the_bat_lets_go_has_landed(window):
 def test_air_in_space_brakes_and_lifts_as_much_as_in_the_plane(vx, vy, vz):
     velocity = np.array([vx, vy, vz])
     speed, across = math.hypot(vx, vy, vz), math.hypot(vx, vy)
-    force = np.array(air_in_space(AIR)((0.0, 0.0, 1.0), (vx, vy, vz))) + np.array([0.0, 0.0, G])
+    force = np.array(air_in_space(lambda frame: AIR)((0.0, 0.0, 1.0), (vx, vy, vz))) + np.array([0.0, 0.0, G])
     lift = force + K_D * speed * velocity
     rounding = 1e-14 * (G + speed * speed)
     assert lift @ velocity == pytest.approx(0.0, abs=rounding * speed)

@@ -477,8 +477,8 @@ def finish(cases: Cases[N], meeting: Meeting[N] | None) -> None:
     if isinstance(engine, Stepped):
         before, after = contact.velocity, impact.velocity
         delta_v = (after[0] - before[0], after[1] - before[1], after[2] - before[2])
-        law, surface = cases.law(pitch.frame), cases.ground(pitch.start)
-        launch = engine.rebound(pitch.frame, touch, delta_v, law, surface)
+        surface = cases.ground(pitch.start)
+        launch = engine.rebound(pitch.frame, touch, delta_v, cases.law, surface)
     else:
         time = cast(N, touch.time)
         launch = Launch(contact.position, impact.velocity, time, time * 0)

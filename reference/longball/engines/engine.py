@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Generic, Protocol
 
@@ -122,7 +122,12 @@ class Stepped(ABC, Generic[N]):
 
     @abstractmethod
     def rebound(
-        self, frame: Frame[N], touch: Any, delta_v: Vector[N], law: Law[N], ground: Event[N]
+        self,
+        frame: Frame[N],
+        touch: Any,
+        delta_v: Vector[N],
+        law: Callable[[Frame[N]], Law[N]],
+        ground: Event[N],
     ) -> Launch[N]:
         """Return the ball as the bat sets it free.
 
@@ -134,7 +139,9 @@ class Stepped(ABC, Generic[N]):
             From `Engine.touch`, with a state.
         delta_v
             m/s, the change of velocity that the whole impulse makes.
-        law, ground
+        law
+            From the frame of a flight to its law of motion.
+        ground
             Of the batted flight.
         """
 

@@ -280,7 +280,7 @@ class Verlet(Stepped[float]):
         frame: Frame[float],
         touch: SteppedTouch,
         delta_v: Vector[float],
-        law: Law[float],
+        law: Callable[[Frame[float]], Law[float]],
         ground: Event[float],
     ) -> Launch[float]:
         """Push for two steps from the step before the contact (paper, Appendix B)."""
@@ -542,13 +542,16 @@ def _plain_step() -> Callable[..., Any]:
 plain_step = _plain_step()
 
 
-def air_in_space(law: Law[float]) -> Callable[..., Vector[float]]:
-    """Return the acceleration of a law in the vertical plane of the velocity it is asked for."""
-    rates = law.rates(DOUBLES)
+def air_in_space(law_in: Callable[[Frame[float]], Law[float]]) -> Callable[..., Vector[float]]:
+    """Return the acceleration of a ball as if launched with the velocity it is asked for.
+
+    `law_in` is the law of motion in the frame of a launch.
+    """
 
     def air(position: Vector[float], velocity: Vector[float]) -> Vector[float]:
-        frame, launch = launch_frame((0.0, 0.0, position[2]), velocity, DOUBLES)
-        _, acceleration = _halves(rates(*law.state_of(launch)))
+        frame, launch = launch_frame(position, velocity, DOUBLES)
+        law = law_in(frame)
+        _, acceleration = _halves(law.rates(DOUBLES)(*law.state_of(launch)))
         still = tuple(0.0 for _ in acceleration)
         return frame.velocity(law.state(*still, *acceleration))
 
