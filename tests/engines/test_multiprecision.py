@@ -150,7 +150,7 @@ def test_balance_of_energy_with_everything_on():
 
 
 def made_up(acceleration, *parameters):
-    return Force(parameters, lambda scene, numbers: None, acceleration)
+    return Force(parameters, lambda *_: None, acceleration)
 
 
 def wind_tunnel_law():

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from longball.engines import create, event
-from longball.engines.chain import approach_of, solve
+from longball.engines.chain import Model, approach_of, solve
 from longball.engines.contact import BatSection
 from longball.engines.multiprecision import Multiprecision
 from longball.engines.verlet import (
@@ -21,8 +21,9 @@ from longball.engines.verlet import (
     plain_step,
     steps_of,
 )
+from longball.model import trace
 from longball.model.frame import Frame
-from longball.model.law import FORCES, GRAVITY, Force, PlaneState, SpaceState, law_with
+from longball.model.law import DRAG, FORCES, GRAVITY, LIFT, Force, PlaneState, SpaceState, law_with
 from longball.model.numbers import DOUBLES
 from longball.model.readings import Reading, VerletForces
 from longball.model.scene import Air, AtBatScene, FlightScene, Ground, Launch, Pitch, Swing
@@ -323,7 +324,7 @@ def wind(motion, p):
     return -p.rate * u, p.aside - p.rate * v, -p.rate * w
 
 
-WIND = Force(("rate", "aside"), lambda scene, numbers: None, wind)
+WIND = Force(("rate", "aside"), lambda *_: None, wind)
 
 
 def test_a_force_that_leaves_the_plane_is_flown_in_space():
@@ -346,9 +347,42 @@ def test_a_force_that_leaves_the_plane_is_flown_in_space():
     assert errors[0] / errors[1] > 2
 
 
+def componentwise(motion, p):
+    """Each component in the field drags by itself: -k |v_i| v_i."""
+    u, v, w = motion.velocity
+    x, y, z = (
+        -p.drag * (trace.sqrt(c * c) * c) for c in (p.cos * u - p.sin * v, p.sin * u + p.cos * v, w)
+    )
+    return p.cos * x + p.sin * y, p.cos * y - p.sin * x, z
+
+
+COMPONENTWISE = Force(
+    ("drag", "cos", "sin"),
+    lambda scene, frame, numbers: (*DRAG.strengths(scene, frame, numbers), frame.cos, frame.sin),
+    componentwise,
+)
+
+
+def test_an_at_bat_under_a_law_of_the_field_converges():
+    """A law that depends on the heading, also in the steps in which the bat pushes."""
+    model = Model((COMPONENTWISE, LIFT, GRAVITY))
+    scene = PLAIN.model_copy(update={"pitch": Pitch(aim=(-0.3, 1.8))})
+    true = solve(scene, TRUTH, model)
+    assert true.outcome == "batted"
+    enters, errors = float(true.contact.time.value), []
+    for count in (2_500, 20_000):
+        found = solve(scene, Verlet(enters / (count - 0.5), "implicit"), model)
+        true_landing = [float(x.value) for x in true.landing.position[:2]]
+        errors.append(math.dist(found.landing.position[:2], true_landing))
+    assert errors[1] < 0.01
+    assert math.log(errors[0] / errors[1]) / math.log(8) == pytest.approx(1, abs=0.1)
+    # The law is another one than the paper's.
+    assert abs(float(solve(scene, TRUTH).landing.distance.value) - found.landing.distance) > 1
+
+
 def test_a_spring_makes_the_scheme_symplectic():
     """The textbook's case: for a force of the position it keeps ``v² + ω² (1 - (ωΔt/2)²) r²``."""
-    pull = Force((), lambda scene, numbers: (), lambda motion, p: (0, 0, -4 * motion.position[2]))
+    pull = Force((), lambda *_: (), lambda motion, p: (0, 0, -4 * motion.position[2]))
     there, dt = law(pull), 0.05
     start = PlaneState(0.0, 1.0, 0.0, 0.0)
 
@@ -470,7 +504,7 @@ def test_half_the_force_over_two_steps_from_the_step_gone_back_to():
     before, velocity = np.array([18.44 - 6 * dt * speed, 0.0, 1.8]), np.array([-speed, 0.0, 0.0])
     kick = np.array([70.0, 0.0, 5.0])
     launch = engine.rebound(
-        meeting.pitch.frame, meeting.touch, tuple(kick), lambda frame: NOTHING, ground()
+        meeting.pitch.frame, meeting.touch, tuple(kick), lambda _: NOTHING, ground()
     )
     assert meeting.touch.time == pytest.approx(touching, rel=1e-14)
     assert launch.position == pytest.approx(before + 2 * velocity * dt + kick * dt, rel=1e-13)
@@ -500,7 +534,9 @@ def test_a_ball_that_is_down_before_the_bat_lets_go_has_landed(window):
 def test_air_in_space_brakes_and_lifts_as_much_as_in_the_plane(vx, vy, vz):
     velocity = np.array([vx, vy, vz])
     speed, across = math.hypot(vx, vy, vz), math.hypot(vx, vy)
-    force = np.array(air_in_space(lambda frame: AIR)((0.0, 0.0, 1.0), (vx, vy, vz))) + np.array([0.0, 0.0, G])
+    force = np.array(air_in_space(lambda _: AIR)((0.0, 0.0, 1.0), (vx, vy, vz))) + np.array(
+        [0.0, 0.0, G]
+    )
     lift = force + K_D * speed * velocity
     rounding = 1e-14 * (G + speed * speed)
     assert lift @ velocity == pytest.approx(0.0, abs=rounding * speed)

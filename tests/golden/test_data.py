@@ -11,7 +11,6 @@ from itertools import pairwise
 
 import jsonschema
 import pytest
-from longball.model.motion import forces, into_plane
 
 from longball import golden
 from longball.engines.enclosure import Enclosure
@@ -22,6 +21,8 @@ from longball.golden.files import CHECKSUMS, HEADER, schemas
 from longball.golden.headers import FLAGS, LEVELS, NUMBERS
 from longball.golden.reader import DATA
 from longball.model import exact
+from longball.model.frame import launch_frame
+from longball.model.law import law_of
 from longball.model.readings import Reading, SamplingReading
 from longball.model.scene import parse_scene
 
@@ -209,19 +210,20 @@ def closed_form(case: golden.Case):
     scene, numbers = case.scene, Enclosure(40).numbers
     position = [numbers.exact(x) for x in scene.launch.position]
     velocity = [numbers.exact(v) for v in scene.launch.velocity]
-    _, start = into_plane(tuple(position), tuple(velocity), numbers)
-    field = forces(scene.ball, scene.air, scene.gravity, False, numbers)
+    frame, start = launch_frame(tuple(position), tuple(velocity), numbers)
+    strengths = law_of(scene, frame, numbers).strengths
+    drag, lift, gravity = (strengths.get(name) for name in ("drag", "lift", "gravity"))
     floor = numbers.exact(scene.ground.height)
-    if field.drag is None and field.lift is None and field.gravity is not None:
-        return exact.parabola_to_floor(start, field.gravity, floor, exact.METHODS)
-    if field.gravity is None:  # the time is the file's: is the place?
+    if gravity is None:  # the time is the file's: is the place?
         time = numbers.exact(1.0) * flint_ball(case.expected.landing.time)
-        return exact.Moment(time, exact.weightless(start, field, time, exact.METHODS))
+        return exact.Moment(time, exact.weightless(start, drag, lift, time, exact.METHODS))
+    if drag is None and lift is None:
+        return exact.parabola_to_floor(start, gravity, floor, exact.METHODS)
     if start.w > 0:
-        top = exact.apex(start, field.drag, field.gravity, exact.METHODS)
-        down = exact.fall_to_floor(top.state, field.drag, field.gravity, floor, exact.METHODS)
+        top = exact.apex(start, drag, gravity, exact.METHODS)
+        down = exact.fall_to_floor(top.state, drag, gravity, floor, exact.METHODS)
         return exact.Moment(top.time + down.time, down.state)
-    return exact.fall_to_floor(start, field.drag, field.gravity, floor, exact.METHODS)
+    return exact.fall_to_floor(start, drag, gravity, floor, exact.METHODS)
 
 
 def flint_ball(number):

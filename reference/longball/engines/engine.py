@@ -126,7 +126,7 @@ class Stepped(ABC, Generic[N]):
         frame: Frame[N],
         touch: Any,
         delta_v: Vector[N],
-        law: Callable[[Frame[N]], Law[N]],
+        law_in: Callable[[Frame[N]], Law[N]],
         ground: Event[N],
     ) -> Launch[N]:
         """Return the ball as the bat sets it free.
@@ -139,8 +139,8 @@ class Stepped(ABC, Generic[N]):
             From `Engine.touch`, with a state.
         delta_v
             m/s, the change of velocity that the whole impulse makes.
-        law
-            From the frame of a flight to its law of motion.
+        law_in
+            From the frame of a flight to the law there.
         ground
             Of the batted flight.
         """

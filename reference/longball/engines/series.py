@@ -34,8 +34,8 @@ Rows = list[MutableSequence[Any]]
 class Recurrence:
     """The recurrence of a program whose outputs are the rates of its variables.
 
-    `expand_source` and `expand_from_rest_source` print it; the second is for a flight that starts
-    with no speed, where V = g t + …, and `expand` picks one.
+    It is printed in two ways; the second is for a flight that starts at rest, or where another
+    size of a vector is zero. There V = V_1 t + …, and V_1 is the size of the acceleration.
     """
 
     program: Program
@@ -49,18 +49,36 @@ class Recurrence:
                 continue
             match node.kind:
                 case "product":
-                    kept |= dict.fromkeys(map(_without_constant, node.args))
+                    kept |= dict.fromkeys(map(row_of, node.args))
                 case "quotient":
-                    kept |= dict.fromkeys((node, _without_constant(node.args[1])))
+                    kept |= dict.fromkeys((node, row_of(node.args[1])))
                 case "sqrt":
                     kept |= {node: None}
                 case "exp" | "log":
-                    kept |= dict.fromkeys((node, _without_constant(node.args[0])))
+                    kept |= dict.fromkeys((node, row_of(node.args[0])))
         return tuple(node for node in kept if not node.static)
 
     def name(self, node: Node) -> str:
         """Return the name of a row in printed code."""
         return str(node.args[0]) if node.kind == "variable" else f"r{self.rows.index(node)}"
+
+    def factors(self, node: Node) -> tuple[Node, Node] | None:
+        """Return the two nodes whose coefficients 1 … n-1 are multiplied and summed for a node.
+
+        Of `exp` and `log` the first factor is weighted with its order. None if there is no sum.
+        """
+        match node.kind:
+            case "product":
+                return node.args
+            case "quotient":
+                return node.args[1], node
+            case "sqrt":
+                return node, node
+            case "exp":
+                return node.args[0], node
+            case "log":
+                return node, node.args[0]
+        return None
 
     @cached_property
     def roots(self) -> tuple[Node, ...]:
@@ -89,8 +107,8 @@ def recurrence(program: Program) -> Recurrence:
     return Recurrence(program)
 
 
-def _without_constant(node: Node) -> Node:
-    """Return x of ``x + constant``, which has the same coefficients but for the first."""
+def row_of(node: Node) -> Node:
+    """Return x of ``x + constant``: the coefficients of the two differ in the first alone."""
     if node.kind == "sum" and len(node.args) == 2 and node.args[1][0].args == (1.0,):
         inner: Node = node.args[1][1]
         return inner
@@ -132,7 +150,7 @@ class _Printer:
         return list(zip(self.program.variables, self.program.outputs, strict=True))
 
     def row(self, node: Node, index: str) -> str:
-        return f"{self.recurrence.name(_without_constant(node))}[{index}]"
+        return f"{self.recurrence.name(row_of(node))}[{index}]"
 
     # The values at t = 0 are the program's own.
     def order_zero(self) -> None:
@@ -140,7 +158,7 @@ class _Printer:
         for name in self.program.variables:
             names[variable(name)] = f"{name}[0]"
         for node in self.dynamic:
-            text = "0.0" if node in self.from_rest else names.expression(node)
+            text = names.expression(node)
             names[node] = f"y{len(names)}"
             self.put(1, f"{names[node]} = {text}")
             if node in self.recurrence.rows:
@@ -156,20 +174,11 @@ class _Printer:
         doubled: list[str] = []
         self.sums: dict[Node, str] = {}
         for node in self.dynamic:
-            if node.kind == "sum" or node in self.from_rest:
+            factors = self.recurrence.factors(node)
+            if factors is None:
                 continue
             name = self.sums[node] = f"s{len(self.sums)}"
-            match node.kind:
-                case "product":
-                    a, b = node.args
-                case "quotient":
-                    a, b = node.args[1], node
-                case "sqrt":
-                    a, b = node, node
-                case "exp":
-                    a, b = node.args[0], node
-                case "log":
-                    a, b = node, node.args[0]
+            a, b = factors
             if a is b:
                 both.append(f"{name} += {self.row(a, 'j')} * {self.row(a, 'k')}")
                 middle.append(f"{name} += {self.row(a, 'm')} * {self.row(a, 'm')}")
@@ -215,9 +224,6 @@ class _Printer:
     def end(self, node: Node, names: Names, zeroth: Names) -> str:
         """Print the coefficient of order n of a node; return its name."""
         name = f"c{len(names)}"
-        if node in self.from_rest:
-            self.root_from_rest(node, name)
-            return name
         inner = self.sums.get(node, "")
         match node.kind:
             case "sum":
@@ -239,7 +245,13 @@ class _Printer:
             case "log":
                 a = node.args[0]
                 text = f"({names[a]} - {inner} / n) / {zeroth[a]}"
-        self.put(2, f"{name} = {text}")
+        if node in self.from_rest:
+            self.put(2, f"if {zeroth[node]} == 0.0:")
+            self.root_from_rest(node, name)
+            self.put(2, "else:")
+            self.put(3, f"{name} = {text}")
+        else:
+            self.put(2, f"{name} = {text}")
         return name
 
     def root_from_rest(self, node: Node, name: str) -> None:
@@ -247,16 +259,16 @@ class _Printer:
         parts = squares(node.args[0])
         row = self.recurrence.name(node)
         first = " + ".join(f"{self.row(p, '1')} * {self.row(p, '1')}" for p in parts)
-        self.put(2, "if n == 1:")
-        self.put(3, f"{name} = sqrt({first})")
-        self.put(2, "else:")
-        self.put(3, f"{name} = 0.0")
-        self.put(3, "for j in range(1, n + 1):")
+        self.put(3, "if n == 1:")
+        self.put(4, f"{name} = sqrt({first})")
+        self.put(3, "else:")
+        self.put(4, f"{name} = 0.0")
+        self.put(4, "for j in range(1, n + 1):")
         for p in parts:
-            self.put(4, f"{name} += {self.row(p, 'j')} * {self.row(p, 'n + 1 - j')}")
-        self.put(3, "for j in range(2, n):")
-        self.put(4, f"{name} -= {row}[j] * {row}[n + 1 - j]")
-        self.put(3, f"{name} = {name} / (2 * {row}[1])")
+            self.put(5, f"{name} += {self.row(p, 'j')} * {self.row(p, 'n + 1 - j')}")
+        self.put(4, "for j in range(2, n):")
+        self.put(5, f"{name} -= {row}[j] * {row}[n + 1 - j]")
+        self.put(4, f"{name} = {name} / (2 * {row}[1])")
 
 
 FUNCTIONS_OF_DOUBLES: Mapping[str, Callable[..., Any]] = {

@@ -280,12 +280,12 @@ class Verlet(Stepped[float]):
         frame: Frame[float],
         touch: SteppedTouch,
         delta_v: Vector[float],
-        law: Callable[[Frame[float]], Law[float]],
+        law_in: Callable[[Frame[float]], Law[float]],
         ground: Event[float],
     ) -> Launch[float]:
         """Push for two steps from the step before the contact (paper, Appendix B)."""
         assert touch.before is not None
-        air, dt = air_in_space(law), self.dt
+        air, dt = air_in_space(law_in), self.dt
         push = tuple(change / (2 * dt) for change in delta_v)  # F̄/(2m), m/s²
         position, velocity = frame.position(touch.before), frame.velocity(touch.before)
         force = air(position, velocity)
@@ -310,16 +310,15 @@ class Verlet(Stepped[float]):
         Each has a row for each component of the state. It comes with the number of the step in its
         first column, the last one of the array before.
         """
-        kernels = steps_of(law.program)
-        parameters = tuple(float(law.strengths[name]) for name in law.program.parameters)
+        march, parameters = steps_of(law.program).march, _parameters(law)
         treatment = TREATMENTS[self.forces]
         last, done, length = np.array(start, dtype=float), 0, _FIRST_STEPS
-        force = kernels.accelerate(*_halves(last.tolist()), parameters)
+        force = _acceleration(law)(*_halves(last.tolist()), parameters)
         steps = math.ceil(min(limit / self.dt, 2.0**53))
         while done < steps:
             states = np.empty((len(start), 1 + min(length, steps - done)))
             states[:, 0] = last
-            force = kernels.march(states, force, self.dt, *treatment, parameters)
+            force = march(states, force, self.dt, *treatment, parameters)
             yield done, states
             last, done, length = (
                 states[:, -1],
@@ -543,16 +542,25 @@ plain_step = _plain_step()
 
 
 def air_in_space(law_in: Callable[[Frame[float]], Law[float]]) -> Callable[..., Vector[float]]:
-    """Return the acceleration of a ball as if launched with the velocity it is asked for.
+    """Return the acceleration in the vertical plane of the velocity that it is asked for.
 
-    `law_in` is the law of motion in the frame of a launch.
+    `law_in` has the law of a flight in a frame.
     """
 
     def air(position: Vector[float], velocity: Vector[float]) -> Vector[float]:
         frame, launch = launch_frame(position, velocity, DOUBLES)
         law = law_in(frame)
-        _, acceleration = _halves(law.rates(DOUBLES)(*law.state_of(launch)))
-        still = tuple(0.0 for _ in acceleration)
-        return frame.velocity(law.state(*still, *acceleration))
+        acceleration = _acceleration(law)(*_halves(law.state_of(launch)), _parameters(law))
+        return frame.velocity(law.state(*(0.0 for _ in acceleration), *acceleration))
 
     return air
+
+
+def _acceleration(law: Law[float]) -> Callable[..., Components]:
+    """Return the function from position, velocity and parameters to the acceleration."""
+    accelerate: Callable[..., Components] = steps_of(law.program).accelerate
+    return accelerate
+
+
+def _parameters(law: Law[float]) -> Components:
+    return tuple(float(law.strengths[name]) for name in law.program.parameters)

@@ -50,14 +50,17 @@ class Curve:
         return zeros(slope, a.lower(), b.upper())
 
     def zero(self, a: arb, b: arb) -> arb:
-        """Enclose the zeros of the members, all of which fall from a to b.
+        """Enclose the zeros of members, which all fall from a to b; a, if none starts above zero.
 
         Raises
         ------
         Undecided
-            If one may have fallen to zero before.
+            If a member may have fallen to zero before, but need not.
         """
-        if not self.value(a) > 0:
+        there = self.value(a)
+        if there <= 0:
+            return a
+        if not there > 0:
             raise Undecided("whether the value falls to zero there cannot be decided")
         return _crossing(self.value, a.lower(), b.upper())
 

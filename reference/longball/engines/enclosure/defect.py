@@ -46,19 +46,15 @@ class Defect:
         value: dict[Node, Any] = {**static, **approximations}
         self._value = value
         self._residual: dict[Node, arb_poly] = {}
+        self._start: dict[Node, arb] = {}
         for node in self._nodes:
-            match node.kind:
-                case "sum":
-                    constant, *terms = node.args
-                    total = arb_poly([value[constant]])
-                    for c, x in terms:
-                        total += value[c] * value[x]
-                    value[node] = total
-                case "product":
-                    a, b = node.args
-                    value[node] = value[a] * value[b]
-                case _:
-                    self._residual[node] = _residual(node, value)
+            if node.kind in TRANSCENDENTAL:
+                self._residual[node] = _residual(node, value)
+                if node.kind in ("exp", "log"):
+                    first = getattr(value[node.args[0]][0], node.kind)()
+                    self._start[node] = abs(value[node][0] - first).upper()
+            else:
+                value[node] = polynomial_of(node, value)
         self._misses = [
             value[variable(name)].derivative() - value[rate]
             for name, rate in zip(program.variables, program.outputs, strict=True)
@@ -112,13 +108,24 @@ class Defect:
                     least(bottom if bottom[0] > 0 else -bottom, h),
                 )
             case "exp":
-                start = abs(value[node][0] - value[first][0].exp())
                 rate = largest(value[first].derivative(), h)
                 return lemmas.exponential_error(
-                    start, missed, rate, error, largest(value[node], h), h
+                    self._start[node], missed, rate, error, largest(value[node], h), h
                 )
-        start = abs(value[node][0] - value[first][0].log())
-        return lemmas.logarithm_error(start, missed, error, least(value[first], h), h)
+        return lemmas.logarithm_error(self._start[node], missed, error, least(value[first], h), h)
+
+
+def polynomial_of(node: Node, value: Mapping[Node, Any]) -> arb_poly:
+    """Return the polynomial of a sum or product of polynomials."""
+    if node.kind == "product":
+        a, b = node.args
+        product: arb_poly = value[a] * value[b]
+        return product
+    constant, *terms = node.args
+    total = arb_poly([value[constant]])
+    for c, x in terms:
+        total += value[c] * value[x]
+    return total
 
 
 def _residual(node: Node, value: Mapping[Node, Any]) -> arb_poly:

@@ -290,7 +290,7 @@ class Enclosure(PathEngine[arb]):
         limit: arb,
         events: Sequence[Event[Any]],
     ) -> Iterator[EnclosedPiece]:
-        """Yield the pieces of a flight; see `longball.engines.path.PathEngine.steps`."""
+        """Yield the pieces of a flight; see `PathEngine.steps`."""
         balls = self.numbers
         with balls.arithmetic():
             steps = _Steps(System(law, balls), start, limit, balls.bits)

@@ -104,7 +104,7 @@ class System:
         self.structure = structure(law.program)
         core = self.structure.core
         values = [law.strengths[name] for name in core.parameters]
-        self.static = _static_values(law.program, law.strengths, balls.functions)
+        self.static = static_values(law.program, law.strengths, balls.functions)
         self._parameters = values
         self._functions = balls.functions
         self._jacobian = self.structure.jacobian.bind(law.strengths, balls.functions)
@@ -127,9 +127,10 @@ class System:
         return [entries[i * n : (i + 1) * n] for i in range(n)]
 
 
-def _static_values(
+def static_values(
     program: Program, strengths: Mapping[str, arb], functions: Mapping[str, Callable[..., arb]]
 ) -> dict[Node, arb]:
+    """Return the values of the nodes that depend on parameters alone."""
     values: dict[Node, Any] = {ZERO: arb(0), constant(1.0): arb(1)}
     for node in program.nodes:
         if not node.static:
