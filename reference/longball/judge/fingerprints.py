@@ -308,14 +308,14 @@ def _ordinary(scene: Scene) -> bool:
 
 def _tolerances(cases: Sequence[Case]) -> Array:
     """Return what rounding can do to each number."""
-    rows = []
-    for case in cases:
-        known = values_of(case.expected)
-        row = []
-        for name, i in COLUMNS:
-            number = QUANTITIES[name].names[i]
-            row.append(SLACK * case.attainable(number) if name in known else math.nan)
-        rows.append(row)
+    rows = [
+        [
+            SLACK * case.attainable(QUANTITIES[name].names[i]) if name in known else math.nan
+            for name, i in COLUMNS
+        ]
+        for case in cases
+        for known in [values_of(case.expected)]
+    ]
     return np.array(rows).reshape(-1, len(COLUMNS))
 
 

@@ -327,17 +327,9 @@ def _strike_at_once(scene: Scene, solver: Solver) -> Result:
         return result
     if contact.time is None or contact.position is None:
         return result
-    flight = FlightScene(
-        id=scene.id,
-        ball=scene.ball,
-        air=scene.air,
-        gravity=scene.gravity,
-        launch=Launch(position=_floats(contact.position), velocity=_floats(impact.velocity)),
-        ground=scene.ground,
-        reading=scene.reading,
-        time_limit=scene.time_limit,
-    )
-    batted = solver.solve(flight).landing
+    launch = Launch(position=_floats(contact.position), velocity=_floats(impact.velocity))
+    same = {k: v for k, v in scene if k in FlightScene.model_fields and k != "kind"}
+    batted = solver.solve(FlightScene(**same, launch=launch)).landing
     if batted is not None:
         batted = batted.model_copy(update={"time": float(contact.time) + float(batted.time)})
     return result.model_copy(update={"landing": batted})

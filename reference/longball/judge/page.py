@@ -18,7 +18,7 @@ from longball.engines.ivp import Ivp
 from longball.judge.answers import quoted
 from longball.judge.evaluation import Evaluation
 from longball.judge.quantities import Value, values_of
-from longball.judge.text import LONGEST_NAME, describe
+from longball.judge.text import ERRORS, LONGEST_NAME, counts, describe, error_cells, silence
 from longball.judge.verdict import Comparison, Measured, Verdict
 from longball.model.scene import ImpactScene
 
@@ -73,19 +73,12 @@ def page(evaluation: Evaluation) -> str:
 
 def _head(verdict: Verdict) -> Iterator[str]:
     if verdict.cases:
-        yield from _counts(verdict)
+        yield from _list(counts(verdict))
+        yield (
+            f"<p>Contacts missed {len(verdict.contacts_missed)}, "
+            f"invented {len(verdict.contacts_invented)}.</p>"
+        )
     yield from _list(verdict.reasons)
-
-
-def _counts(verdict: Verdict) -> Iterator[str]:
-    yield f"<p>Profile {escape(verdict.profile)}. Held against {escape(verdict.truth)}.</p>"
-    yield (
-        f"<p>{verdict.cases} scenes, {verdict.judged} answers judged, {verdict.right} right, "
-        f"{verdict.judged - verdict.right} wrong; {len(verdict.unanswered)} without an answer, "
-        f"{len(verdict.refused)} refused, {len(verdict.undecidable)} that doubles cannot decide; "
-        f"contacts missed {len(verdict.contacts_missed)}, "
-        f"invented {len(verdict.contacts_invented)}.</p>"
-    )
 
 
 def _diagnosis(verdict: Verdict) -> Iterator[str]:
@@ -134,26 +127,8 @@ def _sampling(verdict: Verdict) -> Iterator[str]:
 def _errors(verdict: Verdict) -> Iterator[str]:
     if not verdict.rows:
         return
-    rows = [
-        (
-            row.family,
-            row.quantity,
-            str(row.failed),
-            str(row.cases),
-            f"{row.worst_error:.1e}",
-            f"{row.median_error:.1e}",
-            row.unit,
-            "" if row.worst_ulps is None else f"{row.worst_ulps:.3g}",
-            "" if row.digits_right is None else f"{row.digits_right:.1f}",
-            "" if row.digits_attainable is None else f"{row.digits_attainable:.1f}",
-            row.worst_case,
-        )
-        for row in verdict.rows
-    ]
     yield "<h2>Errors</h2>"
-    head = ("family", "quantity", "failed", "of", "worst error", "median", "unit", "worst ulps",
-            "digits right", "attainable", "worst case")  # fmt: skip
-    yield from _table(head, rows, numbers=(2, 3, 4, 5, 7, 8, 9))
+    yield from _table(ERRORS, map(error_cells, verdict.rows), numbers=(2, 3, 4, 5, 7, 8, 9, 10))
     confused = [(c.expected, c.obtained, str(c.cases)) for c in verdict.outcomes]
     yield "<h2>Outcomes</h2>"
     yield from _table(("expected", "obtained", "scenes"), confused, numbers=(2,))
@@ -172,9 +147,7 @@ def _failures(verdict: Verdict) -> Iterator[str]:
 
 
 def _rest(verdict: Verdict) -> Iterator[str]:
-    sentences = [f"{m.quantity} is left out of {m.cases} answers" for m in verdict.missing]
-    sentences += [f"refused: {r.id}: {r.reason}" for r in verdict.refused[:SHOWN]]
-    sentences += [f"issue: {issue}" for issue in verdict.complaints[:SHOWN]]
+    sentences = [*silence(verdict, SHOWN), *(f"issue: {c}" for c in verdict.complaints[:SHOWN])]
     if sentences:
         yield "<h2>Other findings</h2>"
         yield from _list(sentences)
