@@ -1,8 +1,8 @@
-"""A simulator of its own with switches for the mistakes that authors make.
+"""A simulator with switches for the mistakes that authors make.
 
-Written from the paper, in space and in plain Python; nothing of longball is imported. Flights are
-exact (Runge and Kutta's method in short steps, the last one as long as it takes) or in steps of the
-paper's velocity Verlet. `Switches` says what is done wrong; as they stand, nothing is.
+Written from the paper, in space and in plain Python. Flights are exact (Runge and Kutta's method in
+short steps, the last one as long as it takes) or in steps of the paper's velocity Verlet.
+`Switches` says what is done wrong; as they stand, nothing is.
 """
 
 import math
