@@ -153,8 +153,8 @@ def first_fall(
     error
         How far the value may be off.
     launch
-        Whether the piece begins with the launch. A launch may lie on the surface: then it is an
-        arrival, at 0, only if the value does not rise from there.
+        Whether the piece begins with the launch, whose value is exact. It may lie on the surface:
+        then it is an arrival, at 0, only if the value does not rise from there.
 
     Raises
     ------
@@ -170,7 +170,7 @@ def first_fall(
         if not rises:
             return start
         points = points[1:]
-    elif rises and not curve(start) > error:
+    elif rises and not launch and not curve(start) > error:
         # The last piece ended on a turning point.
         numbers.positive(curve(start), error, f"whether {question}")
     for left, right in pairwise(points):

@@ -167,8 +167,8 @@ class Ivp(PathEngine[float]):
         make = expand.law.state
         if self.method == "Taylor":
             for step in solution.sol.interpolants:
-                length = _length(step.t_old, step.t)
-                yield PolynomialPiece(step.t_old, length, make, step.coefficients)
+                begin, end = float(step.t_old), float(step.t)
+                yield PolynomialPiece(begin, _length(begin, end), make, step.coefficients)
             return
         # Each accepted state is expanded anew, and again where a step is longer than the series.
         times = solution.t.tolist()
