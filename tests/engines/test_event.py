@@ -111,7 +111,10 @@ def on_a_circle(rng):
 
 
 def through_the_air(rng):
-    """Under all forces: the first bottom and the first turn to the vertical, in 25 digits."""
+    """Under all forces: a bottom, the lowest so far, and the first turn to the vertical.
+
+    Both in 25 digits.
+    """
     while True:
         strengths = {
             "drag": rng.uniform(0.0005, 0.004),
@@ -122,9 +125,15 @@ def through_the_air(rng):
         path = IVP.path(law_with(strengths), PlaneState(*start), 20.0)
         times = np.linspace(0.05, 20, 800)
         states = [path.at(t) for t in times.tolist()]
-        bottom = first([a.w < 0 <= b.w for a, b in pairwise(states)])
+        lowest = np.minimum.accumulate([state.z for state in states])
+        bottoms = [
+            i
+            for i, (a, b) in enumerate(pairwise(states))
+            if a.w < 0 <= b.w and i > 3 and lowest[i - 3] > min(a.z, b.z) + 0.05
+        ]
         upright = first([b.u <= 0 < a.u for a, b in pairwise(states)])
-        if bottom and upright:
+        if bottoms and upright:
+            bottom = rng.choice(bottoms)
             break
     s, z, u, w = map(arb, start)
     constants = [arb(strengths[name]) for name in ("drag", "lift", "gravity")]
@@ -138,7 +147,10 @@ def through_the_air(rng):
         time = oracle.newton(rate, arb(times[guess].item()))
         return precise.at(time)[0][axis], float(time)
 
-    return strengths, start, turn(2, bottom), turn(0, upright)
+    turns = turn(2, bottom), turn(0, upright)
+    if not all(place.rad() < 1e-18 for place, _ in turns):  # oracle's balls grow close to rest
+        return through_the_air(rng)
+    return strengths, start, *turns
 
 
 def first(found):
@@ -182,6 +194,10 @@ def over_the_ground(rng):
     strengths, start, (lowest, time), _ = (
         phugoid_bottom(rng) if rng.random() < 0.4 else turning(rng)
     )
+    if rng.random() < 0.5:  # as far as it can be from where rounding is largest
+        lower = float(arb(start[1]) - lowest)
+        lowest += arb(lower) - arb(start[1])
+        start = (start[0], lower, *start[2:])
 
     def placed(depth):
         height = float(lowest + arb(depth))
