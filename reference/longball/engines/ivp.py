@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from longball.engines.contact import BatSection
 from longball.engines.engine import CannotSolve
 from longball.engines.event import Event
-from longball.engines.path import Flight
+from longball.engines.path import Flight, reaching
 from longball.engines.path_engine import PathEngine, View
 from longball.engines.polynomial import PolynomialPiece
 from longball.engines.taylor import Expander, Taylor, right_hand_side
@@ -168,7 +168,9 @@ class Ivp(PathEngine[float]):
         if self.method == "Taylor":
             for step in solution.sol.interpolants:
                 begin, end = float(step.t_old), float(step.t)
-                yield PolynomialPiece(begin, _length(begin, end), make, step.coefficients)
+                yield PolynomialPiece(
+                    begin, reaching(begin, end - begin, end), make, step.coefficients
+                )
             return
         # Each accepted state is expanded anew, and again where a step is longer than the series.
         times = solution.t.tolist()
@@ -178,7 +180,7 @@ class Ivp(PathEngine[float]):
                 if not reach > 0:
                     raise CannotSolve("the law of motion is beyond the range of double precision")
                 until = min(time + reach, end)
-                piece = PolynomialPiece(time, _length(time, until), make, series)
+                piece = PolynomialPiece(time, reaching(time, until - time, until), make, series)
                 yield piece
                 time, state = until, np.array(piece.at(piece.length))
 
@@ -242,12 +244,6 @@ def _ends(events: Sequence[Event[float]], law: Law[float]) -> Callable[[float, A
     return left
 
 
-def _length(begin: float, end: float) -> float:
-    """Return how long a piece is, rounded such that it reaches its end."""
-    length = end - begin
-    return length if begin + length >= end else math.nextafter(length, math.inf)
-
-
 # A ball that falls at its final speed V is a stiff problem if it is light: a disturbance decays
 # within V/(2 g), and an explicit step is not much longer. But then its acceleration is nothing but
 # the rounding of its forces, and its motion uniform, to rounding.
@@ -275,4 +271,6 @@ def _uniform(law: Law[float], time: float, state: Array, limit: float) -> Polyno
         rate if node.kind == "variable" else 0.0
         for rate, node in zip(rates, law.program.outputs, strict=True)
     ]
-    return PolynomialPiece(time, _length(time, limit), law.state, np.column_stack([state, slopes]))
+    return PolynomialPiece(
+        time, reaching(time, limit - time, limit), law.state, np.column_stack([state, slopes])
+    )
