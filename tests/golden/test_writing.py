@@ -84,7 +84,7 @@ def test_a_case_whose_scene_changed_is_solved_again(tmp_path: Path, monkeypatch)
     kept = tmp_path / PARTIAL / "few.jsonl"
     kept.parent.mkdir()
     first, second, _ = few()
-    changed = make("few", first).model_copy(update={"given": second.given})
+    changed = make("few", first).model_copy(update={"scene": second.scene})
     kept.write_text(writer.fingerprint() + "\n" + changed.line() + "\n", encoding="utf-8")
     made = []
     monkeypatch.setattr(writer, "make", lambda *args: made.append(args[1].scene.id) or make(*args))

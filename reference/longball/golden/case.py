@@ -6,15 +6,13 @@ import json
 import math
 from collections.abc import Iterator
 from decimal import Decimal
-from functools import cached_property
 from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from longball.model.drawn import DrawnAtBat
 from longball.model.quantities import numbers
 from longball.model.result import Bounded, Result
-from longball.model.scene import FlightScene, ImpactScene, PitchScene, Scene
+from longball.model.scene import Scene
 
 Level = Literal["lower", "average", "higher"]
 
@@ -79,9 +77,7 @@ class Case(_Strict):
     level: Level = Field(description="difficulty, by digits attainable; see the header")
     comment: str = Field(description="what the case is there for")
     flags: tuple[str, ...] = Field(description="each one is explained in the header")
-    given: FlightScene | PitchScene | ImpactScene | DrawnAtBat = Field(
-        alias="scene", discriminator="kind"
-    )
+    scene: Scene = Field(discriminator="kind")
     expected: Result = Field(
         description="the result by the contract, in decimal strings with proven radii; with "
         "`error` instead of an outcome if there is none to be had"
@@ -91,11 +87,6 @@ class Case(_Strict):
     )
     condition: Condition | None = Field(description="null if there is no outcome")
     confirmation: Confirmation
-
-    @cached_property
-    def scene(self) -> Scene:
-        """What is asked: the scene, without what it was drawn by."""
-        return self.given.scene if isinstance(self.given, DrawnAtBat) else self.given
 
     def attainable(self, quantity: str) -> float:
         """Return the error that double precision cannot avoid, in the quantity's unit.
@@ -120,8 +111,8 @@ class Case(_Strict):
 
     def line(self) -> str:
         """Return the case as a line of JSON; scene and result as the contract writes them."""
-        whole = self.model_dump(mode="json", by_alias=True) | {
-            "scene": json.loads(self.given.line()),
+        whole = self.model_dump(mode="json") | {
+            "scene": json.loads(self.scene.line()),
             "expected": json.loads(self.expected.line()),
         }
         return json.dumps(whole, ensure_ascii=False, allow_nan=False, separators=(",", ":"))

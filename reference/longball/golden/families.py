@@ -285,10 +285,9 @@ def _drawn(name: str, sampling: SamplingReading, count: int, base: AtBatScene) -
     for i, scene in islice(pitched, count):
         e = RESTITUTIONS[i % len(RESTITUTIONS)]
         struck = with_restitution(scene, e).model_copy(update={"id": f"{name}-{i:04d}"})
-        usual = (base.reading, sampling) == (Reading(), SamplingReading())
-        flags = () if usual else ("reading",)
-        comment = f"drawn from the paper's distributions, e = {e:g}"
-        yield Draft(struck, comment, flags, sampling)
+        drawn_by = "".join(f"{switch} = {x}, " for switch, x in sampling.model_dump().items())
+        comment = f"drawn from the paper's distributions, {drawn_by}e = {e:g}"
+        yield Draft(struck, comment, ("reading",) if base.reading != Reading() else ())
 
 
 # --- all ------------------------------------------------------------------------------------------

@@ -19,7 +19,6 @@ from longball.golden.probability import (
 )
 from longball.home_run import RESTITUTIONS, integrals, paper_at_bats, scrambled
 from longball.home_run.randomised import SCRAMBLES
-from longball.model.drawn import DrawnAtBat
 from longball.model.readings import Reading, SamplingReading, readings_of
 from longball.model.scene import AtBatScene
 
@@ -32,12 +31,12 @@ FARTHEST = 5.0
 NUMBERS = {
     "scene": "What is the same in all at-bats. A number means the double nearest to what is "
     "written, exactly.",
-    "distributions": "Those of the paper as the scene's reading has them: pitch.speed and "
+    "distributions": "Those of the paper, under the case's sampling reading: pitch.speed and "
     "pitch.aim[0] are mixtures of two normal distributions each (Table II, Eqs. 2 to 4), "
     "swing.height_offset is normal with mean 0 (Sec. III.A), swing.tilt uniform from 0 to 10 "
     "degrees (Sec. III.A), all independent. A speed that is not positive is no pitch but counts.",
     "p": "Probability that the ball is batted and lands 150 m or more from the plate, in the "
-    "sample space of the reading.",
+    "sample space of the case's sampling reading.",
     "error": "The difference of two rules, the coarser of which makes nearly all of it, with what "
     "is left out. An estimate that means to be generous, no proof.",
     "confirmation": "The height offset integrated between its roots of D = 150 m, speed, aim and "
@@ -125,9 +124,9 @@ def write_probabilities(
         },
         cases=tuple(cases),
     )
-    data = whole.model_dump(mode="json", by_alias=True)
+    data = whole.model_dump(mode="json")
     for written, case in zip(data["cases"], cases, strict=True):
-        written["scene"] = json.loads(case.given.line())  # as the contract writes it
+        written["scene"] = json.loads(case.scene.line())  # as the contract writes it
     content = json.dumps(data, ensure_ascii=False, allow_nan=False, indent=1) + "\n"
     write_files(folder, {PROBABILITIES: content} | schemas())
     return len(cases)
@@ -144,7 +143,8 @@ def make(draft: ProbabilityDraft, lines: int, workers: int) -> ProbabilityCase:
     return ProbabilityCase(
         id=draft.id,
         comment=draft.comment,
-        scene=DrawnAtBat.of(scene, draft.sampling),
+        scene=scene,
+        sampling=draft.sampling,
         rows=tuple(
             ProbabilityRow(
                 e=row.e,

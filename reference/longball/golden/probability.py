@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from longball.model.drawn import DrawnAtBat
 from longball.model.readings import SamplingReading
 from longball.model.scene import AtBatScene
 
@@ -36,22 +35,14 @@ class ProbabilityCase(_Strict):
 
     id: str = Field(min_length=1, description="never given anew")
     comment: str = Field(description="what the case is there for")
-    given: DrawnAtBat = Field(
-        alias="scene",
-        description="everything that is not random, the reading included; restitution, speed, "
-        "horizontal aim, height offset and tilt in it stand for nothing",
+    scene: AtBatScene = Field(
+        description="everything that is not random; its restitution, speed, horizontal aim, "
+        "height offset and tilt are not used",
+    )
+    sampling: SamplingReading = Field(
+        description="how the at-bats are drawn, and of which of them P is a share",
     )
     rows: tuple[ProbabilityRow, ...]
-
-    @property
-    def scene(self) -> AtBatScene:
-        """Everything that is not random."""
-        return self.given.scene
-
-    @property
-    def sampling(self) -> SamplingReading:
-        """How the at-bats are drawn, and of which of them P is a share."""
-        return self.given.sampling
 
 
 class Probabilities(_Strict):

@@ -203,7 +203,7 @@ def make(family: str, draft: Draft) -> Case:
         level=level_of(result, table, found.fragile),
         comment=draft.comment,
         flags=tuple(flags),
-        scene=draft.given,
+        scene=draft.scene,
         expected=result,
         quantities=table,
         condition=condition(result, found) if result.outcome is not None else None,

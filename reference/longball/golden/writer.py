@@ -130,7 +130,7 @@ def _cases(folder: Path, family: str, drafts: list[Draft], workers: int) -> Iter
 def _is_of(case: Case | None, draft: Draft) -> bool:
     return (
         case is not None
-        and case.given == draft.given
+        and case.scene == draft.scene
         and case.comment == draft.comment
         and case.flags[: len(draft.flags)] == draft.flags
     )
