@@ -252,7 +252,7 @@ def told(base: Base, space: Space) -> str:
         for key, value in block.items()
         if value != usual[key] and key != "restitution"
     ]
-    turned = base.sampling.model_dump() | base.scene.reading.model_dump()
+    turned = base.scene.reading.model_dump() | base.sampling.model_dump()
     switches = [f"{key} = {value}" for key, value in turned.items()]
     chosen = [] if space == SPACES[0] else [f"samples: {space.name}"]
     return ", ".join(numbers + switches + chosen) or "nothing changed"
