@@ -7,8 +7,10 @@ samples asked for changes any one of them.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, fields
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,9 +37,7 @@ class Mixture:
         """Return `count` draws."""
         second = (generator.random(count) >= self.weight).astype(int)
         normal = generator.standard_normal(count)
-        means, deviations = np.array(self.means), np.array(self.deviations)
-        drawn: Array = means[second] + deviations[second] * normal
-        return drawn
+        return np.take(self.means, second) + np.take(self.deviations, second) * normal
 
     @property
     def parts(self) -> tuple[tuple[float, float, float], ...]:
@@ -46,36 +46,14 @@ class Mixture:
         every = zip(weights, self.means, self.deviations, strict=True)
         return tuple(part for part in every if part[0] > 0)
 
-    def density(self, values: Array) -> Array:
-        """Return the probability density at values."""
-        total = np.zeros_like(values)
-        for weight, mean, deviation in self.parts:
-            far = (values - mean) / deviation
-            total += weight / (deviation * math.sqrt(2 * math.pi)) * np.exp(-0.5 * far * far)
-        return total
+    @cached_property
+    def distribution(self) -> Any:
+        """As `scipy.stats` has it: with ``pdf``, ``cdf`` and ``icdf``."""
+        from scipy import stats  # slow to import, and not needed for --help
 
-    def below(self, values: Array) -> Array:
-        """Return the probability of a draw below values."""
-        from scipy.special import ndtr  # slow to import, and not needed for --help
-
-        total = np.zeros_like(values)
-        for weight, mean, deviation in self.parts:
-            total += weight * ndtr((values - mean) / deviation)
-        return total
-
-    def quantiles(self, shares: Array) -> Array:
-        """Return the values that are above the given shares of draws."""
-        from scipy.optimize import elementwise
-        from scipy.special import ndtri
-
-        every = [mean + deviation * ndtri(shares) for _, mean, deviation in self.parts]
-        found = elementwise.find_root(
-            lambda value, share: self.below(value) - share,
-            (np.minimum.reduce(every), np.maximum.reduce(every)),
-            args=(shares,),
-        )
-        values: Array = found.x
-        return values
+        both = zip(self.means, self.deviations, strict=True)
+        normals = [stats.Normal(mu=mean, sigma=deviation) for mean, deviation in both]
+        return stats.Mixture(normals, weights=(self.weight, 1.0 - self.weight))
 
 
 @dataclass(frozen=True)
@@ -150,9 +128,15 @@ class Samples:
         """
         return self.speed > 0
 
-    def chosen(self, which: NDArray[np.bool_]) -> Samples:
+    def chosen(self, which: NDArray[Any] | slice) -> Samples:
         """Return some of them."""
-        return Samples(self.speed[which], self.aim[which], self.offset[which], self.tilt[which])
+        return Samples(*(getattr(self, field.name)[which] for field in fields(self)))
+
+    @classmethod
+    def joined(cls, parts: Sequence[Samples]) -> Samples:
+        """Return the samples of all parts, one after the other."""
+        names = [field.name for field in fields(cls)]
+        return cls(*(np.concatenate([getattr(part, name) for part in parts]) for name in names))
 
     @property
     def columns(self) -> dict[str, Array]:
@@ -168,11 +152,8 @@ class Samples:
 def draw(at_bats: AtBats, count: int, seed: int, first: int = 0) -> Samples:
     """Return samples of a seed, from the one numbered `first` on: a multiple of BLOCK."""
     blocks = range(first // BLOCK, math.ceil((first + count) / BLOCK))
-    drawn = [draw_block(at_bats, seed, block) for block in blocks]
-    columns = ("speed", "aim", "offset", "tilt")
-    return Samples(
-        *(np.concatenate([getattr(block, name) for block in drawn])[:count] for name in columns)
-    )
+    drawn = Samples.joined([draw_block(at_bats, seed, block) for block in blocks])
+    return drawn.chosen(slice(count))
 
 
 def draw_block(at_bats: AtBats, seed: int, block: int) -> Samples:
