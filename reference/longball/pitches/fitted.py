@@ -15,7 +15,7 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from longball.model.scene import explain
-from longball.pitches.table import ROWS_NAMED, Columns, PitchesError, PitchTypes
+from longball.pitches.table import Columns, Omission, PitchesError, PitchTypes
 
 Method = Literal["maximum_likelihood", "least_squares"]
 Positive = Annotated[float, Field(gt=0.0)]
@@ -169,16 +169,6 @@ class Heights(_Strict):
     p_value_of_lower_four: Share = Field(description="of that χ² if the shares are equal")
 
 
-class Omission(_Strict):
-    """Rows that were not used."""
-
-    reason: str
-    count: int
-    first_rows: tuple[int, ...] = Field(
-        description=f"numbers of the first {ROWS_NAMED}, from 1 below the header"
-    )
-
-
 class FittedPitches(_Strict):
     """The paper's Sec. II on a table of pitches: `longball homerun --pitches` reads it."""
 
@@ -249,16 +239,14 @@ def _lines(fitted: FittedPitches) -> Iterator[str]:
     yield ""
     yield _row("Speed (Table II, Fig. 2)", "maximum likelihood", "histogram", "Eq. 2 as printed")
     fits = (speed.maximum_likelihood, speed.least_squares, speed.least_squares_as_printed)
-    for label, key, scale, digits in (
-        ("mean of straight, km/h", "straight_mean", 3.6, 2),
-        ("  its standard deviation", "straight_spread", 3.6, 2),
-        ("  σ of Eq. 2 as printed", "straight_spread", 3.6 * math.sqrt(2.0), 2),
-        ("mean of breaking, km/h", "breaking_mean", 3.6, 2),
-        ("  its standard deviation", "breaking_spread", 3.6, 2),
-        ("  σ of Eq. 2 as printed", "breaking_spread", 3.6 * math.sqrt(2.0), 2),
-        ("p, weight of straight", "weight", 1.0, 4),
-    ):
-        yield _row(label, *(_number(getattr(fit, key), scale, digits) for fit in fits))
+    for kind in ("straight", "breaking"):
+        for label, key, scale in (
+            (f"mean of {kind}, km/h", f"{kind}_mean", 3.6),
+            ("  its standard deviation", f"{kind}_spread", 3.6),
+            ("  σ of Eq. 2 as printed", f"{kind}_spread", 3.6 * math.sqrt(2.0)),
+        ):
+            yield _row(label, *(_number(getattr(fit, key), scale, 2) for fit in fits))
+    yield _row("p, weight of straight", *(_number(fit.weight, 1.0, 4) for fit in fits))
     yield _row("R² of the mixture", *(_determination(fit.r_squared) for fit in fits))
 
     aim = fitted.aim
