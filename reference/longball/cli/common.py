@@ -4,15 +4,20 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated, Any, BinaryIO, NoReturn
+from typing import Annotated, Any, BinaryIO, NoReturn, TypeVar
 
 import typer
+from pydantic import BaseModel, ValidationError
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
+
+from longball.model.scene import explain
+
+M = TypeVar("M", bound=BaseModel)
 
 say = Console(stderr=True, highlight=False, soft_wrap=True)
 
@@ -39,6 +44,14 @@ def wrong_call(sentence: str) -> NoReturn:
     """Say what is wrong with the call and leave with status 2."""
     tell(sentence)
     raise typer.Exit(2)
+
+
+def parsed(model: type[M], values: Mapping[str, Any], option: str = "") -> M:
+    """Return options as a model; an invalid one is a wrong call."""
+    try:
+        return model.model_validate(values)
+    except ValidationError as error:
+        wrong_call(f"{option}{explain(error, model)}")
 
 
 @contextmanager

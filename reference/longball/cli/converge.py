@@ -22,7 +22,7 @@ def converge(
         typer.Argument(metavar="-- COMMAND …{dt}…", help="{dt} stands for the time step, s."),
     ],
     scenes: Annotated[
-        str | None, typer.Option(help="JSON Lines; golden flights and at-bats if not given.")
+        str | None, typer.Option(help="JSON Lines; by default golden flights and at-bats.")
     ] = None,
     golden: Annotated[
         str | None, typer.Option(metavar="SET", help="Cases of one golden family instead.")

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import sys
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, Any
 
 import typer
-from pydantic import BaseModel, ValidationError
 
-from longball.cli.common import Json, Seed, option_value, split_assignment, tell, wrong_call
-from longball.model.scene import explain
+from longball.cli.common import Json, Seed, option_value, parsed, split_assignment, tell, wrong_call
 from longball.pitches import EXAMPLE, Columns, PitchesError, PitchTypes, as_text, fit_pitches
 from longball.pitches.fitted import Method
 from longball.pitches.fitting import BIN_WIDTH
@@ -65,14 +63,3 @@ def fit(
         tell(str(error))
         raise typer.Exit(1) from None
     print(fitted.model_dump_json(indent=2) if as_json else as_text(fitted).rstrip())
-
-
-M = TypeVar("M", bound=BaseModel)
-
-
-def parsed(model: type[M], values: dict[str, Any]) -> M:
-    """Return options as a model; a wrong one is a wrong call."""
-    try:
-        return model.model_validate(values)
-    except ValidationError as error:
-        wrong_call(explain(error, model))

@@ -21,7 +21,7 @@ def write(
     part: Annotated[Part | None, typer.Option(help="Only that part of the set.")] = None,
     workers: Workers = -1,
 ) -> None:
-    """Solve every case with proven bounds and write the set to DIR; the shipped set if not given.
+    """Solve every case with proven bounds and write the set to DIR; by default the shipped set.
 
     An interrupted run resumes where it stopped. The cases take some ten minutes on two cores, the
     probabilities P(e) somewhat longer.
@@ -43,7 +43,7 @@ def write(
 def check(
     folder: Folder = None,
     sample: Annotated[
-        int | None, typer.Option(min=0, help="Solve so many cases again; all if not given.")
+        int | None, typer.Option(min=0, help="Solve so many cases again; by default all.")
     ] = None,
     seed: Annotated[int, typer.Option(min=0, help="Which ones.")] = 1,
     independent: Annotated[

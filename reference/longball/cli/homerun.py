@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, cast
 
 import typer
-from pydantic import ValidationError
 
 from longball import engines
 from longball.cli.cluster import Scheduler, on_cluster
@@ -19,6 +18,7 @@ from longball.cli.common import (
     Seed,
     Workers,
     option_value,
+    parsed,
     plain_table,
     progress_bar,
     refusing,
@@ -28,13 +28,11 @@ from longball.cli.common import (
     wrong_call,
 )
 from longball.home_run import (
-    MIDDLE_CELL,
     PAPER_CURVES,
     AtBats,
     Estimate,
     Fit,
     Integral,
-    Mixture,
     draw,
     estimate,
     fit,
@@ -53,7 +51,7 @@ from longball.model.readings import (
     Fig7Parameters,
     SamplingReading,
 )
-from longball.model.scene import AtBatScene, explain, parse_scene
+from longball.model.scene import AtBatScene, parse_scene
 from longball.pitches import load_fitted
 
 ReadingOption = Annotated[
@@ -107,7 +105,7 @@ def homerun(
                 wrong_call(sentence)
     switches = chosen_switches(reading or [])
     base = base_scene(switches["scene"], set_ or [])
-    sampling = sampling_reading(switches["sampling"])
+    sampling = parsed(SamplingReading, switches["sampling"], "--reading ")
     curve = figure_curve(switches["figure"])
     restitutions = parse_restitutions(e)
     at_bats = paper_at_bats(sampling)
@@ -168,14 +166,6 @@ def chosen_switches(readings: Sequence[str]) -> dict[Belongs, dict[str, Any]]:
     return switches
 
 
-def sampling_reading(switches: Mapping[str, Any]) -> SamplingReading:
-    """Return how at-bats are drawn."""
-    try:
-        return SamplingReading.model_validate(switches)
-    except ValidationError as error:
-        wrong_call(f"--reading {explain(error, SamplingReading)}")
-
-
 def figure_curve(switches: Mapping[str, Any]) -> Fig7Parameters:
     """Return which of the paper's curves P(e) is held against."""
     chosen = str(switches.get(FIGURE_SWITCH, "caption"))
@@ -201,23 +191,16 @@ def base_scene(reading: Mapping[str, Any], values: Sequence[str]) -> AtBatScene:
         else:
             scene[block] = option_value(value)
     with refusing():
-        parsed = parse_scene(json.dumps(scene))
-    assert isinstance(parsed, AtBatScene)
-    return parsed
+        found = parse_scene(json.dumps(scene))
+    assert isinstance(found, AtBatScene)
+    return found
 
 
 def with_pitches(at_bats: AtBats, path: Path) -> AtBats:
     """Return at-bats whose pitches are drawn from fitted distributions instead of the paper's."""
     with refusing():
-        fitted = load_fitted(path).distributions()
-    speed, aim = fitted.speed, fitted.aim
-    left, right = ((cell - MIDDLE_CELL) * aim.cell_width for cell in aim.means)
-    deviation = aim.standard_deviation * aim.cell_width
-    return replace(
-        at_bats,
-        speed=Mixture(speed.weights[0], speed.means, speed.standard_deviations),
-        aim=Mixture(aim.weights[0], (left, right), (deviation, deviation)),
-    )
+        speed, aim = load_fitted(path).distributions()
+    return replace(at_bats, speed=speed, aim=aim)
 
 
 def parse_restitutions(text: str) -> list[float]:
@@ -297,17 +280,12 @@ def print_probability(rows: Rows, fitted: Fit | None, chosen: Fig7Parameters) ->
         )
     show(table)
     if fitted:
-        print(
-            f"fit: C1 = {fitted.curve.c1:.0f} ± {fitted.c1_error:.0f} m, "
-            f"sigma = {fitted.curve.sigma:.1f} ± {fitted.sigma_error:.1f} m"
-        )
+        c1 = f"C1 = {fitted.curve.c1:.0f} ± {fitted.c1_error:.0f} m"
+        print(f"fit: {c1}, sigma = {fitted.curve.sigma:.1f} ± {fitted.sigma_error:.1f} m")
     else:
         print("fit: these home runs do not determine C1 and sigma")
-    curves = "; ".join(
-        f"{name} C1 = {curve.c1:g} m, sigma = {curve.sigma:g} m"
-        for name, curve in PAPER_CURVES.items()
-    )
-    print(f"paper: {curves}")
+    curves = PAPER_CURVES.items()
+    print("paper:", "; ".join(f"{n} C1 = {c.c1:g} m, sigma = {c.sigma:g} m" for n, c in curves))
     print(f"difference: from the paper's {chosen} (reading fig7_parameters)")
 
 

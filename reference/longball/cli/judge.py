@@ -21,8 +21,7 @@ def judge(
         ),
     ] = None,
     golden: Annotated[
-        str | None,
-        typer.Option(metavar="SET", help="A family of the golden data; all if not given."),
+        str | None, typer.Option(metavar="SET", help="A family of the golden data; by default all.")
     ] = None,
     results: Annotated[
         Path | None,
@@ -40,9 +39,7 @@ def judge(
     ] = None,
     samples: Annotated[
         Path | None,
-        typer.Option(
-            help="At-bats that the candidate drew, .jsonl: are they the paper's distributions?"
-        ),
+        typer.Option(help="At-bats that the candidate drew, .jsonl, to test their distributions."),
     ] = None,
     profile: Annotated[
         str,

@@ -8,15 +8,7 @@ from typing import Annotated, Any
 
 import typer
 
-from longball.cli.common import (
-    Json,
-    Seed,
-    Workers,
-    option_value,
-    plain_table,
-    progress_bar,
-    show,
-)
+from longball.cli.common import Json, Seed, Workers, option_value, plain_table, progress_bar, show
 from longball.home_run import Estimate, estimate, monte_carlo, paper_at_bats
 from longball.model.readings import LEDGER, Entry, Reading, SamplingReading, readings_of
 from longball.model.scene import AtBatScene

@@ -19,11 +19,11 @@ def solve(
         typer.Argument(metavar="[SCENES|-]", help="JSON Lines, one scene per line; - reads stdin."),
     ] = "-",
     output: Annotated[
-        Path | None, typer.Option("-o", "--output", help="Where results go; stdout if not given.")
+        Path | None, typer.Option("-o", "--output", help="Where results go; by default stdout.")
     ] = None,
     engine: Annotated[str, typer.Option(help="One of " + ", ".join(engines.ENGINES))] = "ivp",
     method: Annotated[
-        str | None, typer.Option(help="ivp: a method of solve_ivp; DOP853 if not given.")
+        str | None, typer.Option(help="ivp: a method of solve_ivp; by default DOP853.")
     ] = None,
     rtol: Annotated[float | None, typer.Option(help="ivp: relative tolerance.")] = None,
     atol: Annotated[float | None, typer.Option(help="ivp: absolute tolerance, m, m/s.")] = None,
@@ -38,10 +38,10 @@ def solve(
         str | None, typer.Option(help="verlet: how drag and lift are had; old_carried.")
     ] = None,
     landing: Annotated[
-        str | None, typer.Option(help="verlet: interpolated (if not given) or first_below.")
+        str | None, typer.Option(help="verlet: interpolated (default) or first_below.")
     ] = None,
     root: Annotated[
-        str | None, typer.Option(help="verlet: Appendix B's root, first (if not given) or larger.")
+        str | None, typer.Option(help="verlet: Appendix B's root, first (default) or larger.")
     ] = None,
     workers: Workers = 1,
     scheduler: Scheduler = None,

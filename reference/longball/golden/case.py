@@ -20,11 +20,13 @@ Level = Literal["lower", "average", "higher"]
 ROUNDING = 2.0**-53
 
 
-class _Strict(BaseModel):
+class Strict(BaseModel):
+    """A model that takes what it names, as it is, and nothing else."""
+
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
 
 
-class Quantity(_Strict):
+class Quantity(Strict):
     """A number of the expected result for those who compute in doubles."""
 
     double: float = Field(description="the double nearest to the truth")
@@ -43,8 +45,8 @@ class Quantity(_Strict):
     )
 
 
-class Condition(_Strict):
-    """How the result answers to its inputs."""
+class Condition(Strict):
+    """How the result depends on its inputs."""
 
     derivatives: dict[str, dict[str, float | None]] = Field(
         description="of the decisive quantities (the level depends on them) by each input that is "
@@ -57,11 +59,11 @@ class Condition(_Strict):
     )
 
 
-class Confirmation(_Strict):
-    """What the independent method said."""
+class Confirmation(Strict):
+    """The result of the independent method."""
 
-    engine: str = Field(description="who computed it, and how")
-    outcome: str | None = Field(description="null if it could not tell either")
+    engine: str = Field(description="the method and its options")
+    outcome: str | None = Field(description="null if it could not decide either")
     agreement: float | None = Field(
         ge=0.0,
         description="largest difference from the expected values in units of 1e-30 of the "
@@ -69,13 +71,13 @@ class Confirmation(_Strict):
     )
 
 
-class Case(_Strict):
-    """A scene, its proven result, and how hard it is."""
+class Case(Strict):
+    """A scene, its proven result, and its difficulty."""
 
-    id: str = Field(min_length=1, description="of the case and of its scene; never given anew")
+    id: str = Field(min_length=1, description="of the case and of its scene; never reused")
     family: str
     level: Level = Field(description="difficulty, by digits attainable; see the header")
-    comment: str = Field(description="what the case is there for")
+    comment: str = Field(description="what the case tests")
     flags: tuple[str, ...] = Field(description="each one is explained in the header")
     scene: Scene = Field(discriminator="kind")
     expected: Result = Field(
@@ -110,7 +112,7 @@ class Case(_Strict):
         return math.inf if error is None else error
 
     def line(self) -> str:
-        """Return the case as a line of JSON; scene and result as the contract writes them."""
+        """Return the case as a line of JSON, scene and result in the form of the contract."""
         whole = self.model_dump(mode="json") | {
             "scene": json.loads(self.scene.line()),
             "expected": json.loads(self.expected.line()),
@@ -118,7 +120,7 @@ class Case(_Strict):
         return json.dumps(whole, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
 
 
-class Family(_Strict):
+class Family(Strict):
     """A file of cases."""
 
     file: str
@@ -126,7 +128,7 @@ class Family(_Strict):
     about: str
 
 
-class Header(_Strict):
+class Header(Strict):
     """What one has to know to use the set."""
 
     title: str

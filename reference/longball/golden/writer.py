@@ -36,7 +36,7 @@ TABULATED = (
 
 
 def plan(families: Mapping[str, Family] = FAMILIES) -> dict[str, list[Draft]]:
-    """Return the drafts of families: all that there is to be solved. Takes some seconds."""
+    """Return the drafts of families; this takes some seconds."""
     return {name: list(family()) for name, family in families.items()}
 
 
@@ -56,7 +56,7 @@ def write(
     families
         Functions that return the drafts of a family; their docstrings go into the header.
     workers
-        Processes; -1 for one a core. They change no byte of what is written.
+        Processes; -1 for one per core. Their number does not change what is written.
     progress
         Called with the numbers of cases done, those of an interrupted run included, and of all.
     """

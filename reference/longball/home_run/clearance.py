@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Counted = Literal["home runs", "sample space"]
 
-# What the ball's fall while it passes the bat adds to the window in which the two meet, and more.
+# More than the ball's fall, while it passes the bat, adds to the window in which the two meet.
 _WIDER = 1.05
 _OFFSETS = 37
 
@@ -38,7 +38,7 @@ class Clearance:
     restitution
         The ball's.
     engine
-        Who flies the balls.
+        What solves the at-bats.
     sample_space
         Of which the home runs are a share.
     counted
@@ -57,7 +57,7 @@ class Clearance:
         return clearances
 
     def with_unsolved(self, inputs: Samples) -> tuple[Array, NDArray[np.bool_]]:
-        """Return clearances, and which at-bats the engine could not tell: as if not batted."""
+        """Return clearances, and which at-bats the engine could not decide: as if not batted."""
         table = self._solve(inputs)
         x, y = _column(table, "landing.position[0]"), _column(table, "landing.position[1]")
         inside = np.full_like(x, HOME_RUN_DISTANCE)

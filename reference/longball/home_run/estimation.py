@@ -30,7 +30,7 @@ class Estimate:
     home_runs, trials
         What was counted, among how many of the sample space.
     failed
-        Samples that the engine could not tell, counted as no home runs.
+        Samples that the engine could not decide, counted as no home runs.
     p, low, high
         The share of home runs, and the interval; NaN without a trial.
     """

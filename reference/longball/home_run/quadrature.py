@@ -59,10 +59,10 @@ LEVELS = (Nodes(20, 2), Nodes(28, 3), Nodes(40, 4), Nodes(56, 6))
 
 @dataclass(frozen=True)
 class Integral:
-    """P(e) and its slope, with estimates of their errors that mean to be generous.
+    """P(e) and its slope, with generous estimates of their errors.
 
     Each error is the difference of two rules, the coarser of which makes nearly all of it, and the
-    weight of what the engine could not tell. NaN where the sample space is empty.
+    weight of what the engine could not decide. NaN where the sample space is empty.
 
     Attributes
     ----------
@@ -129,7 +129,7 @@ def integrals(
         Error of P that is asked for; ten times as much of dP/de. The rules are refined until two in
         a row agree so far, or there is no finer one.
     workers
-        Threads; -1 for one a core. The answer does not depend on them, to the last bit.
+        Threads; -1 for one per core. The answer does not depend on them, to the last bit.
     progress
         Called with the number of restitutions done.
     """
@@ -328,7 +328,7 @@ def share_over_aims(
 ) -> tuple[Array, Array, Array]:
     """Return, for given speeds, offsets and tilts, the probability of what is counted.
 
-    And its derivative by e, and 1 where the engine could not tell some at-bat, 0 elsewhere.
+    And its derivative by e, and 1 where the engine could not decide some at-bat, 0 elsewhere.
     """
     half = clearance.base.bat.length / 2 * (1.0 - _END)
     low, high = clearance.aim_to_touch(-half, inputs), clearance.aim_to_touch(half, inputs)

@@ -1,4 +1,4 @@
-"""P(e) by randomised quasi-Monte Carlo: a second way, which shares no rule with the quadrature.
+"""P(e) by randomised quasi-Monte Carlo, which shares no rule with the quadrature.
 
 The height offset is integrated exactly between the roots of D = 150 m, and where ball and bat begin
 to miss each other; the other three variables are points of Sobol' sequences, scrambled
@@ -65,7 +65,7 @@ def scrambled(
     sample_space
         Of which the home runs are a share.
     workers
-        Threads; -1 for one a core. The answer does not depend on them, to the last bit.
+        Threads; -1 for one per core. The answer does not depend on them, to the last bit.
     progress
         Called with the number of restitutions done.
     """
@@ -118,11 +118,8 @@ def _aims(base: AtBatScene, at_bats: AtBats) -> tuple[float, float]:
     x, y, _ = base.pitch.release
     way = (base.ball.radius + base.bat.radius) / x
     farthest = (base.bat.length / 2 + abs(y * way)) / (1.0 - way)
-    parts = at_bats.aim.parts
-    return (
-        max(-farthest, min(mean - FARTHEST * deviation for _, mean, deviation in parts)),
-        min(farthest, max(mean + FARTHEST * deviation for _, mean, deviation in parts)),
-    )
+    low, high = ([m + far * s for _, m, s in at_bats.aim.parts] for far in (-FARTHEST, FARTHEST))
+    return max(-farthest, min(low)), min(farthest, max(high))
 
 
 def _means(clearance: Clearance, at_bats: AtBats, lines: Samples, workers: int) -> Array:

@@ -58,7 +58,7 @@ BIN_WIDTH = 3.0
 # Five numbers are fitted to the histogram; and more bins than this hold next to nothing each.
 FEWEST_BINS, MOST_BINS = 5, 1000
 
-# Below this the errors given here, all of them for large samples, would be a pretence.
+# The standard errors here are asymptotic: they need samples of at least this size.
 FEWEST_PITCHES = 20
 
 # The grid of Fig. 1 across the plate: boundaries of the five cells, the outer ones open.

@@ -47,11 +47,13 @@ class PitchesError(ValueError):
     """Pitches that cannot be used; the message says in a sentence which column or row, and why."""
 
 
-class _Strict(BaseModel):
+class Strict(BaseModel):
+    """A model that takes what it names, as it is, and nothing else."""
+
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
 
 
-class Columns(_Strict):
+class Columns(Strict):
     """Which column says what, in which unit, seen from where. The defaults are Statcast's."""
 
     pitch_type: str = "pitch_type"
@@ -79,7 +81,7 @@ class Columns(_Strict):
     )
 
 
-class PitchTypes(_Strict):
+class PitchTypes(Strict):
     """Which types of pitch are straight, which break. The defaults are for Statcast's codes.
 
     The paper counts curves and two-seam fastballs among the breaking balls, so that straight is
@@ -110,7 +112,7 @@ class PitchTypes(_Strict):
         return self
 
 
-class Omission(_Strict):
+class Omission(Strict):
     """Rows that were not used."""
 
     reason: str
