@@ -63,12 +63,10 @@ def write(
     drafts = plan(families)
     total = sum(map(len, drafts.values()))
     made: dict[str, list[Case]] = {name: [] for name in drafts}
-    done = 0
     for name, family in drafts.items():
         for case in _cases(folder, name, family, workers):
             made[name].append(case)
-            done += 1
-            progress(done, total)
+            progress(sum(map(len, made.values())), total)
     files = {
         f"{name}.jsonl": "".join(case.line() + "\n" for case in cases)
         for name, cases in made.items()

@@ -53,8 +53,7 @@ class Clearance:
 
     def __call__(self, inputs: Samples) -> Array:
         """Return clearances, an array of shape (n,)."""
-        clearances, _ = self.with_unsolved(inputs)
-        return clearances
+        return self.with_unsolved(inputs)[0]
 
     def with_unsolved(self, inputs: Samples) -> tuple[Array, NDArray[np.bool_]]:
         """Return clearances, and which at-bats the engine could not decide: as if not batted."""
