@@ -49,18 +49,36 @@ class Recurrence:
                 continue
             match node.kind:
                 case "product":
-                    kept |= dict.fromkeys(map(_without_constant, node.args))
+                    kept |= dict.fromkeys(map(row_of, node.args))
                 case "quotient":
-                    kept |= dict.fromkeys((node, _without_constant(node.args[1])))
+                    kept |= dict.fromkeys((node, row_of(node.args[1])))
                 case "sqrt":
                     kept |= {node: None}
                 case "exp" | "log":
-                    kept |= dict.fromkeys((node, _without_constant(node.args[0])))
+                    kept |= dict.fromkeys((node, row_of(node.args[0])))
         return tuple(node for node in kept if not node.static)
 
     def name(self, node: Node) -> str:
         """Return the name of a row in printed code."""
         return str(node.args[0]) if node.kind == "variable" else f"r{self.rows.index(node)}"
+
+    def factors(self, node: Node) -> tuple[Node, Node] | None:
+        """Return the two nodes whose coefficients 1 … n-1 are multiplied and summed for a node.
+
+        Of `exp` and `log` the first factor is weighted with its order. None if there is no sum.
+        """
+        match node.kind:
+            case "product":
+                return node.args
+            case "quotient":
+                return node.args[1], node
+            case "sqrt":
+                return node, node
+            case "exp":
+                return node.args[0], node
+            case "log":
+                return node, node.args[0]
+        return None
 
     @cached_property
     def roots(self) -> tuple[Node, ...]:
@@ -89,8 +107,8 @@ def recurrence(program: Program) -> Recurrence:
     return Recurrence(program)
 
 
-def _without_constant(node: Node) -> Node:
-    """Return x of ``x + constant``, which has the same coefficients but for the first."""
+def row_of(node: Node) -> Node:
+    """Return x of ``x + constant``: the coefficients of the two differ in the first alone."""
     if node.kind == "sum" and len(node.args) == 2 and node.args[1][0].args == (1.0,):
         inner: Node = node.args[1][1]
         return inner
@@ -132,7 +150,7 @@ class _Printer:
         return list(zip(self.program.variables, self.program.outputs, strict=True))
 
     def row(self, node: Node, index: str) -> str:
-        return f"{self.recurrence.name(_without_constant(node))}[{index}]"
+        return f"{self.recurrence.name(row_of(node))}[{index}]"
 
     # The values at t = 0 are the program's own.
     def order_zero(self) -> None:
@@ -156,20 +174,11 @@ class _Printer:
         doubled: list[str] = []
         self.sums: dict[Node, str] = {}
         for node in self.dynamic:
-            if node.kind == "sum":
+            factors = self.recurrence.factors(node)
+            if factors is None:
                 continue
             name = self.sums[node] = f"s{len(self.sums)}"
-            match node.kind:
-                case "product":
-                    a, b = node.args
-                case "quotient":
-                    a, b = node.args[1], node
-                case "sqrt":
-                    a, b = node, node
-                case "exp":
-                    a, b = node.args[0], node
-                case "log":
-                    a, b = node, node.args[0]
+            a, b = factors
             if a is b:
                 both.append(f"{name} += {self.row(a, 'j')} * {self.row(a, 'k')}")
                 middle.append(f"{name} += {self.row(a, 'm')} * {self.row(a, 'm')}")

@@ -21,19 +21,24 @@ from longball.engines.batch import flights
 from longball.engines.batch.flights import Records
 from longball.engines.batch.records import (
     STOPS,
+    Bat,
     Start,
     approach_is_clear,
+    general,
     noted,
-    put_bat,
+    placed,
     records_of,
+    stops,
 )
 from longball.engines.chain import Cases, Model
 from longball.engines.contact import BatSection, margin_error
 from longball.engines.engine import Touch
+from longball.engines.event import past
 from longball.engines.path import Flight, Path
 from longball.model.law import Law, State
 from longball.model.numbers import DOUBLES, ratio
 from longball.model.result import Outcome
+from longball.model.trace import Program
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -67,7 +72,7 @@ class Elementwise:
 
     def where(self, condition: Any, x: Any, y: Any) -> Any:
         """Return x where a condition holds, else y."""
-        return np.where(condition, x, y)
+        return np.where(condition, x, y)[()]  # a number of numbers
 
     def sqrt(self, x: Array) -> Array:
         """Return the correctly rounded square roots."""
@@ -80,7 +85,7 @@ class Elementwise:
             np.fromiter(map(function, angles.tolist()), float, angles.size)
             for function in (math.cos, math.sin)
         )
-        return cos.reshape(np.shape(angle)), sin.reshape(np.shape(angle))
+        return cos.reshape(np.shape(angle))[()], sin.reshape(np.shape(angle))[()]
 
     def positive(self, x: Array, error: Any, question: str) -> Any:
         """Tell where ``x > 0``, of numbers without error."""
@@ -169,10 +174,10 @@ class BatchFlyer(Protocol):
     def flight_error(self) -> float:
         """Error of a state at the end of a flight, relative to its size."""
 
-    def fly_all(self, starts: Records) -> Records:
-        """Fly records of starts; return records of arrivals, in order."""
+    def fly_all(self, starts: Records, program: Program) -> Records:
+        """Fly records of starts by a law's program; return records of arrivals, in order."""
 
-    def search_all(self, starts: Records) -> Records:
+    def search_all(self, starts: Records, program: Program) -> Records:
         """Do the same for flights past a bat."""
 
 
@@ -212,10 +217,16 @@ class Columns:
 
     def fly(self, law: Law[Any], start: State[Any], events: Any, limit: Any) -> Flights:
         """Fly to a stop; see `longball.engines.engine.Engine.fly`."""
-        launch = Start(np.zeros(np.broadcast(*start).shape), start)
+        launch = Start(0.0, start)
         records = records_of(law, launch, events, limit, self.flight_error)
-        ends = self.flyer.fly_all(records)
-        return Flights(Path(()), ends["stop"], *noted(ends, law), launch, noted(ends, law, "mark_"))
+        ends = self.flyer.fly_all(records, general(law).program)
+        return Flights(
+            Path(()),
+            stops(ends, events),
+            *placed(ends, law, events),
+            launch,
+            noted(ends, law, "mark_"),
+        )
 
     def touch(
         self, pitch: Flights, law: Law[Any], bat: BatSection[Any], events: Any, limit: Any
@@ -224,15 +235,16 @@ class Columns:
         clear = approach_is_clear(bat, pitch.state.z)
         start = merged(clear, select(pitch.approach, clear), select(pitch.launch, ~clear))
         error = margin_error(bat, pitch.state.z, self.flight_error, NUMBERS)
-        records = records_of(law, start, events, limit, self.flight_error)
-        put_bat(records, bat, error)
-        ends = self.flyer.search_all(records)
+        over = [past(bat.frame, bat.reach, NUMBERS), *events]
+        records = records_of(law, start, over, limit, self.flight_error, Bat(bat, error))
+        ends = self.flyer.search_all(records, general(law).program)
         touched = ends["stop"] == flights.TOUCH
-        missed = np.isin(ends["stop"], (flights.FLOOR, flights.WALL, flights.TIME_LIMIT))
+        missed = np.isin(stops(ends, over), [STOPS[name] for name in ("past", "ground", "time")])
         told = touched | missed | (ends["stop"] == flights.GRAZES_BAT)
-        margin = np.where(told, ends["margin"], np.nan)
+        margin = np.where(told, ends["margin"], np.nan)[()]
         time, state = noted(ends, law)
-        return Touch(margin, np.where(touched, 1, np.where(missed, 0, -1)), time, state)  # type: ignore[arg-type]
+        told_apart = np.where(touched, 1, np.where(missed, 0, -1))[()]
+        return Touch(margin, told_apart, time, state)  # type: ignore[arg-type]
 
 
 # --- cases in columns -----------------------------------------------------------------------------
@@ -260,34 +272,25 @@ class ManyCases(Cases[Any]):
 
     def touched(self, touch: Touch[Any]) -> tuple[Flags, Flags]:
         """See `Cases`."""
-        return touch.touched == 1, touch.touched == 0
+        code: Any = touch.touched
+        return code == 1, code == 0
 
     def take(self, condition: Any, *values: Any) -> tuple[Any, ...]:
         """See `Cases`."""
         rows = self._flags(condition)
-        return tuple(
-            select(value, rows)
-            for value in (
-                replace(self, scene=select(self.scene, rows), rows=self.rows[rows]),
-                *values,
-            )
-        )
+        some = replace(self, scene=select(self.scene, rows), rows=self.rows[rows])
+        return some, *(select(value, rows) for value in values)
 
     def either(
-        self,
-        condition: Any,
-        yes: Callable[..., Flight[Any]],
-        no: Callable[..., Flight[Any]],
-        *values: Any,
-    ) -> Flight[Any]:
+        self, condition: Any, yes: Callable[..., Any], no: Callable[..., Any], *values: Any
+    ) -> Any:
         """See `Cases`."""
         flags = self._flags(condition)
         answers = [
             function(*self.take(which, *values)) if which.any() else None
             for function, which in ((yes, flags), (no, ~flags))
         ]
-        flown: Flight[Any] = merged(flags, *answers)
-        return flown
+        return merged(flags, *answers)
 
     def record(self, name: str, value: Any) -> None:
         """See `Cases`."""
