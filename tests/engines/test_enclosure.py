@@ -294,11 +294,11 @@ def test_the_release_may_be_the_closest_approach():
     ("question", "scene"),
     [
         (
-            "whether the ball touches the ground",
+            "whether the ball touches the ground in the time limit",
             flight(height=0.0, velocity=(1.0, 0.0, 50.0), air=None, gravity=10.0, time_limit=10.0),
         ),
         (
-            "whether the ball touches the ground or the ball reaches the plate first",
+            "whether the ball touches the ground before the ball reaches the plate",
             PitchScene(
                 id="x",
                 air=None,

@@ -82,10 +82,11 @@ def zeros(value: arb_poly, a: arb, b: arb) -> list[arb]:
         part, middle = a.union(b), _cut(a, b)
         if _clear(value(part)):
             continue
-        rate = _centred(slope, bend, part, middle)
-        there = value(middle) + rate * (part - middle)
+        # In mean-value form, sharp where the family is flat.
+        there = value(middle) + (slope(middle) + bend(part) * (part - middle)) * (part - middle)
         if _clear(there):
             continue
+        rate = slope(part)
         if _clear(rate):
             falling, falling_slope = (value, slope) if rate < 0 else (-value, -slope)
             if falling(a) < 0 or falling(b) > 0:
@@ -99,11 +100,6 @@ def zeros(value: arb_poly, a: arb, b: arb) -> list[arb]:
         else:
             _add(part, found)
     return found
-
-
-def _centred(value: arb_poly, slope: arb_poly, part: arb, middle: arb) -> arb:
-    """Enclose a family over a part by its mean-value form, which is sharp where it is flat."""
-    return value(middle) + slope(part) * (part - middle)
 
 
 def _add(ball: arb, found: list[arb]) -> None:
