@@ -62,8 +62,9 @@ def flight_dtype(program: Program, events: int) -> np.dtype[Any]:
     ``reach``, ``margin_error``, ``across``, ``above``
         The bat: the distance from its axis at which it is touched, m, 0 for no bat; the error of
         the margin, m; the two components of the distance.
-    ``waypoint``
-        A step ends where this function falls through zero, and the state there is noted.
+    ``waypoint``, ``ahead``
+        A step ends where this function falls through zero, and the state there is noted. The event
+        of that number lies beyond; -1 if none does.
     ``events``
         The functions that end a flight where they fall through zero.
 
@@ -81,8 +82,8 @@ def flight_dtype(program: Program, events: int) -> np.dtype[Any]:
     )
 
 
-_FLIGHT = ("time", "time_limit", "error", "reach", "margin_error")
-_TIME, _LIMIT, _ERROR, _REACH, _MARGIN_ERROR, _STATE = range(6)
+_FLIGHT = ("time", "time_limit", "error", "reach", "margin_error", "ahead")
+_TIME, _LIMIT, _ERROR, _REACH, _MARGIN_ERROR, _AHEAD, _STATE = range(7)
 # Functions, in the order of the records.
 _ACROSS, _ABOVE, _WAYPOINT, _FIRST_EVENT = range(4)
 
@@ -125,6 +126,7 @@ def new_flights(program: Program, shape: tuple[int, ...], events: int) -> Record
     """Return flights that have no waypoint, no bat, and events that never happen."""
     flights = np.zeros(shape, flight_dtype(program, events))
     constant = len(program.variables)
+    flights["ahead"] = -1.0
     flights["waypoint"][..., constant] = flights["events"][..., constant] = math.inf
     return flights
 
@@ -476,12 +478,15 @@ def _settle(s: _Setup, slot: _Slot, time: float, length: float) -> float:
         if searched < end:
             stop, end = _FLYING, searched
     doubt, doubtful = 0.0, _NONE
+    ahead = flight[_AHEAD] if math.isnan(arrival[_END + 1 + s.variables]) else -1.0
     # First what shortens the step, then the events.
     for number in range(-2, s.functions - 1):
         error = 0.0
         if number == -2:
             if not _put_speed(s):
                 continue
+        elif number >= 0 and number == ahead:
+            continue
         else:
             function = shifted(s.linear, (number + 1) * (s.variables + 2) * WIDTH + lane)
             error = function[(s.variables + 1) * WIDTH]
