@@ -9,23 +9,24 @@ from pathlib import Path
 from typing import Any
 
 import mpmath
+import numba
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from longball.engines import roots
 from longball.engines.batch import (
     Batch,
     cache,
     expansion,
-    roots,
+    falls,
     solve_all,
     solve_columns,
     solve_columns_with_restitutions,
 )
 from longball.engines.batch.expansion import WIDTH, aligned, kernel
-from longball.engines.batch.falls import first_fall, two_values
-from longball.engines.batch.jit import call, compiled, unowned_view
+from longball.engines.batch.jit import call, unowned_view
 from longball.engines.batch.roots import NEVER, curvature, downward, first_zero
 from longball.engines.chain import solve
 from longball.engines.enclosure import Enclosure
@@ -53,6 +54,18 @@ from longball.model.scene import (
     Scene,
     Swing,
 )
+
+
+# Functions that other compiled ones alone can call.
+@numba.njit
+def first_fall(p: Any, slope: Any, scratch: Any, degree: int, end: float, error: float) -> Any:
+    return falls.first_fall(p, slope, scratch, degree, end, error)
+
+
+@numba.njit
+def two_values(p: Any, q: Any, degree: int, t: float) -> Any:
+    return falls.two_values(p, q, degree, t)
+
 
 PAPER = {"drag": 0.0074867, "lift": 0.0037433, "gravity": 9.8}
 
@@ -346,7 +359,7 @@ def expand_lanes(law: Law[float], states: Any, order: int) -> Any:
         x[code.layout.parameters, i] = law.strengths[name]
     functions = aligned(1, len(states) + 2, WIDTH)
 
-    @compiled
+    @numba.njit
     def step(address: int, x: Any, functions: Any, order: int, rows: int) -> int:
         at = unowned_view(x), unowned_view(functions)
         return call(address, (at[0], at[1], order, rows, 1, 1e-14))
