@@ -443,6 +443,26 @@ def test_a_ball_brought_to_rest_is_as_far_off_as_it_was_fast():
     assert engine.brought_to_rest(core, structure(law().program), arb(0)) == core
 
 
+def test_the_error_stays_in_the_tube_that_its_growth_was_bounded_on(monkeypatch):
+    # Existence: growth by 10, and by ever more in a wider tube, which no tube is wide enough for.
+    tubes = []
+
+    def grown(factor):
+        def growth(system, motion, tube, h):
+            tubes.append(tube)
+            return factor(tube)
+
+        monkeypatch.setattr(engine, "_growth", growth)
+
+    one = arb(1)
+    grown(lambda tube: arb(10))
+    early, late = engine._error(None, (), one, one, one)
+    assert tubes[-1] > early + late >= 20
+    grown(lambda tube: 10 * tube)
+    with pytest.raises(CannotSolve, match="has grown"):
+        engine._error(None, (), one, one, one)
+
+
 @pytest.mark.parametrize("order", [2, 4, 8])
 def test_a_step_of_low_order_keeps_its_bound(monkeypatch, order):
     balls, field = Balls(30), law(0.0075, 0.00375)
