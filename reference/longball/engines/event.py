@@ -175,7 +175,7 @@ def first_fall(
         points = points[1:]
     elif rises and not launch and not curve(start) > error:
         # The last piece ended on a turning point.
-        numbers.positive(curve(start), error, f"whether {question}")
+        _require_positive(curve(start), error, f"whether {question}", numbers)
     for left, right in pairwise(points):
         value = curve(right)
         if value > error:
@@ -183,7 +183,7 @@ def first_fall(
         if value < -error:
             return curve.zero(left, right)
         if right is not end:
-            numbers.positive(value, error, f"whether {question}")
+            _require_positive(value, error, f"whether {question}", numbers)
     return None
 
 
