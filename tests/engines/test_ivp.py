@@ -7,13 +7,12 @@ import numpy as np
 import pytest
 from flint import arb
 
-from longball.engines.event import Event
-from longball.engines.ivp import METHODS, Ivp
 from longball.engines.engine import CannotSolve
+from longball.engines.event import Event, first_met
+from longball.engines.ivp import METHODS, Ivp
 from longball.model import exact
 from longball.model.law import (
     DRAG,
-    FORCES,
     GRAVITY,
     LIFT,
     Force,
@@ -259,9 +258,25 @@ def test_a_ball_that_nearly_rests_at_its_apex(sideways):
         assert abs(landing.state.s / path.at(time)[0][0] - 1) < 1e-14
 
 
-def test_at_rest_with_nothing_to_move_it():
-    end = fly((1.0, 2.0, 0.0, 0.0), law(0.0075, 0.0, 0.0), ground(), limit=5.0)
+@pytest.mark.parametrize("air", [law(0.0075, 0.0, 0.0), law(0.0075, 0.00375, 0.0), law(0, 0, 0)])
+def test_at_rest_with_nothing_to_move_it(air):
+    end = fly((1.0, 2.0, 0.0, 0.0), air, ground(), limit=5.0)
     assert (end.stop, end.time, end.state) == ("time", 5.0, (1.0, 2.0, 0.0, 0.0))
+
+
+def test_through_a_cusp():
+    """Without drag a flight from rest, reversed, comes to rest at a cusp of its path, and goes on.
+
+    Reversed, lift turns the other way.
+    """
+    top = 2.0
+    falling = fly((0.0, 50.0, 0.0, 0.0), law(0.0, 0.02), limit=top)
+    back = PlaneState(*(falling.state.s, falling.state.z, -falling.state.u, -falling.state.w))
+    rising = fly(back, law(0.0, -0.02), limit=2 * top)
+    at_rest = rising.path.at(top)
+    assert math.hypot(at_rest.u, at_rest.w) < 1e-12
+    assert at_rest.z == pytest.approx(50.0, abs=LENGTH)
+    assert rising.state.z == pytest.approx(falling.state.z, abs=1e-11)
 
 
 # ---- events --------------------------------------------------------------------------------------
@@ -429,7 +444,8 @@ def least_of_u(rng):
     start = (0.0, 50.0, rng.uniform(20, 40), rng.uniform(10, 20))
     rates = air.rates(DOUBLES)
     guess = first_change(start, air, lambda y: rates(*y)[2])
-    path = path_of(start, air, 25)
+    if guess is None:
+        return least_of_u(rng)
 
     def jerk(v, a):
         speed = oracle.length(v)
@@ -489,6 +505,31 @@ def test_no_dip_is_missed_and_none_invented(surface):
     assert decided > 450
 
 
+def test_a_dip_on_the_joint_of_two_pieces():
+    """They turn at its end, or at its start, or at neither: to rounding."""
+    rng = np.random.default_rng(7)
+    decided = 0
+    for _ in range(20):
+        with oracle.in_digits(25):
+            start, air, time, dip = over_the_ground(rng)
+        pieces = fly(start, air, limit=time + 0.1).path.pieces()
+        before = next(p for p in pieces if p.begin + p.length > time)
+        joint = time + rng.choice([0.0, -1e-15, 1e-15, -1e-12, 1e-12])
+        near = before._replace(length=joint - before.begin)
+        pieces = [near, ENGINE.around(air, joint, near.at(near.length))]
+        for depth in (s * d for s in (1, -1) for d in np.geomspace(1e-6, 1e-15, 10)):
+            with oracle.in_digits(25):
+                event, truly = dip(depth)
+            try:
+                met = first_met(pieces, [event], joint + 0.01, ENGINE.flight_error, DOUBLES)
+            except Undecided:
+                assert abs(truly) < 1e-12
+                continue
+            decided += 1
+            assert (met is not None) == (truly > 0)
+    assert decided > 200
+
+
 # ---- stiff, and beyond ---------------------------------------------------------------------------
 
 
@@ -506,7 +547,7 @@ def test_the_work_of_a_flight_is_bounded(start, air, stop, most):
 
 
 def test_a_flight_without_end_is_given_up():
-    with pytest.raises(CannotSolve, match="over 50000 steps"):
+    with pytest.raises(CannotSolve, match="over 20000 steps"):
         fly((0.0, 50.0, 160.0, 0.0), law(0.0, 38.1, 0.0126), ground(), limit=60.0)
 
 
@@ -544,7 +585,7 @@ def test_a_piece_around_a_state_holds_on_both_sides():
     curve = piece.curve(lambda state: state.w - flight.path.at(2.9).w)
     assert curve.turns(-0.3, 0.3) == []
     assert curve.zero(-0.3, 0.3) == pytest.approx(-0.1, abs=1e-14)
-    assert curve.positive(-0.3, -0.2)
+    assert curve.positive(-0.3, -0.25)
     assert not curve.positive(-0.3, 0.0)
 
 

@@ -7,6 +7,7 @@ written to in the user's cache, or in the folder that NUMBA_CACHE_DIR names.
 from __future__ import annotations
 
 import hashlib
+import importlib
 import importlib.util
 import os
 import sys
@@ -17,9 +18,9 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, TypeVar, cast
 
+numba: Any
 try:
-    import numba
-    import numba.extending
+    numba = importlib.import_module("numba")
 except ImportError:
     numba = None
 
@@ -39,26 +40,8 @@ def compiled(function: F) -> F:
     settings = {"nogil": True, "error_model": "numpy"}
     try:
         return cast(F, numba.njit(cache=True, **settings)(function))
-    except RuntimeError:  # no file or no place that one can write to: compile in each process
+    except (OSError, RuntimeError):  # no file, or no place to write: compile in each process
         return cast(F, numba.njit(**settings)(function))
-
-
-if COMPILES:
-
-    @numba.extending.intrinsic
-    def fma(typing: Any, a: Any, b: Any, c: Any) -> Any:
-        """Return ``a b + c``, rounded once."""
-        double = numba.types.float64
-
-        def code(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-            return builder.fma(*args)
-
-        return double(double, double, double), code
-else:
-
-    def fma(a: float, b: float, c: float) -> float:
-        """Return ``a b + c``."""
-        return a * b + c
 
 
 @cache
@@ -100,4 +83,6 @@ def _folders() -> Iterator[Path]:
     if numba.config.CACHE_DIR:
         yield Path(numba.config.CACHE_DIR)
     yield Path(__file__).parent / "__pycache__"
-    yield Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "longball"
+    user = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
+    if os.path.isabs(user):  # there are users without a home
+        yield Path(user, "longball")

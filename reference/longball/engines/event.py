@@ -111,7 +111,10 @@ class Curve(Protocol[N]):
         """Return the value."""
 
     def positive(self, a: N, b: N) -> bool:
-        """Tell whether the value is certainly positive from a to b; False if that is not clear."""
+        """Tell whether the value certainly stays above half of what it is at a, which is positive.
+
+        False if that is not clear.
+        """
 
     def turns(self, a: N, b: N) -> Sequence[N]:
         """Return where in (a, b) the value may turn, in rising order.
@@ -162,7 +165,7 @@ def first_fall(
         If a turning point of the value lies within its error of zero.
     """
     start = numbers.exact(0.0)
-    if curve.positive(start, end):
+    if curve.positive(start, end) and curve(start) > 2 * error:
         return None
     points = [start, *curve.turns(start, end), end]
     rises = curve(points[1]) > curve(start)

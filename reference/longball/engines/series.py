@@ -34,8 +34,8 @@ Rows = list[MutableSequence[Any]]
 class Recurrence:
     """The recurrence of a program whose outputs are the rates of its variables.
 
-    `expand_source` and `expand_from_rest_source` print it; the second is for a flight that starts
-    with no speed, where V = g t + …, and `expand` picks one.
+    It is printed in two ways; the second is for a flight that starts at rest, or where another
+    size of a vector is zero. There V = V_1 t + …, and V_1 is the size of the acceleration.
     """
 
     program: Program
@@ -158,7 +158,7 @@ class _Printer:
         for name in self.program.variables:
             names[variable(name)] = f"{name}[0]"
         for node in self.dynamic:
-            text = "0.0" if node in self.from_rest else names.expression(node)
+            text = names.expression(node)
             names[node] = f"y{len(names)}"
             self.put(1, f"{names[node]} = {text}")
             if node in self.recurrence.rows:
@@ -175,7 +175,7 @@ class _Printer:
         self.sums: dict[Node, str] = {}
         for node in self.dynamic:
             factors = self.recurrence.factors(node)
-            if factors is None or node in self.from_rest:
+            if factors is None:
                 continue
             name = self.sums[node] = f"s{len(self.sums)}"
             a, b = factors
@@ -224,9 +224,6 @@ class _Printer:
     def end(self, node: Node, names: Names, zeroth: Names) -> str:
         """Print the coefficient of order n of a node; return its name."""
         name = f"c{len(names)}"
-        if node in self.from_rest:
-            self.root_from_rest(node, name)
-            return name
         inner = self.sums.get(node, "")
         match node.kind:
             case "sum":
@@ -248,7 +245,13 @@ class _Printer:
             case "log":
                 a = node.args[0]
                 text = f"({names[a]} - {inner} / n) / {zeroth[a]}"
-        self.put(2, f"{name} = {text}")
+        if node in self.from_rest:
+            self.put(2, f"if {zeroth[node]} == 0.0:")
+            self.root_from_rest(node, name)
+            self.put(2, "else:")
+            self.put(3, f"{name} = {text}")
+        else:
+            self.put(2, f"{name} = {text}")
         return name
 
     def root_from_rest(self, node: Node, name: str) -> None:
@@ -256,16 +259,16 @@ class _Printer:
         parts = squares(node.args[0])
         row = self.recurrence.name(node)
         first = " + ".join(f"{self.row(p, '1')} * {self.row(p, '1')}" for p in parts)
-        self.put(2, "if n == 1:")
-        self.put(3, f"{name} = sqrt({first})")
-        self.put(2, "else:")
-        self.put(3, f"{name} = 0.0")
-        self.put(3, "for j in range(1, n + 1):")
+        self.put(3, "if n == 1:")
+        self.put(4, f"{name} = sqrt({first})")
+        self.put(3, "else:")
+        self.put(4, f"{name} = 0.0")
+        self.put(4, "for j in range(1, n + 1):")
         for p in parts:
-            self.put(4, f"{name} += {self.row(p, 'j')} * {self.row(p, 'n + 1 - j')}")
-        self.put(3, "for j in range(2, n):")
-        self.put(4, f"{name} -= {row}[j] * {row}[n + 1 - j]")
-        self.put(3, f"{name} = {name} / (2 * {row}[1])")
+            self.put(5, f"{name} += {self.row(p, 'j')} * {self.row(p, 'n + 1 - j')}")
+        self.put(4, "for j in range(2, n):")
+        self.put(5, f"{name} -= {row}[j] * {row}[n + 1 - j]")
+        self.put(4, f"{name} = {name} / (2 * {row}[1])")
 
 
 FUNCTIONS_OF_DOUBLES: Mapping[str, Callable[..., Any]] = {

@@ -10,11 +10,11 @@ is the dense output: a state between two steps, and an event there, is as exact 
 from __future__ import annotations
 
 import math
+import re
 import warnings
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from functools import cache, cached_property
-from typing import Any
+from functools import cache
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,11 +30,13 @@ from longball.model.trace import Program
 Array = NDArray[np.float64]
 Rows = Any  # an array of shape (rows, order + 2); of lists where nothing is compiled
 
-# The reach of a series to 16 digits grows like the order, the work like its square. solve_ivp's own
-# work for a step is ten times that of a series: of orders from 22 to 42, all above 28 cost the same.
-ORDER = 30
+# The reach of a series to 16 digits grows like the order, the work like its square. But solve_ivp's
+# own work for a step is ten times that of a series: all orders from 30 to 42 cost much the same.
+ORDER = 34
 # The first terms left out are then smaller than the rounding of the velocity.
 TRUNCATION = 2.0**-54
+# From a speed of 1e-300 m/s steps grow by half each, until a thousand later they can be seen.
+_MOST_SHORT_STEPS = 5_000
 
 
 def right_hand_side(law: Law[float]) -> Callable[[float, Array], Sequence[float]]:
@@ -69,6 +71,12 @@ class Taylor(OdeSolver):  # type: ignore[misc]
         Options of other methods; a warning names them.
     """
 
+    t: float
+    t_bound: float
+    direction: float
+    n: int
+    y: Array
+
     def __init__(
         self,
         fun: Callable[..., Any],
@@ -86,27 +94,35 @@ class Taylor(OdeSolver):  # type: ignore[misc]
         if extraneous:
             warnings.warn(f"Taylor does not take {', '.join(extraneous)}", stacklevel=3)
         super().__init__(fun, t0, y0, t_bound, vectorized)
+        self.direction = float(self.direction)
         self._expand = Expander(law, order, rtol)
         self._max_step = max_step
         self._low = np.zeros(self.n)
 
     def _step_impl(self) -> tuple[bool, str | None]:
-        left = abs(self.t_bound - self.t)
-        self._x, length = self._expand(self.y)
-        if not length > 0:
-            return False, "the law of motion is beyond the range of double precision"
-        if length >= left <= self._max_step:
-            t, h = self.t_bound, self.t_bound - self.t
-        else:
-            h = self.direction * min(length, self._max_step)
-            t = self.t + h
-            h = t - self.t  # exact, as the two times are close
-            if h == 0:
-                return False, self.TOO_SMALL_STEP
+        waited = 0.0
+        for _ in range(_MOST_SHORT_STEPS):
+            self._x, length = self._expand(self.y)
+            if not length > 0:
+                return False, "the rates are beyond the range of double precision"
+            length = min(length, self._max_step)
+            t = self.t + (waited + self.direction * length)
+            if length >= abs(self.t_bound - self.t):
+                t = self.t_bound
+            if t != self.t:
+                # The difference of two times that are close is exact.
+                self.y, self.t = self._at_end(t - self.t - waited), t
+                return True, None
+            # Where a ball all but rests its steps are shorter than the spacing of times.
+            self.y = self._at_end(self.direction * length)
+            waited += self.direction * length
+        return False, self.TOO_SMALL_STEP
+
+    def _at_end(self, h: float) -> Array:
+        """Return the state at the end of a step; its rounding is made up for at the next."""
         end = np.empty(self.n)
-        advance(self._x, h, self._low, end)  # the rounding is made up for at the next step
-        self.y, self.t = end, t
-        return True, None
+        advance(self._x, h, self._low, end)
+        return end
 
     def _dense_output_impl(self) -> Series:
         return Series(self.t_old, self.t, self._x)
@@ -125,22 +141,28 @@ class Series(DenseOutput):  # type: ignore[misc]
         super().__init__(t_old, t)
         self.coefficients = coefficients
 
-    def _call_impl(self, t: Array) -> Array:
-        if t.ndim:
-            return np.column_stack([self._call_impl(each) for each in t])
+    def __call__(self, t: float | Array) -> Array:
+        """Return the state at a time, or at several: shape (n,) or (n, times)."""
+        if not isinstance(t, float):
+            found: Array = super().__call__(t)
+            return found
         state = np.empty(len(self.coefficients))
-        advance(self.coefficients, float(t) - self.t_old, np.zeros(len(state)), state)
+        advance(self.coefficients, t - self.t_old, np.zeros(len(state)), state)
         return state
+
+    def _call_impl(self, t: Array) -> Array:
+        if t.ndim == 0:
+            return self(float(t))
+        return np.reshape([self(each) for each in t.tolist()], (-1, len(self.coefficients))).T
 
 
 # --- a step ---------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
 class Expander:
     """From states to the series of a law.
 
-    Attributes
+    Parameters
     ----------
     law
     order
@@ -149,33 +171,23 @@ class Expander:
         Of their last terms; it sets how far they reach.
     """
 
-    law: Law[float]
-    order: int = ORDER
-    rtol: float = TRUNCATION
-
-    @cached_property
-    def _strengths(self) -> list[float]:
-        return [self.law.strengths[name] for name in self.law.program.parameters]
-
-    @cached_property
-    def _rows(self) -> int:
-        return len(recurrence(self.law.program).rows)
-
-    @cached_property
-    def _steps(self) -> tuple[Callable[..., float], Callable[..., float]]:
-        return _step(self.law.program, False), _step(self.law.program, True)
+    def __init__(self, law: Law[float], order: int = ORDER, rtol: float = TRUNCATION) -> None:
+        self._printed = _printed(law.program)
+        self._strengths = [law.strengths[name] for name in law.program.parameters]
+        self._order, self._rtol = order, rtol
 
     def __call__(self, state: Array) -> tuple[Array, float]:
         """Return the coefficients of the components of the state, and how far they reach, s.
 
         The reach is nan if numbers are beyond the range of doubles.
         """
-        step, from_rest = self._steps
-        order = self.order
+        step, order = self._printed.step, self._order
         x, reach = self._expand(step, order, state)
-        if not reach > 0 and self._at_rest(x):
-            step = from_rest
+        if not reach > 0 and any(x[root][0] == 0 for root in self._printed.roots):
+            step = self._printed.step_from_rest
             x, reach = self._expand(step, order, state)
+            if all(row[1] == 0 for row in x[: len(state)]):
+                return np.column_stack([state, np.zeros(len(state))]), math.inf  # nothing moves
         # Close to rest coefficients grow like the powers of 1/V, and the last may be too large.
         while not reach > 0 and order > 4:
             order //= 2
@@ -183,25 +195,40 @@ class Expander:
         return np.asarray(x[: len(state)]), reach
 
     def _expand(self, step: Callable[..., float], order: int, state: Array) -> tuple[Rows, float]:
-        x: Rows = np.zeros((self._rows, order + 2))
+        x: Rows = np.zeros((self._printed.rows, order + 2))
         x[: len(state), 0] = state
         if not COMPILES:
             x = x.tolist()
         try:
-            return x, step(x, order, self.rtol, *self._strengths)
+            return x, step(x, order, self._rtol, *self._strengths)
         except (ZeroDivisionError, OverflowError):  # compiled code gives inf or nan
             return x, math.nan
 
-    def _at_rest(self, x: Rows) -> bool:
-        series = recurrence(self.law.program)
-        return any(x[series.rows.index(root)][0] == 0 for root in series.roots)
+
+class _Printed(NamedTuple):
+    """The printed recurrence of a program, the number of its rows, and which are sizes."""
+
+    rows: int
+    roots: tuple[int, ...]
+    step: Callable[..., float]
+    step_from_rest: Callable[..., float]
 
 
 @cache
-def _step(program: Program, at_rest: bool) -> Callable[..., float]:
-    """Return the function that expands a series."""
-    step: Callable[..., float] = module_of(_source(program, at_rest)).step
-    return step
+def _printed(program: Program) -> _Printed:
+    series = recurrence(program)
+    return _Printed(
+        len(series.rows),
+        tuple(series.rows.index(root) for root in series.roots),
+        module_of(_source(program, at_rest=False)).step,
+        module_of(_source(program, at_rest=True)).step,
+    )
+
+
+# Names in printed code.
+_TAKEN = re.compile(
+    "[xjkmn]|[crsxy][0-9]+|abs|bend|exp|expand|inf|last|log|min|nan|order|power|reach|rtol|size|sqrt"
+)
 
 
 def _source(program: Program, at_rest: bool) -> str:
@@ -211,13 +238,18 @@ def _source(program: Program, at_rest: bool) -> str:
     term that is not zero. Besides, a square root has to stay analytic: V² ≈ V₀² + S₁ t + S₂ t² has
     its complex zeros near V₀/√S₂ from a place where V is least, and a step stays within half of it.
     """
+    for name in (*program.variables, *program.parameters):
+        if _TAKEN.fullmatch(name):
+            raise ValueError(f"a variable or parameter of a law cannot be called {name}")
     series = recurrence(program)
     changing = [i for i, rate in enumerate(program.outputs) if rate.kind != "variable"]
+    changing = changing or list(range(len(program.outputs)))
 
     def total(index: str) -> str:
         return " + ".join(f"abs(x[{i}][{index}])" for i in changing)
 
-    roots = [] if at_rest else [i for i, node in enumerate(series.rows) if node.kind == "sqrt"]
+    roots = [i for i, node in enumerate(series.rows) if node.kind == "sqrt"]
+    moving = "if x[{i}][0] != 0.0 and bend != 0.0:" if at_rest else "if bend != 0.0:"
     lines = [
         f"    expand(x, order{''.join(f', {name}' for name in program.parameters)})",
         "    power = 0",
@@ -236,7 +268,7 @@ def _source(program: Program, at_rest: bool) -> str:
     for i in roots:
         lines += [
             f"    bend = x[{i}][1] * x[{i}][1] + 2.0 * x[{i}][0] * x[{i}][2]",
-            "    if bend != 0.0:",
+            "    " + moving.format(i=i),
             f"        reach = min(reach, 0.5 * x[{i}][0] / sqrt(abs(bend)))",
         ]
     return "\n".join(

@@ -36,7 +36,6 @@ PACKAGE = Path(longball.__file__).parent
 # What decides about the code: all of these files, and those in the folder of this one.
 MODULES = (
     "engines/compiled.py",
-    "engines/roots.py",
     "engines/series.py",
     "model/law.py",
     "model/trace.py",

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from longball.engines.batch.jit import compiled, fma
-from longball.engines.roots import (
+from longball.engines.batch.roots import (
     LONGEST_WALK,
     NEVER,
     curvature,

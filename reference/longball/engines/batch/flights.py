@@ -28,7 +28,7 @@ from longball.engines.batch.expansion import (
 )
 from longball.engines.batch.falls import first_fall, two_values
 from longball.engines.batch.jit import call, compiled, fma, shifted, unowned_view
-from longball.engines.roots import NEVER, curvature, differentiate, downward, first_zero
+from longball.engines.batch.roots import NEVER, curvature, differentiate, downward, first_zero
 from longball.model.trace import Program
 
 Array = NDArray[np.float64]

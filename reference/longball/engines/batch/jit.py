@@ -14,10 +14,7 @@ from llvmlite import ir
 from numba.core import types as untyped_types
 from numba.extending import intrinsic
 
-from longball.engines import compiled as scalar
-
 types: Any = untyped_types
-fma = cast(Callable[..., float], scalar.fma)
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -38,6 +35,17 @@ def compiled(function: F) -> F:
 def operation(function: Callable[..., Any]) -> Callable[..., Any]:
     """Make a function that returns a signature and a writer of LLVM's code known to numba."""
     return cast(Callable[..., Any], intrinsic(function))
+
+
+@operation
+def _fused(typing: Any, a: Any, b: Any, c: Any) -> Any:
+    double = types.float64
+    return double(double, double, double), lambda context, builder, signature, args: builder.fma(
+        *args
+    )
+
+
+fma = cast(Callable[[float, float, float], float], _fused)  # a b + c, rounded once
 
 
 @operation

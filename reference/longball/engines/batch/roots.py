@@ -13,7 +13,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from longball.engines.compiled import compiled, fma
+from longball.engines.batch.jit import compiled, fma
 
 Array = NDArray[np.float64]
 
