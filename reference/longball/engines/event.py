@@ -156,8 +156,8 @@ def first_fall(
     error
         How far the value may be off.
     launch
-        Whether the piece begins with the launch. A launch may lie on the surface: then it is an
-        arrival, at 0, only if the value does not rise from there.
+        Whether the piece begins with the launch, whose value is exact. It may lie on the surface:
+        then it is an arrival, at 0, only if the value does not rise from there.
 
     Raises
     ------
@@ -173,9 +173,9 @@ def first_fall(
         if not rises:
             return start
         points = points[1:]
-    elif rises and not curve(start) > error:
+    elif rises and not launch and not curve(start) > error:
         # The last piece ended on a turning point.
-        numbers.positive(curve(start), error, f"whether {question}")
+        _require_positive(curve(start), error, f"whether {question}", numbers)
     for left, right in pairwise(points):
         value = curve(right)
         if value > error:
@@ -183,7 +183,7 @@ def first_fall(
         if value < -error:
             return curve.zero(left, right)
         if right is not end:
-            numbers.positive(value, error, f"whether {question}")
+            _require_positive(value, error, f"whether {question}", numbers)
     return None
 
 

@@ -6,19 +6,21 @@ import base64
 import io
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from html import escape
+from itertools import zip_longest
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from longball.convergence.figure import draw_convergence
-from longball.judge.alternative_laws import THE_MODELS, fly, release
+from longball.engines.chain import solve_with_path
+from longball.engines.ivp import Ivp
 from longball.judge.answers import quoted
 from longball.judge.evaluation import Evaluation
 from longball.judge.quantities import Value, values_of
 from longball.judge.text import LONGEST_NAME, describe
 from longball.judge.verdict import Comparison, Measured, Verdict
-from longball.model.scene import AtBatScene, FlightScene, ImpactScene, PitchScene
+from longball.model.scene import ImpactScene
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -278,7 +280,6 @@ def worst_flight(comparisons: Sequence[Comparison]) -> Comparison | None:
         c
         for c in comparisons
         if not c.passed and c.answer and not isinstance(c.case.scene, ImpactScene)
-        and c.case.scene.reading.lift_direction == "fixed_spin_axis"
     ]  # fmt: skip
 
     def off(comparison: Comparison) -> tuple[float, float]:
@@ -336,27 +337,11 @@ def _draw_error(side: Axes, above: Axes, expected: Value | None, given: Value) -
 
 def _paths(comparison: Comparison) -> Iterator[tuple[str, Array]]:
     """Yield the true pitch and the true flight as points: x, y and z, m."""
-    scene, truth = comparison.case.scene, comparison.case.expected
-    if isinstance(scene, ImpactScene):
-        return
-    if isinstance(scene, PitchScene | AtBatScene):
-        met = truth.contact is not None and truth.contact.position is not None
-        until = truth.contact if met else truth.plate
-        if until is not None and until.time is not None:
-            yield "pitch", _path(scene, release(scene), float(until.time))
-    if truth.landing is None:
-        return
-    hang_time = float(truth.landing.hang_time)
-    if isinstance(scene, FlightScene):
-        start = np.array([*scene.launch.position, *scene.launch.velocity])
-        yield "flight", _path(scene, start, hang_time)
-    elif truth.contact and truth.contact.position and truth.impact:
-        start = np.array([*truth.contact.position, *truth.impact.velocity], float)
-        yield "batted ball", _path(scene, start, hang_time)
-
-
-def _path(scene: FlightScene | PitchScene | AtBatScene, start: Array, seconds: float) -> Array:
-    end, path, _ = fly(scene, start, THE_MODELS, [])
-    times = np.linspace(0.0, min(seconds, end), 200)
-    points: Array = np.array([path(float(time))[:3] for time in times]).T
-    return points
+    scene = comparison.case.scene
+    _, trajectory = solve_with_path(scene, Ivp())
+    legs = trajectory.legs
+    for leg, after in zip_longest(legs, legs[1:]):
+        seconds = after.begin if after else leg.flight.time
+        name = "batted ball" if leg.begin else "flight" if scene.kind == "flight" else "pitch"
+        times = np.linspace(0.0, seconds, 200).tolist()
+        yield name, np.array([leg.frame.position(leg.flight.path.at(t)) for t in times]).T
