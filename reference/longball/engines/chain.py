@@ -135,13 +135,9 @@ class Cases(ABC, Generic[N]):
 
     @abstractmethod
     def either(
-        self,
-        condition: Any,
-        yes: Callable[..., Flight[N]],
-        no: Callable[..., Flight[N]],
-        *values: Any,
-    ) -> Flight[N]:
-        """Return the flights of ``yes(cases, *values)`` where a condition holds, else of `no`."""
+        self, condition: Any, yes: Callable[..., Any], no: Callable[..., Any], *values: Any
+    ) -> Any:
+        """Return ``yes(cases, *values)`` where a condition holds, else what `no` returns."""
 
     @abstractmethod
     def record(self, name: str, value: Any) -> None:
@@ -185,8 +181,20 @@ class Cases(ABC, Generic[N]):
 # --- balls in the air -----------------------------------------------------------------------------
 
 
-def fly(cases: Cases[N], frame: Frame[N], start: PlaneState[N], *events: Event[N]) -> Flight[N]:
-    """Fly to an event or the time limit, through the vertical if need be.
+# What a flight may end with, from its frame and start.
+Surface = Callable[[Cases[N], Frame[N], State[N]], Event[N]]
+
+
+def _ground(cases: Cases[N], frame: Frame[N], start: State[N]) -> Event[N]:
+    return cases.ground(start)
+
+
+def _plate(cases: Cases[N], frame: Frame[N], start: State[N]) -> Event[N]:
+    return plate(frame, cases.numbers)
+
+
+def fly(cases: Cases[N], frame: Frame[N], start: PlaneState[N], *surfaces: Surface[N]) -> Flight[N]:
+    """Fly to a surface or the time limit, through the vertical if need be.
 
     With lift that is always up, a ball that reaches the vertical cannot leave it: on either side
     the horizontal part of the lift drives it back. It goes on without lift, straight up and down
@@ -194,38 +202,56 @@ def fly(cases: Cases[N], frame: Frame[N], start: PlaneState[N], *events: Event[N
     rest, or straight up or down, it is there already.
     """
     law = cases.law(frame)
-    if cases.scene.reading.lift_direction == "always_up" and LIFT in law.forces:
-        return cases.either(
-            cast(Any, start.u) == 0, _fly_upright, _fly_to_vertical, law, start, events
-        )
-    return cases.engine.fly(law, law.state_of(start), events, cases.time_limit)
+    leg = law, law.state_of(start), cases.time_limit, frame, surfaces
+    flight: Flight[N] = cases.either(_is_always_up(cases, law), _fly_upwards, _fly, *leg)
+    return flight
 
 
-def _fly_upright(
-    cases: Cases[N], law: Law[N], start: State[N], events: Sequence[Event[N]]
+def _is_always_up(cases: Cases[N], law: Law[N]) -> Any:
+    """Return the condition that there is a lift, and that it is always up."""
+    if cases.scene.reading.lift_direction != "always_up" or LIFT not in law.forces:
+        return False
+    return cast(Any, law.strengths["lift"]) != 0
+
+
+def _fly(
+    cases: Cases[N],
+    law: Law[N],
+    start: State[N],
+    limit: N,
+    frame: Frame[N],
+    surfaces: Sequence[Surface[N]],
+    *others: Event[N],
 ) -> Flight[N]:
-    return cases.engine.fly(law.without(LIFT), start, events, cases.time_limit)
+    events = [surface(cases, frame, start) for surface in surfaces]
+    return cases.engine.fly(law, start, [*events, *others], limit)
 
 
-def _fly_to_vertical(
-    cases: Cases[N], law: Law[N], start: State[N], events: Sequence[Event[N]]
-) -> Flight[N]:
+def _fly_upwards(cases: Cases[N], law: Law[N], start: State[N], *leg: Any) -> Flight[N]:
+    upright = cast(Any, start.u) == 0
+    flight: Flight[N] = cases.either(upright, _fly_upright, _fly_to_vertical, law, start, *leg)
+    return flight
+
+
+def _fly_upright(cases: Cases[N], law: Law[N], *leg: Any) -> Flight[N]:
+    return _fly(cases, law.without(LIFT), *leg)
+
+
+def _fly_to_vertical(cases: Cases[N], *leg: Any) -> Flight[N]:
     turns = vertical(cases.numbers)
-    flight = cases.engine.fly(law, start, [*events, turns], cases.time_limit)
 
     def go_on(
-        cases: Cases[N], law: Law[N], events: Sequence[Event[N]], flight: Flight[N]
+        cases: Cases[N], flight: Flight[N], law: Law[N], start: State[N], limit: N, *rest: Any
     ) -> Flight[N]:
-        rest = cases.time_limit - flight.time
         upright = turns.place(flight.state)
-        return flight.then(cases.engine.fly(law.without(LIFT), upright, events, rest))
+        return flight.then(_fly_upright(cases, law, upright, limit - flight.time, *rest))
 
-    def stay(
-        cases: Cases[N], law: Law[N], events: Sequence[Event[N]], flight: Flight[N]
-    ) -> Flight[N]:
+    def stay(cases: Cases[N], flight: Flight[N], *leg: Any) -> Flight[N]:
         return flight
 
-    return cases.either(flight.stopped("vertical"), go_on, stay, law, events, flight)
+    first = _fly(cases, *leg, turns)
+    flight: Flight[N] = cases.either(first.stopped("vertical"), go_on, stay, first, *leg)
+    return flight
 
 
 def solve_flights(cases: Cases[N]) -> None:
@@ -239,10 +265,8 @@ def solve_flights(cases: Cases[N]) -> None:
 def land(cases: Cases[N], launch: Launch[N], outcome: Outcome) -> None:
     """Fly from launches to the ground; the `outcome` if the ball lands."""
     frame, start = launch_frame(launch.position, launch.velocity, cases.numbers)
-    if launch.landed:
-        flight = _landed(start, cases.numbers)
-    else:
-        flight = fly(cases, frame, start, cases.ground(start))
+    landed = launch.landed
+    flight = _landed(start, cases.numbers) if landed else fly(cases, frame, start, _ground)
     cases.follow(frame, flight, launch.time)
     (airborne,) = cases.take(flight.stopped("time"))
     airborne.conclude("airborne")
@@ -283,7 +307,7 @@ def throw(cases: Cases[N]) -> Pitch[N]:
     scale = numbers.exact(pitch.speed) / numbers.sqrt(_dot(toward, toward))
     velocity = (toward[0] * scale, toward[1] * scale, toward[2] * scale)
     frame, start = launch_frame(release, velocity, numbers)
-    return Pitch(frame, start, fly(cases, frame, start, cases.ground(start), plate(frame, numbers)))
+    return Pitch(frame, start, fly(cases, frame, start, _ground, _plate))
 
 
 def reach_plate(cases: Cases[N]) -> tuple[Cases[N], Pitch[N]]:
@@ -432,12 +456,20 @@ def approach_bat(cases: Cases[N]) -> tuple[Cases[N], Approach[N] | None]:
     height = pitch.flight.state.z + numbers.exact(scene.swing.height_offset)
     reach = numbers.exact(scene.ball.radius) + numbers.exact(scene.bat.radius)
     bat = BatSection(pitch.frame, height, reach)
-    law, start = cases.law(pitch.frame), pitch.start
-    events = [cases.ground(start)]
-    if scene.reading.lift_direction == "always_up" and LIFT in law.forces:
-        events.append(vertical(numbers))
-    touch = cases.engine.touch(pitch.flight, law, bat, events, cases.time_limit)
+    law = cases.law(pitch.frame)
+    touch = cases.either(_is_always_up(cases, law), _find_upwards, _find, pitch, bat, law)
     return cases, Approach(pitch, height, touch)
+
+
+def _find(
+    cases: Cases[N], pitch: Pitch[N], bat: BatSection[N], law: Law[N], *others: Event[N]
+) -> Touch[N]:
+    events = [cases.ground(pitch.start), *others]
+    return cases.engine.touch(pitch.flight, law, bat, events, cases.time_limit)
+
+
+def _find_upwards(cases: Cases[N], *parts: Any) -> Touch[N]:
+    return _find(cases, *parts, vertical(cases.numbers))
 
 
 def meet_bat(cases: Cases[N]) -> tuple[Cases[N], Meeting[N] | None]:
@@ -532,12 +564,8 @@ class OneCase(Cases[N]):
         return self if condition else _Nobody(self.scene, self.engine, self.model), *values
 
     def either(
-        self,
-        condition: bool,
-        yes: Callable[..., Flight[N]],
-        no: Callable[..., Flight[N]],
-        *values: Any,
-    ) -> Flight[N]:
+        self, condition: bool, yes: Callable[..., Any], no: Callable[..., Any], *values: Any
+    ) -> Any:
         """See `Cases`."""
         return (yes if condition else no)(self, *values)
 

@@ -272,7 +272,8 @@ class ManyCases(Cases[Any]):
 
     def touched(self, touch: Touch[Any]) -> tuple[Flags, Flags]:
         """See `Cases`."""
-        return touch.touched == 1, touch.touched == 0
+        code: Any = touch.touched
+        return code == 1, code == 0
 
     def take(self, condition: Any, *values: Any) -> tuple[Any, ...]:
         """See `Cases`."""
@@ -281,20 +282,15 @@ class ManyCases(Cases[Any]):
         return some, *(select(value, rows) for value in values)
 
     def either(
-        self,
-        condition: Any,
-        yes: Callable[..., Flight[Any]],
-        no: Callable[..., Flight[Any]],
-        *values: Any,
-    ) -> Flight[Any]:
+        self, condition: Any, yes: Callable[..., Any], no: Callable[..., Any], *values: Any
+    ) -> Any:
         """See `Cases`."""
         flags = self._flags(condition)
         answers = [
             function(*self.take(which, *values)) if which.any() else None
             for function, which in ((yes, flags), (no, ~flags))
         ]
-        flown: Flight[Any] = merged(flags, *answers)
-        return flown
+        return merged(flags, *answers)
 
     def record(self, name: str, value: Any) -> None:
         """See `Cases`."""

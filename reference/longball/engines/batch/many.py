@@ -8,7 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 from itertools import compress
 from operator import attrgetter
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -97,7 +97,8 @@ def solve_columns_with_restitutions(
 
     def solve_block(rows: slice) -> None:
         met = Table(rows.stop - rows.start)
-        struck, meeting = chain.meet_bat(_cases(met, _rows_of(view, rows), flyer))
+        cases, meeting = chain.meet_bat(_cases(met, _rows_of(view, rows), flyer))
+        struck = cast(ManyCases, cases)
         for table, e in zip(tables, restitutions, strict=True):
             part = table.part(rows)
             part.copy_from(met)
