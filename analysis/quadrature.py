@@ -26,6 +26,7 @@ from longball.model.readings import SamplingReading
 from longball.model.scene import AtBatScene
 
 N = TypeVar("N", int, float)
+T = TypeVar("T")
 
 E = 0.42
 SEED = 1
@@ -51,20 +52,11 @@ def run(report: Path, full: bool) -> str:
     ]
     frame = pd.DataFrame(rows)
     draw(report, frame)
-    start = time.perf_counter()
-    curve = integrals(BASE, PAPER, RESTITUTIONS, workers=-1)
-    took = time.perf_counter() - start
-    start = time.perf_counter()
-    monte_carlo(BASE, PAPER, [E], 1_000_000, SEED, workers=-1)
-    million = time.perf_counter() - start
-    shown_frame = frame.assign(
-        **{
-            "time, s": frame["time, s"].map("{:.2f}".format),
-            f"P({E})": frame[f"P({E})"].map("{:.9f}".format),
-            "error told": frame["error told"].map("{:.1e}".format),
-            "from the golden value": frame["from the golden value"].map("{:.1e}".format),
-        }
-    )
+    took, curve = _took(lambda: integrals(BASE, PAPER, RESTITUTIONS, workers=-1))
+    million, _ = _took(lambda: counted(1_000_000))
+    shown_frame = frame.copy()
+    for name, form in zip(frame.columns[2:], (".2f", ".9f", ".1e", ".1e"), strict=True):
+        shown_frame[name] = [format(x, form) for x in frame[name]]
     values = [
         [f"{x.e:g}", f"{x.p:.9f}", f"{x.error:.1e}", f"{x.slope:.8f}", f"{x.slope_error:.1e}"]
         for x in curve
@@ -122,13 +114,17 @@ def _golden() -> float:
     return next(row.p for row in default.rows if row.e == E)
 
 
+def _took(compute: Callable[[], T]) -> tuple[float, T]:
+    start = time.perf_counter()
+    found = compute()
+    return time.perf_counter() - start, found
+
+
 def _timed(
     method: str, size: str, compute: Callable[[N], tuple[float, float]], cost: N
 ) -> dict[str, object]:
     """Return a row of the table."""
-    start = time.perf_counter()
-    p, error = compute(cost)
-    took = time.perf_counter() - start
+    took, (p, error) = _took(lambda: compute(cost))
     return {
         "method": method,
         "of": size,
@@ -146,10 +142,5 @@ def draw(report: Path, frame: pd.DataFrame) -> None:
             frame.groupby("method", sort=False), ("ko-", "ks--", "k^:"), strict=True
         ):
             axes.plot(rows["time, s"], rows["error told"], style, markersize=5, label=str(method))
-        axes.set(
-            xscale="log",
-            yscale="log",
-            xlabel="time, s",
-            ylabel=f"error of P({E})",
-        )
+        axes.set(xscale="log", yscale="log", xlabel="time, s", ylabel=f"error of P({E})")
         axes.legend()

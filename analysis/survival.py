@@ -68,16 +68,8 @@ def answer(result: Result) -> str:
     if result.outcome is not None:
         return result.outcome
     assert result.error is not None
-    for sort in (
-        "cannot be decided",
-        "inside the bat",
-        "gave up",
-        "evaluations",
-        "vertical over the plate",
-    ):
-        if sort in result.error:
-            return f"error: {sort}"
-    return f"error: {result.error}"
+    sorts = ("cannot be decided", "inside the bat", "gave up", "steps", "vertical over the plate")
+    return f"error: {next((sort for sort in sorts if sort in result.error), result.error)}"
 
 
 def random_scene(kind: str, generator: np.random.Generator) -> dict[str, Any]:

@@ -41,13 +41,8 @@ NOTED_FIRST_BELOW = 0.75  # m, on top
 def run(report: Path, full: bool) -> str:
     """Find the orders, and the errors of the noted flight at the printed step."""
     finest = FULL_FINEST if full else FINEST
-    orders = dict(
-        zip(
-            TREATMENTS,
-            each(report, "orders", order, [(t, finest) for t in TREATMENTS]),
-            strict=True,
-        )
-    )
+    found = each(report, "orders", order, [(t, finest) for t in TREATMENTS])
+    orders = dict(zip(TREATMENTS, found, strict=True))
     draw(report, orders)
     rows = []
     for treatment, (noted, in_theory) in NOTED.items():
@@ -73,19 +68,18 @@ def run(report: Path, full: bool) -> str:
     jump = converge_below()
     held = all(row["notes"] == "reproduced" for row in rows)
     first = verdict(abs(below - NOTED_FIRST_BELOW) < 0.02 and jump.order is not None)
+    loss = [-error_at(PRINTED, name) for name in ("old_recomputed", "old_carried")]
     text = (
         "**The force's treatment.** Four flights (30 and 45 m/s at 25° and 45°) give "
         "the orders; one of 45 m/s at 30°, 112.75 m long, the errors at the printed step. "
-        f"The project's expectations of orders 1, 1, 1, 2 and 2, and of the errors' sizes, are "
+        "The project's expectations of orders 1, 1, 1, 2 and 2, and of the errors' sizes, are "
         f"{'all reproduced' if held else 'not all reproduced'}: whoever takes the force at the "
-        "old velocity, as the scheme is usually coded, loses an order and "
-        f"{-error_at(PRINTED, 'old_recomputed'):.1f} to {-error_at(PRINTED, 'old_carried'):.1f} m "
-        "of range at 0.05 s; the half-step velocity of molecular dynamics does not mend it: "
-        "it is Euler's method for the velocity at half steps. The fourth treatment has two forms, "
-        "with the predicted force carried into the next step or computed anew, and their errors "
-        "differ in sign; they are two entries of the ledger for that reason. Below about "
-        f"{least_at(orders['implicit']):.0e} s the second-order treatments only gather rounding "
-        "errors: a smaller step makes them worse. "
+        f"old velocity, as is usual, loses an order, and {loss[0]:.1f} to {loss[1]:.1f} m of range "
+        "at 0.05 s; the half-step velocity of molecular dynamics does not mend it: it is Euler's "
+        "method for the velocity at half steps. The fourth treatment has two forms, the predicted "
+        "force carried into the next step or computed anew, with errors of different sign; so they "
+        f"are two entries of the ledger. Below about {least_at(orders['implicit']):.0e} s the "
+        "second-order treatments only gather rounding errors. "
         f"Landing at the first point below the ground adds {below:+.3f} m on that flight (noted: "
         f"{NOTED_FIRST_BELOW:+.2f} m, {first}) and makes the landing's error one of order "
         f"{jump.order:.2f}, whatever the treatment; it jumps with the phase of the step, and its "

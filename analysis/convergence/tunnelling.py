@@ -146,15 +146,15 @@ def run(report: Path, full: bool) -> str:
     calls = [(step, seed, count) for step in safe.values() for seed in range(4)]
     grazes = np.array(each(report, "grazes", count_grazes, calls)).reshape(len(RARE), 4, 3)
     draw_shares(report, missed / trials, waited / trials, ways, safe)
-    windows = f"{1e3 * REACH * 2 / ways[:, 0].mean():.1f} ms"
+    window = 2e3 * REACH / ways[:, 0].mean()
     text = (
         f"**Contacts that go unseen.** Of {len(blocks) * BLOCK:,} pitches of the paper's "
         f"distributions {len(ways):,} touch the bat; each was tried with {PHASES} phases of every "
-        f"step. A ball that meets the bat's middle is in it for {windows}. At the printed 0.05 s "
-        f"the test at steps misses {100 * missed[0] / trials[0]:.1f} % of the contacts. The "
-        "closed-form expectation for a random phase, window over step, lies inside the counted "
-        f"interval of 95 % for {sum(held)} of {len(held)} steps. For short steps the share falls "
-        "like Δt², as only grazes are missed. "
+        f"step. A ball that meets the bat's middle is in it for {window:.1f} ms. At the printed "
+        f"0.05 s the test at steps misses {100 * missed[0] / trials[0]:.1f} % of the contacts. The "
+        "closed form for a random phase, window over step, lies inside the counted interval of "
+        f"95 % for {sum(held)} of {len(held)} steps. For short steps the share falls like Δt², as "
+        "only grazes are missed. "
         + " ".join(
             f"Fewer than 1 in {1 / rare:,.0f} are missed below Δt = {step:.2e} s"
             f"{describe_grazes(counts)}."

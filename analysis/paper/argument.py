@@ -278,19 +278,12 @@ def shift(distance: float, struck: Sequence[Balls]) -> Shift | None:
 
 
 @dataclass(frozen=True)
-class Case:
-    """A reading that the argument is tried on."""
+class Tested:
+    """What was found for a reading."""
 
     name: str
     base: Base
     space: Space
-
-
-@dataclass(frozen=True)
-class Tested:
-    """What was found for a reading."""
-
-    case: Case
     tail: Tail
     contact: Contact
     shifts: list[Shift]
@@ -299,21 +292,23 @@ class Tested:
     density: Array
 
 
-def tested(case: Case) -> Tested:
+def tested(name: str, base: Base, space: Space) -> Tested:
     """Try the argument on a reading."""
-    samples = draw(paper_at_bats(case.base.sampling), SAMPLES, SEED)
-    struck = strike(case.base, samples, RESTITUTIONS, threads=cores())
+    samples = draw(paper_at_bats(base.sampling), SAMPLES, SEED)
+    struck = strike(base, samples, RESTITUTIONS, threads=cores())
     shifts = [shift(distance, struck) for distance in (75.0, 110.0, 150.0)]
     middle = struck[RESTITUTIONS.index(E)]
     return Tested(
-        case=case,
-        tail=tail(case.space, struck),
-        contact=contact(case.base, struck),
+        name=name,
+        base=base,
+        space=space,
+        tail=tail(space, struck),
+        contact=contact(base, struck),
         shifts=[one for one in shifts if one is not None],
-        flights={angle: line(SPEEDS, ranges(case.base, angle)) for angle in ELEVATIONS},
+        flights={angle: line(SPEEDS, ranges(base, angle)) for angle in ELEVATIONS},
         exit=exit_line(middle),
-        density=np.histogram(case.space.distances(middle), np.arange(0.0, 301.0, 5.0))[0]
-        / (5.0 * case.space.estimate(E, middle).trials),
+        density=np.histogram(space.distances(middle), np.arange(0.0, 301.0, 5.0))[0]
+        / (5.0 * space.estimate(E, middle).trials),
     )
 
 
@@ -333,11 +328,7 @@ def exit_line(balls: Balls) -> Line:
 @cache
 def everything() -> list[Tested]:
     """Try the argument on the default and the nearest reading; two sections ask for it."""
-    default, best = combinations.default_trial(), combinations.study().best
-    return [
-        tested(Case("default", default.base, default.space)),
-        tested(Case("nearest", best.base, best.space)),
-    ]
+    return [tested(name, *case) for name, case in combinations.cases().items()]
 
 
 def run(report: Path, full: bool) -> str:
@@ -350,7 +341,7 @@ def run(report: Path, full: bool) -> str:
             "Sec. IV takes D near 150 m for normal with the mean C₁ e, since the pitch meets the "
             "bat at a nearly constant speed and the range is linear in the exit speed. Each step, "
             f"tried on {len(found)} readings with {SAMPLES:,} at-bats each (seed {SEED}): "
-            + "; ".join(f"{one.case.name}, samples: {one.case.space.name}" for one in found)
+            + "; ".join(f"{one.name}, samples: {one.space.name}" for one in found)
             + ".\n",
             "### Is D near 150 m normal, with the mean C₁ e?\n",
             on_normality(report, found),
@@ -375,7 +366,7 @@ def on_normality(report: Path, found: Sequence[Tested]) -> str:
     rows = pd.DataFrame(
         [
             {
-                "reading": one.case.name,
+                "reading": one.name,
                 f"P({E})": f"{one.tail.p:.4f}",
                 "density at 150 m, 1/m": f"{one.tail.density:.2e}",
                 "σ by both, m": f"{one.tail.sigma:.1f}",
@@ -398,24 +389,15 @@ def on_normality(report: Path, found: Sequence[Tested]) -> str:
     for one in found:
         ratio = one.tail.c1_of_the_mean / one.tail.shift
         bend = one.tail.curvature / one.tail.sigma
-        same_width = 0.8 < bend < 1.25  # NaN if the density is not peaked
-        same_c1 = 0.8 < ratio < 1.25
-        sentences.append(
-            f"{one.case.name.capitalize()}: the two C₁ "
-            + (
-                f"agree within {100 * abs(ratio - 1):.0f} %"
-                if same_c1
-                else f"**disagree by a factor of {max(ratio, 1 / ratio):.1f}**"
-            )
-            + ", and the density "
-            + (
-                f"bends like a normal one of that width within {100 * abs(bend - 1):.0f} %."
-                if same_width
-                else "**does not bend like a normal one**."
-                if math.isnan(bend)
-                else f"bends like a normal one {bend:.1f} times as wide."
-            )
-        )
+        agree = f"**disagree by a factor of {max(ratio, 1 / ratio):.1f}**"
+        if 0.8 < ratio < 1.25:
+            agree = f"agree within {100 * abs(ratio - 1):.0f} %"
+        bends = f"bends like a normal one {bend:.1f} times as wide"
+        if math.isnan(bend):  # it is not peaked
+            bends = "**does not bend like a normal one**"
+        elif 0.8 < bend < 1.25:
+            bends = f"bends like a normal one of that width within {100 * abs(bend - 1):.0f} %"
+        sentences.append(f"{one.name.capitalize()}: the two C₁ {agree}, and the density {bends}.")
     caption = PAPER_CURVES["caption"]
     sentences.append(
         f"The caption's own C₁ = {caption.c1:g} m puts the mean of D at {caption.c1 * E:.0f} m "
@@ -430,17 +412,14 @@ def on_contact(found: Sequence[Tested]) -> str:
     for one in found:
         at = one.contact
         share = at.by_speed / at.by_restitution
+        verdict = f"**Not constant** next to what e does: {abs(share):.0%} of it."
+        if abs(share) < 0.2:
+            verdict = "**Nearly constant** next to what e does."
         sentences.append(
-            f"{one.case.name.capitalize()}: the balls hit upwards meet the bat at {at.mean:.1f} ± "
+            f"{one.name.capitalize()}: the balls hit upwards meet the bat at {at.mean:.1f} ± "
             f"{at.deviation:.1f} m/s ({100 * at.deviation / at.mean:.1f} %). One such deviation "
-            f"changes the exit speed by {at.by_speed:+.2f} m/s in the median; e from "
-            f"{min(RESTITUTIONS)} to {max(RESTITUTIONS)} changes it by {at.by_restitution:+.2f} "
-            "m/s. "
-            + (
-                "**Nearly constant** next to what e does."
-                if abs(share) < 0.2
-                else f"**Not constant** next to what e does: {abs(share):.0%} of it."
-            )
+            f"changes the exit speed by {at.by_speed:+.2f} m/s in the median, e from "
+            f"{min(RESTITUTIONS)} to {max(RESTITUTIONS)} by {at.by_restitution:+.2f} m/s. {verdict}"
         )
     return " ".join(sentences) + "\n"
 
@@ -449,7 +428,7 @@ def on_linearity(report: Path, found: Sequence[Tested]) -> str:
     """Say whether the range is linear in the exit speed."""
     rows = [
         {
-            "reading": one.case.name,
+            "reading": one.name,
             "balls": what,
             "slope, m per m/s": f"{laid.slope:.2f}",
             "D at speed 0, m": f"{laid.intercept:+.0f}",
@@ -467,21 +446,15 @@ def on_linearity(report: Path, found: Sequence[Tested]) -> str:
     ]
     sentences = []
     for one in found:
-        rise = SPEEDS[-1] - SPEEDS[0]
-        worst = max(laid.off / (laid.slope * rise) for laid in one.flights.values())
-        powers = [laid.power for laid in one.flights.values()]
-        proportional = all(abs(power - 1) < 0.1 for power in powers)
+        rise, laid = SPEEDS[-1] - SPEEDS[0], list(one.flights.values())
+        worst = max(each.off / (each.slope * rise) for each in laid)
+        powers = [each.power for each in laid]
+        is_not = "is" if all(abs(power - 1) < 0.1 for power in powers) else "is not"
         sentences.append(
-            f"{one.case.name.capitalize()}: at one elevation D is "
-            + ("**linear**" if worst < STRAIGHT else "**not linear**")
-            + f" in the exit speed: off a line by {100 * worst:.1f} % of its change over these "
-            "speeds at most. It is "
-            + (
-                "proportional to it."
-                if proportional
-                else f"not proportional to it: d ln D / d ln v is {min(powers):.2f} to "
-                f"{max(powers):.2f}."
-            )
+            f"{one.name.capitalize()}: at one elevation D is "
+            f"**{'linear' if worst < STRAIGHT else 'not linear'}** in the exit speed: off a line "
+            f"by {100 * worst:.1f} % of its change over these speeds at most. It {is_not} "
+            f"proportional to it: d ln D / d ln v is {min(powers):.2f} to {max(powers):.2f}."
         )
     return table(report, "paper_linearity", pd.DataFrame(rows)) + "\n" + " ".join(sentences) + "\n"
 
@@ -490,7 +463,7 @@ def on_shift(report: Path, found: Sequence[Tested]) -> str:
     """Say what dD/de is, and whether it is C₁."""
     rows = [
         {
-            "reading": one.case.name,
+            "reading": one.name,
             "D, m": f"{each.distance:g} ± 5",
             "balls": each.balls,
             "dD/de, median, m": f"{each.median:.0f}",
@@ -512,25 +485,17 @@ def on_shift(report: Path, found: Sequence[Tested]) -> str:
     ]
     for one in found:
         at = {each.distance: each for each in one.shifts}
-        if 110.0 in at:
-            here = at[110.0]
+        if here := at.get(110.0):
             inside = [c.who for c in CARRIES if here.low <= c.slope <= here.high]
-            near = " and ".join(inside) if inside else "neither"
             sentences.append(
-                f"{one.case.name.capitalize()}: {here.median:.0f} m at 110 m, in whose middle half "
-                f"lies what {near} says."
+                f"{one.name.capitalize()}: {here.median:.0f} m at 110 m, in whose middle half "
+                f"lies what {' and '.join(inside) or 'neither'} says."
             )
-        if HOME_RUN_DISTANCE in at:
-            here = at[HOME_RUN_DISTANCE]
-            sentences.append(
-                f"At the fence D goes like e to the power {here.power:.2f}, "
-                + (
-                    "as C₁ e asks."
-                    if abs(here.power - 1) < 0.1
-                    else "where C₁ e asks for 1: a ball leaves the bat with 1 + e, not with e, and "
-                    "the bat's own speed on top."
-                )
-            )
+        if here := at.get(HOME_RUN_DISTANCE):
+            asked = "where C₁ e asks for 1: a ball leaves the bat with 1 + e, not with e"
+            if abs(here.power - 1) < 0.1:
+                asked = "as C₁ e asks"
+            sentences.append(f"At the fence D goes like e to the power {here.power:.2f}, {asked}.")
     return table(report, "paper_shift", pd.DataFrame(rows)) + "\n" + " ".join(sentences) + "\n"
 
 
@@ -539,7 +504,7 @@ def draw_argument(report: Path, found: Sequence[Tested]) -> None:
     d = np.arange(0.0, 300.0, 5.0) + 2.5
     with figure(report, "paper_argument", columns=2, size=(9.0, 3.8)) as (left, right):
         for i, (one, dash) in enumerate(zip(found, LINES, strict=False)):
-            left.plot(d, 1e3 * one.density, dash, color=f"C{i}", label=one.case.name)
+            left.plot(d, 1e3 * one.density, dash, color=f"C{i}", label=one.name)
             normal = NormalDist(one.tail.mean, one.tail.sigma)
             near = (d > WINDOW[0] - 50) & (d < WINDOW[1] + 50)
             left.plot(
@@ -547,9 +512,9 @@ def draw_argument(report: Path, found: Sequence[Tested]) -> None:
             )
             for j, (angle, laid) in enumerate(one.flights.items()):
                 right.plot(
-                    SPEEDS, ranges(one.case.base, angle), dash, color=f"C{i}",
+                    SPEEDS, ranges(one.base, angle), dash, color=f"C{i}",
                     linewidth=0.8 + 0.6 * j,
-                    label=f"{one.case.name}, {angle:g}°" if i == 0 or j == 2 else None,
+                    label=f"{one.name}, {angle:g}°" if i == 0 or j == 2 else None,
                 )  # fmt: skip
                 right.plot(SPEEDS, laid.slope * SPEEDS + laid.intercept, ":", color="0.5")
         left.axvline(HOME_RUN_DISTANCE, color="black", linewidth=0.8, linestyle=":")

@@ -228,6 +228,15 @@ def default_trial() -> Trial:
     return closer(Base(AtBatScene(id="base")), SPACES[:1], CLOSEST_SAMPLES)[0]
 
 
+Cases = dict[str, tuple[Base, Space]]
+
+
+def cases() -> Cases:
+    """Return the two readings that are looked at closely: the default, and the nearest."""
+    both = {"default": default_trial(), "nearest": study().best}
+    return {name: (one.base, one.space) for name, one in both.items()}
+
+
 # --- the paper's scheme ---------------------------------------------------------------------------
 
 STEP = 0.05  # s, as printed
@@ -279,6 +288,7 @@ def stepped(exact: Trial) -> Stepped:
 def section(report: Path, found: Study, default: Trial, by_steps: Sequence[Stepped]) -> str:
     """Write the section of the combinations."""
     draw_plane(report, found, default)
+    seventh = frame(sorted(found.near, key=lambda one: one.to["caption"].squared)[:6])
     lowest = min(found.first, key=lambda one: one.to["text"].squared)
     parts = [
         "### All combinations\n",
@@ -295,7 +305,7 @@ def section(report: Path, found: Study, default: Trial, by_steps: Sequence[Stepp
         "The nearest to both figures:\n",
         table(report, "paper_nearest", frame(found.near[:12])),
         "The nearest to Fig. 7 alone:\n",
-        markdown_table(*cells(sorted(found.near, key=lambda one: one.to["caption"].squared)[:6])),
+        markdown_table(list(seventh.columns), seventh.to_numpy().tolist()),
         on_the_best(found.best),
         f"To the curve of the text the nearest of all is “{lowest.name}”, with d² = "
         f"{lowest.to['text'].squared:.1f} and P(0.42) = {lowest.p(0.42):.3f}, which is not the "
@@ -357,21 +367,18 @@ def on_grounders(found: Study) -> str:
     flies = [one for one in found.first if one.space.flies]
     moved = [one for one in flies if any(m > BIN for m in one.mode.values())]
     least = min(one.low for one in everything)
-    said = (
+    told = "So Fig. 6 does not tell whether such balls are counted."
+    if len(first) > 0.99 * len(everything):
+        told = (
+            "The paper's highest peaks are at 75 m and 125 m. So the balls that are hit downwards "
+            "are not in its Fig. 6, though its text does not say so, and so two sample spaces "
+            f"of flies were added. Of their {len(flies)} readings {len(moved)} have it elsewhere."
+        )
+    return (
         f"**Fig. 6 and the ground.** Of {len(everything)} readings that count every batted ball, "
         f"{len(first)} have their highest peak below 10 m at both restitutions, where balls hit "
-        f"downwards land: at least {100 * least:.0f} % of D is there. "
+        f"downwards land: at least {100 * least:.0f} % of D is there. {told}\n"
     )
-    if len(first) > 0.99 * len(everything):
-        said += (
-            "The paper's highest peaks are at 75 m and 125 m. So the balls that are hit downwards "
-            "are not in its Fig. 6, though its text does not say so; that is why the two sample "
-            f"spaces of flies were added. Of their {len(flies)} readings {len(moved)} have the "
-            "peak elsewhere.\n"
-        )
-    else:
-        said += "So Fig. 6 does not tell whether such balls are counted.\n"
-    return said
 
 
 def on_the_count(found: Study, default: Trial) -> str:
@@ -384,21 +391,15 @@ def on_the_count(found: Study, default: Trial) -> str:
         one for one in found.first if not beyond(one)
     ]
     nearest = min(inside, key=lambda one: one.to["caption"].squared)
-    none = not both
+    many = f"**{len(both)}** of them can" if both else "**None** of them can"
+    next_best = "" if both else f"; the nearest is at {found.best.both:.1f}"
     return (
         f"**How many.** The default reading is at d² = {default.to['caption'].squared:,.0f}. "
         f"{len(near)} of {len(found.first):,} readings cannot be told from the caption's curve at "
         f"95 %: {len(ledger)} of the ledger's switches alone, {len(usual)} with a ball of the "
-        "usual size. "
-        f"Within the ledger, with the ball of the usual size, “{nearest.name}” comes nearest, at "
-        f"d² = {nearest.to['caption'].squared:.1f}. "
-        + (
-            "**None** of them has the peaks of Fig. 6 as well"
-            if none
-            else f"**{len(both)}** of them can have the peaks of Fig. 6 as well"
-        )
-        + f" (sum below {NEAR_BOTH:.2f})"
-        + (f"; the nearest is at {found.best.both:.1f}.\n" if none else ".\n")
+        f"usual size. Within the ledger, with that ball, “{nearest.name}” comes nearest, at "
+        f"d² = {nearest.to['caption'].squared:.1f}. {many} have the peaks of Fig. 6 as well "
+        f"(sum below {NEAR_BOTH:.2f}){next_best}.\n"
     )
 
 
@@ -424,12 +425,6 @@ def frame(trials: Sequence[Trial]) -> pd.DataFrame:
             for one in trials
         ]
     )
-
-
-def cells(trials: Sequence[Trial]) -> tuple[list[str], list[list[object]]]:
-    """Return the same table for Markdown alone."""
-    rows = frame(trials)
-    return list(rows.columns), rows.to_numpy().tolist()
 
 
 def on_the_best(best: Trial) -> str:
@@ -466,39 +461,24 @@ def on_the_best(best: Trial) -> str:
 def on_steps(one: Stepped) -> str:
     """Say what the printed scheme does to a reading."""
     exact = one.exact
-    rows = [
-        [
-            f"{row.e:g}",
-            f"{true.p:.4f}",
-            f"{row.p:.4f}",
-            f"{row.low:.4f} to {row.high:.4f}",
-            f"{row.home_runs} of {row.trials}",
-            f"{whole.p:.5f}",
-        ]
-        for row, true, whole in zip(one.rows, exact.rows, one.of_pitches, strict=True)
-    ]
-    inside = sum(
-        row.low <= true.p <= row.high for row, true in zip(one.rows, exact.rows, strict=True)
-    )
+    rows, inside = [], 0
+    for row, true, whole in zip(one.rows, exact.rows, one.of_pitches, strict=True):
+        inside += row.low <= true.p <= row.high
+        interval, counts = f"{row.low:.4f} to {row.high:.4f}", f"{row.home_runs} of {row.trials}"
+        p = [f"{true.p:.4f}", f"{row.p:.4f}", interval, counts, f"{whole.p:.5f}"]
+        rows.append([f"{row.e:g}", *p])
     away = distance(one.rows, PAPER_CURVES["caption"])
+    smaller = "As a share of all pitches P is that much smaller. "
     return (
         f"“{exact.name}” by velocity Verlet with Δt = {STEP} s, as printed: of "
         f"{STEPPED_SAMPLES:,} pitches {100 * one.batted:.1f} % are seen to meet the bat, of "
         f"{100 * one.batted_exactly:.1f} % that do. "
-        + (
-            "As a share of all pitches P is that much smaller. "
-            if exact.space.name != "pitches"
-            else ""
-        )
-        + f"Among its own samples ({exact.space.name}), P without the scheme lies inside the "
+        f"{smaller if exact.space.name != 'pitches' else ''}"
+        f"Among its own samples ({exact.space.name}), P without the scheme lies inside the "
         f"interval of 95 % at {inside} of {len(rows)} restitutions; d² from the caption's curve is "
-        f"{away.squared:,.1f}"
-        + (", and so it still cannot be told from it" if away.near else ", so that it is not it")
-        + ".\n\n"
-        + markdown_table(
-            ["e", "P", f"P at {STEP} s", "95 %", "home runs", "of all pitches"],
-            rows,
-        )
+        f"{away.squared:,.1f}, "
+        f"{'and so it still cannot be told from it' if away.near else 'so that it is not it'}.\n\n"
+        + markdown_table(["e", "P", f"P at {STEP} s", "95 %", "home runs", "of all pitches"], rows)
     )
 
 
@@ -535,16 +515,19 @@ def unexplained(found: Study, by_steps: Sequence[Stepped]) -> str:
                 f"Whether the step was {STEP} s: with it, {1 / one.batted:.0f} pitches must be "
                 "thrown for one that is batted, but P among the batted hardly changes."
             )
-    listed.append(
-        f"Which of {len(both)} readings it was: the two figures do not tell them apart; and of "
-        f"{len(found.first):,} that were tried, with the width of a cell free, one or another may "
-        "come near both by chance."
-        if len(both) > 1
-        else "That one reading alone comes near both figures may be chance: "
-        f"{len(found.first):,} were tried, and the width of a cell is free."
-        if both
-        else "Both figures together: no reading tried gives them."
-    )
+    last = "Both figures together: no reading tried gives them."
+    if len(both) > 1:
+        last = (
+            f"Which of {len(both)} readings it was: the two figures do not tell them apart; and of "
+            f"{len(found.first):,} that were tried, with the width of a cell free, one or another "
+            "may come near both by chance."
+        )
+    elif both:
+        last = (
+            "That one reading alone comes near both figures may be chance: "
+            f"{len(found.first):,} were tried, and the width of a cell is free."
+        )
+    listed.append(last)
     return "\n".join(f"- {line}" for line in listed) + "\n"
 
 

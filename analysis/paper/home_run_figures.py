@@ -98,11 +98,7 @@ class Reproduced:
 @cache
 def reproduced() -> list[Reproduced]:
     """Return what the default reading gives, and the nearest; several sections ask for it."""
-    default, best = combinations.default_trial(), combinations.study().best
-    return [
-        reproduce("default", default.base, default.space),
-        reproduce("nearest", best.base, best.space),
-    ]
+    return [reproduce(name, *case) for name, case in combinations.cases().items()]
 
 
 def reproduce(name: str, base: Base, space: Space) -> Reproduced:

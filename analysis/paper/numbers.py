@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 
 from analysis.paper.balls import Base, Share, Space, cores, strike
-from analysis.paper.combinations import Trial, trial
+from analysis.paper.combinations import Cases, Trial, trial
 from analysis.paper.distances import NEAR
 from analysis.paper.printed import P_TEXT
 from analysis.writing import figure, shown, table
@@ -94,15 +94,12 @@ class Ranged:
 def over_ranges(base: Base, space: Space) -> tuple[Share, list[Ranged]]:
     """Return P(0.42), and what each number alone does to it."""
     before = share(drawn(base), space)
+
+    def moved(name: str, value: float) -> tuple[float, float]:
+        return share(drawn(base.replaced({name: value})), space).above(before)
+
     return before, [
-        Ranged(
-            one,
-            *(
-                share(drawn(base.replaced({one.name: value})), space).above(before)
-                for value in (one.low, one.high)
-            ),
-        )
-        for one in UNKNOWN
+        Ranged(one, moved(one.name, one.low), moved(one.name, one.high)) for one in UNKNOWN
     ]
 
 
@@ -117,7 +114,7 @@ def at_corners(base: Base, space: Space) -> list[Trial]:
     return found
 
 
-def section(report: Path, cases: dict[str, tuple[Base, Space]]) -> str:
+def section(report: Path, cases: Cases) -> str:
     """Write the section: what the unknown numbers do, alone and together."""
     cases = {name: (base.replaced({"ball.restitution": E}), s) for name, (base, s) in cases.items()}
     found = {name: over_ranges(*case) for name, case in cases.items()}
@@ -288,44 +285,28 @@ def sensitivity(parameter: Parameter, problem: Problem, space: Space, p: float) 
     )
     rise, error = above.above(below)
     value = parameter.value(problem)
+    by_value, by_share = 2 * STEP * value, 2 * STEP * p
     return Sensitivity(
-        parameter=parameter,
-        value=value,
-        slope=rise / (2 * STEP * value),
-        slope_error=error / (2 * STEP * value),
-        power=rise / (2 * STEP * p),
-        power_error=error / (2 * STEP * p),
+        parameter, value, rise / by_value, error / by_value, rise / by_share, error / by_share
     )
 
 
-def sensitivities(report: Path, cases: dict[str, tuple[Base, Space]]) -> str:
+def sensitivities(report: Path, cases: Cases) -> str:
     """Write the section: ∂P/∂parameter at the default and the nearest reading."""
     found = {}
     for name, (base, space) in cases.items():
         problem = drawn(base.replaced({"ball.restitution": E}))
         p = share(problem, space).p
         found[name] = [sensitivity(one, problem, space, p) for one in PARAMETERS]
-    rows = pd.DataFrame(
-        [
-            {
-                "parameter": f"{one.name}, {one.unit}".rstrip(", "),
-                **{
-                    key: text
-                    for name, sensitive in found.items()
-                    for here in [sensitive[i]]
-                    for key, text in (
-                        (f"{name}: value", f"{here.value:.4g}"),
-                        ("∂P/∂x, " + name, f"{here.slope:+.3g} ± {here.slope_error:.1g}"),
-                        (
-                            "d ln P / d ln x, " + name,
-                            f"{here.power:+.2f} ± {here.power_error:.2f}",
-                        ),
-                    )
-                },
-            }
-            for i, one in enumerate(PARAMETERS)
-        ]
-    )
+    rows = []
+    for i, one in enumerate(PARAMETERS):
+        row = {"parameter": f"{one.name}, {one.unit}".rstrip(", ")}
+        for name, sensitive in found.items():
+            here = sensitive[i]
+            row[f"{name}: value"] = f"{here.value:.4g}"
+            row[f"∂P/∂x, {name}"] = f"{here.slope:+.3g} ± {here.slope_error:.1g}"
+            row[f"d ln P / d ln x, {name}"] = f"{here.power:+.2f} ± {here.power_error:.2f}"
+        rows.append(row)
     sentences = []
     for name, sensitive in found.items():
         order = sorted(sensitive, key=lambda one: -abs(one.power))[:3]
@@ -339,7 +320,7 @@ def sensitivities(report: Path, cases: dict[str, tuple[Base, Space]]) -> str:
             "### Sensitivities\n",
             f"∂P/∂x at e = {E}, by central differences over ± {100 * STEP:g} % of the value with "
             f"the same {SAMPLES:,} at-bats (seed {SEED}); ± is the standard error.\n",
-            table(report, "paper_sensitivities", rows),
+            table(report, "paper_sensitivities", pd.DataFrame(rows)),
             " ".join(sentences) + "\n",
         ]
     )

@@ -22,7 +22,7 @@ from analysis.paper.balls import (
     strike,
     strike_in_steps,
 )
-from analysis.paper.combinations import RADII, STEP
+from analysis.paper.combinations import RADII, STEP, Cases
 from analysis.paper.printed import P_TEXT
 from analysis.writing import figure, shown, table
 from longball.engines.verlet import Verlet
@@ -182,7 +182,7 @@ def turn_scheme(base: Base, space: Space) -> list[Scheme]:
 # --- the report -----------------------------------------------------------------------------------
 
 
-def section(report: Path, cases: dict[str, tuple[Base, Space]]) -> str:
+def section(report: Path, cases: Cases) -> str:
     """Write the section: each reading with each switch turned."""
     found = {name: turn(base, space) for name, (base, space) in cases.items()}
     draw_tornado(report, found)
@@ -218,9 +218,7 @@ def section(report: Path, cases: dict[str, tuple[Base, Space]]) -> str:
     )
 
 
-def on_switches(
-    cases: dict[str, tuple[Base, Space]], found: dict[str, tuple[Share, list[Turned]]]
-) -> str:
+def on_switches(cases: Cases, found: dict[str, tuple[Share, list[Turned]]]) -> str:
     """Say which switches move P most, and whether one of them is enough."""
     sentences = [
         f"The same {SAMPLES:,} random at-bats (seed {SEED}) for every reading; ± is the standard "

@@ -137,7 +137,9 @@ def short(whole: pd.DataFrame) -> pd.DataFrame:
                 "ratio": f"{flight[name]['ratio']:.3g}",
                 "worst error of D, m": f"{flight[name]['worst error, m']:.1e}",
                 "at-bat, µs": f"{at_bat[name]['time each, µs']:.3g}",
-                "at-bats: worst error of D, m": _or_none(at_bat[name]["worst error, m"]),
+                "at-bats: worst error of D, m": f"{at_bat[name]['worst error, m']:.1e}".replace(
+                    "nan", "–"
+                ),
                 "contacts missed": f"{at_bat[name]['missed'] / at_bat[name]['contacts']:.1%}",
             }
             for name in _SHORT
@@ -151,10 +153,6 @@ def by_name(whole: pd.DataFrame, kind: str) -> dict[str, dict[str, Any]]:
     chosen = whole[whole["work"] == kind]
     rows = (dict(zip(chosen.columns, row, strict=True)) for row in chosen.itertuples(index=False))
     return {f"{row['method']}, {row['setting']}": row for row in rows}
-
-
-def _or_none(error: float) -> str:
-    return "–" if error != error else f"{error:.1e}"
 
 
 def found(whole: pd.DataFrame) -> str:
@@ -175,9 +173,9 @@ def found(whole: pd.DataFrame) -> str:
         shares.setdefault(row["method"], []).append(row["missed"] / row["contacts"])
     never = [method for method, share in shares.items() if max(share) == 0.0]
     missing = [
-        f"{method} {_percent(min(share), max(share))}"
+        f"{method} " + " to ".join(dict.fromkeys(f"{x:.0%}" for x in (min(share), max(share))))
         for method, share in shares.items()
-        if method not in never
+        if max(share) > 0.0
     ]
     return (
         f"**Flights.** The batch engine lands a ball in {best['time each, µs']:.2g} µs, off by "
@@ -190,7 +188,3 @@ def found(whole: pd.DataFrame) -> str:
         "as slow as the engine `ivp`, which looks for the closest approach. "
         "Who misses the bat has no batted ball to fly, which makes those at-bats look cheap.\n"
     )
-
-
-def _percent(least: float, most: float) -> str:
-    return f"{least:.0%}" if least == most else f"{least:.0%} to {most:.0%}"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import os
 import platform
@@ -46,11 +47,10 @@ def measure(turns: Sequence[tuple[Contender, Known]], rounds: int) -> list[Measu
     for entrant, portion in portions:
         entrant.solve(portion)
     seconds: list[list[float]] = [[] for _ in portions]
-    for _ in range(rounds):
-        for (entrant, portion), mine in zip(portions, seconds, strict=True):
-            begin = time.perf_counter()
-            entrant.solve(portion)
-            mine.append((time.perf_counter() - begin) / len(portion))
+    for _, (i, (entrant, portion)) in itertools.product(range(rounds), enumerate(portions)):
+        begin = time.perf_counter()
+        entrant.solve(portion)
+        seconds[i].append((time.perf_counter() - begin) / len(portion))
     found = []
     for (entrant, known), mine in zip(turns, seconds, strict=True):
         true = known.true[: entrant.most]
@@ -96,15 +96,9 @@ class Errors:
 
     def row(self) -> dict[str, object]:
         """Return the numbers as columns of a table."""
-        return {
-            "scenes": self.scenes,
-            "median error, m": self.median,
-            "99 % error, m": self.most,
-            "worst error, m": self.worst,
-            "contacts": self.contacts,
-            "missed": self.missed,
-            "unanswered": self.unanswered,
-        }
+        names = {"median": "median error, m", "most": "99 % error, m", "worst": "worst error, m"}
+        kept = {name: x for name, x in vars(self).items() if name != "worst_time"}
+        return {names.get(name, name): x for name, x in kept.items()}
 
 
 CONTACT = ("batted", "separating", "airborne")
