@@ -14,7 +14,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from analysis.paper import combinations
-from analysis.paper.balls import Balls, Space, cores, strike
+from analysis.paper.balls import Balls, Base, Space, cores, strike
 from analysis.paper.printed import CARRIES
 from analysis.writing import LINES, figure, shown, table
 from longball.engines.batch import solve_columns
@@ -26,7 +26,6 @@ from longball.home_run import (
     fit,
     paper_at_bats,
 )
-from longball.model.drawn import DrawnAtBat
 from longball.model.scene import FlightScene, Launch
 
 Array = NDArray[np.float64]
@@ -147,11 +146,11 @@ class Contact:
     by_restitution: float
 
 
-def contact(base: DrawnAtBat, struck: Sequence[Balls]) -> Contact:
+def contact(base: Base, struck: Sequence[Balls]) -> Contact:
     """Return what the scatter of the pitch's speed amounts to, for the balls hit upwards."""
     flies = struck[0].elevation > 0
     speeds = struck[0].pitch_speed[flies]
-    samples = draw(paper_at_bats(base.reading), SAMPLES // 10, SEED)
+    samples = draw(paper_at_bats(base.sampling), SAMPLES // 10, SEED)
     factor = 1 + float(speeds.std() / speeds.mean())
     faster = type(samples)(samples.speed * factor, samples.aim, samples.offset, samples.tilt)
     usual, quick = (strike(base, one, [E], threads=cores())[0] for one in (samples, faster))
@@ -200,13 +199,13 @@ ELEVATIONS = (20.0, 30.0, 40.0)  # degrees
 STRAIGHT = 0.05  # off a line by less than this share of the whole change: linear to the eye
 
 
-def ranges(base: DrawnAtBat, elevation: float) -> Array:
+def ranges(base: Base, elevation: float) -> Array:
     """Return D, m, of flights from 1 m above the ground at the speeds above."""
     angle = math.radians(elevation)
     scene = FlightScene(
         id="flight",
-        ball=base.ball,
-        air=base.air,
+        ball=base.scene.ball,
+        air=base.scene.air,
         reading=base.scene.reading,
         launch=Launch(position=(0.0, 0.0, 1.0), velocity=(1.0, 0.0, 0.0)),
     )
@@ -272,7 +271,7 @@ class Tested:
     """What was found for a reading."""
 
     name: str
-    base: DrawnAtBat
+    base: Base
     space: Space
     tail: Tail
     contact: Contact
@@ -282,9 +281,9 @@ class Tested:
     density: Array
 
 
-def tested(name: str, base: DrawnAtBat, space: Space) -> Tested:
+def tested(name: str, base: Base, space: Space) -> Tested:
     """Try the argument on a reading."""
-    samples = draw(paper_at_bats(base.reading), SAMPLES, SEED)
+    samples = draw(paper_at_bats(base.sampling), SAMPLES, SEED)
     struck = strike(base, samples, RESTITUTIONS, threads=cores())
     shifts = [shift(distance, struck) for distance in (75.0, 110.0, 150.0)]
     middle = struck[RESTITUTIONS.index(E)]

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
+from typing import NamedTuple
 
 import joblib
 import numpy as np
@@ -24,11 +25,30 @@ from longball.home_run import (
     paper_at_bats,
     scenes,
 )
-from longball.model.drawn import DrawnAtBat
-from longball.model.readings import SampleSpace
+from longball.model.quantities import number, replaced
+from longball.model.readings import SampleSpace, SamplingReading
+from longball.model.scene import AtBatScene
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
+
+
+class Base(NamedTuple):
+    """An at-bat's constants, and the reading that its random inputs are drawn under."""
+
+    scene: AtBatScene
+    sampling: SamplingReading = SamplingReading()
+
+    def number(self, name: str) -> float:
+        """Return a number of the scene or of the sampling by its name there."""
+        block = self.sampling if name in SamplingReading.model_fields else self.scene
+        return float(number(block, name))
+
+    def replaced(self, values: Mapping[str, float]) -> Base:
+        """Return the pair with other numbers, by the same names."""
+        sampled = {name: x for name, x in values.items() if name in SamplingReading.model_fields}
+        fixed = {name: x for name, x in values.items() if name not in sampled}
+        return Base(replaced(self.scene, fixed), replaced(self.sampling, sampled))
 
 
 @dataclass(frozen=True)
@@ -55,7 +75,7 @@ class Balls(Struck):
 
 
 def strike(
-    base: DrawnAtBat, samples: Samples, restitutions: Sequence[float], threads: int = 1
+    base: Base, samples: Samples, restitutions: Sequence[float], threads: int = 1
 ) -> list[Balls]:
     """Return what becomes of samples, the same ones at each restitution.
 
@@ -75,7 +95,7 @@ def strike(
     for table in tables:
         after = np.array([table[f"impact.velocity[{i}]"] for i in range(3)])
         normal = np.array([table[f"contact.normal[{i}]"] for i in range(3)])
-        before = after - table["impact.impulse"] / base.ball.mass * normal
+        before = after - table["impact.impulse"] / base.scene.ball.mass * normal
         failed = np.zeros(len(pitched), bool)
         failed[pitched] = table["outcome"] == ""
         struck.append(
@@ -95,7 +115,7 @@ CHUNK = 500  # at-bats that a process takes at a time by the paper's scheme
 
 
 def strike_in_steps(
-    base: DrawnAtBat, count: int, seed: int, restitutions: Sequence[float], scheme: Verlet
+    base: Base, count: int, seed: int, restitutions: Sequence[float], scheme: Verlet
 ) -> list[Balls]:
     """Return what becomes of samples by the paper's scheme."""
     parts = joblib.Parallel(n_jobs=-1)(
@@ -108,7 +128,7 @@ def strike_in_steps(
 
 
 def _chunk_in_steps(
-    base: DrawnAtBat,
+    base: Base,
     first: int,
     count: int,
     seed: int,
@@ -118,7 +138,7 @@ def _chunk_in_steps(
     """Return the fields of `Balls` for some of the samples: (restitution, field, sample)."""
     found = np.full((len(restitutions), len(fields(Balls)), count), np.nan)
     found[:, 2] = 0.0
-    drawn = scenes(base, draw(paper_at_bats(base.reading), count, seed, first), first)
+    drawn = scenes(base.scene, draw(paper_at_bats(base.sampling), count, seed, first), first)
     for i, scene in enumerate(drawn):
         if scene is None:
             continue
@@ -219,11 +239,11 @@ SPACES = (
 )
 
 
-def describe(base: DrawnAtBat, space: Space) -> str:
+def describe(base: Base, space: Space) -> str:
     """Say in which readings and numbers an at-bat differs from the default ones."""
-    default = DrawnAtBat(id="default")
+    default = AtBatScene(id="default")
     blocks = [
-        (name, getattr(base, name).model_dump(), getattr(default, name).model_dump())
+        (name, getattr(base.scene, name).model_dump(), getattr(default, name).model_dump())
         for name in ("ball", "bat", "air")
     ]
     numbers = [
@@ -232,6 +252,7 @@ def describe(base: DrawnAtBat, space: Space) -> str:
         for key, value in block.items()
         if value != usual[key] and key != "restitution"
     ]
-    switches = [f"{key} = {value}" for key, value in base.reading.model_dump().items()]
+    turned = base.scene.reading.model_dump() | base.sampling.model_dump()
+    switches = [f"{key} = {value}" for key, value in turned.items()]
     chosen = [] if space == SPACES[0] else [f"samples: {space.name}"]
     return ", ".join(numbers + switches + chosen) or "nothing changed"

@@ -15,7 +15,16 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from analysis.paper.balls import SPACES, Balls, Space, cores, describe, strike, strike_in_steps
+from analysis.paper.balls import (
+    SPACES,
+    Balls,
+    Base,
+    Space,
+    cores,
+    describe,
+    strike,
+    strike_in_steps,
+)
 from analysis.paper.distances import (
     BIN,
     HEIGHT_AND_SLOPE,
@@ -34,9 +43,8 @@ from analysis.paper.printed import SAMPLES as PAPER_SAMPLES
 from analysis.writing import figure, markdown_table, shown, table
 from longball.engines.verlet import Verlet
 from longball.home_run import PAPER_CURVES, RESTITUTIONS, Estimate, draw, paper_at_bats
-from longball.model.drawn import DrawnAtBat, DrawnReading
-from longball.model.readings import SamplingReading
-from longball.model.scene import Ball
+from longball.model.readings import Reading, SamplingReading
+from longball.model.scene import AtBatScene, Ball
 
 Array = NDArray[np.float64]
 
@@ -68,11 +76,14 @@ PLATE = 0.432  # m, its width
 RADII = (0.0366, 0.0183)  # m, of the ball; the paper calls 0.0366 m its diameter
 
 
-def bases() -> Iterator[DrawnAtBat]:
+def bases() -> Iterator[Base]:
     """Yield the at-bats of all combinations but for the sample spaces, which cost nothing."""
     for blow, offset, width, radius in itertools.product(BLOWS, OFFSET_SPREADS, CELL_WIDTHS, RADII):
-        reading = DrawnReading.model_validate(blow | {"offset_spread": offset, "cell_width": width})
-        yield DrawnAtBat(id="base", ball=Ball(radius=radius), reading=reading)
+        reading = Reading.model_validate(blow)
+        yield Base(
+            AtBatScene(id="base", ball=Ball(radius=radius), reading=reading),
+            SamplingReading(offset_spread=offset, cell_width=width),
+        )
 
 
 @dataclass(frozen=True)
@@ -95,7 +106,7 @@ class Trial:
         The paper's Fig. 6 against it, by restitution; empty at first sight.
     """
 
-    base: DrawnAtBat
+    base: Base
     space: Space
     rows: list[Estimate]
     mode: dict[float, float]
@@ -123,9 +134,9 @@ class Trial:
         return next(row.p for row in self.rows if row.e == e)
 
 
-def tried(base: DrawnAtBat) -> list[Trial]:
+def tried(base: Base) -> list[Trial]:
     """Return what a combination gives at first sight, in the sample spaces with balls enough."""
-    struck = strike(base, draw(paper_at_bats(base.reading), SAMPLES, SEED), RESTITUTIONS)
+    struck = strike(base, draw(paper_at_bats(base.sampling), SAMPLES, SEED), RESTITUTIONS)
     return [
         trial(base, space, struck)
         for space in SPACES
@@ -133,13 +144,13 @@ def tried(base: DrawnAtBat) -> list[Trial]:
     ]
 
 
-def closer(base: DrawnAtBat, spaces: Sequence[Space], count: int) -> list[Trial]:
+def closer(base: Base, spaces: Sequence[Space], count: int) -> list[Trial]:
     """Return what a combination gives with more samples, the peaks of Fig. 6 with it."""
-    struck = strike(base, draw(paper_at_bats(base.reading), count, SEED), RESTITUTIONS)
+    struck = strike(base, draw(paper_at_bats(base.sampling), count, SEED), RESTITUTIONS)
     return [with_peaks(trial(base, space, struck), struck) for space in spaces]
 
 
-def trial(base: DrawnAtBat, space: Space, struck: Sequence[Balls]) -> Trial:
+def trial(base: Base, space: Space, struck: Sequence[Balls]) -> Trial:
     """Hold struck balls against Fig. 7."""
     rows = [space.estimate(e, one) for e, one in zip(RESTITUTIONS, struck, strict=True)]
     flown = {e: space.distances(one) for e, one in zip(RESTITUTIONS, struck, strict=True)}
@@ -214,10 +225,10 @@ def study() -> Study:
 @cache
 def default_trial() -> Trial:
     """Return the ledger's defaults, seen as close as the near readings."""
-    return closer(DrawnAtBat(id="base"), SPACES[:1], CLOSEST_SAMPLES)[0]
+    return closer(Base(AtBatScene(id="base")), SPACES[:1], CLOSEST_SAMPLES)[0]
 
 
-Cases = dict[str, tuple[DrawnAtBat, Space]]
+Cases = dict[str, tuple[Base, Space]]
 
 
 def cases() -> Cases:
@@ -259,7 +270,7 @@ def stepped(exact: Trial) -> Stepped:
     """Take a reading's at-bats with the paper's scheme."""
     base = exact.base
     by_steps = strike_in_steps(base, STEPPED_SAMPLES, SEED, RESTITUTIONS, Verlet(STEP))
-    samples = draw(paper_at_bats(base.reading), STEPPED_SAMPLES, SEED)
+    samples = draw(paper_at_bats(base.sampling), STEPPED_SAMPLES, SEED)
     exactly = strike(base, samples, RESTITUTIONS[:1], threads=cores())[0]
     at = list(zip(RESTITUTIONS, by_steps, strict=True))
     return Stepped(
@@ -374,7 +385,7 @@ def on_the_count(found: Study, default: Trial) -> str:
     """Say how many readings cannot be told from the paper."""
     near = [one for one in found.near if one.to["caption"].near]
     both = [one for one in found.near if one.both <= NEAR_BOTH]
-    usual = [one for one in near if one.base.ball.radius == default.base.ball.radius]
+    usual = [one for one in near if one.base.scene.ball.radius == default.base.scene.ball.radius]
     ledger = [one for one in usual if not one.space.flies]
     inside = [one for one in found.near if not beyond(one)] or [
         one for one in found.first if not beyond(one)
@@ -426,22 +437,22 @@ def on_the_best(best: Trial) -> str:
         f"**The nearest**: {best.name}. It has {listed}, the caption's curve in brackets: off by "
         f"{off:.4f} at most, {off / noise:.1f} times the noise of {PAPER_SAMPLES:,} samples. "
     )
-    if best.base.reading.reduced_mass == "effective_mass":
+    if best.base.scene.reading.reduced_mass == "effective_mass":
         said += (
             "Its blow is the paper's formula with one effective mass throughout: then "
             "μ (1 + ẽ) = m (1 + e), a ball is struck as by a bat of infinite mass with the "
             "restitution e, and neither the bat's mass nor its inertia matters, which the paper "
             "does not print. "
         )
-    if best.base.ball.radius == min(RADII):
+    if best.base.scene.ball.radius == min(RADII):
         said += (
             "Its ball is 0.0366 m wide, as the paper has it: a quarter of a baseball's cross "
             "section, and so of its drag and lift. "
         )
-    zone = PLATE + 2 * best.base.ball.radius
-    if abs(3 * best.base.reading.cell_width - zone) < 0.001:
+    zone = PLATE + 2 * best.base.scene.ball.radius
+    if abs(3 * best.base.sampling.cell_width - zone) < 0.001:
         said += (
-            f"Three of its cells, {3 * best.base.reading.cell_width:.3f} m, are the plate and one "
+            f"Three of its cells, {3 * best.base.sampling.cell_width:.3f} m, are the plate and one "
             "such ball: the zone that some part of the ball crosses. "
         )
     return said + "\n"
@@ -488,7 +499,7 @@ def unexplained(found: Study, by_steps: Sequence[Stepped]) -> str:
             + (" and land fair" if best.space.ledger == "fair" else "")
             + " would be the samples: the text says nothing of it."
         )
-    if best.base.ball.radius == min(RADII):
+    if best.base.scene.ball.radius == min(RADII):
         listed.append(
             "Whether the ball of the paper's program was 0.0366 m wide: the text says so, and the "
             "nearest readings say so, but nothing else does."
@@ -552,7 +563,7 @@ def draw_plane(report: Path, found: Study, default: Trial) -> None:
 
 def beyond(one: Trial) -> bool:
     """Tell whether the ledger's switches alone do not make a reading."""
-    return one.space.flies or one.base.ball.radius == min(RADII)
+    return one.space.flies or one.base.scene.ball.radius == min(RADII)
 
 
 def noise(p: Array) -> Array:

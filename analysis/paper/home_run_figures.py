@@ -13,7 +13,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from analysis.paper import combinations
-from analysis.paper.balls import Balls, Space, cores, describe, strike
+from analysis.paper.balls import Balls, Base, Space, cores, describe, strike
 from analysis.paper.distances import BIN, Peak, covariance, peak
 from analysis.paper.printed import (
     FLAT,
@@ -37,7 +37,6 @@ from longball.home_run import (
     fit,
     paper_at_bats,
 )
-from longball.model.drawn import DrawnAtBat
 
 Array = NDArray[np.float64]
 
@@ -80,7 +79,7 @@ class Reproduced:
     """
 
     name: str
-    base: DrawnAtBat
+    base: Base
     space: Space
     rows: list[Estimate]
     fitted: Fit | None
@@ -102,10 +101,10 @@ def reproduced() -> list[Reproduced]:
     return [reproduce(name, *case) for name, case in combinations.cases().items()]
 
 
-def reproduce(name: str, base: DrawnAtBat, space: Space) -> Reproduced:
+def reproduce(name: str, base: Base, space: Space) -> Reproduced:
     """Return what a reading gives."""
     restitutions = sorted({*RESTITUTIONS, *(season.restitution for season in SEASONS)})
-    samples = draw(paper_at_bats(base.reading), SAMPLES, SEED)
+    samples = draw(paper_at_bats(base.sampling), SAMPLES, SEED)
     struck = dict(
         zip(restitutions, strike(base, samples, restitutions, threads=cores()), strict=True)
     )

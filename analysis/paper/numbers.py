@@ -10,14 +10,12 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from analysis.paper.balls import Share, Space, cores, strike
+from analysis.paper.balls import Base, Share, Space, cores, strike
 from analysis.paper.combinations import Cases, Trial, trial
 from analysis.paper.distances import NEAR
 from analysis.paper.printed import P_TEXT
 from analysis.writing import figure, shown, table
 from longball.home_run import PAPER_CURVES, RESTITUTIONS, Samples, draw, paper_at_bats
-from longball.model.drawn import DrawnAtBat
-from longball.model.quantities import number, replaced
 
 SAMPLES = 100_000
 CORNER_SAMPLES = 20_000
@@ -25,18 +23,18 @@ SEED = 1
 E = P_TEXT[0]
 STEP = 0.02  # of a number's value: its third order is 1 % of P' where P goes like its tenth power
 
-Problem = tuple[DrawnAtBat, Samples]
+Problem = tuple[Base, Samples]
 
 
-def drawn(base: DrawnAtBat, count: int = SAMPLES) -> Problem:
+def drawn(base: Base, count: int = SAMPLES) -> Problem:
     """Return an at-bat with its random numbers: the same ones for every reading."""
-    return base, draw(paper_at_bats(base.reading), count, SEED)
+    return base, draw(paper_at_bats(base.sampling), count, SEED)
 
 
 def share(problem: Problem, space: Space) -> Share:
     """Return P at the restitution of the problem's ball."""
     base, samples = problem
-    (balls,) = strike(base, samples, [base.ball.restitution], threads=cores())
+    (balls,) = strike(base, samples, [base.scene.ball.restitution], threads=cores())
     return space.share(balls)
 
 
@@ -50,7 +48,7 @@ class Unknown:
     Attributes
     ----------
     name, unit
-        In a scene.
+        In a scene or its sampling.
     low, high
         Its range.
     source
@@ -68,7 +66,7 @@ UNKNOWN = (
     Unknown("ball.mass", "kg", 0.1417, 0.1488, "not printed; NPB's rules"),
     Unknown("bat.mass", "kg", 0.85, 0.96, "not printed; wooden bats of 30 to 34 oz"),
     Unknown(
-        "reading.cell_width", "m", 0.12, 0.20,
+        "cell_width", "m", 0.12, 0.20,
         "not printed; a third of the plate is 0.144, with a ball's width 0.168; a chart may be "
         "drawn narrower or wider",
     ),
@@ -93,24 +91,24 @@ class Ranged:
     high: tuple[float, float]
 
 
-def over_ranges(base: DrawnAtBat, space: Space) -> tuple[Share, list[Ranged]]:
+def over_ranges(base: Base, space: Space) -> tuple[Share, list[Ranged]]:
     """Return P(0.42), and what each number alone does to it."""
     before = share(drawn(base), space)
 
     def moved(name: str, value: float) -> tuple[float, float]:
-        return share(drawn(replaced(base, {name: value})), space).above(before)
+        return share(drawn(base.replaced({name: value})), space).above(before)
 
     return before, [
         Ranged(one, moved(one.name, one.low), moved(one.name, one.high)) for one in UNKNOWN
     ]
 
 
-def at_corners(base: DrawnAtBat, space: Space) -> list[Trial]:
+def at_corners(base: Base, space: Space) -> list[Trial]:
     """Return P(e) with all numbers at the ends of their ranges, in all combinations."""
     found = []
     for values in itertools.product(*((one.low, one.high) for one in UNKNOWN)):
         names = [one.name for one in UNKNOWN]
-        corner = replaced(base, dict(zip(names, values, strict=True)))
+        corner = base.replaced(dict(zip(names, values, strict=True)))
         struck = strike(*drawn(corner, CORNER_SAMPLES), RESTITUTIONS, threads=cores())
         found.append(trial(corner, space, struck))
     return found
@@ -118,9 +116,7 @@ def at_corners(base: DrawnAtBat, space: Space) -> list[Trial]:
 
 def section(report: Path, cases: Cases) -> str:
     """Write the section: what the unknown numbers do, alone and together."""
-    cases = {
-        name: (replaced(base, {"ball.restitution": E}), s) for name, (base, s) in cases.items()
-    }
+    cases = {name: (base.replaced({"ball.restitution": E}), s) for name, (base, s) in cases.items()}
     found = {name: over_ranges(*case) for name, case in cases.items()}
     rows = pd.DataFrame(
         [
@@ -162,7 +158,7 @@ def on_corners(name: str, corners: Sequence[Trial]) -> str:
     p = [one.p(E) for one in corners]
     nearest = min(corners, key=lambda one: one.to["caption"].squared)
     d2 = nearest.to["caption"].squared
-    values = ", ".join(f"{one.name} = {number(nearest.base, one.name):g}" for one in UNKNOWN)
+    values = ", ".join(f"{one.name} = {nearest.base.number(one.name):g}" for one in UNKNOWN)
     near = sum(one.to["caption"].near for one in corners)
     verdict = f"where {NEAR:.2f} would be near: **no corner is**"
     if near:
@@ -219,20 +215,20 @@ class Parameter:
 
 
 def of_scene(name: str, unit: str) -> Parameter:
-    """Return a number of the scene; one of its reading changes what is drawn."""
+    """Return a number of the scene, or of the sampling, which changes what is drawn."""
 
     def scaled(problem: Problem, factor: float) -> Problem:
         base, samples = problem
-        other = replaced(base, {name: factor * number(base, name)})
-        return drawn(other, len(samples)) if name.startswith("reading.") else (other, samples)
+        other = base.replaced({name: factor * base.number(name)})
+        return (other, samples) if other.sampling == base.sampling else drawn(other, len(samples))
 
-    return Parameter(name, unit, lambda problem: number(problem[0], name), scaled)
+    return Parameter(name, unit, lambda problem: problem[0].number(name), scaled)
 
 
 def _heights_scaled(problem: Problem, factor: float) -> Problem:
     base, samples = problem
     heights = ("pitch.release[2]", "pitch.aim[1]")
-    return replaced(base, {name: factor * number(base, name) for name in heights}), samples
+    return base.replaced({name: factor * base.number(name) for name in heights}), samples
 
 
 PARAMETERS = (
@@ -246,8 +242,8 @@ PARAMETERS = (
     of_scene("air.drag_coefficient", ""),
     of_scene("air.lift_coefficient", ""),
     of_scene("gravity", "m/s²"),
-    of_scene("reading.offset_spread", "m"),
-    of_scene("reading.cell_width", "m"),
+    of_scene("offset_spread", "m"),
+    of_scene("cell_width", "m"),
     Parameter(
         "all pitch speeds, their mean", "m/s",
         lambda problem: float(problem[1].speed.mean()),
@@ -257,12 +253,12 @@ PARAMETERS = (
     ),
     Parameter(
         "largest tilt", "rad",
-        lambda problem: paper_at_bats(problem[0].reading).largest_tilt,
+        lambda problem: paper_at_bats(problem[0].sampling).largest_tilt,
         lambda problem, factor: (problem[0], replace(problem[1], tilt=factor * problem[1].tilt)),
     ),
     Parameter(
         "heights of release and aim", "m",
-        lambda problem: problem[0].pitch.release[2],
+        lambda problem: problem[0].scene.pitch.release[2],
         _heights_scaled,
     ),
 )  # fmt: skip
@@ -297,7 +293,7 @@ def sensitivities(report: Path, cases: Cases) -> str:
     """Write the section: ∂P/∂parameter at the default and the nearest reading."""
     found = {}
     for name, (base, space) in cases.items():
-        problem = drawn(replaced(base, {"ball.restitution": E}))
+        problem = drawn(base.replaced({"ball.restitution": E}))
         p = share(problem, space).p
         found[name] = [sensitivity(one, problem, space, p) for one in PARAMETERS]
     rows = []

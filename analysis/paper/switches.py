@@ -14,6 +14,7 @@ from pydantic import ValidationError
 from analysis.paper.balls import (
     SPACES,
     Balls,
+    Base,
     Share,
     Space,
     cores,
@@ -26,8 +27,7 @@ from analysis.paper.printed import P_TEXT
 from analysis.writing import figure, shown, table
 from longball.engines.verlet import Verlet
 from longball.home_run import PAPER_CURVES, RESTITUTIONS, draw, paper_at_bats
-from longball.model.drawn import DrawnAtBat, DrawnReading
-from longball.model.readings import LEDGER, SCHEME_OPTIONS
+from longball.model.readings import LEDGER, SCHEME_OPTIONS, Reading, SamplingReading
 
 SAMPLES = 100_000
 STEPPED_SAMPLES = 40_000
@@ -63,39 +63,42 @@ class Turned:
         return f"{self.switch} = {self.option}"
 
 
-def options(base: DrawnAtBat, space: Space) -> Iterator[tuple[str, str, DrawnAtBat, Space]]:
+def options(base: Base, space: Space) -> Iterator[tuple[str, str, Base, Space]]:
     """Yield each switch with each option that is not the one chosen, and what it makes.
 
     Two that are not in the ledger come last: a ball 0.0366 m wide, and flies alone.
     """
     for entry in LEDGER:
-        if entry.switch not in DrawnReading.model_fields or entry.switch == "sample_space":
+        if entry.switch == "sample_space":
             continue
         for option in entry.options:
-            reading = turned_to(base.reading, entry.switch, option)
-            if reading is not None and reading != base.reading:
-                yield entry.switch, option, base.model_copy(update={"reading": reading}), space
-    for other in SPACES:
-        if other != space:
-            yield "samples", other.name, base, other
+            other = turned_to(base, entry.switch, option)
+            if other is not None and other != base:
+                yield entry.switch, option, other, space
+    for other_space in SPACES:
+        if other_space != space:
+            yield "samples", other_space.name, base, other_space
     for radius in RADII:
-        if radius != base.ball.radius:
-            ball = base.ball.model_copy(update={"radius": radius})
-            yield "ball.radius", f"{radius:g}", base.model_copy(update={"ball": ball}), space
+        if radius != base.scene.ball.radius:
+            yield "ball.radius", f"{radius:g}", base.replaced({"ball.radius": radius}), space
 
 
-def turned_to(reading: DrawnReading, switch: str, option: str) -> DrawnReading | None:
-    """Return a reading with one switch set; None where the ledger calls it a contradiction."""
-    number = DrawnReading.model_fields[switch].annotation is float
+def turned_to(base: Base, switch: str, option: str) -> Base | None:
+    """Return a reading with one switch set; None if it has no such switch, or contradicts it."""
+    scene, sampling = base
+    if switch in SamplingReading.model_fields:
+        number = SamplingReading.model_fields[switch].annotation is float
+        value = float(option) if number else option
+        switches = sampling.model_dump() | {switch: value}
+        return Base(scene, SamplingReading.model_validate(switches))
     try:
-        return DrawnReading.model_validate(
-            reading.model_dump() | {switch: float(option) if number else option}
-        )
+        reading = Reading.model_validate(scene.reading.model_dump() | {switch: option})
     except ValidationError:
         return None
+    return Base(scene.model_copy(update={"reading": reading}), sampling)
 
 
-def turn(base: DrawnAtBat, space: Space) -> tuple[Share, list[Turned]]:
+def turn(base: Base, space: Space) -> tuple[Share, list[Turned]]:
     """Return P(0.42) of a reading, and all that comes of turning one switch."""
     before = [space.share(balls) for balls in struck(base)]
     at = RESTITUTIONS.index(E)
@@ -107,9 +110,9 @@ def turn(base: DrawnAtBat, space: Space) -> tuple[Share, list[Turned]]:
     return before[at], found
 
 
-def struck(base: DrawnAtBat) -> list[Balls]:
+def struck(base: Base) -> list[Balls]:
     """Return what becomes of the same random numbers under a reading."""
-    samples = draw(paper_at_bats(base.reading), SAMPLES, SEED)
+    samples = draw(paper_at_bats(base.sampling), SAMPLES, SEED)
     return strike(base, samples, RESTITUTIONS, threads=cores())
 
 
@@ -146,7 +149,7 @@ class Scheme:
     change_error: float
 
 
-def turn_scheme(base: DrawnAtBat, space: Space) -> list[Scheme]:
+def turn_scheme(base: Base, space: Space) -> list[Scheme]:
     """Return what becomes of a reading by the printed scheme, under each of its switches."""
     found = []
     before: Share | None = None

@@ -9,10 +9,9 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from analysis.paper.balls import SPACES, cores, describe, strike
+from analysis.paper.balls import SPACES, Base, cores, describe, strike
 from analysis.writing import table
 from longball.home_run import HOME_RUN_DISTANCE, Samples, draw, paper_at_bats
-from longball.model.drawn import DrawnAtBat
 
 Array = NDArray[np.float64]
 
@@ -77,7 +76,7 @@ def _saltelli_jansen(a: Array, b: Array, mixed: Array) -> Array:
     return np.array([first, total])
 
 
-def quantities(base: DrawnAtBat, samples: Samples) -> dict[str, Array]:
+def quantities(base: Base, samples: Samples) -> dict[str, Array]:
     """Return what is asked of at-bats: D, 0 for a miss, and whether it is a home run's."""
     (balls,) = strike(base, samples, [E], threads=cores())
     distance = np.where(balls.batted, balls.distance, 0.0)
@@ -89,9 +88,9 @@ def quantities(base: DrawnAtBat, samples: Samples) -> dict[str, Array]:
     }
 
 
-def analyse(base: DrawnAtBat) -> dict[str, Indices]:
+def analyse(base: Base) -> dict[str, Indices]:
     """Return the indices of each quantity."""
-    at_bats = paper_at_bats(base.reading)
+    at_bats = paper_at_bats(base.sampling)
     one, other = (draw(at_bats, SAMPLES, seed) for seed in SEEDS)
     a, b = quantities(base, one), quantities(base, other)
     mixed = [quantities(base, replace(one, **{name: getattr(other, name)})) for name in INPUTS]
@@ -101,7 +100,7 @@ def analyse(base: DrawnAtBat) -> dict[str, Indices]:
     }
 
 
-def section(report: Path, bases: dict[str, DrawnAtBat]) -> str:
+def section(report: Path, bases: dict[str, Base]) -> str:
     """Write the section."""
     found = {name: analyse(base) for name, base in bases.items()}
     rows = [

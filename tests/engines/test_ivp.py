@@ -11,6 +11,7 @@ from longball.engines.engine import CannotSolve
 from longball.engines.event import Event, first_met
 from longball.engines.ivp import METHODS, Ivp
 from longball.model import exact
+from longball.model.frame import Frame
 from longball.model.law import (
     DRAG,
     GRAVITY,
@@ -26,6 +27,7 @@ from longball.model.scene import parse_scene
 from tests import oracle
 
 ENGINE = Ivp()
+ALONG_X = Frame(0.0, 0.0, 1.0, 0.0)
 
 # What the engine promises on regular scenes: a few roundings of 100 m and 10 s.
 LENGTH, TIME = 1e-13, 5e-15  # m, s
@@ -180,7 +182,8 @@ def test_the_parabola(start, floor):
 
 
 LINEAR = Force(
-    lambda scene, numbers: {"viscosity": numbers.exact(scene.viscosity)},
+    ("viscosity",),
+    lambda scene, frame, numbers: (numbers.exact(scene.viscosity),),
     lambda motion, p: tuple(-p.viscosity * component for component in motion.velocity),
 )
 
@@ -190,7 +193,7 @@ def test_a_force_that_nobody_has_heard_of(method):
     """A drag that is linear in the velocity: u = u₀ e^(-c t), and w falls to -g/c likewise."""
     scene = SimpleNamespace(gravity=9.8, viscosity=0.3, air=None)
     engine = Ivp(method)
-    found = law_of(scene, engine.numbers, (GRAVITY, LINEAR))
+    found = law_of(scene, ALONG_X, engine.numbers, (GRAVITY, LINEAR))
     end = fly(BATTED, found, engine=engine, limit=3.0)
     fade = math.exp(-0.3 * 3.0)
     final = 9.8 / 0.3
@@ -205,7 +208,7 @@ def test_a_force_that_nobody_has_heard_of(method):
 
 def test_a_force_across_the_plane_is_flown_in_space():
     """A wind from the side that pushes steadily: y = a t²/2, and nothing else changes."""
-    side = Force(lambda scene, numbers: {}, lambda motion, p: (0.0, p.side, 0.0))
+    side = Force(("side",), lambda *_: None, lambda motion, p: (0.0, p.side, 0.0))
     air = law_with({"drag": 0.0075, "gravity": 9.8})
     pushed = law_with({"gravity": 9.8, "side": 2.0}, (GRAVITY, side))
     end = ENGINE.fly(pushed, SpaceState(0.0, 0.0, 1.0, 35.0, 0.0, 30.0), [ground()], 60.0)
@@ -363,7 +366,7 @@ def test_a_pitch_that_lift_turns_round_just_beyond_the_plate(method, limit):
     start = (0.0, 30.0, 40.0, 0.0)
     found = fly(
         start,
-        law_of(scene, DOUBLES),
+        law_of(scene, ALONG_X, DOUBLES),
         wall(45.14168982597962),
         ground(),
         engine=engine,

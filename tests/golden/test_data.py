@@ -80,14 +80,22 @@ def test_a_line_is_read_and_written_without_change():
             assert golden.Case.model_validate_json(line).line() == line
 
 
-def test_what_at_bats_were_drawn_by_is_kept_apart_from_their_scenes():
-    lines = (DATA / "at-bat.jsonl").read_text(encoding="utf-8").splitlines()
+def test_every_scene_is_one_that_can_be_solved():
+    cases = iter(CASES)
+    for family in golden.header().families.values():
+        for line in (DATA / family.file).read_text(encoding="utf-8").splitlines():
+            assert parse_scene(json.dumps(json.loads(line)["scene"])) == next(cases).scene
+    for case in json.loads((DATA / "probability.json").read_bytes())["cases"]:
+        assert parse_scene(json.dumps(case["scene"])).id == case["id"]
+
+
+def test_what_at_bats_are_drawn_by_is_said_beside_their_scenes():
     cases = golden.load("at-bat")
-    assert [case.line() for case in cases] == lines
-    assert [draft.given for draft in at_bat()] == [case.given for case in cases]
-    assert all(parse_scene(case.scene.line()) == case.scene for case in cases)
-    drawn = {name for case in cases for name in case.given.sampling.model_dump()}
-    assert drawn == set(SamplingReading.model_fields) - {"sample_space"}
+    for case, draft in zip(cases, at_bat(), strict=True):
+        assert (case.scene, case.comment) == (draft.scene, draft.comment)
+        assert case.flags[: len(draft.flags)] == draft.flags
+    told = {part.partition(" = ")[0] for case in cases for part in case.comment.split(", ")[1:]}
+    assert told == {"e", *SamplingReading.model_fields} - {"sample_space"}
     assert [
         case.sampling.model_dump()
         for case in golden.probabilities().cases
@@ -147,11 +155,9 @@ def test_all_outcomes_and_every_reading_that_matters_are_there():
     used = {
         (switch, value)
         for case in CASES
-        for switch, value in case.given.reading.model_dump().items()
+        for switch, value in case.scene.reading.model_dump().items()
     }
-    # The sample space is about counting.
-    switches = {*Reading.model_fields, *SamplingReading.model_fields} - {"sample_space"}
-    assert {switch for switch, _ in used} == switches
+    assert {switch for switch, _ in used} == set(Reading.model_fields)
     assert {value for switch, value in used if switch == "inertia"} == {"thin_rod", "about_centre"}
 
 

@@ -13,13 +13,14 @@ from longball import golden
 from longball.engines.batch import Batch, solve_columns
 from longball.home_run import (
     Mixture,
+    Samples,
     estimate,
     integrals,
     monte_carlo,
     paper_at_bats,
     scrambled,
 )
-from longball.home_run.clearance import Clearance, Inputs
+from longball.home_run.clearance import Clearance
 from longball.home_run.quadrature import Nodes
 from longball.model.readings import SamplingReading
 from longball.model.scene import AtBatScene
@@ -43,18 +44,19 @@ class TestMixture:
         first, second = stats.norm(1.0, 0.5), stats.norm(4.0, 2.0)
         below = 0.3 * first.cdf(self.values) + 0.7 * second.cdf(self.values)
         density = 0.3 * first.pdf(self.values) + 0.7 * second.pdf(self.values)
-        np.testing.assert_allclose(self.mixture.distribution.cdf(self.values), below, rtol=1e-13)
-        np.testing.assert_allclose(self.mixture.distribution.pdf(self.values), density, rtol=1e-13)
+        found = self.mixture.distribution
+        np.testing.assert_allclose(found.cdf(self.values), below, rtol=1e-13)
+        np.testing.assert_allclose(found.pdf(self.values), density, rtol=1e-13)
 
     def test_quantiles_are_the_inverse(self):
         shares = np.array([1e-9, 0.2, 0.5, 1 - 1e-9])
-        law = self.mixture.distribution
-        np.testing.assert_allclose(law.cdf(law.icdf(shares)), shares, rtol=1e-12)
+        found = self.mixture.distribution
+        np.testing.assert_allclose(found.cdf(found.icdf(shares)), shares, rtol=1e-12)
 
 
 class TestClearance:
     clearance = Clearance(BASE, 0.42, Batch())
-    inputs = Inputs(*np.array([[36.0, 41.0], [-0.3, 0.1], [-0.03, 0.02], [0.1, 0.02]]))
+    inputs = Samples(*np.array([[36.0, 41.0], [-0.3, 0.1], [-0.03, 0.02], [0.1, 0.02]]))
 
     def test_is_the_way_beyond_150_m(self):
         table = solve_columns(
@@ -71,7 +73,7 @@ class TestClearance:
         )
 
     def test_a_miss_goes_no_distance(self):
-        high = self.inputs._replace(offset=np.full(2, 0.2))
+        high = replace(self.inputs, offset=np.full(2, 0.2))
         np.testing.assert_array_equal(self.clearance(high), [-150.0, -150.0])
 
     def test_aims_touch_where_they_are_to(self):
@@ -90,7 +92,7 @@ class TestClearance:
     def test_the_window_is_where_the_bat_touches(self):
         (half,) = self.clearance.window(np.array([36.0]))
         offset = np.linspace(-half, half, 1001)
-        every = Inputs(np.full(1001, 36.0), np.zeros(1001), offset, np.zeros(1001))
+        every = Samples(np.full(1001, 36.0), np.zeros(1001), offset, np.zeros(1001))
         batted = self.clearance(every) > -150.0
         # Wider than the touching by its margin of 5 % on either side, and no more than twice that.
         assert 0.9 < np.mean(batted) < 0.96

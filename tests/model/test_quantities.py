@@ -7,7 +7,6 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from longball.model.drawn import DrawnAtBat
 from longball.model.quantities import at, number, numbers, replaced
 from longball.model.result import Landing, Result
 from longball.model.scene import AtBatScene, FlightScene, Launch, PitchScene
@@ -131,13 +130,6 @@ def test_numbers_are_put_in_together_and_validated():
         replaced(low, {"ground.height": 2.0})
     with pytest.raises(ValidationError, match="greater than or equal"):
         replaced(AT_BAT, {"ball.mass": -1.0})
-
-
-def test_the_reading_of_the_sampling_has_numbers_too():
-    drawn = DrawnAtBat(id="d")
-    assert number(drawn, "reading.cell_width") == 0.144
-    assert replaced(drawn, {"reading.cell_width": 0.2}).sampling.cell_width == 0.2
-    assert replaced(drawn, {"reading.cell_width": 0.144}) == drawn
 
 
 def test_names_as_they_are_written():

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from longball.cli.common import progress_bar, split_assignment, wrong_call
+from longball.cli.common import Json, progress_bar, refusing, split_assignment, wrong_call
 
 
 def judge(
@@ -21,8 +21,7 @@ def judge(
         ),
     ] = None,
     golden: Annotated[
-        str | None,
-        typer.Option(metavar="SET", help="A family of the golden data; all if not given."),
+        str | None, typer.Option(metavar="SET", help="A family of the golden data; by default all.")
     ] = None,
     results: Annotated[
         Path | None,
@@ -40,9 +39,7 @@ def judge(
     ] = None,
     samples: Annotated[
         Path | None,
-        typer.Option(
-            help="At-bats that the candidate drew, .jsonl: are they the paper's distributions?"
-        ),
+        typer.Option(help="At-bats that the candidate drew, .jsonl, to test their distributions."),
     ] = None,
     profile: Annotated[
         str,
@@ -75,11 +72,11 @@ def judge(
         float, typer.Option(min=0.001, help="s without another answer, or before the first.")
     ] = 60.0,
     total_timeout: Annotated[float, typer.Option(min=0.001, help="s in all.")] = 3600.0,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON, not a text.")] = False,
+    as_json: Json = False,
     junit: Annotated[Path | None, typer.Option(help="Write JUnit XML here, for CI.")] = None,
     html: Annotated[Path | None, typer.Option(help="Write a page with pictures here.")] = None,
 ) -> None:
-    """Hold another implementation against the truth, and tell what is wrong with it."""
+    """Compare another implementation with the truth, and tell what is wrong with it."""
     if command and results:
         wrong_call("either --results FILE or -- COMMAND, not both")
     if not (command or results or samples):
@@ -90,16 +87,15 @@ def judge(
     from longball.golden import load
     from longball.judge import junit as xml
     from longball.judge import page
-    from longball.judge.answers import BadTable
     from longball.judge.candidate import Limits
     from longball.judge.cases import Paper
     from longball.judge.cases import profile as profile_of
     from longball.judge.evaluation import Judge
-    from longball.judge.sampling import BadSamples, judge_samples, read_samples
+    from longball.judge.sampling import judge_samples, read_samples
     from longball.judge.step_sweep import StepSweep
     from longball.judge.text import render
 
-    try:
+    with refusing():
         drawn = judge_samples(read_samples(samples), samples.name) if samples else None
         family = family_of(command or [], steps, expected)
         rule = profile_of(profile, tolerance, dt if profile == "paper" else None)
@@ -128,8 +124,6 @@ def judge(
         else:
             assert drawn
             found = judge.evaluate_samples(drawn)
-    except (BadTable, BadSamples, ValueError) as error:
-        wrong_call(str(error))
     print(found.verdict.line() if as_json else render(found.verdict).rstrip())
     if junit:
         junit.write_text(xml.junit(found), encoding="utf-8")

@@ -8,15 +8,7 @@ from typing import Annotated, Any
 
 import typer
 
-from longball.cli.common import (
-    Seed,
-    Workers,
-    check_workers,
-    option_value,
-    plain_table,
-    progress_bar,
-    show,
-)
+from longball.cli.common import Json, Seed, Workers, option_value, plain_table, progress_bar, show
 from longball.home_run import Estimate, estimate, monte_carlo, paper_at_bats
 from longball.model.readings import LEDGER, Entry, Reading, SamplingReading, readings_of
 from longball.model.scene import AtBatScene
@@ -29,10 +21,9 @@ def readings(
     e: Annotated[float, typer.Option(min=0.0, max=1.0, help="Restitution of the ball.")] = 0.42,
     seed: Seed = 1,
     workers: Workers = -1,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON, not a table.")] = False,
+    as_json: Json = False,
 ) -> None:
     """Print the ledger of readings, and what each one does to P(e)."""
-    check_workers(workers)
     lines = [(entry, option) for entry in LEDGER for option in entry.options]
     effects: dict[Readings | None, Estimate] = {}
     if samples:

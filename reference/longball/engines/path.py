@@ -79,9 +79,17 @@ class Flight(Generic[N]):
                     break
                 yield piece
             for piece in second.path.pieces():
-                yield Part(piece, piece.length, self.time)
+                begin, end = self.time + piece.begin, self.time + (piece.begin + piece.length)
+                yield Part(piece, reaching(begin, piece.length, end), self.time)
 
         return Flight(Path(pieces()), second.stop, self.time + second.time, second.state)
+
+
+def reaching(begin: N, length: N, end: N) -> N:
+    """Return the length of a piece, rounded such that it reaches its end from its beginning."""
+    while begin + length < end:
+        length += end - (begin + length)
+    return length
 
 
 @dataclass(frozen=True)
@@ -172,5 +180,8 @@ class Trajectory(Generic[N]):
         if not begun:
             raise ValueError(f"the trajectory has no state at t = {float(cast(Any, time))} s")
         leg = begun[-1]
-        state = leg.flight.path.at(time - leg.begin)
+        since = time - leg.begin
+        if since > leg.flight.time and not time > leg.begin + leg.flight.time:
+            since = leg.flight.time  # the end is a rounded sum
+        state = leg.flight.path.at(since)
         return leg.frame.position(state), leg.frame.velocity(state)

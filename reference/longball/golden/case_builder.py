@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from decimal import Decimal, localcontext
 
-from longball.model.drawn import DrawnAtBat
-from longball.model.readings import SamplingReading
-from longball.model.scene import AtBatScene, FlightScene, ImpactScene, PitchScene, Scene
+from longball.model.scene import Scene
 
 
 @dataclass(frozen=True)
@@ -21,24 +19,14 @@ class Draft:
     scene
         What is to be solved.
     comment
-        What the case is there for.
+        What the case tests.
     flags
-        What is said of it from the start; others follow from its solution.
-    sampling
-        What an at-bat was drawn by.
+        Known in advance; others follow from its solution.
     """
 
     scene: Scene
     comment: str
     flags: tuple[str, ...] = ()
-    sampling: SamplingReading = field(default_factory=SamplingReading)
-
-    @property
-    def given(self) -> FlightScene | PitchScene | ImpactScene | DrawnAtBat:
-        """The scene as its file has it."""
-        if isinstance(self.scene, AtBatScene):
-            return DrawnAtBat.of(self.scene, self.sampling)
-        return self.scene
 
 
 # Square roots of primes: their multiples fill a cube evenly (Kronecker's sequence), with nothing

@@ -1,4 +1,4 @@
-"""How a result answers to its inputs, and what doubles can therefore get right.
+"""How a result depends on its inputs, and what accuracy doubles can therefore attain.
 
 **Derivatives.** Each number of a scene that is an input of the model is moved by 2^-50 of itself
 to either side (a few ulps: the moved input is a double too), the whole scene is solved again, and
@@ -126,17 +126,12 @@ def attainable_errors(scene: Scene, result: Result, found: Sensitivity) -> dict[
     errors: dict[str, float | None] = {}
     for name, _ in numbers_of(result):
         slopes = found.derivatives[name]
-        parts = [
-            None if (slope := slopes[path]) is None else abs(slope * x)
-            for path, x in values.items()
-        ]
-        by_offset = slopes.get("swing.height_offset", 0.0)
-        parts.append(None if by_offset is None else abs(by_offset * height))
-        if any(part is None for part in parts):
-            errors[name] = None
-            continue
-        total = math.fsum(part for part in parts if part is not None)
-        errors[name] = _three_digits(ROUNDING * (total + lengths[name]))
+        pairs = [(slopes[path], x) for path, x in values.items()]
+        pairs.append((slopes.get("swing.height_offset", 0.0), height))
+        parts = [abs(slope * x) for slope, x in pairs if slope is not None]
+        known = len(parts) == len(pairs)
+        total = math.fsum(parts) + lengths[name]
+        errors[name] = _three_digits(ROUNDING * total) if known else None
     return errors
 
 
@@ -177,13 +172,9 @@ def rates(result: Result) -> dict[str, float]:
         assert contact.normal_speed is not None
         assert contact.bat_velocity is not None
         # V·n = Ṽ·n + V_b·n: the bat's cylinder stands still while it is touched.
-        speeds["contact"] = abs(
-            float(contact.normal_speed)
-            + math.fsum(
-                float(v) * float(n)
-                for v, n in zip(contact.bat_velocity, contact.normal, strict=True)
-            )
-        )
+        pairs = zip(contact.bat_velocity, contact.normal, strict=True)
+        of_bat = math.fsum(float(v) * float(n) for v, n in pairs)
+        speeds["contact"] = abs(float(contact.normal_speed) + of_bat)
     if result.landing is not None:
         speeds["landing"] = abs(float(result.landing.velocity[2]))
     return {name: _three_digits(speed) for name, speed in speeds.items()}

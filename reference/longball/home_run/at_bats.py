@@ -7,10 +7,10 @@ samples asked for changes any one of them.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, fields
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,9 +18,6 @@ from numpy.typing import NDArray
 from longball.model.quantities import replaced
 from longball.model.readings import SamplingReading
 from longball.model.scene import AtBatScene
-
-if TYPE_CHECKING:
-    from scipy import stats
 
 Array = NDArray[np.float64]
 
@@ -40,9 +37,7 @@ class Mixture:
         """Return `count` draws."""
         second = (generator.random(count) >= self.weight).astype(int)
         normal = generator.standard_normal(count)
-        means, deviations = np.array(self.means), np.array(self.deviations)
-        drawn: Array = means[second] + deviations[second] * normal
-        return drawn
+        return np.take(self.means, second) + np.take(self.deviations, second) * normal
 
     @property
     def parts(self) -> tuple[tuple[float, float, float], ...]:
@@ -52,15 +47,13 @@ class Mixture:
         return tuple(part for part in every if part[0] > 0)
 
     @cached_property
-    def distribution(self) -> stats.Mixture:
-        """As SciPy's, with its density, distribution function and quantiles."""
+    def distribution(self) -> Any:
+        """As `scipy.stats` has it: with ``pdf``, ``cdf`` and ``icdf``."""
         from scipy import stats  # slow to import, and not needed for --help
 
-        weights, means, deviations = zip(*self.parts, strict=True)
-        return stats.Mixture(
-            [stats.Normal(mu=m, sigma=s) for m, s in zip(means, deviations, strict=True)],
-            weights=weights,
-        )
+        both = zip(self.means, self.deviations, strict=True)
+        normals = [stats.Normal(mu=mean, sigma=deviation) for mean, deviation in both]
+        return stats.Mixture(normals, weights=(self.weight, 1.0 - self.weight))
 
 
 @dataclass(frozen=True)
@@ -135,9 +128,15 @@ class Samples:
         """
         return self.speed > 0
 
-    def chosen(self, which: NDArray[np.bool_]) -> Samples:
+    def chosen(self, which: NDArray[Any] | slice) -> Samples:
         """Return some of them."""
-        return Samples(self.speed[which], self.aim[which], self.offset[which], self.tilt[which])
+        return Samples(*(getattr(self, field.name)[which] for field in fields(self)))
+
+    @classmethod
+    def joined(cls, parts: Sequence[Samples]) -> Samples:
+        """Return the samples of all parts, one after the other."""
+        names = [field.name for field in fields(cls)]
+        return cls(*(np.concatenate([getattr(part, name) for part in parts]) for name in names))
 
     @property
     def columns(self) -> dict[str, Array]:
@@ -153,11 +152,8 @@ class Samples:
 def draw(at_bats: AtBats, count: int, seed: int, first: int = 0) -> Samples:
     """Return samples of a seed, from the one numbered `first` on: a multiple of BLOCK."""
     blocks = range(first // BLOCK, math.ceil((first + count) / BLOCK))
-    drawn = [draw_block(at_bats, seed, block) for block in blocks]
-    columns = ("speed", "aim", "offset", "tilt")
-    return Samples(
-        *(np.concatenate([getattr(block, name) for block in drawn])[:count] for name in columns)
-    )
+    drawn = Samples.joined([draw_block(at_bats, seed, block) for block in blocks])
+    return drawn.chosen(slice(count))
 
 
 def draw_block(at_bats: AtBats, seed: int, block: int) -> Samples:

@@ -30,7 +30,7 @@ class Estimate:
     home_runs, trials
         What was counted, among how many of the sample space.
     failed
-        Samples that the engine could not tell, counted as no home runs.
+        Samples that the engine could not decide, counted as no home runs.
     p, low, high
         The share of home runs, and the interval; NaN without a trial.
     """
@@ -46,13 +46,8 @@ class Estimate:
 
 def estimate(e: float, struck: Struck, sample_space: SampleSpace = "pitches") -> Estimate:
     """Count the home runs at one restitution: D >= 150 m (paper, Sec. IV)."""
-    match sample_space:
-        case "pitches":
-            space = np.ones_like(struck.batted)
-        case "batted":
-            space = struck.batted
-        case "fair":
-            space = struck.fair
+    every = np.ones_like(struck.batted)
+    space = {"pitches": every, "batted": struck.batted, "fair": struck.fair}[sample_space]
     hits = int(np.count_nonzero(space & (struck.distance >= HOME_RUN_DISTANCE)))
     trials = int(np.count_nonzero(space))
     p = hits / trials if trials else math.nan
@@ -60,17 +55,14 @@ def estimate(e: float, struck: Struck, sample_space: SampleSpace = "pitches") ->
     return Estimate(e, hits, trials, int(np.count_nonzero(struck.failed)), p, low, high)
 
 
-def wilson(successes: int, trials: int, level: float = 0.95) -> tuple[float, float]:
-    """Return Wilson's score interval for a probability; NaN without a trial.
-
-    E. B. Wilson, J. Am. Stat. Assoc. 22 (1927) 209.
-    """
-    if trials == 0:
-        return math.nan, math.nan
+def wilson(successes: int, trials: int) -> tuple[float, float]:
+    """Return Wilson's score interval of 95 % for a probability; NaN without a trial."""
     from scipy.stats import binomtest  # slow to import, and not needed for --help
 
-    interval = binomtest(successes, trials).proportion_ci(level, method="wilson")
-    return float(interval.low), float(interval.high)
+    if trials == 0:
+        return math.nan, math.nan
+    low, high = binomtest(successes, trials).proportion_ci(method="wilson")
+    return float(low), float(high)
 
 
 @dataclass(frozen=True)

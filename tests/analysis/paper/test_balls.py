@@ -5,16 +5,16 @@ import math
 import numpy as np
 import pytest
 
-from analysis.paper.balls import SPACES, Share, Space, describe, strike, strike_in_steps
+from analysis.paper.balls import SPACES, Base, Share, Space, describe, strike, strike_in_steps
 from longball.engines.verlet import Verlet
 from longball.home_run import draw, monte_carlo, paper_at_bats
-from longball.model.drawn import DrawnAtBat, DrawnReading
-from longball.model.scene import Ball
+from longball.model.readings import Reading, SamplingReading
+from longball.model.scene import AtBatScene, Ball
 
 # The inertia about the centre has home runs enough for small samples.
-BASE = DrawnAtBat(id="base", reading=DrawnReading(inertia="about_centre"))
+BASE = Base(AtBatScene(id="base", reading=Reading(inertia="about_centre")))
 COUNT = 4_000
-AT_BATS = paper_at_bats(BASE.reading)
+AT_BATS = paper_at_bats(BASE.sampling)
 
 
 @pytest.fixture(scope="module")
@@ -86,8 +86,8 @@ def test_the_printed_scheme_sees_few_of_the_balls(balls):
 
 
 def test_a_reading_is_told_by_what_differs():
-    assert describe(DrawnAtBat(id="base"), SPACES[0]) == "nothing changed"
-    base = DrawnAtBat(id="base", ball=Ball(radius=0.0183), reading=DrawnReading(cell_width=0.12))
+    assert describe(Base(AtBatScene(id="base")), SPACES[0]) == "nothing changed"
+    base = Base(AtBatScene(id="base", ball=Ball(radius=0.0183)), SamplingReading(cell_width=0.12))
     assert describe(base, Space("flies", "batted", flies=True)) == (
         "ball.radius = 0.0183, cell_width = 0.12, samples: flies"
     )
