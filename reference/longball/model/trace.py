@@ -343,6 +343,10 @@ class Program:
         inner.append(f"        return ({''.join(f'{names[o]}, ' for o in self.outputs)})")
         return "\n".join([*outer, *inner, "    return rates"]) + "\n"
 
+    @cached_property
+    def _source(self) -> str:
+        return self.source("program")
+
     def bind(
         self, values: Mapping[str, Any], functions: Mapping[str, Callable[..., Any]]
     ) -> Callable[..., tuple[Any, ...]]:
@@ -355,7 +359,7 @@ class Program:
         functions
             What `sqrt`, `exp`, `log` and `unit` are for the numbers at hand.
         """
-        make = run_source(self.source("program"), "program", functions)
+        make = run_source(self._source, "program", functions)
         bound: Callable[..., tuple[Any, ...]] = make(*(values[name] for name in self.parameters))
         return bound
 
