@@ -92,15 +92,11 @@ def batted(count: int) -> tuple[Work, list[Result]]:
 
 def flights_of(results: list[Result]) -> Work:
     """Return the flights of batted balls as scenes of their own."""
-    starts: dict[str, Callable[[Any], Any]] = {
-        "position": lambda result: result.contact.position,
-        "velocity": lambda result: result.impact.velocity,
-    }
-    columns = {
-        f"launch.{name}[{i}]": np.array([float(of(result)[i]) for result in results])
-        for name, of in starts.items()
-        for i in range(3)
-    }
+    columns = {}
+    for i in range(3):
+        for name, block in (("position", "contact"), ("velocity", "impact")):
+            values = [float(getattr(getattr(result, block), name)[i]) for result in results]
+            columns[f"launch.{name}[{i}]"] = np.array(values)
     anywhere = Launch(position=(0.0, 0.0, 1.0), velocity=(1.0, 0.0, 0.0))
     return Work(FlightScene(id="flight", launch=anywhere), columns)
 

@@ -15,10 +15,9 @@ from analysis.writing import LINES, figure, shown, table
 from longball.engines.chain import solve_with_path
 from longball.engines.ivp import Ivp
 from longball.engines.path import Trajectory
-from longball.model.result import Result, Triple
+from longball.model.result import Result
 from longball.model.scene import AtBatScene, Pitch, Swing
 
-Point = tuple[float, float, float]
 Array = NDArray[np.float64]
 
 # A pitch at the mean speed of the straight balls, on the middle cell, and four swings at it:
@@ -87,7 +86,7 @@ def row(name: str, result: Result, offset: float, tilt: float) -> dict[str, str]
     contact, impact, landing = result.contact, result.impact, result.landing
     assert contact is not None
     hit = impact is not None and landing is not None
-    speed = math.hypot(*doubles(impact.velocity)) if impact else math.nan
+    speed = math.hypot(*map(float, impact.velocity)) if impact else math.nan
     return {
         "at-bat": name,
         "offset, m": f"{offset:+.4f}",
@@ -107,12 +106,6 @@ def along(way: Trajectory[float], begin: float, end: float) -> tuple[Array, Arra
     return x, z
 
 
-def doubles(triple: Triple) -> Point:
-    """Return a vector of a result as doubles."""
-    x, y, z = triple
-    return float(x), float(y), float(z)
-
-
 def draw_bats(axes: Axes, scenes: dict[str, AtBatScene], results: dict[str, Result]) -> None:
     """Draw bat and ball at their touching, the bat where the swing has put it."""
     for name, result in results.items():
@@ -122,6 +115,6 @@ def draw_bats(axes: Axes, scenes: dict[str, AtBatScene], results: dict[str, Resu
         height = float(plate.position[2]) + scene.swing.height_offset
         axes.add_patch(Circle((0.0, height), scene.bat.radius, fill=False, linewidth=0.8))
         if contact.position is not None:
-            x, _, z = doubles(contact.position)
+            x, _, z = map(float, contact.position)
             ball = Circle((x, z), scene.ball.radius, fill=False, linewidth=0.8, linestyle=":")
             axes.add_patch(ball)

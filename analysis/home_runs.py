@@ -51,27 +51,24 @@ def distances(report: Path, struck: dict[float, Struck]) -> str:
     ends = {e: struck[e].distance[struck[e].batted] for e in (min(struck), max(struck))}
     top = BIN * np.ceil(max(d.max() for d in ends.values()) / BIN)
     edges = np.arange(0.0, top + BIN, BIN)
-    centres = (edges[:-1] + edges[1:]) / 2
     columns: dict[str, object] = {"D from, m": edges[:-1], "D to, m": edges[1:]}
+    lines = []
     with figure(report, "distances", size=(6.4, 3.6)) as (axes,):
         for (e, d), style in zip(ends.items(), ("-", "--"), strict=True):
             density = np.histogram(d, edges)[0] / (BIN * len(d))
             columns[f"density at e = {e:g}, 1/m"] = density
             axes.stairs(density, edges, linestyle=style, linewidth=1.4, label=f"e = {e:g}")
+            lines.append(
+                f"At e = {e:g}, {len(d)} of {len(struck[e].x)} at-bats are batted; D has its "
+                f"highest bin around {edges[int(np.argmax(density))] + BIN / 2:g} m, its median at "
+                f"{np.median(d):.1f} m, and {100 * np.mean(d >= 150):.2f} % of it lies beyond "
+                "150 m."
+            )
         axes.axvline(150.0, color="black", linewidth=0.8, linestyle=":")
         axes.annotate("home run", (152.0, axes.get_ylim()[1] * 0.9), fontsize="small")
         axes.set(xlabel="distance D from the plate, m", ylabel="probability density, 1/m")
         axes.legend()
     table(report, "distances", pd.DataFrame(columns))
-    lines = []
-    for e, d in ends.items():
-        density = np.histogram(d, edges)[0] / (BIN * len(d))
-        peak = centres[int(np.argmax(density))]
-        lines.append(
-            f"At e = {e:g}, {len(d)} of {len(struck[e].x)} at-bats are batted; D has its highest "
-            f"bin around {peak:g} m, its median at {np.median(d):.1f} m, and "
-            f"{100 * np.mean(d >= 150):.2f} % of it lies beyond 150 m."
-        )
     lines.append("The paper's Fig. 6 has its highest peaks at 75 m and 125 m.\n")
     caption = "Density of D among batted balls, in bins of 10 m (the paper's Fig. 6)."
     return " ".join(lines) + "\n" + shown("distances", caption)

@@ -61,7 +61,7 @@ def run(report: Path, full: bool) -> str:
         [f"{x.e:g}", f"{x.p:.9f}", f"{x.error:.1e}", f"{x.slope:.8f}", f"{x.slope_error:.1e}"]
         for x in curve
     ]
-    best, p = integrated_error(frame), _golden()
+    p, best = _golden(), frame.loc[frame["method"] == "quadrature", "error told"].min()
     return "\n".join(
         [
             "## P(e) without noise\n",
@@ -82,11 +82,6 @@ def run(report: Path, full: bool) -> str:
             markdown_table(["e", "P(e)", "error", "dP/de", "error"], values),
         ]
     )
-
-
-def integrated_error(frame: pd.DataFrame) -> float:
-    """Return the smallest error that the quadrature tells."""
-    return float(frame.loc[frame["method"] == "quadrature", "error told"].min())
 
 
 def counted(samples: int) -> tuple[float, float]:

@@ -141,23 +141,19 @@ def summary(frame: pd.DataFrame) -> str:
 
 def failures(frame: pd.DataFrame) -> str:
     """Return what the engines of doubles that aim at the truth fall short of, case by case."""
-    rows = []
+    rows: list[list[str]] = []
+    columns = ["case", "verdict", "digits", "attainable", "answer"]
     for name in ("ivp Taylor", "batch"):
         of = frame[(frame["engine"] == name) & frame["verdict"].isin(["short", "wrong"])]
         rows += [
-            [name, t.case, t.verdict, shortly(t.digits), shortly(t.attainable), t.answer]
-            for t in of.itertuples()
+            [name, case, verdict, *(f"{x:.1f}".replace("nan", "") for x in digits), answer]
+            for case, verdict, *digits, answer in of[columns].to_numpy().tolist()
         ]
     head = ["engine", "case", "verdict", "digits right", "attainable", "answer"]
     return (
         "Where the reference engine and the batch engine fall short or answer otherwise:\n\n"
         + markdown_table(head, rows)
     )
-
-
-def shortly(digits: object) -> str:
-    """Return digits for a table; nothing where there are none."""
-    return "" if digits != digits else f"{digits:.1f}"
 
 
 def draw(report: Path, frame: pd.DataFrame) -> None:

@@ -187,15 +187,11 @@ class Line:
 
 def line(x: Array, d: Array) -> Line:
     """Lay a line through points by least squares."""
-    slope, intercept = np.polyfit(x, d, 1)
+    slope, intercept = map(float, np.polyfit(x, d, 1))
     middle = len(x) // 2
-    steepness = np.gradient(d, x)[middle]
-    return Line(
-        slope=float(slope),
-        intercept=float(intercept),
-        off=float(np.abs(d - slope * x - intercept).max()),
-        power=float(steepness * x[middle] / d[middle]),
-    )
+    power = np.gradient(d, x)[middle] * x[middle] / d[middle]
+    off = np.abs(d - slope * x - intercept).max()
+    return Line(slope, intercept, float(off), float(power))
 
 
 SPEEDS = np.linspace(40.0, 60.0, 21)  # m/s
@@ -261,17 +257,10 @@ def shift(distance: float, struck: Sequence[Balls]) -> Shift | None:
         return None
     d = np.array([one.distance[here] for one in (below, at, above)])
     slope = (d[2] - d[0]) / (2 * STEP)
-    low, median, high = np.quantile(slope, (0.25, 0.5, 0.75))
-    bend = np.abs((d[2] - 2 * d[1] + d[0]) / STEP / slope)
-    return Shift(
-        distance=distance,
-        balls=int(here.sum()),
-        median=float(median),
-        low=float(low),
-        high=float(high),
-        power=float(np.median(slope * E / d[1])),
-        bend=float(np.quantile(bend, 0.95)),
-    )
+    low, median, high = map(float, np.quantile(slope, (0.25, 0.5, 0.75)))
+    bend = np.quantile(np.abs((d[2] - 2 * d[1] + d[0]) / STEP / slope), 0.95)
+    power = np.median(slope * E / d[1])
+    return Shift(distance, int(here.sum()), median, low, high, float(power), float(bend))
 
 
 # --- the report -----------------------------------------------------------------------------------

@@ -264,11 +264,7 @@ def on_seasons(report: Path, found: Sequence[Reproduced]) -> str:
     return (
         "Home runs of a season are P(e) times the at-bats, so that the ratio of two seasons with "
         "as many at-bats is that of P. ± is the scatter of the counts, and the standard error of "
-        "ours.\n\n"
-        + table(report, "paper_table1", pd.DataFrame(rows))
-        + "\n"
-        + " ".join(sentences)
-        + "\n"
+        f"ours.\n\n{table(report, 'paper_table1', pd.DataFrame(rows))}\n{' '.join(sentences)}\n"
     )
 
 
@@ -324,14 +320,8 @@ def on_probabilities(report: Path, found: Sequence[Reproduced]) -> str:
         ]
         for one in found if one.fitted
     ]  # fmt: skip
-    return (
-        table(report, "paper_fig7", frame)
-        + "\n"
-        + markdown_table(
-            ["fit", "C₁, m", "σ, m", f"scatter of both with {PAPER_SAMPLES:,} samples a point, m"],
-            fits,
-        )
-    )
+    head = ["fit", "C₁, m", "σ, m", f"scatter of both with {PAPER_SAMPLES:,} samples a point, m"]
+    return table(report, "paper_fig7", frame) + "\n" + markdown_table(head, fits)
 
 
 def draw_distances(report: Path, found: Sequence[Reproduced]) -> None:

@@ -160,16 +160,14 @@ def on_corners(name: str, corners: Sequence[Trial]) -> str:
     d2 = nearest.to["caption"].squared
     values = ", ".join(f"{one.name} = {nearest.base.number(one.name):g}" for one in UNKNOWN)
     near = sum(one.to["caption"].near for one in corners)
+    verdict = f"where {NEAR:.2f} would be near: **no corner is**"
+    if near:
+        verdict = f"and {near} of the corners cannot be told from it"
     return (
         f"All together, from the {name} reading: at the {len(corners)} corners of these ranges "
         f"({CORNER_SAMPLES:,} at-bats each) P({E}) runs from {min(p):.4f} to {max(p):.4f}; the "
         f"caption's curve has {PAPER_CURVES['caption'](E):.4f}. The corner nearest to that curve "
-        f"(d² as below) has {values}: d² = {d2:.1f}, "
-        + (
-            f"and {near} of the corners cannot be told from it.\n"
-            if near
-            else f"where {NEAR:.2f} would be near: **no corner is**.\n"
-        )
+        f"(d² as below) has {values}: d² = {d2:.1f}, {verdict}.\n"
     )
 
 

@@ -266,15 +266,9 @@ def determine(draws: int) -> Rows:
 
 def _quantiles(what: str, width: float, values: list[float | None]) -> dict[str, Any]:
     known = [value for value in values if value is not None]
-    low, middle, high = np.quantile(known, (0.05, 0.5, 0.95))
-    return {
-        "what": what,
-        "bin_width": width,
-        "draws": len(known),
-        "low": low,
-        "median": middle,
-        "high": high,
-    }
+    low, median, high = np.quantile(known, (0.05, 0.5, 0.95))
+    row = {"what": what, "bin_width": width, "draws": len(known)}
+    return row | {"low": low, "median": median, "high": high}
 
 
 def vary_grid() -> Rows:
@@ -517,13 +511,12 @@ def _on_r_squared(example: FittedPitches, synthetic: FittedPitches, determinatio
     speed = [row for row in determination if row["what"] == "speed"]
     fitting = [row["bin_width"] for row in speed if row["low"] <= printed <= row["high"]]
     narrow = speed[0]
+    verdict = f"No width of bin tried gives the printed {printed}: **not reproduced**."
     if fitting:
         verdict = (
             f"The printed {printed} is what bins of {', '.join(f'{w:g}' for w in fitting)} km/h "
             "give: **consistent**, with a width of bin that the paper does not state."
         )
-    else:
-        verdict = f"No width of bin tried gives the printed {printed}: **not reproduced**."
     return (
         f"Coefficient of determination. If the printed mixture is the truth, {PITCHES:,} pitches "
         f"in bins of {narrow['bin_width']:g} km/h, the step of the source, give "
@@ -537,14 +530,13 @@ def _on_r_squared(example: FittedPitches, synthetic: FittedPitches, determinatio
 def _on_equation_2(determination: Rows) -> str:
     printed = PRINTED_R_SQUARED["speed"]
     best = max(row["high"] for row in determination if row["what"] == "speed as printed")
+    verdict = (
+        "It is **not** the curve that was fitted. The ledger's speed_spread = standard_deviation "
+        "stands; as_printed, a σ that is √2 times the standard deviation, needs a second slip, in "
+        "the prefactor."
+    )
     if best >= printed:
         verdict = "It cannot be told from a density in this way."
-    else:
-        verdict = (
-            "It is **not** the curve that was fitted. The ledger's speed_spread = "
-            "standard_deviation stands; as_printed, a σ that is √2 times the standard deviation, "
-            "needs a second slip, in the prefactor."
-        )
     return (
         "Eq. 2 as printed lacks the 2 of its exponent, and its integral is 1/√2. That very curve, "
         "laid through the same histograms, stays below an R² of "

@@ -153,9 +153,7 @@ def turn_scheme(base: Base, space: Space) -> list[Scheme]:
     """Return what becomes of a reading by the printed scheme, under each of its switches."""
     found = []
     before: Share | None = None
-    for entry in LEDGER:
-        if entry.belongs != "scheme":
-            continue
+    for entry in (one for one in LEDGER if one.belongs == "scheme"):
         for option in entry.options:
             usual = option == entry.options[0]
             if usual and before:
@@ -238,15 +236,13 @@ def on_switches(cases: Cases, found: dict[str, tuple[Share, list[Turned]]]) -> s
             + ", ".join(f"{one.name} ({one.change:+.4f})" for one in order[:3])
             + (f"; not to be seen: {', '.join(one.name for one in still)}." if still else ".")
         )
+        reached = ", ".join(
+            f"{one.name} ({one.p:.3f}, with dP/de = {one.slope:.2f} for the caption's {steep:.2f})"
+            for one in high
+        )
         if before.p < 0.9 * wanted:
             sentences.append(
-                f"The caption's {wanted:.3f} is reached, or nearly, by "
-                + ", ".join(
-                    f"{one.name} ({one.p:.3f}, with dP/de = {one.slope:.2f} for the caption's "
-                    f"{steep:.2f})"
-                    for one in high
-                )
-                + "."
+                f"The caption's {wanted:.3f} is reached, or nearly, by {reached}."
                 if high
                 else f"No switch alone reaches the caption's {wanted:.3f}."
             )
@@ -268,19 +264,14 @@ def on_scheme(report: Path, found: Sequence[Scheme]) -> str:
         ]
     )
     seen = [one for one in found if one.option and abs(one.change) > 2 * one.change_error]
+    moved = ", ".join(f"{one.switch} = {one.option} ({one.change:+.3f})" for one in seen)
+    verdict = "None of them moves P by more than two standard errors."
+    if seen:
+        verdict = f"More than two standard errors from the default: {moved}."
     return (
         f"They act on velocity Verlet with Δt = {STEP} s alone. The nearest reading, "
         f"{STEPPED_SAMPLES:,} pitches, all but a few of which pass the bat between two steps "
-        "unseen:\n\n"
-        + table(report, "paper_scheme", rows)
-        + "\n"
-        + (
-            "More than two standard errors from the default: "
-            + ", ".join(f"{one.switch} = {one.option} ({one.change:+.3f})" for one in seen)
-            + ".\n"
-            if seen
-            else "None of them moves P by more than two standard errors.\n"
-        )
+        f"unseen:\n\n{table(report, 'paper_scheme', rows)}\n{verdict}\n"
     )
 
 
