@@ -12,19 +12,19 @@ from collections.abc import Iterator
 from analysis.speed_error import contenders
 from analysis.speed_error.contenders import Contender
 from analysis.speed_error.measuring import machine, measure, ratio, versions
-from analysis.speed_error.work import Work, at_bats, flights, known
+from analysis.speed_error.work import at_bats, flights, known
 from longball.engines.batch import Batch
 
 TURNS = 15
 TRUE = 50  # flights and at-bats of which the truth is found
 
 
-def entrants(work: Work) -> Iterator[Contender]:
+def entrants() -> Iterator[Contender]:
     """Yield who is timed, the measure of all first; a peer that is not installed is left out."""
     yield contenders.batch(Batch().tolerance)
     yield contenders.batch(1e-8)
-    yield contenders.plain(work, "DOP853", 1e-12)
-    tightest = {peer.family: peer for peer in contenders.installed_peers(work)}
+    yield contenders.plain("DOP853", 1e-12)
+    tightest = {peer.family: peer for peer in contenders.installed_peers()}
     yield from tightest.values()
 
 
@@ -35,7 +35,7 @@ def main() -> None:
         print(f"{package} is not installed: left out")
     print(f"{'':42} µs each    ratio   max error of D, m   contacts missed")
     works = [known(flights(contenders.COMPILED), TRUE), known(at_bats(contenders.COMPILED), TRUE)]
-    turns = [(entrant, given) for given in works for entrant in entrants(given.work)]
+    turns = [(entrant, given) for given in works for entrant in entrants()]
     units: dict[str, list[float]] = {}
     for (_, given), found in zip(turns, measure(turns, TURNS), strict=True):
         kind, wrong = given.work.base.kind, found.errors

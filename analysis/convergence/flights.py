@@ -19,7 +19,6 @@ from longball.engines.chain import solve
 from longball.engines.engine import Engine
 from longball.engines.verlet import TREATMENTS, Verlet
 from longball.model.readings import VerletForces, VerletLanding
-from longball.model.result import Bounded, Number
 from longball.model.scene import FlightScene, Launch
 
 PRINTED = 0.05  # s, the paper's step
@@ -161,17 +160,12 @@ def error_at(
     found, true = solve(scene, scheme).landing, solve(scene, proven()).landing
     assert found is not None
     assert true is not None
-    return as_double(found.distance) - as_double(true.distance)
+    return float(found.distance) - float(true.distance)
 
 
 def proven() -> Engine[Any]:
     """Return the engine that proves its digits: what is shown goes down to 1e-11 m and less."""
     return create("enclosure", digits=20)
-
-
-def as_double(number: Number) -> float:
-    """Return a number of a result as a double."""
-    return float(number.value) if isinstance(number, Bounded) else number
 
 
 def least(found: Order) -> float:

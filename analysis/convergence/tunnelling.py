@@ -8,7 +8,6 @@ path is w = 2 √(reach² - d²)/V. Grazes have windows down to zero, so that no
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -16,9 +15,9 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from analysis.convergence.pieces import TRUTH, each, golden
+from analysis.convergence.pieces import TRUTH, each, golden, passing
 from analysis.writing import figure, shown, table
-from longball.engines.chain import meet
+from longball.engines.chain import approach_of
 from longball.engines.verlet import Verlet
 from longball.home_run import BLOCK, draw, draw_block, paper_at_bats, scenes, wilson
 from longball.model.readings import SamplingReading
@@ -37,45 +36,10 @@ REACH = AtBatScene(id="paper").ball.radius + AtBatScene(id="paper").bat.radius  
 NODES = 64  # of the quadrature over grazes; it is smooth, and 32 give the same twelve digits
 
 
-@dataclass(frozen=True)
-class Pass:
-    """A pitch that touches the bat.
-
-    Attributes
-    ----------
-    time
-        s, of the touching.
-    window
-        s, during which the undisturbed pitch overlaps the bat.
-    speed, level
-        m/s in the plane across the bat, and its horizontal share.
-    """
-
-    time: float
-    window: float
-    speed: float
-    level: float
-
-
-def passing(scene: AtBatScene) -> Pass | None:
-    """Return how a pitch passes through the bat, by the reference; None if it does not."""
-    meeting = meet(scene, TRUTH)
-    touch, plane = meeting.touch, meeting.delivery.plane
-    if touch is None or touch.time is None or touch.state is None:
-        return None
-    if abs(plane.position(touch.state)[1]) >= scene.bat.length / 2:
-        return None
-    across = abs(plane.cos * touch.state.u)
-    speed = math.hypot(across, touch.state.w)
-    closest = REACH - touch.margin
-    window = 2 * math.sqrt((REACH - closest) * (REACH + closest)) / speed
-    return Pass(touch.time, window, speed, across / speed)
-
-
 def sees(scene: AtBatScene, dt: float) -> bool:
     """Return whether a step falls into the bat."""
-    touch = meet(scene, Verlet(dt)).touch
-    return touch is not None and touch.touched is not False
+    approach = approach_of(scene, Verlet(dt))
+    return approach is not None and approach.touch.touched is not False
 
 
 def count_block(block: int) -> tuple[Array, list[tuple[float, float]]]:
@@ -134,9 +98,9 @@ def count_grazes(step: float, seed: int, count: int) -> tuple[int, int, float]:
         offset = math.copysign(REACH * math.cos(psi) / middle.level, side - 0.5)
         # The path is curved, and the shallowest graze is a micrometre deep: corrected twice.
         for _ in range(2):
-            touch = meet(struck_at(scene, offset), TRUTH).touch
-            assert touch is not None
-            excess = touch.margin - REACH * (1 - math.cos(psi))
+            approach = approach_of(struck_at(scene, offset), TRUTH)
+            assert approach is not None
+            excess = approach.touch.margin - REACH * (1 - math.cos(psi))
             offset += math.copysign(excess / middle.level, offset)
         graze = struck_at(scene, offset)
         way = passing(graze)

@@ -32,6 +32,7 @@ _SHORT = (
     "scipy DOP853, 1e-12",
     "scipy RK45, 1e-12",
     "scipy LSODA, 1e-12",
+    "ivp Taylor, default",
     "ivp DOP853, 5e-14",
     "ivp RK45, 1e-12",
     "ivp LSODA, 1e-12",
@@ -101,7 +102,7 @@ def measure(given: Known, rounds: int) -> tuple[pd.DataFrame, pd.DataFrame]:
     entrants = [
         *contenders.longball_engines(),
         *contenders.plain_scipy(given.work),
-        *contenders.installed_peers(given.work),
+        *contenders.installed_peers(),
     ]
     measured = measuring.measure([(entrant, given) for entrant in entrants], rounds)
     unit = next(found for found in measured if found.contender.name == _SHORT[0])

@@ -19,7 +19,7 @@ BEYOND = 1e-15  # m; smaller errors than doubles can have at 100 m are drawn the
 PEERS = ("heyoka scalar", "heyoka batch", "diffrax Tsit5", "diffrax Dopri8", "CVODE Adams")
 PLAIN = ("scipy DOP853", "scipy RK45", "scipy LSODA")
 OURS = (
-    *("batch", "ivp DOP853", "ivp RK45", "ivp LSODA", "ivp Radau"),
+    *("batch", "ivp Taylor", "ivp DOP853", "ivp RK45", "ivp LSODA", "ivp Radau"),
     *("verlet half_step", "verlet implicit", "enclosure", "multiprecision"),
 )
 

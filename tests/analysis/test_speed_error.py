@@ -52,17 +52,17 @@ def test_plain_scipy_lands_where_the_batch_engine_does() -> None:
     work = flights(4)
     true = truth(work)
     # A thousand times its tolerance at 100 m: events are roots of an interpolant.
-    assert errors(contenders.plain(work, "DOP853", 1e-12).solve(work), true).worst < 1e-8
+    assert errors(contenders.plain("DOP853", 1e-12).solve(work), true).worst < 1e-8
 
 
 def test_heyoka_lands_as_exactly_in_batch_mode(struck: tuple[Work, list[Result]]) -> None:
     pytest.importorskip("heyoka")
     work = flights(20)  # a batch and a part of one
-    for mode in contenders.heyoka(work):
+    for mode in contenders.heyoka():
         # Rounding, 2e-16 of 100 m a step, in some ten steps.
         assert errors(mode.solve(work), truth(work)).worst < 2e-13
     at_bat, true = struck
-    scalar, batch = (errors(mode.solve(at_bat), true) for mode in contenders.heyoka(at_bat))
+    scalar, batch = (errors(mode.solve(at_bat), true) for mode in contenders.heyoka())
     assert scalar.missed == batch.missed == 0
     # As for the batch engine above: a touching's half ulps grow to the landing.
     assert max(scalar.worst, batch.worst) < 1e-11

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import mpmath
+import numba
 import numpy as np
 import pytest
 from hypothesis import given
@@ -18,15 +19,15 @@ from longball.engines.batch import (
     Batch,
     cache,
     expansion,
+    falls,
     roots,
     solve_all,
     solve_columns,
     solve_columns_with_restitutions,
 )
 from longball.engines.batch.expansion import WIDTH, aligned, kernel
-from longball.engines.batch.falls import first_fall, two_values
-from longball.engines.batch.jit import call, compiled, unowned_view
-from longball.engines.batch.roots import NEVER, curvature, downward, first_zero
+from longball.engines.batch.jit import call, unowned_view
+from longball.engines.batch.roots import NEVER
 from longball.engines.chain import solve
 from longball.engines.enclosure import Enclosure
 from longball.engines.event import ground
@@ -52,6 +53,18 @@ from longball.model.scene import (
     Rotation,
     Scene,
     Swing,
+)
+
+# What only compiled functions can call, for Python to call.
+first_fall, two_values, curvature, downward, first_zero = (
+    numba.njit(function.py_func, error_model="numpy")  # type: ignore[attr-defined]
+    for function in (
+        falls.first_fall,
+        falls.two_values,
+        roots.curvature,
+        roots.downward,
+        roots.first_zero,
+    )
 )
 
 PAPER = {"drag": 0.0074867, "lift": 0.0037433, "gravity": 9.8}
@@ -346,7 +359,7 @@ def expand_lanes(law: Law[float], states: Any, order: int) -> Any:
         x[code.layout.parameters, i] = law.strengths[name]
     functions = aligned(1, len(states) + 2, WIDTH)
 
-    @compiled
+    @numba.njit
     def step(address: int, x: Any, functions: Any, order: int, rows: int) -> int:
         at = unowned_view(x), unowned_view(functions)
         return call(address, (at[0], at[1], order, rows, 1, 1e-14))
@@ -560,7 +573,9 @@ def test_two_values_are_those_of_each(coefficients: list[float], t: float) -> No
     degree, other = len(p) - 1, p[::-1].copy()
     size = 1e-14 * sum(abs(p).max() * t**k for k in range(degree + 1))
     for found, q in zip(two_values(p, other, degree, t), (p, other), strict=True):
-        assert found == pytest.approx(roots.value(q, degree, t), rel=0, abs=size + 1e-300)
+        assert found == pytest.approx(
+            float(np.polynomial.polynomial.polyval(t, q)), rel=0, abs=size + 1e-300
+        )
 
 
 # --- accuracy, asked for and delivered ------------------------------------------------------------

@@ -274,7 +274,6 @@ def test_an_event_that_bends_is_looked_for_at_the_steps():
         lambda y: 60.0 * 60.0 - y.s * y.s,
         lambda y: y,
         60.0,
-        0.0,
     )
     engine = verlet(1e-3)
     arrival = engine.fly(AIR, START, [ground(), fence], 60.0)

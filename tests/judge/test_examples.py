@@ -49,7 +49,7 @@ def evaluate(judge: Judge, program: list[str]) -> Evaluation:
 NAMES = ["paper_verlet.py", "paper_verlet.js", "paper_verlet.c"]
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", [*NAMES, "mistaken.py"])
 def test_they_know_nothing_of_longball(name: str):
     assert "longball" not in (FOLDER / name).read_text(encoding="utf-8")
 

@@ -33,7 +33,7 @@ Change = Callable[[dict], dict | None]
 @pytest.fixture(scope="module")
 def few() -> list[Known]:
     scenes = [*at_bats(6), *flights()[:3], *pitches()[:2]]
-    return solved(scenes, Ivp(rtol=3e-14, atol=3e-14))
+    return solved(scenes, Ivp())
 
 
 def tried(cases, change: Change = lambda r: r, profile=None, **options) -> Evaluation:

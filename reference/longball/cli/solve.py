@@ -23,10 +23,15 @@ def solve(
     ] = None,
     engine: Annotated[str, typer.Option(help="One of " + ", ".join(engines.ENGINES))] = "ivp",
     method: Annotated[
-        str | None, typer.Option(help="ivp: a method of solve_ivp; by default DOP853.")
+        str | None,
+        typer.Option(help="ivp: Taylor (default), or a method of solve_ivp: DOP853, Radau, ..."),
     ] = None,
-    rtol: Annotated[float | None, typer.Option(help="ivp: relative tolerance.")] = None,
-    atol: Annotated[float | None, typer.Option(help="ivp: absolute tolerance, m, m/s.")] = None,
+    rtol: Annotated[
+        float | None, typer.Option(help="ivp: relative tolerance of solve_ivp's methods; 5e-14.")
+    ] = None,
+    atol: Annotated[
+        float | None, typer.Option(help="ivp: absolute tolerance of them, m and m/s; 5e-14.")
+    ] = None,
     tolerance: Annotated[
         float | None, typer.Option(help="batch: error asked for at landing, m; 1e-13.")
     ] = None,

@@ -35,8 +35,6 @@ class Event(Generic[N]):
         Puts a state that is within rounding of the event onto it.
     size
         What the error of the value is relative to, in its unit.
-    level
-        The coordinate at which the event is, m: the height of a ground, the way to a plate.
     """
 
     name: str
@@ -44,7 +42,6 @@ class Event(Generic[N]):
     value: Callable[[Any], Any]
     place: Callable[[Any], Any]
     size: N
-    level: N
 
 
 def ground(height: N, start: State[N], numbers: Numbers[N]) -> Event[N]:
@@ -55,7 +52,6 @@ def ground(height: N, start: State[N], numbers: Numbers[N]) -> Event[N]:
         lambda state: state.z - height,
         lambda state: state._replace(z=height),
         _size(numbers, height, start.z),
-        height,
     )
 
 
@@ -66,9 +62,8 @@ def plate(frame: Frame[N], numbers: Numbers[N]) -> Event[N]:
     def place(state: State[N]) -> State[N]:
         return state._replace(s=way) if isinstance(state, PlaneState) else state
 
-    return Event(
-        "plate", "the ball reaches the plate", frame.towards_x, place, _size(numbers, frame.x), way
-    )
+    size = _size(numbers, frame.x)
+    return Event("plate", "the ball reaches the plate", frame.towards_x, place, size)
 
 
 def vertical(numbers: Numbers[N]) -> Event[N]:
@@ -80,7 +75,6 @@ def vertical(numbers: Numbers[N]) -> Event[N]:
         lambda state: state.u,
         lambda state: state._replace(u=nothing),
         numbers.exact(1.0),
-        nothing,
     )
 
 
@@ -92,7 +86,6 @@ def past(frame: Frame[N], reach: N, numbers: Numbers[N]) -> Event[N]:
         lambda state: frame.towards_x(state) + reach,
         lambda state: state,
         _size(numbers, frame.x, reach),
-        -(frame.x + reach) / frame.cos,
     )
 
 
@@ -175,7 +168,7 @@ def first_fall(
         points = points[1:]
     elif rises and not launch and not curve(start) > error:
         # The last piece ended on a turning point.
-        numbers.positive(curve(start), error, f"whether {question}")
+        _require_positive(curve(start), error, f"whether {question}", numbers)
     for left, right in pairwise(points):
         value = curve(right)
         if value > error:
@@ -183,7 +176,7 @@ def first_fall(
         if value < -error:
             return curve.zero(left, right)
         if right is not end:
-            numbers.positive(value, error, f"whether {question}")
+            _require_positive(value, error, f"whether {question}", numbers)
     return None
 
 

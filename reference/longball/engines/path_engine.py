@@ -203,7 +203,6 @@ APEX: Event[Any] = Event(
     lambda state: state.w,
     lambda state: state._replace(w=state.w * 0),
     1.0,
-    0.0,
 )
 
 

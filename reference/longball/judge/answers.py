@@ -20,8 +20,9 @@ from typing import Any, BinaryIO, Literal, cast, get_args
 from pydantic import BaseModel, Field
 
 from longball.convergence.report import Frozen
+from longball.engines.chain import BLOCKS as MODELS
 from longball.judge.quantities import BLOCKS, QUANTITIES, Value
-from longball.model.result import Contact, Impact, Landing, Outcome, Plate, Result
+from longball.model.result import Outcome, Result
 
 # A result with ninety digits a number takes five thousand bytes.
 LONGEST_LINE = 1 << 16
@@ -247,12 +248,7 @@ def as_result(answer: Answer) -> Result:
     For what asks for whole results, such as `longball.convergence`.
     """
     blocks: dict[str, BaseModel] = {}
-    for block, model in (
-        ("plate", Plate),
-        ("contact", Contact),
-        ("impact", Impact),
-        ("landing", Landing),
-    ):
+    for block, model in MODELS.items():
         values = {
             name.removeprefix(f"{block}."): _doubles(value)
             for name, value in answer.values.items()

@@ -18,6 +18,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -71,6 +72,8 @@ LISTED = 5  # suspects in the report
 MENTIONED = 0.01  # share of the error that a suspect not named must explain to be listed
 
 SHORTEST_STEP, LONGEST_STEP = 2e-5, 0.2  # s
+
+_MISTAKES = KNOWN | {SINGLE.name: SINGLE}
 
 # Of a step in its effect: the known mistakes of the scheme have 1 and 2, and their sums what lies
 # between, or seems to lie a little beyond.
@@ -170,8 +173,9 @@ class _Search:
                 "of any known mistake, as rounding or a solver's tolerance leaves them"
             )
             return self._found("noise", sentence, (), max(0.0, share), singles)
+        guessed = " and ".join(best.guess.names)
         sentence = (
-            f"none of the known mistakes: the best guess, {_listed(best.guess.names)}, explains "
+            f"none of the known mistakes: the best guess, {guessed}, explains "
             f"{max(0.0, share):.0%} of the error, and a mistake that is made explains at least "
             f"{NAMED:.0%}"
         )
@@ -343,9 +347,7 @@ class _Search:
     ) -> Diagnosis:
         if finding == "known":
             step = best.guess.dt if best else 0.0
-            sentence = "; ".join(
-                f"it {(KNOWN | {SINGLE.name: SINGLE})[name].sentence}" for name in named
-            )
+            sentence = "; ".join(f"it {_MISTAKES[name].sentence}" for name in named)
             if best:
                 sentence += f": this explains {share:.2%} of the error"
             else:
@@ -381,26 +383,17 @@ class _Search:
         return bool((candidate & scheme & ~truth).any())
 
     def _suspect(self, name: str, singles: Mapping[str, _Scored], best: _Scored | None) -> Suspect:
-        if name == SINGLE.name:
-            return Suspect(
-                name=name,
-                sentence=SINGLE.sentence,
-                remedy=SINGLE.remedy,
-                share=None,
-                step=None,
-                twins=[],
-            )
-        mistake, alone = KNOWN[name], singles[name]
-        dt = best.guess.dt if best and name in best.guess.names else alone.guess.dt
-        atom = alone.guess.atoms[0].made
-        return Suspect(
-            name=name,
-            sentence=mistake.sentence,
-            remedy=mistake.remedy,
-            share=self.share(alone.left),
-            step=dt if atom.steps else None,
-            twins=self._twins(alone, best if best and name in best.guess.names else None),
-        )
+        mistake = _MISTAKES[name]
+        found: dict[str, Any] = {"share": None, "step": None, "twins": []}
+        if name in singles:
+            alone, together = singles[name], best if best and name in best.guess.names else None
+            guess = together.guess if together else alone.guess
+            found = {
+                "share": self.share(alone.left),
+                "step": guess.dt if alone.guess.atoms[0].made.steps else None,
+                "twins": self._twins(alone, together),
+            }
+        return Suspect(name=name, sentence=mistake.sentence, remedy=mistake.remedy, **found)
 
     def _twins(self, alone: _Scored, best: _Scored | None) -> list[str]:
         """Return the other mistakes that predict the same, alone or in the set named."""
@@ -482,7 +475,3 @@ def _is_single(x: Decimal) -> bool:
         return False
     single = np.float32(float(x))
     return float(x) == float(single) or x in (Decimal(str(single)), Decimal(f"{single:.9g}"))
-
-
-def _listed(names: Sequence[str]) -> str:
-    return " and ".join(names)

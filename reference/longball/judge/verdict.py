@@ -390,11 +390,8 @@ def verdict(
         if c.judged and c.answer is not None and c.answer.error is not None
     ]
     missing = _missing(comparisons, require)
-    collected, convergence, sampling = (
-        submission.collected,
-        submission.convergence,
-        submission.sampling,
-    )
+    collected = submission.collected
+    convergence, sampling = submission.convergence, submission.sampling
     reasons = _reasons(comparisons, judged, failures, missing, collected)
     if {"all", "answers"} & set(require) and (silent := len(unanswered) + len(refused)):
         reasons.append(f"{silent} scenes without an answer, and answers are required")
@@ -526,39 +523,17 @@ def _row(family: str, name: str, unit: str, group: list[tuple[Comparison, Measur
 def failure(comparison: Comparison) -> Failure:
     """Return what is wrong in a comparison; nothing may be."""
     case, answer = comparison.case, comparison.answer
+    expected, radii = values_of(case.expected), radii_of(case.expected)
     faults = []
     if comparison.outcome_wrong:
-        faults.append(
-            Fault(
-                what="outcome",
-                expected=[str(case.expected.outcome)],
-                radius=[],
-                obtained=[str(answer.outcome if answer else None)],
-                error=None,
-                tolerance=None,
-            )
-        )
-    expected, radii = values_of(case.expected), radii_of(case.expected)
+        outcome = answer.outcome if answer else None
+        faults.append(_fault("outcome", [case.expected.outcome], (), [outcome]))
     faults += [
-        Fault(
-            what=name,
-            expected=list(map(str, expected.get(name, ()))),
-            radius=list(map(str, radii.get(name, ()))),
-            obtained=["not a number"],
-            error=None,
-            tolerance=None,
-        )
+        _fault(name, expected.get(name, ()), radii.get(name, ()), ["not a number"])
         for name in comparison.unreadable
     ]
     faults += [
-        Fault(
-            what=m.quantity,
-            expected=list(map(str, m.expected)),
-            radius=list(map(str, m.radius)),
-            obtained=list(map(str, m.obtained)),
-            error=m.error,
-            tolerance=m.tolerance,
-        )
+        _fault(m.quantity, m.expected, m.radius, m.obtained, m.error, m.tolerance)
         for m in sorted(comparison.measured, key=lambda m: -m.excess)
         if not m.passed
     ]
@@ -569,6 +544,19 @@ def failure(comparison: Comparison) -> Failure:
         scene=json.loads(case.scene.line()),
         faults=faults,
     )
+
+
+def _fault(
+    what: str,
+    expected: Iterable[object],
+    radius: Iterable[object],
+    obtained: Iterable[object],
+    error: float | None = None,
+    tolerance: float | None = None,
+) -> Fault:
+    numbers = {"expected": expected, "radius": radius, "obtained": obtained}
+    texts = {name: [str(x) for x in held] for name, held in numbers.items()}
+    return Fault(what=what, **texts, error=error, tolerance=tolerance)
 
 
 if __name__ == "__main__":

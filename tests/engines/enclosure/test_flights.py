@@ -9,7 +9,7 @@ from fractions import Fraction
 
 import mpmath
 import pytest
-from flint import arb
+from flint import arb, arb_poly
 
 from longball.engines.enclosure import Balls, Enclosure, engine
 from longball.engines.enclosure.system import System, structure
@@ -380,6 +380,19 @@ def test_growth_is_that_of_the_fastest_flight_in_the_tube(error):
         assert math.log(separation) > 0.1 * 20 / 2 * 2.0**-7
 
 
+@pytest.mark.parametrize("bits", [64, 164])
+def test_growth_is_summed_over_the_parts_of_a_step(bits):
+    # V = a t: the integral of k_L V / 2 is k_L a h² / 4, though errors hardly grow at first.
+    lift, a, h = 0.125, 64.0, 1.0
+    with Balls(30).arithmetic():
+        system = System(law(None, lift), Balls(30))
+        motion = (arb_poly([]), arb_poly([0, -a]))
+        growth = engine._growth(system, motion, arb(2) ** -bits, arb(h))
+    truth = lift * a * h**2 / 4
+    # A part of 1/128 of the step is as much too large as V changes on it, in each of four entries.
+    assert truth <= math.log(float(growth)) <= 1.05 * truth
+
+
 @pytest.mark.parametrize("field", [(0.0075, 0.00375), (None, 0.1), (0.01, -0.5), (0.02, None)])
 @pytest.mark.parametrize("launch", [(30.0, 20.0), (40.0, -5.0), (0.001, 0.0)])
 def test_a_launch_that_is_a_ball_holds_the_flights_of_its_points(field, launch):
@@ -402,6 +415,10 @@ def test_a_launch_that_is_a_ball_in_a_law_of_height():
     for dz, du, dw in itertools.product((-off, off), repeat=3):
         one = fly(state(0, dz, 20 + du, -8 + dw), field, 0.25).state
         assert all(map(arb.contains, whole, one))
+    high = PlaneState(arb(0), arb(0, off), arb(20), arb(-8))
+    whole = fly(high, field, 0.25, Enclosure(5)).state
+    for dz in (-off, off):
+        assert all(map(arb.contains, whole, fly(state(0, dz, 20, -8), field, 0.25).state))
 
 
 # --- steps ----------------------------------------------------------------------------------------
@@ -424,6 +441,26 @@ def test_a_ball_brought_to_rest_is_as_far_off_as_it_was_fast():
     assert engine.brought_to_rest(known, drag, arb(0.1)).state == (0, 0)
     # Without a root nothing is special about rest.
     assert engine.brought_to_rest(core, structure(law().program), arb(0)) == core
+
+
+def test_the_error_stays_in_the_tube_that_its_growth_was_bounded_on(monkeypatch):
+    # Existence: growth by 10, and by ever more in a wider tube, which no tube is wide enough for.
+    tubes = []
+
+    def grown(factor):
+        def growth(system, motion, tube, h):
+            tubes.append(tube)
+            return factor(tube)
+
+        monkeypatch.setattr(engine, "_growth", growth)
+
+    one = arb(1)
+    grown(lambda tube: arb(10))
+    early, late = engine._error(None, (), one, one, one)
+    assert tubes[-1] > early + late >= 20
+    grown(lambda tube: 10 * tube)
+    with pytest.raises(CannotSolve, match="has grown"):
+        engine._error(None, (), one, one, one)
 
 
 @pytest.mark.parametrize("order", [2, 4, 8])

@@ -69,8 +69,7 @@ class Layout:
         parts = 2 * len(self.program.variables) + RANGES, len(self.program.parameters)
         rows = max(order + 2, *parts)
         x = aligned(self.inverse + 1, rows, lanes)
-        for k in range(1, order + 2):
-            x[self.inverse, k] = 1.0 / k
+        x[self.inverse, 1 : order + 2] = 1.0 / np.arange(1, order + 2)[:, np.newaxis]
         return x
 
 

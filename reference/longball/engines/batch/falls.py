@@ -58,7 +58,7 @@ def first_fall(
     if error == 0.0 or near == NEVER or math.isnan(near):
         return near, math.nan
     height, rate = height_and_rate(p, slope, degree, near)
-    bend = curvature(slope, degree - 1, end)
+    bend = sag + slope[1] + abs(slope[1])  # as `curvature`
     if rate < 0.0 and height <= 2.0 * error and rate * rate > _STEEP * bend * error:
         # Even the strongest bend turns p only far below -error; a step of Newton's method from here
         # is good to 1/_STEEP of the way.

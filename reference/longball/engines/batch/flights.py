@@ -32,7 +32,7 @@ from longball.engines.batch.roots import NEVER, curvature, differentiate, downwa
 from longball.model.trace import Program
 
 Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
+Integer = int | np.int64
 Records = NDArray[Any]
 
 # --- records --------------------------------------------------------------------------------------
@@ -62,8 +62,9 @@ def flight_dtype(program: Program, events: int) -> np.dtype[Any]:
     ``reach``, ``margin_error``, ``across``, ``above``
         The bat: the distance from its axis at which it is touched, m, 0 for no bat; the error of
         the margin, m; the two components of the distance.
-    ``waypoint``
-        A step ends where this function falls through zero, and the state there is noted.
+    ``waypoint``, ``ahead``
+        A step ends where this function falls through zero, and the state there is noted. The event
+        of that number lies beyond; -1 if none does.
     ``events``
         The functions that end a flight where they fall through zero.
 
@@ -81,8 +82,8 @@ def flight_dtype(program: Program, events: int) -> np.dtype[Any]:
     )
 
 
-_FLIGHT = ("time", "time_limit", "error", "reach", "margin_error")
-_TIME, _LIMIT, _ERROR, _REACH, _MARGIN_ERROR, _STATE = range(6)
+_FLIGHT = ("time", "time_limit", "error", "reach", "margin_error", "ahead")
+_TIME, _LIMIT, _ERROR, _REACH, _MARGIN_ERROR, _AHEAD, _STATE = range(7)
 # Functions, in the order of the records.
 _ACROSS, _ABOVE, _WAYPOINT, _FIRST_EVENT = range(4)
 
@@ -125,6 +126,7 @@ def new_flights(program: Program, shape: tuple[int, ...], events: int) -> Record
     """Return flights that have no waypoint, no bat, and events that never happen."""
     flights = np.zeros(shape, flight_dtype(program, events))
     constant = len(program.variables)
+    flights["ahead"] = -1.0
     flights["waypoint"][..., constant] = flights["events"][..., constant] = math.inf
     return flights
 
@@ -401,14 +403,14 @@ def _launch(s: _Setup, slot: _Slot) -> None:
             target[k * WIDTH] = source[k]
         target[error * WIDTH] = source[error] * flight[_ERROR]
         source, target = shifted(source, s.variables + 2), shifted(target, (error + 1) * WIDTH)
-    if _height(s, 0, lane, shifted(flight, _STATE)) > 0.0:
+    if _height(s, np.int64(0), lane, shifted(flight, _STATE)) > 0.0:
         marked[0] = math.nan
     else:
         s.linear[s.variables * WIDTH + lane] = math.inf
 
 
 @compiled
-def _height(s: _Setup, number: int, lane: int, state: Any) -> float:
+def _height(s: _Setup, number: Integer, lane: int, state: Any) -> float:
     """Return the value of a linear function."""
     function = shifted(s.linear, number * (s.variables + 2) * WIDTH + lane)
     total: float = function[s.variables * WIDTH]
@@ -476,16 +478,19 @@ def _settle(s: _Setup, slot: _Slot, time: float, length: float) -> float:
         if searched < end:
             stop, end = _FLYING, searched
     doubt, doubtful = 0.0, _NONE
+    ahead = flight[_AHEAD] if math.isnan(arrival[_END + 1 + s.variables]) else -1.0
     # First what shortens the step, then the events.
     for number in range(-2, s.functions - 1):
         error = 0.0
         if number == -2:
             if not _put_speed(s):
                 continue
+        elif number >= 0 and number == ahead:
+            continue
         else:
             function = shifted(s.linear, (number + 1) * (s.variables + 2) * WIDTH + lane)
             error = function[(s.variables + 1) * WIDTH]
-            if not _put_function(s, function, WIDTH, s.p, lane, end / length):
+            if not _put_function(s, function, np.int64(WIDTH), s.p, lane, end / length):
                 continue
         differentiate(s.p, s.degree, s.slope)
         if number >= 0 and s.p[0] <= error and (mark[_STEPS] > 1 or s.p[0] <= 0.0):
@@ -572,7 +577,9 @@ def _put_speed(s: _Setup) -> bool:
 
 
 @compiled
-def _put_function(s: _Setup, function: Any, stride: int, p: Any, lane: int, part: float) -> bool:
+def _put_function(
+    s: _Setup, function: Any, stride: Integer, p: Any, lane: Integer, part: float
+) -> bool:
     """Put the polynomial of a linear function on the workspace.
 
     Not if the function certainly stays above its error over a part of the step; then it returns
@@ -643,9 +650,10 @@ def _search_length(s: _Setup, flight: Any, end: float) -> float:
 
     Puts the components of the distance to the bat's axis on the workspace.
     """
+    one, none = np.int64(1), np.int64(0)  # literals would have code of their own
     across = shifted(flight, _STATE + s.variables + s.parameters)
-    _put_function(s, across, 1, s.across, 0, math.inf)
-    _put_function(s, shifted(across, s.variables + 2), 1, s.above, 0, math.inf)
+    _put_function(s, across, one, s.across, none, math.inf)
+    _put_function(s, shifted(across, s.variables + 2), one, s.above, none, math.inf)
     distance, reach = _distance(s, 0.0), flight[_REACH]
     if distance <= _FAR * reach:
         return end

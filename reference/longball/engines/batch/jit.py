@@ -20,11 +20,16 @@ F = TypeVar("F", bound=Callable[..., Any])
 
 
 def compiled(function: F) -> F:
-    """Compile a function when it is called; as a part of those that call it, if they are compiled.
+    """Compile a function for compiled functions to call, not for Python.
 
-    Division follows IEEE 754, and the lock of the interpreter is released.
+    Division follows IEEE 754.
     """
-    return cast(F, numba.njit(nogil=True, error_model="numpy")(function))
+    settings: dict[str, Any] = {
+        "error_model": "numpy",
+        "no_cpython_wrapper": True,
+        "no_cfunc_wrapper": True,
+    }
+    return cast(F, numba.njit(**settings)(function))
 
 
 def operation(function: Callable[..., Any]) -> Callable[..., Any]:

@@ -125,6 +125,7 @@ def records_of(
         value = _linear(law, event.value)
         put(("events", i), value, event.size)
         if event.name == "plate":
+            columns["ahead",] = float(i)
             put(("waypoint",), value - APPROACH * abs(value.coefficients["s"]), 0.0)
     if bat is not None:
         columns["reach",], columns["margin_error",] = bat.section.reach, bat.error

@@ -11,6 +11,7 @@ family encloses.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
@@ -62,7 +63,8 @@ class Curve:
             return a
         if not there > 0:
             raise Undecided("whether the value falls to zero there cannot be decided")
-        return _crossing(self.value, a.lower(), b.upper())
+        first, *more = zeros(self.value, a.lower(), b.upper())
+        return more[-1].union(first) if more else first
 
 
 def zeros(value: arb_poly, a: arb, b: arb) -> list[arb]:
@@ -71,30 +73,40 @@ def zeros(value: arb_poly, a: arb, b: arb) -> list[arb]:
     Zeros that are not told apart are in one ball; a ball may hold none.
     """
     slope = value.derivative()
+    bend = slope.derivative()
     smallest = (b - a) * arb(2) ** (-flint.ctx.prec // 2)
     found: list[arb] = []
     parts = [(a, b)]
     while parts:
         a, b = parts.pop()
-        part = a.union(b)
+        part, middle = a.union(b), _cut(a, b)
         if _clear(value(part)):
+            continue
+        # In mean-value form, sharp where the family is flat.
+        there = value(middle) + (slope(middle) + bend(part) * (part - middle)) * (part - middle)
+        if _clear(there):
             continue
         rate = slope(part)
         if _clear(rate):
             falling, falling_slope = (value, slope) if rate < 0 else (-value, -slope)
             if falling(a) < 0 or falling(b) > 0:
                 continue
-            if falling(a) > 0 and falling(b) < 0:
-                found.append(_newton(falling, falling_slope, a, b))
-                continue
-        if b - a > smallest:
-            middle = _cut(a, b)
+            with suppress(ValueError):  # of an empty intersection: no member has a zero there
+                _add(_newton(falling, falling_slope, a, b), found)
+            continue
+        # Where a value at one time is as uncertain as on all of a part, cutting tells no more.
+        if b - a > smallest and there.rad() > 2 * value(middle).rad():
             parts += [(middle, b), (a, middle)]
-        elif found and found[-1].overlaps(part):
-            found[-1] = found[-1].union(part)
         else:
-            found.append(part)
+            _add(part, found)
     return found
+
+
+def _add(ball: arb, found: list[arb]) -> None:
+    """Add a ball to others before it, or make it one with the last, if they overlap."""
+    if found and found[-1].overlaps(ball):
+        ball = found.pop().union(ball)
+    found.append(ball)
 
 
 def _clear(x: arb) -> bool:
@@ -103,24 +115,6 @@ def _clear(x: arb) -> bool:
 
 def _cut(a: arb, b: arb) -> arb:
     return (a + (b - a) * _CUT).mid()
-
-
-def _crossing(value: arb_poly, a: arb, b: arb) -> arb:
-    """Enclose the zeros of a family's members, all of which fall from a, above zero, to b, below.
-
-    At an end they may be flat, so that Newton's method does not start there.
-    """
-    slope = value.derivative()
-    while not slope(a.union(b)) < 0:
-        middle = _cut(a, b)
-        there = value(middle)
-        if there > 0:
-            a = middle
-        elif there < 0:
-            b = middle
-        else:
-            return a.union(b)
-    return _newton(value, slope, a, b)
 
 
 def _newton(value: arb_poly, slope: arb_poly, a: arb, b: arb) -> arb:
