@@ -122,6 +122,9 @@ class PolynomialPiece(NamedTuple):
 
     def at(self, t: float) -> State[float]:
         """Return the state at a time on the piece, s since it begins."""
+        if t == 0.0:
+            start: State[float] = self.state(*self.coefficients[:, 0].tolist())
+            return start
         found = np.empty(len(self.coefficients))
         advance(self.coefficients, t, np.zeros(len(found)), found)
         state: State[float] = self.state(*found.tolist())
