@@ -49,28 +49,32 @@ def run(report: Path, full: bool) -> str:
 def distances(report: Path, struck: dict[float, Struck]) -> str:
     """Draw the density of D for the lowest and the highest e (Fig. 6)."""
     ends = {e: struck[e].distance[struck[e].batted] for e in (min(struck), max(struck))}
-    top = BIN * np.ceil(max(d.max() for d in ends.values()) / BIN)
-    edges = np.arange(0.0, top + BIN, BIN)
+    last = BIN * np.ceil(max(d.max() for d in ends.values()) / BIN)
+    edges = np.arange(0.0, last + BIN, BIN)
     columns: dict[str, object] = {"D from, m": edges[:-1], "D to, m": edges[1:]}
-    lines = []
+    lines, top = [], 0.0
     with figure(report, "distances", size=(6.4, 3.6)) as (axes,):
         for (e, d), style in zip(ends.items(), ("-", "--"), strict=True):
             density = np.histogram(d, edges)[0] / (BIN * len(d))
             columns[f"density at e = {e:g}, 1/m"] = density
-            axes.stairs(density, edges, linestyle=style, linewidth=1.4, label=f"e = {e:g}")
+            axes.stairs(1e3 * density, edges, linestyle=style, linewidth=1.4, label=f"e = {e:g}")
             lines.append(
                 f"At e = {e:g}, {len(d)} of {len(struck[e].x)} at-bats are batted; D has its "
                 f"highest bin around {edges[int(np.argmax(density))] + BIN / 2:g} m, its median at "
                 f"{np.median(d):.1f} m, and {100 * np.mean(d >= 150):.2f} % of it lies beyond "
                 "150 m."
             )
+            top = max(top, 1.3e3 * density[1:].max())
         axes.axvline(150.0, color="black", linewidth=0.8, linestyle=":")
+        axes.set_ylim(0.0, top)
         axes.annotate("home run", (152.0, axes.get_ylim()[1] * 0.9), fontsize="small")
-        axes.set(xlabel="distance D from the plate, m", ylabel="probability density, 1/m")
+        axes.set(xlabel="distance D from the plate, m", ylabel="probability density, 1/km")
         axes.legend()
     table(report, "distances", pd.DataFrame(columns))
     lines.append("The paper's Fig. 6 has its highest peaks at 75 m and 125 m.\n")
-    caption = "Density of D among batted balls, in bins of 10 m (the paper's Fig. 6)."
+    caption = (
+        "Density of D among batted balls, in bins of 10 m, the first cut off (the paper's Fig. 6)."
+    )
     return " ".join(lines) + "\n" + shown("distances", caption)
 
 

@@ -160,7 +160,8 @@ def run(report: Path, full: bool) -> str:
     caption = (
         "Left: what is left of P(0.42) with a step, on the same samples, with intervals of 95 %; "
         "dotted, a bias as large as the noise of 1,000 samples in the reading of that colour. "
-        "Right: density of D at e = 0.42 among the batted balls, default reading."
+        "Right: density of D at e = 0.42 among the batted balls, default reading; the first bin is "
+        "cut off."
     )
     return "\n".join(
         [
@@ -359,15 +360,12 @@ def draw(report: Path, found: Found) -> None:
         left.set(xscale="log", xlabel="step Δt, s", ylabel="P(0.42) / P of the reference")
         left.set_ylim(0.0, 1.3)
         left.legend(loc="lower left")
-        edges = np.arange(0.0, 201.0, 10.0)
+        edges, top = np.arange(0.0, 201.0, 10.0), 0.0
         for step, dash in ((None, "-"), (0.01, "--"), (0.05, ":")):
             one = found.struck[CASES[0].name, step, E]
-            right.stairs(
-                np.histogram(one.distance[one.batted], edges)[0] / (10.0 * one.batted.sum()),
-                edges,
-                linestyle=dash,
-                linewidth=1.4,
-                label="reference" if step is None else f"Δt = {step:g} s",
-            )
-        right.set(xlabel="D, m", ylabel="density among batted balls, 1/m")
+            density = np.histogram(one.distance[one.batted], edges)[0] / (0.01 * one.batted.sum())
+            label = "reference" if step is None else f"Δt = {step:g} s"
+            right.stairs(density, edges, linestyle=dash, linewidth=1.4, label=label)
+            top = max(top, 1.2 * density[1:].max())
+        right.set(xlabel="D, m", ylabel="density among batted balls, 1/km", ylim=(0.0, top))
         right.legend()

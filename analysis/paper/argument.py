@@ -481,9 +481,12 @@ def on_shift(report: Path, found: Sequence[Tested]) -> str:
                 f"lies what {' and '.join(inside) or 'neither'} says."
             )
         if here := at.get(HOME_RUN_DISTANCE):
-            asked = "where C₁ e asks for 1: a ball leaves the bat with 1 + e, not with e"
-            if abs(here.power - 1) < 0.1:
-                asked = "as C₁ e asks"
+            asked = "as C₁ e asks"
+            if abs(here.power - 1) >= 0.1:
+                asked = (
+                    "where C₁ e asks for 1: a ball leaves the bat with 1 + e, not with e, and the "
+                    "bat's own speed on top"
+                )
             sentences.append(f"At the fence D goes like e to the power {here.power:.2f}, {asked}.")
     return table(report, "paper_shift", pd.DataFrame(rows)) + "\n" + " ".join(sentences) + "\n"
 
