@@ -203,7 +203,8 @@ def first_met(
     limit
         s since the launch.
     error
-        Of a state, relative to its size; 0 for numbers that carry their own.
+        Of a state, relative to the largest coordinate that the flight has had; 0 for numbers that
+        carry their own.
 
     Raises
     ------
@@ -215,6 +216,11 @@ def first_met(
     for number, piece in enumerate(pieces):
         left = limit - piece.begin
         end = piece.length if piece.length < left else left
+        if error:
+            start = piece.at(numbers.exact(0.0))
+            extent = _size(numbers, start.s, start.z)
+            for name, known in errors.items():
+                errors[name] = numbers.where(error * extent > known, error * extent, known)
         found = [
             Met(event, piece.begin + t, event.place(piece.at(t)))
             for event in events

@@ -178,7 +178,7 @@ class Ivp(PathEngine[float]):
 
         The bat is put at the height of that very state, and so shares its error.
         """
-        centred = self._around(law, pitch.time, pitch.state)
+        centred = self.around(law, pitch.time, pitch.state)
         speed = math.hypot(*bat.frame.velocity(pitch.state))
         # Not much longer than it takes to pass the bat: the square of the distance, of which
         # reach² is to be told apart, starts small.
@@ -195,7 +195,7 @@ class Ivp(PathEngine[float]):
             if piece.begin + piece.length > end:
                 yield View(piece, max(0.0, end - piece.begin), piece.length, error)
 
-    def _around(self, law: Law[float], time: float, state: State[float]) -> PolynomialPiece:
+    def around(self, law: Law[float], time: float, state: State[float]) -> PolynomialPiece:
         """Return the flight around a state, s since the launch, as one piece on both sides of it.
 
         It begins at that time, and also holds before, for as long as it is long.

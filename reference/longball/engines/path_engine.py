@@ -13,7 +13,13 @@ from functools import partial
 from itertools import pairwise
 from typing import Any, Generic, cast
 
-from longball.engines.contact import TURNS_VERTICAL, BatSection, inside_bat, margin_error
+from longball.engines.contact import (
+    STARTS_INSIDE,
+    TURNS_VERTICAL,
+    BatSection,
+    inside_bat,
+    margin_error,
+)
 from longball.engines.engine import CannotSolve, Touch
 from longball.engines.event import Event, Piece, first_fall, first_met, past
 from longball.engines.path import Flight, Part, Path, Rest
@@ -136,7 +142,7 @@ class PathEngine(ABC, Generic[N]):
         if gap < -error:
             raise CannotSolve(inside_bat(bat.distance(launch, numbers), bat.reach))
         if not (cast(Any, gap) == 0 or gap > error):
-            numbers.positive(gap, error, "whether the ball starts inside the bat or touches it")
+            numbers.positive(gap, error, STARTS_INSIDE)
         first: tuple[N, State[N]] | None = None
         if not gap > error and bat.approach(launch) < 0:
             first = numbers.exact(0.0), launch

@@ -93,6 +93,8 @@ class PolynomialCurve(NamedTuple):
     def zero(self, a: float, b: float) -> float:
         """Return where the value is zero, given that from a to b it falls through zero."""
         p = self._from(a)
+        if not p[0] > 0:
+            return a  # where the piece before ended, to rounding
         t = zero(p, 0.0, b - a)
         slope = rate(p, t)
         if slope < 0:  # to the zero of single values
@@ -120,6 +122,9 @@ class PolynomialPiece(NamedTuple):
 
     def at(self, t: float) -> State[float]:
         """Return the state at a time on the piece, s since it begins."""
+        if t == 0.0:
+            start: State[float] = self.state(*self.coefficients[:, 0].tolist())
+            return start
         found = np.empty(len(self.coefficients))
         advance(self.coefficients, t, np.zeros(len(found)), found)
         state: State[float] = self.state(*found.tolist())
@@ -247,7 +252,7 @@ def turning_points(p: Array, end: float) -> Array:
         for k in range(len(q) - 1, 0, -1):
             change = (change + abs(q[k])) * half
             bend = bend * half + (k * abs(q[k]) if k > 1 else 0.0)
-        if abs(q[0]) >= change:
+        if abs(q[0]) > change * (1.0 + 4 * len(q) * _ROUNDING):
             continue
         if len(q) > 1 and abs(q[1]) >= bend:
             first, last = value(slope, left), value(slope, right)

@@ -235,8 +235,14 @@ def _source(program: Program, at_rest: bool) -> str:
     """Print ``step(x, order, rtol, *parameters)``, which expands and returns the reach.
 
     The last two terms of what changes stay below `rtol` times its size, which is that of the first
-    term that is not zero. Besides, a square root has to stay analytic: V² ≈ V₀² + S₁ t + S₂ t² has
-    its complex zeros near V₀/√S₂ from a place where V is least, and a step stays within half of it.
+    term that is not zero.
+
+    Along a circle, whose series converges at any time, that would be half a turn, with terms so
+    large that their roundings show: the term of second order stays below twice the size, and so a
+    step within a third of a turn.
+
+    A square root has to stay analytic: V² ≈ V₀² + S₁ t + S₂ t² has its complex zeros near V₀/√S₂
+    from a place where V is least, and a step stays within half of it.
     """
     for name in (*program.variables, *program.parameters):
         if _TAKEN.fullmatch(name):
@@ -258,6 +264,9 @@ def _source(program: Program, at_rest: bool) -> str:
         "        power = 1",
         f"        size = {total('1')}",
         "    reach = inf",
+        f"    bend = {total('2')}",
+        "    if power == 0 and bend > 0.0:",
+        "        reach = sqrt(2.0 * size / bend)",
         "    for n in (order - 1, order):",
         f"        last = {total('n')}",
         "        if not last < inf:",

@@ -23,7 +23,13 @@ from longball.engines.batch.records import (
     records_of,
     stops,
 )
-from longball.engines.contact import TURNS_VERTICAL, BatSection, inside_bat, margin_error
+from longball.engines.contact import (
+    STARTS_INSIDE,
+    TURNS_VERTICAL,
+    BatSection,
+    inside_bat,
+    margin_error,
+)
 from longball.engines.engine import CannotSolve, ManyAtOnce, Touch
 from longball.engines.event import Event, Piece, past
 from longball.engines.path import Flight, Path
@@ -211,6 +217,8 @@ def _require_answer(end: Records, flight: Records, events: Sequence[Event[Any]])
         case flights.UNDECIDED_IN_TIME, Event(), _:
             question = f"whether {first.question} in the time limit"
             error = max(abs(doubt), relative * first.size)
+        case flights.UNDECIDED_RELEASE, _, _:
+            question, error = STARTS_INSIDE, flight["margin_error"].item()
         case flights.INSIDE_BAT, _, _:
             reach = flight["reach"].item()
             raise CannotSolve(inside_bat(reach + doubt, reach))

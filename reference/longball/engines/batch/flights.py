@@ -42,7 +42,7 @@ Records = NDArray[Any]
 # or whether within the time limit.
 TIME_LIMIT, TOUCH = 100, 101
 UNDECIDED, UNDECIDED_FIRST, UNDECIDED_IN_TIME, GRAZES_BAT = 110, 111, 112, 113
-INSIDE_BAT, OUT_OF_RANGE, TOO_LONG = 120, 121, 122
+INSIDE_BAT, UNDECIDED_RELEASE, OUT_OF_RANGE, TOO_LONG = 120, 121, 122, 123
 # While it flies: on its way, at its waypoint, or at rest for a moment, at the apex of a flight
 # straight up.
 _FLYING, _AT_WAYPOINT, _AT_REST = -1, -2, -3
@@ -695,6 +695,9 @@ def _meets_bat(s: _Setup, slot: _Slot, time: float, end: float, last: bool) -> b
         gap = _distance(s, 0.0) - reach
         if gap < -error:
             mark[_STOP], arrival[_DOUBT] = INSIDE_BAT, gap
+            return True
+        if gap != 0.0 and gap <= error:
+            mark[_STOP], arrival[_DOUBT] = UNDECIDED_RELEASE, gap
             return True
         if gap <= error and approaching:
             _evaluate(s, 0.0)
