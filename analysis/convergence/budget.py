@@ -395,11 +395,11 @@ def errors(scene: AtBatScene, step: float, phases: int) -> list[dict[str, float]
     for share in golden(phases):
         inside = way.time + share * way.window
         dt = inside / max(1, round(inside / step))
-        row = {}
+        row = {"step": dt}
         for treatment in SHOWN:
             for name, engine in engines(treatment, dt, way.time).items():
                 landing = solve(scene, engine).landing
                 found = float(landing.distance) if landing else math.nan
                 row[name] = found - float(true.distance)
-        rows.append({"step": dt} | row)
+        rows.append(row)
     return rows

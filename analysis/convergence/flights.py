@@ -57,8 +57,8 @@ def run(report: Path, full: bool) -> str:
                 "theory": in_theory,
                 "error of D at 0.05 s, m": f"{off:+.4f}",
                 "noted, m": f"{noted:+.4f}",
-                "least error reached, m": f"{least(seen):.1e}",
-                "at step, s": f"{least_at(seen):.1e}",
+                "least error reached, m": f"{best(seen)[0]:.1e}",
+                "at step, s": f"{best(seen)[1]:.1e}",
                 "notes": verdict(
                     abs(seen.order - in_theory) < 0.1 and abs(off - noted) < 0.05 * abs(noted)
                 ),
@@ -78,7 +78,7 @@ def run(report: Path, full: bool) -> str:
         "at 0.05 s; the half-step velocity of molecular dynamics does not mend it: it is Euler's "
         "method for the velocity at half steps. The fourth treatment has two forms, the predicted "
         "force carried into the next step or computed anew, with errors of different sign; so they "
-        f"are two entries of the ledger. Below about {least_at(orders['implicit']):.0e} s the "
+        f"are two entries of the ledger. Below about {best(orders['implicit'])[1]:.0e} s the "
         "second-order treatments only gather rounding errors. "
         f"Landing at the first point below the ground adds {below:+.3f} m on that flight (noted: "
         f"{NOTED_FIRST_BELOW:+.2f} m, {first}) and makes the landing's error one of order "
@@ -162,14 +162,9 @@ def proven() -> Engine[Any]:
     return create("enclosure", digits=20)
 
 
-def least(found: Order) -> float:
-    """Return the smallest error of all steps, m."""
-    return min(error for _, error, _ in found.errors)
-
-
-def least_at(found: Order) -> float:
-    """Return the step of the smallest error, s."""
-    return min((error, step) for step, error, _ in found.errors)[1]
+def best(found: Order) -> tuple[float, float]:
+    """Return the smallest error of all steps, m, and its step, s."""
+    return min((error, step) for step, error, _ in found.errors)
 
 
 def draw(report: Path, orders: dict[VerletForces, Order]) -> None:
