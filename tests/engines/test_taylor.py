@@ -11,10 +11,10 @@ from scipy.integrate import solve_ivp
 from longball.engines import compiled
 from longball.engines.taylor import Expander, Taylor, right_hand_side
 from longball.model import trace
-from longball.model.law import DRAG, GRAVITY, LIFT, Law, traced
+from longball.model.law import Law, law_with
 from tests.engines.test_ivp import fly, ground, wall
 
-BALL = traced((DRAG, LIFT, GRAVITY), {"drag": 0.0075, "lift": 0.00375, "gravity": 9.8})
+BALL = law_with({"drag": 0.0075, "lift": 0.00375, "gravity": 9.8})
 START = [0.0, 1.0, 35.0, 30.0]
 
 

@@ -51,9 +51,9 @@ class Mixture:
         """As `scipy.stats` has it: with ``pdf``, ``cdf`` and ``icdf``."""
         from scipy import stats  # slow to import, and not needed for --help
 
-        both = zip(self.means, self.deviations, strict=True)
-        normals = [stats.Normal(mu=mean, sigma=deviation) for mean, deviation in both]
-        return stats.Mixture(normals, weights=(self.weight, 1.0 - self.weight))
+        weights, means, deviations = zip(*self.parts, strict=True)
+        normals = [stats.Normal(mu=m, sigma=s) for m, s in zip(means, deviations, strict=True)]
+        return stats.Mixture(normals, weights=weights)
 
 
 @dataclass(frozen=True)

@@ -63,7 +63,16 @@ class Curve:
             return a
         if not there > 0:
             raise Undecided("whether the value falls to zero there cannot be decided")
-        first, *more = zeros(self.value, a.lower(), b.upper())
+        low, high = a.lower(), b.upper()
+        slope = self.value.derivative()
+        # By signs first: a zero may be nearer to an end than any part of the whole is short.
+        while not slope(low.union(high)) < 0:
+            middle = _cut(low, high)
+            there = self.value(middle)
+            if not _clear(there):
+                break
+            low, high = (middle, high) if there > 0 else (low, middle)
+        first, *more = zeros(self.value, low, high)
         return more[-1].union(first) if more else first
 
 
