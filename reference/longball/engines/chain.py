@@ -161,7 +161,7 @@ class Cases(ABC, Generic[N]):
 
     @property
     def time_limit(self) -> N:
-        """S of flight."""
+        """The longest time of flight, s."""
         return self.numbers.exact(self.scene.time_limit)
 
     def vector(self, values: Sequence[float]) -> Vector[N]:

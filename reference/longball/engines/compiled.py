@@ -64,7 +64,7 @@ def module_of(source: str) -> ModuleType:
 
 
 def _written(name: str, source: str) -> Path | None:
-    for folder in _folders():
+    for folder in folders():
         file = folder / f"{name}.py"
         try:
             if not file.exists() or file.read_text() != source:
@@ -78,11 +78,12 @@ def _written(name: str, source: str) -> Path | None:
     return None
 
 
-def _folders() -> Iterator[Path]:
-    """Yield where printed modules may be written, in the order in which numba looks."""
-    if numba.config.CACHE_DIR:
-        yield Path(numba.config.CACHE_DIR)
+def folders() -> Iterator[Path]:
+    """Yield where compiled code may be kept, the best place first."""
+    if chosen := os.environ.get("NUMBA_CACHE_DIR"):
+        yield Path(chosen)
     yield Path(__file__).parent / "__pycache__"
-    user = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
+    user = os.environ.get("LOCALAPPDATA") or os.environ.get("XDG_CACHE_HOME")
+    user = user or os.path.expanduser("~/.cache")
     if os.path.isabs(user):  # there are users without a home
         yield Path(user, "longball")

@@ -12,7 +12,7 @@ import os
 import pickle
 import sys
 import tempfile
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar, cast
@@ -25,6 +25,7 @@ from numba.core import compiler as untyped_compiler
 from numba.core import serialize as untyped_serialize
 
 import longball
+from longball.engines.compiled import folders
 
 caching: Any = untyped_caching
 compiler: Any = untyped_compiler
@@ -56,16 +57,6 @@ def machine() -> tuple[str, ...]:
     """Return the compilers' versions and the processor that they compile for."""
     features = binding.get_host_cpu_features().flatten()
     return numba.__version__, llvmlite.__version__, binding.get_host_cpu_name(), features
-
-
-def folders() -> Iterator[Path]:
-    """Yield where compiled code may be kept, the best place first."""
-    if chosen := os.environ.get("NUMBA_CACHE_DIR"):
-        yield Path(chosen)
-        return
-    yield PACKAGE / "__pycache__"
-    base = os.environ.get("LOCALAPPDATA") or os.environ.get("XDG_CACHE_HOME")
-    yield Path(base or "~/.cache").expanduser() / "longball"
 
 
 def stored(name: str, made_of: Iterable[str], make: Callable[[], bytes]) -> bytes:
