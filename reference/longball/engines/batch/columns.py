@@ -336,6 +336,8 @@ def _mapped(function: Callable[..., Any], *values: Any) -> Any:
     match first:
         case np.ndarray():
             return function(*values)
+        case float() | str() | None if len(values) == 1:
+            return first
         case tuple() | list():
             parts = [_mapped(function, *same) for same in zip(*values, strict=True)]
             return type(first)(*parts) if hasattr(first, "_fields") else type(first)(parts)
