@@ -12,6 +12,7 @@ import numpy as np
 from longball.engines.batch import flights
 from longball.engines.batch.expansion import kernel
 from longball.engines.batch.flights import Records
+from longball.engines.batch.many import solve_all
 from longball.engines.batch.records import (
     STOPS,
     Bat,
@@ -157,8 +158,6 @@ class Batch(ManyAtOnce):
 
     def solve_all(self, scenes: Sequence[Scene]) -> list[Result]:
         """Solve scenes of any kinds; see `longball.engines.batch.solve_all`."""
-        from longball.engines.batch.many import solve_all  # which imports this module
-
         return solve_all(scenes, self)
 
     def fly_all(self, starts: Records, program: Program) -> Records:

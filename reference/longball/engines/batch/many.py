@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydantic import BaseModel
 
-from longball.engines import chain
+from longball.engines import chain, create
 from longball.engines.batch.columns import (
     OUTCOMES,
     UNSOLVED,
@@ -24,7 +24,6 @@ from longball.engines.batch.columns import (
     Table,
     select,
 )
-from longball.engines.batch.engine import Batch
 from longball.engines.chain import BLOCKS, MODEL, Model
 from longball.model import quantities
 from longball.model.readings import Reading
@@ -33,7 +32,7 @@ from longball.model.scene import AtBatScene, Scene
 
 Array = NDArray[np.float64]
 
-# Scenes that a thread takes at a time: NumPy's calls on their columns then cost a tenth of the work.
+# Scenes that a thread takes at a time: NumPy's calls on them then cost a tenth of the work.
 BLOCK = 16_384
 # Fewer scenes of a kind are solved one by one in less time than the calls of NumPy take.
 FEW = 16
@@ -76,14 +75,14 @@ def solve_columns(
     refuse is not found out.
     """
     n, view = _view(scene, columns)
-    return _named(_solve(scene.kind, n, view, engine or Batch(), threads, model))
+    return _named(_solve(scene.kind, n, view, engine or _batch(), threads, model))
 
 
 def solve_columns_with_restitutions(
     scene: AtBatScene,
     columns: Mapping[str, ArrayLike],
     restitutions: Sequence[float],
-    engine: Batch | None = None,
+    engine: BatchFlyer | None = None,
     threads: int = 1,
 ) -> list[dict[str, NDArray[Any]]]:
     """Solve at-bats with balls that differ in restitution: a table as of `solve_columns` for each.
@@ -91,7 +90,7 @@ def solve_columns_with_restitutions(
     The pitches and their touching of the bat, which do not depend on it, are solved once.
     """
     n, view = _view(scene, columns)
-    flyer = engine or Batch()
+    flyer = engine or _batch()
     tables = [Table(n) for _ in restitutions]
 
     def solve_block(rows: slice) -> None:
@@ -106,6 +105,11 @@ def solve_columns_with_restitutions(
 
     _in_blocks(solve_block, n, threads)
     return [_named(table) for table in tables]
+
+
+def _batch() -> BatchFlyer:
+    flyer: Any = create("batch")  # which flies for these functions, and knows them
+    return cast(BatchFlyer, flyer)
 
 
 def _cases(table: Table, view: SimpleNamespace, flyer: BatchFlyer, model: Model = MODEL) -> Any:
@@ -155,10 +159,10 @@ def _named(table: Table) -> dict[str, NDArray[Any]]:
 
 
 def solve_all(
-    scenes: Iterable[Scene], engine: Batch | None = None, threads: int = 1
+    scenes: Iterable[Scene], engine: BatchFlyer | None = None, threads: int = 1
 ) -> list[Result]:
     """Return the results of scenes of any kinds, in order, as `longball.engines.chain.solve`."""
-    engine = engine or Batch()
+    solver: Any = engine or _batch()
     scenes = list(scenes)
     alike: defaultdict[tuple[Any, ...], list[int]] = defaultdict(list)
     for i, scene in enumerate(scenes):
@@ -166,17 +170,17 @@ def solve_all(
     results: dict[int, Result] = {}
     for places in alike.values():
         if len(places) < FEW:
-            results |= {i: chain.solve(scenes[i], engine) for i in places}
+            results |= {i: chain.solve(scenes[i], solver) for i in places}
             continue
         same = [scenes[i] for i in places]
         _, view = _view(same[0], _columns_of(same))
-        table = _solve(same[0].kind, len(places), view, engine, threads)
+        table = _solve(same[0].kind, len(places), view, solver, threads)
         for i, (outcome, parts) in zip(places, _rows(table), strict=True):
             if outcome is None:
-                results[i] = chain.solve(scenes[i], engine)  # for the reason
+                results[i] = chain.solve(scenes[i], solver)  # for the reason
             else:
                 results[i] = Result(
-                    id=scenes[i].id, outcome=outcome, engine=engine.description, **parts
+                    id=scenes[i].id, outcome=outcome, engine=solver.description, **parts
                 )
     return [results[i] for i in range(len(scenes))]
 
