@@ -102,7 +102,7 @@ def row(name: str, result: Result, offset: float, tilt: float) -> dict[str, str]
 
 def along(way: Trajectory[float], begin: float, end: float) -> tuple[Array, Array]:
     """Return x and z, m, at 400 times of a trajectory."""
-    x, _, z = np.array([way.at(float(t))[0] for t in np.linspace(begin, end, 400)]).T
+    x, _, z, *_ = np.array(way.sample(np.linspace(begin, end, 400).tolist())).T
     return x, z
 
 

@@ -6,12 +6,15 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from longball.engines.batch import Batch
 from longball.engines.chain import solve_with_path
 from longball.engines.enclosure import Enclosure
 from longball.engines.event import ground, plate, vertical
 from longball.engines.ivp import Ivp
+from longball.engines.multiprecision import Multiprecision
 from longball.engines.path import Flight, Leg, Part, Path, Rest, Trajectory
 from longball.engines.polynomial import PolynomialPiece
+from longball.engines.verlet import Verlet
 from longball.model import trace
 from longball.model.frame import Frame
 from longball.model.law import FORCES, LIFT, Force, PlaneState, law_with
@@ -306,3 +309,41 @@ def test_a_ball_dropped_into_a_wind():
     assert found.state == pytest.approx(wanted.state, abs=1e-9)
     crossing = plate(Frame(3.0, 0.0, -1.0, 0.0), DOUBLES)
     assert IVP.fly(law, start, [crossing], 60.0).stop == "plate"
+
+
+@pytest.mark.parametrize(
+    ("engine", "error"),
+    [
+        (Ivp("DOP853"), 1e-11),  # its tolerance, 5e-14 a step, over 100 m
+        (Batch(), ULPS),
+        (Multiprecision(20), ULPS),
+        (Verlet(1e-4, "implicit"), 1e-5),  # Δt² times some hundred m/s²
+    ],
+    ids=["dop853", "batch", "multiprecision", "verlet"],
+)
+def test_every_engine_has_the_path(engine, error):
+    """The state at any time, as the reference engine has it."""
+    path, wanted = flown("batted", engine).path, flown("batted", IVP).path
+    for t in (0.0, 0.123, 1.0, 2.75):
+        found = map(float, path.at(engine.numbers.exact(t)))
+        assert_same(found, wanted.at(t), error)
+
+
+def test_a_path_is_sampled_and_asked_for_another_event():
+    """Beyond the event that ended the flight, too: a wall 20 m away, on the same path."""
+    flight = flown("batted", IVP)
+    times = [0.0, 0.5, 1.0]
+    assert flight.path.sample(times) == [flight.path.at(t) for t in times]
+    ahead = plate(Frame(20.0, 0.0, -1.0, 0.0), DOUBLES)
+    met = flight.path.first([ahead], LIMIT, IVP.flight_error, DOUBLES)
+    assert (met.event.name, met.state.s) == ("plate", 20.0)
+    assert_same(met.state, flight.path.at(met.time))
+
+
+def test_a_trajectory_is_sampled_in_space():
+    scene = parse_scene('{"id":"x","kind":"at-bat","swing":{"height_offset":-0.03}}')
+    result, way = solve_with_path(scene, IVP)
+    first, last = way.sample([0.0, way.end])
+    assert first[:3] == scene.pitch.release
+    assert last == (*way.at(way.end)[0], *way.at(way.end)[1])
+    assert last[:3] == pytest.approx(result.landing.position, abs=ULPS)

@@ -1,15 +1,15 @@
-"""A flight that one can ask: the state at any time."""
+"""A flight that one can ask: the state at any time, and the first event."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, Generic, cast
 
-from longball.engines.event import Curve, Piece
+from longball.engines.event import Curve, Event, Met, Piece, first_met
 from longball.model.frame import Frame
 from longball.model.law import State
-from longball.model.numbers import N, Vector
+from longball.model.numbers import N, Numbers, Vector
 
 
 class Path(Generic[N]):
@@ -51,6 +51,16 @@ class Path(Generic[N]):
                     break
                 return piece.at(time - piece.begin)
         raise ValueError(f"the flight has no state at t = {float(cast(Any, time))} s")
+
+    def sample(self, times: Iterable[N]) -> list[State[N]]:
+        """Return the states at some times, s since the launch; see `at`."""
+        return [self.at(time) for time in times]
+
+    def first(
+        self, events: Sequence[Event[N]], limit: N, error: float, numbers: Numbers[N]
+    ) -> Met[N] | None:
+        """Return the first of several events; see `longball.engines.event.first_met`."""
+        return first_met(self.pieces(), events, limit, error, numbers)
 
 
 @dataclass(frozen=True)
@@ -185,3 +195,7 @@ class Trajectory(Generic[N]):
             since = leg.flight.time  # the end is a rounded sum
         state = leg.flight.path.at(since)
         return leg.frame.position(state), leg.frame.velocity(state)
+
+    def sample(self, times: Iterable[N]) -> list[tuple[N, ...]]:
+        """Return x, y, z, m, and their rates, m/s, at some times; see `at`."""
+        return [(*position, *velocity) for position, velocity in map(self.at, times)]

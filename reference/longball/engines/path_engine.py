@@ -21,7 +21,7 @@ from longball.engines.contact import (
     margin_error,
 )
 from longball.engines.engine import CannotSolve, Touch
-from longball.engines.event import Event, Piece, first_fall, first_met, past
+from longball.engines.event import Event, Piece, first_fall, past
 from longball.engines.path import Flight, Part, Path, Rest
 from longball.model.law import Law, State
 from longball.model.numbers import N, Numbers, Undecided
@@ -111,7 +111,7 @@ class PathEngine(ABC, Generic[N]):
         CannotSolve, Undecided
         """
         path = self.path(law, start, limit, events)
-        met = first_met(path.pieces(), events, limit, self.flight_error, self.numbers)
+        met = path.first(events, limit, self.flight_error, self.numbers)
         if met is None:
             return Flight(path, "time", limit, path.at(limit))
         return Flight(path, met.event.name, met.time, met.state)
@@ -171,7 +171,7 @@ class PathEngine(ABC, Generic[N]):
         """
         numbers = self.numbers
         ends = [past(bat.frame, bat.reach, numbers), *events]
-        met = first_met(pitch.path.pieces(), ends, limit, self.flight_error, numbers)
+        met = pitch.path.first(ends, limit, self.flight_error, numbers)
         search_end = limit if met is None else met.time
         at_plate = bat.distance(pitch.state, numbers)
         near = at_plate if at_plate > bat.reach else bat.reach

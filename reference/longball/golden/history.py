@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from decimal import Decimal, localcontext
 
 from longball.engines.chain import solve_with_path
@@ -26,12 +27,11 @@ def history(scene: FlightScene, until: float) -> str:
     lines = [",".join(COLUMNS)]
     with numbers.arithmetic():
         _, way = solve_with_path(scene, engine)
-        row = 0
-        while row <= until * PER_SECOND:
-            position, velocity = way.at(numbers.exact(row) / PER_SECOND)
-            shown = [_shown(numbers.report(x)) for x in (*position, *velocity)]
+        rows = range(math.floor(until * PER_SECOND) + 1)
+        times = [numbers.exact(row) / PER_SECOND for row in rows]
+        for row, state in zip(rows, way.sample(times), strict=True):
+            shown = [_shown(numbers.report(x)) for x in state]
             lines.append(",".join([f"{row / PER_SECOND:.2f}", *shown]))
-            row += 1
     return "\n".join(lines) + "\n"
 
 
