@@ -120,7 +120,7 @@ def test_printed_modules_are_the_same_wherever_they_can_be_kept(tmp_path, monkey
     nowhere = tmp_path / "file"
     nowhere.write_text("")
     for folders in ([tmp_path / "new"], [nowhere / "below", tmp_path / "next"], [nowhere]):
-        monkeypatch.setattr(compiled, "_folders", lambda folders=folders: iter(folders))
+        monkeypatch.setattr(compiled, "folders", lambda folders=folders: iter(folders))
         source = (
             "from longball.engines.compiled import compiled\n"
             f"@compiled\ndef double(x):  # {folders}\n    return 2.0 * x\n"
