@@ -19,7 +19,6 @@ from longball.engines.batch import (
     Batch,
     cache,
     expansion,
-    falls,
     roots,
     solve_all,
     solve_columns,
@@ -33,7 +32,7 @@ from longball.engines.enclosure import Enclosure
 from longball.engines.event import ground
 from longball.engines.ivp import Ivp
 from longball.engines.path import Flight
-from longball.engines.series import FUNCTIONS_OF_DOUBLES, recurrence
+from longball.engines.series import recurrence
 from longball.model import trace
 from longball.model.law import FORCES, Force, Law, PlaneState, SpaceState, law_with
 from longball.model.numbers import DOUBLES
@@ -59,8 +58,8 @@ from longball.model.scene import (
 first_fall, two_values, curvature, downward, first_zero = (
     numba.njit(function.py_func, error_model="numpy")  # type: ignore[attr-defined]
     for function in (
-        falls.first_fall,
-        falls.two_values,
+        roots.first_fall,
+        roots.two_values,
         roots.curvature,
         roots.downward,
         roots.first_zero,
@@ -384,7 +383,7 @@ def test_lanes_follow_the_recurrence(name: str) -> None:
         rows = [[0.0] * (order + 2) for _ in series.rows]
         for row, start in zip(rows, states[:, lane].tolist(), strict=False):
             row[0] = start
-        series.function(FUNCTIONS_OF_DOUBLES)(rows, order, *strengths)
+        series.function(DOUBLES.functions)(rows, order, *strengths)
         length = x[step, len(variables) + expansion.LENGTH, lane]
         speed = math.hypot(*states[half:, lane])
         for i, row in enumerate(rows[: len(variables)]):

@@ -5,9 +5,10 @@ import numba
 import numpy as np
 import pytest
 
-from longball.engines.series import FUNCTIONS_OF_DOUBLES, recurrence
+from longball.engines.series import recurrence
 from longball.model import trace
 from longball.model.law import FORCES, GRAVITY, Force, law_with
+from longball.model.numbers import DOUBLES
 from longball.model.trace import ZERO
 
 ORDER = 20
@@ -158,9 +159,9 @@ def test_compiled_series_is_the_same(name, velocity):
     law = LAWS[name]
     with mpmath.workdps(40):
         truth = expanded(law, velocity, MPMATH, mpmath.mpf)
-    plain = expanded(law, velocity, FUNCTIONS_OF_DOUBLES, float)
+    plain = expanded(law, velocity, DOUBLES.functions, float)
     series = recurrence(law.program)
-    expand = numba.njit(series.function(FUNCTIONS_OF_DOUBLES, at_rest=velocity == (0.0, 0.0)))
+    expand = numba.njit(series.function(DOUBLES.functions, at_rest=velocity == (0.0, 0.0)))
     rows = np.zeros((len(series.rows), ORDER + 2))
     rows[: len(truth), 0] = [row[0] for row in plain]
     expand(rows, ORDER, *(law.strengths[name] for name in law.program.parameters))

@@ -18,7 +18,6 @@ by numba, on arrays of doubles.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping, MutableSequence
 from dataclasses import dataclass
 from functools import cache, cached_property
@@ -269,10 +268,3 @@ class _Printer:
         self.put(4, "for j in range(2, n):")
         self.put(5, f"{name} -= {row}[j] * {row}[n + 1 - j]")
         self.put(4, f"{name} = {name} / (2 * {row}[1])")
-
-
-FUNCTIONS_OF_DOUBLES: Mapping[str, Callable[..., Any]] = {
-    "sqrt": math.sqrt,
-    "exp": math.exp,
-    "log": math.log,
-}

@@ -35,7 +35,7 @@ from longball.engines.engine import CannotSolve, ManyAtOnce, Touch
 from longball.engines.event import Event, Piece, past
 from longball.engines.path import Flight, Path
 from longball.engines.polynomial import PolynomialPiece
-from longball.engines.series import FUNCTIONS_OF_DOUBLES, recurrence
+from longball.engines.series import recurrence
 from longball.model.law import Law, State
 from longball.model.numbers import DOUBLES, Doubles, Undecided
 from longball.model.result import Result
@@ -186,7 +186,7 @@ class Batch(ManyAtOnce):
                 row[0] = x
             at_rest = not any(state[rest:])
             if not at_rest or any(law.rates(DOUBLES)(*state)):
-                expand = series.function(FUNCTIONS_OF_DOUBLES, at_rest)
+                expand = series.function(DOUBLES.functions, at_rest)
                 expand(rows, self.order, *strengths)
             coefficients = np.array(rows[: len(program.variables)])
             yield PolynomialPiece(begin, end - begin, law.state, coefficients)

@@ -2,7 +2,7 @@
 
 The steps are taken for sixteen flights at once (`longball.engines.batch.expansion`). Whatever a
 flight decides, it decides alone: the first of its events within the step, found on the step's
-polynomials (`longball.engines.batch.falls`); a lane whose flight has ended takes the next one.
+polynomials (`longball.engines.batch.roots`); a lane whose flight has ended takes the next one.
 
 This code is the same for all laws. A state is an array of as many positions as velocities, and an
 event is a linear function of the state that falls through zero.
@@ -26,9 +26,16 @@ from longball.engines.batch.expansion import (
     Kernel,
     aligned,
 )
-from longball.engines.batch.falls import first_fall, two_values
 from longball.engines.batch.jit import call, compiled, fma, shifted, unowned_view
-from longball.engines.batch.roots import NEVER, curvature, differentiate, downward, first_zero
+from longball.engines.batch.roots import (
+    NEVER,
+    curvature,
+    differentiate,
+    downward,
+    first_fall,
+    first_zero,
+    two_values,
+)
 from longball.model.trace import Program
 
 Array = NDArray[np.float64]

@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 
 NEVER = math.inf
 # A search takes three to six walks; near a double root each halves the rest of the way.
-LONGEST_WALK = 1000
+_LONGEST_WALK = 1000
 _NOTHING = 1e-17  # of a time: a tenth of its rounding
 
 
@@ -33,7 +33,7 @@ def value(p: Array, degree: int, t: float) -> float:
 
 
 @compiled
-def height_and_rate(p: Array, slope: Array, degree: int, t: float) -> tuple[float, float]:
+def _height_and_rate(p: Array, slope: Array, degree: int, t: float) -> tuple[float, float]:
     """Return p(t) and p'(t): even and odd powers apart, which halves the wait for each sum."""
     square = t * t
     even, odd, even_rate, odd_rate = 0.0, 0.0, 0.0, 0.0
@@ -103,9 +103,9 @@ def first_zero(
     """
     t: float = begin
     height, rate = p[0], slope[0]
-    for walk in range(LONGEST_WALK):
+    for walk in range(_LONGEST_WALK):
         if walk > 0 or begin > 0.0:
-            height, rate = height_and_rate(p, slope, degree, t)
+            height, rate = _height_and_rate(p, slope, degree, t)
         height, rate = sign * height - level, sign * rate
         if height <= 0.0:
             if rate <= 0.0:
@@ -126,84 +126,77 @@ def first_zero(
     return math.nan
 
 
-# --- what is asked of a polynomial, once for each step -------------------------------------------
+# --- the first fall -----------------------------------------------------------------------------
+
+# A fall is steep if its rate squared exceeds that many times the strongest bend times the error.
+_STEEP = 1e6
 
 
 @compiled
-def shifted(p: Array, begin: float) -> Array:
-    """Return the coefficients in powers of ``t - begin``."""
-    q = p.copy()
-    for first in range(len(q) - 1):
-        for k in range(len(q) - 2, first - 1, -1):
-            q[k] += begin * q[k + 1]
-    return q
+def two_values(p: Array, q: Array, degree: int, t: float) -> tuple[float, float]:
+    """Return p(t) and q(t): even and odd powers apart, which halves the wait for each sum."""
+    square = t * t
+    odd, odd_too = 0.0, 0.0
+    k = degree
+    if degree % 2 == 1:
+        odd, odd_too = p[k], q[k]
+        k -= 1
+    even, even_too = p[k], q[k]
+    k -= 1
+    while k > 0:
+        odd, even = fma(odd, square, p[k]), fma(even, square, p[k - 1])
+        odd_too, even_too = fma(odd_too, square, q[k]), fma(even_too, square, q[k - 1])
+        k -= 2
+    return fma(odd, t, even), fma(odd_too, t, even_too)
 
 
 @compiled
-def stays_high(p: Array, end: float) -> bool:
-    """Tell whether p certainly stays above p(0)/2 > 0 on [0, end].
+def first_fall(
+    p: Array, slope: Array, scratch: Array, degree: int, end: float, error: float
+) -> tuple[float, float]:
+    """Return where p first falls through zero in [0, end], or NEVER, and NaN.
 
-    From ``p(t) = p_0 + t (p_1 + t (…))``, with the least that each bracket can be.
+    Where p has a minimum within `error` of zero, whether it falls through cannot be told: the
+    second number is that minimum then, and the first is where it lies. The first number is NaN if
+    the walk takes too long.
     """
-    least = 0.0
-    for k in range(len(p) - 1, 0, -1):
-        least = p[k] + min(0.0, least * end)
-    return bool(p[0] > 0.0 and p[0] + 2.0 * least * end >= 0.0)
-
-
-# Between a turning point and one that is so close, relative to the step, a polynomial changes by
-# less than its rounding: by the cube of this.
-_CLOSE = 1e-6
-
-
-@compiled
-def turning_points(p: Array, end: float) -> Array:
-    """Return where p may turn in (0, end), in rising order; with a nan if that cannot be told."""
-    degree = len(p) - 1
-    slope, second = np.zeros(degree + 1), np.zeros(degree + 1)
-    differentiate(p, degree, slope)
-    differentiate(slope, degree - 1, second)
-    bend = curvature(second, degree - 2, end)
-    points = np.empty(degree)
-    count = 0
-    begin, rate = 0.0, slope[0] if slope[0] != 0.0 else second[0]
-    if rate == 0.0:
-        begin = _CLOSE * end
-        rate = value(slope, degree - 1, begin)
-    while count < degree and begin < end:
-        sign = 1.0 if rate > 0.0 else -1.0
-        turn = first_zero(slope, second, degree - 1, sign, 0.0, begin, end, bend)
-        if not turn < end:
-            if math.isnan(turn):
-                points[count] = turn
-                count += 1
-            break
-        if turn > 0.0:
-            points[count] = turn
-            count += 1
-        begin = turn + _CLOSE * end
-        rate = value(slope, degree - 1, begin)
-    return points[:count]
+    sag = downward(slope, degree - 1, end)
+    near = first_zero(p, slope, degree, 1.0, error, 0.0, end, sag)
+    if error == 0.0 or near == NEVER or math.isnan(near):
+        return near, math.nan
+    height, rate = _height_and_rate(p, slope, degree, near)
+    bend = sag + slope[1] + abs(slope[1])  # as `curvature`
+    if rate < 0.0 and height <= 2.0 * error and rate * rate > _STEEP * bend * error:
+        # Even the strongest bend turns p only far below -error; a step of Newton's method from here
+        # is good to 1/_STEEP of the way.
+        zero = near - height / rate
+        return (zero if zero <= end else NEVER), math.nan
+    return _fall_by_pieces(p, slope, scratch, degree, end, error, sag)
 
 
 @compiled
-def falls(p: Array, end: float) -> float:
-    """Return where p is zero in [0, end], given that it only falls there, from p(0) >= 0."""
-    degree = len(p) - 1
-    if p[0] <= 0.0:
-        return 0.0
-    slope = np.zeros(degree)
-    differentiate(p, degree, slope)
-    zero = first_zero(p, slope, degree, 1.0, 0.0, 0.0, end, downward(slope, degree - 1, end))
-    if zero <= end:
-        return zero
-    # Only rounding, or a zero of high order, keeps the walk from it.
-    left, right = 0.0, end
-    while True:
-        middle = 0.5 * (left + right)
-        if not left < middle < right:
-            return right
-        if value(p, degree, middle) > 0.0:
-            left = middle
-        else:
-            right = middle
+def _fall_by_pieces(
+    p: Array, slope: Array, scratch: Array, degree: int, end: float, error: float, sag: float
+) -> tuple[float, float]:
+    """Do what `first_fall` does, from one turning point of p to the next."""
+    differentiate(slope, degree - 1, scratch)
+    bend_of_slope = curvature(scratch, degree - 2, end) if degree > 2 else 0.0
+    rising = slope[0] > 0.0 or (slope[0] == 0.0 and scratch[0] > 0.0)
+    begin = 0.0
+    for _ in range(_LONGEST_WALK):
+        sign = 1.0 if rising else -1.0
+        turn = first_zero(slope, scratch, degree - 1, sign, 0.0, begin, end, bend_of_slope)
+        if math.isnan(turn):
+            return turn, math.nan
+        if not rising:
+            least = value(p, degree, min(turn, end))
+            if turn != NEVER and abs(least) <= error:
+                return turn, least
+            if least <= 0.0:
+                zero = first_zero(p, slope, degree, 1.0, 0.0, begin, end, sag)
+                return (zero if zero < end else end), math.nan
+        if turn == NEVER:
+            return NEVER, math.nan
+        begin = turn
+        rising = not rising
+    return math.nan, math.nan
