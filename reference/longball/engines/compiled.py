@@ -82,6 +82,7 @@ def folders() -> Iterator[Path]:
     """Yield where compiled code may be kept, the best place first."""
     if chosen := os.environ.get("NUMBA_CACHE_DIR"):
         yield Path(chosen)
+        return
     yield Path(__file__).parent / "__pycache__"
     user = os.environ.get("LOCALAPPDATA") or os.environ.get("XDG_CACHE_HOME")
     user = user or os.path.expanduser("~/.cache")
