@@ -10,18 +10,14 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.patches import Circle
 from numpy.typing import NDArray
-from scipy.interpolate import CubicHermiteSpline
 
 from analysis.writing import LINES, figure, shown, table
-from longball.engines.at_bat import solve
-from longball.engines.engine import Stops
-from longball.engines.ivp import Ivp, Leg
-from longball.model.motion import forces, into_plane
-from longball.model.numbers import DOUBLES
-from longball.model.result import Result, Triple
+from longball.engines.chain import solve_with_path
+from longball.engines.ivp import Ivp
+from longball.engines.path import Trajectory
+from longball.model.result import Result
 from longball.model.scene import AtBatScene, Pitch, Swing
 
-Point = tuple[float, float, float]
 Array = NDArray[np.float64]
 
 # A pitch at the mean speed of the straight balls, on the middle cell, and four swings at it:
@@ -34,20 +30,23 @@ SWINGS = {
     "miss": (0.0750, math.radians(5.0)),
 }
 AIM_Y = -0.144  # m: cell 2, on the barrel's side
+BEHIND = 0.01  # s: the pitch is drawn to a third of a metre behind the plate
 
 
 def run(report: Path, full: bool) -> str:
     """Solve the at-bats and draw them; `full` changes nothing."""
     scenes = {name: at_bat(name, *swing) for name, swing in SWINGS.items()}
-    results = {name: solve(scene, Ivp()) for name, scene in scenes.items()}
+    solved = {name: solve_with_path(scene, Ivp()) for name, scene in scenes.items()}
+    results = {name: result for name, (result, _) in solved.items()}
     with figure(report, "at_bats", rows=2, size=(7.0, 5.6)) as (whole, near):
-        for (name, result), dash in zip(results.items(), LINES, strict=True):
+        for (name, (result, way)), dash in zip(solved.items(), LINES, strict=True):
             if result.landing is None:
                 continue
-            x, z = batted_path(scenes[name], result)
+            x, z = along(way, way.legs[-1].begin, way.end)
             whole.plot(x, z, linestyle=dash, label=f"{name}, {result.landing.distance:.0f} m")
             near.plot(x, z, linestyle=dash)
-        x, z = pitched_path(scenes["miss"])
+        _, pitch = solved["miss"]
+        x, z = along(pitch, 0.0, pitch.end + BEHIND)
         for axes in (whole, near):
             axes.plot(x, z, color="black", linewidth=0.8, label="pitch")
             axes.set_xlabel("x toward the pitcher, m")
@@ -87,7 +86,7 @@ def row(name: str, result: Result, offset: float, tilt: float) -> dict[str, str]
     contact, impact, landing = result.contact, result.impact, result.landing
     assert contact is not None
     hit = impact is not None and landing is not None
-    speed = math.hypot(*doubles(impact.velocity)) if impact else math.nan
+    speed = math.hypot(*map(float, impact.velocity)) if impact else math.nan
     return {
         "at-bat": name,
         "offset, m": f"{offset:+.4f}",
@@ -101,43 +100,10 @@ def row(name: str, result: Result, offset: float, tilt: float) -> dict[str, str]
     }
 
 
-def batted_path(scene: AtBatScene, result: Result) -> tuple[Array, Array]:
-    """Return x and z along the flight of a batted ball."""
-    assert result.contact is not None
-    assert result.contact.position is not None
-    assert result.impact is not None
-    stops = Stops(time_limit=scene.time_limit, floor=scene.ground.height)
-    return path(scene, doubles(result.contact.position), doubles(result.impact.velocity), stops)
-
-
-def pitched_path(scene: AtBatScene) -> tuple[Array, Array]:
-    """Return x and z along the pitch, as far as a third of a metre behind the plate."""
-    x, y, z = scene.pitch.release
-    toward = (-x, scene.pitch.aim[0] - y, scene.pitch.aim[1] - z)
-    scale = scene.pitch.speed / math.hypot(*toward)
-    velocity = (toward[0] * scale, toward[1] * scale, toward[2] * scale)
-    return path(
-        scene, scene.pitch.release, velocity, Stops(time_limit=scene.time_limit, wall=x + 0.33)
-    )
-
-
-def path(
-    scene: AtBatScene, position: Point, velocity: Point, stops: Stops[float]
-) -> tuple[Array, Array]:
-    """Return x and z, m, along a flight: the solver's steps, joined by their own velocities."""
-    plane, start = into_plane(position, velocity, DOUBLES)
-    field = forces(scene.ball, scene.air, scene.gravity, False, DOUBLES)
-    record = Ivp().fly(start, field, stops).record
-    assert isinstance(record, Leg)
-    spline = CubicHermiteSpline(record.times, record.states[:2].T, record.states[2:].T)
-    s, z = spline(np.linspace(record.times[0], record.times[-1], 400)).T
-    return plane.x + plane.cos * s, z
-
-
-def doubles(triple: Triple) -> Point:
-    """Return a vector of a result as doubles."""
-    x, y, z = triple
-    return float(x), float(y), float(z)
+def along(way: Trajectory[float], begin: float, end: float) -> tuple[Array, Array]:
+    """Return x and z, m, at 400 times of a trajectory."""
+    x, _, z, *_ = np.array(way.sample(np.linspace(begin, end, 400).tolist())).T
+    return x, z
 
 
 def draw_bats(axes: Axes, scenes: dict[str, AtBatScene], results: dict[str, Result]) -> None:
@@ -149,6 +115,6 @@ def draw_bats(axes: Axes, scenes: dict[str, AtBatScene], results: dict[str, Resu
         height = float(plate.position[2]) + scene.swing.height_offset
         axes.add_patch(Circle((0.0, height), scene.bat.radius, fill=False, linewidth=0.8))
         if contact.position is not None:
-            x, _, z = doubles(contact.position)
+            x, _, z = map(float, contact.position)
             ball = Circle((x, z), scene.ball.radius, fill=False, linewidth=0.8, linestyle=":")
             axes.add_patch(ball)

@@ -7,25 +7,24 @@ error.
 
 from __future__ import annotations
 
-import statistics
 from collections.abc import Iterator
 
 from analysis.speed_error import contenders
 from analysis.speed_error.contenders import Contender
-from analysis.speed_error.measuring import errors, machine, ratio, seconds, versions
-from analysis.speed_error.work import Work, at_bats, flights, truth
+from analysis.speed_error.measuring import machine, measure, ratio, versions
+from analysis.speed_error.work import at_bats, flights, known
 from longball.engines.batch import Batch
 
 TURNS = 15
 TRUE = 50  # flights and at-bats of which the truth is found
 
 
-def entrants(work: Work) -> Iterator[Contender]:
+def entrants() -> Iterator[Contender]:
     """Yield who is timed, the measure of all first; a peer that is not installed is left out."""
     yield contenders.batch(Batch().tolerance)
     yield contenders.batch(1e-8)
-    yield contenders.plain(work, "DOP853", 1e-12)
-    tightest = {peer.family: peer for peer in contenders.installed_peers(work)}
+    yield contenders.plain("DOP853", 1e-12)
+    tightest = {peer.family: peer for peer in contenders.installed_peers()}
     yield from tightest.values()
 
 
@@ -35,19 +34,16 @@ def main() -> None:
     for package in contenders.missing_peers():
         print(f"{package} is not installed: left out")
     print(f"{'':42} µs each    ratio   max error of D, m   contacts missed")
-    works = [flights(contenders.COMPILED), at_bats(contenders.COMPILED)]
-    known = {work.base.kind: (work.first(TRUE), truth(work.first(TRUE))) for work in works}
-    turns = [(entrant, work) for work in works for entrant in entrants(work)]
+    works = [known(flights(contenders.COMPILED), TRUE), known(at_bats(contenders.COMPILED), TRUE)]
+    turns = [(entrant, given) for given in works for entrant in entrants()]
     units: dict[str, list[float]] = {}
-    for (entrant, work), mine in zip(turns, seconds(turns, TURNS), strict=True):
-        kind = work.base.kind
-        unit = units.setdefault(kind, mine)
-        some, true = known[kind]
-        found = errors(entrant.solve(some), true)
-        missed = f"{found.missed} of {found.contacts}" if found.contacts else ""
+    for (_, given), found in zip(turns, measure(turns, TURNS), strict=True):
+        kind, wrong = given.work.base.kind, found.errors
+        unit = units.setdefault(kind, found.seconds)
+        missed = f"{wrong.missed} of {wrong.contacts}" if wrong.contacts else ""
         print(
-            f"{kind}: {entrant.name:34} {1e6 * statistics.median(mine):7.2f} "
-            f"{ratio(mine, unit):8.2f}   {found.worst:.1e}             {missed}"
+            f"{kind}: {found.contender.name:34} {found.microseconds:7.2f} "
+            f"{ratio(found.seconds, unit):8.2f}   {wrong.worst:.1e}             {missed}"
         )
     print(f"an at-bat takes as long as {ratio(units['at-bat'], units['flight']):.2f} flights")
 

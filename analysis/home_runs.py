@@ -18,6 +18,7 @@ from longball.home_run import (
     monte_carlo,
     paper_at_bats,
 )
+from longball.model.readings import SamplingReading
 from longball.model.scene import AtBatScene
 from longball.pictures import draw_probability
 
@@ -30,8 +31,10 @@ def run(report: Path, full: bool) -> str:
     """Sample at-bats, count home runs, draw both figures."""
     base = AtBatScene(id="base")
     count = FULL_SAMPLES if full else SAMPLES
-    struck = monte_carlo(base, paper_at_bats(base.reading), RESTITUTIONS, count, SEED, workers=-1)
-    rows = [estimate(e, one, base.reading) for e, one in zip(RESTITUTIONS, struck, strict=True)]
+    struck = monte_carlo(
+        base, paper_at_bats(SamplingReading()), RESTITUTIONS, count, SEED, workers=-1
+    )
+    rows = [estimate(e, one) for e, one in zip(RESTITUTIONS, struck, strict=True)]
     return "\n".join(
         [
             "## The distance D and the probability of a home run\n",
@@ -46,31 +49,32 @@ def run(report: Path, full: bool) -> str:
 def distances(report: Path, struck: dict[float, Struck]) -> str:
     """Draw the density of D for the lowest and the highest e (Fig. 6)."""
     ends = {e: struck[e].distance[struck[e].batted] for e in (min(struck), max(struck))}
-    top = BIN * np.ceil(max(d.max() for d in ends.values()) / BIN)
-    edges = np.arange(0.0, top + BIN, BIN)
-    centres = (edges[:-1] + edges[1:]) / 2
+    last = BIN * np.ceil(max(d.max() for d in ends.values()) / BIN)
+    edges = np.arange(0.0, last + BIN, BIN)
     columns: dict[str, object] = {"D from, m": edges[:-1], "D to, m": edges[1:]}
+    lines, top = [], 0.0
     with figure(report, "distances", size=(6.4, 3.6)) as (axes,):
         for (e, d), style in zip(ends.items(), ("-", "--"), strict=True):
             density = np.histogram(d, edges)[0] / (BIN * len(d))
             columns[f"density at e = {e:g}, 1/m"] = density
-            axes.stairs(density, edges, linestyle=style, linewidth=1.4, label=f"e = {e:g}")
+            axes.stairs(1e3 * density, edges, linestyle=style, linewidth=1.4, label=f"e = {e:g}")
+            lines.append(
+                f"At e = {e:g}, {len(d)} of {len(struck[e].x)} at-bats are batted; D has its "
+                f"highest bin around {edges[int(np.argmax(density))] + BIN / 2:g} m, its median at "
+                f"{np.median(d):.1f} m, and {100 * np.mean(d >= 150):.2f} % of it lies beyond "
+                "150 m."
+            )
+            top = max(top, 1.3e3 * density[1:].max())
         axes.axvline(150.0, color="black", linewidth=0.8, linestyle=":")
+        axes.set_ylim(0.0, top)
         axes.annotate("home run", (152.0, axes.get_ylim()[1] * 0.9), fontsize="small")
-        axes.set(xlabel="distance D from the plate, m", ylabel="probability density, 1/m")
+        axes.set(xlabel="distance D from the plate, m", ylabel="probability density, 1/km")
         axes.legend()
     table(report, "distances", pd.DataFrame(columns))
-    lines = []
-    for e, d in ends.items():
-        density = np.histogram(d, edges)[0] / (BIN * len(d))
-        peak = centres[int(np.argmax(density))]
-        lines.append(
-            f"At e = {e:g}, {len(d)} of {len(struck[e].x)} at-bats are batted; D has its highest "
-            f"bin around {peak:g} m, its median at {np.median(d):.1f} m, and "
-            f"{100 * np.mean(d >= 150):.2f} % of it lies beyond 150 m."
-        )
     lines.append("The paper's Fig. 6 has its highest peaks at 75 m and 125 m.\n")
-    caption = "Density of D among batted balls, in bins of 10 m (the paper's Fig. 6)."
+    caption = (
+        "Density of D among batted balls, in bins of 10 m, the first cut off (the paper's Fig. 6)."
+    )
     return " ".join(lines) + "\n" + shown("distances", caption)
 
 
@@ -93,21 +97,21 @@ def probability(report: Path, rows: list[Estimate]) -> str:
             },
         }
     )
-    words = "These home runs do not determine C₁ and σ."
+    text = "These home runs do not determine C₁ and σ."
     if fitted:
-        words = (
+        text = (
             f"The paper's form fitted to them: C₁ = {fitted.curve.c1:.0f} ± "
             f"{fitted.c1_error:.0f} m, σ = {fitted.curve.sigma:.1f} ± {fitted.sigma_error:.1f} m "
             "(standard errors, as if the estimates were independent; they share their samples, "
             "so that the slope is known better and the height worse)."
         )
     factor = PAPER_CURVES["caption"](0.42) / next(row.p for row in rows if row.e == 0.42)
-    words += (
+    text += (
         f" At e = 0.42 the paper's caption is {factor:.0f} times the default reading: the printed "
         "parameters do not determine the paper's figure, and the next section shows which readings "
         "move it."
     )
     caption = "P(e) with Wilson intervals, fits and the paper's two printed curves (Fig. 7)."
     return "\n".join(
-        [table(report, "probability", frame), words + "\n", shown("probability", caption)]
+        [table(report, "probability", frame), text + "\n", shown("probability", caption)]
     )

@@ -22,9 +22,11 @@ from longball.home_run import (
     scrambled,
 )
 from longball.home_run.randomised import SCRAMBLES
+from longball.model.readings import SamplingReading
 from longball.model.scene import AtBatScene
 
 N = TypeVar("N", int, float)
+T = TypeVar("T")
 
 E = 0.42
 SEED = 1
@@ -33,7 +35,7 @@ LINES, FULL_LINES = (64, 256, 1024), (64, 256, 1024, 4096)
 TOLERANCES = (1e-3, 1e-7)
 
 BASE = AtBatScene(id="base")
-PAPER = paper_at_bats(BASE.reading)
+PAPER = paper_at_bats(SamplingReading())
 
 
 def run(report: Path, full: bool) -> str:
@@ -50,25 +52,16 @@ def run(report: Path, full: bool) -> str:
     ]
     frame = pd.DataFrame(rows)
     draw(report, frame)
-    start = time.perf_counter()
-    curve = integrals(BASE, PAPER, RESTITUTIONS, workers=-1)
-    took = time.perf_counter() - start
-    start = time.perf_counter()
-    monte_carlo(BASE, PAPER, [E], 1_000_000, SEED, workers=-1)
-    million = time.perf_counter() - start
-    shown_frame = frame.assign(
-        **{
-            "time, s": frame["time, s"].map("{:.2f}".format),
-            f"P({E})": frame[f"P({E})"].map("{:.9f}".format),
-            "error told": frame["error told"].map("{:.1e}".format),
-            "from the golden value": frame["from the golden value"].map("{:.1e}".format),
-        }
-    )
+    took, curve = _took(lambda: integrals(BASE, PAPER, RESTITUTIONS, workers=-1))
+    million, _ = _took(lambda: counted(1_000_000))
+    shown_frame = frame.copy()
+    for name, form in zip(frame.columns[2:], (".2f", ".9f", ".1e", ".1e"), strict=True):
+        shown_frame[name] = [format(x, form) for x in frame[name]]
     values = [
         [f"{x.e:g}", f"{x.p:.9f}", f"{x.error:.1e}", f"{x.slope:.8f}", f"{x.slope_error:.1e}"]
         for x in curve
     ]
-    best, p = integrated_error(frame), _golden()
+    p, best = _golden(), frame.loc[frame["method"] == "quadrature", "error told"].min()
     return "\n".join(
         [
             "## P(e) without noise\n",
@@ -91,15 +84,10 @@ def run(report: Path, full: bool) -> str:
     )
 
 
-def integrated_error(frame: pd.DataFrame) -> float:
-    """Return the smallest error that the quadrature tells."""
-    return float(frame.loc[frame["method"] == "quadrature", "error told"].min())
-
-
 def counted(samples: int) -> tuple[float, float]:
     """Return P and its standard error from a sample."""
     (struck,) = monte_carlo(BASE, PAPER, [E], samples, SEED, workers=-1)
-    p = estimate(E, struck, BASE.reading).p
+    p = estimate(E, struck).p
     return p, float(np.sqrt(p * (1 - p) / samples))
 
 
@@ -121,13 +109,17 @@ def _golden() -> float:
     return next(row.p for row in default.rows if row.e == E)
 
 
+def _took(compute: Callable[[], T]) -> tuple[float, T]:
+    start = time.perf_counter()
+    found = compute()
+    return time.perf_counter() - start, found
+
+
 def _timed(
     method: str, size: str, compute: Callable[[N], tuple[float, float]], cost: N
 ) -> dict[str, object]:
     """Return a row of the table."""
-    start = time.perf_counter()
-    p, error = compute(cost)
-    took = time.perf_counter() - start
+    took, (p, error) = _took(lambda: compute(cost))
     return {
         "method": method,
         "of": size,
@@ -145,10 +137,5 @@ def draw(report: Path, frame: pd.DataFrame) -> None:
             frame.groupby("method", sort=False), ("ko-", "ks--", "k^:"), strict=True
         ):
             axes.plot(rows["time, s"], rows["error told"], style, markersize=5, label=str(method))
-        axes.set(
-            xscale="log",
-            yscale="log",
-            xlabel="time, s",
-            ylabel=f"error of P({E})",
-        )
+        axes.set(xscale="log", yscale="log", xlabel="time, s", ylabel=f"error of P({E})")
         axes.legend()

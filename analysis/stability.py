@@ -17,18 +17,20 @@ from matplotlib.colors import ListedColormap
 
 from analysis.writing import figure, markdown_table, shown, table
 from longball import engines
-from longball.engines.at_bat import solve
+from longball.engines.chain import solve
 from longball.engines.engine import CannotSolve
 from longball.golden import Case, load
-from longball.golden.case import decisive, values_of
+from longball.golden.case import decisive
+from longball.model.quantities import numbers
 from longball.model.result import Number, Result
 
 ENGINES: dict[str, tuple[str, dict[str, Any]]] = {
-    "ivp DOP853": ("ivp", {}),
+    "ivp Taylor": ("ivp", {}),
+    "ivp DOP853": ("ivp", {"method": "DOP853"}),
     "ivp RK45": ("ivp", {"method": "RK45", "rtol": 1e-10, "atol": 1e-10}),
     "ivp LSODA": ("ivp", {"method": "LSODA", "rtol": 1e-12, "atol": 1e-12}),
     "batch": ("batch", {}),
-    "verlet 1 ms": ("verlet", {"dt": 1e-3, "variant": "implicit"}),
+    "verlet 1 ms": ("verlet", {"dt": 1e-3, "forces": "implicit"}),
     "multiprecision 30": ("multiprecision", {"digits": 30}),
     "enclosure 30": ("enclosure", {"digits": 30}),
 }
@@ -101,27 +103,17 @@ def compare(case: Case, result: Result) -> tuple[str, float, float]:
     """Return verdict, digits right and digits attainable of a case's main quantity."""
     if case.expected.outcome is None:
         return ("right" if result.outcome is None else "wrong"), math.nan, math.nan
-    if result.outcome is None:
-        return "declined", math.nan, math.nan
     if result.outcome != case.expected.outcome:
-        return "wrong", math.nan, math.nan
-    expected, found = dict(values_of(case.expected)), dict(values_of(result))
-    paths = [path for path in decisive(case.expected) if path in expected]
-    if not paths:
-        return "right", math.nan, math.nan
-    path = paths[0]
+        return ("declined" if result.outcome is None else "wrong"), math.nan, math.nan
+    expected, found = dict(numbers(case.expected)), dict(numbers(result))
+    path = next((path for path in decisive(case.expected) if path in expected), None)
     if path not in found:
-        return "short", math.nan, math.nan
+        return ("right" if path is None else "short"), math.nan, math.nan
     truth = exactly(expected[path])
-    error = abs(exactly(found[path]) - truth)
-    size = abs(truth) or Decimal(1)
-    attainable = case.attainable(path)
-    right = float(error) <= ALLOWED * attainable
-    return (
-        "right" if right else "short",
-        digits_of(float(error / size)),
-        digits_of(attainable / float(size)),
-    )
+    error, attainable = abs(exactly(found[path]) - truth), case.attainable(path)
+    size = float(abs(truth)) or 1.0
+    verdict = "right" if float(error) <= ALLOWED * attainable else "short"
+    return verdict, digits_of(float(error) / size), digits_of(attainable / size)
 
 
 def exactly(number: Number) -> Decimal:
@@ -149,23 +141,19 @@ def summary(frame: pd.DataFrame) -> str:
 
 def failures(frame: pd.DataFrame) -> str:
     """Return what the engines of doubles that aim at the truth fall short of, case by case."""
-    rows = []
-    for name in ("ivp DOP853", "batch"):
+    rows: list[list[str]] = []
+    columns = ["case", "verdict", "digits", "attainable", "answer"]
+    for name in ("ivp Taylor", "batch"):
         of = frame[(frame["engine"] == name) & frame["verdict"].isin(["short", "wrong"])]
         rows += [
-            [name, t.case, t.verdict, shortly(t.digits), shortly(t.attainable), t.answer]
-            for t in of.itertuples()
+            [name, case, verdict, *(f"{x:.1f}".replace("nan", "") for x in digits), answer]
+            for case, verdict, *digits, answer in of[columns].to_numpy().tolist()
         ]
     head = ["engine", "case", "verdict", "digits right", "attainable", "answer"]
     return (
         "Where the reference engine and the batch engine fall short or answer otherwise:\n\n"
         + markdown_table(head, rows)
     )
-
-
-def shortly(digits: object) -> str:
-    """Return digits for a table; nothing where there are none."""
-    return "" if digits != digits else f"{digits:.1f}"
 
 
 def draw(report: Path, frame: pd.DataFrame) -> None:
@@ -182,23 +170,15 @@ def draw(report: Path, frame: pd.DataFrame) -> None:
             grid, aspect="auto", interpolation="nearest", cmap=shades, vmin=-0.5, vmax=3.5
         )
         axes.set_yticks(range(len(ENGINES)), list(ENGINES))
-        edges, names = [], []
+        start = -0.5
+        ticks = {}
         for group, members in groupby(cases, key=lambda case: "-".join(case.split("-")[:2])):
-            last = [place[case] for case in members][-1]
-            names.append(group.removeprefix("hard-"))
-            edges.append(last + 0.5)
-        starts = [-0.5, *edges[:-1]]
-        for edge in edges[:-1]:
+            edge = start + len(list(members))
             axes.axvline(edge, color="0.8", linewidth=0.4)
-        middles = [(a + b) / 2 for a, b in zip(starts, edges, strict=True)]
-        # A group of one or two cases is too narrow for its name.
-        wide = [end - start > 2.5 for start, end in zip(starts, edges, strict=True)]
-        axes.set_xticks(
-            [x for x, shows in zip(middles, wide, strict=True) if shows],
-            [name for name, shows in zip(names, wide, strict=True) if shows],
-            rotation=90,
-            fontsize="x-small",
-        )
+            if edge - start > 2.5:  # a group of one or two is too narrow for its name
+                ticks[(start + edge) / 2] = group.removeprefix("hard-")
+            start = edge
+        axes.set_xticks(list(ticks), list(ticks.values()), rotation=90, fontsize="x-small")
         axes.grid(visible=False)
         bar = axes.figure.colorbar(image, ax=axes, ticks=range(4), shrink=0.6)
         bar.ax.set_yticklabels(VERDICTS)

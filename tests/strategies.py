@@ -58,7 +58,7 @@ def consistent(reading):
 def readings():
     """Any combination of options."""
     switches = {
-        name: st.sampled_from(options) if (options := get_args(field.annotation)) else positives
+        name: st.sampled_from(get_args(field.annotation))
         for name, field in Reading.model_fields.items()
     }
     return st.fixed_dictionaries(switches).filter(consistent).map(lambda d: Reading(**d))

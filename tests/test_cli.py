@@ -106,6 +106,10 @@ class TestSolve:
             (["homerun", "--reading", "inertia=rod"], "inertia"),
             (["homerun", "--reading", "inertia"], "NAME=VALUE"),
             (["homerun", "--reading", "nonsense=1"], "nonsense"),
+            (["homerun", "--reading", "cell_width=-1"], "cell_width"),
+            (["homerun", "--reading", "fig7_parameters=x"], "caption, text"),
+            (["homerun", "--reading", "verlet_forces=implicit"], "--engine verlet --forces"),
+            (["solve", "--engine", "verlet", "--root", "middle"], "first, larger"),
             (["homerun", "--set", "bat.mess=1"], "bat.mess"),
             (["homerun", "--set", "pitch.speed=40"], "pitch.speed"),
             (["homerun", "--set", "air=null", "--set", "air.density=1"], "air"),
@@ -161,14 +165,17 @@ class TestSolve:
 class TestHomerun:
     def test_json_holds_the_contract(self):
         run = longball("homerun", "--samples", "60", "--e", "0.41:0.45:0.02", "--json",
-                       "--workers", "1", "--reading", "inertia=about_centre")  # fmt: skip
+                       "--workers", "1", "--reading", "inertia=about_centre", "--reading",
+                       "sample_space=batted", "--reading", "fig7_parameters=text")  # fmt: skip
         assert run.returncode == 0
         data = json.loads(run.stdout)
         assert [row["e"] for row in data["rows"]] == [0.41, 0.43, 0.45]
         for row in data["rows"]:
             assert row["low"] <= row["p"] <= row["high"]
             assert row["p"] == row["home_runs"] / row["trials"]
-        assert data["reading"] == {"inertia": "about_centre"}
+        assert data["reading"] == {
+            "inertia": "about_centre", "sample_space": "batted", "fig7_parameters": "text",
+        }  # fmt: skip
 
     def test_quadrature_has_errors_and_slopes(self, tmp_path: Path):
         table, figure = tmp_path / "p.csv", tmp_path / "p.png"
@@ -294,7 +301,10 @@ class TestReadings:
     def test_says_what_each_reading_does(self):
         run = longball("readings", "--samples", "20", "--workers", "1", "--json")
         rows = json.loads(run.stdout)["rows"]
-        assert all("p" in row for row in rows if row["switch"] != "masses")
+        ledger = {entry["switch"]: entry["belongs"] for entry in json.loads(run.stdout)["ledger"]}
+        for row in rows:
+            asked = ledger[row["switch"]] in ("scene", "sampling") and row["switch"] != "masses"
+            assert ("p" in row) == asked
 
 
 @pytest.mark.parametrize("command", [[], ["solve"], ["homerun"], ["readings"], ["fit"]])

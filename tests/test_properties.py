@@ -14,11 +14,11 @@ import pytest
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
-from longball.engines import at_bat
-from longball.engines.engine import Stops
+from longball.engines import chain
 from longball.engines.ivp import Ivp
 from longball.model import exact
-from longball.model.motion import forces, into_plane
+from longball.model.frame import launch_frame
+from longball.model.law import law_of
 from longball.model.numbers import DOUBLES
 from longball.model.readings import Reading
 from longball.model.result import Result
@@ -42,7 +42,7 @@ ROUNDING = 2.0**-53
 
 
 def solve(scene):
-    solved = at_bat.solve(scene, ENGINE)
+    solved = chain.solve(scene, ENGINE)
     assert solved.error is None
     return solved
 
@@ -280,7 +280,7 @@ def test_the_effective_mass_as_printed_does_not_scale():
 
 @given(impacts())
 def test_momentum_is_conserved_and_energy_accounted_for(scene):
-    solved = at_bat.solve(scene, ENGINE)
+    solved = chain.solve(scene, ENGINE)
     assume(solved.outcome == "struck")
     m, mass, contact = scene.ball.mass, scene.bat.mass, solved.contact
     before, bat = np.array(scene.incoming.velocity), np.array(contact.bat_velocity)
@@ -308,7 +308,7 @@ def test_the_impact_is_the_same_to_whoever_moves_along(scene, boost, along):
     A scene can give the bat a velocity along V_b alone, by a faster swing; along the bat's axis
     none is needed, since there a cylinder is the same everywhere and its impulse has no part.
     """
-    here = at_bat.solve(scene, ENGINE)
+    here = chain.solve(scene, ENGINE)
     # Where the two hardly approach, the roundings of what is added may make them separate.
     assume(here.outcome == "struck" and here.contact.normal_speed < -1e-9)
     arm = scene.bat.length / 2 - scene.incoming.position[1]
@@ -335,15 +335,15 @@ def test_the_impact_is_the_same_to_whoever_moves_along(scene, boost, along):
 
 
 def in_plane(scene):
-    """Plane, launch and forces of a flight."""
-    plane, start = into_plane(scene.launch.position, scene.launch.velocity, DOUBLES)
-    return plane, start, forces(scene.ball, scene.air, scene.gravity, False, DOUBLES)
+    """Frame, launch and law of a flight."""
+    frame, start = launch_frame(scene.launch.position, scene.launch.velocity, DOUBLES)
+    return frame, start, law_of(scene, frame, DOUBLES)
 
 
 def landing_state(scene, landing):
     """The landing in the flight's plane, as far as the invariants ask for it."""
-    plane, start, _ = in_plane(scene)
-    u = plane.cos * landing.velocity[0] + plane.sin * landing.velocity[1]
+    frame, start, _ = in_plane(scene)
+    u = frame.cos * landing.velocity[0] + frame.sin * landing.velocity[1]
     return start._replace(z=landing.position[2], u=u, w=landing.velocity[2])
 
 
@@ -356,16 +356,17 @@ def fastest(scene, landing):
 def test_the_invariant_of_flights_without_lift(scene):
     assume(scene.air.drag_coefficient > 0)
     landing = landed(scene)
-    _, start, field = in_plane(scene)
+    _, start, law = in_plane(scene)
+    drag, gravity = law.strengths["drag"], law.strengths["gravity"]
     end = landing_state(scene, landing)
     before, after = (
-        exact.drag_only_invariant(state, field.drag, field.gravity, math) for state in (start, end)
+        exact.drag_only_invariant(state, drag, gravity, math) for state in (start, end)
     )
     # The gradient in (u, w) of either, times the error of a velocity.
     tolerance = 0.0
     for state in (start, end):
         slope = state.w / state.u
-        by_w = field.drag / field.gravity * 2 * math.hypot(1, slope) / state.u
+        by_w = drag / gravity * 2 * math.hypot(1, slope) / state.u
         by_u = 2 / state.u**3 + by_w * abs(slope)
         tolerance += (by_u + by_w) * ERROR * fastest(scene, landing)
     assert abs(after - before) <= tolerance
@@ -374,9 +375,10 @@ def test_the_invariant_of_flights_without_lift(scene):
 @given(flights(air=airs(drag=False), elevation=between(-0.5, 1.57)))
 def test_energy_and_phugoid_of_flights_without_drag(scene):
     landing = landed(scene)
-    _, start, field = in_plane(scene)
+    _, start, law = in_plane(scene)
     end = landing_state(scene, landing)
-    gravity, lift, speed = field.gravity, field.lift or 0.0, fastest(scene, landing)
+    gravity, lift = law.strengths["gravity"], law.strengths.get("lift", 0.0)
+    speed = fastest(scene, landing)
     change = exact.energy(end, gravity) - exact.energy(start, gravity)
     assert abs(change) <= ERROR * (speed * speed + gravity * speed * landing.hang_time)
     change = exact.phugoid(end, lift, gravity, math) - exact.phugoid(start, lift, gravity, math)
@@ -394,11 +396,11 @@ def test_balance_laws(scene, duration):
     The rates are analytic up to where V² = 0, half a second away at 5 m/s: 40 nodes on 1.5 s leave
     an error far below the engine's.
     """
-    _, start, field = in_plane(scene)
-    drag, lift, gravity = field.drag or 0.0, field.lift or 0.0, field.gravity
+    _, start, law = in_plane(scene)
+    drag, lift, gravity = (law.strengths.get(name, 0.0) for name in ("drag", "lift", "gravity"))
 
     def after(time):
-        return ENGINE.fly(start, field, Stops(time_limit=time)).state
+        return ENGINE.fly(law, start, (), time).state
 
     states = [after(duration * (1 + node) / 2) for node in NODES]
     assume(min(math.hypot(state.u, state.w) for state in states) > 5)
@@ -422,11 +424,11 @@ def test_balance_laws(scene, duration):
 def test_a_flight_restarted_on_its_way_lands_where_it_would_have(scene, part):
     """Not past the vertical: there a new launch would put the spin on the other side."""
     landing = landed(scene)
-    plane, start, field = in_plane(scene)
-    on_its_way = ENGINE.fly(start, field, Stops(time_limit=part * landing.hang_time))
+    frame, start, law = in_plane(scene)
+    on_its_way = ENGINE.fly(law, start, (), part * landing.hang_time)
     assume(on_its_way.state.u > 0.01)
     again = solve(
-        launched(scene, plane.position(on_its_way.state), plane.velocity(on_its_way.state))
+        launched(scene, frame.position(on_its_way.state), frame.velocity(on_its_way.state))
     ).landing
     # The heading is taken anew from a velocity that is known to so much.
     heading = 1 + fastest(scene, landing) / on_its_way.state.u
@@ -495,7 +497,7 @@ def test_a_result_survives_being_written(result):
 
 @given(flights() | at_bats() | impacts())
 def test_so_does_what_the_engine_answers(scene):
-    line = at_bat.solve(scene, ENGINE).line()
+    line = chain.solve(scene, ENGINE).line()
     assert Result.model_validate_json(line).line() == line
 
 
@@ -508,7 +510,7 @@ def test_whatever_the_scene_there_is_an_answer(scene):
         if "time_limit" in (type(scene).model_fields)
         else scene
     )
-    solved = at_bat.solve(short, Ivp(rtol=1e-6, atol=1e-6))
+    solved = chain.solve(short, Ivp("DOP853", 1e-6, 1e-6))
     assert (solved.outcome is None) == (solved.error is not None)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass
 from pathlib import Path
@@ -24,7 +25,7 @@ from longball.home_run import (
     monte_carlo,
     paper_at_bats,
 )
-from longball.model.readings import Inertia, Reading, VerletForces
+from longball.model.readings import Inertia, Reading, SamplingReading, VerletForces
 from longball.model.scene import AtBatScene
 
 Array = NDArray[np.float64]
@@ -50,8 +51,7 @@ class Case:
     @property
     def base(self) -> AtBatScene:
         """What is not random about the at-bats."""
-        reading = Reading(inertia=self.inertia, verlet_forces=self.forces)
-        return AtBatScene(id="base", reading=reading)
+        return AtBatScene(id="base", reading=Reading(inertia=self.inertia))
 
 
 IMPLICIT = "implicit forces"
@@ -67,11 +67,11 @@ def strike(case: Case, step: float | None, chunk: int) -> list[Struck]:
     """Return what becomes of a chunk of samples; by the reference if there is no step."""
     return monte_carlo(
         case.base,
-        paper_at_bats(case.base.reading),
+        paper_at_bats(SamplingReading()),
         case.restitutions,
         CHUNK,
         SEED + chunk,
-        engine=Ivp() if step is None else Verlet(step),
+        engine=Ivp() if step is None else Verlet(step, case.forces),
     )
 
 
@@ -112,6 +112,30 @@ def bias(stepped: Struck, true: Struck) -> Bias:
     return Bias(int((now & ~before).sum()), int((before & ~now).sum()), len(true.x))
 
 
+@dataclass(frozen=True)
+class Found:
+    """What becomes of the samples, by the name of a case, step (None: the reference) and e."""
+
+    struck: dict[tuple[str, float | None, float], Struck]
+
+    def bias(self, case: str, step: float, e: float) -> Bias:
+        """Return how a step changes P."""
+        return bias(self.struck[case, step, e], self.struck[case, None, e])
+
+    def p(self, case: str, e: float) -> float:
+        """Return P by the reference."""
+        return float(np.mean(self.struck[case, None, e].distance >= HOME_RUN_DISTANCE))
+
+    def largest_step(self, case: str, e: float, allowed: float) -> float | None:
+        """Return the largest step at which, and below which, the bias is surely within a limit."""
+        largest = None
+        for step in sorted(STEPS):
+            if self.bias(case, step, e).worst > allowed:
+                break
+            largest = step
+        return largest
+
+
 def run(report: Path, full: bool) -> str:
     """Strike the same samples with the reference and with every step."""
     chunks = range(FULL_CHUNKS if full else CHUNKS)
@@ -124,44 +148,31 @@ def run(report: Path, full: bool) -> str:
         for case, step in keys
         for e, one in zip(case.restitutions, together([next(answers) for _ in chunks]), strict=True)
     }
-    # The reference asks no reading of the scheme.
+    # The reference has no forces of a scheme.
     struck[IMPLICIT, None, E] = struck[CASES[0].name, None, E]
-    biases = {
-        (case.name, step, e): bias(struck[case.name, step, e], struck[case.name, None, e])
-        for case in CASES
-        for e in case.restitutions
-        for step in STEPS
-    }
-    probabilities = {
-        (case.name, e): float(np.mean(struck[case.name, None, e].distance >= HOME_RUN_DISTANCE))
-        for case in CASES
-        for e in case.restitutions
-    }
-    draw(report, struck, biases, probabilities)
-    crossing = crossings(struck)
-    crossing.to_csv(report / "tables" / "convergence_crossings.csv", index=False)
+    found = Found(struck)
+    draw(report, found)
+    crossing = crossings(found)
+    table(report, "convergence_crossings", crossing)
+    rows = probability_rows(found)
+    table(report, "convergence_probability", rows)
+    short = rows[(rows["e"] == E) & (rows["step, s"] >= 0.002)]
     caption = (
         "Left: what is left of P(0.42) with a step, on the same samples, with intervals of 95 %; "
         "dotted, a bias as large as the noise of 1,000 samples in the reading of that colour. "
-        "Right: density of D at e = 0.42 among the batted balls, default reading."
+        "Right: density of D at e = 0.42 among the batted balls, default reading; the first bin is "
+        "cut off."
     )
     return "\n".join(
         [
             "### What it does to P(e)\n",
-            words(len(chunks) * CHUNK, struck, biases, probabilities, crossing),
-            short_table(report, probability_rows(biases, probabilities)),
+            describe(len(chunks) * CHUNK, found, crossing),
+            markdown_table(list(short.columns), short.to_numpy().tolist()),
             "Distances, at e = 0.42 in the default reading:\n",
-            table(report, "convergence_distances", distance_rows(struck)),
+            table(report, "convergence_distances", distance_rows(found)),
             shown("convergence_probability", caption),
         ]
     )
-
-
-def short_table(report: Path, frame: pd.DataFrame) -> str:
-    """Write the table of all restitutions; return the Markdown of one, down to 2 ms."""
-    table(report, "convergence_probability", frame)
-    rows = frame[(frame["e"] == E) & (frame["step, s"] >= 0.002)]
-    return markdown_table(list(frame.columns), rows.to_numpy().tolist())
 
 
 def together(chunks: list[list[Struck]]) -> list[Struck]:
@@ -174,54 +185,41 @@ def together(chunks: list[list[Struck]]) -> list[Struck]:
     ]
 
 
-Struckness = dict[tuple[str, float | None, float], Struck]
-Biases = dict[tuple[str, float, float], Bias]
-
-
-def largest_step(biases: Biases, case: str, e: float, allowed: float) -> float | None:
-    """Return the largest step at which, and below which, the bias is surely within a limit."""
-    largest = None
-    for step in sorted(STEPS):
-        if biases[case, step, e].worst > allowed:
-            break
-        largest = step
-    return largest
-
-
 def noise(p: float) -> float:
     """Return the standard error of P from as many samples as the paper's."""
     return math.sqrt(p * (1 - p) / PAPER_SAMPLES)
 
 
-def probability_rows(biases: Biases, probabilities: dict[tuple[str, float], float]) -> pd.DataFrame:
+def probability_rows(found: Found) -> pd.DataFrame:
     """Return bias against step, a line for each case, restitution and step."""
-    return pd.DataFrame(
-        [
+    rows = []
+    for case, e, step in (
+        (c.name, e, step) for c in CASES for e in c.restitutions for step in STEPS
+    ):
+        one = found.bias(case, step, e)
+        rows.append(
             {
                 "reading": case,
                 "e": e,
                 "step, s": step,
-                "P, reference": f"{probabilities[case, e]:.5f}",
+                "P, reference": f"{found.p(case, e):.5f}",
                 "bias": f"{one.value:+.5f}",
                 "95 %": "{:+.5f} to {:+.5f}".format(*one.interval),
                 "gained": one.gained,
                 "lost": one.lost,
                 "of": one.trials,
             }
-            for (case, step, e), one in biases.items()
-        ]
-    )
+        )
+    return pd.DataFrame(rows)
 
 
-def distance_rows(struck: Struckness) -> pd.DataFrame:
+def distance_rows(found: Found) -> pd.DataFrame:
     """Return how the distances differ, a line a step."""
-    case = CASES[0].name
-    true = struck[case, None, E]
+    true = found.struck[CASES[0].name, None, E]
     rows = []
     for step in STEPS:
-        one = struck[case, step, E]
-        both = one.batted & true.batted
-        off = (one.distance - true.distance)[both]
+        one = found.struck[CASES[0].name, step, E]
+        off = errors_of_both(one, true)
         rows.append(
             {
                 "step, s": step,
@@ -236,31 +234,33 @@ def distance_rows(struck: Struckness) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
+def errors_of_both(one: Struck, true: Struck) -> Array:
+    """Return the errors of D, m, of the balls that both bat."""
+    return (one.distance - true.distance)[one.batted & true.batted]
+
+
 def apart(one: Struck, other: Struck) -> float:
     """Return the largest difference of the distribution functions of D among batted balls."""
     return float(ks_2samp(one.distance[one.batted], other.distance[other.batted]).statistic)
 
 
-def crossings(struck: Struckness) -> pd.DataFrame:
+def crossings(found: Found) -> pd.DataFrame:
     """Return every sample of the default reading that a step takes across the 150 m."""
-    case = CASES[0]
-    rows = []
-    for e in case.restitutions:
-        true = struck[case.name, None, e].distance
-        for step in STEPS:
-            now = struck[case.name, step, e].distance
-            for index in np.flatnonzero((now >= HOME_RUN_DISTANCE) != (true >= HOME_RUN_DISTANCE)):
-                rows.append(
-                    {
-                        "e": e,
-                        "step_s": step,
-                        "seed": SEED + index // CHUNK,
-                        "sample": index % CHUNK,
-                        "distance_reference_m": true[index],
-                        "distance_m": now[index],
-                        "what": what(now[index]),
-                    }
-                )
+    case, rows = CASES[0], []
+    for e, step in itertools.product(case.restitutions, STEPS):
+        true, now = (found.struck[case.name, which, e].distance for which in (None, step))
+        for index in np.flatnonzero((now >= HOME_RUN_DISTANCE) != (true >= HOME_RUN_DISTANCE)):
+            rows.append(
+                {
+                    "e": e,
+                    "step_s": step,
+                    "seed": SEED + index // CHUNK,
+                    "sample": index % CHUNK,
+                    "distance_reference_m": true[index],
+                    "distance_m": now[index],
+                    "what": what(now[index]),
+                }
+            )
     return pd.DataFrame(rows)
 
 
@@ -271,60 +271,52 @@ def what(distance: float) -> str:
     return "gained" if distance >= HOME_RUN_DISTANCE else "lost: shorter"
 
 
-def words(
-    count: int,
-    struck: Struckness,
-    biases: Biases,
-    probabilities: dict[tuple[str, float], float],
-    crossing: pd.DataFrame,
-) -> str:
+def describe(count: int, found: Found, crossing: pd.DataFrame) -> str:
     """Say what was found."""
     default, printed = CASES[0].name, STEPS[0]
-    true, coarse = struck[default, None, E], struck[default, printed, E]
-    both = coarse.batted & true.batted
-    off = (coarse.distance - true.distance)[both]
-    share, paper = float(coarse.batted.mean()), PAPER_CURVES["caption"](E)
+    steps = {step: found.struck[default, step, E] for step in STEPS}
+    true, coarse = found.struck[default, None, E], steps[printed]
+    off = np.abs(errors_of_both(coarse, true))
+    share, exactly, paper = coarse.batted.mean(), true.batted.mean(), PAPER_CURVES["caption"](E)
+    p = found.p(default, E)
     sentences = [
         f"**P(e) against the step.** {count:,} at-bats, the same ones for the reference and for "
-        "every step, so that what differs is the step's doing.",
-        f"At the printed 0.05 s only {100 * share:.1f} % of the pitches are batted, where the "
-        f"reference bats {100 * true.batted.mean():.1f} %: P(0.42) falls from "
-        f"{probabilities[default, E]:.4f} to "
-        f"{probabilities[default, E] + biases[default, printed, E].value:.4f}.",
+        f"every step. At the printed 0.05 s only {100 * share:.1f} % of the pitches are batted, "
+        f"where the reference bats {100 * exactly:.1f} %: P(0.42) falls from {p:.4f} to "
+        f"{p + found.bias(default, printed, E).value:.4f}."
     ]
     if share < paper:
         sentences.append(
             "Even if every ball that is batted went over the fence, P could not exceed "
-            f"{share:.3f} there, and the paper's P(0.42) is {paper:.2f}. So the paper's figure was "
-            "not made by the scheme as printed (and as read here: the bat stands where it is), at "
-            "the printed step, with misses among the samples: its contact test looked between the "
-            "steps, its step was shorter, or only batted balls were counted."
+            f"{share:.3f}, and the paper's P(0.42) is {paper:.2f}. So its figure was not made by "
+            "the scheme as printed (and as read here: the bat stands where it is), at the printed "
+            "step, with misses among the samples: its contact test looked between the steps, its "
+            "step was shorter, or only batted balls were counted."
         )
     sentences.append(
-        f"Of the balls that are batted at 0.05 s, D is off by {np.median(np.abs(off)):.2g} m in "
-        f"the median and by more than {np.quantile(np.abs(off), 0.95):.2g} m for one in twenty."
+        f"Of the balls that are batted at 0.05 s, D is off by {np.median(off):.2g} m in the median "
+        f"and by more than {np.quantile(off, 0.95):.2g} m for one in twenty."
     )
-    failed = sum(int(struck[default, step, E].failed.sum()) for step in STEPS)
-    if failed:
+    if failed := sum(int(one.failed.sum()) for one in steps.values()):
         sentences.append(
             "To a ball that is in the bat at a step, while the straight line from the step before "
-            "passes the bat by, Appendix B has no answer; of all steps' at-bats at e = 0.42 these "
-            f"are {failed}, and they count as errors, not as home runs."
+            f"passes the bat by, Appendix B has no answer; of all at-bats at e = 0.42 {failed} are "
+            "such, and count as errors, not as home runs."
         )
     for case in CASES:
-        p = probabilities[case.name, E]
-        limits = (
-            (noise(p), f"the Monte-Carlo noise of 1,000 samples, {noise(p):.2g},"),
-            (SMALL_BIAS, f"{SMALL_BIAS:g}"),
-        )
-        found = [
+        p = found.p(case.name, E)
+        limits = {
+            f"the Monte-Carlo noise of 1,000 samples, {noise(p):.2g},": noise(p),
+            f"{SMALL_BIAS:g}": SMALL_BIAS,
+        }
+        within = [
             f"within {name} up to Δt = {step:g} s"
-            if (step := largest_step(biases, case.name, E, allowed)) is not None
+            if (step := found.largest_step(case.name, E, allowed)) is not None
             else f"not surely within {name} at any step tried"
-            for allowed, name in limits
+            for name, allowed in limits.items()
         ]
         sentences.append(
-            f"Reading “{case.name}”, P(0.42) = {p:.4f}: the bias is {found[0]}, and {found[1]}."
+            f"Reading “{case.name}”, P(0.42) = {p:.4f}: the bias is {', and '.join(within)}."
         )
     kinds = crossing["what"].value_counts()
     listed = ", ".join(f"{number} {kind}" for kind, number in kinds.items())
@@ -337,9 +329,9 @@ def words(
             "It is the contacts that go unseen which bias P(e), not the errors of the "
             "trajectories, and so the treatment of the force hardly matters to it."
         )
-    for step in sorted(STEPS, reverse=True):
-        unseen = float(true.batted.mean() - struck[default, step, E].batted.mean())
-        if biases[default, step, E].lost == 0 and unseen > 0.005:
+    for step, one in sorted(steps.items(), reverse=True):
+        unseen = float(exactly - one.batted.mean())
+        if found.bias(default, step, E).lost == 0 and unseen > 0.005:
             sentences.append(
                 f"At {step:g} s, {100 * unseen:.1f} % of the pitches still pass the bat unseen, "
                 "but no home run is among them: it takes a contact near the middle of the bat to "
@@ -349,17 +341,12 @@ def words(
     return " ".join(sentences) + "\n"
 
 
-def draw(
-    report: Path,
-    struck: Struckness,
-    biases: Biases,
-    probabilities: dict[tuple[str, float], float],
-) -> None:
+def draw(report: Path, found: Found) -> None:
     """Draw the bias of P, and the distribution of D."""
     with figure(report, "convergence_probability", columns=2, size=(9.0, 3.8)) as (left, right):
         for case, marker, aside in zip(CASES, "os^", (0.97, 1.0, 1.03), strict=True):
-            ends = [biases[case.name, step, E] for step in STEPS]
-            p = probabilities[case.name, E]
+            ends = [found.bias(case.name, step, E) for step in STEPS]
+            p = found.p(case.name, E)
             values = np.array([1 + one.value / p for one in ends])
             bars = np.abs(1 + np.array([one.interval for one in ends]).T / p - values)
             label = f"{case.name}, P = {p:.3f}"
@@ -373,15 +360,12 @@ def draw(
         left.set(xscale="log", xlabel="step Δt, s", ylabel="P(0.42) / P of the reference")
         left.set_ylim(0.0, 1.3)
         left.legend(loc="lower left")
-        edges = np.arange(0.0, 201.0, 10.0)
+        edges, top = np.arange(0.0, 201.0, 10.0), 0.0
         for step, dash in ((None, "-"), (0.01, "--"), (0.05, ":")):
-            one = struck[CASES[0].name, step, E]
-            right.stairs(
-                np.histogram(one.distance[one.batted], edges)[0] / (10.0 * one.batted.sum()),
-                edges,
-                linestyle=dash,
-                linewidth=1.4,
-                label="reference" if step is None else f"Δt = {step:g} s",
-            )
-        right.set(xlabel="D, m", ylabel="density among batted balls, 1/m")
+            one = found.struck[CASES[0].name, step, E]
+            density = np.histogram(one.distance[one.batted], edges)[0] / (0.01 * one.batted.sum())
+            label = "reference" if step is None else f"Δt = {step:g} s"
+            right.stairs(density, edges, linestyle=dash, linewidth=1.4, label=label)
+            top = max(top, 1.2 * density[1:].max())
+        right.set(xlabel="D, m", ylabel="density among batted balls, 1/km", ylim=(0.0, top))
         right.legend()

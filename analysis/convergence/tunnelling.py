@@ -8,7 +8,6 @@ path is w = 2 √(reach² - d²)/V. Grazes have windows down to zero, so that no
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -16,12 +15,12 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from analysis.convergence.pieces import TRUTH, each, golden
+from analysis.convergence.pieces import TRUTH, each, golden, passing
 from analysis.writing import figure, shown, table
-from longball.engines.at_bat import meet
+from longball.engines.chain import approach_of
 from longball.engines.verlet import Verlet
 from longball.home_run import BLOCK, draw, draw_block, paper_at_bats, scenes, wilson
-from longball.model.readings import Reading
+from longball.model.readings import SamplingReading
 from longball.model.scene import AtBatScene, Swing
 
 Array = NDArray[np.float64]
@@ -32,57 +31,22 @@ PHASES = 6  # of the step, for each pitch
 STEPS = (0.05, 0.03, 0.02, 0.01, 0.005, 0.003, 0.002, 0.001)  # s
 RARE = (1e-3, 1e-6)  # of the contacts, missed
 GRAZES, FULL_GRAZES = 400, 10_000
-READING = Reading()
+SAMPLING = SamplingReading()
 REACH = AtBatScene(id="paper").ball.radius + AtBatScene(id="paper").bat.radius  # m
 NODES = 64  # of the quadrature over grazes; it is smooth, and 32 give the same twelve digits
 
 
-@dataclass(frozen=True)
-class Pass:
-    """A pitch that touches the bat.
-
-    Attributes
-    ----------
-    time
-        s, of the touching.
-    window
-        s, during which the undisturbed pitch overlaps the bat.
-    speed, level
-        m/s in the plane across the bat, and its horizontal share.
-    """
-
-    time: float
-    window: float
-    speed: float
-    level: float
-
-
-def passing(scene: AtBatScene) -> Pass | None:
-    """Return how a pitch passes through the bat, by the reference; None if it does not."""
-    meeting = meet(scene, TRUTH)
-    touch, plane = meeting.touch, meeting.delivery.plane
-    if touch is None or touch.time is None or touch.state is None:
-        return None
-    if abs(plane.position(touch.state)[1]) >= scene.bat.length / 2:
-        return None
-    across = abs(plane.cos * touch.state.u)
-    speed = math.hypot(across, touch.state.w)
-    closest = REACH - touch.margin
-    window = 2 * math.sqrt((REACH - closest) * (REACH + closest)) / speed
-    return Pass(touch.time, window, speed, across / speed)
-
-
 def sees(scene: AtBatScene, dt: float) -> bool:
     """Return whether a step falls into the bat."""
-    touch = meet(scene, Verlet(dt, READING)).touch
-    return touch is not None and touch.touched is not False
+    approach = approach_of(scene, Verlet(dt))
+    return approach is not None and approach.touch.touched is not False
 
 
 def count_block(block: int) -> tuple[Array, list[tuple[float, float]]]:
     """Return, of a block of pitches, (trials, missed, expected) by step, and speed and level."""
-    base = AtBatScene(id="base", reading=READING)
+    base = AtBatScene(id="base")
     counts, ways = np.zeros((3, len(STEPS))), []
-    samples = draw_block(paper_at_bats(READING), SEED, block)
+    samples = draw_block(paper_at_bats(SAMPLING), SEED, block)
     for number, scene in enumerate(scenes(base, samples)):
         assert scene is not None
         way = passing(scene)
@@ -112,7 +76,7 @@ def expected(step: float, ways: Array) -> float:
     def integral(top: Array, missed: bool) -> float:
         psi = top * (nodes + 1) / 2
         offset = REACH * np.cos(psi) / level
-        density = np.exp(-0.5 * (offset / READING.offset_spread) ** 2) / level
+        density = np.exp(-0.5 * (offset / SAMPLING.offset_spread) ** 2) / level
         lost = 1 - 2 * REACH * np.sin(psi) / (speed * step) if missed else 1.0
         return float((top / 2 * weights * lost * density * np.sin(psi)).sum(axis=1).mean())
 
@@ -121,8 +85,8 @@ def expected(step: float, ways: Array) -> float:
 
 def count_grazes(step: float, seed: int, count: int) -> tuple[int, int, float]:
     """Return grazes whose window is shorter than a step: how many, missed, and expected to be."""
-    base = AtBatScene(id="base", reading=READING)
-    drawn = scenes(base, draw(paper_at_bats(READING), count, seed))
+    base = AtBatScene(id="base")
+    drawn = scenes(base, draw(paper_at_bats(SAMPLING), count, seed))
     shares = np.random.default_rng(seed).random((count, 2))
     trials, missed, waited = 0, 0, 0.0
     for scene, (depth, side) in zip(drawn, shares, strict=True):
@@ -134,9 +98,9 @@ def count_grazes(step: float, seed: int, count: int) -> tuple[int, int, float]:
         offset = math.copysign(REACH * math.cos(psi) / middle.level, side - 0.5)
         # The path is curved, and the shallowest graze is a micrometre deep: corrected twice.
         for _ in range(2):
-            touch = meet(struck_at(scene, offset), TRUTH).touch
-            assert touch is not None
-            excess = touch.margin - REACH * (1 - math.cos(psi))
+            approach = approach_of(struck_at(scene, offset), TRUTH)
+            assert approach is not None
+            excess = approach.touch.margin - REACH * (1 - math.cos(psi))
             offset += math.copysign(excess / middle.level, offset)
         graze = struck_at(scene, offset)
         way = passing(graze)
@@ -182,18 +146,18 @@ def run(report: Path, full: bool) -> str:
     calls = [(step, seed, count) for step in safe.values() for seed in range(4)]
     grazes = np.array(each(report, "grazes", count_grazes, calls)).reshape(len(RARE), 4, 3)
     draw_shares(report, missed / trials, waited / trials, ways, safe)
-    windows = f"{1e3 * REACH * 2 / ways[:, 0].mean():.1f} ms"
-    words = (
+    window = 2e3 * REACH / ways[:, 0].mean()
+    text = (
         f"**Contacts that go unseen.** Of {len(blocks) * BLOCK:,} pitches of the paper's "
         f"distributions {len(ways):,} touch the bat; each was tried with {PHASES} phases of every "
-        f"step. A ball that meets the bat's middle is in it for {windows}. At the printed 0.05 s "
-        f"the test at steps misses {100 * missed[0] / trials[0]:.1f} % of the contacts. The "
-        "closed-form expectation for a random phase, window over step, lies inside the counted "
-        f"interval of 95 % for {sum(held)} of {len(held)} steps. For short steps the share falls "
-        "like Δt², as only grazes are missed. "
+        f"step. A ball that meets the bat's middle is in it for {window:.1f} ms. At the printed "
+        f"0.05 s the test at steps misses {100 * missed[0] / trials[0]:.1f} % of the contacts. The "
+        "closed form for a random phase, window over step, lies inside the counted interval of "
+        f"95 % for {sum(held)} of {len(held)} steps. For short steps the share falls like Δt², as "
+        "only grazes are missed. "
         + " ".join(
             f"Fewer than 1 in {1 / rare:,.0f} are missed below Δt = {step:.2e} s"
-            f"{graze_words(counts)}."
+            f"{describe_grazes(counts)}."
             for (rare, step), counts in zip(safe.items(), grazes, strict=True)
         )
         + "\n"
@@ -205,14 +169,14 @@ def run(report: Path, full: bool) -> str:
     return "\n".join(
         [
             "### Tunnelling through the bat\n",
-            words,
+            text,
             table(report, "convergence_tunnelling", pd.DataFrame(rows)),
             shown("convergence_tunnelling", caption),
         ]
     )
 
 
-def graze_words(counts: Array) -> str:
+def describe_grazes(counts: Array) -> str:
     """Say whether grazes at a step so short are missed as often as the closed form says."""
     trials, missed, waited = counts.sum(axis=0)
     low, high = wilson(int(missed), int(trials))

@@ -14,7 +14,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from analysis.paper import combinations
-from analysis.paper.balls import Balls, Space, cores, strike
+from analysis.paper.balls import Balls, Base, Space, cores, strike
 from analysis.paper.printed import CARRIES
 from analysis.writing import LINES, figure, shown, table
 from longball.engines.batch import solve_columns
@@ -26,7 +26,7 @@ from longball.home_run import (
     fit,
     paper_at_bats,
 )
-from longball.model.scene import AtBatScene, FlightScene, Launch
+from longball.model.scene import FlightScene, Launch
 
 Array = NDArray[np.float64]
 
@@ -146,11 +146,11 @@ class Contact:
     by_restitution: float
 
 
-def contact(base: AtBatScene, struck: Sequence[Balls]) -> Contact:
+def contact(base: Base, struck: Sequence[Balls]) -> Contact:
     """Return what the scatter of the pitch's speed amounts to, for the balls hit upwards."""
     flies = struck[0].elevation > 0
     speeds = struck[0].pitch_speed[flies]
-    samples = draw(paper_at_bats(base.reading), SAMPLES // 10, SEED)
+    samples = draw(paper_at_bats(base.sampling), SAMPLES // 10, SEED)
     factor = 1 + float(speeds.std() / speeds.mean())
     faster = type(samples)(samples.speed * factor, samples.aim, samples.offset, samples.tilt)
     usual, quick = (strike(base, one, [E], threads=cores())[0] for one in (samples, faster))
@@ -187,15 +187,11 @@ class Line:
 
 def line(x: Array, d: Array) -> Line:
     """Lay a line through points by least squares."""
-    slope, intercept = np.polyfit(x, d, 1)
+    slope, intercept = map(float, np.polyfit(x, d, 1))
     middle = len(x) // 2
-    steepness = np.gradient(d, x)[middle]
-    return Line(
-        slope=float(slope),
-        intercept=float(intercept),
-        off=float(np.abs(d - slope * x - intercept).max()),
-        power=float(steepness * x[middle] / d[middle]),
-    )
+    power = np.gradient(d, x)[middle] * x[middle] / d[middle]
+    off = np.abs(d - slope * x - intercept).max()
+    return Line(slope, intercept, float(off), float(power))
 
 
 SPEEDS = np.linspace(40.0, 60.0, 21)  # m/s
@@ -203,19 +199,19 @@ ELEVATIONS = (20.0, 30.0, 40.0)  # degrees
 STRAIGHT = 0.05  # off a line by less than this share of the whole change: linear to the eye
 
 
-def ranges(base: AtBatScene, elevation: float) -> Array:
+def ranges(base: Base, elevation: float) -> Array:
     """Return D, m, of flights from 1 m above the ground at the speeds above."""
     angle = math.radians(elevation)
     scene = FlightScene(
         id="flight",
-        ball=base.ball,
-        air=base.air,
-        reading=base.reading,
+        ball=base.scene.ball,
+        air=base.scene.air,
+        reading=base.scene.reading,
         launch=Launch(position=(0.0, 0.0, 1.0), velocity=(1.0, 0.0, 0.0)),
     )
     columns = {
-        "launch.velocity.0": SPEEDS * math.cos(angle),
-        "launch.velocity.2": SPEEDS * math.sin(angle),
+        "launch.velocity[0]": SPEEDS * math.cos(angle),
+        "launch.velocity[2]": SPEEDS * math.sin(angle),
     }
     found: Array = solve_columns(scene, columns)["landing.distance"]
     return found
@@ -261,36 +257,22 @@ def shift(distance: float, struck: Sequence[Balls]) -> Shift | None:
         return None
     d = np.array([one.distance[here] for one in (below, at, above)])
     slope = (d[2] - d[0]) / (2 * STEP)
-    low, median, high = np.quantile(slope, (0.25, 0.5, 0.75))
-    bend = np.abs((d[2] - 2 * d[1] + d[0]) / STEP / slope)
-    return Shift(
-        distance=distance,
-        balls=int(here.sum()),
-        median=float(median),
-        low=float(low),
-        high=float(high),
-        power=float(np.median(slope * E / d[1])),
-        bend=float(np.quantile(bend, 0.95)),
-    )
+    low, median, high = map(float, np.quantile(slope, (0.25, 0.5, 0.75)))
+    bend = np.quantile(np.abs((d[2] - 2 * d[1] + d[0]) / STEP / slope), 0.95)
+    power = np.median(slope * E / d[1])
+    return Shift(distance, int(here.sum()), median, low, high, float(power), float(bend))
 
 
 # --- the report -----------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
-class Case:
-    """A reading that the argument is tried on."""
-
-    name: str
-    base: AtBatScene
-    space: Space
-
-
-@dataclass(frozen=True)
 class Tested:
     """What was found for a reading."""
 
-    case: Case
+    name: str
+    base: Base
+    space: Space
     tail: Tail
     contact: Contact
     shifts: list[Shift]
@@ -299,21 +281,23 @@ class Tested:
     density: Array
 
 
-def tested(case: Case) -> Tested:
+def tested(name: str, base: Base, space: Space) -> Tested:
     """Try the argument on a reading."""
-    samples = draw(paper_at_bats(case.base.reading), SAMPLES, SEED)
-    struck = strike(case.base, samples, RESTITUTIONS, threads=cores())
+    samples = draw(paper_at_bats(base.sampling), SAMPLES, SEED)
+    struck = strike(base, samples, RESTITUTIONS, threads=cores())
     shifts = [shift(distance, struck) for distance in (75.0, 110.0, 150.0)]
     middle = struck[RESTITUTIONS.index(E)]
     return Tested(
-        case=case,
-        tail=tail(case.space, struck),
-        contact=contact(case.base, struck),
+        name=name,
+        base=base,
+        space=space,
+        tail=tail(space, struck),
+        contact=contact(base, struck),
         shifts=[one for one in shifts if one is not None],
-        flights={angle: line(SPEEDS, ranges(case.base, angle)) for angle in ELEVATIONS},
+        flights={angle: line(SPEEDS, ranges(base, angle)) for angle in ELEVATIONS},
         exit=exit_line(middle),
-        density=np.histogram(case.space.distances(middle), np.arange(0.0, 301.0, 5.0))[0]
-        / (5.0 * case.space.estimate(E, middle).trials),
+        density=np.histogram(space.distances(middle), np.arange(0.0, 301.0, 5.0))[0]
+        / (5.0 * space.estimate(E, middle).trials),
     )
 
 
@@ -333,11 +317,7 @@ def exit_line(balls: Balls) -> Line:
 @cache
 def everything() -> list[Tested]:
     """Try the argument on the default and the nearest reading; two sections ask for it."""
-    default, best = combinations.default_trial(), combinations.study().best
-    return [
-        tested(Case("default", default.base, default.space)),
-        tested(Case("nearest", best.base, best.space)),
-    ]
+    return [tested(name, *case) for name, case in combinations.cases().items()]
 
 
 def run(report: Path, full: bool) -> str:
@@ -350,7 +330,7 @@ def run(report: Path, full: bool) -> str:
             "Sec. IV takes D near 150 m for normal with the mean C₁ e, since the pitch meets the "
             "bat at a nearly constant speed and the range is linear in the exit speed. Each step, "
             f"tried on {len(found)} readings with {SAMPLES:,} at-bats each (seed {SEED}): "
-            + "; ".join(f"{one.case.name}, samples: {one.case.space.name}" for one in found)
+            + "; ".join(f"{one.name}, samples: {one.space.name}" for one in found)
             + ".\n",
             "### Is D near 150 m normal, with the mean C₁ e?\n",
             on_normality(report, found),
@@ -375,7 +355,7 @@ def on_normality(report: Path, found: Sequence[Tested]) -> str:
     rows = pd.DataFrame(
         [
             {
-                "reading": one.case.name,
+                "reading": one.name,
                 f"P({E})": f"{one.tail.p:.4f}",
                 "density at 150 m, 1/m": f"{one.tail.density:.2e}",
                 "σ by both, m": f"{one.tail.sigma:.1f}",
@@ -389,7 +369,7 @@ def on_normality(report: Path, found: Sequence[Tested]) -> str:
             for one in found
         ]
     )
-    words = [
+    sentences = [
         "A normal density is fixed by P and by its own value at 150 m; and whatever the density "
         "is, dP/de is its value at 150 m times the mean of dD/de of the balls that land there. "
         "The paper's form asks that the mean is C₁ e and that it moves by C₁.\n",
@@ -398,58 +378,46 @@ def on_normality(report: Path, found: Sequence[Tested]) -> str:
     for one in found:
         ratio = one.tail.c1_of_the_mean / one.tail.shift
         bend = one.tail.curvature / one.tail.sigma
-        same_width = 0.8 < bend < 1.25  # NaN if the density is not peaked
-        same_c1 = 0.8 < ratio < 1.25
-        words.append(
-            f"{one.case.name.capitalize()}: the two C₁ "
-            + (
-                f"agree within {100 * abs(ratio - 1):.0f} %"
-                if same_c1
-                else f"**disagree by a factor of {max(ratio, 1 / ratio):.1f}**"
-            )
-            + ", and the density "
-            + (
-                f"bends like a normal one of that width within {100 * abs(bend - 1):.0f} %."
-                if same_width
-                else "**does not bend like a normal one**."
-                if math.isnan(bend)
-                else f"bends like a normal one {bend:.1f} times as wide."
-            )
-        )
+        agree = f"**disagree by a factor of {max(ratio, 1 / ratio):.1f}**"
+        if 0.8 < ratio < 1.25:
+            agree = f"agree within {100 * abs(ratio - 1):.0f} %"
+        bends = f"bends like a normal one {bend:.1f} times as wide"
+        if math.isnan(bend):  # it is not peaked
+            bends = "**does not bend like a normal one**"
+        elif 0.8 < bend < 1.25:
+            bends = f"bends like a normal one of that width within {100 * abs(bend - 1):.0f} %"
+        sentences.append(f"{one.name.capitalize()}: the two C₁ {agree}, and the density {bends}.")
     caption = PAPER_CURVES["caption"]
-    words.append(
+    sentences.append(
         f"The caption's own C₁ = {caption.c1:g} m puts the mean of D at {caption.c1 * E:.0f} m "
         f"for e = {E}, with σ = {caption.sigma:g} m."
     )
-    return "\n".join(words[:2]) + "\n" + " ".join(words[2:]) + "\n"
+    return "\n".join(sentences[:2]) + "\n" + " ".join(sentences[2:]) + "\n"
 
 
 def on_contact(found: Sequence[Tested]) -> str:
     """Say whether the pitch's speed may be taken for constant."""
-    words = []
+    sentences = []
     for one in found:
         at = one.contact
         share = at.by_speed / at.by_restitution
-        words.append(
-            f"{one.case.name.capitalize()}: the balls hit upwards meet the bat at {at.mean:.1f} ± "
+        verdict = f"**Not constant** next to what e does: {abs(share):.0%} of it."
+        if abs(share) < 0.2:
+            verdict = "**Nearly constant** next to what e does."
+        sentences.append(
+            f"{one.name.capitalize()}: the balls hit upwards meet the bat at {at.mean:.1f} ± "
             f"{at.deviation:.1f} m/s ({100 * at.deviation / at.mean:.1f} %). One such deviation "
-            f"changes the exit speed by {at.by_speed:+.2f} m/s in the median; e from "
-            f"{min(RESTITUTIONS)} to {max(RESTITUTIONS)} changes it by {at.by_restitution:+.2f} "
-            "m/s. "
-            + (
-                "**Nearly constant** next to what e does."
-                if abs(share) < 0.2
-                else f"**Not constant** next to what e does: {abs(share):.0%} of it."
-            )
+            f"changes the exit speed by {at.by_speed:+.2f} m/s in the median, e from "
+            f"{min(RESTITUTIONS)} to {max(RESTITUTIONS)} by {at.by_restitution:+.2f} m/s. {verdict}"
         )
-    return " ".join(words) + "\n"
+    return " ".join(sentences) + "\n"
 
 
 def on_linearity(report: Path, found: Sequence[Tested]) -> str:
     """Say whether the range is linear in the exit speed."""
     rows = [
         {
-            "reading": one.case.name,
+            "reading": one.name,
             "balls": what,
             "slope, m per m/s": f"{laid.slope:.2f}",
             "D at speed 0, m": f"{laid.intercept:+.0f}",
@@ -465,32 +433,26 @@ def on_linearity(report: Path, found: Sequence[Tested]) -> str:
             ("all fair flies, mean D by exit speed", one.exit),
         ]
     ]
-    words = []
+    sentences = []
     for one in found:
-        rise = SPEEDS[-1] - SPEEDS[0]
-        worst = max(laid.off / (laid.slope * rise) for laid in one.flights.values())
-        powers = [laid.power for laid in one.flights.values()]
-        proportional = all(abs(power - 1) < 0.1 for power in powers)
-        words.append(
-            f"{one.case.name.capitalize()}: at one elevation D is "
-            + ("**linear**" if worst < STRAIGHT else "**not linear**")
-            + f" in the exit speed: off a line by {100 * worst:.1f} % of its change over these "
-            "speeds at most. It is "
-            + (
-                "proportional to it."
-                if proportional
-                else f"not proportional to it: d ln D / d ln v is {min(powers):.2f} to "
-                f"{max(powers):.2f}."
-            )
+        rise, laid = SPEEDS[-1] - SPEEDS[0], list(one.flights.values())
+        worst = max(each.off / (each.slope * rise) for each in laid)
+        powers = [each.power for each in laid]
+        is_not = "is" if all(abs(power - 1) < 0.1 for power in powers) else "is not"
+        sentences.append(
+            f"{one.name.capitalize()}: at one elevation D is "
+            f"**{'linear' if worst < STRAIGHT else 'not linear'}** in the exit speed: off a line "
+            f"by {100 * worst:.1f} % of its change over these speeds at most. It {is_not} "
+            f"proportional to it: d ln D / d ln v is {min(powers):.2f} to {max(powers):.2f}."
         )
-    return table(report, "paper_linearity", pd.DataFrame(rows)) + "\n" + " ".join(words) + "\n"
+    return table(report, "paper_linearity", pd.DataFrame(rows)) + "\n" + " ".join(sentences) + "\n"
 
 
 def on_shift(report: Path, found: Sequence[Tested]) -> str:
     """Say what dD/de is, and whether it is C₁."""
     rows = [
         {
-            "reading": one.case.name,
+            "reading": one.name,
             "D, m": f"{each.distance:g} ± 5",
             "balls": each.balls,
             "dD/de, median, m": f"{each.median:.0f}",
@@ -501,7 +463,7 @@ def on_shift(report: Path, found: Sequence[Tested]) -> str:
         for one in found
         for each in one.shifts
     ]
-    words = [
+    sentences = [
         "Of dD/de at a carry of 110 m "
         + "; ".join(
             f"{carry.who} says {carry.slope:.0f} ± {carry.slope_error:.0f} m" for carry in CARRIES
@@ -512,26 +474,21 @@ def on_shift(report: Path, found: Sequence[Tested]) -> str:
     ]
     for one in found:
         at = {each.distance: each for each in one.shifts}
-        if 110.0 in at:
-            here = at[110.0]
+        if here := at.get(110.0):
             inside = [c.who for c in CARRIES if here.low <= c.slope <= here.high]
-            near = " and ".join(inside) if inside else "neither"
-            words.append(
-                f"{one.case.name.capitalize()}: {here.median:.0f} m at 110 m, in whose middle half "
-                f"lies what {near} says."
+            sentences.append(
+                f"{one.name.capitalize()}: {here.median:.0f} m at 110 m, in whose middle half "
+                f"lies what {' and '.join(inside) or 'neither'} says."
             )
-        if HOME_RUN_DISTANCE in at:
-            here = at[HOME_RUN_DISTANCE]
-            words.append(
-                f"At the fence D goes like e to the power {here.power:.2f}, "
-                + (
-                    "as C₁ e asks."
-                    if abs(here.power - 1) < 0.1
-                    else "where C₁ e asks for 1: a ball leaves the bat with 1 + e, not with e, and "
-                    "the bat's own speed on top."
+        if here := at.get(HOME_RUN_DISTANCE):
+            asked = "as C₁ e asks"
+            if abs(here.power - 1) >= 0.1:
+                asked = (
+                    "where C₁ e asks for 1: a ball leaves the bat with 1 + e, not with e, and the "
+                    "bat's own speed on top"
                 )
-            )
-    return table(report, "paper_shift", pd.DataFrame(rows)) + "\n" + " ".join(words) + "\n"
+            sentences.append(f"At the fence D goes like e to the power {here.power:.2f}, {asked}.")
+    return table(report, "paper_shift", pd.DataFrame(rows)) + "\n" + " ".join(sentences) + "\n"
 
 
 def draw_argument(report: Path, found: Sequence[Tested]) -> None:
@@ -539,7 +496,7 @@ def draw_argument(report: Path, found: Sequence[Tested]) -> None:
     d = np.arange(0.0, 300.0, 5.0) + 2.5
     with figure(report, "paper_argument", columns=2, size=(9.0, 3.8)) as (left, right):
         for i, (one, dash) in enumerate(zip(found, LINES, strict=False)):
-            left.plot(d, 1e3 * one.density, dash, color=f"C{i}", label=one.case.name)
+            left.plot(d, 1e3 * one.density, dash, color=f"C{i}", label=one.name)
             normal = NormalDist(one.tail.mean, one.tail.sigma)
             near = (d > WINDOW[0] - 50) & (d < WINDOW[1] + 50)
             left.plot(
@@ -547,9 +504,9 @@ def draw_argument(report: Path, found: Sequence[Tested]) -> None:
             )
             for j, (angle, laid) in enumerate(one.flights.items()):
                 right.plot(
-                    SPEEDS, ranges(one.case.base, angle), dash, color=f"C{i}",
+                    SPEEDS, ranges(one.base, angle), dash, color=f"C{i}",
                     linewidth=0.8 + 0.6 * j,
-                    label=f"{one.case.name}, {angle:g}°" if i == 0 or j == 2 else None,
+                    label=f"{one.name}, {angle:g}°" if i == 0 or j == 2 else None,
                 )  # fmt: skip
                 right.plot(SPEEDS, laid.slope * SPEEDS + laid.intercept, ":", color="0.5")
         left.axvline(HOME_RUN_DISTANCE, color="black", linewidth=0.8, linestyle=":")

@@ -15,7 +15,16 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from analysis.paper.balls import SPACES, Balls, Space, cores, strike, strike_in_steps, told
+from analysis.paper.balls import (
+    SPACES,
+    Balls,
+    Base,
+    Space,
+    cores,
+    describe,
+    strike,
+    strike_in_steps,
+)
 from analysis.paper.distances import (
     BIN,
     HEIGHT_AND_SLOPE,
@@ -32,8 +41,9 @@ from analysis.paper.distances import (
 from analysis.paper.printed import P_TEXT, PEAKS
 from analysis.paper.printed import SAMPLES as PAPER_SAMPLES
 from analysis.writing import figure, markdown_table, shown, table
+from longball.engines.verlet import Verlet
 from longball.home_run import PAPER_CURVES, RESTITUTIONS, Estimate, draw, paper_at_bats
-from longball.model.readings import Reading
+from longball.model.readings import Reading, SamplingReading
 from longball.model.scene import AtBatScene, Ball
 
 Array = NDArray[np.float64]
@@ -66,11 +76,14 @@ PLATE = 0.432  # m, its width
 RADII = (0.0366, 0.0183)  # m, of the ball; the paper calls 0.0366 m its diameter
 
 
-def bases() -> Iterator[AtBatScene]:
+def bases() -> Iterator[Base]:
     """Yield the at-bats of all combinations but for the sample spaces, which cost nothing."""
     for blow, offset, width, radius in itertools.product(BLOWS, OFFSET_SPREADS, CELL_WIDTHS, RADII):
-        reading = Reading.model_validate(blow | {"offset_spread": offset, "cell_width": width})
-        yield AtBatScene(id="base", ball=Ball(radius=radius), reading=reading)
+        reading = Reading.model_validate(blow)
+        yield Base(
+            AtBatScene(id="base", ball=Ball(radius=radius), reading=reading),
+            SamplingReading(offset_spread=offset, cell_width=width),
+        )
 
 
 @dataclass(frozen=True)
@@ -93,7 +106,7 @@ class Trial:
         The paper's Fig. 6 against it, by restitution; empty at first sight.
     """
 
-    base: AtBatScene
+    base: Base
     space: Space
     rows: list[Estimate]
     mode: dict[float, float]
@@ -104,7 +117,7 @@ class Trial:
     @property
     def name(self) -> str:
         """What it differs in from the default."""
-        return told(self.base, self.space)
+        return describe(self.base, self.space)
 
     @property
     def shared(self) -> Distance:
@@ -121,9 +134,9 @@ class Trial:
         return next(row.p for row in self.rows if row.e == e)
 
 
-def tried(base: AtBatScene) -> list[Trial]:
+def tried(base: Base) -> list[Trial]:
     """Return what a combination gives at first sight, in the sample spaces with balls enough."""
-    struck = strike(base, draw(paper_at_bats(base.reading), SAMPLES, SEED), RESTITUTIONS)
+    struck = strike(base, draw(paper_at_bats(base.sampling), SAMPLES, SEED), RESTITUTIONS)
     return [
         trial(base, space, struck)
         for space in SPACES
@@ -131,13 +144,13 @@ def tried(base: AtBatScene) -> list[Trial]:
     ]
 
 
-def closer(base: AtBatScene, spaces: Sequence[Space], count: int) -> list[Trial]:
+def closer(base: Base, spaces: Sequence[Space], count: int) -> list[Trial]:
     """Return what a combination gives with more samples, the peaks of Fig. 6 with it."""
-    struck = strike(base, draw(paper_at_bats(base.reading), count, SEED), RESTITUTIONS)
+    struck = strike(base, draw(paper_at_bats(base.sampling), count, SEED), RESTITUTIONS)
     return [with_peaks(trial(base, space, struck), struck) for space in spaces]
 
 
-def trial(base: AtBatScene, space: Space, struck: Sequence[Balls]) -> Trial:
+def trial(base: Base, space: Space, struck: Sequence[Balls]) -> Trial:
     """Hold struck balls against Fig. 7."""
     rows = [space.estimate(e, one) for e, one in zip(RESTITUTIONS, struck, strict=True)]
     flown = {e: space.distances(one) for e, one in zip(RESTITUTIONS, struck, strict=True)}
@@ -212,7 +225,16 @@ def study() -> Study:
 @cache
 def default_trial() -> Trial:
     """Return the ledger's defaults, seen as close as the near readings."""
-    return closer(AtBatScene(id="base"), SPACES[:1], CLOSEST_SAMPLES)[0]
+    return closer(Base(AtBatScene(id="base")), SPACES[:1], CLOSEST_SAMPLES)[0]
+
+
+Cases = dict[str, tuple[Base, Space]]
+
+
+def cases() -> Cases:
+    """Return the two readings that are looked at closely: the default, and the nearest."""
+    both = {"default": default_trial(), "nearest": study().best}
+    return {name: (one.base, one.space) for name, one in both.items()}
 
 
 # --- the paper's scheme ---------------------------------------------------------------------------
@@ -247,8 +269,8 @@ class Stepped:
 def stepped(exact: Trial) -> Stepped:
     """Take a reading's at-bats with the paper's scheme."""
     base = exact.base
-    by_steps = strike_in_steps(base, STEPPED_SAMPLES, SEED, RESTITUTIONS, STEP)
-    samples = draw(paper_at_bats(base.reading), STEPPED_SAMPLES, SEED)
+    by_steps = strike_in_steps(base, STEPPED_SAMPLES, SEED, RESTITUTIONS, Verlet(STEP))
+    samples = draw(paper_at_bats(base.sampling), STEPPED_SAMPLES, SEED)
     exactly = strike(base, samples, RESTITUTIONS[:1], threads=cores())[0]
     at = list(zip(RESTITUTIONS, by_steps, strict=True))
     return Stepped(
@@ -266,6 +288,7 @@ def stepped(exact: Trial) -> Stepped:
 def section(report: Path, found: Study, default: Trial, by_steps: Sequence[Stepped]) -> str:
     """Write the section of the combinations."""
     draw_plane(report, found, default)
+    seventh = frame(sorted(found.near, key=lambda one: one.to["caption"].squared)[:6])
     lowest = min(found.first, key=lambda one: one.to["text"].squared)
     parts = [
         "### All combinations\n",
@@ -282,7 +305,7 @@ def section(report: Path, found: Study, default: Trial, by_steps: Sequence[Stepp
         "The nearest to both figures:\n",
         table(report, "paper_nearest", frame(found.near[:12])),
         "The nearest to Fig. 7 alone:\n",
-        markdown_table(*cells(sorted(found.near, key=lambda one: one.to["caption"].squared)[:6])),
+        markdown_table(list(seventh.columns), seventh.to_numpy().tolist()),
         on_the_best(found.best),
         f"To the curve of the text the nearest of all is “{lowest.name}”, with d² = "
         f"{lowest.to['text'].squared:.1f} and P(0.42) = {lowest.p(0.42):.3f}, which is not the "
@@ -300,7 +323,7 @@ def on_the_grid(found: Study) -> str:
     solved = len(list(bases()))
     dropped = solved * len(SPACES) - len(found.first)
     widths = ", ".join(f"{width:g}" for width in CELL_WIDTHS)
-    printed = paper_at_bats(Reading(speed_table="as_printed"))
+    printed = paper_at_bats(SamplingReading(speed_table="as_printed"))
     backwards = 1 - draw(printed, SAMPLES, SEED).pitched.mean()
     return (
         f"{len(BLOWS)} blows that differ (`bat_ball_restitution`, `effective_mass`, "
@@ -344,48 +367,39 @@ def on_grounders(found: Study) -> str:
     flies = [one for one in found.first if one.space.flies]
     moved = [one for one in flies if any(m > BIN for m in one.mode.values())]
     least = min(one.low for one in everything)
-    said = (
+    told = "So Fig. 6 does not tell whether such balls are counted."
+    if len(first) > 0.99 * len(everything):
+        told = (
+            "The paper's highest peaks are at 75 m and 125 m. So the balls that are hit downwards "
+            "are not in its Fig. 6, though its text does not say so, and so two sample spaces "
+            f"of flies were added. Of their {len(flies)} readings {len(moved)} have it elsewhere."
+        )
+    return (
         f"**Fig. 6 and the ground.** Of {len(everything)} readings that count every batted ball, "
         f"{len(first)} have their highest peak below 10 m at both restitutions, where balls hit "
-        f"downwards land: at least {100 * least:.0f} % of D is there. "
+        f"downwards land: at least {100 * least:.0f} % of D is there. {told}\n"
     )
-    if len(first) > 0.99 * len(everything):
-        said += (
-            "The paper's highest peaks are at 75 m and 125 m. So the balls that are hit downwards "
-            "are not in its Fig. 6, though its text does not say so; that is why the two sample "
-            f"spaces of flies were added. Of their {len(flies)} readings {len(moved)} have the "
-            "peak elsewhere.\n"
-        )
-    else:
-        said += "So Fig. 6 does not tell whether such balls are counted.\n"
-    return said
 
 
 def on_the_count(found: Study, default: Trial) -> str:
     """Say how many readings cannot be told from the paper."""
     near = [one for one in found.near if one.to["caption"].near]
     both = [one for one in found.near if one.both <= NEAR_BOTH]
-    usual = [one for one in near if one.base.ball.radius == default.base.ball.radius]
+    usual = [one for one in near if one.base.scene.ball.radius == default.base.scene.ball.radius]
     ledger = [one for one in usual if not one.space.flies]
     inside = [one for one in found.near if not beyond(one)] or [
         one for one in found.first if not beyond(one)
     ]
     nearest = min(inside, key=lambda one: one.to["caption"].squared)
-    none = not both
+    many = f"**{len(both)}** of them can" if both else "**None** of them can"
+    next_best = "" if both else f"; the nearest is at {found.best.both:.1f}"
     return (
         f"**How many.** The default reading is at d² = {default.to['caption'].squared:,.0f}. "
         f"{len(near)} of {len(found.first):,} readings cannot be told from the caption's curve at "
         f"95 %: {len(ledger)} of the ledger's switches alone, {len(usual)} with a ball of the "
-        "usual size. "
-        f"Within the ledger, with the ball of the usual size, “{nearest.name}” comes nearest, at "
-        f"d² = {nearest.to['caption'].squared:.1f}. "
-        + (
-            "**None** of them has the peaks of Fig. 6 as well"
-            if none
-            else f"**{len(both)}** of them can have the peaks of Fig. 6 as well"
-        )
-        + f" (sum below {NEAR_BOTH:.2f})"
-        + (f"; the nearest is at {found.best.both:.1f}.\n" if none else ".\n")
+        f"usual size. Within the ledger, with that ball, “{nearest.name}” comes nearest, at "
+        f"d² = {nearest.to['caption'].squared:.1f}. {many} have the peaks of Fig. 6 as well "
+        f"(sum below {NEAR_BOTH:.2f}){next_best}.\n"
     )
 
 
@@ -413,12 +427,6 @@ def frame(trials: Sequence[Trial]) -> pd.DataFrame:
     )
 
 
-def cells(trials: Sequence[Trial]) -> tuple[list[str], list[list[object]]]:
-    """Return the same table for Markdown alone."""
-    rows = frame(trials)
-    return list(rows.columns), rows.to_numpy().tolist()
-
-
 def on_the_best(best: Trial) -> str:
     """Say what the nearest reading is, and how far it is."""
     curve = PAPER_CURVES["caption"]
@@ -429,22 +437,22 @@ def on_the_best(best: Trial) -> str:
         f"**The nearest**: {best.name}. It has {listed}, the caption's curve in brackets: off by "
         f"{off:.4f} at most, {off / noise:.1f} times the noise of {PAPER_SAMPLES:,} samples. "
     )
-    if best.base.reading.reduced_mass == "effective_mass":
+    if best.base.scene.reading.reduced_mass == "effective_mass":
         said += (
             "Its blow is the paper's formula with one effective mass throughout: then "
             "μ (1 + ẽ) = m (1 + e), a ball is struck as by a bat of infinite mass with the "
             "restitution e, and neither the bat's mass nor its inertia matters, which the paper "
             "does not print. "
         )
-    if best.base.ball.radius == min(RADII):
+    if best.base.scene.ball.radius == min(RADII):
         said += (
             "Its ball is 0.0366 m wide, as the paper has it: a quarter of a baseball's cross "
             "section, and so of its drag and lift. "
         )
-    zone = PLATE + 2 * best.base.ball.radius
-    if abs(3 * best.base.reading.cell_width - zone) < 0.001:
+    zone = PLATE + 2 * best.base.scene.ball.radius
+    if abs(3 * best.base.sampling.cell_width - zone) < 0.001:
         said += (
-            f"Three of its cells, {3 * best.base.reading.cell_width:.3f} m, are the plate and one "
+            f"Three of its cells, {3 * best.base.sampling.cell_width:.3f} m, are the plate and one "
             "such ball: the zone that some part of the ball crosses. "
         )
     return said + "\n"
@@ -453,39 +461,24 @@ def on_the_best(best: Trial) -> str:
 def on_steps(one: Stepped) -> str:
     """Say what the printed scheme does to a reading."""
     exact = one.exact
-    rows = [
-        [
-            f"{row.e:g}",
-            f"{true.p:.4f}",
-            f"{row.p:.4f}",
-            f"{row.low:.4f} to {row.high:.4f}",
-            f"{row.home_runs} of {row.trials}",
-            f"{whole.p:.5f}",
-        ]
-        for row, true, whole in zip(one.rows, exact.rows, one.of_pitches, strict=True)
-    ]
-    inside = sum(
-        row.low <= true.p <= row.high for row, true in zip(one.rows, exact.rows, strict=True)
-    )
+    rows, inside = [], 0
+    for row, true, whole in zip(one.rows, exact.rows, one.of_pitches, strict=True):
+        inside += row.low <= true.p <= row.high
+        interval, counts = f"{row.low:.4f} to {row.high:.4f}", f"{row.home_runs} of {row.trials}"
+        p = [f"{true.p:.4f}", f"{row.p:.4f}", interval, counts, f"{whole.p:.5f}"]
+        rows.append([f"{row.e:g}", *p])
     away = distance(one.rows, PAPER_CURVES["caption"])
+    smaller = "As a share of all pitches P is that much smaller. "
     return (
         f"“{exact.name}” by velocity Verlet with Δt = {STEP} s, as printed: of "
         f"{STEPPED_SAMPLES:,} pitches {100 * one.batted:.1f} % are seen to meet the bat, of "
         f"{100 * one.batted_exactly:.1f} % that do. "
-        + (
-            "As a share of all pitches P is that much smaller. "
-            if exact.space.name != "pitches"
-            else ""
-        )
-        + f"Among its own samples ({exact.space.name}), P without the scheme lies inside the "
+        f"{smaller if exact.space.name != 'pitches' else ''}"
+        f"Among its own samples ({exact.space.name}), P without the scheme lies inside the "
         f"interval of 95 % at {inside} of {len(rows)} restitutions; d² from the caption's curve is "
-        f"{away.squared:,.1f}"
-        + (", and so it still cannot be told from it" if away.near else ", so that it is not it")
-        + ".\n\n"
-        + markdown_table(
-            ["e", "P", f"P at {STEP} s", "95 %", "home runs", "of all pitches"],
-            rows,
-        )
+        f"{away.squared:,.1f}, "
+        f"{'and so it still cannot be told from it' if away.near else 'so that it is not it'}.\n\n"
+        + markdown_table(["e", "P", f"P at {STEP} s", "95 %", "home runs", "of all pitches"], rows)
     )
 
 
@@ -506,7 +499,7 @@ def unexplained(found: Study, by_steps: Sequence[Stepped]) -> str:
             + (" and land fair" if best.space.ledger == "fair" else "")
             + " would be the samples: the text says nothing of it."
         )
-    if best.base.ball.radius == min(RADII):
+    if best.base.scene.ball.radius == min(RADII):
         listed.append(
             "Whether the ball of the paper's program was 0.0366 m wide: the text says so, and the "
             "nearest readings say so, but nothing else does."
@@ -522,16 +515,19 @@ def unexplained(found: Study, by_steps: Sequence[Stepped]) -> str:
                 f"Whether the step was {STEP} s: with it, {1 / one.batted:.0f} pitches must be "
                 "thrown for one that is batted, but P among the batted hardly changes."
             )
-    listed.append(
-        f"Which of {len(both)} readings it was: the two figures do not tell them apart; and of "
-        f"{len(found.first):,} that were tried, with the width of a cell free, one or another may "
-        "come near both by chance."
-        if len(both) > 1
-        else "That one reading alone comes near both figures may be chance: "
-        f"{len(found.first):,} were tried, and the width of a cell is free."
-        if both
-        else "Both figures together: no reading tried gives them."
-    )
+    last = "Both figures together: no reading tried gives them."
+    if len(both) > 1:
+        last = (
+            f"Which of {len(both)} readings it was: the two figures do not tell them apart; and of "
+            f"{len(found.first):,} that were tried, with the width of a cell free, one or another "
+            "may come near both by chance."
+        )
+    elif both:
+        last = (
+            "That one reading alone comes near both figures may be chance: "
+            f"{len(found.first):,} were tried, and the width of a cell is free."
+        )
+    listed.append(last)
     return "\n".join(f"- {line}" for line in listed) + "\n"
 
 
@@ -567,7 +563,7 @@ def draw_plane(report: Path, found: Study, default: Trial) -> None:
 
 def beyond(one: Trial) -> bool:
     """Tell whether the ledger's switches alone do not make a reading."""
-    return one.space.flies or one.base.ball.radius == min(RADII)
+    return one.space.flies or one.base.scene.ball.radius == min(RADII)
 
 
 def noise(p: Array) -> Array:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import pandas as pd
 
 from analysis.paper import argument, pitch_fits
-from analysis.paper.balls import told
+from analysis.paper.balls import describe
 from analysis.paper.distances import BIN, distance
 from analysis.paper.home_run_figures import Reproduced, printed_ratio, reproduced
 from analysis.paper.printed import (
@@ -23,7 +24,7 @@ from analysis.paper.printed import (
     UZR_SPAN,
 )
 from analysis.writing import table
-from longball.home_run import PAPER_CURVES, RESTITUTIONS
+from longball.home_run import PAPER_CURVES, RESTITUTIONS, Curve
 from longball.pitches import EXAMPLE, fit_pitches
 
 
@@ -73,69 +74,73 @@ class Counterpart:
     def row(self) -> dict[str, str]:
         """Return a line of the table."""
         n = self.digits
-        return {
-            "place": self.place,
-            "number": self.what,
-            "printed": f"{self.printed:.{n}f} ± {self.noise:.{n}f}",
-            "default": f"{self.default:.{n}f}",
-            "its difference": f"{self.default - self.printed:+.{n}f}",
-            "nearest": f"{self.nearest:.{n}f}",
-            "difference": f"{self.nearest - self.printed:+.{n}f}",
-            "verdict": self.verdict,
-        }
+        ours = [f"{x:.{n}f}" for x in (self.default, self.nearest)]
+        off = [f"{x - self.printed:+.{n}f}" for x in (self.default, self.nearest)]
+        printed = f"{self.printed:.{n}f} ± {self.noise:.{n}f}"
+        return line(self.place, self.what, printed, ours, off, self.verdict)
+
+
+def line(
+    place: str, number: str, printed: str, ours: Sequence[str], off: Sequence[str], verdict: str
+) -> dict[str, str]:
+    """Return a line of the table; `ours` and `off` have the default and the nearest reading."""
+    return {
+        "place": place,
+        "number": number,
+        "printed": printed,
+        "default": ours[0],
+        "its difference": off[0],
+        "nearest": ours[1],
+        "difference": off[1],
+        "verdict": verdict,
+    }
 
 
 def of_home_runs(default: Reproduced, nearest: Reproduced) -> list[Counterpart]:
     """Return the counterparts of Table I, Figs. 6 and 7 and the text."""
     caption, text = PAPER_CURVES["caption"], PAPER_CURVES["text"]
-    found = []
-    for i, pair in enumerate(PAIRS):
-        hit = printed_ratio(pair)
-        found.append(
+
+    def noise(p: float) -> float:
+        return math.sqrt(p * (1 - p) / SAMPLES)
+
+    hits = [printed_ratio(pair) for pair in PAIRS]
+    e, p = P_TEXT
+    return [
+        *(
             Counterpart(
-                "Table I", f"home runs, {pair[0]} over {pair[1]}", hit.value,
+                "Table I", f"home runs, {hit.seasons[0]} over {hit.seasons[1]}", hit.value,
                 default.ratios[i].value, nearest.ratios[i].value, hit.error, 3,
                 "e alone explains the seasons",
                 "e alone does not explain the seasons, in the paper's own curve neither",
             )
-        )  # fmt: skip
-    found.append(
+            for i, hit in enumerate(hits)
+        ),
         Counterpart(
             "Fig. 6", f"density at e = 0.45 over {FLAT[0]:g} to {FLAT[1]:g} m, largest / smallest",
             1.0, default.flat, nearest.flat, flat_noise(nearest), 2,
-            f"it is as flat as bins of {SAMPLES:,} samples can tell",
-            "it is not flat",
-        )
-    )  # fmt: skip
-    for e in (min(RESTITUTIONS), max(RESTITUTIONS)):
-        p = caption(e)
-        found.append(
+            f"it is as flat as bins of {SAMPLES:,} samples can tell", "it is not flat",
+        ),
+        *(
             Counterpart(
-                "Fig. 7", f"P({e:g}) of the caption's curve", p, default.p(e), nearest.p(e),
-                math.sqrt(p * (1 - p) / SAMPLES), 4,
-                "within the noise of its samples",
-                "the printed parameters do not determine it",
+                "Fig. 7", f"P({e:g}) of the caption's curve", caption(e), default.p(e),
+                nearest.p(e), noise(caption(e)), 4,
+                "within the noise of its samples", "the printed parameters do not determine it",
             )
-        )  # fmt: skip
-    e, p = P_TEXT
-    found.append(
+            for e in (min(RESTITUTIONS), max(RESTITUTIONS))
+        ),
         Counterpart(
             "Sec. V", f"P({e:g})", p, default.p(e), nearest.p(e),
-            math.hypot(math.sqrt(p * (1 - p) / SAMPLES), 0.005 / math.sqrt(3)), 3,
+            math.hypot(noise(p), 0.005 / math.sqrt(3)), 3,
             f"so says the caption's curve ({caption(e):.3f}); the text's own has {text(e):.3f}",
             "the printed parameters do not determine it",
-        )
-    )  # fmt: skip
-    found.append(
+        ),
         Counterpart(
             "Sec. V", f"share of D in {UZR_SPAN[0]:g} to {UZR_SPAN[1]:g} m (UZR)", UZR_SHARE,
-            default.uzr_share, nearest.uzr_share,
-            math.sqrt(UZR_SHARE * (1 - UZR_SHARE) / SAMPLES), 3,
+            default.uzr_share, nearest.uzr_share, noise(UZR_SHARE), 3,
             "though UZR has balls where the fielders took them, and from two other seasons",
             "the default reading counts balls hit downwards, and hits less far",
-        )
-    )  # fmt: skip
-    return found
+        ),
+    ]  # fmt: skip
 
 
 def flat_noise(one: Reproduced) -> float:
@@ -153,57 +158,40 @@ def of_peaks(default: Reproduced, nearest: Reproduced) -> list[dict[str, str]]:
     """Return lines for the peaks of Fig. 6, which are judged by their chance."""
     lines = []
     for e, printed in PEAKS.items():
-        ours = [one.peaks[e] for one in (default, nearest)]
-        possible = [one.p_value >= 0.05 for one in ours]
-        lines.append(
-            {
-                "place": "Fig. 6",
-                "number": f"highest peak at e = {e:g}, m",
-                "printed": f"{printed:g}",
-                "default": f"{ours[0].ours:g} (p = {ours[0].p_value:.4f})",
-                "its difference": f"{ours[0].ours - printed:+g}",
-                "nearest": f"{ours[1].ours:g} (p = {ours[1].p_value:.4f})",
-                "difference": f"{ours[1].ours - printed:+g}",
-                "verdict": "**reproduced**: a peak of the samples"
-                if all(possible)
-                else "**by the nearest reading only**: balls hit downwards are not in Fig. 6"
-                if possible[1]
-                else "**not reproduced**: the highest of 1,000 samples is seldom so far out",
-            }
-        )
+        peaks = [one.peaks[e] for one in (default, nearest)]
+        texts = [f"{one.ours:g} (p = {one.p_value:.4f})" for one in peaks]
+        off = [f"{one.ours - printed:+g}" for one in peaks]
+        verdict = "**not reproduced**: the highest of 1,000 samples is seldom so far out"
+        if all(one.p_value >= 0.05 for one in peaks):
+            verdict = "**reproduced**: a peak of the samples"
+        elif peaks[1].p_value >= 0.05:
+            verdict = "**by the nearest reading only**: balls hit downwards are not in Fig. 6"
+        what = f"highest peak at e = {e:g}, m"
+        lines.append(line("Fig. 6", what, f"{printed:g}", texts, off, verdict))
     return lines
 
 
 def of_curves(default: Reproduced, nearest: Reproduced) -> list[dict[str, str]]:
     """Return lines for the paper's two curves; C₁ and σ are judged together, by P(e)."""
     lines = []
+    reasons = {
+        "caption": "the printed parameters do not determine it",
+        "text": "it contradicts the caption and the text's own P(0.42)",
+    }
     for name, curve in PAPER_CURVES.items():
-        fits = [one.fitted for one in (default, nearest)]
-        apart = [distance(one.rows, curve) for one in (default, nearest)]
-        pairs = [(one.curve.c1, one.curve.sigma) if one else (math.nan, math.nan) for one in fits]
-        texts = [
-            f"{c1:.0f}, {sigma:.1f} (d² = {one.squared:.1f})"
-            for (c1, sigma), one in zip(pairs, apart, strict=True)
-        ]
-        differences = [f"{c1 - curve.c1:+.0f}, {sigma - curve.sigma:+.1f}" for c1, sigma in pairs]
-        lines.append(
-            {
-                "place": "Fig. 7",
-                "number": f"C₁ and σ of the {name}, m",
-                "printed": f"{curve.c1:g}, {curve.sigma:g}",
-                "default": texts[0],
-                "its difference": differences[0],
-                "nearest": texts[1],
-                "difference": differences[1],
-                "verdict": "**by the nearest reading only**: P(e) is within the noise"
-                if apart[1].near and not apart[0].near
-                else "**reproduced**: P(e) is within the noise"
-                if apart[0].near
-                else "**not reproduced**: the printed parameters do not determine it"
-                if name == "caption"
-                else "**not reproduced**: it contradicts the caption and the text's own P(0.42)",
-            }
-        )
+        texts, off, near = [], [], []
+        for one in (default, nearest):
+            apart = distance(one.rows, curve)
+            fitted = one.fitted.curve if one.fitted else Curve(math.nan, math.nan)
+            texts.append(f"{fitted.c1:.0f}, {fitted.sigma:.1f} (d² = {apart.squared:.1f})")
+            off.append(f"{fitted.c1 - curve.c1:+.0f}, {fitted.sigma - curve.sigma:+.1f}")
+            near.append(apart.near)
+        verdict = f"**not reproduced**: {reasons[name]}"
+        if any(near):
+            which = "reproduced" if near[0] else "by the nearest reading only"
+            verdict = f"**{which}**: P(e) is within the noise"
+        printed = f"{curve.c1:g}, {curve.sigma:g}"
+        lines.append(line("Fig. 7", f"C₁ and σ of the {name}, m", printed, texts, off, verdict))
     return lines
 
 
@@ -246,24 +234,23 @@ def of_pitches(full: bool) -> list[dict[str, str]]:
     for place, what in (("Fig. 2", "speed"), ("Fig. 3", "aim")):
         printed = pitch_fits.PRINTED_R_SQUARED[what]
         rows = [row for row in determination if row["what"] == what]
-        inside = [row for row in rows if row["low"] <= printed <= row["high"]]
+        verdict = "not reproduced"
+        if any(row["low"] <= printed <= row["high"] for row in rows):
+            why = {
+                "speed": "the width of its bins is not printed",
+                "aim": "within the scatter of such draws",
+            }
+            verdict = f"consistent: {why[what]}"
         row = min(rows, key=lambda one: abs(one["median"] - printed))
+        unit = "km/h" if what == "speed" else "cell"
         lines.append(
             {
                 "place": place,
-                "number": f"R², bins of {row['bin_width']:g} "
-                + ("km/h" if what == "speed" else "cell"),
+                "number": f"R², bins of {row['bin_width']:g} {unit}",
                 "printed": f"{printed:g}",
                 "ours": f"{row['median']:.4f} ({row['low']:.4f} to {row['high']:.4f})",
                 "difference": f"{row['median'] - printed:+.4f}",
-                "verdict": "consistent: "
-                + (
-                    "the width of its bins is not printed"
-                    if what == "speed"
-                    else "within the scatter of such draws"
-                )
-                if inside
-                else "not reproduced",
+                "verdict": verdict,
             }
         )
     return [*lines, of_heights()]
@@ -311,9 +298,9 @@ def run(report: Path, full: bool) -> str:
             "error).\n",
             table(report, "paper_pitches", pd.DataFrame(of_pitches(full))),
             "Home runs: under the default reading of the ledger, and under the one that comes "
-            f"nearest to Figs. 6 and 7 ({told(nearest.base, nearest.space)}). ± is the noise of "
-            f"{SAMPLES:,} samples, of counts, or the rounding; a number is reproduced within twice "
-            "that.\n",
+            f"nearest to Figs. 6 and 7 ({describe(nearest.base, nearest.space)}). ± is the noise "
+            f"of {SAMPLES:,} samples, of counts, or the rounding; a number is reproduced within "
+            "twice that.\n",
             table(report, "paper_home_runs", pd.DataFrame(lines)),
         ]
     )

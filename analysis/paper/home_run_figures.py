@@ -13,7 +13,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from analysis.paper import combinations
-from analysis.paper.balls import Balls, Space, cores, strike, told
+from analysis.paper.balls import Balls, Base, Space, cores, describe, strike
 from analysis.paper.distances import BIN, Peak, covariance, peak
 from analysis.paper.printed import (
     FLAT,
@@ -37,7 +37,6 @@ from longball.home_run import (
     fit,
     paper_at_bats,
 )
-from longball.model.scene import AtBatScene
 
 Array = NDArray[np.float64]
 
@@ -80,7 +79,7 @@ class Reproduced:
     """
 
     name: str
-    base: AtBatScene
+    base: Base
     space: Space
     rows: list[Estimate]
     fitted: Fit | None
@@ -99,17 +98,13 @@ class Reproduced:
 @cache
 def reproduced() -> list[Reproduced]:
     """Return what the default reading gives, and the nearest; several sections ask for it."""
-    default, best = combinations.default_trial(), combinations.study().best
-    return [
-        reproduce("default", default.base, default.space),
-        reproduce("nearest", best.base, best.space),
-    ]
+    return [reproduce(name, *case) for name, case in combinations.cases().items()]
 
 
-def reproduce(name: str, base: AtBatScene, space: Space) -> Reproduced:
+def reproduce(name: str, base: Base, space: Space) -> Reproduced:
     """Return what a reading gives."""
     restitutions = sorted({*RESTITUTIONS, *(season.restitution for season in SEASONS)})
-    samples = draw(paper_at_bats(base.reading), SAMPLES, SEED)
+    samples = draw(paper_at_bats(base.sampling), SAMPLES, SEED)
     struck = dict(
         zip(restitutions, strike(base, samples, restitutions, threads=cores()), strict=True)
     )
@@ -214,7 +209,7 @@ def run(report: Path, full: bool) -> str:
             "## Home runs: Table I, Figs. 6 and 7\n",
             f"{SAMPLES:,} at-bats (seed {SEED}), the same ones for every e, under the default "
             "reading of the ledger and under the one that comes nearest to the paper's figures "
-            f"(next section): {told(found[1].base, found[1].space)}.\n",
+            f"(next section): {describe(found[1].base, found[1].space)}.\n",
             "### Table I\n",
             on_seasons(report, found),
             "### Fig. 6\n",
@@ -240,7 +235,7 @@ def run(report: Path, full: bool) -> str:
 def on_seasons(report: Path, found: Sequence[Reproduced]) -> str:
     """Hold P(e) against the home runs of two pairs of seasons."""
     rows = []
-    words = []
+    sentences = []
     for i, pair in enumerate(PAIRS):
         hit, caption = printed_ratio(pair), curve_ratio(pair, PAPER_CURVES["caption"])
         rows.append(
@@ -256,7 +251,7 @@ def on_seasons(report: Path, found: Sequence[Reproduced]) -> str:
                 },
             }
         )
-        words.append(
+        sentences.append(
             f"{pair[0]} over {pair[1]}: the caption's own curve explains "
             f"{100 * math.log(caption) / math.log(hit.value):.0f} % of the logarithm of the ratio, "
             + ", ".join(
@@ -269,30 +264,26 @@ def on_seasons(report: Path, found: Sequence[Reproduced]) -> str:
     return (
         "Home runs of a season are P(e) times the at-bats, so that the ratio of two seasons with "
         "as many at-bats is that of P. ± is the scatter of the counts, and the standard error of "
-        "ours.\n\n"
-        + table(report, "paper_table1", pd.DataFrame(rows))
-        + "\n"
-        + " ".join(words)
-        + "\n"
+        f"ours.\n\n{table(report, 'paper_table1', pd.DataFrame(rows))}\n{' '.join(sentences)}\n"
     )
 
 
 def on_distances(found: Sequence[Reproduced]) -> str:
     """Say where the peaks are, and how flat the density is."""
-    words = []
+    sentences = []
     for one in found:
         peaks = "; ".join(
             f"at e = {e:g} in the bin about {here.ours:g} m most often (paper {PEAKS[e]:g} m, "
             f"p = {here.p_value:.4f})"
             for e, here in one.peaks.items()
         )
-        words.append(
+        sentences.append(
             f"The {one.name} reading, samples: {one.space.name}, has its highest peak {peaks}. "
             f"Between {FLAT[0]:g} and {FLAT[1]:g} m its density at e = {max(PEAKS)} changes by a "
             f"factor of {one.flat:.2f}, where the paper calls it almost the same."
         )
     caption = curve_share(PAPER_CURVES["caption"], UZR_E, *UZR_SPAN)
-    words.append(
+    sentences.append(
         f"UZR finds {UZR_SHARE:g} of the batted balls between {UZR_SPAN[0]:g} and {UZR_SPAN[1]:g} "
         f"m. At e = {UZR_E:g} "
         + ", ".join(f"the {one.name} reading has {one.uzr_share:.3f} there" for one in found)
@@ -300,7 +291,7 @@ def on_distances(found: Sequence[Reproduced]) -> str:
         f"with its P({UZR_E:g}), the share beyond {HOME_RUN_DISTANCE:g} m: another span, so that "
         "the two numbers need not agree, and that they nearly do says nothing."
     )
-    return " ".join(words) + "\n"
+    return " ".join(sentences) + "\n"
 
 
 def on_probabilities(report: Path, found: Sequence[Reproduced]) -> str:
@@ -329,14 +320,8 @@ def on_probabilities(report: Path, found: Sequence[Reproduced]) -> str:
         ]
         for one in found if one.fitted
     ]  # fmt: skip
-    return (
-        table(report, "paper_fig7", frame)
-        + "\n"
-        + markdown_table(
-            ["fit", "C₁, m", "σ, m", f"scatter of both with {PAPER_SAMPLES:,} samples a point, m"],
-            fits,
-        )
-    )
+    head = ["fit", "C₁, m", "σ, m", f"scatter of both with {PAPER_SAMPLES:,} samples a point, m"]
+    return table(report, "paper_fig7", frame) + "\n" + markdown_table(head, fits)
 
 
 def draw_distances(report: Path, found: Sequence[Reproduced]) -> None:

@@ -10,13 +10,12 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from analysis.paper.balls import Share, Space, cores, strike
-from analysis.paper.combinations import Trial, trial
+from analysis.paper.balls import Base, Share, Space, cores, strike
+from analysis.paper.combinations import Cases, Trial, trial
 from analysis.paper.distances import NEAR
 from analysis.paper.printed import P_TEXT
 from analysis.writing import figure, shown, table
 from longball.home_run import PAPER_CURVES, RESTITUTIONS, Samples, draw, paper_at_bats
-from longball.model.scene import AtBatScene
 
 SAMPLES = 100_000
 CORNER_SAMPLES = 20_000
@@ -24,33 +23,18 @@ SEED = 1
 E = P_TEXT[0]
 STEP = 0.02  # of a number's value: its third order is 1 % of P' where P goes like its tenth power
 
-Problem = tuple[AtBatScene, Samples]
+Problem = tuple[Base, Samples]
 
 
-def drawn(base: AtBatScene, count: int = SAMPLES) -> Problem:
+def drawn(base: Base, count: int = SAMPLES) -> Problem:
     """Return an at-bat with its random numbers: the same ones for every reading."""
-    return base, draw(paper_at_bats(base.reading), count, SEED)
-
-
-def with_number(base: AtBatScene, name: str, value: float) -> AtBatScene:
-    """Return a scene with another number, named like ``ball.mass`` or ``gravity``."""
-    block, _, key = name.partition(".")
-    if not key:
-        return base.model_copy(update={block: value})
-    return base.model_copy(update={block: getattr(base, block).model_copy(update={key: value})})
-
-
-def number(base: AtBatScene, name: str) -> float:
-    """Return a number of a scene."""
-    block, _, key = name.partition(".")
-    found: float = getattr(getattr(base, block), key) if key else getattr(base, block)
-    return found
+    return base, draw(paper_at_bats(base.sampling), count, SEED)
 
 
 def share(problem: Problem, space: Space) -> Share:
     """Return P at the restitution of the problem's ball."""
     base, samples = problem
-    (balls,) = strike(base, samples, [base.ball.restitution], threads=cores())
+    (balls,) = strike(base, samples, [base.scene.ball.restitution], threads=cores())
     return space.share(balls)
 
 
@@ -64,7 +48,7 @@ class Unknown:
     Attributes
     ----------
     name, unit
-        In a scene.
+        In a scene or its sampling.
     low, high
         Its range.
     source
@@ -82,7 +66,7 @@ UNKNOWN = (
     Unknown("ball.mass", "kg", 0.1417, 0.1488, "not printed; NPB's rules"),
     Unknown("bat.mass", "kg", 0.85, 0.96, "not printed; wooden bats of 30 to 34 oz"),
     Unknown(
-        "reading.cell_width", "m", 0.12, 0.20,
+        "cell_width", "m", 0.12, 0.20,
         "not printed; a third of the plate is 0.144, with a ball's width 0.168; a chart may be "
         "drawn narrower or wider",
     ),
@@ -107,38 +91,32 @@ class Ranged:
     high: tuple[float, float]
 
 
-def over_ranges(base: AtBatScene, space: Space) -> tuple[Share, list[Ranged]]:
+def over_ranges(base: Base, space: Space) -> tuple[Share, list[Ranged]]:
     """Return P(0.42), and what each number alone does to it."""
     before = share(drawn(base), space)
+
+    def moved(name: str, value: float) -> tuple[float, float]:
+        return share(drawn(base.replaced({name: value})), space).above(before)
+
     return before, [
-        Ranged(
-            one,
-            *(
-                share(drawn(with_number(base, one.name, value)), space).above(before)
-                for value in (one.low, one.high)
-            ),
-        )
-        for one in UNKNOWN
+        Ranged(one, moved(one.name, one.low), moved(one.name, one.high)) for one in UNKNOWN
     ]
 
 
-def at_corners(base: AtBatScene, space: Space) -> list[Trial]:
+def at_corners(base: Base, space: Space) -> list[Trial]:
     """Return P(e) with all numbers at the ends of their ranges, in all combinations."""
     found = []
     for values in itertools.product(*((one.low, one.high) for one in UNKNOWN)):
-        corner = base
-        for one, value in zip(UNKNOWN, values, strict=True):
-            corner = with_number(corner, one.name, value)
+        names = [one.name for one in UNKNOWN]
+        corner = base.replaced(dict(zip(names, values, strict=True)))
         struck = strike(*drawn(corner, CORNER_SAMPLES), RESTITUTIONS, threads=cores())
         found.append(trial(corner, space, struck))
     return found
 
 
-def section(report: Path, cases: dict[str, tuple[AtBatScene, Space]]) -> str:
+def section(report: Path, cases: Cases) -> str:
     """Write the section: what the unknown numbers do, alone and together."""
-    cases = {
-        name: (with_number(base, "ball.restitution", E), s) for name, (base, s) in cases.items()
-    }
+    cases = {name: (base.replaced({"ball.restitution": E}), s) for name, (base, s) in cases.items()}
     found = {name: over_ranges(*case) for name, case in cases.items()}
     rows = pd.DataFrame(
         [
@@ -180,18 +158,16 @@ def on_corners(name: str, corners: Sequence[Trial]) -> str:
     p = [one.p(E) for one in corners]
     nearest = min(corners, key=lambda one: one.to["caption"].squared)
     d2 = nearest.to["caption"].squared
-    values = ", ".join(f"{one.name} = {number(nearest.base, one.name):g}" for one in UNKNOWN)
+    values = ", ".join(f"{one.name} = {nearest.base.number(one.name):g}" for one in UNKNOWN)
     near = sum(one.to["caption"].near for one in corners)
+    verdict = f"where {NEAR:.2f} would be near: **no corner is**"
+    if near:
+        verdict = f"and {near} of the corners cannot be told from it"
     return (
         f"All together, from the {name} reading: at the {len(corners)} corners of these ranges "
         f"({CORNER_SAMPLES:,} at-bats each) P({E}) runs from {min(p):.4f} to {max(p):.4f}; the "
         f"caption's curve has {PAPER_CURVES['caption'](E):.4f}. The corner nearest to that curve "
-        f"(d² as below) has {values}: d² = {d2:.1f}, "
-        + (
-            f"and {near} of the corners cannot be told from it.\n"
-            if near
-            else f"where {NEAR:.2f} would be near: **no corner is**.\n"
-        )
+        f"(d² as below) has {values}: d² = {d2:.1f}, {verdict}.\n"
     )
 
 
@@ -239,23 +215,20 @@ class Parameter:
 
 
 def of_scene(name: str, unit: str) -> Parameter:
-    """Return a number of the scene; one of its reading changes what is drawn."""
+    """Return a number of the scene, or of the sampling, which changes what is drawn."""
 
     def scaled(problem: Problem, factor: float) -> Problem:
         base, samples = problem
-        other = with_number(base, name, factor * number(base, name))
-        return drawn(other, len(samples)) if name.startswith("reading.") else (other, samples)
+        other = base.replaced({name: factor * base.number(name)})
+        return (other, samples) if other.sampling == base.sampling else drawn(other, len(samples))
 
-    return Parameter(name, unit, lambda problem: number(problem[0], name), scaled)
+    return Parameter(name, unit, lambda problem: problem[0].number(name), scaled)
 
 
 def _heights_scaled(problem: Problem, factor: float) -> Problem:
     base, samples = problem
-    pitch = base.pitch
-    x, y, z = pitch.release
-    aim = (pitch.aim[0], factor * pitch.aim[1])
-    other = pitch.model_copy(update={"release": (x, y, factor * z), "aim": aim})
-    return base.model_copy(update={"pitch": other}), samples
+    heights = ("pitch.release[2]", "pitch.aim[1]")
+    return base.replaced({name: factor * base.number(name) for name in heights}), samples
 
 
 PARAMETERS = (
@@ -269,8 +242,8 @@ PARAMETERS = (
     of_scene("air.drag_coefficient", ""),
     of_scene("air.lift_coefficient", ""),
     of_scene("gravity", "m/s²"),
-    of_scene("reading.offset_spread", "m"),
-    of_scene("reading.cell_width", "m"),
+    of_scene("offset_spread", "m"),
+    of_scene("cell_width", "m"),
     Parameter(
         "all pitch speeds, their mean", "m/s",
         lambda problem: float(problem[1].speed.mean()),
@@ -280,12 +253,12 @@ PARAMETERS = (
     ),
     Parameter(
         "largest tilt", "rad",
-        lambda problem: paper_at_bats(problem[0].reading).largest_tilt,
+        lambda problem: paper_at_bats(problem[0].sampling).largest_tilt,
         lambda problem, factor: (problem[0], replace(problem[1], tilt=factor * problem[1].tilt)),
     ),
     Parameter(
         "heights of release and aim", "m",
-        lambda problem: problem[0].pitch.release[2],
+        lambda problem: problem[0].scene.pitch.release[2],
         _heights_scaled,
     ),
 )  # fmt: skip
@@ -310,48 +283,32 @@ def sensitivity(parameter: Parameter, problem: Problem, space: Space, p: float) 
     )
     rise, error = above.above(below)
     value = parameter.value(problem)
+    by_value, by_share = 2 * STEP * value, 2 * STEP * p
     return Sensitivity(
-        parameter=parameter,
-        value=value,
-        slope=rise / (2 * STEP * value),
-        slope_error=error / (2 * STEP * value),
-        power=rise / (2 * STEP * p),
-        power_error=error / (2 * STEP * p),
+        parameter, value, rise / by_value, error / by_value, rise / by_share, error / by_share
     )
 
 
-def sensitivities(report: Path, cases: dict[str, tuple[AtBatScene, Space]]) -> str:
+def sensitivities(report: Path, cases: Cases) -> str:
     """Write the section: ∂P/∂parameter at the default and the nearest reading."""
     found = {}
     for name, (base, space) in cases.items():
-        problem = drawn(with_number(base, "ball.restitution", E))
+        problem = drawn(base.replaced({"ball.restitution": E}))
         p = share(problem, space).p
         found[name] = [sensitivity(one, problem, space, p) for one in PARAMETERS]
-    rows = pd.DataFrame(
-        [
-            {
-                "parameter": f"{one.name}, {one.unit}".rstrip(", "),
-                **{
-                    key: text
-                    for name, sensitive in found.items()
-                    for here in [sensitive[i]]
-                    for key, text in (
-                        (f"{name}: value", f"{here.value:.4g}"),
-                        ("∂P/∂x, " + name, f"{here.slope:+.3g} ± {here.slope_error:.1g}"),
-                        (
-                            "d ln P / d ln x, " + name,
-                            f"{here.power:+.2f} ± {here.power_error:.2f}",
-                        ),
-                    )
-                },
-            }
-            for i, one in enumerate(PARAMETERS)
-        ]
-    )
-    words = []
+    rows = []
+    for i, one in enumerate(PARAMETERS):
+        row = {"parameter": f"{one.name}, {one.unit}".rstrip(", ")}
+        for name, sensitive in found.items():
+            here = sensitive[i]
+            row[f"{name}: value"] = f"{here.value:.4g}"
+            row[f"∂P/∂x, {name}"] = f"{here.slope:+.3g} ± {here.slope_error:.1g}"
+            row[f"d ln P / d ln x, {name}"] = f"{here.power:+.2f} ± {here.power_error:.2f}"
+        rows.append(row)
+    sentences = []
     for name, sensitive in found.items():
         order = sorted(sensitive, key=lambda one: -abs(one.power))[:3]
-        words.append(
+        sentences.append(
             f"From the {name} reading 1 % more of "
             + ", ".join(f"{one.parameter.name} changes P by {one.power:+.1f} %" for one in order)
             + "."
@@ -361,7 +318,7 @@ def sensitivities(report: Path, cases: dict[str, tuple[AtBatScene, Space]]) -> s
             "### Sensitivities\n",
             f"∂P/∂x at e = {E}, by central differences over ± {100 * STEP:g} % of the value with "
             f"the same {SAMPLES:,} at-bats (seed {SEED}); ± is the standard error.\n",
-            table(report, "paper_sensitivities", rows),
-            " ".join(words) + "\n",
+            table(report, "paper_sensitivities", pd.DataFrame(rows)),
+            " ".join(sentences) + "\n",
         ]
     )

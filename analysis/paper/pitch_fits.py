@@ -11,20 +11,18 @@ import math
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any, NamedTuple
 
 import joblib
 import numpy as np
 import pandas as pd
+from matplotlib.axes import Axes
 
+from analysis.writing import figure, markdown_table, shown, table
 from longball.pitches import EXAMPLE, Columns, FittedPitches, PitchTypes, fit_pitches, read_pitches
 from longball.pitches.fitted import AimFit, Estimate, SpeedFit
 from longball.pitches.fitting import BIN_WIDTH, DENSITY
 from longball.pitches.table import Floats
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 Rows = list[dict[str, Any]]
 
@@ -91,36 +89,29 @@ PRINTED = (
 
 def run(report: Path, full: bool) -> str:
     """Write tables and figures and return the section; `full`: with more random draws."""
-    tables, figures = report / "tables", report / "figures"
-    for folder in (tables, figures):
-        folder.mkdir(parents=True, exist_ok=True)
-
     draws = FULL_DRAWS if full else DRAWS
     example, synthetic = fit_pitches(EXAMPLE), synthetic_fit()
-    counterparts, determination = compared(), determine(draws)
-    coverage = cover(draws)
-    grid = vary_grid()
-    classes = vary_classes()
-    for name, table in (
-        ("counterparts", counterparts),
-        ("coverage", coverage),
-        ("r_squared", determination),
-        ("grid", grid),
-        ("classes", classes),
-    ):
-        path = tables / f"pitch_fits_{name}.csv"
-        pd.DataFrame(table).to_csv(path, index=False, float_format="%.6g")
+    found = Found(compared(), cover(draws), determine(draws), vary_grid(), vary_classes())
+    for name, rows in found._asdict().items():
+        frame = pd.DataFrame(rows).map(
+            lambda x: f"{x:.6g}" if isinstance(x, float) and x == x else x
+        )
+        table(report, f"pitch_fits_{name}", frame)
+    draw_speeds(report, example, synthetic)
+    draw_aims(report, example, synthetic)
+    draw_heights(report, example)
+    draw_determination(report, found.r_squared)
+    return write(example, synthetic, found)
 
-    for name, figure in (
-        ("fig2", draw_speeds(example, synthetic)),
-        ("fig3", draw_aims(example, synthetic)),
-        ("fig4", draw_heights(example)),
-        ("r_squared", draw_determination(determination)),
-    ):
-        # Without the date and the name of the program the same numbers give the same file.
-        figure.savefig(figures / f"pitch_fits_{name}.png", dpi=150, metadata={"Software": None})
 
-    return write(example, synthetic, counterparts, coverage, determination, grid, classes)
+class Found(NamedTuple):
+    """The tables, by their names."""
+
+    counterparts: Rows
+    coverage: Rows
+    r_squared: Rows
+    grid: Rows
+    classes: Rows
 
 
 @cache
@@ -275,15 +266,9 @@ def determine(draws: int) -> Rows:
 
 def _quantiles(what: str, width: float, values: list[float | None]) -> dict[str, Any]:
     known = [value for value in values if value is not None]
-    low, middle, high = np.quantile(known, (0.05, 0.5, 0.95))
-    return {
-        "what": what,
-        "bin_width": width,
-        "draws": len(known),
-        "low": low,
-        "median": middle,
-        "high": high,
-    }
+    low, median, high = np.quantile(known, (0.05, 0.5, 0.95))
+    row = {"what": what, "bin_width": width, "draws": len(known)}
+    return row | {"low": low, "median": median, "high": high}
 
 
 def vary_grid() -> Rows:
@@ -336,40 +321,34 @@ CIRCLES: dict[str, Any] = {
 }  # fmt: skip
 
 
-def _panels(count: int, **options: Any) -> tuple[Figure, list[Axes]]:
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(4.8 * count, 3.8), layout="constrained")
-    FigureCanvasAgg(figure)
-    axes = figure.subplots(1, count, squeeze=False, **options)
-    return figure, list(axes[0])
+THEIRS = f"{PITCHES:,} pitches drawn from the paper's fits"
 
 
-def draw_speeds(example: FittedPitches, synthetic: FittedPitches) -> Figure:
-    """Return the counterpart of Fig. 2."""
-    figure, axes = _panels(2)
-    for axis, fitted, title in (
-        (axes[0], synthetic, f"{PITCHES:,} pitches drawn from the paper's fits"),
-        (axes[1], example, f"{example.rows_used:,} MLB pitches of 11 June 2023"),
-    ):
-        histogram, fit = fitted.speed.histogram, fitted.speed.least_squares
-        edges = np.array(histogram.edges) * 3.6
-        width = edges[1] - edges[0]
-        counts = np.array(histogram.straight) + np.array(histogram.breaking)
-        axis.plot((edges[1:] + edges[:-1]) / 2, counts / counts.sum(), **CIRCLES, label="pitches")
-        v = np.linspace(edges[0], edges[-1], 400)
-        straight, breaking = _speed_curves(fit, v)
-        axis.plot(v, width * (straight + breaking), **WHOLE, label="fitted mixture, Eq. 3")
-        axis.plot(v, width * straight, **FIRST, label="straight")
-        axis.plot(v, width * breaking, **SECOND, label="breaking")
-        axis.set_title(title, fontsize=10)
-        axis.set_xlabel("speed at release, km/h")
-        axis.set_ylabel(f"share of pitches per {width:.2g} km/h")
-        axis.text(0.03, 0.95, f"R² = {fit.r_squared:.4f}", transform=axis.transAxes, va="top")
-        axis.set_ylim(bottom=0.0)
-    axes[0].legend(fontsize=8, loc="center left", frameon=False)
-    return figure
+def _ours(example: FittedPitches) -> str:
+    return f"{example.rows_used:,} MLB pitches of 11 June 2023"
+
+
+def draw_speeds(report: Path, example: FittedPitches, synthetic: FittedPitches) -> None:
+    """Draw the counterpart of Fig. 2."""
+    with figure(report, "pitch_fits_fig2", columns=2, size=(9.6, 3.8)) as panels:
+        titles = (THEIRS, _ours(example))
+        for axes, fitted, title in zip(panels, (synthetic, example), titles, strict=True):
+            histogram, fit = fitted.speed.histogram, fitted.speed.least_squares
+            edges = np.array(histogram.edges) * 3.6
+            width = edges[1] - edges[0]
+            counts = np.array(histogram.straight) + np.array(histogram.breaking)
+            middles = (edges[1:] + edges[:-1]) / 2
+            axes.plot(middles, counts / counts.sum(), **CIRCLES, label="pitches")
+            v = np.linspace(edges[0], edges[-1], 400)
+            straight, breaking = _speed_curves(fit, v)
+            axes.plot(v, width * (straight + breaking), **WHOLE, label="fitted mixture, Eq. 3")
+            axes.plot(v, width * straight, **FIRST, label="straight")
+            axes.plot(v, width * breaking, **SECOND, label="breaking")
+            axes.set(title=title, xlabel="speed at release, km/h")
+            axes.set_ylabel(f"share of pitches per {width:.2g} km/h")
+            axes.text(0.03, 0.95, f"R² = {fit.r_squared:.4f}", transform=axes.transAxes, va="top")
+            axes.set_ylim(bottom=0.0)
+        panels[0].legend(fontsize="small", loc="center left")
 
 
 def _speed_curves(fit: SpeedFit, v: Floats) -> tuple[Floats, Floats]:
@@ -381,28 +360,24 @@ def _speed_curves(fit: SpeedFit, v: Floats) -> tuple[Floats, Floats]:
     )
 
 
-def draw_aims(example: FittedPitches, synthetic: FittedPitches) -> Figure:
-    """Return the counterpart of Fig. 3."""
-    figure, axes = _panels(2, sharey=True)
+def draw_aims(report: Path, example: FittedPitches, synthetic: FittedPitches) -> None:
+    """Draw the counterpart of Fig. 3."""
     y = np.linspace(-1.5, 7.5, 500)
-    _draw_aim(axes[0], synthetic, synthetic.aim.least_squares, y)
-    axes[0].set_title(f"{PITCHES:,} pitches drawn from the paper's fits", fontsize=10)
-    axes[1].hist(
-        read_pitches(EXAMPLE).across, np.arange(-1.5, 7.51, 0.25).tolist(), density=True,
-        histtype="stepfilled", facecolor="0.85", edgecolor="0.6",
-        label="places in quarters of a cell",
-    )  # fmt: skip
-    _draw_aim(axes[1], example, example.aim.maximum_likelihood, y)
-    axes[1].set_title(f"{example.rows_used:,} MLB pitches of 11 June 2023", fontsize=10)
-    for axis in axes:
-        axis.set_xlabel("cell across the plate, from the pitcher's left")
-        axis.set_xticks(range(-1, 8))
-        axis.set_ylim(0.0, 0.4)
-        for edge in (1.5, 4.5):
-            axis.axvline(edge, ymax=0.68, color="0.4", linewidth=0.8, linestyle=(0, (1, 3)))
-        axis.legend(fontsize=8, loc="upper right", frameon=False)
-    axes[0].set_ylabel("share of a cell; density per cell")
-    return figure
+    with figure(report, "pitch_fits_fig3", columns=2, size=(9.6, 3.8)) as (left, right):
+        _draw_aim(left, synthetic, synthetic.aim.least_squares, y)
+        right.hist(
+            read_pitches(EXAMPLE).across, np.arange(-1.5, 7.51, 0.25).tolist(), density=True,
+            histtype="stepfilled", facecolor="0.85", edgecolor="0.6",
+            label="places in quarters of a cell",
+        )  # fmt: skip
+        _draw_aim(right, example, example.aim.maximum_likelihood, y)
+        for axes, title in ((left, THEIRS), (right, _ours(example))):
+            axes.set(title=title, xlabel="cell across the plate, from the pitcher's left")
+            axes.set(xticks=range(-1, 8), ylim=(0.0, 0.4))
+            for edge in (1.5, 4.5):
+                axes.axvline(edge, ymax=0.68, color="0.4", linewidth=0.8, linestyle=(0, (1, 3)))
+            axes.legend(fontsize="small", loc="upper right")
+        left.set_ylabel("share of a cell; density per cell")
 
 
 def _draw_aim(axis: Axes, fitted: FittedPitches, fit: AimFit, y: Floats) -> None:
@@ -416,61 +391,47 @@ def _draw_aim(axis: Axes, fitted: FittedPitches, fit: AimFit, y: Floats) -> None
     axis.plot(range(1, 6), shares, **CIRCLES, label="cells (1 and 5 are open)")
 
 
-def draw_heights(example: FittedPitches) -> Figure:
-    """Return the counterpart of Fig. 4."""
+def draw_heights(report: Path, example: FittedPitches) -> None:
+    """Draw the counterpart of Fig. 4."""
     assert example.height is not None
-    figure, (axis,) = _panels(1)
     shares = example.height.shares
-    axis.errorbar(
-        range(1, 6), [share.value for share in shares],
-        yerr=[2 * (share.standard_error or 0.0) for share in shares], capsize=3, **CIRCLES,
-    )  # fmt: skip
-    axis.set_title(f"{example.rows_used:,} MLB pitches of 11 June 2023", fontsize=10)
-    axis.set_xlabel("cell in height, from the lowest (1 and 5 are open)")
-    axis.set_ylabel("share of pitches ± 2 standard errors")
-    axis.set_xticks(range(1, 6))
-    axis.set_ylim(0.0, 0.3)
-    return figure
-
-
-def draw_determination(determination: Rows) -> Figure:
-    """Return a picture of R² against the width of the bins."""
-    figure, (axis,) = _panels(1)
-    for what, label, color, marker, line in (
-        ("speed", "normal density", "black", "o", "-"),
-        ("speed as printed", "Eq. 2 as printed", "tab:red", "s", "--"),
-    ):
-        rows = [row for row in determination if row["what"] == what]
-        low, middle, high = (
-            np.array([row[key] for row in rows]) for key in ("low", "median", "high")
-        )
-        axis.errorbar(
-            [row["bin_width"] for row in rows], middle, yerr=[middle - low, high - middle],
-            color=color, marker=marker, linestyle=line, markerfacecolor="white", capsize=3,
-            label=label,
+    with figure(report, "pitch_fits_fig4", size=(4.8, 3.8)) as (axes,):
+        axes.errorbar(
+            range(1, 6), [share.value for share in shares],
+            yerr=[2 * (share.standard_error or 0.0) for share in shares], capsize=3, **CIRCLES,
         )  # fmt: skip
-    printed = PRINTED_R_SQUARED["speed"]
-    axis.axhline(printed, color="0.4", linestyle=":", label=f"printed: {printed}")
-    axis.set_xlabel("width of the bins, km/h")
-    axis.set_ylabel("R² (median, 5 % to 95 % of draws)")
-    axis.set_title(f"{PITCHES:,} pitches drawn from the paper's fits", fontsize=10)
-    axis.legend(fontsize=8, loc="center left", frameon=False)
-    return figure
+        axes.set(title=_ours(example), xticks=range(1, 6), ylim=(0.0, 0.3))
+        axes.set_xlabel("cell in height, from the lowest (1 and 5 are open)")
+        axes.set_ylabel("share of pitches ± 2 standard errors")
+
+
+def draw_determination(report: Path, determination: Rows) -> None:
+    """Draw R² against the width of the bins."""
+    with figure(report, "pitch_fits_r_squared", size=(4.8, 3.8)) as (axes,):
+        for what, label, color, marker, line in (
+            ("speed", "normal density", "black", "o", "-"),
+            ("speed as printed", "Eq. 2 as printed", "tab:red", "s", "--"),
+        ):
+            rows = pd.DataFrame([row for row in determination if row["what"] == what])
+            axes.errorbar(
+                rows["bin_width"], rows["median"],
+                yerr=[rows["median"] - rows["low"], rows["high"] - rows["median"]],
+                color=color, marker=marker, linestyle=line, markerfacecolor="white", capsize=3,
+                label=label,
+            )  # fmt: skip
+        printed = PRINTED_R_SQUARED["speed"]
+        axes.axhline(printed, color="0.4", linestyle=":", label=f"printed: {printed}")
+        axes.set(title=THEIRS, xlabel="width of the bins, km/h")
+        axes.set_ylabel("R² (median, 5 % to 95 % of draws)")
+        axes.legend(fontsize="small", loc="center left")
 
 
 # --- the report -----------------------------------------------------------------------------------
 
 
-def write(
-    example: FittedPitches,
-    synthetic: FittedPitches,
-    counterparts: Rows,
-    coverage: Rows,
-    determination: Rows,
-    grid: Rows,
-    classes: Rows,
-) -> str:
+def write(example: FittedPitches, synthetic: FittedPitches, found: Found) -> str:
     """Return the report in Markdown; every number and verdict in it comes from the fits."""
+    counterparts, coverage, determination, grid, classes = found
     introduction = (
         "Written by `python -m analysis pitch_fits`. The paper's 1,548 pitches were not published. "
         f"What it prints is held against {PITCHES:,} and 10⁶ pitches drawn from its own fits, put "
@@ -489,26 +450,21 @@ def write(
         _counterpart_table(counterparts, "least_squares", "Curves through histograms"),
         _on_coverage(coverage),
         "### Fig. 2: speeds",
-        "![Speeds](figures/pitch_fits_fig2.png)",
+        shown("pitch_fits_fig2", "Fig. 2: speeds at release."),
         _on_r_squared(example, synthetic, determination),
-        "![R² and bins](figures/pitch_fits_r_squared.png)",
+        shown("pitch_fits_r_squared", "R² of Fig. 2 against the width of the bins."),
         _on_equation_2(determination),
         _on_classes(classes),
         "### Fig. 3: across the plate",
-        "![Across the plate](figures/pitch_fits_fig3.png)",
+        shown("pitch_fits_fig3", "Fig. 3: places across the plate."),
         _on_r_squared_of_aims(determination),
         _on_spread(),
         _on_peaks(example, grid),
         "### Fig. 4: heights",
-        "![Heights](figures/pitch_fits_fig4.png)",
+        shown("pitch_fits_fig4", "Fig. 4: heights over the plate."),
         _on_heights(example),
     )
     return "\n\n".join(sections) + "\n"
-
-
-def _table(header: list[str], rows: list[list[str]]) -> str:
-    lines = [header, ["---"] * len(header), *rows]
-    return "\n".join("| " + " | ".join(line) + " |" for line in lines)
 
 
 def _counterpart_table(counterparts: Rows, method: str, title: str) -> str:
@@ -529,7 +485,7 @@ def _counterpart_table(counterparts: Rows, method: str, title: str) -> str:
             ]
         )
     header = [title, "printed", f"{PITCHES:,} drawn", "difference", "verdict", "10⁶ drawn", "MLB"]
-    return _table(header, lines)
+    return markdown_table(header, lines)
 
 
 def _with_error(value: float, error: float | None, digits: int) -> str:
@@ -555,13 +511,12 @@ def _on_r_squared(example: FittedPitches, synthetic: FittedPitches, determinatio
     speed = [row for row in determination if row["what"] == "speed"]
     fitting = [row["bin_width"] for row in speed if row["low"] <= printed <= row["high"]]
     narrow = speed[0]
+    verdict = f"No width of bin tried gives the printed {printed}: **not reproduced**."
     if fitting:
         verdict = (
             f"The printed {printed} is what bins of {', '.join(f'{w:g}' for w in fitting)} km/h "
             "give: **consistent**, with a width of bin that the paper does not state."
         )
-    else:
-        verdict = f"No width of bin tried gives the printed {printed}: **not reproduced**."
     return (
         f"Coefficient of determination. If the printed mixture is the truth, {PITCHES:,} pitches "
         f"in bins of {narrow['bin_width']:g} km/h, the step of the source, give "
@@ -575,14 +530,13 @@ def _on_r_squared(example: FittedPitches, synthetic: FittedPitches, determinatio
 def _on_equation_2(determination: Rows) -> str:
     printed = PRINTED_R_SQUARED["speed"]
     best = max(row["high"] for row in determination if row["what"] == "speed as printed")
+    verdict = (
+        "It is **not** the curve that was fitted. The ledger's speed_spread = standard_deviation "
+        "stands; as_printed, a σ that is √2 times the standard deviation, needs a second slip, in "
+        "the prefactor."
+    )
     if best >= printed:
         verdict = "It cannot be told from a density in this way."
-    else:
-        verdict = (
-            "It is **not** the curve that was fitted. The ledger's speed_spread = "
-            "standard_deviation stands; as_printed, a σ that is √2 times the standard deviation, "
-            "needs a second slip, in the prefactor."
-        )
     return (
         "Eq. 2 as printed lacks the 2 of its exponent, and its integral is 1/√2. That very curve, "
         "laid through the same histograms, stays below an R² of "
@@ -591,22 +545,15 @@ def _on_equation_2(determination: Rows) -> str:
 
 
 def _on_classes(classes: Rows) -> str:
-    lines = [
-        [
-            row["straight"],
-            f"{row['weight']:.3f}",
-            f"{row['straight_mean']:.1f}",
-            f"{row['straight_spread']:.2f}",
-            f"{row['breaking_mean']:.1f}",
-            f"{row['breaking_spread']:.2f}",
-            f"{row['r_squared']:.4f}",
-        ]
-        for row in classes
-    ]
+    head = {
+        "straight": "", "weight": ".3f", "straight_mean": ".1f", "straight_spread": ".2f",
+        "breaking_mean": ".1f", "breaking_spread": ".2f", "r_squared": ".4f",
+    }  # fmt: skip
+    lines = [[format(row[key], digits) for key, digits in head.items()] for row in classes]
     return (
         "What counts as straight, in the MLB pitches (maximum likelihood, km/h; R² of the curves "
         "through the histogram):\n\n"
-        + _table(["straight", "p", "μ₁", "σ₁", "μ₂", "σ₂", "R²"], lines)
+        + markdown_table(["straight", "p", "μ₁", "σ₁", "μ₂", "σ₂", "R²"], lines)
     )
 
 
@@ -655,7 +602,7 @@ def _on_peaks(example: FittedPitches, grid: Rows) -> str:
         f"**{'one' if peaks == 1 else 'two'}**. A mixture gains {gain:.1f} in 2 ln L over one "
         "normal distribution with two parameters less, where 4 would be nothing. Two peaks are "
         "found " + (f"for: {', '.join(two)}." if two else "in none of the cases below.") + "\n\n"
-        + _table(["case", "pitches", "1", "2", "3", "4", "5", "peaks", "2 Δ ln L"], lines)
+        + markdown_table(["case", "pitches", "1", "2", "3", "4", "5", "peaks", "2 Δ ln L"], lines)
         + "\n\nShares by cell, the outer two open; the paper's curve has "
         + ", ".join(f"{share:.3f}" for share in printed_density(np.arange(1.0, 6.0)))
         + ". It is another league, and a chart whose cells are drawn to no stated measure: these "

@@ -14,15 +14,14 @@ def run(report: Path, full: bool) -> str:
     time, and below in the section.
     """
     found, default = combinations.study(), combinations.default_trial()
-    best = found.best
-    cases = {"default": (default.base, default.space), "nearest": (best.base, best.space)}
+    cases = combinations.cases()
     return "\n".join(
         [
             "## Which reading gives the paper's numbers?\n",
             "Written by `python -m analysis readings`.\n",
             switches.section(report, cases),
             numbers.section(report, cases),
-            combinations.section(report, found, default, [combinations.stepped(best)]),
+            combinations.section(report, found, default, [combinations.stepped(found.best)]),
             numbers.sensitivities(report, cases),
             variance.section(report, {name: base for name, (base, _) in cases.items()}),
         ]

@@ -5,28 +5,34 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
 from pydantic import ValidationError
 
-from analysis.paper.balls import SPACES, Balls, Share, Space, cores, strike, strike_in_steps, told
-from analysis.paper.combinations import RADII, STEP
+from analysis.paper.balls import (
+    SPACES,
+    Balls,
+    Base,
+    Share,
+    Space,
+    cores,
+    describe,
+    strike,
+    strike_in_steps,
+)
+from analysis.paper.combinations import RADII, STEP, Cases
 from analysis.paper.printed import P_TEXT
 from analysis.writing import figure, shown, table
+from longball.engines.verlet import Verlet
 from longball.home_run import PAPER_CURVES, RESTITUTIONS, draw, paper_at_bats
-from longball.model.readings import LEDGER, Reading
-from longball.model.scene import AtBatScene
+from longball.model.readings import LEDGER, SCHEME_OPTIONS, Reading, SamplingReading
 
 SAMPLES = 100_000
 STEPPED_SAMPLES = 40_000
 SEED = 1
 E = P_TEXT[0]
-
-# Those of the printed scheme, which only the engine verlet asks for; and the one that chooses
-# between the paper's own two curves, which moves nothing of ours.
-OF_THE_SCHEME = ("verlet_forces", "verlet_landing", "appendix_b_root")
-OF_THE_PAPER = ("fig7_parameters",)
 
 
 @dataclass(frozen=True)
@@ -57,41 +63,42 @@ class Turned:
         return f"{self.switch} = {self.option}"
 
 
-def options(base: AtBatScene, space: Space) -> Iterator[tuple[str, str, AtBatScene, Space]]:
+def options(base: Base, space: Space) -> Iterator[tuple[str, str, Base, Space]]:
     """Yield each switch with each option that is not the one chosen, and what it makes.
 
     Two that are not in the ledger come last: a ball 0.0366 m wide, and flies alone.
     """
     for entry in LEDGER:
-        if entry.switch in (*OF_THE_SCHEME, *OF_THE_PAPER, "sample_space"):
+        if entry.switch == "sample_space":
             continue
         for option in entry.options:
-            if entry.switch not in Reading.model_fields:
-                continue
-            reading = turned_to(base.reading, entry.switch, option)
-            if reading is not None and reading != base.reading:
-                yield entry.switch, option, base.model_copy(update={"reading": reading}), space
-    for other in SPACES:
-        if other != space:
-            yield "samples", other.name, base, other
+            other = turned_to(base, entry.switch, option)
+            if other is not None and other != base:
+                yield entry.switch, option, other, space
+    for other_space in SPACES:
+        if other_space != space:
+            yield "samples", other_space.name, base, other_space
     for radius in RADII:
-        if radius != base.ball.radius:
-            ball = base.ball.model_copy(update={"radius": radius})
-            yield "ball.radius", f"{radius:g}", base.model_copy(update={"ball": ball}), space
+        if radius != base.scene.ball.radius:
+            yield "ball.radius", f"{radius:g}", base.replaced({"ball.radius": radius}), space
 
 
-def turned_to(reading: Reading, switch: str, option: str) -> Reading | None:
-    """Return a reading with one switch set; None where the ledger calls it a contradiction."""
-    number = Reading.model_fields[switch].annotation is float
+def turned_to(base: Base, switch: str, option: str) -> Base | None:
+    """Return a reading with one switch set; None if it has no such switch, or contradicts it."""
+    scene, sampling = base
+    if switch in SamplingReading.model_fields:
+        number = SamplingReading.model_fields[switch].annotation is float
+        value = float(option) if number else option
+        switches = sampling.model_dump() | {switch: value}
+        return Base(scene, SamplingReading.model_validate(switches))
     try:
-        return Reading.model_validate(
-            reading.model_dump() | {switch: float(option) if number else option}
-        )
+        reading = Reading.model_validate(scene.reading.model_dump() | {switch: option})
     except ValidationError:
         return None
+    return Base(scene.model_copy(update={"reading": reading}), sampling)
 
 
-def turn(base: AtBatScene, space: Space) -> tuple[Share, list[Turned]]:
+def turn(base: Base, space: Space) -> tuple[Share, list[Turned]]:
     """Return P(0.42) of a reading, and all that comes of turning one switch."""
     before = [space.share(balls) for balls in struck(base)]
     at = RESTITUTIONS.index(E)
@@ -103,9 +110,9 @@ def turn(base: AtBatScene, space: Space) -> tuple[Share, list[Turned]]:
     return before[at], found
 
 
-def struck(base: AtBatScene) -> list[Balls]:
+def struck(base: Base) -> list[Balls]:
     """Return what becomes of the same random numbers under a reading."""
-    samples = draw(paper_at_bats(base.reading), SAMPLES, SEED)
+    samples = draw(paper_at_bats(base.sampling), SAMPLES, SEED)
     return strike(base, samples, RESTITUTIONS, threads=cores())
 
 
@@ -142,21 +149,17 @@ class Scheme:
     change_error: float
 
 
-def turn_scheme(base: AtBatScene, space: Space) -> list[Scheme]:
+def turn_scheme(base: Base, space: Space) -> list[Scheme]:
     """Return what becomes of a reading by the printed scheme, under each of its switches."""
     found = []
     before: Share | None = None
-    for entry in LEDGER:
-        if entry.switch not in OF_THE_SCHEME:
-            continue
+    for entry in (one for one in LEDGER if one.belongs == "scheme"):
         for option in entry.options:
             usual = option == entry.options[0]
             if usual and before:
                 continue
-            reading = turned_to(base.reading, entry.switch, option)
-            assert reading is not None  # the scheme's switches contradict nothing
-            other = base.model_copy(update={"reading": reading})
-            (balls,) = strike_in_steps(other, STEPPED_SAMPLES, SEED, [E], STEP)
+            scheme: Any = {"dt": STEP, SCHEME_OPTIONS[entry.switch]: option}
+            (balls,) = strike_in_steps(base, STEPPED_SAMPLES, SEED, [E], Verlet(**scheme))
             share = space.share(balls)
             before = before or share
             change, error = share.above(before)
@@ -177,7 +180,7 @@ def turn_scheme(base: AtBatScene, space: Space) -> list[Scheme]:
 # --- the report -----------------------------------------------------------------------------------
 
 
-def section(report: Path, cases: dict[str, tuple[AtBatScene, Space]]) -> str:
+def section(report: Path, cases: Cases) -> str:
     """Write the section: each reading with each switch turned."""
     found = {name: turn(base, space) for name, (base, space) in cases.items()}
     draw_tornado(report, found)
@@ -213,11 +216,9 @@ def section(report: Path, cases: dict[str, tuple[AtBatScene, Space]]) -> str:
     )
 
 
-def on_switches(
-    cases: dict[str, tuple[AtBatScene, Space]], found: dict[str, tuple[Share, list[Turned]]]
-) -> str:
+def on_switches(cases: Cases, found: dict[str, tuple[Share, list[Turned]]]) -> str:
     """Say which switches move P most, and whether one of them is enough."""
-    words = [
+    sentences = [
         f"The same {SAMPLES:,} random at-bats (seed {SEED}) for every reading; ± is the standard "
         "error of the change, which is smaller than that of P itself. The ball 0.0366 m wide and "
         "the flies are not in the ledger: see below."
@@ -229,25 +230,23 @@ def on_switches(
         still = [one for one in turned if abs(one.change) < 2 * one.change_error]
         order = sorted(turned, key=lambda one: -abs(one.change))
         high = [one for one in turned if one.p >= 0.9 * wanted]
-        words.append(
-            f"**From the {name} reading** ({told(base, space)}): P({E}) = {before.p:.4f}. Most is "
-            "moved by "
+        sentences.append(
+            f"**From the {name} reading** ({describe(base, space)}): P({E}) = {before.p:.4f}. Most "
+            "is moved by "
             + ", ".join(f"{one.name} ({one.change:+.4f})" for one in order[:3])
             + (f"; not to be seen: {', '.join(one.name for one in still)}." if still else ".")
         )
+        reached = ", ".join(
+            f"{one.name} ({one.p:.3f}, with dP/de = {one.slope:.2f} for the caption's {steep:.2f})"
+            for one in high
+        )
         if before.p < 0.9 * wanted:
-            words.append(
-                f"The caption's {wanted:.3f} is reached, or nearly, by "
-                + ", ".join(
-                    f"{one.name} ({one.p:.3f}, with dP/de = {one.slope:.2f} for the caption's "
-                    f"{steep:.2f})"
-                    for one in high
-                )
-                + "."
+            sentences.append(
+                f"The caption's {wanted:.3f} is reached, or nearly, by {reached}."
                 if high
                 else f"No switch alone reaches the caption's {wanted:.3f}."
             )
-    return " ".join(words) + "\n"
+    return " ".join(sentences) + "\n"
 
 
 def on_scheme(report: Path, found: Sequence[Scheme]) -> str:
@@ -265,19 +264,14 @@ def on_scheme(report: Path, found: Sequence[Scheme]) -> str:
         ]
     )
     seen = [one for one in found if one.option and abs(one.change) > 2 * one.change_error]
+    moved = ", ".join(f"{one.switch} = {one.option} ({one.change:+.3f})" for one in seen)
+    verdict = "None of them moves P by more than two standard errors."
+    if seen:
+        verdict = f"More than two standard errors from the default: {moved}."
     return (
         f"They act on velocity Verlet with Δt = {STEP} s alone. The nearest reading, "
         f"{STEPPED_SAMPLES:,} pitches, all but a few of which pass the bat between two steps "
-        "unseen:\n\n"
-        + table(report, "paper_scheme", rows)
-        + "\n"
-        + (
-            "More than two standard errors from the default: "
-            + ", ".join(f"{one.switch} = {one.option} ({one.change:+.3f})" for one in seen)
-            + ".\n"
-            if seen
-            else "None of them moves P by more than two standard errors.\n"
-        )
+        f"unseen:\n\n{table(report, 'paper_scheme', rows)}\n{verdict}\n"
     )
 
 

@@ -9,10 +9,9 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from analysis.paper.balls import SPACES, cores, strike, told
+from analysis.paper.balls import SPACES, Base, cores, describe, strike
 from analysis.writing import table
 from longball.home_run import HOME_RUN_DISTANCE, Samples, draw, paper_at_bats
-from longball.model.scene import AtBatScene
 
 Array = NDArray[np.float64]
 
@@ -77,7 +76,7 @@ def _saltelli_jansen(a: Array, b: Array, mixed: Array) -> Array:
     return np.array([first, total])
 
 
-def quantities(base: AtBatScene, samples: Samples) -> dict[str, Array]:
+def quantities(base: Base, samples: Samples) -> dict[str, Array]:
     """Return what is asked of at-bats: D, 0 for a miss, and whether it is a home run's."""
     (balls,) = strike(base, samples, [E], threads=cores())
     distance = np.where(balls.batted, balls.distance, 0.0)
@@ -89,9 +88,9 @@ def quantities(base: AtBatScene, samples: Samples) -> dict[str, Array]:
     }
 
 
-def analyse(base: AtBatScene) -> dict[str, Indices]:
+def analyse(base: Base) -> dict[str, Indices]:
     """Return the indices of each quantity."""
-    at_bats = paper_at_bats(base.reading)
+    at_bats = paper_at_bats(base.sampling)
     one, other = (draw(at_bats, SAMPLES, seed) for seed in SEEDS)
     a, b = quantities(base, one), quantities(base, other)
     mixed = [quantities(base, replace(one, **{name: getattr(other, name)})) for name in INPUTS]
@@ -101,7 +100,7 @@ def analyse(base: AtBatScene) -> dict[str, Indices]:
     }
 
 
-def section(report: Path, bases: dict[str, AtBatScene]) -> str:
+def section(report: Path, bases: dict[str, Base]) -> str:
     """Write the section."""
     found = {name: analyse(base) for name, base in bases.items()}
     rows = [
@@ -118,7 +117,7 @@ def section(report: Path, bases: dict[str, AtBatScene]) -> str:
         for name, by_quantity in found.items()
         for what, one in by_quantity.items()
     ]
-    named = "; ".join(f"{name}: {told(base, SPACES[0])}" for name, base in bases.items())
+    named = "; ".join(f"{name}: {describe(base, SPACES[0])}" for name, base in bases.items())
     return "\n".join(
         [
             "### Where the scatter of D comes from\n",
@@ -126,12 +125,12 @@ def section(report: Path, bases: dict[str, AtBatScene]) -> str:
             f"and the share that it has a part in, ± one standard error (bootstrap, {RESAMPLES} "
             f"resamples of {SAMPLES:,}). A miss has D = 0. Readings: {named}.\n",
             table(report, "paper_sobol", pd.DataFrame(rows)),
-            *(words(name, by_quantity) for name, by_quantity in found.items()),
+            *(describe_indices(name, by_quantity) for name, by_quantity in found.items()),
         ]
     )
 
 
-def words(name: str, found: dict[str, Indices]) -> str:
+def describe_indices(name: str, found: dict[str, Indices]) -> str:
     """Say which input rules, and whether inputs act alone."""
     labels = list(INPUTS.values())
     distance = found["D"]

@@ -6,14 +6,14 @@ installed is left out, and named.
 
 from __future__ import annotations
 
-import statistics
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
 from analysis.speed_error import contenders, measuring, pictures
-from analysis.speed_error.work import SEED, TRUE_DIGITS, Work, at_bats, flights, truth
+from analysis.speed_error.peers import HeyokaBatch
+from analysis.speed_error.work import SEED, TRUE_DIGITS, Known, at_bats, flights, known
 from analysis.writing import shown, table
 from longball.engines.batch import Batch
 
@@ -24,13 +24,15 @@ SCENES, FULL_SCENES = 100, 300  # of which the errors are looked at
 _SHORT = (
     f"batch, {Batch().tolerance:g} m",
     "batch, 1e-08 m",
-    "heyoka, default",
+    "heyoka batch, default",
+    "heyoka scalar, default",
     "diffrax Tsit5, 1e-09",
     "diffrax Dopri8, 1e-12",
     "CVODE Adams, 1e-12",
     "scipy DOP853, 1e-12",
     "scipy RK45, 1e-12",
     "scipy LSODA, 1e-12",
+    "ivp Taylor, default",
     "ivp DOP853, 5e-14",
     "ivp RK45, 1e-12",
     "ivp LSODA, 1e-12",
@@ -45,10 +47,7 @@ def run(report: Path, full: bool) -> str:
     """Measure flights and at-bats; write tables, pictures and the section."""
     rounds, count = (FULL_ROUNDS, FULL_SCENES) if full else (ROUNDS, SCENES)
     size = max(count, contenders.COMPILED)
-    measured = [
-        measure(kind, work, count, rounds)
-        for kind, work in {"flight": flights(size), "at-bat": at_bats(size)}.items()
-    ]
+    measured = [measure(known(work, count), rounds) for work in (flights(size), at_bats(size))]
     table(report, "speed_error_timings", pd.concat([timings for timings, _ in measured]))
     whole = pd.concat([rows for _, rows in measured], ignore_index=True)
     rounded = whole.map(lambda value: float(f"{value:.3g}") if isinstance(value, float) else value)
@@ -76,8 +75,9 @@ def section(report: Path, whole: pd.DataFrame, rounds: int, count: int, full: bo
             found(whole),
             table(report, "speed_error_short", short(whole)),
             "*Scipy*, *CVODE*, *diffrax* and *heyoka* find their events themselves; their chain of "
-            "an at-bat is longball's, over columns. *Missed*: the bat was not noticed, of at-bats "
-            "with a contact; errors of D are over those that were noticed. *ivp*, *verlet*, "
+            f"an at-bat is longball's, over columns. *heyoka batch* takes {HeyokaBatch.lanes} "
+            "flights of like duration at once. *Missed*: the bat was not noticed, of at-bats with "
+            "a contact; errors of D are over those that were noticed. *ivp*, *verlet*, "
             "*enclosure* and *multiprecision* solve scene by scene, each result made and "
             "checked.\n",
             shown(
@@ -97,37 +97,31 @@ def section(report: Path, whole: pd.DataFrame, rounds: int, count: int, full: bo
     )
 
 
-def measure(kind: str, work: Work, count: int, rounds: int) -> tuple[pd.DataFrame, pd.DataFrame]:
+def measure(given: Known, rounds: int) -> tuple[pd.DataFrame, pd.DataFrame]:
     """Return the timings of one kind of work, a row a turn, and their summary with the errors."""
     entrants = [
         *contenders.longball_engines(),
-        *contenders.plain_scipy(work),
-        *contenders.installed_peers(work),
+        *contenders.plain_scipy(given.work),
+        *contenders.installed_peers(),
     ]
-    seconds = measuring.seconds([(entrant, work) for entrant in entrants], rounds)
-    measure = next(s for e, s in zip(entrants, seconds, strict=True) if e.name == _SHORT[0])
-    known = work.first(count)
-    true = truth(known)
+    measured = measuring.measure([(entrant, given) for entrant in entrants], rounds)
+    unit = next(found for found in measured if found.contender.name == _SHORT[0])
     timings, rows = [], []
-    for entrant, mine in zip(entrants, seconds, strict=True):
-        some = known.first(entrant.most) if entrant.most else known
-        errors = measuring.errors(entrant.solve(some), true[: len(some)])
+    for found in measured:
+        entrant = found.contender
         whose: dict[str, object] = {
-            "work": kind,
+            "work": given.work.base.kind,
             "method": entrant.family,
             "setting": entrant.setting,
         }
-        rows.append(
-            whose
-            | {
-                "time each, µs": 1e6 * statistics.median(mine),
-                "ratio": measuring.ratio(mine, measure),
-            }
-            | errors.row()
-        )
+        times = {
+            "time each, µs": found.microseconds,
+            "ratio": measuring.ratio(found.seconds, unit.seconds),
+        }
+        rows.append(whose | times | found.errors.row())
         timings += [
             whose | {"round": i, "scenes": entrant.turn, "time, s": f"{entrant.turn * s:.6g}"}
-            for i, s in enumerate(mine, 1)
+            for i, s in enumerate(found.seconds, 1)
         ]
     return pd.DataFrame(timings), pd.DataFrame(rows)
 
@@ -143,7 +137,9 @@ def short(whole: pd.DataFrame) -> pd.DataFrame:
                 "ratio": f"{flight[name]['ratio']:.3g}",
                 "worst error of D, m": f"{flight[name]['worst error, m']:.1e}",
                 "at-bat, µs": f"{at_bat[name]['time each, µs']:.3g}",
-                "at-bats: worst error of D, m": _or_none(at_bat[name]["worst error, m"]),
+                "at-bats: worst error of D, m": f"{at_bat[name]['worst error, m']:.1e}".replace(
+                    "nan", "–"
+                ),
                 "contacts missed": f"{at_bat[name]['missed'] / at_bat[name]['contacts']:.1%}",
             }
             for name in _SHORT
@@ -157,10 +153,6 @@ def by_name(whole: pd.DataFrame, kind: str) -> dict[str, dict[str, Any]]:
     chosen = whole[whole["work"] == kind]
     rows = (dict(zip(chosen.columns, row, strict=True)) for row in chosen.itertuples(index=False))
     return {f"{row['method']}, {row['setting']}": row for row in rows}
-
-
-def _or_none(error: float) -> str:
-    return "–" if error != error else f"{error:.1e}"
 
 
 def found(whole: pd.DataFrame) -> str:
@@ -181,9 +173,9 @@ def found(whole: pd.DataFrame) -> str:
         shares.setdefault(row["method"], []).append(row["missed"] / row["contacts"])
     never = [method for method, share in shares.items() if max(share) == 0.0]
     missing = [
-        f"{method} {_percent(min(share), max(share))}"
+        f"{method} " + " to ".join(dict.fromkeys(f"{x:.0%}" for x in (min(share), max(share))))
         for method, share in shares.items()
-        if method not in never
+        if max(share) > 0.0
     ]
     return (
         f"**Flights.** The batch engine lands a ball in {best['time each, µs']:.2g} µs, off by "
@@ -196,7 +188,3 @@ def found(whole: pd.DataFrame) -> str:
         "as slow as the engine `ivp`, which looks for the closest approach. "
         "Who misses the bat has no batted ball to fly, which makes those at-bats look cheap.\n"
     )
-
-
-def _percent(least: float, most: float) -> str:
-    return f"{least:.0%}" if least == most else f"{least:.0%} to {most:.0%}"

@@ -7,19 +7,19 @@ from dataclasses import dataclass
 from importlib.util import find_spec
 from typing import Any
 
+import numpy as np
+
 from analysis.speed_error import peers
 from analysis.speed_error.work import Work
-from longball.engines.at_bat import solve
 from longball.engines.batch import Batch, solve_columns
-from longball.engines.batch.chain import Fleet
+from longball.engines.batch.columns import BatchFlyer
 from longball.engines.batch.many import BLOCK
+from longball.engines.chain import solve
 from longball.engines.enclosure import Enclosure
 from longball.engines.engine import Engine
 from longball.engines.ivp import Ivp
 from longball.engines.multiprecision import Multiprecision
 from longball.engines.verlet import TREATMENTS, Verlet
-from longball.model.motion import Forces, forces
-from longball.model.numbers import DOUBLES
 from longball.model.result import Number
 from longball.model.scene import AtBatScene
 
@@ -29,10 +29,11 @@ PEERS = {"heyoka": "heyoka", "diffrax": "diffrax", "scikit-sundae": "sksundae"}
 
 @dataclass(frozen=True)
 class Answers:
-    """Outcomes (empty: no answer) and distances D, m (None: none), a scene each."""
+    """Outcomes (empty: no answer), distances D, m, and times of landing, s (None: none)."""
 
     outcomes: Sequence[str]
     distances: Sequence[Number | None]
+    times: Sequence[Number | None]
 
 
 @dataclass(frozen=True)
@@ -65,13 +66,17 @@ class Contender:
         return f"{self.family}, {self.setting}"
 
 
-def in_columns(fleet: Fleet) -> Callable[[Work], Answers]:
-    """Return how the batch chain solves the work."""
+def in_columns(flyer: BatchFlyer) -> Callable[[Work], Answers]:
+    """Return how the work is solved over columns."""
 
     def solved(work: Work) -> Answers:
-        table = solve_columns(work.base, work.columns, fleet)
-        distances = table["landing.distance"].tolist()
-        return Answers(table["outcome"].tolist(), [d if d == d else None for d in distances])
+        table = solve_columns(work.base, work.columns, flyer)
+        nothing = np.full(len(work), np.nan)  # where no ball lands, there is no such column
+        distances, times = (
+            [x if x == x else None for x in table.get(f"landing.{name}", nothing).tolist()]
+            for name in ("distance", "time")
+        )
+        return Answers(table["outcome"].tolist(), distances, times)
 
     return solved
 
@@ -84,6 +89,7 @@ def one_by_one(engine: Engine[Any]) -> Callable[[Work], Answers]:
         return Answers(
             [result.outcome or "" for result in results],
             [result.landing.distance if result.landing else None for result in results],
+            [result.landing.time if result.landing else None for result in results],
         )
 
     return solved
@@ -98,24 +104,28 @@ def batch(tolerance: float) -> Contender:
     return Contender("batch", f"{tolerance:g} m", in_columns(Batch(tolerance)), COMPILED)
 
 
+def ivp(method: str, rtol: float | None = None) -> Contender:
+    """Return the reference engine, scene by scene."""
+    turn, most = (2, 20) if method == "Radau" else (SLOW, None)
+    engine = Ivp(method, rtol, rtol)
+    setting = f"{engine.tolerances['rtol']:g}" if engine.tolerances else "default"
+    return Contender(f"ivp {method}", setting, one_by_one(engine), turn, most)
+
+
 def longball_engines() -> Iterator[Contender]:
     """Yield longball's engines over their settings, from loose to tight."""
     for tolerance in (1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-13, 1e-14):
         yield batch(tolerance)
-    for method, tolerances in {
-        "DOP853": (1e-4, 1e-6, 1e-8, 1e-10, 1e-12, Ivp().rtol),
-        "RK45": (1e-4, 1e-6, 1e-8, 1e-10, 1e-12),
-        "LSODA": (1e-4, 1e-6, 1e-8, 1e-10, 1e-12),
-        "Radau": (1e-4, 1e-6, 1e-8),
-    }.items():
-        for rtol in tolerances:
-            engine = Ivp(method, rtol, rtol)
-            turn, most = (2, 20) if method == "Radau" else (SLOW, None)
-            yield Contender(f"ivp {method}", f"{rtol:g}", one_by_one(engine), turn, most)
-    for variant in TREATMENTS:
+    yield ivp("Taylor")
+    for method in ("DOP853", "RK45", "LSODA", "Radau"):
+        for rtol in (1e-4, 1e-6, 1e-8) if method == "Radau" else (1e-4, 1e-6, 1e-8, 1e-10, 1e-12):
+            yield ivp(method, rtol)
+        if method == "DOP853":
+            yield ivp(method)
+    for treatment in TREATMENTS:
         for dt in (0.05, 0.01, 2e-3, 4e-4):
-            verlet = one_by_one(Verlet(dt, variant=variant))
-            yield Contender(f"verlet {variant}", f"{dt:g} s", verlet, QUICK)
+            verlet = one_by_one(Verlet(dt, treatment))
+            yield Contender(f"verlet {treatment}", f"{dt:g} s", verlet, QUICK)
     yield Contender("enclosure", "30 digits", one_by_one(Enclosure(30)), 5, 50)
     yield Contender("multiprecision", "30 digits", one_by_one(Multiprecision(30)), 1, 5)
 
@@ -128,50 +138,41 @@ def plain_scipy(work: Work) -> Iterator[Contender]:
     """Yield solve_ivp as its manual shows it, with its own events."""
     for method in ("DOP853", "RK45", "LSODA"):
         for rtol in (1e-6, 1e-9, 1e-12):
-            yield plain(work, method, rtol)
+            yield plain(method, rtol)
     if isinstance(work.base, AtBatScene):
         for max_step in (0.05, 0.01, SHORTEST_STEP):
-            fleet = peers.Scipy(*_air(work), "DOP853", 1e-9, max_step)
-            solver = in_columns(fleet)
+            solver = in_columns(peers.Scipy("DOP853", 1e-9, max_step))
             yield Contender(SHORT_STEPS, f"{max_step:g} s", solver, SLOW)
 
 
-def plain(work: Work, method: str, rtol: float) -> Contender:
+def plain(method: str, rtol: float) -> Contender:
     """Return solve_ivp by a method, with its own events."""
-    solver = in_columns(peers.Scipy(*_air(work), method, rtol))
-    return Contender(f"scipy {method}", f"{rtol:g}", solver, SLOW)
+    return Contender(f"scipy {method}", f"{rtol:g}", in_columns(peers.Scipy(method, rtol)), SLOW)
 
 
-def heyoka(work: Work, tolerance: float = 0.0) -> Contender:
-    """Return heyoka; tolerance 0 stands for its default."""
-    solver = in_columns(peers.Heyoka(*_air(work), tolerance))
-    return Contender("heyoka", f"{tolerance:g}" if tolerance else "default", solver, BLOCK)
+def heyoka(tolerance: float = 0.0) -> Iterator[Contender]:
+    """Yield heyoka's scalar and its batch mode; tolerance 0 stands for its default."""
+    setting = f"{tolerance:g}" if tolerance else "default"
+    for mode, peer in (("scalar", peers.Heyoka), ("batch", peers.HeyokaBatch)):
+        yield Contender(f"heyoka {mode}", setting, in_columns(peer(tolerance)), BLOCK)
 
 
-def installed_peers(work: Work) -> Iterator[Contender]:
+def installed_peers() -> Iterator[Contender]:
     """Yield the peers of `PEERS` that are installed, from loose to tight."""
-    air, absent = _air(work), missing_peers()
+    absent = missing_peers()
     for rtol in (1e-6, 1e-9, 1e-12):
         if "scikit-sundae" not in absent:
-            yield Contender("CVODE Adams", f"{rtol:g}", in_columns(peers.Cvode(*air, rtol)), SLOW)
+            yield Contender("CVODE Adams", f"{rtol:g}", in_columns(peers.Cvode(rtol)), SLOW)
         if "diffrax" not in absent:
             for name in ("Tsit5", "Dopri8"):
-                solver = in_columns(peers.Diffrax(*air, name, rtol))
+                solver = in_columns(peers.Diffrax(name, rtol))
                 yield Contender(f"diffrax {name}", f"{rtol:g}", solver, peers.LOCKSTEP)
         if "heyoka" not in absent:
-            yield heyoka(work, rtol)
+            yield from heyoka(rtol)
     if "heyoka" not in absent:
-        yield heyoka(work)
+        yield from heyoka()
 
 
 def missing_peers() -> list[str]:
     """Return the packages of peers that are not installed."""
     return [package for package, module in PEERS.items() if find_spec(module) is None]
-
-
-def _air(work: Work) -> tuple[Forces[float], float]:
-    """Return what a peer flies under: the forces of the work, and its time limit, s."""
-    base = work.base
-    always_up = base.reading.lift_direction == "always_up"
-    field = forces(base.ball, base.air, base.gravity, always_up, DOUBLES)
-    return field, base.time_limit

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import os
 import platform
 import statistics
 import time
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 from importlib.metadata import PackageNotFoundError, version
@@ -16,27 +17,45 @@ from pathlib import Path
 import numpy as np
 
 from analysis.speed_error.contenders import Answers, Contender
-from analysis.speed_error.work import Work
+from analysis.speed_error.work import Known
 from longball.model.result import Bounded, Number, Result
 
 VERSIONS = ("numpy", "scipy", "numba", "python-flint", "heyoka", "diffrax", "jax", "scikit-sundae")
 
 
-def seconds(turns: Sequence[tuple[Contender, Work]], rounds: int) -> list[list[float]]:
-    """Return how long contenders take for the first scenes of their work, s a scene, by round.
+@dataclass(frozen=True)
+class Measured:
+    """What a contender took for its work, s a scene, by round; and how far off it was."""
+
+    contender: Contender
+    seconds: list[float]
+    errors: Errors
+
+    @property
+    def microseconds(self) -> float:
+        """The median time of a scene, µs."""
+        return 1e6 * statistics.median(self.seconds)
+
+
+def measure(turns: Sequence[tuple[Contender, Known]], rounds: int) -> list[Measured]:
+    """Time contenders at the first scenes of their work, and hold their answers against the truth.
 
     In a round everyone takes a turn, so that what the machine does besides slows all alike. A
     first round, in which code is compiled, does not count.
     """
-    portions = [(entrant, work.first(entrant.turn)) for entrant, work in turns]
+    portions = [(entrant, known.work.first(entrant.turn)) for entrant, known in turns]
     for entrant, portion in portions:
         entrant.solve(portion)
-    found: list[list[float]] = [[] for _ in portions]
-    for _ in range(rounds):
-        for (entrant, portion), mine in zip(portions, found, strict=True):
-            begin = time.perf_counter()
-            entrant.solve(portion)
-            mine.append((time.perf_counter() - begin) / len(portion))
+    seconds: list[list[float]] = [[] for _ in portions]
+    for _, (i, (entrant, portion)) in itertools.product(range(rounds), enumerate(portions)):
+        begin = time.perf_counter()
+        entrant.solve(portion)
+        seconds[i].append((time.perf_counter() - begin) / len(portion))
+    found = []
+    for (entrant, known), mine in zip(turns, seconds, strict=True):
+        true = known.true[: entrant.most]
+        answers = entrant.solve(known.work.first(len(true)))
+        found.append(Measured(entrant, mine, errors(answers, true)))
     return found
 
 
@@ -56,6 +75,8 @@ class Errors:
     median, most, worst
         m, of |D - true D| where both have landed: the middle, the 99th percentile, the largest;
         NaN if there is none.
+    worst_time
+        s, the same of the time of landing.
     contacts
         In how many the ball truly meets the bat between its ends.
     missed
@@ -68,21 +89,16 @@ class Errors:
     median: float
     most: float
     worst: float
+    worst_time: float
     contacts: int
     missed: int
     unanswered: int
 
     def row(self) -> dict[str, object]:
         """Return the numbers as columns of a table."""
-        return {
-            "scenes": self.scenes,
-            "median error, m": self.median,
-            "99 % error, m": self.most,
-            "worst error, m": self.worst,
-            "contacts": self.contacts,
-            "missed": self.missed,
-            "unanswered": self.unanswered,
-        }
+        names = {"median": "median error, m", "most": "99 % error, m", "worst": "worst error, m"}
+        kept = {name: x for name, x in vars(self).items() if name != "worst_time"}
+        return {names.get(name, name): x for name, x in kept.items()}
 
 
 CONTACT = ("batted", "separating", "airborne")
@@ -90,11 +106,9 @@ CONTACT = ("batted", "separating", "airborne")
 
 def errors(answers: Answers, true: Sequence[Result]) -> Errors:
     """Hold answers against the truth."""
-    off = [
-        distance_error(distance, result.landing.distance)
-        for distance, result in zip(answers.distances, true, strict=True)
-        if distance is not None and result.landing is not None
-    ] or [math.nan]
+    landings = [result.landing for result in true]
+    off = _differences(answers.distances, [at.distance if at else None for at in landings])
+    late = _differences(answers.times, [at.time if at else None for at in landings])
     met = [
         outcome
         for outcome, result in zip(answers.outcomes, true, strict=True)
@@ -105,14 +119,23 @@ def errors(answers: Answers, true: Sequence[Result]) -> Errors:
         median=float(np.median(off)),
         most=float(np.quantile(off, 0.99)),
         worst=max(off),
+        worst_time=max(late),
         contacts=len(met),
         missed=sum(outcome not in (*CONTACT, "") for outcome in met),
         unanswered=sum(outcome == "" for outcome in answers.outcomes),
     )
 
 
-def distance_error(found: Number, true: Number) -> float:
-    """Return the size of a difference, m, whatever kinds of numbers the two are."""
+def _differences(found: Iterable[Number | None], true: Iterable[Number | None]) -> list[float]:
+    return [
+        difference(a, b)
+        for a, b in zip(found, true, strict=True)
+        if a is not None and b is not None
+    ] or [math.nan]
+
+
+def difference(found: Number, true: Number) -> float:
+    """Return the size of a difference, whatever kinds of numbers the two are."""
     return abs(float(_decimal(found) - _decimal(true)))
 
 

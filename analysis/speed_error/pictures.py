@@ -16,10 +16,10 @@ MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*", "<", ">")
 HALO = [patheffects.withStroke(linewidth=2.0, foreground="white")]
 BEYOND = 1e-15  # m; smaller errors than doubles can have at 100 m are drawn there
 
-PEERS = ("heyoka", "diffrax Tsit5", "diffrax Dopri8", "CVODE Adams")
+PEERS = ("heyoka scalar", "heyoka batch", "diffrax Tsit5", "diffrax Dopri8", "CVODE Adams")
 PLAIN = ("scipy DOP853", "scipy RK45", "scipy LSODA")
 OURS = (
-    *("batch", "ivp DOP853", "ivp RK45", "ivp LSODA", "ivp Radau"),
+    *("batch", "ivp Taylor", "ivp DOP853", "ivp RK45", "ivp LSODA", "ivp Radau"),
     *("verlet half_step", "verlet implicit", "enclosure", "multiprecision"),
 )
 
@@ -39,7 +39,7 @@ def draw(report: Path, whole: pd.DataFrame) -> None:
                 axes: against_error(axes, rows, methods)
                 for axes, methods in ((ours, OURS), (others, ("batch", *PEERS, *PLAIN)))
             }
-            ours.set_xlim(left=BEYOND / 10)
+            ours.set_xlim(left=BEYOND / 100)  # room for names
             ours.set_ylabel(f"time a{'n' if kind == 'at-bat' else ''} {kind}, µs")
             for axes, ends in named.items():
                 axes.set_xlabel("worst error of D, m")
@@ -68,14 +68,9 @@ def against_error(axes: Axes, rows: pd.DataFrame, methods: tuple[str, ...]) -> l
         x = mine["worst error, m"].clip(lower=BEYOND).to_numpy()
         y = mine["time each, µs"].to_numpy()
         axes.plot(
-            x,
-            y,
-            linestyle=LINES[i % len(LINES)],
-            marker=MARKERS[i % len(MARKERS)],
-            markersize=4.5,
-            markerfacecolor="white" if i % 2 else None,
-            linewidth=1.1,
-        )
+            x, y, linestyle=LINES[i % len(LINES)], marker=MARKERS[i % len(MARKERS)],
+            markersize=4.5, markerfacecolor="white" if i % 2 else None, linewidth=1.1,
+        )  # fmt: skip
         tight = int(x.argmin())
         end = mine.iloc[tight]
         share = end["missed"] / end["contacts"] if end["contacts"] else 0.0
@@ -96,16 +91,10 @@ def _name(axes: Axes, ends: list[End]) -> None:
         height = max(at + (0.8 * line if right else 0.0), lowest[right] + line)
         lowest[right] = height
         axes.annotate(
-            name,
-            (x, y),
-            xytext=(8.0 if right else -8.0, height - at),
-            textcoords="offset points",
-            ha="left" if right else "right",
-            va="center",
-            fontsize=7.0,
-            path_effects=HALO,
+            name, (x, y), (8.0 if right else -8.0, height - at), textcoords="offset points",
+            ha="left" if right else "right", va="center", fontsize=7.0, path_effects=HALO,
             arrowprops={"arrowstyle": "-", "linewidth": 0.4, "color": "0.5"},
-        )
+        )  # fmt: skip
 
 
 def missed(axes: Axes, rows: pd.DataFrame) -> None:
@@ -121,22 +110,12 @@ def missed(axes: Axes, rows: pd.DataFrame) -> None:
         sizes = [4.0 + 2.0 * k for k in range(len(x))][::-1]
         for value, size in zip(x, sizes, strict=True):
             axes.plot(
-                value,
-                place,
-                marker="o",
-                markersize=size,
+                value, place, marker="o", markersize=size, markeredgecolor="black",
                 markerfacecolor="black" if size == sizes[-1] else "none",
-                markeredgecolor="black",
-                markeredgewidth=0.8,
-                clip_on=False,
-            )
-        axes.text(
-            107.0,
-            place,
-            f"{_span(settings)};  {_span([_two_digits(t) for t in mine['time each, µs']])} µs",
-            va="center",
-            fontsize=7.5,
-        )
+                markeredgewidth=0.8, clip_on=False,
+            )  # fmt: skip
+        times = _span([_two_digits(t) for t in mine["time each, µs"]])
+        axes.text(107.0, place, f"{_span(settings)};  {times} µs", va="center", fontsize=7.5)
     axes.set_yticks(range(len(methods)), methods.index)
     axes.invert_yaxis()
     axes.set_xlim(-3.0, 103.0)

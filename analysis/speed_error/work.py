@@ -9,8 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from longball import engines
-from longball.engines.at_bat import solve
+from longball.engines.chain import solve
 from longball.home_run import draw, paper_at_bats
+from longball.model.quantities import replaced
+from longball.model.readings import SamplingReading
 from longball.model.result import Result
 from longball.model.scene import AtBatScene, FlightScene, Launch
 
@@ -42,27 +44,17 @@ class Work:
 
     def first(self, count: int) -> Work:
         """Return the first scenes."""
-        return Work(self.base, {name: column[:count] for name, column in self.columns.items()})
+        return self.part(slice(count))
+
+    def part(self, rows: slice | list[int]) -> Work:
+        """Return some of the scenes."""
+        return Work(self.base, {name: column[rows] for name, column in self.columns.items()})
 
     @cached_property
     def scenes(self) -> list[Scene]:
         """The scenes one by one."""
         rows = zip(*(column.tolist() for column in self.columns.values()), strict=True)
-        return [_with(self.base, dict(zip(self.columns, row, strict=True))) for row in rows]
-
-
-def _with(base: Scene, numbers: dict[str, float]) -> Scene:
-    """Return a scene with some of its numbers changed."""
-    data = base.model_dump()
-    for name, value in numbers.items():
-        block, quantity, *place = name.split(".")
-        if place:
-            values = list(data[block][quantity])
-            values[int(place[0])] = value
-            data[block][quantity] = tuple(values)
-        else:
-            data[block][quantity] = value
-    return type(base).model_validate(data)
+        return [replaced(self.base, dict(zip(self.columns, row, strict=True))) for row in rows]
 
 
 def flights(count: int) -> Work:
@@ -71,19 +63,32 @@ def flights(count: int) -> Work:
     speed, rise = rng.uniform(25.0, 50.0, count), np.radians(rng.uniform(5.0, 60.0, count))
     level = Launch(position=(0.0, 0.0, HEIGHT), velocity=(30.0, 0.0, 30.0))
     columns = {
-        "launch.velocity.0": speed * np.cos(rise),
-        "launch.velocity.2": speed * np.sin(rise),
+        "launch.velocity[0]": speed * np.cos(rise),
+        "launch.velocity[2]": speed * np.sin(rise),
     }
     return Work(FlightScene(id="flight", launch=level), columns)
 
 
-def at_bats(count: int) -> Work:
+def at_bats(count: int, seed: int = SEED) -> Work:
     """Return at-bats of the paper's distributions."""
     base = AtBatScene(id="at-bat")
-    return Work(base, draw(paper_at_bats(base.reading), count, SEED).columns)
+    return Work(base, draw(paper_at_bats(SamplingReading()), count, seed).columns)
 
 
 def truth(work: Work) -> list[Result]:
     """Return the results of scenes with proven digits."""
     exact = engines.create("enclosure", digits=TRUE_DIGITS)
     return [solve(scene, exact) for scene in work.scenes]
+
+
+@dataclass(frozen=True)
+class Known:
+    """Work, and the truth about its first scenes."""
+
+    work: Work
+    true: list[Result]
+
+
+def known(work: Work, count: int) -> Known:
+    """Return work with the truth about so many of its scenes."""
+    return Known(work, truth(work.first(count)))

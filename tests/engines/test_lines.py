@@ -18,7 +18,7 @@ SCENES = [
     b'{"id":"f","kind":"flight","launch":{"position":[0,0,1],"velocity":[30,2,20]}}',
     b'{"id":"p","kind":"pitch","air":null,"gravity":0}',
     b'{"id":"i","kind":"impact","incoming":{"position":[0.0696,0,1],"velocity":[-40,0,0],"bat_height":1}}',
-    b'{"id":"a","kind":"at-bat","reading":{"inertia":"thin_rod","cell_width":0.2}}',
+    b'{"id":"a","kind":"at-bat","reading":{"inertia":"thin_rod"}}',
     b'{"id":"m","kind":"at-bat","swing":{"height_offset":0.2}}',
     b"nonsense",
 ]

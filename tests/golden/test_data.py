@@ -16,12 +16,15 @@ from longball import golden
 from longball.engines.enclosure import Enclosure
 from longball.golden.case import as_double, decisive, numbers_of, vector_of
 from longball.golden.checker import check
+from longball.golden.families import at_bat
 from longball.golden.files import CHECKSUMS, HEADER, schemas
-from longball.golden.legend import FLAGS, LEVELS, NUMBERS
+from longball.golden.headers import FLAGS, LEVELS, NUMBERS
 from longball.golden.reader import DATA
 from longball.model import exact
-from longball.model.motion import forces, into_plane
-from longball.model.readings import Reading
+from longball.model.frame import launch_frame
+from longball.model.law import law_of
+from longball.model.readings import Reading, SamplingReading
+from longball.model.scene import parse_scene
 
 CASES = golden.load()
 
@@ -77,6 +80,34 @@ def test_a_line_is_read_and_written_without_change():
             assert golden.Case.model_validate_json(line).line() == line
 
 
+def test_every_scene_is_one_that_can_be_solved():
+    cases = iter(CASES)
+    for family in golden.header().families.values():
+        for line in (DATA / family.file).read_text(encoding="utf-8").splitlines():
+            assert parse_scene(json.dumps(json.loads(line)["scene"])) == next(cases).scene
+    for case in json.loads((DATA / "probability.json").read_bytes())["cases"]:
+        assert parse_scene(json.dumps(case["scene"])).id == case["id"]
+
+
+def test_what_at_bats_are_drawn_by_is_said_beside_their_scenes():
+    cases = golden.load("at-bat")
+    for case, draft in zip(cases, at_bat(), strict=True):
+        assert (case.scene, case.comment) == (draft.scene, draft.comment)
+        assert case.flags[: len(draft.flags)] == draft.flags
+    told = {part.partition(" = ")[0] for case in cases for part in case.comment.split(", ")[1:]}
+    assert told == {"e", *SamplingReading.model_fields} - {"sample_space"}
+    assert [
+        case.sampling.model_dump()
+        for case in golden.probabilities().cases
+        if case.sampling != SamplingReading()
+    ] == [
+        {"speed_spread": "as_printed"},
+        {"cell_width": 0.25},
+        {"offset_spread": 0.0732},
+        {"sample_space": "batted"},
+    ]
+
+
 def test_decimal_string_double_and_hexadecimal_are_the_same_number():
     for case in CASES:
         expected = dict(numbers_of(case.expected))
@@ -126,15 +157,7 @@ def test_all_outcomes_and_every_reading_that_matters_are_there():
         for case in CASES
         for switch, value in case.scene.reading.model_dump().items()
     }
-    # These are about counting, and about the paper's scheme: no scene's solution hangs on them.
-    elsewhere = {
-        "sample_space",
-        "fig7_parameters",
-        "verlet_forces",
-        "verlet_landing",
-        "appendix_b_root",
-    }
-    assert {switch for switch, _ in used} == set(Reading.model_fields) - elsewhere
+    assert {switch for switch, _ in used} == set(Reading.model_fields)
     assert {value for switch, value in used if switch == "inertia"} == {"thin_rod", "about_centre"}
 
 
@@ -193,19 +216,20 @@ def closed_form(case: golden.Case):
     scene, numbers = case.scene, Enclosure(40).numbers
     position = [numbers.exact(x) for x in scene.launch.position]
     velocity = [numbers.exact(v) for v in scene.launch.velocity]
-    _, start = into_plane(tuple(position), tuple(velocity), numbers)
-    field = forces(scene.ball, scene.air, scene.gravity, False, numbers)
+    frame, start = launch_frame(tuple(position), tuple(velocity), numbers)
+    strengths = law_of(scene, frame, numbers).strengths
+    drag, lift, gravity = (strengths.get(name) for name in ("drag", "lift", "gravity"))
     floor = numbers.exact(scene.ground.height)
-    if field.drag is None and field.lift is None and field.gravity is not None:
-        return exact.parabola_to_floor(start, field.gravity, floor, exact.METHODS)
-    if field.gravity is None:  # the time is the file's: is the place?
+    if gravity is None:  # the time is the file's: is the place?
         time = numbers.exact(1.0) * flint_ball(case.expected.landing.time)
-        return exact.Moment(time, exact.weightless(start, field, time, exact.METHODS))
+        return exact.Moment(time, exact.weightless(start, drag, lift, time, exact.METHODS))
+    if drag is None and lift is None:
+        return exact.parabola_to_floor(start, gravity, floor, exact.METHODS)
     if start.w > 0:
-        top = exact.apex(start, field.drag, field.gravity, exact.METHODS)
-        down = exact.fall_to_floor(top.state, field.drag, field.gravity, floor, exact.METHODS)
+        top = exact.apex(start, drag, gravity, exact.METHODS)
+        down = exact.fall_to_floor(top.state, drag, gravity, floor, exact.METHODS)
         return exact.Moment(top.time + down.time, down.state)
-    return exact.fall_to_floor(start, field.drag, field.gravity, floor, exact.METHODS)
+    return exact.fall_to_floor(start, drag, gravity, floor, exact.METHODS)
 
 
 def flint_ball(number):

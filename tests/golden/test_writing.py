@@ -11,13 +11,14 @@ from pathlib import Path
 import pytest
 
 from longball.golden import home_runs, writer
+from longball.golden.case_builder import Draft, solve_for
 from longball.golden.checker import check
 from longball.golden.condition import inputs, sensitivity, with_input
-from longball.golden.draft import Draft, solve_for
 from longball.golden.families import FAMILIES
 from longball.golden.files import CHECKSUMS, PARTIAL
 from longball.golden.reader import header, load, probabilities
 from longball.golden.truth import make, prove, shortened
+from longball.model.quantities import replaced
 from longball.model.result import Bounded
 from longball.model.scene import parse_scene
 
@@ -49,47 +50,54 @@ def test_the_bytes_do_not_depend_on_the_workers(tmp_path: Path):
     assert header(tmp_path / "one").families["few"].about == "Three impacts."
 
 
-def test_an_interrupted_run_goes_on_where_it_stopped(tmp_path: Path, monkeypatch):
-    writer.write(tmp_path / "whole", SMALL)
+def interrupt(folder: Path, families=SMALL) -> None:
+    """Write two cases and no more."""
 
-    def interrupted(done: int, total: int) -> None:
+    def after_two(done: int, total: int) -> None:
         if done == 2:
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        writer.write(tmp_path / "halves", SMALL, progress=interrupted)
-    kept = tmp_path / "halves" / PARTIAL / "few.jsonl"
-    assert not (tmp_path / "halves" / "few.jsonl").exists()
-    with open(kept, "ab") as file:
-        file.write(b'{"id": "impact-0002", "fam')  # and it died while it wrote
-    made = []
-    monkeypatch.setattr(writer, "make", lambda *args: made.append(args[1].scene.id) or make(*args))
+        writer.write(folder, families, progress=after_two)
+    assert not (folder / "few.jsonl").exists()
+
+
+@pytest.fixture
+def solved(monkeypatch) -> list[str]:
+    """The ids of the cases that are solved."""
+    ids = []
+    monkeypatch.setattr(writer, "make", lambda *args: ids.append(args[1].scene.id) or make(*args))
+    return ids
+
+
+def test_an_interrupted_run_goes_on_where_it_stopped(tmp_path: Path, solved: list[str]):
+    writer.write(tmp_path / "whole", SMALL)
+    interrupt(tmp_path / "halves")
+    solved.clear()
     writer.write(tmp_path / "halves", SMALL)
-    assert made == ["impact-0002"]
+    assert solved == ["impact-0002"]
     assert files(tmp_path / "whole") == files(tmp_path / "halves")
+    assert not (tmp_path / "halves" / PARTIAL).exists()
 
 
-def test_what_other_code_has_left_behind_is_not_used(tmp_path: Path, monkeypatch):
-    kept = tmp_path / PARTIAL / "few.jsonl"
-    kept.parent.mkdir()
-    (draft, *_) = few()
-    kept.write_text("another fingerprint\n" + make("few", draft).line() + "\n", encoding="utf-8")
-    made = []
-    monkeypatch.setattr(writer, "make", lambda *args: made.append(args[1].scene.id) or make(*args))
+def test_what_other_code_has_left_behind_is_not_used(
+    tmp_path: Path, solved: list[str], monkeypatch
+):
+    with monkeypatch.context() as other_code:
+        other_code.setattr(writer, "fingerprint", lambda: "another fingerprint")
+        interrupt(tmp_path)
+    solved.clear()
     writer.write(tmp_path, SMALL)
-    assert made == ["impact-0000", "impact-0001", "impact-0002"]
+    assert solved == ["impact-0000", "impact-0001", "impact-0002"]
 
 
-def test_a_case_whose_scene_changed_is_solved_again(tmp_path: Path, monkeypatch):
-    kept = tmp_path / PARTIAL / "few.jsonl"
-    kept.parent.mkdir()
-    first, second, _ = few()
-    changed = make("few", first).model_copy(update={"scene": second.scene})
-    kept.write_text(writer.fingerprint() + "\n" + changed.line() + "\n", encoding="utf-8")
-    made = []
-    monkeypatch.setattr(writer, "make", lambda *args: made.append(args[1].scene.id) or make(*args))
+def test_a_case_whose_scene_changed_is_solved_again(tmp_path: Path, solved: list[str]):
+    drafts = list(few())
+    heavier = replaced(drafts[0].scene, {"ball.mass": 0.15})
+    interrupt(tmp_path, {"few": lambda: iter([replace(drafts[0], scene=heavier), *drafts[1:]])})
+    solved.clear()
     writer.write(tmp_path, SMALL)
-    assert "impact-0000" in made
+    assert solved == ["impact-0000", "impact-0002"]
 
 
 # --- checking -------------------------------------------------------------------------------------

@@ -9,11 +9,11 @@ import pytest
 from scipy import stats
 
 from longball.home_run import BLOCK, draw, paper_at_bats, scenes
-from longball.model.readings import Reading
+from longball.model.readings import SamplingReading
 from longball.model.scene import AtBatScene
 
 BASE = AtBatScene(id="base")
-PAPER = paper_at_bats(Reading())
+PAPER = paper_at_bats(SamplingReading())
 
 
 class TestSamples:
@@ -52,15 +52,15 @@ class TestSamples:
         assert not np.any(draw(PAPER, 50, seed=4).speed == self.many.speed[:50])
 
     def test_read_the_ledger(self):
-        printed = paper_at_bats(Reading(speed_spread="as_printed", cell_width=0.3))
+        printed = paper_at_bats(SamplingReading(speed_spread="as_printed", cell_width=0.3))
         assert printed.speed.deviations[0] == pytest.approx(4.58 / 3.6 / math.sqrt(2))
         assert printed.aim.means == pytest.approx((-0.3, 0.3))
-        swapped = paper_at_bats(Reading(speed_table="as_printed", offset_spread=0.0732))
+        swapped = paper_at_bats(SamplingReading(speed_table="as_printed", offset_spread=0.0732))
         assert swapped.speed.means == pytest.approx((4.58 / 3.6, 7.80 / 3.6))
         assert swapped.offset_deviation == 0.0732
 
     def test_a_speed_that_is_not_positive_is_no_scene(self):
-        backwards = draw(paper_at_bats(Reading(speed_table="as_printed")), 50, seed=1)
+        backwards = draw(paper_at_bats(SamplingReading(speed_table="as_printed")), 50, seed=1)
         made = list(scenes(BASE, backwards))
         assert [scene is None for scene in made] == list(backwards.speed <= 0)
         assert None in made

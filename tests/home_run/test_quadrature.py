@@ -13,20 +13,21 @@ from longball import golden
 from longball.engines.batch import Batch, solve_columns
 from longball.home_run import (
     Mixture,
+    Samples,
     estimate,
     integrals,
     monte_carlo,
     paper_at_bats,
     scrambled,
 )
-from longball.home_run.clearance import Clearance, Inputs
+from longball.home_run.clearance import Clearance
 from longball.home_run.quadrature import Nodes
-from longball.model.readings import Reading
+from longball.model.readings import SamplingReading
 from longball.model.scene import AtBatScene
 
 GOLDEN = {case.id: case for case in golden.probabilities().cases}
 BASE = AtBatScene(id="base")
-PAPER = paper_at_bats(Reading())
+PAPER = paper_at_bats(SamplingReading())
 
 
 @pytest.fixture
@@ -43,26 +44,26 @@ class TestMixture:
         first, second = stats.norm(1.0, 0.5), stats.norm(4.0, 2.0)
         below = 0.3 * first.cdf(self.values) + 0.7 * second.cdf(self.values)
         density = 0.3 * first.pdf(self.values) + 0.7 * second.pdf(self.values)
-        np.testing.assert_allclose(self.mixture.below(self.values), below, rtol=1e-13)
-        np.testing.assert_allclose(self.mixture.density(self.values), density, rtol=1e-13)
+        found = self.mixture.distribution
+        np.testing.assert_allclose(found.cdf(self.values), below, rtol=1e-13)
+        np.testing.assert_allclose(found.pdf(self.values), density, rtol=1e-13)
 
     def test_quantiles_are_the_inverse(self):
         shares = np.array([1e-9, 0.2, 0.5, 1 - 1e-9])
-        np.testing.assert_allclose(
-            self.mixture.below(self.mixture.quantiles(shares)), shares, rtol=1e-12
-        )
+        found = self.mixture.distribution
+        np.testing.assert_allclose(found.cdf(found.icdf(shares)), shares, rtol=1e-12)
 
 
 class TestClearance:
     clearance = Clearance(BASE, 0.42, Batch())
-    inputs = Inputs(*np.array([[36.0, 41.0], [-0.3, 0.1], [-0.03, 0.02], [0.1, 0.02]]))
+    inputs = Samples(*np.array([[36.0, 41.0], [-0.3, 0.1], [-0.03, 0.02], [0.1, 0.02]]))
 
     def test_is_the_way_beyond_150_m(self):
         table = solve_columns(
             BASE,
             {
                 "pitch.speed": self.inputs.speed,
-                "pitch.aim.0": self.inputs.aim,
+                "pitch.aim[0]": self.inputs.aim,
                 "swing.height_offset": self.inputs.offset,
                 "swing.tilt": self.inputs.tilt,
             },
@@ -72,7 +73,7 @@ class TestClearance:
         )
 
     def test_a_miss_goes_no_distance(self):
-        high = self.inputs._replace(offset=np.full(2, 0.2))
+        high = replace(self.inputs, offset=np.full(2, 0.2))
         np.testing.assert_array_equal(self.clearance(high), [-150.0, -150.0])
 
     def test_aims_touch_where_they_are_to(self):
@@ -81,17 +82,17 @@ class TestClearance:
             BASE,
             {
                 "pitch.speed": self.inputs.speed,
-                "pitch.aim.0": aim,
+                "pitch.aim[0]": aim,
                 "swing.height_offset": self.inputs.offset,
                 "swing.tilt": self.inputs.tilt,
             },
         )
-        np.testing.assert_allclose(table["contact.position.1"], -0.45, rtol=0, atol=1e-8)
+        np.testing.assert_allclose(table["contact.position[1]"], -0.45, rtol=0, atol=1e-8)
 
     def test_the_window_is_where_the_bat_touches(self):
         (half,) = self.clearance.window(np.array([36.0]))
         offset = np.linspace(-half, half, 1001)
-        every = Inputs(np.full(1001, 36.0), np.zeros(1001), offset, np.zeros(1001))
+        every = Samples(np.full(1001, 36.0), np.zeros(1001), offset, np.zeros(1001))
         batted = self.clearance(every) > -150.0
         # Wider than the touching by its margin of 5 % on either side, and no more than twice that.
         assert 0.9 < np.mean(batted) < 0.96
@@ -104,8 +105,15 @@ class TestQuadrature:
     @pytest.mark.usefixtures("coarse")
     def test_its_error_covers_the_distance_to_a_finer_rule(self, case):
         row = case.rows[0]
-        at_bats = paper_at_bats(case.scene.reading)
-        (rough,) = integrals(case.scene, at_bats, [row.e], tolerance=1e-4, workers=-1)
+        at_bats = paper_at_bats(case.sampling)
+        (rough,) = integrals(
+            case.scene,
+            at_bats,
+            [row.e],
+            sample_space=case.sampling.sample_space,
+            tolerance=1e-4,
+            workers=-1,
+        )
         assert abs(rough.p - row.p) < rough.error + row.error
         assert abs(rough.slope - row.slope) < rough.slope_error + row.slope_error
         # Coarse as they are, these rules are right to some per cent.
@@ -114,13 +122,13 @@ class TestQuadrature:
     @pytest.mark.parametrize("case", GOLDEN.values(), ids=list(GOLDEN))
     def test_the_golden_values_agree_with_monte_carlo(self, case):
         count = 40_000
-        scene, reading = case.scene, case.scene.reading
+        scene, sampling = case.scene, case.sampling
         rows = case.rows[:: len(case.rows) - 1]
         struck = monte_carlo(
-            scene, paper_at_bats(reading), [row.e for row in rows], count, seed=5, workers=-1
+            scene, paper_at_bats(sampling), [row.e for row in rows], count, seed=5, workers=-1
         )
         for row, one in zip(rows, struck, strict=True):
-            counted = estimate(row.e, one, reading)
+            counted = estimate(row.e, one, sampling.sample_space)
             # 4.5 standard deviations: one in 150,000.
             noise = math.sqrt(row.p * (1 - row.p) / counted.trials)
             assert abs(counted.p - row.p) <= 4.5 * noise
@@ -160,10 +168,9 @@ class TestQuadrature:
         # Pitched too slowly to arrive.
         slow = Mixture(1.0, (5.0, 5.0), (0.1, 0.1))
         at_bats = replace(PAPER, speed=slow)
-        base = BASE.model_copy(update={"reading": Reading(sample_space="batted")})
-        (row,) = integrals(base, at_bats, [0.42])
+        (row,) = integrals(BASE, at_bats, [0.42], sample_space="batted")
         assert math.isnan(row.p)
-        (other,) = scrambled(base, at_bats, [0.42], 16, seed=1)
+        (other,) = scrambled(BASE, at_bats, [0.42], 16, seed=1, sample_space="batted")
         assert math.isnan(other.p)
 
     @pytest.mark.usefixtures("coarse")

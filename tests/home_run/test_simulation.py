@@ -9,11 +9,11 @@ from longball.engines.batch import Batch
 from longball.engines.ivp import Ivp
 from longball.home_run import BLOCK, draw, monte_carlo, paper_at_bats
 from longball.home_run.simulation import COLUMNS
-from longball.model.readings import Reading
+from longball.model.readings import SamplingReading
 from longball.model.scene import AtBatScene
 
 BASE = AtBatScene(id="base")
-PAPER = paper_at_bats(Reading())
+PAPER = paper_at_bats(SamplingReading())
 
 
 class TestMonteCarlo:
@@ -34,9 +34,11 @@ class TestMonteCarlo:
         for a, b in zip(few, many, strict=True):
             np.testing.assert_array_equal(a.x, b.x[: COLUMNS + 9])
 
-    @pytest.mark.parametrize("reading", [Reading(), Reading(speed_table="as_printed")])
-    def test_both_engines_strike_the_same_samples(self, reading: Reading):
-        base, at_bats = AtBatScene(id="base", reading=reading), paper_at_bats(reading)
+    @pytest.mark.parametrize(
+        "reading", [SamplingReading(), SamplingReading(speed_table="as_printed")]
+    )
+    def test_both_engines_strike_the_same_samples(self, reading: SamplingReading):
+        base, at_bats = AtBatScene(id="base"), paper_at_bats(reading)
         batch, ivp = (
             monte_carlo(base, at_bats, (0.41, 0.45), 400, seed=1, engine=engine)
             for engine in (Batch(), Ivp())
@@ -52,7 +54,7 @@ class TestMonteCarlo:
             assert a.batted.any()
 
     def test_a_ball_that_is_never_pitched_is_no_failure(self):
-        at_bats = paper_at_bats(Reading(speed_table="as_printed"))
+        at_bats = paper_at_bats(SamplingReading(speed_table="as_printed"))
         (struck,) = monte_carlo(BASE, at_bats, (0.42,), 200, seed=1)
         never = ~draw(at_bats, 200, seed=1).pitched
         assert never.any()

@@ -7,7 +7,7 @@ import math
 
 from longball.home_run import draw, paper_at_bats, scenes
 from longball.judge.answers import Collector
-from longball.model.readings import Reading
+from longball.model.readings import SamplingReading
 from longball.model.result import Result
 from longball.model.scene import (
     AtBatScene,
@@ -23,7 +23,9 @@ from longball.model.scene import (
 
 def at_bats(count: int = 14) -> list[AtBatScene]:
     base = AtBatScene(id="base")
-    return [scene for scene in scenes(base, draw(paper_at_bats(Reading()), count, 7)) if scene]
+    return [
+        scene for scene in scenes(base, draw(paper_at_bats(SamplingReading()), count, 7)) if scene
+    ]
 
 
 def flights() -> list[FlightScene]:
@@ -62,7 +64,7 @@ def pitches() -> list[PitchScene]:
 
 def collected(cases, results: list[Result]) -> Collector:
     """Return results as a candidate's lines of JSON would arrive."""
-    heard = Collector([case.id for case in cases])
+    collector = Collector([case.id for case in cases])
     for number, result in enumerate(results, 1):
-        heard.take_line(number, json.dumps(json.loads(result.line())).encode())
-    return heard
+        collector.take_line(number, json.dumps(json.loads(result.line())).encode())
+    return collector

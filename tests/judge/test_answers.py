@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from longball.engines.at_bat import solve
+from longball.engines.chain import solve
 from longball.engines.ivp import Ivp
 from longball.judge.answers import (
     LONGEST_LINE,
@@ -31,7 +31,7 @@ def written(folder: Path, name: str, content: str | bytes) -> Path:
 
 
 def said(collected) -> str:
-    return "\n".join(map(str, collected.complaints))
+    return "\n".join(map(str, collected.issues))
 
 
 def test_the_quantities_are_those_of_a_result():
@@ -77,8 +77,8 @@ def test_a_table(tmp_path: Path):
     path = written(
         tmp_path,
         "results.csv",
-        "id,outcome,plate.time,landing.distance,landing.position.x,landing.position.y,"
-        "landing.position.z,remark\r\n"
+        "id,outcome,plate.time,landing.distance,landing.position[0],landing.position[1],"
+        "landing.position[2],remark\r\n"
         "a,batted,0.55,100.5,100,10.012492197250394,0,far\r\n"
         "b,missed,0.5,,,,,\r\n"
         "c,batted,x,nan,1,,0,\r\n",

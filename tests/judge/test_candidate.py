@@ -39,35 +39,35 @@ def python(program: str, limits: Limits = GENEROUS, count: int = 5) -> Run:
     return run([sys.executable, "-I", "-S", "-c", start + program], scenes(count), limits)
 
 
-def said(heard: Run) -> str:
-    return "\n".join(str(complaint) for complaint in heard.collected.complaints)
+def said(ran: Run) -> str:
+    return "\n".join(str(issue) for issue in ran.collected.issues)
 
 
-def answered(heard: Run) -> list[str]:
-    return sorted(heard.collected.answers)
+def answered(ran: Run) -> list[str]:
+    return sorted(ran.collected.answers)
 
 
 def test_answers_are_read_and_nothing_is_wrong():
-    heard = python("for id in ids(): say(id)")
-    assert answered(heard) == ["s0", "s1", "s2", "s3", "s4"]
-    assert said(heard) == ""
-    assert heard.status == 0
-    assert [float(x) for x in heard.collected.answers["s3"].values["landing.distance"]] == [1.5]
+    ran = python("for id in ids(): say(id)")
+    assert answered(ran) == ["s0", "s1", "s2", "s3", "s4"]
+    assert said(ran) == ""
+    assert ran.status == 0
+    assert [float(x) for x in ran.collected.answers["s3"].values["landing.distance"]] == [1.5]
 
 
 def test_any_order_will_do():
-    heard = python("for id in reversed(list(ids())): say(id)")
-    assert len(answered(heard)) == 5
-    assert said(heard) == ""
+    ran = python("for id in reversed(list(ids())): say(id)")
+    assert len(answered(ran)) == 5
+    assert said(ran) == ""
 
 
 def test_no_deadlock_when_everything_is_read_first_or_answered_before_reading():
     # Both pipes are filled many times over: a pipe holds 64 KiB, these scenes are 2 MB.
     count = 5000
-    heard = python("all = list(ids())\nfor id in all: say(id)", count=count)
-    assert (len(answered(heard)), said(heard)) == (count, "")
-    heard = python(f"for i in range({count}): say(f's{{i}}')\nfor id in ids(): pass", count=count)
-    assert (len(answered(heard)), said(heard)) == (count, "")
+    ran = python("all = list(ids())\nfor id in all: say(id)", count=count)
+    assert (len(answered(ran)), said(ran)) == (count, "")
+    ran = python(f"for i in range({count}): say(f's{{i}}')\nfor id in ids(): pass", count=count)
+    assert (len(answered(ran)), said(ran)) == (count, "")
 
 
 def test_progress_is_told():
@@ -78,65 +78,65 @@ def test_progress_is_told():
 
 
 def test_a_hang_keeps_what_was_answered():
-    heard = python("say('s0'); say('s1'); time.sleep(600)", HASTY)
-    assert answered(heard) == ["s0", "s1"]
-    assert "no answer came for 1 s, and was stopped; it answered 2 of 5 scenes" in said(heard)
-    assert heard.status is None
+    ran = python("say('s0'); say('s1'); time.sleep(600)", HASTY)
+    assert answered(ran) == ["s0", "s1"]
+    assert "no answer came for 1 s, and was stopped; it answered 2 of 5 scenes" in said(ran)
+    assert ran.status is None
 
 
 def test_a_hang_that_closed_its_output():
-    heard = python("say('s0'); sys.stdout.flush(); os.close(1); time.sleep(600)", HASTY)
-    assert answered(heard) == ["s0"]
-    assert "closed its output, but did not end within 1 s, and was stopped" in said(heard)
+    ran = python("say('s0'); sys.stdout.flush(); os.close(1); time.sleep(600)", HASTY)
+    assert answered(ran) == ["s0"]
+    assert "closed its output, but did not end within 1 s, and was stopped" in said(ran)
 
 
 def test_a_hang_after_the_last_answer():
-    heard = python("for id in ids(): say(id)\ntime.sleep(600)", HASTY)
-    assert len(answered(heard)) == 5
-    assert "did not end within 1 s after its last answer" in said(heard)
+    ran = python("for id in ids(): say(id)\ntime.sleep(600)", HASTY)
+    assert len(answered(ran)) == 5
+    assert "did not end within 1 s after its last answer" in said(ran)
 
 
 def test_rubbish_does_not_count_as_an_answer_in_time():
-    heard = python("say('s0')\nwhile True: print('thinking', flush=True); time.sleep(.05)", HASTY)
-    assert answered(heard) == ["s0"]
-    assert "no answer came for 1 s" in said(heard)
+    ran = python("say('s0')\nwhile True: print('thinking', flush=True); time.sleep(.05)", HASTY)
+    assert answered(ran) == ["s0"]
+    assert "no answer came for 1 s" in said(ran)
 
 
 def test_the_time_in_all_is_limited():
     limits = Limits(scene_seconds=60, total_seconds=1.5)
-    heard = python("for id in ids(): time.sleep(.5); say(id)", limits, count=1000)
-    assert "took more than 1.5 s in all, and was stopped" in said(heard)
+    ran = python("for id in ids(): time.sleep(.5); say(id)", limits, count=1000)
+    assert "took more than 1.5 s in all, and was stopped" in said(ran)
 
 
 def test_a_crash_half_way():
-    heard = python("say('s0'); say('s1'); os.abort()")
-    assert answered(heard) == ["s0", "s1"]
-    assert "was ended by signal SIGABRT; it answered 2 of 5 scenes" in said(heard)
+    ran = python("say('s0'); say('s1'); os.abort()")
+    assert answered(ran) == ["s0", "s1"]
+    assert "was ended by signal SIGABRT; it answered 2 of 5 scenes" in said(ran)
 
 
 def test_an_early_end():
-    heard = python("say('s4'); print('no more', file=sys.stderr); sys.exit(3)")
-    assert answered(heard) == ["s4"]
-    assert "ended with status 3" in said(heard)
-    assert "it answered 1 of 5 scenes" in said(heard)
-    assert heard.errors == "no more\n"
+    ran = python("say('s4'); print('no more', file=sys.stderr); sys.exit(3)")
+    assert answered(ran) == ["s4"]
+    assert "ended with status 3" in said(ran)
+    assert "it answered 1 of 5 scenes" in said(ran)
+    assert ran.errors == "no more\n"
 
 
 def test_an_end_before_anything():
-    heard = python("")
-    assert answered(heard) == []
-    assert "ended with status 0" in said(heard)
+    ran = python("")
+    assert answered(ran) == []
+    assert "ended with status 0" in said(ran)
 
 
 def test_an_input_that_is_closed_early_is_no_loss_of_answers():
     program = "os.close(0)\nfor i in range(3): say(f's{i}'); time.sleep(.1)"
-    heard = python(program, count=5000)
-    assert answered(heard) == ["s0", "s1", "s2"]
-    assert "ended with status 0 before it had read all scenes; it answered 3 of 5000" in said(heard)
+    ran = python(program, count=5000)
+    assert answered(ran) == ["s0", "s1", "s2"]
+    assert "ended with status 0 before it had read all scenes; it answered 3 of 5000" in said(ran)
 
 
 def test_rubbish_is_told_by_line_and_the_rest_judged():
-    heard = python(
+    ran = python(
         "print('hello')\n"
         "sys.stdout.flush(); os.write(1, b'\\xff\\xfe\\n')\n"
         "print('[1, 2]'); print('{\"outcome\": 1}'); print('{\"id\": 7}'); print()\n"
@@ -144,7 +144,7 @@ def test_rubbish_is_told_by_line_and_the_rest_judged():
         "say('s2')\n"
         'print(\'{"id": "s3", "outcome": "lan\', end=\'\')'
     )
-    assert answered(heard) == ["s2"]
+    assert answered(ran) == ["s2"]
     for sentence in (
         "line 1: not JSON: hello",
         "line 2: not UTF-8 text: byte 1 is 0xff",
@@ -154,68 +154,68 @@ def test_rubbish_is_told_by_line_and_the_rest_judged():
         "line 7: not a result: brackets nested too deeply",
         'line 9: not JSON: {"id": "s3", "outcome": "lan',
     ):
-        assert sentence in said(heard)
+        assert sentence in said(ran)
 
 
 def test_ids_that_nobody_asked_for_and_second_answers():
-    heard = python('say(\'s0\'); say(\'nobody\'); print(\'{"id": "s0", "outcome": "missed"}\')')
-    assert heard.collected.answers["s0"].outcome == "landed"
-    assert "line 2: no scene has the id nobody" in said(heard)
-    assert "line 3: s0 is answered again; the first answer counts" in said(heard)
+    ran = python('say(\'s0\'); say(\'nobody\'); print(\'{"id": "s0", "outcome": "missed"}\')')
+    assert ran.collected.answers["s0"].outcome == "landed"
+    assert "line 2: no scene has the id nobody" in said(ran)
+    assert "line 3: s0 is answered again; the first answer counts" in said(ran)
 
 
 def test_what_is_quoted_can_do_no_harm():
-    heard = python("print(json.dumps({'id': '\\x1b]0;evil\\x07' + 'x' * 1000}))")
-    assert "\x1b" not in said(heard)
-    assert len(said(heard).splitlines()[0]) < 200
+    ran = python("print(json.dumps({'id': '\\x1b]0;evil\\x07' + 'x' * 1000}))")
+    assert "\x1b" not in said(ran)
+    assert len(said(ran).splitlines()[0]) < 200
 
 
 def test_numbers_that_are_none():
-    heard = python(
+    ran = python(
         'print(\'{"id": "s0", "outcome": "landed", "landing": {"distance": NaN, "time": 1e999,'
         ' "hang_time": "4", "position": [1, 2], "velocity": [1, true, null]}}\')\n'
         'print(\'{"id": "s1", "outcome": "home run", "landing": 150, "plate": null}\')\n'
         'print(\'{"id": "s2", "outcome": ["landed"], "landing": {"distance": 1e-999999999999}}\')\n'
         'print(\'{"id": "s3", "landing": {"distance": \' + \'9\' * 20000 + \'}}\')\n'
     )
-    answers = heard.collected.answers
+    answers = ran.collected.answers
     assert not answers["s0"].values
     assert len(answers["s0"].unreadable) == 5
-    assert "s0: landing.distance is NaN; a finite number must stand there" in said(heard)
-    assert 's0: landing.position is ["1", "2"]; three finite numbers' in said(heard)
-    assert "s1: home run is not an outcome" in said(heard)
-    assert "s1: landing is no JSON object" in said(heard)
+    assert "s0: landing.distance is NaN; a finite number must stand there" in said(ran)
+    assert 's0: landing.position is ["1", "2"]; three finite numbers' in said(ran)
+    assert "s1: home run is not an outcome" in said(ran)
+    assert "s1: landing is no JSON object" in said(ran)
     assert answers["s2"].outcome is None
     assert answers["s3"].unreadable == {"landing.distance"}
 
 
 def test_a_line_without_end_takes_no_memory():
-    heard = python(
+    ran = python(
         "say('s0')\nfor _ in range(200): os.write(1, b'x' * 65536)\nos.write(1, b'\\n')\nsay('s1')"
     )
-    assert answered(heard) == ["s0", "s1"]
-    assert f"line 2: longer than {LONGEST_LINE} bytes" in said(heard)
+    assert answered(ran) == ["s0", "s1"]
+    assert f"line 2: longer than {LONGEST_LINE} bytes" in said(ran)
 
 
 def test_a_flood_of_output_is_stopped():
     limits = Limits(scene_seconds=60, total_seconds=120, output_bytes=1 << 21)
-    heard = python("say('s0')\nwhile True: os.write(1, b'spam\\n' * 10000)", limits)
-    assert answered(heard) == ["s0"]
-    assert "wrote more than 2097152 bytes, and was stopped" in said(heard)
-    assert len(heard.collected.complaints) < 50
-    assert heard.collected.left_out["rubbish"] > 1000
+    ran = python("say('s0')\nwhile True: os.write(1, b'spam\\n' * 10000)", limits)
+    assert answered(ran) == ["s0"]
+    assert "wrote more than 2097152 bytes, and was stopped" in said(ran)
+    assert len(ran.collected.issues) < 50
+    assert ran.collected.left_out["rubbish"] > 1000
 
 
 def test_a_flood_of_errors_is_read_and_forgotten():
-    heard = python(
+    ran = python(
         "for id in ids():\n"
         "    os.write(2, b'warning\\n' * 100000)\n"
         "    say(id)\n"
         "os.write(2, b'the end\\n')"
     )
-    assert (len(answered(heard)), said(heard)) == (5, "")
-    assert len(heard.errors) <= GENEROUS.error_bytes
-    assert heard.errors.endswith("the end\n")
+    assert (len(answered(ran)), said(ran)) == (5, "")
+    assert len(ran.errors) <= GENEROUS.error_bytes
+    assert ran.errors.endswith("the end\n")
 
 
 def alive(pid: int) -> bool:
@@ -244,7 +244,7 @@ def test_no_process_is_left_behind(leaves: str, then: str, tmp_path: Path):
     if leaves != "pass" and not Path("/proc/self/environ").exists():
         pytest.skip("a process that leaves its group is found by /proc only")
     note = tmp_path / "grandchild"
-    heard = python(
+    ran = python(
         f"if os.fork() == 0:\n"
         f"    {leaves}\n"
         f"    open({str(note)!r}, 'w').write(str(os.getpid()))\n"
@@ -255,18 +255,18 @@ def test_no_process_is_left_behind(leaves: str, then: str, tmp_path: Path):
         f"{then}\n",
         HASTY,
     )
-    assert answered(heard) == ["s0"]
+    assert answered(ran) == ["s0"]
     assert gone(int(note.read_text()))
 
 
 def test_the_shell_is_not_asked(tmp_path: Path):
     trap = tmp_path / "trap"
-    heard = run(
+    ran = run(
         [sys.executable, "-c", "import sys; print(sys.argv)", f"; touch {trap} $(touch {trap})"],
         scenes(),
         GENEROUS,
     )
-    assert "touch" in said(heard)
+    assert "touch" in said(ran)
     assert not trap.exists()
 
 
@@ -281,8 +281,8 @@ def test_scenes_with_one_id_are_refused():
 
 
 def test_nothing_asked_is_nothing_answered():
-    heard = python("for id in ids(): say(id)", count=0)
-    assert (answered(heard), said(heard), heard.status) == ([], "", 0)
+    ran = python("for id in ids(): say(id)", count=0)
+    assert (answered(ran), said(ran), ran.status) == ([], "", 0)
 
 
 def test_the_mark_is_not_ours():

@@ -14,7 +14,7 @@ from xml.etree import ElementTree
 import jsonschema
 import pytest
 
-from longball.engines.at_bat import solve
+from longball.engines.chain import solve
 from longball.engines.ivp import Ivp
 from longball.golden import load
 from longball.judge.verdict import schema
@@ -62,7 +62,7 @@ def test_the_reference_passes_and_so_does_its_file(tmp_path: Path):
 def test_a_verdict_in_every_form(tmp_path: Path):
     junit, html = tmp_path / "verdict.xml", tmp_path / "verdict.html"
     said = judge("--golden", "flight-drag", "--json", "--junit", junit, "--html", html,
-                 *verlet("0.01", "--variant", "old_carried"))  # fmt: skip
+                 *verlet("0.01", "--forces", "old_carried"))  # fmt: skip
     assert said.returncode == 1
     verdict = json.loads(said.stdout)
     jsonschema.validate(verdict, schema())
@@ -116,7 +116,9 @@ def test_a_table_with_columns_of_its_own(tmp_path: Path):
     table = tmp_path / "results.csv"
     with table.open("w", encoding="utf-8", newline="") as file:
         write = csv.writer(file).writerow
-        write(["case", "t", "plate.velocity.x", "plate.velocity.y", "plate.velocity.z", "remark"])
+        write(
+            ["case", "t", "plate.velocity[0]", "plate.velocity[1]", "plate.velocity[2]", "remark"]
+        )
         for case in load("pitch"):
             plate = solve(case.scene, Ivp()).plate
             cells = [repr(plate.time), *map(repr, plate.velocity)] if plate else [""] * 4

@@ -17,8 +17,8 @@ from longball.engines.ivp import Ivp
 from longball.golden import load
 from longball.judge.candidate import Limits
 from longball.judge.cases import Known, profile, solved
-from longball.judge.trial import Court
-from longball.judge.words import words
+from longball.judge.evaluation import Evaluation, Judge
+from longball.judge.text import render
 from tests.judge.material import at_bats, flights, impacts, pitches
 
 FOLDER = Path(__file__).parents[1] / "candidates"
@@ -42,10 +42,14 @@ def command(source: Path, folder: Path) -> list[str]:
             return [str(program)]
 
 
+def evaluate(judge: Judge, program: list[str]) -> Evaluation:
+    return judge.evaluate_command(program, GENEROUS)
+
+
 NAMES = ["paper_verlet.py", "paper_verlet.js", "paper_verlet.c"]
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", [*NAMES, "mistaken.py"])
 def test_they_know_nothing_of_longball(name: str):
     assert "longball" not in (FOLDER / name).read_text(encoding="utf-8")
 
@@ -55,20 +59,20 @@ def test_they_know_nothing_of_longball(name: str):
 def test_the_printed_scheme_passes_as_such(name: str, dt: float, tmp_path: Path):
     scenes = [*at_bats(150 if dt == 0.05 else 40), *flights(), *impacts(), *pitches()]
     cases = solved(scenes, Ivp())
-    court = Court(cases, profile("paper", dt=dt))
-    trial = court.try_command([*command(FOLDER / name, tmp_path), "--dt", str(dt)], GENEROUS)
-    assert trial.verdict.passed, words(trial.verdict)
-    assert trial.verdict.judged == len(cases)
-    outcomes = {(c.expected, c.obtained) for c in trial.verdict.outcomes}
+    judge = Judge(cases, profile("paper", dt=dt))
+    evaluation = evaluate(judge, [*command(FOLDER / name, tmp_path), "--dt", str(dt)])
+    assert evaluation.verdict.passed, render(evaluation.verdict)
+    assert evaluation.verdict.judged == len(cases)
+    outcomes = {(c.expected, c.obtained) for c in evaluation.verdict.outcomes}
     assert ("batted", "batted") in outcomes
     assert dt < 0.05 or ("missed", "missed") in outcomes
-    assert {m.quantity for m in trial.verdict.missing} == {"contact.margin"}
+    assert {m.quantity for m in evaluation.verdict.missing} == {"contact.margin"}
 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_against_the_truth_it_is_found_out(name: str, cases: list[Known], tmp_path: Path):
-    court = Court(cases, profile("converged", 1e-6))
-    verdict = court.try_command(command(FOLDER / name, tmp_path), GENEROUS).verdict
+    judge = Judge(cases, profile("converged", 1e-6))
+    verdict = evaluate(judge, command(FOLDER / name, tmp_path)).verdict
     assert not verdict.passed
     assert len(verdict.contacts_missed) > 8
     assert verdict.diagnosis is not None
@@ -124,8 +128,8 @@ def test_a_mistake_in_the_source_is_named(
     source.write_text(text.replace(right, wrong), encoding="utf-8")
     # At 5 ms the bat is met in most at-bats, so that there is something to see.
     scenes = [*at_bats(20), *flights(), *impacts(), *pitches()]
-    court = Court(solved(scenes, Ivp()), profile("paper", dt=0.005))
-    verdict = court.try_command([*command(source, tmp_path), "--dt", "0.005"], GENEROUS).verdict
+    judge = Judge(solved(scenes, Ivp()), profile("paper", dt=0.005))
+    verdict = evaluate(judge, [*command(source, tmp_path), "--dt", "0.005"]).verdict
     assert verdict.diagnosis is not None
     named = verdict.diagnosis.named
     assert named == ([mistake] if mistake else []), verdict.diagnosis.sentence
@@ -176,8 +180,8 @@ def test_against_the_truth_its_mistakes_are_told_from_its_scheme(
         text = text.replace(right, wrong)
     source = tmp_path / "candidate.py"
     source.write_text(text, encoding="utf-8")
-    court = Court(cases, profile("converged", 1e-6))
-    verdict = court.try_command([*command(source, tmp_path), "--dt", str(dt)], GENEROUS).verdict
+    judge = Judge(cases, profile("converged", 1e-6))
+    verdict = evaluate(judge, [*command(source, tmp_path), "--dt", str(dt)]).verdict
     assert verdict.diagnosis is not None
     assert set(verdict.diagnosis.named) == mistakes, verdict.diagnosis.sentence
     assert verdict.diagnosis.share > 0.999
@@ -189,7 +193,7 @@ def test_single_precision_is_named(dt: float, tmp_path: Path):
     text = (FOLDER / "paper_verlet.c").read_text(encoding="utf-8")
     source = tmp_path / "single.c"
     source.write_text(text.replace("double", "float"), encoding="utf-8")
-    court = Court(load(), profile("paper", dt=dt))
-    verdict = court.try_command([*command(source, tmp_path), "--dt", str(dt)], GENEROUS).verdict
+    judge = Judge(load(), profile("paper", dt=dt))
+    verdict = evaluate(judge, [*command(source, tmp_path), "--dt", str(dt)]).verdict
     assert verdict.diagnosis is not None
     assert verdict.diagnosis.named == ["single-precision"], verdict.diagnosis.sentence

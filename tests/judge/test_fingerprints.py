@@ -1,37 +1,39 @@
 """Known mistakes, planted alone and in pairs, are named; noise and strangers are not accused.
 
-The candidates here make their mistakes through another engine setting than the fingerprints do;
-those of `test_examples` make them in source code of their own.
+The candidates are another program, `tests/candidates/mistaken.py`, with its switches set; those of
+`test_examples` make their mistakes in source code of their own.
 """
 
 from __future__ import annotations
 
 import itertools
+import json
+import math
 import random
 from collections.abc import Callable, Mapping, Sequence
 from decimal import Decimal
+from typing import Any
 
 import numpy as np
 import pytest
 
-from longball.engines.at_bat import solve
+from longball.engines.chain import solve
 from longball.engines.ivp import Ivp
-from longball.engines.verlet import Verlet
-from longball.judge.altered import solve_with_drag
-from longball.judge.altered_scheme import solve_in_steps
-from longball.judge.answers import Answer
+from longball.engines.verlet import TREATMENTS, Verlet
+from longball.judge.answers import Answer, Collector
 from longball.judge.cases import Known
 from longball.judge.diagnosis import Diagnosis
-from longball.judge.fingerprints import Atom, Fingerprints, Guess, telling
-from longball.judge.mistakes import KNOWN, Mistake, Variant
+from longball.judge.fingerprints import Atom, Fingerprints, Guess, select_cases
+from longball.judge.mistakes import KNOWN, Mistake
 from longball.judge.quantities import values_of
 from longball.judge.search import common_step, diagnose
-from longball.model.readings import Reading
 from longball.model.result import Result
 from longball.model.scene import Scene
+from tests.candidates.mistaken import Switches, by_component, by_first_power, size
+from tests.candidates.mistaken import solve as simulate
 
 DT = 0.01
-ENGINE = Ivp(rtol=1e-12, atol=1e-12)
+ENGINE = Ivp("DOP853", 1e-12, 1e-12)
 
 Answers = Mapping[str, Answer]
 
@@ -46,30 +48,118 @@ def answers(cases: Sequence[Known], solver: Callable[[Scene], Result]) -> Answer
     return {r.id: Answer(r.id, r.outcome, values_of(r)) for r in results}
 
 
-def under(scene: Scene, switches: Mapping[str, str]) -> Scene:
-    reading = Reading.model_validate(scene.reading.model_dump() | dict(switches))
-    return scene.model_copy(update={"reading": reading})
+def slip(*scene: tuple, **switches: Any) -> dict[str, Any]:
+    return {"scene": scene, **switches}
 
 
-def planted(cases: Sequence[Known], variants: Sequence[Variant], dt: float = DT) -> Answers:
-    """Return the answers of a candidate that makes mistakes."""
-    switches: dict[str, str] = {}
-    for variant in variants:
-        switches |= {k: v for k, v in (variant.scheme or {}).items() if k not in switches
-                     or switches[k] == "predicted_recomputed"}  # fmt: skip
-    laws = [variant.drag for variant in variants if variant.drag]
+def at_once(forces: str) -> dict[str, Any]:
+    return slip(forces=forces, push=False)
 
-    def base(scene: Scene) -> Result:
-        if laws and switches and scene.kind != "impact":
-            return solve_in_steps(under(scene, switches), laws[0], Verlet(dt=dt))
-        if laws:
-            return solve_with_drag(scene, laws[0])
-        return solve(under(scene, switches), Verlet(dt=dt)) if switches else solve(scene, ENGINE)
 
-    solver = base
-    for variant in variants:
-        solver = lambda scene, v=variant, inner=solver: v.wrapper(scene, inner, dt)  # noqa: E731
-    return answers(cases, solver)
+SOUND = ("predicted_recomputed", "predicted_carried", "implicit")
+BELOW = {"forces": SOUND[0], "landing": "first_below"}
+LARGER = {"forces": SOUND[0], "root": "larger"}
+
+# How the other program makes each form of each mistake.
+SWITCHES: dict[str, list[dict[str, Any]]] = {
+    "lagged-verlet": [
+        slip(forces="old_carried"),
+        slip(forces="old_recomputed"),
+        at_once("old_carried"),
+        at_once("old_recomputed"),
+    ],
+    "half-step-verlet": [slip(forces="half_step"), at_once("half_step")],
+    "verlet-steps": [at_once(forces) for forces in SOUND],
+    "two-step-push": [slip(forces=forces) for forces in SOUND],
+    "first-below": [
+        *(slip(below=below, on_floor=on) for below in ("start", "launch") for on in (False, True)),
+        slip(**BELOW),
+        slip(**BELOW, on_floor=True),
+    ],
+    "linear-plate": [slip(line=True)],
+    "tunnelling": [slip(steps_only=True)],
+    "larger-root": [slip(**LARGER), slip(**LARGER, parting=True)],
+    "drag-per-component": [slip(drag=by_component)],
+    "drag-with-v": [slip(drag=by_first_power)],
+    "lift-sign": [slip(("air", "lift_coefficient", "times", -1.0))],
+    "lift-always-up": [slip(upward=True)],
+    "plain-restitution": [slip(restitution="plain")],
+    "nathan": [slip(restitution="nathan")],
+    "effective-mass": [slip(arm_power=1)],
+    "reduced-mass": [slip(restitution="effective")],
+    "thin-rod": [slip(inertia="rod")],
+    "inertia-about-centre": [slip(inertia="centre")],
+    "other-pivot": [slip(other_end=True), slip(other_end=True, backwards=True)],
+    "tilt-in-degrees": [
+        slip(("swing", "tilt", "times", math.radians(1))),
+        slip(("swing", "tilt", "times", math.degrees(1))),
+    ],
+    "speed-in-km/h": [
+        slip(("pitch", "speed", "times", 1 / 3.6)),
+        slip(("pitch", "speed", "times", 3.6)),
+    ],
+    "radius-or-diameter": [
+        slip(("ball", "radius", "times", 2.0)),
+        slip(("ball", "radius", "times", 0.5)),
+    ],
+    "g-9.81": [slip(("", "gravity", 9.81)), slip(("", "gravity", 9.80665))],
+    "air-1.225": [slip(("air", "density", 1.225))],
+    "air-1.2": [slip(("air", "density", 1.2)), slip(("air", "density", 1.204))],
+    "distance-from-contact": [
+        slip(from_contact=True),
+        slip(from_contact=True, from_launch=True),
+    ],
+    "landing-of-surface": [slip(surface=True)],
+}
+
+
+def test_every_form_of_every_mistake_can_be_planted():
+    assert {name: len(forms) for name, forms in SWITCHES.items()} == {
+        name: len(mistake.variants) for name, mistake in KNOWN.items()
+    }
+
+
+def planted(cases: Sequence[Known], *slips: dict[str, Any], dt: float = DT) -> Answers:
+    """Return the answers of the other program with some mistakes."""
+    switches: dict[str, Any] = {}
+    for slip in slips:
+        # A mistake of the scheme that says nothing of the forces takes them as another has them.
+        forces = {switches.get("forces", SOUND[0]), slip.get("forces", SOUND[0])} - {SOUND[0]}
+        scene = (*switches.get("scene", ()), *slip["scene"])
+        switches |= slip | {"scene": scene}
+        if "forces" in switches and forces:
+            (switches["forces"],) = forces
+    how = Switches(dt, **switches)
+    collector = Collector([case.id for case in cases])
+    for number, case in enumerate(cases, 1):
+        result = simulate(json.loads(case.scene.line()), how)
+        collector.take_line(number, json.dumps(result).encode())
+    assert not collector.issues
+    return collector.answers
+
+
+def differences(found: Answers, expected: Answers) -> list[float]:
+    """Return how far numbers are apart that both have, in the same outcomes."""
+    apart = []
+    for name, answer in expected.items():
+        assert found[name].outcome == answer.outcome
+        for quantity, value in found[name].values.items():
+            apart += [
+                abs(float(a - b)) for a, b in zip(value, answer.values[quantity], strict=True)
+            ]
+    return apart
+
+
+def test_the_other_program_is_right_but_for_its_switches(cases: list[Known]):
+    # Its steps' errors of 1e-11 m, amplified up to a thousand times by ball and bat.
+    assert max(differences(planted(cases), answers(cases, lambda s: solve(s, ENGINE)))) < 1e-8
+
+
+@pytest.mark.parametrize("forces", TREATMENTS)
+def test_the_other_program_steps_as_the_paper(cases: list[Known], forces: str):
+    expected = answers(cases, lambda scene: solve(scene, Verlet(DT, forces)))
+    # Roundings of a thousand steps, amplified as above.
+    assert max(differences(planted(cases, slip(forces=forces)), expected)) < 1e-10
 
 
 def noisy(cases: Sequence[Known], size: float) -> Answers:
@@ -93,22 +183,22 @@ def with_twins(diagnosis: Diagnosis, first: int) -> set[str]:
 
 
 @pytest.mark.parametrize(
-    ("mistake", "variant"),
+    ("mistake", "form"),
     [
-        pytest.param(mistake, variant, id=f"{name}-{i}")
+        pytest.param(mistake, i, id=f"{name}-{i}")
         for name, mistake in KNOWN.items()
-        for i, variant in enumerate(mistake.variants)
+        for i in range(len(mistake.variants))
     ],
 )
 def test_a_mistake_alone_is_named_first(
-    prints: Fingerprints, cases: list[Known], mistake: Mistake, variant: Variant
+    prints: Fingerprints, cases: list[Known], mistake: Mistake, form: int
 ):
-    diagnosis = diagnose(prints, planted(cases, [variant]))
+    diagnosis = diagnose(prints, planted(cases, SWITCHES[mistake.name][form]))
     assert diagnosis.finding == "known"
     assert diagnosis.named == [mistake.name]
     assert diagnosis.suspects[0].name == mistake.name
     assert diagnosis.share > 0.999
-    if variant.steps:
+    if mistake.variants[form].steps:
         assert diagnosis.suspects[0].step == pytest.approx(DT)
 
 
@@ -137,14 +227,14 @@ def test_of_thirty_pairs_both_are_among_the_first_three(prints: Fingerprints, ca
     assert len(chosen) == 30
     wrong = {}
     for pair in chosen:
-        diagnosis = diagnose(prints, planted(cases, [KNOWN[name].variants[0] for name in pair]))
+        diagnosis = diagnose(prints, planted(cases, *(SWITCHES[name][0] for name in pair)))
         if not set(pair) <= with_twins(diagnosis, 3):
             wrong[pair] = diagnosis.sentence
     assert not wrong
 
 
 def test_the_distance_alone_is_enough(prints: Fingerprints, cases: list[Known]):
-    whole = planted(cases, KNOWN["thin-rod"].variants)
+    whole = planted(cases, *SWITCHES["thin-rod"])
     only = {
         i: Answer(i, None, {n: v for n, v in a.values.items() if n == "landing.distance"})
         for i, a in whole.items()
@@ -176,38 +266,26 @@ def test_a_loose_tolerance_is_called_noise(prints: Fingerprints, cases: list[Kno
 
 
 def drag_crisis(k, v):
-    speed = np.linalg.norm(v)
-    return -k * (0.8 + 0.4 / (1 + np.exp((speed - 33) / 3))) * speed * v
+    return [-k * (0.8 + 0.4 / (1 + math.exp((size(v) - 33) / 3))) * size(v) * c for c in v]
 
 
 def wind(k, v):
-    relative = v - np.array([-3.0, 1.0, 0.0])
-    return -k * np.linalg.norm(relative) * relative
-
-
-def changed(block: str, key: str, factor: float) -> Callable[[Scene], Result]:
-    def solver(scene: Scene) -> Result:
-        held = getattr(scene, block, None)
-        if held is not None:
-            other = held.model_copy(update={key: factor * getattr(held, key)})
-            scene = scene.model_copy(update={block: other})
-        return solve(scene, ENGINE)
-
-    return solver
+    relative = [v[0] + 3.0, v[1] - 1.0, v[2]]
+    return [-k * size(relative) * c for c in relative]
 
 
 @pytest.mark.parametrize(
-    "solver",
+    "stranger",
     [
-        pytest.param(lambda scene: solve_with_drag(scene, drag_crisis), id="C_D of the speed"),
-        pytest.param(lambda scene: solve_with_drag(scene, wind), id="wind"),
-        pytest.param(changed("bat", "mass", 0.97), id="a lighter bat"),
-        pytest.param(changed("ball", "restitution", 1.02), id="a livelier ball"),
-        pytest.param(changed("air", "density", 0.9), id="thinner air than any known"),
+        pytest.param(slip(drag=drag_crisis), id="C_D of the speed"),
+        pytest.param(slip(drag=wind), id="wind"),
+        pytest.param(slip(("bat", "mass", "times", 0.97)), id="a lighter bat"),
+        pytest.param(slip(("ball", "restitution", "times", 1.02)), id="a livelier ball"),
+        pytest.param(slip(("air", "density", "times", 0.9)), id="thinner air than any known"),
     ],
 )
-def test_a_stranger_is_called_unknown(prints: Fingerprints, cases: list[Known], solver):
-    diagnosis = diagnose(prints, answers(cases, solver))
+def test_a_stranger_is_called_unknown(prints: Fingerprints, cases: list[Known], stranger):
+    diagnosis = diagnose(prints, planted(cases, stranger))
     assert diagnosis.finding == "unknown"
     assert diagnosis.named == []
     assert "none of the known mistakes" in diagnosis.sentence
@@ -233,13 +311,13 @@ def test_single_precision_is_told_by_its_numbers(
 ):
     right = answers(cases, lambda scene: solve(scene, ENGINE))
     assert diagnose(prints, in_single(right, write)).named == ["single-precision"]
-    heavy = planted(cases, KNOWN["g-9.81"].variants[:1])
+    heavy = planted(cases, SWITCHES["g-9.81"][0])
     assert diagnose(prints, in_single(heavy, write)).named == ["g-9.81", "single-precision"]
 
 
 @pytest.mark.parametrize("dt", [0.0073, 1 / 120])
 def test_a_time_step_that_nobody_told(prints: Fingerprints, cases: list[Known], dt: float):
-    diagnosis = diagnose(prints, planted(cases, KNOWN["lagged-verlet"].variants[:1], dt))
+    diagnosis = diagnose(prints, planted(cases, SWITCHES["lagged-verlet"][0], dt=dt))
     assert diagnosis.named == ["lagged-verlet"]
     assert diagnosis.suspects[0].step == pytest.approx(dt, rel=1e-6)
 
@@ -255,7 +333,7 @@ def test_twins_are_listed_together_and_the_unseen_is_said(cases: list[Known]):
     # Without a bat, and on flights that never turn back, two mistakes show as one and most not.
     flights = [case for case in cases if case.scene.kind == "flight"][:6]
     prints = Fingerprints(flights)
-    diagnosis = diagnose(prints, planted(flights, KNOWN["first-below"].variants[:1]))
+    diagnosis = diagnose(prints, planted(flights, SWITCHES["first-below"][0]))
     assert diagnosis.named == ["first-below"]
     assert {"thin-rod", "nathan", "tunnelling", "linear-plate"} <= set(diagnosis.invisible)
     assert "first-below" not in diagnosis.invisible
@@ -264,7 +342,7 @@ def test_twins_are_listed_together_and_the_unseen_is_said(cases: list[Known]):
     prints = Fingerprints(central)
     only = {
         i: Answer(i, a.outcome, {"impact.restitution": a.values["impact.restitution"]})
-        for i, a in planted(central, KNOWN["nathan"].variants).items()
+        for i, a in planted(central, *SWITCHES["nathan"]).items()
     }
     diagnosis = diagnose(prints, only)
     assert {"nathan", "plain-restitution"} <= with_twins(diagnosis, 1)
@@ -275,7 +353,7 @@ def test_no_answers_are_no_mistake(prints: Fingerprints):
 
 
 def test_few_scenes_are_chosen_from_many(cases: list[Known]):
-    chosen = telling(cases * 5)
+    chosen = select_cases(cases * 5)
     assert len(chosen) <= 44
     assert {case.scene.kind for case in chosen} == {"at-bat", "flight", "impact", "pitch"}
     assert any(case.id == "flight-89" for case in chosen)

@@ -12,17 +12,17 @@ from xml.etree import ElementTree
 import jsonschema
 import pytest
 
-from longball.engines.at_bat import solve
+from longball.engines.chain import solve
 from longball.engines.ivp import Ivp
 from longball.judge import assert_case
 from longball.judge import cases as golden_cases
 from longball.judge.answers import Collector
 from longball.judge.cases import Converged, Exact, Known, Paper, profile, solved
+from longball.judge.evaluation import Evaluation, Judge
 from longball.judge.junit import junit
 from longball.judge.page import page
-from longball.judge.trial import Court, Trial
-from longball.judge.verdict import SCHEMA_FILE, Verdict, schema
-from longball.judge.words import words
+from longball.judge.text import render
+from longball.judge.verdict import SCHEMA_FILE, Submission, Verdict, schema
 from longball.model.result import Result
 from longball.model.schema import text
 from tests.judge.material import at_bats, collected, flights, pitches
@@ -33,18 +33,18 @@ Change = Callable[[dict], dict | None]
 @pytest.fixture(scope="module")
 def few() -> list[Known]:
     scenes = [*at_bats(6), *flights()[:3], *pitches()[:2]]
-    return solved(scenes, Ivp(rtol=3e-14, atol=3e-14))
+    return solved(scenes, Ivp())
 
 
-def tried(cases, change: Change = lambda r: r, profile=None, **court) -> Trial:
+def tried(cases, change: Change = lambda r: r, profile=None, **options) -> Evaluation:
     """Judge the ivp engine's answers, changed."""
-    heard = Collector([case.id for case in cases])
+    collector = Collector([case.id for case in cases])
     for number, case in enumerate(cases, 1):
         answer = change(json.loads(solve(case.scene, Ivp()).line()))
         if answer is not None:
-            heard.take_line(number, json.dumps(answer).encode())
-    court = {"diagnose": False} | court
-    return Court(cases, profile or Exact(), **court).judge(heard, "a candidate <&>")
+            collector.take_line(number, json.dumps(answer).encode())
+    judge = Judge(cases, profile or Exact(), **{"diagnose": False} | options)
+    return judge.evaluate(Submission("a candidate <&>", collector))
 
 
 def test_the_right_answers_pass(few: list[Known]):
@@ -143,7 +143,7 @@ def test_what_is_missing_is_listed_and_fails_only_if_required(few: list[Known]):
     assert missing["outcome"] == 11
     assert missing["plate.time"] == 8
     assert "landing.distance" not in missing
-    assert "left out: plate.time in 8 answers" in words(verdict)
+    assert "left out: plate.time in 8 answers" in render(verdict)
     verdict = tried(few, only_distance, require=("plate.time",)).verdict
     assert verdict.reasons == ["plate.time is missing in 8 answers"]
     assert not tried(few, only_distance, require=("all",)).verdict.passed
@@ -163,7 +163,7 @@ def test_silence_and_refusal_are_listed_and_fail_only_if_required(few: list[Know
     assert verdict.passed
     assert verdict.unanswered == ["pitch-0"]
     assert [(r.id, r.reason) for r in verdict.refused] == [("pitch-1", "too fast")]
-    assert "1 refused" in words(verdict)
+    assert "1 refused" in render(verdict)
     verdict = tried(few, change, require=("answers",)).verdict
     assert verdict.reasons == ["2 scenes without an answer, and answers are required"]
 
@@ -182,7 +182,7 @@ def test_no_number_is_a_fault(few: list[Known]):
 
     verdict = tried(few, change).verdict
     assert verdict.failures[0].faults[0].obtained == ["not a number"]
-    assert "1 complaints about its output or conduct" in verdict.reasons
+    assert "1 issue with its output or conduct" in verdict.reasons
 
 
 class Fragile(Known):
@@ -226,7 +226,7 @@ def test_the_schema_file_is_the_models():
 
 
 def test_words_for_a_person(few: list[Known]):
-    told = words(tried(few, farther(0.5)).verdict)
+    told = render(tried(few, farther(0.5)).verdict)
     assert told.startswith("FAILED: a candidate <&>\nprofile exact")
     assert "landing.distance: expected" in told
     assert "off by 5.00e-01" in told
@@ -266,8 +266,8 @@ class Page(HTMLParser):
 
 
 def test_the_page_needs_no_other_file(few: list[Known]):
-    trial = tried(few, lambda answer: missed(farther(0.5)(answer)), diagnose=True)
-    html = page(trial)
+    evaluation = tried(few, lambda answer: missed(farther(0.5)(answer)), diagnose=True)
+    html = page(evaluation)
     parser = Page()
     parser.feed(html)
     assert parser.open == []
@@ -329,8 +329,8 @@ class TestAssertCase:
 
 
 def test_results_arrive_as_lines(few: list[Known]):
-    heard = collected(few, [solve(case.scene, Ivp()) for case in few])
-    assert not heard.complaints
+    collector = collected(few, [solve(case.scene, Ivp()) for case in few])
+    assert not collector.issues
 
 
 def test_the_golden_pitches_are_passed_by_the_ivp_engine():

@@ -6,7 +6,7 @@ from fractions import Fraction
 import pytest
 from hypothesis import given
 
-from longball.model.bat import bat_velocity, couple, lever, moment_of_inertia
+from longball.model.bat import bat_velocity, collision_parameters, lever_arm, moment_of_inertia
 from longball.model.numbers import DOUBLES
 from longball.model.readings import Reading
 from longball.model.scene import Ball, Bat, Rotation
@@ -26,9 +26,9 @@ M, L, R = map(Fraction, (BAT.mass, BAT.length, BAT.radius))
 
 
 def test_the_lever_is_the_distance_from_the_end_at_plus_y():
-    assert lever(0.0, BAT, DOUBLES) == 0.5
-    assert lever(0.5, BAT, DOUBLES) == 0.0
-    assert lever(-0.25, Bat(length=0.9), DOUBLES) == pytest.approx(0.7)
+    assert lever_arm(0.0, BAT, DOUBLES) == 0.5
+    assert lever_arm(0.5, BAT, DOUBLES) == 0.0
+    assert lever_arm(-0.25, Bat(length=0.9), DOUBLES) == pytest.approx(0.7)
 
 
 @given(between(0, 1), between(-50, 50), between(-1.5, 1.5))
@@ -99,13 +99,13 @@ def inverted(ratio):
     ],
 )
 def test_readings_of_the_collision(reading, restitution, reduced_mass):
-    pair = couple(BALL, BAT, ARM, Reading(**reading), EXACT)
+    pair = collision_parameters(BALL, BAT, ARM, Reading(**reading), EXACT)
     assert pair.restitution == restitution
     assert pair.reduced_mass == reduced_mass
 
 
 def test_as_printed_inverts_nathans_apparent_coefficient():
     """e_A = (ẽ - r)/(1 + r) of the printed ẽ is the printed e."""
-    printed = couple(BALL, BAT, ARM, Reading(), EXACT).restitution
+    printed = collision_parameters(BALL, BAT, ARM, Reading(), EXACT).restitution
     ratio = BALL_MASS / EFFECTIVE
     assert (printed - ratio) / (1 + ratio) == E

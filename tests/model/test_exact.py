@@ -13,7 +13,7 @@ import sympy as sp
 from flint import arb, ctx
 
 from longball.model import exact
-from longball.model.motion import Forces, PlaneState, acceleration
+from longball.model.law import PlaneState, law_with
 
 T = sp.Symbol("t", positive=True)
 DRAG, LIFT, GRAVITY, FLOOR = sp.symbols("k_D k_L g h", positive=True)
@@ -33,13 +33,19 @@ SYMBOLIC = SimpleNamespace(
     sinh=sp.sinh,
     cosh=sp.cosh,
     asinh=sp.asinh,
-    exact=sp.Integer,
 )
+SYMBOLIC.functions = {"sqrt": sp.sqrt}
 
 
 def field(drag=None, lift=None, gravity=None):
     """The accelerations as executed, in symbols."""
-    return acceleration(Forces(drag, lift, gravity, False), SYMBOLIC)
+    strengths = {"drag": drag, "lift": lift, "gravity": gravity}
+    return accelerations({name: k for name, k in strengths.items() if k is not None})
+
+
+def accelerations(strengths):
+    rates = law_with(strengths).rates(SYMBOLIC)
+    return lambda u, w: rates(0, 0, u, w)[2:]
 
 
 def residuals(path, accelerate):
@@ -132,7 +138,7 @@ def test_the_fall_ends_on_the_floor(w, depth):
 @pytest.mark.parametrize("lift", [None, LIFT, -LIFT])
 def test_the_weightless_turn_solves_the_equations(drag, lift):
     start = PlaneState(S, Z, sp.Integer(3), sp.Integer(4))  # V = 5, so that no root is left
-    path = exact.weightless(start, Forces(drag, lift, None, False), T, SYMBOLIC)
+    path = exact.weightless(start, drag, lift, T, SYMBOLIC)
     speed = 5 if drag is None else 5 / (1 + 5 * DRAG * T)
     s, z, u, w = path
     assert vanishes(u * u + w * w - speed**2)
@@ -178,18 +184,15 @@ def test_with_drag_they_change_at_the_stated_rates():
     assert vanishes(rate(phugoid, everything) - phugoid_rate)
 
 
-def test_scaled_forces_accelerate_a_scaled_state_alike():
+def test_scaled_strengths_accelerate_a_scaled_state_alike():
     """Then lengths times λ in times √λ follow: velocities go with √λ, accelerations stay."""
     length = sp.Symbol("lambda", positive=True)
-    forces = Forces(DRAG, LIFT, GRAVITY, False)
+    strengths = {"drag": DRAG, "lift": LIFT, "gravity": GRAVITY}
     scaled = exact.scaled_state(STATE, length, SYMBOLIC)
-    there = acceleration(exact.scaled_forces(forces, length), SYMBOLIC)(scaled.u, scaled.w)
-    here = acceleration(forces, SYMBOLIC)(U, W)
+    there = accelerations(exact.scaled_strengths(strengths, length))(scaled.u, scaled.w)
+    here = accelerations(strengths)(U, W)
     assert all(vanishes(a - b) for a, b in zip(there, here, strict=True))
     assert (scaled.s, scaled.z) == (length * S, length * Z)
-    assert exact.scaled_forces(Forces(None, None, None, True), length) == Forces(
-        None, None, None, True
-    )
 
 
 # ---- every kind of number ------------------------------------------------------------------------
@@ -200,7 +203,6 @@ def all_of_them(number, functions):
     start = PlaneState(*map(number, (1.0, 2.0, 30.0, 20.0)))
     up = start._replace(u=number(0.0))
     drag, lift, gravity, floor, time, wall = map(number, (0.0055, 0.0027, 9.8, 0.5, 1.25, 40.0))
-    everything = Forces(drag, lift, gravity, False)
     moments = [
         exact.parabola_to_floor(start, gravity, floor, functions),
         exact.parabola_to_wall(start, gravity, wall),
@@ -211,9 +213,9 @@ def all_of_them(number, functions):
         exact.parabola(start, gravity, time),
         exact.rise(up, drag, gravity, time, functions),
         exact.fall(up._replace(w=number(-3.0)), drag, gravity, time, functions),
-        exact.weightless(start, everything, time, functions),
-        exact.weightless(start, Forces(drag, None, None, False), time, functions),
-        exact.weightless(start, Forces(None, lift, None, False), time, functions),
+        exact.weightless(start, drag, lift, time, functions),
+        exact.weightless(start, drag, None, time, functions),
+        exact.weightless(start, None, lift, time, functions),
         exact.scaled_state(start, wall, functions),
         *(moment.state for moment in moments),
     ]

@@ -1,35 +1,67 @@
 """The ledger and the switches are the same thing, told twice."""
 
-from typing import get_args
+from dataclasses import fields
+from typing import get_args, get_type_hints
 
 import pytest
 from pydantic import ValidationError
 
-from longball.model.readings import LEDGER, Reading
+from longball.engines.verlet import Verlet
+from longball.home_run import PAPER_CURVES
+from longball.model.readings import (
+    FIGURE_SWITCH,
+    LEDGER,
+    SCHEME_OPTIONS,
+    Fig7Parameters,
+    Reading,
+    SamplingReading,
+    readings_of,
+)
 from longball.model.scene import Ball, Bat
 
-SWITCHES = {entry.switch: entry for entry in LEDGER if entry.switch in Reading.model_fields}
+MODELS = {"scene": Reading, "sampling": SamplingReading}
+SWITCHES = {entry.switch: entry for entry in LEDGER if entry.is_switch}
+OF_MODELS = {name: entry for name, entry in SWITCHES.items() if entry.belongs in MODELS}
 
 
 def test_every_switch_has_its_entry():
     assert len({entry.switch for entry in LEDGER}) == len(LEDGER)
-    assert set(SWITCHES) == set(Reading.model_fields)
+    assert set(SWITCHES) == {
+        *Reading.model_fields, *SamplingReading.model_fields, *SCHEME_OPTIONS, FIGURE_SWITCH,
+    }  # fmt: skip
     # The masses are no switch but values of a scene.
     assert {entry.switch for entry in LEDGER} - set(SWITCHES) == {"masses"}
 
 
-@pytest.mark.parametrize("switch", Reading.model_fields)
+@pytest.mark.parametrize("switch", OF_MODELS)
 def test_the_options_are_those_of_the_ledger_with_the_default_first(switch):
-    field, entry = Reading.model_fields[switch], SWITCHES[switch]
+    entry = SWITCHES[switch]
+    model = MODELS[entry.belongs]
+    field = model.model_fields[switch]
     assert str(field.default) == entry.options[0]
     if options := get_args(field.annotation):
         assert options == entry.options
     else:
-        assert all(Reading(**{switch: float(option)}) for option in entry.options)
+        assert all(model(**{switch: float(option)}) for option in entry.options)
+
+
+@pytest.mark.parametrize(("switch", "option"), SCHEME_OPTIONS.items())
+def test_the_switches_of_the_scheme_are_options_of_its_engine(switch, option):
+    entry = SWITCHES[switch]
+    assert entry.belongs == "scheme"
+    (field,) = (field for field in fields(Verlet) if field.name == option)
+    assert field.default == entry.options[0]
+    assert get_args(get_type_hints(Verlet)[option]) == entry.options
+
+
+def test_the_switch_of_the_figure_chooses_a_printed_curve():
+    assert SWITCHES[FIGURE_SWITCH].belongs == "figure"
+    assert SWITCHES[FIGURE_SWITCH].options == get_args(Fig7Parameters) == tuple(PAPER_CURVES)
 
 
 def test_the_masses_of_the_ledger_are_the_scenes():
     (entry,) = (entry for entry in LEDGER if entry.switch == "masses")
+    assert entry.belongs == "scene"
     assert entry.options == (f"ball.mass = {Ball().mass}, bat.mass = {Bat().mass}",)
 
 
@@ -39,12 +71,22 @@ def test_every_entry_says_where_and_why(entry):
     assert entry.why.endswith((".", "?"))
 
 
-@pytest.mark.parametrize("switch", [s for s, e in SWITCHES.items() if len(e.options) > 1])
+@pytest.mark.parametrize("switch", [s for s, e in OF_MODELS.items() if len(e.options) > 1])
 def test_a_reading_is_written_only_if_it_differs(switch):
     default, other, *_ = SWITCHES[switch].options
-    convert = str if get_args(Reading.model_fields[switch].annotation) else float
-    assert Reading(**{switch: convert(default)}).model_dump() == {}
-    assert Reading(**{switch: convert(other)}).model_dump() == {switch: convert(other)}
+    model = MODELS[SWITCHES[switch].belongs]
+    convert = str if get_args(model.model_fields[switch].annotation) else float
+    assert model(**{switch: convert(default)}).model_dump() == {}
+    assert model(**{switch: convert(other)}).model_dump() == {switch: convert(other)}
+
+
+def test_switches_of_scene_and_sampling_are_told_apart():
+    assert readings_of({"inertia": "thin_rod", "cell_width": 0.2}) == (
+        Reading(inertia="thin_rod"),
+        SamplingReading(cell_width=0.2),
+    )
+    with pytest.raises(ValueError, match="verlet_forces"):
+        readings_of({"verlet_forces": "implicit"})
 
 
 def test_readings_that_contradict_each_other_are_refused():
@@ -53,9 +95,16 @@ def test_readings_that_contradict_each_other_are_refused():
 
 
 @pytest.mark.parametrize(
-    "values",
-    [{"inertia": "rod"}, {"unknown": 1}, {"cell_width": 0.0}, {"offset_spread": float("nan")}],
+    ("model", "values"),
+    [
+        (Reading, {"inertia": "rod"}),
+        (Reading, {"unknown": 1}),
+        (Reading, {"cell_width": 0.2}),
+        (SamplingReading, {"inertia": "thin_rod"}),
+        (SamplingReading, {"cell_width": 0.0}),
+        (SamplingReading, {"offset_spread": float("nan")}),
+    ],
 )
-def test_what_is_no_reading(values):
+def test_what_is_no_reading(model, values):
     with pytest.raises(ValidationError):
-        Reading(**values)
+        model(**values)

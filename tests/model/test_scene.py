@@ -23,6 +23,7 @@ from longball.model.scene import (
     Rotation,
     SceneError,
     Swing,
+    landing_height,
     parse_scene,
 )
 
@@ -97,7 +98,7 @@ def test_no_air_is_not_thin_air():
 
 def test_the_reading_is_written_only_where_it_differs():
     assert json.loads(parsed().line())["reading"] == {}
-    reading = {"inertia": "thin_rod", "cell_width": 0.2}
+    reading = {"inertia": "thin_rod", "lift_direction": "always_up"}
     assert json.loads(parsed(reading=reading).line())["reading"] == reading
 
 
@@ -106,7 +107,7 @@ def test_the_reading_is_written_only_where_it_differs():
 )
 def test_the_floor_is_where_the_balls_centre_lands(contact, height):
     scene = parsed("at-bat", reading={"ground_contact": contact}, ground={"height": 0.25})
-    assert scene.floor(scene.ground) == height
+    assert landing_height(scene) == height
 
 
 def test_a_pitch_has_the_ground_of_the_paper():
@@ -157,6 +158,11 @@ def test_a_byte_order_mark_is_no_part_of_the_line():
         (
             {"pitch": {"release": [1, 0, -1]}},
             "pitch.release[2] = -1.0 is underground: the ball lands at height 0.0",
+        ),
+        (
+            {"reading": {"cell_width": 0.2}},
+            "reading.cell_width: unknown key; the keys here are effective_mass, "
+            "bat_ball_restitution, reduced_mass, inertia, lift_direction, ground_contact",
         ),
         (
             {"reading": {"inertia": "rod"}},

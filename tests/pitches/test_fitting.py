@@ -10,7 +10,6 @@ import pytest
 from longball.pitches import (
     EXAMPLE,
     Columns,
-    PitchDistributions,
     PitchesError,
     PitchTypes,
     as_text,
@@ -261,23 +260,24 @@ def example():
 def test_the_example_agrees_with_pandas(example):
     frame = pd.read_csv(EXAMPLE)
     straight = frame.pitch_type.isin(["FF", "FA"])
-    mixture = example.distributions().speed
+    mixture, _ = example.distributions()
     for index, chosen in enumerate((straight, ~straight)):
         speed = frame.release_speed[chosen] * 0.44704
-        assert mixture.weights[index] == pytest.approx(chosen.mean(), rel=1e-12)
+        assert mixture.parts[index][0] == pytest.approx(chosen.mean(), rel=1e-12)
         assert mixture.means[index] == pytest.approx(speed.mean(), rel=1e-12)
         spread = math.sqrt(speed.var(ddof=0) - (0.1 * 0.44704) ** 2 / 12)  # written to 0.1 mph
-        assert mixture.standard_deviations[index] == pytest.approx(spread, rel=1e-12)
+        assert mixture.deviations[index] == pytest.approx(spread, rel=1e-12)
 
 
 def test_distributions_of_both_methods(example):
     for method in ("maximum_likelihood", "least_squares"):
-        drawn = example.distributions(method)
-        assert isinstance(drawn, PitchDistributions)
-        assert sum(drawn.speed.weights) == pytest.approx(1.0)
-        assert sum(drawn.aim.weights) == pytest.approx(1.0)
-        assert drawn.aim.means[0] <= drawn.aim.means[1]
-        assert drawn.aim.cell_width == 0.144
+        speed, aim = example.distributions(method)
+        fitted = getattr(example.aim, method)
+        assert speed.weight == getattr(example.speed, method).weight.value
+        assert aim.weight == fitted.weight.value
+        assert aim.means[0] <= aim.means[1]
+        assert aim.means[1] == pytest.approx((fitted.right_mean.value - 3) * 0.144)
+        assert aim.deviations == (pytest.approx(fitted.spread.value * 0.144),) * 2
     assert example.distributions() == example.distributions("maximum_likelihood")
 
 

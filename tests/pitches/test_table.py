@@ -102,7 +102,7 @@ def test_rows_that_lack_something_are_named_under_the_first_thing():
         "SL,90,0,2,3,1",
     )
     pitches = read_pitches(table)
-    assert {each.reason: each.rows for each in pitches.left_out} == {
+    assert {each.reason: each.first_rows for each in pitches.left_out} == {
         "pitch_type is missing": (2,),
         "pitch_type is PO": (4,),
         "release_speed is missing": (3,),

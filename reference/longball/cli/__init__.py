@@ -1,6 +1,6 @@
-"""The command line: data on standard output, words for people on standard error.
+"""The command line: data on standard output, messages on standard error.
 
-Exit status: 0 all well, 1 a line or a verdict failed, 2 the call itself was wrong.
+Exit status: 0 success, 1 a line or a verdict failed, 2 the call itself was wrong.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import typer
 
 from longball import __version__
 from longball.cli import golden
-from longball.cli.common import say
+from longball.cli.common import tell
 from longball.cli.converge import converge
 from longball.cli.fit import fit
 from longball.cli.homerun import homerun
@@ -34,7 +34,7 @@ app.add_typer(golden.app, name="golden")
 app.command(epilog="Example: longball judge -- longball solve --engine verlet --dt 1e-3")(judge)
 app.command(
     epilog="Example: longball converge --golden flight-both --expected 2 -- "
-    "longball solve --engine verlet --variant implicit --dt {dt}"
+    "longball solve --engine verlet --forces implicit --dt {dt}"
 )(converge)
 app.command(epilog="Example: longball homerun --samples 1000 --e 0.41:0.45:0.01 --figure P.png")(
     homerun
@@ -57,16 +57,16 @@ def main() -> None:
     try:
         app()
     except KeyboardInterrupt:
-        say.print("longball: interrupted")
+        tell("interrupted")
         sys.exit(130)
     except BrokenPipeError:
-        # Whoever read our output has enough. Python would complain again when it flushes.
+        # The reader of our output has left. Python would raise again when it flushes.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         sys.exit(1)
     except OSError as error:
-        say.print(f"longball: {error.filename or 'output'}: {error.strerror}", markup=False)
+        tell(f"{error.filename or 'output'}: {error.strerror}")
         sys.exit(2)
     except Exception as error:
-        # A mistake of longball's own. Who wants the traceback calls `app` from Python.
-        say.print(f"longball: unexpected {type(error).__name__}: {error}", markup=False)
+        # A bug of longball. For its traceback call `app` from Python.
+        tell(f"unexpected {type(error).__name__}: {error}")
         sys.exit(1)

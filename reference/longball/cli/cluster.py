@@ -11,7 +11,7 @@ from typing import Annotated, Any
 import typer
 
 from longball import __version__
-from longball.cli.common import say, wrong_call
+from longball.cli.common import tell, wrong_call
 
 CONNECTING = 5.0  # s, until a scheduler that does not answer is given up
 PROBING = 60.0  # s, until workers are: a cluster that grows on demand has to start them first
@@ -59,7 +59,7 @@ def on_cluster(address: str | None) -> Iterator[None]:
             try:
                 yield
             except (distributed.KilledWorker, CancelledError) as error:
-                say.print(f"longball: {option}: the cluster gave up: {error}", markup=False)
+                tell(f"{option}: the cluster gave up: {error}")
                 raise typer.Exit(1) from None
 
 

@@ -1,29 +1,66 @@
-"""What the commands share: reading, writing, complaining, showing progress."""
+"""What the commands share: options, input and output, messages, progress."""
 
 from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated, Any, BinaryIO, NoReturn
+from typing import Annotated, Any, BinaryIO, NoReturn, TypeVar
 
 import typer
+from pydantic import BaseModel, ValidationError
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
+from longball.model.scene import explain
+
+M = TypeVar("M", bound=BaseModel)
+
 say = Console(stderr=True, highlight=False, soft_wrap=True)
 
-Seed = Annotated[int, typer.Option(min=0, help="Where the random numbers come from.")]
-Workers = Annotated[int, typer.Option(help="At work at a time; -1: one a core.")]
+
+def _checked(workers: int) -> int:
+    if workers < 1 and workers != -1:
+        raise typer.BadParameter(f"{workers}: a positive number, or -1 for one per core")
+    return workers
+
+
+Seed = Annotated[int, typer.Option(min=0, help="Of the random numbers.")]
+Workers = Annotated[
+    int, typer.Option(callback=_checked, help="Parallel threads or processes; -1: one per core.")
+]
+Json = Annotated[bool, typer.Option("--json", help="Print JSON instead of text.")]
+
+
+def tell(sentence: str) -> None:
+    """Print a sentence for people to standard error."""
+    say.print(f"longball: {sentence}", markup=False)
 
 
 def wrong_call(sentence: str) -> NoReturn:
     """Say what is wrong with the call and leave with status 2."""
-    say.print(f"longball: {sentence}", markup=False)
+    tell(sentence)
     raise typer.Exit(2)
+
+
+def parsed(model: type[M], values: Mapping[str, Any], option: str = "") -> M:
+    """Return options as a model; an invalid one is a wrong call."""
+    try:
+        return model.model_validate(values)
+    except ValidationError as error:
+        wrong_call(f"{option}{explain(error, model)}")
+
+
+@contextmanager
+def refusing(what: str = "") -> Iterator[None]:
+    """Make a ValueError a wrong call; `what` comes before its message."""
+    try:
+        yield
+    except ValueError as error:
+        wrong_call(f"{what}{error}")
 
 
 @contextmanager
@@ -46,12 +83,6 @@ def writing_to(output: Path | None, source: str) -> Iterator[BinaryIO]:
     else:
         with open(output, "wb") as file:
             yield file
-
-
-def check_workers(workers: int) -> None:
-    """Refuse a number of processes that is neither positive nor -1."""
-    if workers < 1 and workers != -1:
-        wrong_call(f"--workers {workers}: a positive number, or -1 for one a core")
 
 
 def split_assignment(option: str, text: str) -> tuple[str, str]:
@@ -88,10 +119,7 @@ def show(table: Table) -> None:
 
 @contextmanager
 def progress_bar(what: str, total: int) -> Iterator[Callable[..., None]]:
-    """Show progress on standard error while it is a terminal.
-
-    Yields a function of what is done, and of the total if that is known only then.
-    """
+    """Show progress on a terminal; yield a function of what is done (and of the total)."""
     bar = Progress(
         TextColumn(what),
         BarColumn(),

@@ -9,9 +9,9 @@ from typing import Annotated
 import typer
 
 from longball import engines
-from longball.cli.common import progress_bar, reading_from, say, wrong_call
-from longball.engines.at_bat import solve
-from longball.model.scene import Scene, SceneError, parse_scene
+from longball.cli.common import Json, progress_bar, reading_from, refusing, tell, wrong_call
+from longball.engines.chain import solve
+from longball.model.scene import Scene, parse_scene
 
 DIGITS = 20  # of the truth: more than any double shows
 
@@ -22,13 +22,13 @@ def converge(
         typer.Argument(metavar="-- COMMAND …{dt}…", help="{dt} stands for the time step, s."),
     ],
     scenes: Annotated[
-        str | None, typer.Option(help="JSON Lines; golden flights and at-bats if not given.")
+        str | None, typer.Option(help="JSON Lines; by default golden flights and at-bats.")
     ] = None,
     golden: Annotated[
         str | None, typer.Option(metavar="SET", help="Cases of one golden family instead.")
     ] = None,
     steps: Annotated[
-        str, typer.Option(metavar="FROM:TO:COUNT", help="s; a geometric ladder.")
+        str, typer.Option(metavar="FROM:TO:COUNT", help="s; evenly spaced in their logarithm.")
     ] = "0.01:0.0001:9",
     expected: Annotated[float | None, typer.Option(help="The order in theory.")] = None,
     truth: Annotated[
@@ -38,15 +38,15 @@ def converge(
         int, typer.Option(min=2, help="Of the step, averaged where an error jumps with it.")
     ] = 8,
     timeout: Annotated[float, typer.Option(min=0.001, help="s without an answer.")] = 60.0,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON, not a text.")] = False,
-    csv: Annotated[Path | None, typer.Option(help="Write every rung here.")] = None,
-    figure: Annotated[Path | None, typer.Option(help="Draw errors over steps here.")] = None,
+    as_json: Json = False,
+    csv: Annotated[Path | None, typer.Option(help="Write the error at every step here.")] = None,
+    figure: Annotated[Path | None, typer.Option(help="Draw error against step here.")] = None,
 ) -> None:
     """Run a family of time steps, and report observed orders against theory."""
     # The judge brings compiled code with it, and --help does not need it.
+    from longball.convergence.figure import save_convergence
     from longball.judge.candidate import Limits
-    from longball.judge.convergence import save_convergence
-    from longball.judge.ladder import PLACE, converge_command, parse_ladder, takes_step
+    from longball.judge.step_sweep import PLACE, StepSweep, parse_steps, takes_step
 
     if not takes_step(command):
         wrong_call(f"the COMMAND must contain {PLACE}, where its time step goes")
@@ -54,53 +54,35 @@ def converge(
     proven = None
     if truth:
         proven = [solve(scene, engines.create("enclosure", digits=DIGITS)) for scene in asked]
-    with progress_bar("runs", 1) as advance:
-        try:
-            report, complaints = converge_command(
-                command,
-                asked,
-                parse_ladder(steps),
-                proven,
-                expected,
-                phases=phases,
-                limits=Limits(timeout),
-                progress=advance,
-            )
-        except ValueError as error:
-            wrong_call(str(error))
-    for complaint in complaints[:20]:
-        say.print(f"longball: {complaint}", markup=False)
+    with progress_bar("runs", 1) as advance, refusing():
+        sweep = StepSweep(parse_steps(steps), expected, phases, advance)
+        report, issues = sweep.run(command, asked, proven, Limits(timeout))
+    for issue in issues[:20]:
+        tell(str(issue))
     print(report.model_dump_json(indent=2) if as_json else report.text().rstrip())
     if csv:
         csv.write_text(report.csv(), encoding="utf-8")
     if figure:
-        try:
+        with refusing(f"--figure {figure}: "):  # an ending that matplotlib does not know
             save_convergence(figure, report)
-        except ValueError as error:  # an ending that matplotlib does not know
-            wrong_call(f"--figure {figure}: {error}")
     if not report.passed:
         raise typer.Exit(1)
 
 
 def read_scenes(source: str) -> list[Scene]:
-    """Return the scenes of a file of lines; a line that is none is a wrong call."""
-    with reading_from(source) as lines:
-        try:
-            found = [parse_scene(line) for line in lines if line.strip()]
-        except SceneError as error:
-            wrong_call(f"{source}: {error}")
+    """Return the scenes of a file in JSON Lines; an invalid line is a wrong call."""
+    with reading_from(source) as lines, refusing(f"{source}: "):
+        found = [parse_scene(line) for line in lines if line.strip()]
     if not found:
         wrong_call(f"{source}: no scenes in it")
     return found
 
 
 def golden_scenes(family: str | None) -> Sequence[Scene]:
-    """Return some cases of a golden family, or of those that tell most."""
+    """Return some cases of a golden family, or of those that show most."""
     from longball.golden import load
-    from longball.judge.ladder import FAMILIES, sample
+    from longball.judge.step_sweep import FAMILIES, sample
 
-    try:
+    with refusing():
         cases = load(family)
-    except ValueError as error:
-        wrong_call(str(error))
     return [case.scene for case in sample(cases, [family] if family else FAMILIES)]

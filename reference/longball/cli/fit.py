@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 import sys
-from typing import Annotated, Any, TypeVar, get_args
+from typing import Annotated, Any
 
 import typer
-from pydantic import BaseModel, ValidationError
 
-from longball.cli.common import Seed, option_value, say, split_assignment, wrong_call
-from longball.model.scene import explain
+from longball.cli.common import Json, Seed, option_value, parsed, split_assignment, tell, wrong_call
 from longball.pitches import EXAMPLE, Columns, PitchesError, PitchTypes, as_text, fit_pitches
 from longball.pitches.fitted import Method
+from longball.pitches.fitting import BIN_WIDTH
 
 
 def fit(
     pitches: Annotated[
-        str, typer.Argument(metavar="[PITCHES.csv|-]", help="A row a pitch; - reads stdin.")
+        str, typer.Argument(metavar="[PITCHES.csv|-]", help="One row per pitch; - reads stdin.")
     ] = "-",
     example: Annotated[
         bool, typer.Option("--example", help="Fit the pitches that come with longball.")
@@ -36,17 +35,15 @@ def fit(
         str | None, typer.Option(metavar="A,B", help="Types that break; all others if not given.")
     ] = None,
     bin_width: Annotated[
-        float | None, typer.Option(min=0.01, help="km/h, of the histogram of speeds.")
-    ] = None,
+        float, typer.Option(min=0.01, help="km/h, of the histogram of speeds.")
+    ] = BIN_WIDTH,
     draw_from: Annotated[
-        str, typer.Option(help="maximum_likelihood or least_squares: what homerun will draw from.")
+        Method, typer.Option(help="The fit that homerun will draw from.")
     ] = "maximum_likelihood",
     seed: Seed = 0,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON, for homerun.")] = False,
+    as_json: Json = False,
 ) -> None:
     """Fit the paper's distributions to a table of pitches (its Sec. II)."""
-    if draw_from not in get_args(Method):
-        wrong_call(f"--draw-from {draw_from}: one of {', '.join(get_args(Method))}")
     pairs = (split_assignment("--column", text) for text in column or [])
     columns = parsed(Columns, {name: option_value(value) for name, value in pairs})
     classes: dict[str, Any] = {}
@@ -55,24 +52,14 @@ def fit(
     if breaking is not None:
         classes["breaking"] = tuple(breaking.split(","))
     types = parsed(PitchTypes, classes)
-    options = {} if bin_width is None else {"bin_width": bin_width}
     table = EXAMPLE if example else sys.stdin if pitches == "-" else pitches
     try:
-        fitted = fit_pitches(table, columns, types, draw_from=draw_from, seed=seed, **options)  # type: ignore[arg-type]
+        fitted = fit_pitches(
+            table, columns, types, bin_width=bin_width, draw_from=draw_from, seed=seed
+        )
     except PitchesError as error:
         if isinstance(error.__cause__, OSError):  # there is no such file: the call is wrong
             wrong_call(str(error))
-        say.print(f"longball: {error}", markup=False)
+        tell(str(error))
         raise typer.Exit(1) from None
     print(fitted.model_dump_json(indent=2) if as_json else as_text(fitted).rstrip())
-
-
-M = TypeVar("M", bound=BaseModel)
-
-
-def parsed(model: type[M], values: dict[str, Any]) -> M:
-    """Return options as a model; a wrong one is a wrong call."""
-    try:
-        return model.model_validate(values)
-    except ValidationError as error:
-        wrong_call(explain(error, model))

@@ -3,38 +3,31 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
-from longball.cli.common import Workers, check_workers, progress_bar, say, wrong_call
+from longball.cli.common import Workers, progress_bar, say, wrong_call
 
 app = typer.Typer(help="Generate the golden data, or verify them.", no_args_is_help=True)
 
 Folder = Annotated[Path | None, typer.Argument(metavar="[DIR]")]
-
-
-PARTS = ("cases", "probability")
+Part = Literal["cases", "probability"]
 
 
 @app.command(epilog="Example: longball golden write golden-data")
 def write(
     folder: Folder = None,
-    part: Annotated[
-        str | None, typer.Option(help=f"Only that part of the set: {' or '.join(PARTS)}")
-    ] = None,
+    part: Annotated[Part | None, typer.Option(help="Only that part of the set.")] = None,
     workers: Workers = -1,
 ) -> None:
-    """Solve every case with proven bounds and write the set to DIR; the shipped set if not given.
+    """Solve every case with proven bounds and write the set to DIR; by default the shipped set.
 
-    An interrupted run goes on where it ended. The cases take some ten minutes on two cores, the
-    probabilities P(e) some more.
+    An interrupted run resumes where it stopped. The cases take some ten minutes on two cores, the
+    probabilities P(e) somewhat longer.
     """
     from longball.golden import home_runs, reader, writer  # with them come the engines
 
-    check_workers(workers)
-    if part is not None and part not in PARTS:
-        wrong_call(f"--part {part}: the parts are {', '.join(PARTS)}")
     target = folder or reader.DATA
     if part != "probability":
         with progress_bar("cases", 1) as advance:
@@ -50,7 +43,7 @@ def write(
 def check(
     folder: Folder = None,
     sample: Annotated[
-        int | None, typer.Option(min=0, help="Solve so many cases again; all if not given.")
+        int | None, typer.Option(min=0, help="Solve so many cases again; by default all.")
     ] = None,
     seed: Annotated[int, typer.Option(min=0, help="Which ones.")] = 1,
     independent: Annotated[
@@ -61,7 +54,6 @@ def check(
     """Verify a set: checksums, schema, and the results by solving again."""
     from longball.golden import checker, reader  # with them come the engines that prove
 
-    check_workers(workers)
     target = folder or reader.DATA
     if not target.is_dir():
         wrong_call(f"{target}: there is no such folder")

@@ -4,35 +4,35 @@ from __future__ import annotations
 
 import csv
 import json
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal, cast
 
 import typer
 
 from longball import engines
 from longball.cli.cluster import Scheduler, on_cluster
 from longball.cli.common import (
+    Json,
     Seed,
     Workers,
-    check_workers,
     option_value,
+    parsed,
     plain_table,
     progress_bar,
-    say,
+    refusing,
     show,
     split_assignment,
+    tell,
     wrong_call,
 )
 from longball.home_run import (
-    MIDDLE_CELL,
     PAPER_CURVES,
     AtBats,
     Estimate,
     Fit,
     Integral,
-    Mixture,
     draw,
     estimate,
     fit,
@@ -43,9 +43,16 @@ from longball.home_run import (
     scenes,
     with_restitution,
 )
-from longball.model.readings import Reading
-from longball.model.scene import AtBatScene, SceneError, parse_scene
-from longball.pitches import PitchesError, load_fitted
+from longball.model.readings import (
+    FIGURE_SWITCH,
+    LEDGER,
+    SCHEME_OPTIONS,
+    Belongs,
+    Fig7Parameters,
+    SamplingReading,
+)
+from longball.model.scene import AtBatScene, parse_scene
+from longball.pitches import load_fitted
 
 ReadingOption = Annotated[
     list[str] | None,
@@ -55,13 +62,13 @@ SetOption = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="BLOCK.KEY=VALUE", help="A value of the scene; repeatable."),
 ]
-METHODS = ("monte-carlo", "quadrature")
-ENGINES = ("batch", "ivp")  # those that say what they cannot tell, in double precision
-Samples = Annotated[int, typer.Option(min=1, help="At-bats drawn.")]
+Method = Literal["monte-carlo", "quadrature"]
+Engine = Literal["batch", "ivp"]  # those in double precision that report what they cannot decide
+Rows = Sequence[Estimate] | Sequence[Integral]
 
 
 def homerun(
-    samples: Samples = 1000,
+    samples: Annotated[int, typer.Option(min=1, help="At-bats drawn.")] = 1000,
     e: Annotated[
         str, typer.Option(help="Restitutions: first:last:step, or values with commas.")
     ] = "0.41:0.45:0.01",
@@ -70,7 +77,7 @@ def homerun(
     set_: SetOption = None,
     workers: Workers = -1,
     scheduler: Scheduler = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON, not a table.")] = False,
+    as_json: Json = False,
     csv_file: Annotated[Path | None, typer.Option("--csv", help="Write the table here.")] = None,
     figure: Annotated[Path | None, typer.Option(help="Draw P(e) here: .png, .svg, .pdf")] = None,
     scenes_file: Annotated[
@@ -79,83 +86,97 @@ def homerun(
     pitches: Annotated[
         Path | None, typer.Option(help="Draw pitches from what longball fit --json wrote.")
     ] = None,
-    method: Annotated[str, typer.Option(help=" or ".join(METHODS))] = "monte-carlo",
-    engine: Annotated[str, typer.Option(help="Who computes: " + ", ".join(ENGINES))] = "batch",
+    method: Annotated[Method, typer.Option(help="How P(e) is computed.")] = "monte-carlo",
+    engine: Annotated[Engine, typer.Option(help="What solves the at-bats.")] = "batch",
 ) -> None:
     """Compute the probability of a home run P(e), from sampled at-bats or by quadrature.
 
-    Quadrature integrates over the distributions that samples are drawn from, and gives dP/de, too.
-    It takes some seconds for each e; minutes under the few readings that make P(e) jagged, and the
-    error says how far it got.
+    Quadrature integrates over the distributions that samples are drawn from, and also gives dP/de.
+    It takes some seconds for each e, or minutes under the few readings with a jagged P(e), where
+    the error shows how far it converged.
     """
-    if method not in METHODS:
-        wrong_call(f"--method {method}: the methods are {', '.join(METHODS)}")
-    if engine not in ENGINES:
-        wrong_call(f"--engine {engine}: the engines are {', '.join(ENGINES)}")
-    if method == "quadrature" and engine != "batch":
-        wrong_call(f"--engine {engine}: quadrature takes the engine batch")
-    if method == "quadrature" and scenes_file:
-        wrong_call("--scenes: quadrature draws no samples")
-    if method == "quadrature" and scheduler:
-        wrong_call("--scheduler: quadrature takes seconds, and works on this machine")
-    check_workers(workers)
-    base = base_scene(reading or [], set_ or [])
+    if method == "quadrature":
+        for wrong, sentence in (
+            (engine != "batch", f"--engine {engine}: quadrature takes the engine batch"),
+            (scenes_file, "--scenes: quadrature draws no samples"),
+            (scheduler, "--scheduler: quadrature takes seconds, and runs on this machine"),
+        ):
+            if wrong:
+                wrong_call(sentence)
+    switches = chosen_switches(reading or [])
+    base = base_scene(switches["scene"], set_ or [])
+    sampling = parsed(SamplingReading, switches["sampling"], "--reading ")
+    curve = figure_curve(switches["figure"])
     restitutions = parse_restitutions(e)
-    at_bats = paper_at_bats(base.reading)
+    at_bats = paper_at_bats(sampling)
     if pitches:
         at_bats = with_pitches(at_bats, pitches)
     if scenes_file:
         write_scenes(scenes_file, base, at_bats, restitutions, samples, seed)
-    rows: Sequence[Estimate] | Sequence[Integral]
-    fields, drawn = FIELDS, {"samples": samples, "seed": seed}
+    problem, space = (base, at_bats, restitutions), sampling.sample_space
+    rows: Rows
+    drawn: dict[str, int] = {}
     failed = 0
     if method == "quadrature":
         with progress_bar("restitutions", len(restitutions)) as advance:
-            rows = integrals(base, at_bats, restitutions, workers=workers, progress=advance)
+            rows = integrals(*problem, sample_space=space, workers=workers, progress=advance)
         fitted = fit_form(restitutions, [row.p for row in rows])
-        fields, drawn = INTEGRAL_FIELDS, {}
     else:
+        drawn = {"samples": samples, "seed": seed}
+        solver = engines.create(engine)
         with on_cluster(scheduler), progress_bar("at-bats", samples) as advance:
             struck = monte_carlo(
-                base,
-                at_bats,
-                restitutions,
-                samples,
-                seed,
-                engine=engines.create(engine),
-                workers=workers,
-                progress=advance,
+                *problem, samples, seed, engine=solver, workers=workers, progress=advance
             )
-        rows = [
-            estimate(x, some, base.reading) for x, some in zip(restitutions, struck, strict=True)
-        ]
+        rows = [estimate(x, one, space) for x, one in zip(restitutions, struck, strict=True)]
         fitted = fit(rows)
         failed = max(row.failed for row in rows)
     if csv_file:
-        write_csv(csv_file, rows, fields)
+        write_csv(csv_file, rows)
     if figure:
         from longball.pictures import save_probability
 
-        try:
+        with refusing(f"--figure {figure}: "):  # an ending that matplotlib does not know
             save_probability(figure, rows, fitted)
-        except ValueError as error:  # an ending that matplotlib does not know
-            wrong_call(f"--figure {figure}: {error}")
     if as_json:
-        data = as_data(rows, fields, fitted, base.reading) | {"method": method} | drawn
+        chosen = base.reading.model_dump() | sampling.model_dump() | switches["figure"]
+        data = as_data(rows, fitted, chosen) | {"method": method} | drawn
         print(json.dumps(data, ensure_ascii=False))
     else:
-        print_probability(rows, fitted, base.reading)
+        print_probability(rows, fitted, curve)
     if failed:
-        say.print(f"longball: {failed} at-bats could not be solved; they count as no home run")
+        tell(f"{failed} at-bats could not be solved; they count as no home run")
         raise typer.Exit(1)
 
 
-def base_scene(readings: Sequence[str], values: Sequence[str]) -> AtBatScene:
-    """Return the at-bat that options describe, with everything that is not drawn at random."""
-    scene: dict[str, Any] = {"id": "base", "kind": "at-bat", "reading": {}}
+def chosen_switches(readings: Sequence[str]) -> dict[Belongs, dict[str, Any]]:
+    """Return the switches that options set, by what they belong to."""
+    ledger = {entry.switch: entry for entry in LEDGER if entry.is_switch}
+    switches: dict[Belongs, dict[str, Any]] = {"scene": {}, "sampling": {}, "figure": {}}
     for text in readings:
         name, option = split_assignment("--reading", text)
-        scene["reading"][name] = option_value(option)
+        if name not in ledger:
+            wrong_call(f"--reading {name}: not in the ledger, which has {', '.join(ledger)}")
+        if ledger[name].belongs == "scheme":
+            wrong_call(
+                f"--reading {name}: of the paper's scheme, which does not compute P(e) here; it is "
+                f"longball solve --engine verlet --{SCHEME_OPTIONS[name]}"
+            )
+        switches[ledger[name].belongs][name] = option_value(option)
+    return switches
+
+
+def figure_curve(switches: Mapping[str, Any]) -> Fig7Parameters:
+    """Return which of the paper's curves P(e) is held against."""
+    chosen = str(switches.get(FIGURE_SWITCH, "caption"))
+    if chosen not in PAPER_CURVES:
+        wrong_call(f"--reading {FIGURE_SWITCH}: must be one of {', '.join(PAPER_CURVES)}")
+    return cast(Fig7Parameters, chosen)
+
+
+def base_scene(reading: Mapping[str, Any], values: Sequence[str]) -> AtBatScene:
+    """Return the at-bat that options describe, with everything that is not drawn at random."""
+    scene: dict[str, Any] = {"id": "base", "kind": "at-bat", "reading": reading}
     drawn = {"ball.restitution", "pitch.speed", "pitch.aim", "swing.tilt", "swing.height_offset"}
     for text in values:
         name, value = split_assignment("--set", text)
@@ -169,28 +190,17 @@ def base_scene(readings: Sequence[str], values: Sequence[str]) -> AtBatScene:
             inner[key] = option_value(value)
         else:
             scene[block] = option_value(value)
-    try:
-        parsed = parse_scene(json.dumps(scene))
-    except SceneError as error:
-        wrong_call(str(error))
-    assert isinstance(parsed, AtBatScene)
-    return parsed
+    with refusing():
+        found = parse_scene(json.dumps(scene))
+    assert isinstance(found, AtBatScene)
+    return found
 
 
 def with_pitches(at_bats: AtBats, path: Path) -> AtBats:
     """Return at-bats whose pitches are drawn from fitted distributions instead of the paper's."""
-    try:
-        fitted = load_fitted(path).distributions()
-    except PitchesError as error:
-        wrong_call(str(error))
-    speed, aim = fitted.speed, fitted.aim
-    left, right = ((cell - MIDDLE_CELL) * aim.cell_width for cell in aim.means)
-    deviation = aim.standard_deviation * aim.cell_width
-    return replace(
-        at_bats,
-        speed=Mixture(speed.weights[0], speed.means, speed.standard_deviations),
-        aim=Mixture(aim.weights[0], (left, right), (deviation, deviation)),
-    )
+    with refusing():
+        speed, aim = load_fitted(path).distributions()
+    return replace(at_bats, speed=speed, aim=aim)
 
 
 def parse_restitutions(text: str) -> list[float]:
@@ -215,75 +225,52 @@ def parse_restitutions(text: str) -> list[float]:
 
 
 def write_scenes(
-    path: Path,
-    base: AtBatScene,
-    at_bats: AtBats,
-    restitutions: Sequence[float],
-    samples: int,
-    seed: int,
+    path: Path, base: AtBatScene, at_bats: AtBats, restitutions: Sequence[float], *seeded: int
 ) -> None:
-    """Write sampled at-bats as scenes, one line for each sample and restitution."""
-    left_out = 0
+    """Write the samples of a number and a seed as scenes, one line for each restitution."""
+    sampled = list(scenes(base, draw(at_bats, *seeded)))
+    pitched = [scene for scene in sampled if scene is not None]
     with open(path, "w", encoding="utf-8") as file:
-        for scene in scenes(base, draw(at_bats, samples, seed)):
-            if scene is None:
-                left_out += 1
-                continue
+        for scene in pitched:
             file.writelines(with_restitution(scene, x).line() + "\n" for x in restitutions)
-    if left_out:
-        say.print(f"longball: {left_out} samples drew a speed that is not positive; not in {path}")
+    if omitted := len(sampled) - len(pitched):
+        tell(f"{omitted} samples drew a speed that is not positive; not in {path}")
 
 
-FIELDS: tuple[str, ...] = ("e", "p", "low", "high", "home_runs", "trials", "failed")
-INTEGRAL_FIELDS = ("e", "p", "error", "slope", "slope_error")
+def columns(row: Estimate | Integral) -> dict[str, float]:
+    """Return the columns of a row, in the order in which they are written."""
+    held = asdict(row)
+    first = {name: held[name] for name in ("e", "p", "low", "high") if name in held}
+    return first | held
 
 
-def as_data(
-    rows: Sequence[Estimate] | Sequence[Integral],
-    fields: Sequence[str],
-    fitted: Fit | None,
-    reading: Reading,
-) -> dict[str, Any]:
+def as_data(rows: Rows, fitted: Fit | None, reading: Mapping[str, Any]) -> dict[str, Any]:
     """Return what --json prints; a number that is not defined is null."""
-
-    def known(value: float) -> float | None:
-        return None if value != value else value
-
     return {
-        "rows": [{name: known(getattr(row, name)) for name in fields} for row in rows],
+        "rows": [{name: None if x != x else x for name, x in columns(row).items()} for row in rows],
         "fit": fitted
-        and {
-            "c1": fitted.curve.c1,
-            "c1_error": fitted.c1_error,
-            "sigma": fitted.curve.sigma,
-            "sigma_error": fitted.sigma_error,
-        },
+        and asdict(fitted.curve) | {"c1_error": fitted.c1_error, "sigma_error": fitted.sigma_error},
         "paper": {
-            name: {"c1": curve.c1, "sigma": curve.sigma, "p": [curve(row.e) for row in rows]}
+            name: asdict(curve) | {"p": [curve(row.e) for row in rows]}
             for name, curve in PAPER_CURVES.items()
         },
-        "reading": reading.model_dump(),
+        "reading": reading,
     }
 
 
-def write_csv(
-    path: Path, rows: Sequence[Estimate] | Sequence[Integral], fields: Sequence[str]
-) -> None:
+def write_csv(path: Path, rows: Rows) -> None:
     """Write estimates as a table."""
     with open(path, "w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(fields)
-        writer.writerows([getattr(row, name) for name in fields] for row in rows)
+        writer = csv.DictWriter(file, columns(rows[0]), lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(map(columns, rows))
 
 
-def print_probability(
-    rows: Sequence[Estimate] | Sequence[Integral], fitted: Fit | None, reading: Reading
-) -> None:
-    """Print P(e) beside the paper's printed curves."""
-    chosen = reading.fig7_parameters
+def print_probability(rows: Rows, fitted: Fit | None, chosen: Fig7Parameters) -> None:
+    """Print P(e) beside the paper's printed curves, and its difference from one of them."""
     sampled = isinstance(rows[0], Estimate)
-    columns = ("P(e)", "95 %", "home runs") if sampled else ("P(e)", "error", "dP/de", "error")
-    table = plain_table("e", *columns, "paper's caption", "text", "difference")
+    found = ("P(e)", "95 %", "home runs") if sampled else ("P(e)", "error", "dP/de", "error")
+    table = plain_table("e", *found, "paper's caption", "text", "difference")
     for row in rows:
         table.add_row(
             f"{row.e:g}",
@@ -293,17 +280,12 @@ def print_probability(
         )
     show(table)
     if fitted:
-        print(
-            f"fit: C1 = {fitted.curve.c1:.0f} ± {fitted.c1_error:.0f} m, "
-            f"sigma = {fitted.curve.sigma:.1f} ± {fitted.sigma_error:.1f} m"
-        )
+        c1 = f"C1 = {fitted.curve.c1:.0f} ± {fitted.c1_error:.0f} m"
+        print(f"fit: {c1}, sigma = {fitted.curve.sigma:.1f} ± {fitted.sigma_error:.1f} m")
     else:
         print("fit: these home runs do not determine C1 and sigma")
-    curves = "; ".join(
-        f"{name} C1 = {curve.c1:g} m, sigma = {curve.sigma:g} m"
-        for name, curve in PAPER_CURVES.items()
-    )
-    print(f"paper: {curves}")
+    curves = PAPER_CURVES.items()
+    print("paper:", "; ".join(f"{n} C1 = {c.c1:g} m, sigma = {c.sigma:g} m" for n, c in curves))
     print(f"difference: from the paper's {chosen} (reading fig7_parameters)")
 
 

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from longball.cli.common import progress_bar, split_assignment, wrong_call
+from longball.cli.common import Json, progress_bar, refusing, split_assignment, wrong_call
 
 
 def judge(
@@ -21,14 +21,13 @@ def judge(
         ),
     ] = None,
     golden: Annotated[
-        str | None,
-        typer.Option(metavar="SET", help="A family of the golden data; all if not given."),
+        str | None, typer.Option(metavar="SET", help="A family of the golden data; by default all.")
     ] = None,
     results: Annotated[
         Path | None,
         typer.Option(
             help="Answers in a file, .jsonl or .csv, instead of a COMMAND. Columns of a .csv: id, "
-            "outcome, landing.distance, landing.position.x, …"
+            "outcome, landing.distance, landing.position[0], …"
         ),
     ] = None,
     column: Annotated[
@@ -40,9 +39,7 @@ def judge(
     ] = None,
     samples: Annotated[
         Path | None,
-        typer.Option(
-            help="At-bats that the candidate drew, .jsonl: are they the paper's distributions?"
-        ),
+        typer.Option(help="At-bats that the candidate drew, .jsonl, to test their distributions."),
     ] = None,
     profile: Annotated[
         str,
@@ -75,11 +72,11 @@ def judge(
         float, typer.Option(min=0.001, help="s without another answer, or before the first.")
     ] = 60.0,
     total_timeout: Annotated[float, typer.Option(min=0.001, help="s in all.")] = 3600.0,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON, not a text.")] = False,
+    as_json: Json = False,
     junit: Annotated[Path | None, typer.Option(help="Write JUnit XML here, for CI.")] = None,
     html: Annotated[Path | None, typer.Option(help="Write a page with pictures here.")] = None,
 ) -> None:
-    """Hold another implementation against the truth, and tell what is wrong with it."""
+    """Compare another implementation with the truth, and tell what is wrong with it."""
     if command and results:
         wrong_call("either --results FILE or -- COMMAND, not both")
     if not (command or results or samples):
@@ -90,21 +87,21 @@ def judge(
     from longball.golden import load
     from longball.judge import junit as xml
     from longball.judge import page
-    from longball.judge.answers import BadTable
     from longball.judge.candidate import Limits
     from longball.judge.cases import Paper
     from longball.judge.cases import profile as profile_of
-    from longball.judge.sampling import BadSamples, judge_samples, read_samples
-    from longball.judge.trial import Court, Ladder
-    from longball.judge.words import words
+    from longball.judge.evaluation import Judge
+    from longball.judge.sampling import judge_samples, read_samples
+    from longball.judge.step_sweep import StepSweep
+    from longball.judge.text import render
 
-    try:
+    with refusing():
         drawn = judge_samples(read_samples(samples), samples.name) if samples else None
-        ladder = parse_steps(command or [], steps, expected)
+        family = family_of(command or [], steps, expected)
         rule = profile_of(profile, tolerance, dt if profile == "paper" else None)
-        if ladder and dt is None:
-            dt = rule.dt if isinstance(rule, Paper) else min(ladder)
-        court = Court(
+        if family and dt is None:
+            dt = rule.dt if isinstance(rule, Paper) else min(family)
+        judge = Judge(
             load(golden) if command or results else [],
             rule,
             truth=f"golden data, {golden}" if golden else "golden data",
@@ -113,39 +110,37 @@ def judge(
         )
         if results:
             columns = dict(split_assignment("--column", text) for text in column or ())
-            trial = court.try_file(results, columns, drawn)
+            found = judge.evaluate_file(results, columns, drawn)
         elif command:
             # One bar for both: the scenes answered, then the runs with other steps.
-            with progress_bar("judging", len(court.cases)) as advance:
-                trial = court.try_command(
+            with progress_bar("judging", len(judge.cases)) as advance:
+                found = judge.evaluate_command(
                     command,
                     Limits(timeout, total_timeout),
                     advance,
-                    Ladder(ladder, expected, advance) if ladder else None,
+                    StepSweep(family, expected, progress=advance) if family else None,
                     drawn,
                 )
         else:
             assert drawn
-            trial = court.try_samples(drawn)
-    except (BadTable, BadSamples, ValueError) as error:
-        wrong_call(str(error))
-    print(trial.verdict.line() if as_json else words(trial.verdict).rstrip())
+            found = judge.evaluate_samples(drawn)
+    print(found.verdict.line() if as_json else render(found.verdict).rstrip())
     if junit:
-        junit.write_text(xml.junit(trial), encoding="utf-8")
+        junit.write_text(xml.junit(found), encoding="utf-8")
     if html:
-        html.write_text(page.page(trial), encoding="utf-8")
-    if not trial.verdict.passed:
+        html.write_text(page.page(found), encoding="utf-8")
+    if not found.verdict.passed:
         raise typer.Exit(1)
 
 
-def parse_steps(
+def family_of(
     command: Sequence[str], steps: str | None, expected: float | None
 ) -> list[float] | None:
     """Return the steps to put for {dt}; None if the command has no place for one."""
-    from longball.judge.ladder import PLACE, STEPS, parse_ladder, takes_step
+    from longball.judge.step_sweep import PLACE, STEPS, parse_steps, takes_step
 
     if takes_step(command):
-        return parse_ladder(steps or STEPS)
+        return parse_steps(steps or STEPS)
     for option, given in (("--steps", steps), ("--expected", expected)):
         if given is not None:
             wrong_call(f"{option} needs {PLACE} in the COMMAND, where its time step goes")

@@ -8,18 +8,12 @@ from typing import Annotated, Any
 
 import typer
 
-from longball.cli.common import (
-    Seed,
-    Workers,
-    check_workers,
-    option_value,
-    plain_table,
-    progress_bar,
-    show,
-)
+from longball.cli.common import Json, Seed, Workers, option_value, plain_table, progress_bar, show
 from longball.home_run import Estimate, estimate, monte_carlo, paper_at_bats
-from longball.model.readings import LEDGER, Entry, Reading
+from longball.model.readings import LEDGER, Entry, Reading, SamplingReading, readings_of
 from longball.model.scene import AtBatScene
+
+Readings = tuple[Reading, SamplingReading]
 
 
 def readings(
@@ -27,52 +21,55 @@ def readings(
     e: Annotated[float, typer.Option(min=0.0, max=1.0, help="Restitution of the ball.")] = 0.42,
     seed: Seed = 1,
     workers: Workers = -1,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON, not a table.")] = False,
+    as_json: Json = False,
 ) -> None:
     """Print the ledger of readings, and what each one does to P(e)."""
-    check_workers(workers)
     lines = [(entry, option) for entry in LEDGER for option in entry.options]
-    effects: dict[Reading | None, Estimate] = {}
+    effects: dict[Readings | None, Estimate] = {}
     if samples:
-        switched = dict.fromkeys(reading for line in lines if (reading := reading_with(*line)))
+        switched = dict.fromkeys(found for line in lines if (found := readings_with(*line)))
         with progress_bar("readings", len(switched)) as advance:
-            for done, reading in enumerate(switched, 1):
+            for done, (reading, sampling) in enumerate(switched, 1):
                 base = AtBatScene(id="base", reading=reading)
                 (struck,) = monte_carlo(
-                    base, paper_at_bats(reading), [e], samples, seed, workers=workers
+                    base, paper_at_bats(sampling), [e], samples, seed, workers=workers
                 )
-                effects[reading] = estimate(e, struck, reading)
+                effects[reading, sampling] = estimate(e, struck, sampling.sample_space)
                 advance(done)
     if as_json:
         print(json.dumps(ledger_as_data(lines, effects), ensure_ascii=False))
         return
-    table = plain_table("switch", "option", *([f"P({e:g})", "95 %"] if samples else []))
+    table = plain_table(
+        "switch", "belongs to", "option", *([f"P({e:g})", "95 %"] if samples else [])
+    )
     for entry, option in lines:
-        row = effects.get(reading_with(entry, option))
+        row = effects.get(readings_with(entry, option))
         numbers = [f"{row.p:.4f}", f"{row.low:.4f} to {row.high:.4f}"] if row else []
         default = " (default)" if option == entry.options[0] else ""
-        table.add_row(entry.switch, option + default, *numbers)
+        table.add_row(entry.switch, entry.belongs, option + default, *numbers)
     show(table)
     for entry in LEDGER:
         print(f"{entry.switch} ({entry.place}): {entry.why}")
 
 
-def reading_with(entry: Entry, option: str) -> Reading | None:
-    """Return the default reading with one switch set; None for what is no switch of a reading."""
-    if entry.switch not in Reading.model_fields:
+def readings_with(entry: Entry, option: str) -> Readings | None:
+    """Return the default readings with one switch set; None for one that P(e) does not ask."""
+    if not entry.is_switch or entry.belongs in ("scheme", "figure"):
         return None
-    return Reading.model_validate({entry.switch: option_value(option)})
+    return readings_of({entry.switch: option_value(option)})
 
 
 def ledger_as_data(
-    lines: Sequence[tuple[Entry, str]], effects: dict[Reading | None, Estimate]
+    lines: Sequence[tuple[Entry, str]], effects: dict[Readings | None, Estimate]
 ) -> dict[str, Any]:
     """Return what --json prints."""
     rows = []
     for entry, option in lines:
-        row = effects.get(reading_with(entry, option))
+        row = effects.get(readings_with(entry, option))
         effect = {"e": row.e, "p": row.p, "low": row.low, "high": row.high} if row else {}
         default = option == entry.options[0]
         rows.append({"switch": entry.switch, "option": option, "default": default} | effect)
-    ledger = [{"switch": x.switch, "place": x.place, "why": x.why} for x in LEDGER]
+    ledger = [
+        {"switch": x.switch, "belongs": x.belongs, "place": x.place, "why": x.why} for x in LEDGER
+    ]
     return {"rows": rows, "ledger": ledger}

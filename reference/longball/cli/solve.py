@@ -9,25 +9,29 @@ import typer
 
 from longball import engines
 from longball.cli.cluster import Scheduler, on_cluster
-from longball.cli.common import check_workers, reading_from, say, writing_to, wrong_call
+from longball.cli.common import Workers, reading_from, refusing, tell, writing_to
 from longball.engines.lines import solve_lines
 
 
 def solve(
     source: Annotated[
-        str, typer.Argument(metavar="[SCENES|-]", help="JSON Lines, a scene each; - reads stdin.")
+        str,
+        typer.Argument(metavar="[SCENES|-]", help="JSON Lines, one scene per line; - reads stdin."),
     ] = "-",
     output: Annotated[
-        Path | None, typer.Option("-o", "--output", help="Where results go; stdout if not given.")
+        Path | None, typer.Option("-o", "--output", help="Where results go; by default stdout.")
     ] = None,
-    engine: Annotated[
-        str, typer.Option(help="Who computes: " + ", ".join(engines.ENGINES))
-    ] = "ivp",
+    engine: Annotated[str, typer.Option(help="One of " + ", ".join(engines.ENGINES))] = "ivp",
     method: Annotated[
-        str | None, typer.Option(help="ivp: a method of solve_ivp; DOP853 if not given.")
+        str | None,
+        typer.Option(help="ivp: Taylor (default), or a method of solve_ivp: DOP853, Radau, ..."),
     ] = None,
-    rtol: Annotated[float | None, typer.Option(help="ivp: relative tolerance.")] = None,
-    atol: Annotated[float | None, typer.Option(help="ivp: absolute tolerance, m, m/s.")] = None,
+    rtol: Annotated[
+        float | None, typer.Option(help="ivp: relative tolerance of solve_ivp's methods; 5e-14.")
+    ] = None,
+    atol: Annotated[
+        float | None, typer.Option(help="ivp: absolute tolerance of them, m and m/s; 5e-14.")
+    ] = None,
     tolerance: Annotated[
         float | None, typer.Option(help="batch: error asked for at landing, m; 1e-13.")
     ] = None,
@@ -35,41 +39,38 @@ def solve(
         int | None, typer.Option(help="enclosure, multiprecision: of each number; 30.")
     ] = None,
     dt: Annotated[float | None, typer.Option(help="verlet: the step, s; 0.05.")] = None,
-    variant: Annotated[
-        str | None, typer.Option(help="verlet: treatment of the force, whatever the scene reads.")
+    forces: Annotated[
+        str | None, typer.Option(help="verlet: how drag and lift are had; old_carried.")
     ] = None,
-    workers: Annotated[int, typer.Option(help="Processes; -1: one a core.")] = 1,
+    landing: Annotated[
+        str | None, typer.Option(help="verlet: interpolated (default) or first_below.")
+    ] = None,
+    root: Annotated[
+        str | None, typer.Option(help="verlet: Appendix B's root, first (default) or larger.")
+    ] = None,
+    workers: Workers = 1,
     scheduler: Scheduler = None,
 ) -> None:
-    """Solve scenes: one line of JSON in, one line of JSON out."""
+    """Solve scenes: one result in JSON for each line of input."""
+    # fmt: off
     options = {
-        "method": method,
-        "rtol": rtol,
-        "atol": atol,
-        "tolerance": tolerance,
-        "digits": digits,
-        "dt": dt,
-        "variant": variant,
+        "method": method, "rtol": rtol, "atol": atol, "tolerance": tolerance, "digits": digits,
+        "dt": dt, "forces": forces, "landing": landing, "root": root,
     }
-    try:
+    # fmt: on
+    with refusing():
         solver = engines.create(engine, **{k: v for k, v in options.items() if v is not None})
-    except ValueError as error:
-        wrong_call(str(error))
-    check_workers(workers)
     solved = failed = 0
-    with (
-        on_cluster(scheduler),
-        reading_from(source) as lines,
-        writing_to(output, source) as results,
-    ):
+    scenes, results = reading_from(source), writing_to(output, source)
+    with on_cluster(scheduler), scenes as lines, results as file:
         for result in solve_lines(lines, solver, -1 if scheduler else workers):
-            results.write(result.line().encode() + b"\n")
-            results.flush()
+            file.write(result.line().encode() + b"\n")
+            file.flush()
             solved += 1
             failed += result.error is not None
     if solved == 0:
-        say.print(f"longball: no scenes in {source}", markup=False)
+        tell(f"no scenes in {source}")
     elif failed:
-        say.print(f"longball: {failed} of {solved} lines could not be solved", markup=False)
+        tell(f"{failed} of {solved} lines could not be solved")
     if failed or not solved:
         raise typer.Exit(1)

@@ -3,70 +3,22 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Generic, Literal, Protocol, Self
+from typing import Any, Generic, Protocol
 
-from longball.model.motion import FlightPlane, Forces, PlaneState
+from longball.engines.contact import BatSection
+from longball.engines.event import Event
+from longball.engines.path import Flight
+from longball.model.frame import Frame
+from longball.model.law import Law, State
 from longball.model.numbers import N, Numbers, Vector
-from longball.model.readings import Reading
 from longball.model.result import Result
 from longball.model.scene import Scene
-
-Stop = Literal["wall", "floor", "vertical", "time"]
 
 
 class CannotSolve(ArithmeticError):
     """An engine's reason for giving no answer to a scene."""
-
-
-@dataclass(frozen=True)
-class Stops(Generic[N]):
-    """What ends a flight, in its plane; the first one met does. None: not asked for.
-
-    Attributes
-    ----------
-    time_limit
-        s; the flight ends there at the latest.
-    floor
-        m; the height that z falls to, or touches.
-    wall
-        m; the distance that s rises to.
-    vertical
-        Whether u falling to zero ends the flight.
-    """
-
-    time_limit: N
-    floor: N | None = None
-    wall: N | None = None
-    vertical: bool = False
-
-
-@dataclass(frozen=True)
-class Arrival(Generic[N]):
-    """The end of a flight: what stopped it, when (s since its launch), in what state.
-
-    `record` is the engine's own memory of the way there, which `Engine.touch` may use.
-    """
-
-    stop: Stop
-    time: N
-    state: PlaneState[N]
-    record: object
-
-
-@dataclass(frozen=True)
-class BatSection(Generic[N]):
-    """The bat seen along its axis, in the plane of the pitch: a circle to be touched.
-
-    The ball's centre is ``reach = R + r_b`` from the axis when the two touch; its distance from
-    the axis is that of ``(x + cos s, z - height)`` from zero. All in m.
-    """
-
-    x: N
-    cos: N
-    height: N
-    reach: N
 
 
 @dataclass(frozen=True)
@@ -83,23 +35,23 @@ class Touch(Generic[N]):
         First touching: s since release, and the state there; None if there is none.
     doubt
         What cannot be told, and why, if `touched` is None.
-    noticed
-        The state in which an engine that looks only now and then saw the overlap; the paper asks
-        there whether the ball is between the bat's ends. None: at the touching itself.
-    leaving
-        Whether `state` is where the ball would leave the bat, instead of where it enters.
-    record
-        The engine's own memory of the contact, which `Stepped.rebound` may use.
     """
 
     margin: N
     touched: bool | None
     time: N | None = None
-    state: PlaneState[N] | None = None
+    state: State[N] | None = None
     doubt: str = ""
-    noticed: PlaneState[N] | None = None
-    leaving: bool = False
-    record: object = None
+
+    @property
+    def detected(self) -> State[N] | None:
+        """The state in which the ball is looked at for whether it is between the bat's ends."""
+        return self.state
+
+    @property
+    def leaving(self) -> bool:
+        """Whether `state` is where the ball would leave the bat, instead of where it enters."""
+        return False
 
 
 @dataclass(frozen=True)
@@ -139,50 +91,57 @@ class Engine(Protocol[N]):
         0 where the number carries its own error.
         """
 
-    def fly(self, start: PlaneState[N], forces: Forces[N], stops: Stops[N]) -> Arrival[N]:
-        """Fly until the first stop."""
+    def fly(self, law: Law[N], start: State[N], events: Sequence[Event[N]], limit: N) -> Flight[N]:
+        """Fly until the first of several events, or to the time limit, s since the launch.
+
+        Raises
+        ------
+        CannotSolve, Undecided
+        """
 
     def touch(
-        self, pitch: Arrival[N], forces: Forces[N], bat: BatSection[N], stops: Stops[N]
+        self,
+        pitch: Flight[N],
+        law: Law[N],
+        bat: BatSection[N],
+        events: Sequence[Event[N]],
+        limit: N,
     ) -> Touch[N]:
-        """Find how the pitch that ended in an arrival at the plate meets the bat.
+        """Find how a pitch that has reached the plate meets the bat.
 
-        The search begins with the release and ends where the ball has passed the bat
-        (``x + cos s = -reach``), or with a stop.
+        The search begins with the release and ends where the ball has passed the bat, at
+        ``x = -reach``, or with one of the events, or at the time limit.
         """
 
 
 class Stepped(ABC, Generic[N]):
     """What an engine offers besides if it advances in fixed steps, as the paper does.
 
-    Its steps are subject to readings of their own, and its bat pushes for some of them instead of
-    striking at once.
+    Its bat pushes for some of the steps instead of striking at once.
     """
-
-    @abstractmethod
-    def under(self, reading: Reading) -> Self:
-        """Return the engine under a reading; the chain gives it each scene's."""
 
     @abstractmethod
     def rebound(
         self,
-        plane: FlightPlane[N],
-        touch: Touch[N],
-        kick: Vector[N],
-        forces: Forces[N],
-        stops: Stops[N],
+        frame: Frame[N],
+        touch: Any,
+        delta_v: Vector[N],
+        law_in: Callable[[Frame[N]], Law[N]],
+        ground: Event[N],
     ) -> Launch[N]:
         """Return the ball as the bat sets it free.
 
         Parameters
         ----------
-        plane
+        frame
             Of the pitch.
         touch
             From `Engine.touch`, with a state.
-        kick
+        delta_v
             m/s, the change of velocity that the whole impulse makes.
-        forces, stops
+        law_in
+            From the frame of a flight to the law there.
+        ground
             Of the batted flight.
         """
 
@@ -192,4 +151,4 @@ class ManyAtOnce(ABC):
 
     @abstractmethod
     def solve_all(self, scenes: Sequence[Scene]) -> list[Result]:
-        """Return what `longball.engines.at_bat.solve` returns for each scene, in order."""
+        """Return what `longball.engines.chain.solve` returns for each scene, in order."""

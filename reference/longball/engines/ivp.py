@@ -1,124 +1,87 @@
 """The reference engine: `scipy.integrate.solve_ivp` with terminal events.
 
-The events are where solve_ivp is weakest, in two ways. It looks for a change of sign between its
-steps, so that a ball that dips and comes back within a step is not seen: here every event is a
-function that changes sign once (for the bat see `longball.engines.contact`; for the ground the
-lowest point of a dip is an event too). And it finds the event on its interpolant, whose order is
-lower than that of its steps: here the last step is taken again, onto the event.
+solve_ivp looks for a change of an event's sign between its steps, so that a ball that dips and
+comes back within a step is not seen, and finds the event on its interpolant, whose order may be
+lower than that of its steps. Here its terminal events only end the integration in time. What they
+ended is handed on as Taylor polynomials, step by step, in which `longball.engines.event` searches
+for the first event, and misses none.
 """
 
 from __future__ import annotations
 
-import itertools
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
-from typing import cast
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import scipy.integrate
-import scipy.optimize
 from numpy.typing import NDArray
 
-from longball.engines import contact
-from longball.engines.contact import Acceleration
-from longball.engines.engine import Arrival, BatSection, CannotSolve, Stop, Stops, Touch
-from longball.model.motion import Forces, PlaneState, acceleration
+from longball.engines.contact import BatSection
+from longball.engines.engine import CannotSolve
+from longball.engines.event import Event
+from longball.engines.path import Flight
+from longball.engines.path_engine import PathEngine, View
+from longball.engines.polynomial import PolynomialPiece
+from longball.engines.taylor import Expander, Taylor, right_hand_side
+from longball.model.law import Law, State
 from longball.model.numbers import DOUBLES, Doubles
 
-METHODS = ("RK23", "RK45", "DOP853", "Radau", "BDF", "LSODA")
+METHODS = ("Taylor", "RK23", "RK45", "DOP853", "Radau", "BDF", "LSODA")
 
-State = PlaneState[float]
 Array = NDArray[np.float64]
-Event = Callable[[float, Array], float]
+
+# A baseball's flight takes a dozen steps of Taylor's method and a hundred of others. Strong lift
+# can loop a ball a thousand times a second: the limit is some seconds of work.
+_MOST_STEPS = 20_000
+# After so many the ball may have settled to its final speed.
+_MANY_STEPS = 2_000
+
+_BEYOND = "the forces are beyond the range of double precision"
 
 
 @dataclass(frozen=True)
-class Surface:
-    """Something that a flight can reach: where a function of the state changes sign.
-
-    Attributes
-    ----------
-    name
-        Under which a flight reports it.
-    value, rate
-        The function, and its derivative in time.
-    direction
-        +1 if the function rises through zero there, -1 if it falls.
-    place
-        Puts a state that is within rounding of the surface onto it.
-    leaves
-        Whether the flight starts on the surface, which then is not an arrival.
-    """
-
-    name: str
-    value: Callable[[State], float]
-    rate: Callable[[State], float]
-    direction: int
-    place: Callable[[State], State] = lambda state: state
-    leaves: bool = False
-
-    def event(self, start: float) -> Event:
-        """Return the terminal event for solve_ivp, for a flight that begins at `start`."""
-
-        def event(time: float, y: Array) -> float:
-            value = self.value(PlaneState(*y.tolist()))
-            if not self.leaves:
-                return value
-            # Divided by the time, the root at the start is gone and the next one stays.
-            return value / (time - start) if time > start else float(-self.direction)
-
-        event.terminal = True  # type: ignore[attr-defined]
-        event.direction = self.direction  # type: ignore[attr-defined]
-        return event
-
-
-@dataclass(frozen=True)
-class Leg:
-    """The accepted steps of a piece of a flight: times, s, and states, a column each."""
-
-    times: Array
-    states: Array
-
-    def at(self, step: int) -> tuple[float, State]:
-        """Return time and state of a step."""
-        return float(self.times[step]), PlaneState(*self.states[:, step].tolist())
-
-    def before(self, time: float) -> tuple[float, State]:
-        """Return the last step that is not after a time."""
-        return self.at(max(0, int(np.searchsorted(self.times, time, side="right")) - 1))
-
-    def ending_in(self, time: float, state: State) -> Leg:
-        """Return the leg with another end."""
-        return Leg(np.append(self.times[:-1], time), np.column_stack([self.states[:, :-1], state]))
-
-
-@dataclass(frozen=True)
-class Ivp:
+class Ivp(PathEngine[float]):
     """Flights by `scipy.integrate.solve_ivp`.
 
     Attributes
     ----------
     method
-        Any of solve_ivp's methods, by name.
+        "Taylor" (`longball.engines.taylor.Taylor`), as exact as doubles are; or any of solve_ivp's
+        own methods, by name.
     rtol, atol
-        Tolerances of its steps, relative and absolute (m and m/s). With DOP853 at the default
-        every landing of 700 batted balls was good to 3e-12 m, for 1.4 to 1.5 times the time of a
-        plain solve at 1e-12 (`python -m analysis accuracy`).
+        Tolerances of the steps of solve_ivp's own methods, relative and absolute (m and m/s);
+        5e-14 if left out. Taylor's method takes none.
     """
 
-    method: str = "DOP853"
-    rtol: float = 5e-14
-    atol: float = 5e-14
+    method: str = "Taylor"
+    rtol: float | None = None
+    atol: float | None = None
 
     def __post_init__(self) -> None:
         if self.method not in METHODS:
             raise ValueError(f"method {self.method!r} is not one of {', '.join(METHODS)}")
+        if self.method == "Taylor":
+            if self.rtol is not None or self.atol is not None:
+                raise ValueError("method Taylor takes no rtol and no atol; DOP853, for one, does")
+            return
         smallest = 100 * np.finfo(float).eps  # below this solve_ivp raises it with a warning
-        if not smallest <= self.rtol < 1:
+        if not smallest <= self.tolerances["rtol"] < 1:
             raise ValueError(f"rtol = {self.rtol} is not between {smallest:.3g} and 1")
-        if not 0 < self.atol < 1:
+        if not 0 < self.tolerances["atol"] < 1:
             raise ValueError(f"atol = {self.atol} is not between 0 and 1")
+
+    @property
+    def tolerances(self) -> dict[str, float]:
+        """What solve_ivp takes as tolerances."""
+        if self.method == "Taylor":
+            return {}
+        default = 5e-14
+        return {
+            "rtol": default if self.rtol is None else self.rtol,
+            "atol": default if self.atol is None else self.atol,
+        }
 
     @property
     def numbers(self) -> Doubles:
@@ -128,426 +91,216 @@ class Ivp:
     @property
     def description(self) -> str:
         """Name, method and tolerances."""
-        return f"ivp {self.method} rtol={self.rtol:g} atol={self.atol:g}"
+        return " ".join(["ivp", self.method, *(f"{k}={v:g}" for k, v in self.tolerances.items())])
 
     @property
     def flight_error(self) -> float:
         """Relative error of a state at the end of a flight.
 
-        The steps' errors add up. Over pitches of all sorts, steep ones included, the plate was
-        reached within 2.3 tolerances by one-step methods, and within 70 by multistep methods,
-        whose steps are many; for the paper's own pitches within 0.02, which is rounding
-        (`tests/engines/test_contact.py`).
+        By Taylor's method it is a few roundings: up to 2.3e-15 in 400 batted balls at their
+        landings, 3e-16 for lobs, feathers and flights of 20 s, 1.3e-14 after some six loops,
+        which are longer than the place is far.
+
+        The errors of the other methods' steps add up. Over pitches of all sorts, steep ones
+        included, the plate was reached within 2.3 tolerances by one-step methods, and within 70 by
+        multistep methods, whose steps are many (`tests/engines/test_contact.py`).
         """
-        tolerances = 100 if self.method in _ONE_STEP else 10
-        return tolerances * max(self.rtol, self.atol)
+        if self.method == "Taylor":
+            return 2e-14
+        return (100 if self.method in ("BDF", "LSODA") else 10) * max(self.tolerances.values())
 
-    def fly(self, start: State, forces: Forces[float], stops: Stops[float]) -> Arrival[float]:
-        """Fly until the first stop; see `longball.engines.engine.Engine.fly`."""
-        try:
-            return self._told(self._fly(start, forces, stops), stops)
-        except _TooMuchWork as work:
-            if not work.settled or self.method in ("Radau", "BDF"):
-                raise
-            # Stiff: nothing but rounding happens any more, and only an implicit step can be long.
-            return replace(self, method="Radau").fly(start, forces, stops)
-
-    def _fly(self, start: State, forces: Forces[float], stops: Stops[float]) -> Arrival[float]:
-        accelerate = _limited(acceleration(forces, DOUBLES), forces.gravity or 0.0)
-        floor = stops.floor
-        if floor is not None and _rests_on(floor, start, accelerate):
-            return Arrival("floor", 0.0, start, Leg(np.zeros(1), np.array([start]).T))
-        if start.u == start.w == 0.0 and forces.gravity is None:
-            # At rest with nothing to move it: without end, and no turning point to wait for.
-            return Arrival("time", stops.time_limit, start, Leg(np.zeros(1), np.array([start]).T))
-        surfaces = _stop_surfaces(start, stops, accelerate)
-        # Only lift can turn a falling ball up again, below the ground perhaps, within one step.
-        # Bottoms and tops of the path alternate, so that none is found twice.
-        turns = itertools.cycle(_turning_points(accelerate))
-        legs: list[Leg] = []
-        time, state = 0.0, start
-        while True:
-            turn = [next(turns)] if floor is not None and forces.lift is not None else []
-            leg, met = self._advance(accelerate, time, state, stops.time_limit, surfaces + turn)
-            legs.append(leg)
-            time, state = leg.at(-1)
-            if met is None:
-                return Arrival("time", time, state, _joined(legs))
-            if floor is not None and met.name == "bottom" and self._dipped(state, floor, time):
-                # The way down through the floor, from the parabola around the bottom.
-                back = math.sqrt(2 * (floor - state.z) / met.rate(state))
-                time, state = self._settle(
-                    accelerate, surfaces[0], leg.before(time - back), time - back
-                )
-                met = surfaces[0]
-            if met.name in ("floor", "wall", "vertical"):
-                return Arrival(cast(Stop, met.name), time, state, _joined(legs))
-
-    def _told(self, arrival: Arrival[float], stops: Stops[float]) -> Arrival[float]:
-        """Return an arrival, unless its error leaves open which stop comes first."""
-        state = arrival.state
-        error = self.flight_error * max(1.0, abs(state.s), abs(state.z))
-        if stops.floor is not None and arrival.stop in ("wall", "time"):
-            before = "the plate" if arrival.stop == "wall" else "the time limit"
-            DOUBLES.positive(
-                state.z - stops.floor, error, f"whether the ball comes down before {before}"
-            )
-        if stops.wall is not None and arrival.stop == "floor":
-            DOUBLES.positive(
-                stops.wall - state.s, error, "whether the ball comes down before the plate"
-            )
-        if arrival.stop == "floor":
-            DOUBLES.positive(
-                stops.time_limit - arrival.time,
-                self.flight_error * arrival.time,
-                "whether the ball comes down before the time limit",
-            )
-        return arrival
-
-    def touch(
+    def steps(
         self,
-        pitch: Arrival[float],
-        forces: Forces[float],
-        bat: BatSection[float],
-        stops: Stops[float],
-    ) -> Touch[float]:
-        """Find how a pitch meets the bat; see `longball.engines.engine.Engine.touch`."""
-        way = cast(Leg, pitch.record)
-        gravity = forces.gravity or 0.0
-        near = _first_step_near(way, bat, bat.reach, gravity)
-        found = self._search(pitch, forces, bat, stops, *way.at(near))
-        if found.touched is False:
-            # It may have been closer before it could have touched.
-            before = _first_step_near(way, bat, bat.reach - found.margin, gravity)
-            if before < near:
-                return self._search(pitch, forces, bat, stops, *way.at(before))
-        return found
+        law: Law[float],
+        start: State[float],
+        begin: float,
+        limit: float,
+        events: Sequence[Event[float]],
+    ) -> Iterator[PolynomialPiece]:
+        """Yield the pieces of a flight; see `longball.engines.path.PathEngine.steps`.
 
-    def _search(
-        self,
-        pitch: Arrival[float],
-        forces: Forces[float],
-        bat: BatSection[float],
-        stops: Stops[float],
-        time: float,
-        state: State,
-    ) -> Touch[float]:
-        """Search for the bat from a time and state of the pitch on."""
-        accelerate = _limited(acceleration(forces, DOUBLES), forces.gravity or 0.0)
-        # The bat is put at the height of this very state. Settled from it, a few milliseconds
-        # away, the closest approach shares its error, which then is none of the margin's.
-        plate: tuple[float, State] | None = (pitch.time, pitch.state)
-        error = contact.margin_error(bat, pitch.state, self.flight_error)
-        if contact.backward_growth(state, pitch.time - time, forces) > math.e:
-            plate = None
-            error += self.flight_error * max(abs(bat.x), abs(pitch.state.z))
-        distance = contact.distance(state, bat)
-        gap = distance - bat.reach
-        if gap < -error:
-            raise CannotSolve(
-                f"the ball starts inside the bat: {distance:.6g} m from its axis, "
-                f"where the two touch at {bat.reach:.6g} m; release it farther from the plate"
-            )
-        at_once = gap <= error and contact.radial_velocity(state, bat) < 0
-        ends = _search_ends(bat, stops, accelerate)
-        closest = -gap
-        approaching = contact.radial_velocity(state, bat) < 0
-        max_step = contact.longest_step(state, bat, forces)
-        while True:
-            turn = _radial_turn(bat, accelerate, +1 if approaching else -1)
-            leg, met = self._advance(
-                accelerate, time, state, stops.time_limit, [*ends, turn], max_step, plate
-            )
-            end_time, end = leg.at(-1)
-            margin = bat.reach - contact.distance(end, bat)
-            closest = max(closest, margin)
-            if abs(margin) <= error:
-                return Touch(margin, None, doubt=contact.doubt(margin, error))
-            if margin > 0:
-                if at_once:
-                    return Touch(margin, True, time, state)
-                found = self._first_touching(accelerate, leg, bat, met is turn, plate)
-                return Touch(margin, True, *found)
-            if met is not turn:
-                if met is not None and met.name == "vertical":
+        Raises
+        ------
+        CannotSolve
+            If solve_ivp gives up, or the flight takes too many steps.
+        """
+        time, state = begin, np.array(start, dtype=float)
+        taken = 0
+        while time < limit:
+            if taken > 0 and _has_settled(law, state):
+                yield _uniform(law, time, state, limit)
+                return
+            solution, pieces = self._integrate(law, time, state, limit, events)
+            for piece in pieces:
+                taken += 1
+                if taken > _MOST_STEPS:
                     raise CannotSolve(
-                        "the pitch turns vertical over the plate, where a lift that is always up "
-                        "has no direction; use lift_direction = fixed_spin_axis"
+                        f"the flight takes over {_MOST_STEPS} steps; try a shorter time_limit"
                     )
-                return Touch(closest, False)
-            time, state, approaching = end_time, end, not approaching
+                yield piece
+            if solution.status < 0:
+                raise CannotSolve(
+                    f"solve_ivp gave up at t = {solution.t[-1]:.6g} s: {solution.message}"
+                )
+            time, state = float(solution.t[-1]), solution.y[:, -1]
+            events = ()  # whoever asks for more did not stop there
 
-    def _first_touching(
+    def _integrate(
         self,
-        accelerate: Acceleration,
-        leg: Leg,
-        bat: BatSection[float],
-        at_closest: bool,
-        base: tuple[float, State] | None,
-    ) -> tuple[float, State]:
-        """Find where the distance falls to reach, on a leg along which it only falls.
-
-        It is settled from `base`, or else from the last step before it.
-        """
-        surface = _bat_surface(bat)
-        end_time, end = leg.at(-1)
-        if at_closest:
-            # A straight line through the closest point: d² = d_min² + V² (t - t_min)².
-            d = contact.distance(end, bat)
-            speed = math.hypot(bat.cos * end.u, end.w)
-            guess = end_time - math.sqrt((bat.reach - d) * (bat.reach + d)) / speed
-            if guess > leg.times[0]:
-                time, state = self._settle(accelerate, surface, base or leg.before(guess), guess)
-                if leg.times[0] <= time <= end_time and surface.rate(state) < 0:
-                    return time, state
-        # A strongly curved path: bisect, step by step.
-        start = leg.at(0)
-        guess = scipy.optimize.brentq(
-            lambda t: surface.value(self._step(accelerate, *start, t)), start[0], end_time
-        )
-        return self._settle(accelerate, surface, base or leg.before(guess), guess)
-
-    def _dipped(self, bottom: State, floor: float, time: float) -> bool:
-        if time == 0.0:
-            return False
-        error = self.flight_error * max(1.0, abs(floor))
-        return DOUBLES.positive(
-            floor - bottom.z, error, "whether the ball touches the ground at the bottom of a dip"
-        )
-
-    # A trial step may overflow; the step control then takes a shorter one or gives up.
-    @np.errstate(all="ignore")
-    def _advance(
-        self,
-        accelerate: Acceleration,
+        law: Law[float],
         time: float,
-        state: State,
-        end: float,
-        surfaces: list[Surface],
-        max_step: float = math.inf,
-        base: tuple[float, State] | None = None,
-    ) -> tuple[Leg, Surface | None]:
-        """Fly until the first surface is met, and settle on it; None if `end` comes first.
+        state: Array,
+        limit: float,
+        events: Sequence[Event[float]],
+    ) -> tuple[Any, Iterable[PolynomialPiece]]:
+        """Return what solve_ivp returns, and the polynomials of its steps."""
+        span, ends = (time, limit), _ends(events, law)
+        if self.method == "Taylor":
+            pieces: list[PolynomialPiece] = []
+            solution = scipy.integrate.solve_ivp(
+                None, span, state, method=_TaylorPieces, law=law, events=ends, pieces=pieces
+            )
+            return solution, pieces
+        rates = right_hand_side(law)
+        if not np.isfinite(rates(time, state)).all():
+            raise CannotSolve(_BEYOND)
+        # A trial step may overflow; the step control then takes a shorter one or gives up.
+        with np.errstate(all="ignore"):
+            solution = scipy.integrate.solve_ivp(
+                rates, span, state, method=self.method, events=ends, **self.tolerances
+            )
+        return solution, _expanded(law, solution.t.tolist(), solution.y.T)
 
-        It is settled from `base`, or else from the last step before it.
+    def views(
+        self, pitch: Flight[float], law: Law[float], bat: BatSection[float]
+    ) -> Iterator[View[float]]:
+        """Yield the pieces of a pitch; near the plate, one that is expanded at the crossing.
+
+        The bat is put at the height of that very state, and so shares its error.
         """
-        if not all(map(math.isfinite, accelerate(state.u, state.w))):
-            raise CannotSolve("the forces at launch are beyond the range of double precision")
-        solution = scipy.integrate.solve_ivp(
-            _right_hand_side(accelerate),
-            (time, end),
-            np.array(state),
-            method=self.method,
-            rtol=self.rtol,
-            atol=self.atol,
-            max_step=max_step,
-            events=[surface.event(time) for surface in surfaces],
-        )
-        if solution.status < 0:
-            raise CannotSolve(
-                f"solve_ivp gave up at t = {solution.t[-1]:.6g} s: {solution.message}"
-            )
-        leg = Leg(solution.t, solution.y)
-        if solution.status == 0:
-            return leg, None
-        met = next(s for s, found in zip(surfaces, solution.t_events, strict=True) if found.size)
-        guess, _ = leg.at(-1)
-        settled = self._settle(accelerate, met, base or leg.at(-2), guess)
-        return leg.ending_in(*settled), met
+        centred = self.around(law, pitch.time, pitch.state)
+        speed = math.hypot(*bat.frame.velocity(pitch.state))
+        # Not much longer than it takes to pass the bat: the square of the distance, of which
+        # reach² is to be told apart, starts small.
+        half = min(centred.length, _NEAR * bat.reach / speed)
+        begin, end = max(0.0, pitch.time - half), pitch.time + half
+        error = self.flight_error * max(abs(bat.frame.x), abs(pitch.state.z))
+        seen = False
+        for piece in pitch.path.pieces():
+            if piece.begin < begin:
+                yield View(piece, 0.0, min(piece.length, begin - piece.begin), error)
+            if piece.begin + piece.length >= begin and not seen:
+                seen = True
+                yield View(centred, begin - pitch.time, half, 0.0)
+            if piece.begin + piece.length > end:
+                yield View(piece, max(0.0, end - piece.begin), piece.length, error)
 
-    def _settle(
-        self, accelerate: Acceleration, surface: Surface, base: tuple[float, State], guess: float
-    ) -> tuple[float, State]:
-        """Step again from an accepted step onto a surface, from a guess of the time there.
+    def around(self, law: Law[float], time: float, state: State[float]) -> PolynomialPiece:
+        """Return the flight around a state, s since the launch, as one piece on both sides of it.
 
-        Newton's method on the step itself: the answer is as good as the steps are, whatever the
-        interpolant that the guess came from.
+        It begins at that time, and also holds before, for as long as it is long.
         """
-        time, state = guess, self._step(accelerate, *base, guess)
-        smallest = math.inf
-        for _ in range(_NEWTON_STEPS):
-            rate = surface.rate(state)
-            if rate == 0.0:
-                break
-            dt = -surface.value(state) / rate
-            du, dw = accelerate(state.u, state.w)
-            far = abs(dt) > _NUDGE * abs(time - base[0])
-            if far or abs(dt) * math.hypot(du, dw) > _NUDGE * math.hypot(state.u, state.w):
-                time += dt
-                state = self._step(accelerate, *base, time)
-                continue
-            # Newton's method at least halves dt. If it does not, only rounding is left: s, too
-            # large to take up so small a change, would stay, and z move on alone.
-            if abs(dt) >= 0.75 * smallest:
-                break
-            time, smallest = time + dt, abs(dt)
-            state = PlaneState(
-                state.s + dt * (state.u + 0.5 * dt * du),
-                state.z + dt * (state.w + 0.5 * dt * dw),
-                state.u + dt * du,
-                state.w + dt * dw,
-            )
-        return time, surface.place(state)
-
-    @np.errstate(all="ignore")
-    def _step(self, accelerate: Acceleration, time: float, state: State, end: float) -> State:
-        """Integrate to a given time, in one step if the tolerances allow it."""
-        if end == time:
-            return state
-        solver = getattr(scipy.integrate, _ONE_STEP.get(self.method, self.method))(
-            _right_hand_side(accelerate),
-            time,
-            state,
-            end,
-            rtol=self.rtol,
-            atol=self.atol,
-            first_step=abs(end - time),
-        )
-        while solver.status == "running":
-            message = solver.step()
-        if solver.status == "failed":
-            raise CannotSolve(f"{self.method} gave up at t = {solver.t:.6g} s: {message}")
-        return PlaneState(*solver.y.tolist())
+        series, reach = Expander(law)(np.array(state, dtype=float))
+        if not reach > 0:
+            raise CannotSolve(_BEYOND)
+        return PolynomialPiece(time, reach, law.state, series)
 
 
-# A multistep method cannot take its last step again: from one state alone it starts at order 1,
-# and reaches its tolerance in many steps whose errors add up.
-_ONE_STEP = {"BDF": "Radau", "LSODA": "DOP853"}
-
-# Newton's method squares the error, and at a double root (a graze, a tangential landing) halves it.
-# As many halvings as there are from a second to the smallest double find even a flight of 1e-30 s.
-_NEWTON_STEPS = 1100
-
-# A Taylor step of second order that changes the velocity by this fraction is exact to its square,
-# 1e-16; and z keeps the rounding that it had, which a way that is shorter by more would show.
-_NUDGE = 1e-8
+# Times the reach of the bat: as far as a pitch is from it where the search looks closely.
+_NEAR = 4.0
 
 
-def _right_hand_side(accelerate: Acceleration) -> Callable[[float, Array], Sequence[float]]:
-    def right_hand_side(_: float, y: Array) -> Sequence[float]:
-        _, _, u, w = y.tolist()  # doubles of Python: numpy's are five times slower one by one
-        return (u, w, *accelerate(u, w))
+class _TaylorPieces(Taylor):
+    """Taylor's method that hands on its steps: solve_ivp is slower with its own dense output."""
 
-    return right_hand_side
+    def __init__(
+        self, *given: Any, law: Law[float], pieces: list[PolynomialPiece], **options: Any
+    ) -> None:
+        super().__init__(*given, law=law, **options)
+        self._state, self._pieces = law.state, pieces
 
-
-# A baseball's flight takes 500 evaluations. Strong lift can loop a ball a thousand times a second,
-# and a feather in dense air settles to its final speed in microseconds and then falls for a
-# minute: an explicit method would take millions.
-_MOST_EVALUATIONS = 200_000
-
-
-class _TooMuchWork(CannotSolve):
-    """A flight that takes more evaluations than any should; settled if its speed is its last."""
-
-    def __init__(self, settled: bool) -> None:
-        super().__init__(
-            f"the flight takes over {_MOST_EVALUATIONS} evaluations; "
-            "try a looser tolerance or a shorter time_limit"
-        )
-        self.settled = settled
+    def _step_impl(self) -> tuple[bool, str | None]:
+        begin = self.t
+        success, message = super()._step_impl()
+        if success:
+            length = _length(begin, self.t)
+            self._pieces.append(PolynomialPiece(begin, length, self._state, self._x))
+        return success, message
 
 
-def _limited(accelerate: Acceleration, gravity: float) -> Acceleration:
-    """Return an acceleration that can be evaluated a limited number of times."""
-    evaluations = 0
-
-    def limited(u: float, w: float) -> tuple[float, float]:
-        nonlocal evaluations
-        evaluations += 1
-        du, dw = accelerate(u, w)
-        if evaluations > _MOST_EVALUATIONS:
-            raise _TooMuchWork(settled=math.hypot(du, dw) < 1e-3 * gravity)
-        return du, dw
-
-    return limited
-
-
-def _stop_surfaces(start: State, stops: Stops[float], accelerate: Acceleration) -> list[Surface]:
-    """Return the surfaces that stop a flight; the floor first, if there is one."""
-    surfaces = []
-    if (floor := stops.floor) is not None:
-        surfaces.append(
-            Surface(
-                "floor",
-                lambda y: y.z - floor,
-                lambda y: y.w,
-                -1,
-                lambda y: y._replace(z=floor),
-                leaves=start.z == floor,
-            )
-        )
-    if (wall := stops.wall) is not None:
-        surfaces.append(
-            Surface("wall", lambda y: y.s - wall, lambda y: y.u, +1, lambda y: y._replace(s=wall))
-        )
-    if stops.vertical:
-        surfaces.append(
-            Surface(
-                "vertical",
-                lambda y: y.u,
-                lambda y: accelerate(y.u, y.w)[0],
-                -1,
-                lambda y: y._replace(u=0.0),
-            )
-        )
-    return surfaces
+def _expanded(
+    law: Law[float], times: Sequence[float], states: Iterable[Array]
+) -> Iterator[PolynomialPiece]:
+    """Yield the series from accepted states; again where a step is longer than they reach."""
+    expand, make = Expander(law), law.state
+    for time, state, end in zip(times, states, times[1:], strict=False):
+        while time < end:
+            series, reach = expand(state)
+            if not reach > 0:
+                raise CannotSolve(_BEYOND)
+            until = min(time + reach, end)
+            piece = PolynomialPiece(time, _length(time, until), make, series)
+            yield piece
+            time, state = until, np.array(piece.at(piece.length))
 
 
-def _turning_points(accelerate: Acceleration) -> tuple[Surface, Surface]:
-    """Return where the path has a bottom, and where it has a top."""
+def _ends(events: Sequence[Event[float]], law: Law[float]) -> Callable[[float, Array], float]:
+    """Return the terminal event that ends an integration with the step that meets an event.
 
-    def fall(y: State) -> float:
-        return accelerate(y.u, y.w)[1]
+    Its value stays at zero from there, and so solve_ivp finds it at the end of that step. An
+    integration also ends after many steps.
+    """
+    make, steps, last = law.state, 0, math.inf
+    values = [event.value for event in events]
 
-    return Surface("bottom", lambda y: y.w, fall, +1), Surface("top", lambda y: y.w, fall, -1)
+    def left(time: float, y: Array) -> float:
+        nonlocal steps, last
+        steps += 1
+        if steps > _MANY_STEPS:
+            last = min(last, time)
+        least = 1.0 if time < last else 0.0
+        state = make(*y.tolist())
+        for value in values:
+            if not (height := value(state)) >= least:
+                least = max(height, 0.0)
+        return least
 
-
-def _search_ends(
-    bat: BatSection[float], stops: Stops[float], accelerate: Acceleration
-) -> list[Surface]:
-    """Return what ends the search for the bat besides a turn of the distance."""
-    past = Surface("past", lambda y: bat.x + bat.cos * y.s + bat.reach, lambda y: bat.cos * y.u, -1)
-    start_over_the_ground = PlaneState(0.0, math.inf, 0.0, 0.0)
-    return [past, *_stop_surfaces(start_over_the_ground, replace(stops, wall=None), accelerate)]
-
-
-def _first_step_near(way: Leg, bat: BatSection[float], within: float, gravity: float) -> int:
-    """Return the first step of a pitch in which it may come within a distance of the bat's axis."""
-    durations = np.diff(way.times).tolist()
-    for step, duration in enumerate(durations):
-        if not contact.stays_beyond(within, way.at(step)[1], duration, bat, gravity):
-            return step
-    return len(durations)
-
-
-def _radial_turn(bat: BatSection[float], accelerate: Acceleration, direction: int) -> Surface:
-    """Return where the distance to the bat's axis is least (+1) or greatest (-1)."""
-    return Surface(
-        "turn",
-        lambda y: contact.radial_velocity(y, bat),
-        lambda y: contact.radial_acceleration(y, bat, accelerate),
-        direction,
-    )
+    left.terminal = True  # type: ignore[attr-defined]
+    left.direction = -1  # type: ignore[attr-defined]
+    return left
 
 
-def _bat_surface(bat: BatSection[float]) -> Surface:
-    """Return where ball and bat touch."""
-    return Surface(
-        "bat", lambda y: contact.depth(y, bat), lambda y: contact.radial_velocity(y, bat), -1
-    )
+def _length(begin: float, end: float) -> float:
+    """Return how long a piece is, rounded such that it reaches its end."""
+    length = end - begin
+    return length if begin + length >= end else math.nextafter(length, math.inf)
 
 
-def _rests_on(floor: float, start: State, accelerate: Acceleration) -> bool:
-    """Tell whether a ball on the floor does not leave it."""
-    rising = start.w > 0 or (start.w == 0 and accelerate(start.u, start.w)[1] > 0)
-    return start.z <= floor and not rising
+# A ball that falls at its final speed V is a stiff problem if it is light: a disturbance decays
+# within V/(2 g), and an explicit step is not much longer. But then its acceleration is nothing but
+# the rounding of its forces, and its motion uniform, to rounding.
+_SETTLED = 1e-14  # of gravity
 
 
-def _joined(legs: list[Leg]) -> Leg:
-    if len(legs) == 1:
-        return legs[0]
-    return Leg(
-        np.concatenate([leg.times for leg in legs]),
-        np.concatenate([leg.states for leg in legs], axis=1),
-    )
+def _has_settled(law: Law[float], state: Array) -> bool:
+    """Tell whether a ball moves uniformly from here on."""
+    if law.gravity is None or any(
+        node.kind == "variable" and node.args[0] in "syz" for node in law.program.nodes
+    ):
+        return False
+    rates = law.rates(DOUBLES)(*state.tolist())
+    pushed = [
+        rate
+        for rate, node in zip(rates, law.program.outputs, strict=True)
+        if node.kind != "variable"
+    ]
+    return all(abs(rate) <= _SETTLED * law.gravity for rate in pushed)
+
+
+def _uniform(law: Law[float], time: float, state: Array, limit: float) -> PolynomialPiece:
+    rates = law.rates(DOUBLES)(*state.tolist())
+    slopes = [
+        rate if node.kind == "variable" else 0.0
+        for rate, node in zip(rates, law.program.outputs, strict=True)
+    ]
+    return PolynomialPiece(time, _length(time, limit), law.state, np.column_stack([state, slopes]))

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 from io import BufferedIOBase
 from itertools import islice
 
-from longball.engines.at_bat import solve
+from longball.engines.chain import solve
 from longball.engines.engine import Engine, ManyAtOnce
 from longball.model.numbers import N
 from longball.model.result import Result

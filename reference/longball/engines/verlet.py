@@ -33,31 +33,31 @@ What the paper leaves open about those two steps:
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass, field, replace
-from typing import Any, NamedTuple, TypeVar, cast
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path as File
+from types import ModuleType
+from typing import Any, NamedTuple, TypeVar, get_args
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from longball.engines import contact
-from longball.engines.engine import (
-    Arrival,
-    BatSection,
-    CannotSolve,
-    Launch,
-    Stepped,
-    Stop,
-    Stops,
-    Touch,
-)
-from longball.model.motion import FlightPlane, Forces, PlaneState, acceleration, into_plane
+from longball.engines.compiled import module_of
+from longball.engines.contact import TURNS_VERTICAL, BatSection, inside_bat
+from longball.engines.dual import Dual
+from longball.engines.engine import CannotSolve, Launch, Stepped, Touch
+from longball.engines.event import Event
+from longball.engines.path import Flight, Path
+from longball.model.frame import Frame, launch_frame
+from longball.model.law import Law, SpaceState, State
 from longball.model.numbers import DOUBLES, Doubles, Vector
-from longball.model.readings import AppendixBRoot, Reading, VerletForces
+from longball.model.readings import AppendixBRoot, VerletForces, VerletLanding
+from longball.model.trace import Names, Program
 
-State = PlaneState[float]
-Point = NDArray[np.float64]
+T = TypeVar("T")
+Array = NDArray[np.float64]
+Components = tuple[float, ...]
 
 
 class Treatment(NamedTuple):
@@ -90,6 +90,40 @@ TREATMENTS: dict[VerletForces, Treatment] = {
     "implicit": Treatment(1.0, iterates=True, carries=False),
 }
 
+OPTIONS: dict[str, tuple[str, ...]] = {
+    "forces": tuple(TREATMENTS),
+    "landing": get_args(VerletLanding),
+    "root": get_args(AppendixBRoot),
+}
+
+
+@dataclass(frozen=True)
+class SteppedTouch(Touch[float]):
+    """How a pitch meets the bat in steps.
+
+    Attributes
+    ----------
+    step
+        Number of the step before the first one in the bat.
+    before, inside
+        The states at that step and at the next one.
+    ahead
+        Δt', s.
+    leaving
+        Whether `state` is where the ball would leave the bat, instead of where it enters.
+    """
+
+    step: int = 0
+    before: State[float] | None = None
+    inside: State[float] | None = None
+    ahead: float = 0.0
+    leaving: bool = False
+
+    @property
+    def detected(self) -> State[float] | None:
+        """The step in the bat: there the paper asks whether the ball is between the bat's ends."""
+        return self.inside
+
 
 @dataclass(frozen=True)
 class Verlet(Stepped[float]):
@@ -99,21 +133,21 @@ class Verlet(Stepped[float]):
     ----------
     dt
         s, the step; 0.05 in the paper.
-    variant
-        Treatment of the force, whatever a scene's ``verlet_forces`` says; None: as it says.
-    reading
-        Of the ledger's switches for this scheme; the chain replaces it by each scene's.
+    forces, landing, root
+        Switches of the ledger: ``verlet_forces``, ``verlet_landing``, ``appendix_b_root``.
     """
 
     dt: float = 0.05
-    reading: Reading = field(default_factory=Reading)
-    variant: VerletForces | None = None
+    forces: VerletForces = "old_carried"
+    landing: VerletLanding = "interpolated"
+    root: AppendixBRoot = "first"
 
     def __post_init__(self) -> None:
         if not 0 < self.dt < math.inf:
             raise ValueError(f"dt = {self.dt} is not a positive number of seconds")
-        if self.variant not in (None, *TREATMENTS):
-            raise ValueError(f"variant {self.variant!r} is not one of {', '.join(TREATMENTS)}")
+        for name, options in OPTIONS.items():
+            if (chosen := getattr(self, name)) not in options:
+                raise ValueError(f"{name} {chosen!r} is not one of {', '.join(options)}")
 
     @property
     def numbers(self) -> Doubles:
@@ -123,165 +157,185 @@ class Verlet(Stepped[float]):
     @property
     def description(self) -> str:
         """Name, step and readings."""
-        reading = self.reading
-        return (
-            f"verlet dt={self.dt!r} forces={reading.verlet_forces} "
-            f"landing={reading.verlet_landing} root={reading.appendix_b_root}"
-        )
+        return f"verlet dt={self.dt!r} forces={self.forces} landing={self.landing} root={self.root}"
 
     @property
     def flight_error(self) -> float:
         """0: the scheme decides by its numbers as they are, however far from the truth."""
         return 0.0
 
-    def under(self, reading: Reading) -> Verlet:
-        """Return the engine under a reading, but for the variant that it was made with."""
-        if self.variant is not None:
-            reading = reading.model_copy(update={"verlet_forces": self.variant})
-        return replace(self, reading=reading)
+    def fly(
+        self,
+        law: Law[float],
+        start: State[float],
+        events: Sequence[Event[float]],
+        limit: float,
+    ) -> Flight[float]:
+        """Fly until the first of several events; see `longball.engines.engine.Engine.fly`.
 
-    def fly(self, start: State, forces: Forces[float], stops: Stops[float]) -> Arrival[float]:
-        """Fly until the first stop; see `longball.engines.engine.Engine.fly`."""
-        if stops.floor is not None and _rests_on(stops.floor, start, forces):
-            return Arrival("floor", 0.0, start, start)
-        count, found, *numbers = fly_steps(
-            *start,
-            *_strengths(forces),
-            self.dt,
-            *TREATMENTS[self.reading.verlet_forces],
-            _steps_within(stops.time_limit, self.dt),
-            -math.inf if stops.floor is None else stops.floor,
-            math.inf if stops.wall is None else stops.wall,
-            stops.vertical,
-        )
-        self._require_finite(numbers, count)
-        before, after = PlaneState(*numbers[:4]), PlaneState(*numbers[4:])
-        if not found:
-            return Arrival("time", count * self.dt, after, start)
-        stop, time, state = self.stop_between(count, before, after, stops)
-        if time > stops.time_limit:
-            return Arrival("time", (count - 1) * self.dt, before, start)
-        return Arrival(stop, time, state, start)
+        An event is looked for at the steps only.
+        """
+        path = Path(self._chords(law, start, limit))
+        for event in events:
+            if _rests_on(event, start, law):
+                return Flight(path, event.name, 0.0, start)
+        count, before, after = 0, start, start
+        for done, states in self._march(law, start, limit):
+            columns = law.state(*states)
+            met = np.array([event.value(columns)[1:] <= 0.0 for event in events])
+            step = 1 + int(met.any(axis=0).argmax()) if met.any() else states.shape[1] - 1
+            count = done + step
+            before, after = (law.state(*row) for row in states.T[step - 1 : step + 1].tolist())
+            self._require_finite((*before, *after), count)
+            if met.any():
+                stop, time, state = self.stop_between(count, before, after, events)
+                if time > limit:
+                    return Flight(path, "time", (count - 1) * self.dt, before)
+                return Flight(path, stop, time, state)
+        return Flight(path, "time", count * self.dt, after)
 
     def stop_between(
-        self, count: int, before: State, after: State, stops: Stops[float]
-    ) -> tuple[Stop, float, State]:
-        """Return what is met first in step number `count`, and where."""
-        met: list[tuple[float, Stop]] = []
-        if stops.floor is not None and after.z <= stops.floor:
-            met.append((_share(before.z, after.z, stops.floor), "floor"))
-        if stops.wall is not None and after.s >= stops.wall:
-            met.append((_share(before.s, after.s, stops.wall), "wall"))
-        if stops.vertical and after.u <= 0.0:
-            met.append((_share(before.u, after.u, 0.0), "vertical"))
-        share, stop = min(met)
-        if stop == "floor" and self.reading.verlet_landing == "first_below":
-            return stop, count * self.dt, after
-        state = PlaneState(*(interpolate(a, b, share) for a, b in zip(before, after, strict=True)))
-        match stop:
-            case "floor":
-                state = state._replace(z=cast(float, stops.floor))
-            case "wall":
-                state = state._replace(s=cast(float, stops.wall))
-        return stop, (count - 1 + share) * self.dt, state
+        self,
+        count: int,
+        before: State[float],
+        after: State[float],
+        events: Sequence[Event[float]],
+    ) -> tuple[str, float, State[float]]:
+        """Return which event is met first in step number `count`, when, and in what state."""
+        ends = [(event, event.value(before), event.value(after)) for event in events]
+        met = [(_share(a, b), event) for event, a, b in ends if b <= 0.0]
+        share, event = min(met, key=lambda each: each[0])
+        if event.name == "ground" and self.landing == "first_below":
+            return event.name, count * self.dt, after
+        state = _between(before, after, share)
+        return event.name, (count - 1 + share) * self.dt, event.place(state)
 
     def touch(
         self,
-        pitch: Arrival[float],
-        forces: Forces[float],
+        pitch: Flight[float],
+        law: Law[float],
         bat: BatSection[float],
-        stops: Stops[float],
+        events: Sequence[Event[float]],
+        limit: float,
     ) -> Touch[float]:
         """Find the first step in the bat; see `longball.engines.engine.Engine.touch`.
 
         The margin is that of the closest step. In doubt is a ball that is in the bat at a step,
         though Appendix B's straight line from the step before passes it by.
         """
-        start = cast(State, pitch.record)
-        if contact.distance(start, bat) < bat.reach:
-            raise CannotSolve("the ball starts inside the bat; release it farther from the plate")
-        steps, closest, hit, *numbers = approach_steps(
-            *start,
-            *_strengths(forces),
-            self.dt,
-            *TREATMENTS[self.reading.verlet_forces],
-            _steps_within(stops.time_limit, self.dt),
-            -math.inf if stops.floor is None else stops.floor,
-            bat.x,
-            bat.cos,
-            bat.height,
-            bat.reach,
-        )
-        self._require_finite(numbers, steps)
-        margin = bat.reach - closest
-        if not hit:
+        start = pitch.path.at(0.0)
+        closest = _distance(bat, start)
+        if closest < bat.reach:
+            raise CannotSolve(inside_bat(closest, bat.reach))
+        step, hit = 0, None
+        for done, states in self._march(law, start, limit):
+            columns = law.state(*states)
+            distance = _distance(bat, columns)
+            ended = [event.value(columns) <= 0.0 for event in events]
+            past = bat.frame.towards_x(columns) <= -bat.reach
+            over = np.logical_or.reduce([past, *ended])[1:]
+            last = 1 + int(over.argmax()) if over.any() else states.shape[1] - 1
+            self._require_finite(states[:, last].tolist(), done + last)
+            # A ball that is down, or vertical, is not looked at any more; one that is past is.
+            seen = 1 + last - any(end[last] for end in ended)
+            closest = min(closest, distance[:seen].min())
+            inside = distance[1:seen] < bat.reach
+            if hit is None and inside.any():
+                step = done + int(inside.argmax())
+                hit = [law.state(*row) for row in states.T[step - done : step - done + 2].tolist()]
+            if over.any():
+                if hit is None:
+                    for event, end in zip(events, ended, strict=True):
+                        if event.name == "vertical" and end[last]:
+                            raise CannotSolve(TURNS_VERTICAL)
+                break
+        margin = bat.reach - float(closest)
+        if hit is None:
             return Touch(margin, False)
-        before, inside = PlaneState(*numbers[:4]), PlaneState(*numbers[4:])
-        ahead = line_touch(before, bat, self.reading.appendix_b_root)
+        before, inside_state = hit
+        ahead = line_touch(before, bat, self.root)
         if ahead is None:
             return Touch(
                 margin,
                 None,
-                doubt=f"Appendix B has no Δt': the ball is in the bat at step {hit} of "
+                doubt=f"Appendix B has no Δt': the ball is in the bat at step {step + 1} of "
                 f"{self.dt!r} s, but the straight line from the step before does not meet it",
             )
-        touching = before._replace(s=before.s + before.u * ahead, z=before.z + before.w * ahead)
-        return Touch(
+        position, velocity = _halves(before)
+        touching = law.state(*_moved(position, ahead, velocity), *velocity)
+        return SteppedTouch(
             margin,
             True,
-            (hit - 1) * self.dt + ahead,
+            step * self.dt + ahead,
             touching,
-            noticed=inside,
-            leaving=self.reading.appendix_b_root == "larger",
-            record=(hit - 1, before, ahead),
+            step=step,
+            before=before,
+            inside=inside_state,
+            ahead=ahead,
+            leaving=self.root == "larger",
         )
 
     def rebound(
         self,
-        plane: FlightPlane[float],
-        touch: Touch[float],
-        kick: Vector[float],
-        forces: Forces[float],
-        stops: Stops[float],
+        frame: Frame[float],
+        touch: SteppedTouch,
+        delta_v: Vector[float],
+        law_in: Callable[[Frame[float]], Law[float]],
+        ground: Event[float],
     ) -> Launch[float]:
         """Push for two steps from the step before the contact (paper, Appendix B)."""
-        count, back, ahead = cast(tuple[int, State, float], touch.record)
-        air, dt = air_in_space(forces), self.dt
-        treatment = TREATMENTS[self.reading.verlet_forces]
-        push = np.array(kick) / (2 * dt)  # F̄/(2m), m/s²
-        floor = -math.inf if stops.floor is None else stops.floor
-        position, velocity = np.array(plane.position(back)), np.array(plane.velocity(back))
-        force = air(velocity)
+        assert touch.before is not None
+        air, dt = air_in_space(law_in), self.dt
+        push = tuple(change / (2 * dt) for change in delta_v)  # F̄/(2m), m/s²
+        position, velocity = frame.position(touch.before), frame.velocity(touch.before)
+        force = air(position, velocity)
         for done in (1, 2):
-            old = position, velocity
-            position, velocity, force = step(position, velocity, force, dt, treatment, air, push)
-            self._require_finite([*position, *velocity], count + done)
-            if position[2] <= floor:
-                return self._down(old, (position, velocity), floor, count + done, done * dt - ahead)
-        return Launch(_triple(position), _triple(velocity), (count + 2) * dt, 2 * dt - ahead)
+            before = SpaceState(*position, *velocity)
+            position, velocity, force = plain_step(
+                position, velocity, force, push, dt, *TREATMENTS[self.forces], air
+            )
+            count, after = touch.step + done, SpaceState(*position, *velocity)
+            self._require_finite(after, count)
+            if ground.value(after) <= 0.0:
+                _, time, down = self.stop_between(count, before, after, [ground])
+                delay = time - touch.step * dt - touch.ahead
+                return Launch(_triple(down[:3]), _triple(down[3:]), time, delay, True)
+        return Launch(position, velocity, (touch.step + 2) * dt, 2 * dt - touch.ahead)
 
-    def _down(
-        self,
-        before: tuple[Point, Point],
-        after: tuple[Point, Point],
-        floor: float,
-        count: int,
-        delay: float,
-    ) -> Launch[float]:
-        """Return where a ball comes down during a step that the bat pushes in."""
-        share = 1.0
-        position, velocity = after
-        if self.reading.verlet_landing == "interpolated":
-            share = _share(before[0][2], position[2], floor)
-            position = interpolate(before[0], position, share)
-            velocity = interpolate(before[1], velocity, share)
-            position[2] = floor
-        early = (1 - share) * self.dt
-        return Launch(
-            _triple(position), _triple(velocity), count * self.dt - early, delay - early, True
-        )
+    def _march(
+        self, law: Law[float], start: State[float], limit: float
+    ) -> Iterator[tuple[int, Array]]:
+        """Yield the steps up to the first one not before the limit, in arrays of rising length.
 
-    def _require_finite(self, numbers: list[float], count: int) -> None:
+        Each has a row for each component of the state. It comes with the number of the step in its
+        first column, the last one of the array before.
+        """
+        march, parameters = steps_of(law.program).march, _parameters(law)
+        treatment = TREATMENTS[self.forces]
+        last, done, length = np.array(start, dtype=float), 0, _FIRST_STEPS
+        force = _acceleration(law)(*_halves(last.tolist()), parameters)
+        steps = math.ceil(min(limit / self.dt, 2.0**53))
+        while done < steps:
+            states = np.empty((len(start), 1 + min(length, steps - done)))
+            states[:, 0] = last
+            force = march(states, force, self.dt, *treatment, parameters)
+            yield done, states
+            last, done, length = (
+                states[:, -1],
+                done + states.shape[1] - 1,
+                min(4 * length, _MOST_STEPS),
+            )
+
+    def _chords(self, law: Law[float], start: State[float], limit: float) -> Iterator[Chord]:
+        for done, states in self._march(law, start, limit):
+            before = law.state(*states[:, 0].tolist())
+            for count, row in enumerate(states.T[1:], done):
+                after = law.state(*row.tolist())
+                begin = count * self.dt
+                yield Chord(begin, (count + 1) * self.dt - begin, before, after)
+                before = after
+
+    def _require_finite(self, numbers: Sequence[float], count: int) -> None:
         if not all(map(math.isfinite, numbers)):
             raise CannotSolve(
                 f"the numbers do not stay finite within {count} steps of {self.dt!r} s, or an "
@@ -289,9 +343,14 @@ class Verlet(Stepped[float]):
             )
 
 
+# Steps that are taken at a time: some more than a flight of the paper's steps has, so that it takes
+# one array; and what a processor's cache holds.
+_FIRST_STEPS, _MOST_STEPS = 128, 4096
+
+
 # --- the rules between the steps ------------------------------------------------------------------
 
-Value = TypeVar("Value", float, Point)
+Value = TypeVar("Value", float, Array)
 
 
 def interpolate(before: Value, after: Value, share: float) -> Value:
@@ -299,226 +358,209 @@ def interpolate(before: Value, after: Value, share: float) -> Value:
     return before + share * (after - before)
 
 
-def line_touch(before: State, bat: BatSection[float], root: AppendixBRoot) -> float | None:
+def _between(before: State[float], after: State[float], share: float) -> State[float]:
+    state: State[float] = type(before)(
+        *(interpolate(a, b, share) for a, b in zip(before, after, strict=True))
+    )
+    return state
+
+
+def _share(before: float, after: float) -> float:
+    """Return the share of a step after which a value has fallen to zero, on a line."""
+    # A ball that is set free below the ground, or launched on it, is there at once.
+    return max(0.0, before / (before - after)) if after != before else 0.0
+
+
+@dataclass(frozen=True)
+class Chord:
+    """The straight line between two steps; see `longball.engines.event.Piece`."""
+
+    begin: float
+    length: float
+    before: State[float]
+    after: State[float]
+
+    def at(self, t: float) -> State[float]:
+        """Return the state at a time on the line, s since it begins."""
+        return (
+            self.after if t == self.length else _between(self.before, self.after, t / self.length)
+        )
+
+    def curve(self, value: Callable[[Any], Any]) -> ChordCurve:
+        """Return the value of an event along the line."""
+        return ChordCurve(self, value)
+
+
+@dataclass(frozen=True)
+class ChordCurve:
+    """The value of an event as the scheme sees it: at the steps, and between them on a line."""
+
+    chord: Chord
+    value: Callable[[Any], Any]
+
+    def __call__(self, t: float) -> float:
+        """Return the value."""
+        before, after = self.value(self.chord.before), self.value(self.chord.after)
+        return float(interpolate(before, after, t / self.chord.length))
+
+    def positive(self, a: float, b: float) -> bool:
+        """Tell whether the value is positive from a to b."""
+        return self(a) > 0.0 and self(b) > 0.0
+
+    def turns(self, a: float, b: float) -> tuple[float, ...]:
+        """Return nothing: a line does not turn."""
+        return ()
+
+    def zero(self, a: float, b: float) -> float:
+        """Return where the value is zero, given that from a to b it falls through zero."""
+        return interpolate(a, b, _share(self(a), self(b)))
+
+
+def line_touch(before: State[float], bat: BatSection[float], root: AppendixBRoot) -> float | None:
     """Return Δt', s, after which a ball on a straight line at constant velocity touches the bat.
 
     The roots of |d + v Δt'|² = reach² (paper, Appendix B). None if they are not real and positive.
     """
-    a = (bat.cos * before.u) ** 2 + before.w**2
-    b = contact.radial_velocity(before, bat)
-    c = 2 * contact.depth(before, bat)
+    a = bat.frame.velocity(before)[0] ** 2 + before.w**2
+    b = bat.approach(before)
+    c = bat.depth(before)
     discriminant = b * b - a * c
     if b >= 0.0 or discriminant < 0.0:
         return None
     # Added, not subtracted, so that neither root cancels.
     larger = -b + math.sqrt(discriminant)
-    return larger / a if root == "larger" else c / larger
+    return float(larger / a if root == "larger" else c / larger)
 
 
-def _share(before: float, after: float, there: float) -> float:
-    """Return the share of a step after which a quantity has reached a value, on a line."""
-    # A ball that is set free below the ground, or launched on it, is there at once.
-    return max(0.0, (there - before) / (after - before)) if after != before else 0.0
+def _distance(bat: BatSection[float], state: State[Any]) -> Any:
+    """Return the distance from the bat's axis, m, of a state, or of states in columns."""
+    return np.hypot(bat.frame.towards_x(state), state.z - bat.height)
 
 
-def _steps_within(time_limit: float, dt: float) -> int:
-    """Return the number of the first step that is not before the limit."""
-    return math.ceil(min(time_limit / dt, 2.0**53))
+def _rests_on(event: Event[float], start: State[float], law: Law[float]) -> bool:
+    """Tell whether a ball for which an event is there already stays with it."""
+    if event.value(start) > 0.0:
+        return False
+    rates = law.rates(DOUBLES)(*start)
+    _, acceleration = _halves(rates)
+    # Where the value neither rises nor falls, its second derivative tells.
+    for changes in (rates, (*acceleration, *(0.0 for _ in acceleration))):
+        change = event.value(law.state(*map(Dual, start, changes))).rate
+        if change != 0.0:
+            return bool(change < 0.0)
+    return True
 
 
-def _strengths(forces: Forces[float]) -> tuple[float, float, float]:
-    return forces.drag or 0.0, forces.lift or 0.0, forces.gravity or 0.0
+def _halves(state: Sequence[T]) -> tuple[tuple[T, ...], tuple[T, ...]]:
+    """Return positions and velocities of a state, or velocities and accelerations of its rates."""
+    dimensions = len(state) // 2
+    return tuple(state[:dimensions]), tuple(state[dimensions:])
 
 
-def _rests_on(floor: float, start: State, forces: Forces[float]) -> bool:
-    """Tell whether a ball on the floor does not leave it."""
-    rising = start.w > 0 or (
-        start.w == 0 and acceleration(forces, DOUBLES)(start.u, start.w)[1] > 0
-    )
-    return start.z <= floor and not rising
+def _moved(a: Components, factor: float, b: Components) -> Components:
+    """Return a + factor b."""
+    return tuple(x + factor * y for x, y in zip(a, b, strict=True))
 
 
-def _triple(point: Point) -> Vector[float]:
-    x, y, z = point.tolist()
+def _triple(components: Sequence[float]) -> Vector[float]:
+    x, y, z = components
     return x, y, z
 
 
-# --- the step -------------------------------------------------------------------------------------
+# --- the step, for a law --------------------------------------------------------------------------
 
-# An implicit step has settled when v' changes by no more than its rounding, and has failed when it
-# has not after this many rounds: a ball's first change is a hundredth of the one before.
-SETTLED = 2.0**-52
-ROUNDS = 100
+_SOURCE = File(__file__).with_name("verlet_steps.py").read_text(encoding="utf-8")
 
 
-def step(
-    position: Point,
-    velocity: Point,
-    force: Point,
-    dt: float,
-    treatment: Treatment,
-    air: Callable[[Point], Point],
-    push: Point,
-) -> tuple[Point, Point, Point]:
-    """Take one step of velocity Verlet, in any number of dimensions.
+@cache
+def steps_of(program: Program) -> ModuleType:
+    """Return `longball.engines.verlet_steps` for a law, compiled."""
+    return module_of(_SOURCE + print_law(program))
 
-    Parameters
-    ----------
-    position, velocity
-        m, m/s; arrays of the same shape.
-    force
-        m/s², that depends on the velocity: what the step begins with.
-    dt
-        s.
-    treatment
-        How the force at the step's end is had.
-    air
-        That force at a velocity, m/s² (gravity included).
-    push
-        m/s², constant over the step.
 
-    Returns
-    -------
-    position, velocity, force
-        At the end; the force is what the next step begins with. NaN where an implicit step does
-        not settle.
+def print_law(program: Program) -> str:
+    """Print the functions that the steps under a law call, in as many dimensions as it has."""
+    positions, velocities = _halves(program.variables)
+    dimensions = range(len(positions))
+    names = Names()
+    lines = [line for node in program.nodes if (line := names.define(node))]
+    unpack = [
+        f"{', '.join(each)}, = {name}"
+        for each, name in (
+            (positions, "position"), (velocities, "velocity"), (program.parameters, "parameters")
+        )
+        if each
+    ]  # fmt: skip
+
+    def each(text: str) -> str:
+        return "".join(text.format(i=i) + ", " for i in dimensions)
+
+    both = len(positions)
+    outputs = ", ".join(names[output] for output in program.outputs[both:])
+    functions = {
+        "accelerate(position, velocity, parameters)": [*unpack, *lines, f"return {outputs}"],
+        "plus(a, factor, b)": [f"return ({each('a[{i}] + factor * b[{i}]')})"],
+        "largest(a)": [f"return max({each('abs(a[{i}])')})"],
+        "read(states, k)": [
+            f"return ({each('states[{i}, k]')}), ({each(f'states[{{i}} + {both}, k]')})"
+        ],
+        "write(states, k, position, velocity)": [
+            f"states[{i + shift}, k] = {name}[{i}]"
+            for name, shift in (("position", 0), ("velocity", both))
+            for i in dimensions
+        ],
+    }
+    written = "".join(
+        f"\n\ndef {head}:\n" + "".join(f"    {line}\n" for line in body)
+        for head, body in functions.items()
+    )
+    compiled = ", ".join(["step", "march", *(head.partition("(")[0] for head in functions)])
+    return f"{_IMPORTS}{written}\n\n{compiled} = map(compiled, ({compiled}))\n"
+
+
+_IMPORTS = """
+
+from math import exp, log, sqrt
+
+from longball.engines.compiled import compiled
+"""
+
+
+def _plain_step() -> Callable[..., Any]:
+    """Return the step in plain Python, for any vectors; its `parameters` are the acceleration."""
+    space: dict[str, Any] = {
+        "accelerate": lambda position, velocity, air: air(position, velocity),
+        "plus": _moved,
+        "largest": lambda a: max(map(abs, a)),
+    }
+    exec(compile(_SOURCE, "verlet_steps", "exec"), space)
+    step: Callable[..., Any] = space["step"]
+    return step
+
+
+plain_step = _plain_step()
+
+
+def air_in_space(law_in: Callable[[Frame[float]], Law[float]]) -> Callable[..., Vector[float]]:
+    """Return the acceleration in the vertical plane of the velocity that it is asked for.
+
+    `law_in` has the law of a flight in a frame.
     """
-    half = velocity + 0.5 * dt * (force + push)
-    position = position + dt * half
-    force = air(velocity + treatment.ahead * dt * (force + push))
-    velocity = half + 0.5 * dt * (force + push)
-    if treatment.iterates:
-        for _ in range(ROUNDS):
-            old = velocity
-            force = air(old)
-            velocity = half + 0.5 * dt * (force + push)
-            if np.max(np.abs(velocity - old)) <= SETTLED * np.max(np.abs(velocity)):
-                break
-        else:
-            velocity = np.full_like(velocity, math.nan)
-    return position, velocity, force if treatment.carries else air(velocity)
 
-
-def air_in_space(forces: Forces[float]) -> Callable[[Point], Point]:
-    """Return the acceleration in the vertical plane of the velocity that it is asked for."""
-    accelerate = acceleration(forces, DOUBLES)
-
-    def air(velocity: Point) -> Point:
-        plane, state = into_plane((0.0, 0.0, 0.0), _triple(velocity), DOUBLES)
-        du, dw = accelerate(state.u, state.w)
-        return np.array(plane.velocity(state._replace(u=du, w=dw)))
+    def air(position: Vector[float], velocity: Vector[float]) -> Vector[float]:
+        frame, launch = launch_frame(position, velocity, DOUBLES)
+        law = law_in(frame)
+        acceleration = _acceleration(law)(*_halves(law.state_of(launch)), _parameters(law))
+        return frame.velocity(law.state(*(0.0 for _ in acceleration), *acceleration))
 
     return air
 
 
-# --- the step compiled ----------------------------------------------------------------------------
-# The same operations as `step` and `motion.acceleration`, in the flight plane, on scalars, without
-# a push: a hundred times faster. tests/engines/test_verlet.py holds the two together bit for bit.
-
-compiled: Callable[[Any], Any] = numba.njit(cache=True)
-
-
-@compiled
-def air_compiled(u, w, drag, lift, gravity):  # type: ignore[no-untyped-def]
-    """Return `motion.acceleration`; a strength of 0 is a force that the scene does not name."""
-    if drag == 0.0 and lift == 0.0:
-        return 0.0, -gravity
-    speed = math.sqrt(u * u + w * w)
-    if lift == 0.0:
-        return -(drag * speed) * u, -(drag * speed) * w - gravity
-    if drag == 0.0:
-        return -(lift * speed) * w, lift * speed * u - gravity
-    return -speed * (drag * u + lift * w), -speed * (drag * w - lift * u) - gravity
+def _acceleration(law: Law[float]) -> Callable[..., Components]:
+    """Return the function from position, velocity and parameters to the acceleration."""
+    accelerate: Callable[..., Components] = steps_of(law.program).accelerate
+    return accelerate
 
 
-@compiled
-def step_compiled(  # type: ignore[no-untyped-def]
-    s, z, u, w, du, dw, drag, lift, gravity, dt, ahead, iterates, carries
-):
-    """Return `step`: s, z, u, w and the force that the next step begins with."""
-    half_u, half_w = u + 0.5 * dt * du, w + 0.5 * dt * dw
-    s, z = s + dt * half_u, z + dt * half_w
-    du, dw = air_compiled(u + ahead * dt * du, w + ahead * dt * dw, drag, lift, gravity)
-    u, w = half_u + 0.5 * dt * du, half_w + 0.5 * dt * dw
-    if iterates:
-        settled = False
-        for _ in range(ROUNDS):
-            old_u, old_w = u, w
-            du, dw = air_compiled(u, w, drag, lift, gravity)
-            u, w = half_u + 0.5 * dt * du, half_w + 0.5 * dt * dw
-            if max(abs(u - old_u), abs(w - old_w)) <= SETTLED * max(abs(u), abs(w)):
-                settled = True
-                break
-        if not settled:
-            u = w = math.nan
-    if not carries:
-        du, dw = air_compiled(u, w, drag, lift, gravity)
-    return s, z, u, w, du, dw
-
-
-@compiled
-def fly_steps(  # type: ignore[no-untyped-def]
-    s, z, u, w, drag, lift, gravity, dt, ahead, iterates, carries, limit, floor, wall, vertical
-):
-    """Step until z <= floor, s >= wall or, if asked, u <= 0; at most `limit` steps.
-
-    Returns the number of steps, whether a stop was met, and s, z, u, w before and after the last.
-    """
-    du, dw = air_compiled(u, w, drag, lift, gravity)
-    a, b, c, d = s, z, u, w
-    for count in range(1, limit + 1):
-        a, b, c, d = s, z, u, w
-        s, z, u, w, du, dw = step_compiled(
-            s, z, u, w, du, dw, drag, lift, gravity, dt, ahead, iterates, carries
-        )
-        if z <= floor or s >= wall or (vertical and u <= 0.0):
-            return count, True, a, b, c, d, s, z, u, w
-        if not abs(u) + abs(w) < math.inf:
-            return count, False, a, b, c, d, s, z, u, w
-    return limit, False, a, b, c, d, s, z, u, w
-
-
-@compiled
-def approach_steps(  # type: ignore[no-untyped-def]
-    s,
-    z,
-    u,
-    w,
-    drag,
-    lift,
-    gravity,
-    dt,
-    ahead,
-    iterates,
-    carries,
-    limit,
-    floor,
-    x,
-    cos,
-    height,
-    reach,
-):
-    """Step until the ball has passed the bat or is down; at most `limit` steps.
-
-    Returns the number of steps, the least distance from the bat's axis at any of them, the number
-    of the first one in the bat (0 if there is none), and s, z, u, w before and after that one.
-    """
-    du, dw = air_compiled(u, w, drag, lift, gravity)
-    closest, hit = math.hypot(x + cos * s, z - height), 0
-    a, b, c, d, e, f, g, h = s, z, u, w, s, z, u, w
-    for count in range(1, limit + 1):
-        before_s, before_z, before_u, before_w = s, z, u, w
-        s, z, u, w, du, dw = step_compiled(
-            s, z, u, w, du, dw, drag, lift, gravity, dt, ahead, iterates, carries
-        )
-        if z <= floor or not abs(u) + abs(w) < math.inf:
-            return count, closest, hit, a, b, c, d, e, f, g, h
-        distance = math.hypot(x + cos * s, z - height)
-        closest = min(closest, distance)
-        if hit == 0 and distance < reach:
-            hit = count
-            a, b, c, d = before_s, before_z, before_u, before_w
-            e, f, g, h = s, z, u, w
-        if x + cos * s <= -reach:
-            return count, closest, hit, a, b, c, d, e, f, g, h
-    return limit, closest, hit, a, b, c, d, e, f, g, h
+def _parameters(law: Law[float]) -> Components:
+    return tuple(float(law.strengths[name]) for name in law.program.parameters)

@@ -6,24 +6,27 @@ import json
 import math
 from collections.abc import Iterator
 from decimal import Decimal
-from typing import Annotated, Literal
+from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from longball.model.result import Bounded, Number, Result
+from longball.model.quantities import numbers
+from longball.model.result import Bounded, Result
 from longball.model.scene import Scene
 
-Level = Literal["lower", "average", "higher"]
+Difficulty = Literal["lower", "average", "higher"]
 
 # 2^-53: half an ulp of 1, relative; the largest error of rounding a number to a double.
 ROUNDING = 2.0**-53
 
 
-class _Strict(BaseModel):
+class Strict(BaseModel):
+    """A model that takes what it names, as it is, and nothing else."""
+
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
 
 
-class Quantity(_Strict):
+class Quantity(Strict):
     """A number of the expected result for those who compute in doubles."""
 
     double: float = Field(description="the double nearest to the truth")
@@ -42,8 +45,8 @@ class Quantity(_Strict):
     )
 
 
-class Condition(_Strict):
-    """How the result answers to its inputs."""
+class Condition(Strict):
+    """How the result depends on its inputs."""
 
     derivatives: dict[str, dict[str, float | None]] = Field(
         description="of the decisive quantities (the level depends on them) by each input that is "
@@ -56,11 +59,11 @@ class Condition(_Strict):
     )
 
 
-class Confirmation(_Strict):
-    """What the independent method said."""
+class Confirmation(Strict):
+    """The result of the independent method."""
 
-    engine: str = Field(description="who computed it, and how")
-    outcome: str | None = Field(description="null if it could not tell either")
+    engine: str = Field(description="the method and its options")
+    outcome: str | None = Field(description="null if it could not decide either")
     agreement: float | None = Field(
         ge=0.0,
         description="largest difference from the expected values in units of 1e-30 of the "
@@ -68,15 +71,15 @@ class Confirmation(_Strict):
     )
 
 
-class Case(_Strict):
-    """A scene, its proven result, and how hard it is."""
+class Case(Strict):
+    """A scene, its proven result, and its difficulty."""
 
-    id: str = Field(min_length=1, description="of the case and of its scene; never given anew")
+    id: str = Field(min_length=1, description="of the case and of its scene; never reused")
     family: str
-    level: Level = Field(description="difficulty, by digits attainable; see the header")
-    comment: str = Field(description="what the case is there for")
+    level: Difficulty = Field(description="difficulty, by digits attainable; see the header")
+    comment: str = Field(description="what the case tests")
     flags: tuple[str, ...] = Field(description="each one is explained in the header")
-    scene: Annotated[Scene, Field(discriminator="kind")]
+    scene: Scene = Field(discriminator="kind")
     expected: Result = Field(
         description="the result by the contract, in decimal strings with proven radii; with "
         "`error` instead of an outcome if there is none to be had"
@@ -109,7 +112,7 @@ class Case(_Strict):
         return math.inf if error is None else error
 
     def line(self) -> str:
-        """Return the case as a line of JSON; scene and result as the contract writes them."""
+        """Return the case as a line of JSON, scene and result in the form of the contract."""
         whole = self.model_dump(mode="json") | {
             "scene": json.loads(self.scene.line()),
             "expected": json.loads(self.expected.line()),
@@ -117,7 +120,7 @@ class Case(_Strict):
         return json.dumps(whole, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
 
 
-class Family(_Strict):
+class Family(Strict):
     """A file of cases."""
 
     file: str
@@ -125,7 +128,7 @@ class Family(_Strict):
     about: str
 
 
-class Header(_Strict):
+class Header(Strict):
     """What one has to know to use the set."""
 
     title: str
@@ -137,22 +140,9 @@ class Header(_Strict):
     made_by: dict[str, str] = Field(description="engines, and versions of the libraries")
 
 
-def values_of(result: Result) -> Iterator[tuple[str, Number]]:
-    """Yield every number of a result with its path, such as ``landing.position[0]``."""
-    for block in ("plate", "contact", "impact", "landing"):
-        part = getattr(result, block)
-        for name in type(part).model_fields if part is not None else ():
-            value = getattr(part, name)
-            if isinstance(value, tuple):
-                for i, component in enumerate(value):
-                    yield f"{block}.{name}[{i}]", component
-            elif value is not None:
-                yield f"{block}.{name}", value
-
-
 def numbers_of(result: Result) -> Iterator[tuple[str, Bounded]]:
     """Yield every number of a result that is written with digits, with its path."""
-    for path, value in values_of(result):
+    for path, value in numbers(result):
         if isinstance(value, Bounded):
             yield path, value
 

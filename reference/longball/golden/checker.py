@@ -1,4 +1,4 @@
-"""Verifying a golden set: files, form, what it says of itself, and every number once more."""
+"""Verification of a golden set: files, form, consistency, and every number computed again."""
 
 from __future__ import annotations
 
@@ -25,17 +25,7 @@ M = TypeVar("M", Header, Probabilities)
 
 @dataclass(frozen=True)
 class Report:
-    """What a check found.
-
-    Attributes
-    ----------
-    cases
-        Cases that were read.
-    solved_again
-        Cases that were solved again.
-    failures
-        A sentence for each thing that is not as it should be; none if all is well.
-    """
+    """Numbers of cases read and solved again, and a sentence for each failure."""
 
     cases: int
     solved_again: int
@@ -56,15 +46,15 @@ def check(
     Parameters
     ----------
     folder
-        The set; the one that is shipped if not given.
+        The set; by default the shipped one.
     sample
-        How many cases are solved again, drawn at random; all of them if not given.
+        How many cases are solved again, drawn at random; by default all of them.
     seed
         Where the draw comes from.
     independent
         Whether the second method, which takes a few times as long, solves them too.
     workers
-        Processes; -1 for one a core.
+        Processes; -1 for one per core.
     progress
         Called with the numbers of cases solved again, and of those to be.
     """
@@ -79,19 +69,17 @@ def check(
         found, wrong = _read_family(folder / family.file, name, family.cases)
         cases += found
         failures += wrong
-    integrals: tuple[ProbabilityCase, ...] = ()
+    every: list[Case | ProbabilityCase] = [*cases]
     if (folder / PROBABILITIES).exists():
-        found_integrals, fault = _read(Probabilities, folder / PROBABILITIES)
-        if found_integrals is None:
+        integrals, fault = _read(Probabilities, folder / PROBABILITIES)
+        if integrals is None:
             failures.append(f"{PROBABILITIES}: {fault}")
         else:
-            integrals = found_integrals.cases
-    ids = [case.id for case in cases] + [case.id for case in integrals]
-    twice = [name for name, count in Counter(ids).items() if count > 1]
-    failures += [f"{name}: the id is given twice" for name in twice]
+            every += integrals.cases
+    ids = Counter(case.id for case in every)
+    failures += [f"{name}: the id is given twice" for name, count in ids.items() if count > 1]
     failures += [sentence for case in cases for sentence in _inconsistent(case, top)]
 
-    every: list[Case | ProbabilityCase] = [*cases, *integrals]
     chosen = every
     if sample is not None and sample < len(every):
         chosen = random.Random(seed).sample(every, sample)
@@ -182,10 +170,8 @@ def _inconsistent(case: Case, top: Header) -> Iterator[str]:
     for name, quantity in case.quantities.items():
         number = expected[name]
         if quantity.double != as_double(number):
-            yield (
-                f"{case.id}, {name}: {quantity.double!r} is not the double nearest to "
-                f"{number.value}"
-            )
+            nearest = f"the double nearest to {number.value}"
+            yield f"{case.id}, {name}: {quantity.double!r} is not {nearest}"
         if float.fromhex(quantity.hex) != quantity.double:
             yield f"{case.id}, {name}: {quantity.hex} is not {quantity.double!r}"
         if number.radius is None:

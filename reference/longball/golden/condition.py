@@ -1,4 +1,4 @@
-"""How a result answers to its inputs, and what doubles can therefore get right.
+"""How a result depends on its inputs, and what accuracy doubles can therefore attain.
 
 **Derivatives.** Each number of a scene that is an input of the model is moved by 2^-50 of itself
 to either side (a few ulps: the moved input is a double too), the whole scene is solved again, and
@@ -27,24 +27,22 @@ forward error is the condition number times the backward error.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from decimal import Decimal
 from typing import Any
 
 from pydantic import ValidationError
 
-from longball.engines.at_bat import solve
+from longball.engines.chain import solve
 from longball.engines.engine import Engine
 from longball.golden.case import ROUNDING, Condition, as_double, decisive, numbers_of, vector_of
+from longball.model.quantities import numbers, replaced
 from longball.model.result import Bounded, Result
-from longball.model.scene import AtBatScene, Scene
+from longball.model.scene import AtBatScene, FlightScene, Scene
 
 # Of an input; see the module's docstring. An input of zero is moved by this in its unit.
 STEP = 2.0**-50
-
-# These are no inputs of a formula: what the scene is called, read as, and cut off at.
-_NO_INPUTS = ("id", "kind", "reading", "time_limit")
 
 # A zero here is a force that the scene does not name, and not a small one.
 _ABSENT_AT_ZERO = ("air.density", "air.drag_coefficient", "air.lift_coefficient", "gravity")
@@ -68,41 +66,18 @@ class Sensitivity:
 
 def inputs(scene: Scene) -> dict[str, float]:
     """Return the inputs of a scene by their paths, such as ``pitch.release[0]``."""
-    blocks = scene.model_dump(exclude=set(_NO_INPUTS))
-    found = dict(_leaves("", blocks))
-    if "launch" in blocks and not any(blocks["launch"]["velocity"][:2]):
+    found = dict(numbers(scene))
+    found.pop("time_limit", None)  # where the flight is cut off, and no input of a formula
+    if isinstance(scene, FlightScene) and not any(scene.launch.velocity[:2]):
         # A vertical launch takes the heading +x; any other heading is a jump away from it.
         del found["launch.velocity[0]"], found["launch.velocity[1]"]
     return {path: x for path, x in found.items() if x or path not in _ABSENT_AT_ZERO}
 
 
-def _leaves(path: str, value: Any) -> Iterator[tuple[str, float]]:
-    if isinstance(value, dict):
-        for key, inner in value.items():
-            yield from _leaves(f"{path}.{key}" if path else key, inner)
-    elif isinstance(value, tuple):
-        for i, inner in enumerate(value):
-            yield from _leaves(f"{path}[{i}]", inner)
-    elif value is not None:
-        yield path, value
-
-
 def with_input(scene: Scene, path: str, value: float) -> Scene | None:
     """Return the scene with another value of an input; None if there is no such scene."""
-    blocks = scene.model_dump()
-    name, _, index = path.removesuffix("]").partition("[")
-    *outer, key = name.split(".")
-    block = blocks
-    for step in outer:
-        block = block[step]
-    if index:
-        components = list(block[key])
-        components[int(index)] = value
-        block[key] = tuple(components)
-    else:
-        block[key] = value
     try:
-        return type(scene).model_validate(blocks)
+        return replaced(scene, {path: value})
     except ValidationError:
         return None
 
@@ -151,17 +126,12 @@ def attainable_errors(scene: Scene, result: Result, found: Sensitivity) -> dict[
     errors: dict[str, float | None] = {}
     for name, _ in numbers_of(result):
         slopes = found.derivatives[name]
-        parts = [
-            None if (slope := slopes[path]) is None else abs(slope * x)
-            for path, x in values.items()
-        ]
-        by_offset = slopes.get("swing.height_offset", 0.0)
-        parts.append(None if by_offset is None else abs(by_offset * height))
-        if any(part is None for part in parts):
-            errors[name] = None
-            continue
-        total = math.fsum(part for part in parts if part is not None)
-        errors[name] = _three_digits(ROUNDING * (total + lengths[name]))
+        pairs = [(slopes[path], x) for path, x in values.items()]
+        pairs.append((slopes.get("swing.height_offset", 0.0), height))
+        parts = [abs(slope * x) for slope, x in pairs if slope is not None]
+        known = len(parts) == len(pairs)
+        total = math.fsum(parts) + lengths[name]
+        errors[name] = _three_digits(ROUNDING * total) if known else None
     return errors
 
 
@@ -202,13 +172,9 @@ def rates(result: Result) -> dict[str, float]:
         assert contact.normal_speed is not None
         assert contact.bat_velocity is not None
         # V·n = Ṽ·n + V_b·n: the bat's cylinder stands still while it is touched.
-        speeds["contact"] = abs(
-            float(contact.normal_speed)
-            + math.fsum(
-                float(v) * float(n)
-                for v, n in zip(contact.bat_velocity, contact.normal, strict=True)
-            )
-        )
+        pairs = zip(contact.bat_velocity, contact.normal, strict=True)
+        of_bat = math.fsum(float(v) * float(n) for v, n in pairs)
+        speeds["contact"] = abs(float(contact.normal_speed) + of_bat)
     if result.landing is not None:
         speeds["landing"] = abs(float(result.landing.velocity[2]))
     return {name: _three_digits(speed) for name, speed in speeds.items()}

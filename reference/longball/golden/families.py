@@ -1,6 +1,6 @@
-"""The regular families: what a simulator of at-bats meets every day, one knob at a time.
+"""The regular families: ordinary flights, pitches, impacts and at-bats.
 
-A family is a function that returns its drafts. Ids count within a family and are never given anew:
+A family is a function that returns its drafts. Ids count within a family and are never reused:
 a case that is added comes last, a case that goes leaves its number empty.
 """
 
@@ -9,11 +9,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from itertools import islice, product
+from typing import get_args
 
-from longball.golden.draft import Draft, between, five_digits, shares
+from longball.golden.case_builder import Draft, between, five_digits, shares
 from longball.golden.hard import hard
 from longball.home_run import draw, paper_at_bats, scenes, with_restitution
-from longball.model.readings import Reading
+from longball.model.readings import EffectiveMass, Inertia, Reading, SamplingReading, readings_of
 from longball.model.scene import (
     Air,
     AtBatScene,
@@ -33,7 +34,11 @@ from longball.model.scene import (
 
 
 def _flights(
-    family: str, count: int, air: Callable[[float, float], Air | None], comment: str
+    family: str,
+    count: int,
+    air: Callable[[float, float], Air | None],
+    comment: str,
+    flags: tuple[str, ...] = (),
 ) -> Iterator[Draft]:
     """Yield launches from 5 to 65 m/s in all directions that leave the ground, a lattice of them.
 
@@ -60,51 +65,36 @@ def _flights(
             ),
             ground=Ground(height=0.0 if i % 3 else between(-5.0, 0.5, e)),
         )
-        yield Draft(scene, comment)
+        yield Draft(scene, comment, flags)
 
 
 def flight_vacuum() -> Iterator[Draft]:
     """No air at all: parabolas."""
     comment = "a parabola: closed form known"
-    for draft in _flights("flight-vacuum", 40, lambda f, g: None, comment):
-        yield Draft(draft.scene, comment, ("closed-form",))
+    return _flights("flight-vacuum", 40, lambda f, g: None, comment, ("closed-form",))
+
+
+def _air(f: float, drag: float, lift: float) -> Air:
+    return Air(density=between(0.9, 1.35, f), drag_coefficient=drag, lift_coefficient=lift)
 
 
 def flight_drag() -> Iterator[Draft]:
     """Drag and weight."""
-
-    def air(f: float, g: float) -> Air:
-        return Air(
-            density=between(0.9, 1.35, f),
-            drag_coefficient=between(0.15, 0.6, g),
-            lift_coefficient=0.0,
-        )
-
-    return _flights("flight-drag", 40, air, "drag without lift: 1/u² + (k_D/g)[…] is constant")
+    comment = "drag without lift: 1/u² + (k_D/g)[…] is constant"
+    return _flights("flight-drag", 40, lambda f, g: _air(f, between(0.15, 0.6, g), 0.0), comment)
 
 
 def flight_lift() -> Iterator[Draft]:
     """Lift and weight, topspin included."""
-
-    def air(f: float, g: float) -> Air:
-        return Air(
-            density=between(0.9, 1.35, f),
-            drag_coefficient=0.0,
-            lift_coefficient=between(-0.3, 0.3, g),
-        )
-
-    return _flights("flight-lift", 40, air, "lift without drag: energy and phugoid constants")
+    comment = "lift without drag: energy and phugoid constants"
+    return _flights("flight-lift", 40, lambda f, g: _air(f, 0.0, between(-0.3, 0.3, g)), comment)
 
 
 def flight_both() -> Iterator[Draft]:
     """Drag, lift and weight."""
 
     def air(f: float, g: float) -> Air:
-        return Air(
-            density=between(0.9, 1.35, f),
-            drag_coefficient=between(0.15, 0.6, g),
-            lift_coefficient=between(-0.1, 0.35, (f + 7 * g) % 1.0),
-        )
+        return _air(f, between(0.15, 0.6, g), between(-0.1, 0.35, (f + 7 * g) % 1.0))
 
     return _flights("flight-both", 60, air, "all forces on")
 
@@ -159,13 +149,12 @@ def flight_weightless() -> Iterator[Draft]:
 
 def pitch() -> Iterator[Draft]:
     """Throws of 18 to 50 m/s that cross the plate, come down before it, or are still on the way."""
-    airs = (
-        Air(),
-        None,
+    no_lift, no_drag, topspin = (
         Air(lift_coefficient=0.0),
         Air(drag_coefficient=0.0),
         Air(lift_coefficient=-0.2),
     )
+    airs = (Air(), None, no_lift, no_drag, topspin)
     for i in range(50):
         a, b, c, d, e, f, *_ = shares(i)
         scene = PitchScene(
@@ -188,24 +177,17 @@ def pitch() -> Iterator[Draft]:
 
 def impact_readings() -> list[Reading]:
     """Return every reading of the impact: all that the ledger lets be combined."""
+    switches = ("bat_ball_restitution", "reduced_mass", "effective_mass", "inertia")
     restitutions = (
         ("as_printed", "bat_mass"),
         ("as_printed", "effective_mass"),
         ("nathan", "bat_mass"),
         ("plain", "bat_mass"),
     )
-    masses = ("inertia_over_r_squared", "as_printed")
-    inertias = ("solid_cylinder", "thin_rod", "about_centre")
+    masses, inertias = get_args(EffectiveMass), get_args(Inertia)
     return [
-        Reading.model_validate(
-            {
-                "bat_ball_restitution": restitution,
-                "reduced_mass": reduced,
-                "effective_mass": mass,
-                "inertia": inertia,
-            }
-        )
-        for (restitution, reduced), mass, inertia in product(restitutions, masses, inertias)
+        Reading.model_validate(dict(zip(switches, (*restitution, mass, inertia), strict=True)))
+        for restitution, mass, inertia in product(restitutions, masses, inertias)
     ]
 
 
@@ -242,7 +224,7 @@ def impact() -> Iterator[Draft]:
 # Where the paper's at-bats are drawn from; any number would do.
 SEED = 20261121
 
-# Every switch of the ledger that changes what an at-bat solves to, one at a time and two together.
+# Every switch of the ledger that changes an at-bat or how it is drawn: one at a time, and two.
 AT_BAT_READINGS: dict[str, dict[str, str | float]] = {
     "speed-table-as-printed": {"speed_table": "as_printed"},
     "speed-spread-as-printed": {"speed_spread": "as_printed"},
@@ -267,26 +249,27 @@ def at_bat() -> Iterator[Draft]:
 
     Misses stay in, as they were drawn.
     """
-    yield from _drawn("at-bat-default", Reading(), 60, AtBatScene(id="base"))
+    yield from _drawn("at-bat-default", SamplingReading(), 60, AtBatScene(id="base"))
     for name, switches in AT_BAT_READINGS.items():
-        reading = Reading.model_validate(switches)
-        yield from _drawn(f"at-bat-{name}", reading, 6, AtBatScene(id="base", reading=reading))
+        reading, sampling = readings_of(switches)
+        yield from _drawn(f"at-bat-{name}", sampling, 6, AtBatScene(id="base", reading=reading))
     # NPB's lightest and largest ball, and a light bat: the masses are not printed.
     light = AtBatScene(
         id="base", ball=Ball(mass=0.1417, radius=0.0374), bat=Bat(mass=0.82, length=0.85)
     )
-    yield from _drawn("at-bat-masses", Reading(), 6, light)
+    yield from _drawn("at-bat-masses", SamplingReading(), 6, light)
 
 
-def _drawn(name: str, reading: Reading, count: int, base: AtBatScene) -> Iterator[Draft]:
+def _drawn(name: str, sampling: SamplingReading, count: int, base: AtBatScene) -> Iterator[Draft]:
     """Yield the first samples of which there is a scene: with a speed that is positive."""
-    samples = draw(paper_at_bats(reading), 10 * count, SEED)
+    samples = draw(paper_at_bats(sampling), 10 * count, SEED)
     pitched = ((i, scene) for i, scene in enumerate(scenes(base, samples)) if scene is not None)
     for i, scene in islice(pitched, count):
         e = RESTITUTIONS[i % len(RESTITUTIONS)]
         struck = with_restitution(scene, e).model_copy(update={"id": f"{name}-{i:04d}"})
-        flags = ("reading",) if reading != Reading() else ()
-        yield Draft(struck, f"drawn from the paper's distributions, e = {e:g}", flags)
+        drawn_by = "".join(f"{switch} = {x}, " for switch, x in sampling.model_dump().items())
+        comment = f"drawn from the paper's distributions, {drawn_by}e = {e:g}"
+        yield Draft(struck, comment, ("reading",) if base.reading != Reading() else ())
 
 
 # --- all ------------------------------------------------------------------------------------------

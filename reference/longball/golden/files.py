@@ -7,6 +7,8 @@ import os
 from collections.abc import Mapping
 from pathlib import Path
 
+from pydantic import BaseModel
+
 from longball.golden.case import Case, Header
 from longball.golden.probability import Probabilities
 from longball.model.schema import DRAFT, text
@@ -20,10 +22,11 @@ PARTIAL = ".partial"
 
 def schemas() -> dict[str, str]:
     """Return file names and contents of the JSON Schemas of a set's files."""
+    models: dict[str, type[BaseModel]]
+    models = {"case": Case, "header": Header, "probability": Probabilities}
     return {
-        "case.schema.json": text({"$schema": DRAFT} | Case.model_json_schema()),
-        "header.schema.json": text({"$schema": DRAFT} | Header.model_json_schema()),
-        "probability.schema.json": text({"$schema": DRAFT} | Probabilities.model_json_schema()),
+        f"{name}.schema.json": text({"$schema": DRAFT} | model.model_json_schema())
+        for name, model in models.items()
     }
 
 

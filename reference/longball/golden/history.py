@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from decimal import Decimal, localcontext
 
+from longball.engines.chain import solve_with_path
 from longball.engines.enclosure import Enclosure
-from longball.engines.engine import Stops
-from longball.model.motion import forces, into_plane
 from longball.model.result import Bounded
 from longball.model.scene import FlightScene
 
@@ -26,19 +26,12 @@ def history(scene: FlightScene, until: float) -> str:
     numbers = engine.numbers
     lines = [",".join(COLUMNS)]
     with numbers.arithmetic():
-        x, y, z = (numbers.exact(value) for value in scene.launch.position)
-        vx, vy, vz = (numbers.exact(value) for value in scene.launch.velocity)
-        plane, state = into_plane((x, y, z), (vx, vy, vz), numbers)
-        always_up = scene.reading.lift_direction == "always_up"
-        field = forces(scene.ball, scene.air, scene.gravity, always_up, numbers)
-        step = Stops(time_limit=numbers.exact(1.0) / PER_SECOND)
-        row = 0
-        while row <= until * PER_SECOND:
-            components = (*plane.position(state), *plane.velocity(state))
-            shown = [_shown(numbers.report(x)) for x in components]
+        _, way = solve_with_path(scene, engine)
+        rows = range(math.floor(until * PER_SECOND) + 1)
+        times = [numbers.exact(row) / PER_SECOND for row in rows]
+        for row, state in zip(rows, way.sample(times), strict=True):
+            shown = [_shown(numbers.report(x)) for x in state]
             lines.append(",".join([f"{row / PER_SECOND:.2f}", *shown]))
-            state = engine.fly(state, field, step).state
-            row += 1
     return "\n".join(lines) + "\n"
 
 

@@ -4,22 +4,17 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from importlib.metadata import version
 from pathlib import Path
 
 from longball import __version__
 from longball.engines.batch import Batch
 from longball.golden.files import PROBABILITIES, schemas, write_files
-from longball.golden.probability import (
-    Probabilities,
-    ProbabilityCase,
-    ProbabilityRow,
-    Second,
-)
-from longball.home_run import RESTITUTIONS, integrals, paper_at_bats, scrambled
+from longball.golden.probability import Probabilities, ProbabilityCase, ProbabilityRow, Second
+from longball.home_run import RESTITUTIONS, Randomised, integrals, paper_at_bats, scrambled
 from longball.home_run.randomised import SCRAMBLES
-from longball.model.readings import Reading
+from longball.model.readings import Reading, SamplingReading, readings_of
 from longball.model.scene import AtBatScene
 
 LINES = 1024  # in each scramble
@@ -31,12 +26,12 @@ FARTHEST = 5.0
 NUMBERS = {
     "scene": "What is the same in all at-bats. A number means the double nearest to what is "
     "written, exactly.",
-    "distributions": "Those of the paper as the scene's reading has them: pitch.speed and "
+    "distributions": "Those of the paper, under the case's sampling reading: pitch.speed and "
     "pitch.aim[0] are mixtures of two normal distributions each (Table II, Eqs. 2 to 4), "
     "swing.height_offset is normal with mean 0 (Sec. III.A), swing.tilt uniform from 0 to 10 "
     "degrees (Sec. III.A), all independent. A speed that is not positive is no pitch but counts.",
     "p": "Probability that the ball is batted and lands 150 m or more from the plate, in the "
-    "sample space of the reading.",
+    "sample space of the case's sampling reading.",
     "error": "The difference of two rules, the coarser of which makes nearly all of it, with what "
     "is left out. An estimate that means to be generous, no proof.",
     "confirmation": "The height offset integrated between its roots of D = 150 m, speed, aim and "
@@ -51,13 +46,14 @@ class ProbabilityDraft:
     id: str
     comment: str
     reading: Reading
+    sampling: SamplingReading
     restitutions: Sequence[float]
 
 
 def drafts() -> Iterator[ProbabilityDraft]:
     """Yield the default reading, and those switches that a scheme for P(e) may get wrong."""
     yield ProbabilityDraft(
-        "probability-default", "The default reading of the ledger.", Reading(), RESTITUTIONS
+        "probability-default", "The default reading of the ledger.", *readings_of({}), RESTITUTIONS
     )
     ends = (RESTITUTIONS[0], RESTITUTIONS[-1])
     for switch, option, comment in (
@@ -72,10 +68,7 @@ def drafts() -> Iterator[ProbabilityDraft]:
         ("sample_space", "batted", "Among batted balls only."),
     ):
         yield ProbabilityDraft(
-            f"probability-{switch}-{option}",
-            comment,
-            Reading.model_validate({switch: option}),
-            ends,
+            f"probability-{switch}-{option}", comment, *readings_of({switch: option}), ends
         )
 
 
@@ -94,11 +87,11 @@ def write_probabilities(
     folder
         The set; its other files are left alone.
     wanted
-        What to compute; all of `drafts` if not given.
+        What to compute; by default all of `drafts`.
     lines
         Of the second method in each scramble.
     workers
-        Threads; -1 for one a core. They change no byte of what is written.
+        Threads; -1 for one per core. Their number does not change what is written.
     progress
         Called with the numbers of cases done and of all.
     """
@@ -131,21 +124,19 @@ def write_probabilities(
 def make(draft: ProbabilityDraft, lines: int, workers: int) -> ProbabilityCase:
     """Return a case: its integrals, and what the second method makes of them."""
     scene = AtBatScene(id=draft.id, reading=draft.reading)
-    at_bats = paper_at_bats(draft.reading)
-    found = integrals(scene, at_bats, draft.restitutions, workers=workers)
-    second = scrambled(scene, at_bats, draft.restitutions, lines, SEED, workers=workers)
+    at_bats, space = paper_at_bats(draft.sampling), draft.sampling.sample_space
+    found = integrals(scene, at_bats, draft.restitutions, sample_space=space, workers=workers)
+    second = scrambled(
+        scene, at_bats, draft.restitutions, lines, SEED, sample_space=space, workers=workers
+    )
     return ProbabilityCase(
         id=draft.id,
         comment=draft.comment,
         scene=scene,
+        sampling=draft.sampling,
         rows=tuple(
             ProbabilityRow(
-                e=row.e,
-                p=row.p,
-                error=row.error,
-                slope=row.slope,
-                slope_error=row.slope_error,
-                confirmation=Second(p=other.p, standard_error=other.standard_error),
+                **asdict(row), confirmation=Second(p=other.p, standard_error=other.standard_error)
             )
             for row, other in zip(found, second, strict=True)
         ),
@@ -162,10 +153,11 @@ def integrated_again(case: ProbabilityCase, independent: bool) -> list[str]:
     independent
         Whether the second method, with other scrambles, computes it too.
     """
-    at_bats = paper_at_bats(case.scene.reading)
+    at_bats, space = paper_at_bats(case.sampling), case.sampling.sample_space
     restitutions = [row.e for row in case.rows]
     failures = []
-    for row, again in zip(case.rows, integrals(case.scene, at_bats, restitutions), strict=True):
+    again_found = integrals(case.scene, at_bats, restitutions, sample_space=space)
+    for row, again in zip(case.rows, again_found, strict=True):
         for name, known, now, error in (
             ("P", row.p, again.p, row.error + again.error),
             ("dP/de", row.slope, again.slope, row.slope_error + again.slope_error),
@@ -175,20 +167,16 @@ def integrated_again(case: ProbabilityCase, independent: bool) -> list[str]:
                     f"{case.id}, e = {row.e:g}: {name} is {known!r} in the file, computed again "
                     f"{now!r}; their errors allow for {error:.1e}"
                 )
-    for row in case.rows:
-        failures += _not_confirmed(case, row, row.confirmation.p, row.confirmation.standard_error)
+    seconds: list[tuple[ProbabilityRow, Second | Randomised]]
+    seconds = [(row, row.confirmation) for row in case.rows]
     if independent:
-        second = scrambled(case.scene, at_bats, restitutions, LINES, SEED_OF_CHECKS)
-        for row, other in zip(case.rows, second, strict=True):
-            failures += _not_confirmed(case, row, other.p, other.standard_error)
-    return failures
-
-
-def _not_confirmed(
-    case: ProbabilityCase, row: ProbabilityRow, p: float, standard_error: float
-) -> Iterator[str]:
-    if abs(row.p - p) > row.error + FARTHEST * standard_error:
-        yield (
-            f"{case.id}, e = {row.e:g}: scrambled points have P = {p:.6f} ± {standard_error:.1e}, "
-            f"the file {row.p:.8f}"
+        points = scrambled(
+            case.scene, at_bats, restitutions, LINES, SEED_OF_CHECKS, sample_space=space
         )
+        seconds += zip(case.rows, points, strict=True)
+    return failures + [
+        f"{case.id}, e = {row.e:g}: scrambled points have P = {other.p:.6f} ± "
+        f"{other.standard_error:.1e}, the file {row.p:.8f}"
+        for row, other in seconds
+        if abs(row.p - other.p) > row.error + FARTHEST * other.standard_error
+    ]

@@ -2,23 +2,21 @@
 
 from __future__ import annotations
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
+from longball.golden.case import Strict
+from longball.model.readings import SamplingReading
 from longball.model.scene import AtBatScene
 
 
-class _Strict(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
-
-
-class Second(_Strict):
-    """What the second method said."""
+class Second(Strict):
+    """The estimate of the second method."""
 
     p: float
     standard_error: float = Field(ge=0.0, description="from independent scrambles")
 
 
-class ProbabilityRow(_Strict):
+class ProbabilityRow(Strict):
     """P(e) at one restitution."""
 
     e: float = Field(ge=0.0, le=1.0, description="restitution of the ball")
@@ -29,19 +27,22 @@ class ProbabilityRow(_Strict):
     confirmation: Second
 
 
-class ProbabilityCase(_Strict):
+class ProbabilityCase(Strict):
     """P(e) under one reading."""
 
-    id: str = Field(min_length=1, description="never given anew")
-    comment: str = Field(description="what the case is there for")
+    id: str = Field(min_length=1, description="never reused")
+    comment: str = Field(description="what the case tests")
     scene: AtBatScene = Field(
-        description="everything that is not random, the reading included; restitution, speed, "
-        "horizontal aim, height offset and tilt in it stand for nothing"
+        description="everything that is not random; its restitution, speed, horizontal aim, "
+        "height offset and tilt are not used"
+    )
+    sampling: SamplingReading = Field(
+        description="how the at-bats are drawn, and of which of them P is a share"
     )
     rows: tuple[ProbabilityRow, ...]
 
 
-class Probabilities(_Strict):
+class Probabilities(Strict):
     """The file of probabilities."""
 
     title: str

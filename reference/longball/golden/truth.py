@@ -2,25 +2,23 @@
 
 from __future__ import annotations
 
-import json
 import math
-from collections.abc import Callable
 from decimal import ROUND_CEILING, Decimal, localcontext
-from typing import Any
 
-from longball.engines.at_bat import solve
+from longball.engines.chain import solve
 from longball.engines.enclosure import Enclosure
 from longball.engines.multiprecision import Multiprecision
 from longball.golden.case import (
     Case,
     Confirmation,
-    Level,
+    Difficulty,
     Quantity,
     as_double,
     decisive,
     numbers_of,
     vector_of,
 )
+from longball.golden.case_builder import Draft
 from longball.golden.condition import (
     Sensitivity,
     attainable_errors,
@@ -28,7 +26,7 @@ from longball.golden.condition import (
     magnitudes,
     sensitivity,
 )
-from longball.golden.draft import Draft
+from longball.model.quantities import replaced
 from longball.model.result import Bounded, Result
 from longball.model.scene import AtBatScene, Scene
 
@@ -54,7 +52,7 @@ def prove(scene: Scene) -> Result:
         result = solve(scene, Enclosure(digits))
         if result.error is None and _good_enough(scene, result):
             break
-    return rewritten(result, shortened)
+    return replaced(result, {name: shortened(number) for name, number in numbers_of(result)})
 
 
 def _good_enough(scene: Scene, result: Result) -> bool:
@@ -72,7 +70,7 @@ def _good_enough(scene: Scene, result: Result) -> bool:
 def shortened(number: Bounded) -> Bounded:
     """Return a number with 31 digits; what is cut off joins the radius.
 
-    A number that is not told from zero becomes zero.
+    A number that cannot be distinguished from zero becomes zero.
     """
     with localcontext(prec=_PREC):
         whole = Decimal(number.value)
@@ -84,21 +82,6 @@ def shortened(number: Bounded) -> Bounded:
         radius += abs(value - whole)
         with localcontext(prec=3, rounding=ROUND_CEILING):
             return Bounded(value=str(value), radius=str(+radius) if radius else "0")
-
-
-def rewritten(result: Result, change: Callable[[Bounded], Bounded]) -> Result:
-    """Return a result with every number changed."""
-
-    def within(part: Any) -> Any:
-        if isinstance(part, list):
-            return [within(inner) for inner in part]
-        if not isinstance(part, dict):
-            return part
-        if part.keys() == {"value", "radius"}:
-            return change(Bounded.model_validate(part)).model_dump()
-        return {key: within(inner) for key, inner in part.items()}
-
-    return Result.model_validate_json(json.dumps(within(json.loads(result.line()))))
 
 
 def sizes(scene: Scene, result: Result) -> dict[str, Decimal]:
@@ -122,7 +105,7 @@ def confirm(scene: Scene, proven: Result) -> tuple[Confirmation, bool]:
     """Solve a scene by the independent method; return what it says, and whether it agrees.
 
     It agrees if outcomes are the same and every number lies within the proven radius, but for the
-    digits that it is known to; more of those are tried before a disagreement is believed. Where
+    digits that it is known to; higher precision is tried before a disagreement is accepted. Where
     nothing is proven there is nothing to disagree with.
     """
     for digits in CONFIRMING:
@@ -165,7 +148,7 @@ def quantities(result: Result, errors: dict[str, float | None]) -> dict[str, Qua
     return table
 
 
-def level_of(result: Result, table: dict[str, Quantity], fragile: bool) -> Level:
+def level_of(result: Result, table: dict[str, Quantity], fragile: bool) -> Difficulty:
     """Return the difficulty of a case, from the digits that doubles can know of it."""
     if result.outcome is None or fragile:
         return "higher"
@@ -203,7 +186,7 @@ def make(family: str, draft: Draft) -> Case:
         level=level_of(result, table, found.fragile),
         comment=draft.comment,
         flags=tuple(flags),
-        scene=scene,
+        scene=draft.scene,
         expected=result,
         quantities=table,
         condition=condition(result, found) if result.outcome is not None else None,

@@ -7,13 +7,16 @@ samples asked for changes any one of them.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, fields
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from longball.model.readings import Reading
+from longball.model.quantities import replaced
+from longball.model.readings import SamplingReading
 from longball.model.scene import AtBatScene
 
 Array = NDArray[np.float64]
@@ -34,9 +37,7 @@ class Mixture:
         """Return `count` draws."""
         second = (generator.random(count) >= self.weight).astype(int)
         normal = generator.standard_normal(count)
-        means, deviations = np.array(self.means), np.array(self.deviations)
-        drawn: Array = means[second] + deviations[second] * normal
-        return drawn
+        return np.take(self.means, second) + np.take(self.deviations, second) * normal
 
     @property
     def parts(self) -> tuple[tuple[float, float, float], ...]:
@@ -45,36 +46,14 @@ class Mixture:
         every = zip(weights, self.means, self.deviations, strict=True)
         return tuple(part for part in every if part[0] > 0)
 
-    def density(self, values: Array) -> Array:
-        """Return the probability density at values."""
-        total = np.zeros_like(values)
-        for weight, mean, deviation in self.parts:
-            far = (values - mean) / deviation
-            total += weight / (deviation * math.sqrt(2 * math.pi)) * np.exp(-0.5 * far * far)
-        return total
+    @cached_property
+    def distribution(self) -> Any:
+        """As `scipy.stats` has it: with ``pdf``, ``cdf`` and ``icdf``."""
+        from scipy import stats  # slow to import, and not needed for --help
 
-    def below(self, values: Array) -> Array:
-        """Return the probability of a draw below values."""
-        from scipy.special import ndtr  # slow to import, and not needed for --help
-
-        total = np.zeros_like(values)
-        for weight, mean, deviation in self.parts:
-            total += weight * ndtr((values - mean) / deviation)
-        return total
-
-    def quantiles(self, shares: Array) -> Array:
-        """Return the values that are above the given shares of draws."""
-        from scipy.optimize import elementwise
-        from scipy.special import ndtri
-
-        every = [mean + deviation * ndtri(shares) for _, mean, deviation in self.parts]
-        found = elementwise.find_root(
-            lambda value, share: self.below(value) - share,
-            (np.minimum.reduce(every), np.maximum.reduce(every)),
-            args=(shares,),
-        )
-        values: Array = found.x
-        return values
+        weights, means, deviations = zip(*self.parts, strict=True)
+        normals = [stats.Normal(mu=m, sigma=s) for m, s in zip(means, deviations, strict=True)]
+        return stats.Mixture(normals, weights=weights)
 
 
 @dataclass(frozen=True)
@@ -104,7 +83,7 @@ class AtBats:
         return Mixture(1.0, (0.0, 0.0), (self.offset_deviation, self.offset_deviation))
 
 
-def paper_at_bats(reading: Reading) -> AtBats:
+def paper_at_bats(reading: SamplingReading) -> AtBats:
     """Return the paper's distributions, as a reading of Table II, Eqs. 2 to 4 and Sec. III."""
     kmh = 1 / 3.6
     large, small = (139.1, 127.8), (4.58, 7.80)  # km/h, Table II
@@ -149,16 +128,22 @@ class Samples:
         """
         return self.speed > 0
 
-    def chosen(self, which: NDArray[np.bool_]) -> Samples:
+    def chosen(self, which: NDArray[Any] | slice) -> Samples:
         """Return some of them."""
-        return Samples(self.speed[which], self.aim[which], self.offset[which], self.tilt[which])
+        return Samples(*(getattr(self, field.name)[which] for field in fields(self)))
+
+    @classmethod
+    def joined(cls, parts: Sequence[Samples]) -> Samples:
+        """Return the samples of all parts, one after the other."""
+        names = [field.name for field in fields(cls)]
+        return cls(*(np.concatenate([getattr(part, name) for part in parts]) for name in names))
 
     @property
     def columns(self) -> dict[str, Array]:
         """As `longball.engines.batch.solve_columns` names them."""
         return {
             "pitch.speed": self.speed,
-            "pitch.aim.0": self.aim,
+            "pitch.aim[0]": self.aim,
             "swing.height_offset": self.offset,
             "swing.tilt": self.tilt,
         }
@@ -167,11 +152,8 @@ class Samples:
 def draw(at_bats: AtBats, count: int, seed: int, first: int = 0) -> Samples:
     """Return samples of a seed, from the one numbered `first` on: a multiple of BLOCK."""
     blocks = range(first // BLOCK, math.ceil((first + count) / BLOCK))
-    drawn = [draw_block(at_bats, seed, block) for block in blocks]
-    columns = ("speed", "aim", "offset", "tilt")
-    return Samples(
-        *(np.concatenate([getattr(block, name) for block in drawn])[:count] for name in columns)
-    )
+    drawn = Samples.joined([draw_block(at_bats, seed, block) for block in blocks])
+    return drawn.chosen(slice(count))
 
 
 def draw_block(at_bats: AtBats, seed: int, block: int) -> Samples:
@@ -190,21 +172,16 @@ def scenes(base: AtBatScene, samples: Samples, first: int = 0) -> Iterator[AtBat
 
     Yields None for a ball that is never pitched.
     """
-    for i in range(len(samples)):
-        if not samples.pitched[i]:
+    rows = zip(*(column.tolist() for column in samples.columns.values()), strict=True)
+    for i, (row, pitched) in enumerate(zip(rows, samples.pitched, strict=True), first):
+        if not pitched:
             yield None
             continue
-        aim = (float(samples.aim[i]), base.pitch.aim[1])
-        pitch = base.pitch.model_copy(update={"speed": float(samples.speed[i]), "aim": aim})
-        swing = base.swing.model_copy(
-            update={"height_offset": float(samples.offset[i]), "tilt": float(samples.tilt[i])}
-        )
-        yield base.model_copy(
-            update={"id": f"sample-{first + i:06d}", "pitch": pitch, "swing": swing}
-        )
+        scene = replaced(base, dict(zip(samples.columns, row, strict=True)))
+        yield scene.model_copy(update={"id": f"sample-{i:06d}"})
 
 
 def with_restitution(scene: AtBatScene, restitution: float) -> AtBatScene:
     """Return a scene with another restitution of the ball, which its id tells."""
-    ball = scene.ball.model_copy(update={"restitution": restitution})
-    return scene.model_copy(update={"id": f"{scene.id}-e{restitution:g}", "ball": ball})
+    other = replaced(scene, {"ball.restitution": restitution})
+    return other.model_copy(update={"id": f"{scene.id}-e{restitution:g}"})

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from longball.home_run.at_bats import Samples
 from longball.home_run.estimation import HOME_RUN_DISTANCE
+from longball.model.readings import SampleSpace
 from longball.model.scene import AtBatScene
 
 if TYPE_CHECKING:
@@ -19,18 +20,9 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Counted = Literal["home runs", "sample space"]
 
-# What the ball's fall while it passes the bat adds to the window in which the two meet, and more.
+# More than the ball's fall, while it passes the bat, adds to the window in which the two meet.
 _WIDER = 1.05
 _OFFSETS = 37
-
-
-class Inputs(NamedTuple):
-    """The random inputs of at-bats, arrays of shape (n,): m/s, m, m, rad."""
-
-    speed: Array
-    aim: Array
-    offset: Array
-    tilt: Array
 
 
 @dataclass(frozen=True)
@@ -46,29 +38,31 @@ class Clearance:
     restitution
         The ball's.
     engine
-        Who flies the balls.
+        What solves the at-bats.
+    sample_space
+        Of which the home runs are a share.
     counted
-        Home runs within the sample space of the reading, or all of that space.
+        Home runs within the sample space, or all of that space.
     """
 
     base: AtBatScene
     restitution: float
     engine: Batch
+    sample_space: SampleSpace = "pitches"
     counted: Counted = "home runs"
 
-    def __call__(self, inputs: Inputs) -> Array:
+    def __call__(self, inputs: Samples) -> Array:
         """Return clearances, an array of shape (n,)."""
-        clearances, _ = self.with_unsolved(inputs)
-        return clearances
+        return self.with_unsolved(inputs)[0]
 
-    def with_unsolved(self, inputs: Inputs) -> tuple[Array, NDArray[np.bool_]]:
-        """Return clearances, and which at-bats the engine could not tell: as if not batted."""
+    def with_unsolved(self, inputs: Samples) -> tuple[Array, NDArray[np.bool_]]:
+        """Return clearances, and which at-bats the engine could not decide: as if not batted."""
         table = self._solve(inputs)
-        x, y = _column(table, "landing.position.0"), _column(table, "landing.position.1")
+        x, y = _column(table, "landing.position[0]"), _column(table, "landing.position[1]")
         inside = np.full_like(x, HOME_RUN_DISTANCE)
         if self.counted == "home runs":
             inside = np.hypot(x, y) - HOME_RUN_DISTANCE
-        if self.base.reading.sample_space == "fair":
+        if self.sample_space == "fair":
             inside = np.minimum(inside, x - abs(y))
         clearances = np.where(np.isnan(x), -HOME_RUN_DISTANCE, inside)
         return clearances, table["outcome"] == ""
@@ -80,8 +74,8 @@ class Clearance:
         pitch that does not arrive.
         """
         nothing = np.zeros_like(speed)
-        table = self._solve(Inputs(speed, nothing, nothing, nothing))
-        x, y, z = (_column(table, f"plate.velocity.{i}") for i in range(3))
+        table = self._solve(Samples(speed, nothing, nothing, nothing))
+        x, y, z = (_column(table, f"plate.velocity[{i}]") for i in range(3))
         level = np.hypot(x, y)
         reach = self.base.ball.radius + self.base.bat.radius
         return np.nan_to_num(_WIDER * reach * np.hypot(level, z) / level)
@@ -94,7 +88,7 @@ class Clearance:
         half = np.minimum(self.window(speed), farthest)
         return half[:, None] * np.sin(np.linspace(-np.pi / 2, np.pi / 2, _OFFSETS))
 
-    def aim_to_touch(self, y: float, inputs: Inputs) -> Array:
+    def aim_to_touch(self, y: float, inputs: Samples) -> Array:
         """Return the aims, m, of the pitches that touch the bat at y; where all miss, y itself.
 
         The path from above is a line from the release to the aim. Where on it the ball touches, x,
@@ -102,15 +96,15 @@ class Clearance:
         """
         release_x, release_y, _ = self.base.pitch.release
         aim = np.full_like(inputs.speed, y)
-        x = _column(self._solve(inputs._replace(aim=aim)), "contact.position.0")
+        x = _column(self._solve(replace(inputs, aim=aim)), "contact.position[0]")
         way = np.nan_to_num(x) / release_x
         return (y - release_y * way) / (1.0 - way)
 
-    def _solve(self, inputs: Inputs) -> Mapping[str, NDArray[Any]]:
+    def _solve(self, inputs: Samples) -> Mapping[str, NDArray[Any]]:
         from longball.engines.batch import solve_columns
 
         restitution = np.full_like(inputs.speed, self.restitution)
-        columns = Samples(*inputs).columns | {"ball.restitution": restitution}
+        columns = inputs.columns | {"ball.restitution": restitution}
         return solve_columns(self.base, columns, self.engine)
 
 

@@ -32,6 +32,31 @@ class Crossings(NamedTuple):
     rises: Flags
 
 
+def sampled(function: Function, grid: Array) -> Array:
+    """Return a function at the places of a grid, an array (line, sample)."""
+    lines = np.repeat(np.arange(len(grid)), grid.shape[1])
+    return function(grid.ravel(), lines).reshape(grid.shape)
+
+
+def probability(
+    below: Callable[[Array], Array], grid: Array, values: Array, ends: Crossings
+) -> Array:
+    """Return the probability, on each line, of places where a function is positive.
+
+    Parameters
+    ----------
+    below
+        The distribution function of places.
+    grid, values, ends
+        As `crossings` takes and returns them.
+    """
+    last, first = (np.where(values[:, i] >= 0.0, below(grid[:, i]), 0.0) for i in (-1, 0))
+    p: Array = last - first
+    # What lies below a beginning does not count, what lies below an end does.
+    np.add.at(p, ends.line, np.where(ends.rises, -1.0, 1.0) * below(ends.place))
+    return p
+
+
 class _Brackets(NamedTuple):
     line: Places
     low: Array

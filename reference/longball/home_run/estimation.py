@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from longball.home_run.simulation import Struck
-from longball.model.readings import Reading
+from longball.model.readings import SampleSpace
 
 Array = NDArray[np.float64]
 
@@ -28,9 +28,9 @@ class Estimate:
     e
         The ball's coefficient of restitution.
     home_runs, trials
-        What was counted, among how many of the sample space that the reading names.
+        What was counted, among how many of the sample space.
     failed
-        Samples that the engine could not tell, counted as no home runs.
+        Samples that the engine could not decide, counted as no home runs.
     p, low, high
         The share of home runs, and the interval; NaN without a trial.
     """
@@ -44,15 +44,10 @@ class Estimate:
     high: float
 
 
-def estimate(e: float, struck: Struck, reading: Reading) -> Estimate:
+def estimate(e: float, struck: Struck, sample_space: SampleSpace = "pitches") -> Estimate:
     """Count the home runs at one restitution: D >= 150 m (paper, Sec. IV)."""
-    match reading.sample_space:
-        case "pitches":
-            space = np.ones_like(struck.batted)
-        case "batted":
-            space = struck.batted
-        case "fair":
-            space = struck.fair
+    every = np.ones_like(struck.batted)
+    space = {"pitches": every, "batted": struck.batted, "fair": struck.fair}[sample_space]
     hits = int(np.count_nonzero(space & (struck.distance >= HOME_RUN_DISTANCE)))
     trials = int(np.count_nonzero(space))
     p = hits / trials if trials else math.nan
@@ -60,20 +55,14 @@ def estimate(e: float, struck: Struck, reading: Reading) -> Estimate:
     return Estimate(e, hits, trials, int(np.count_nonzero(struck.failed)), p, low, high)
 
 
-def wilson(successes: int, trials: int, level: float = 0.95) -> tuple[float, float]:
-    """Return Wilson's score interval for a probability; NaN without a trial.
+def wilson(successes: int, trials: int) -> tuple[float, float]:
+    """Return Wilson's score interval of 95 % for a probability; NaN without a trial."""
+    from scipy.stats import binomtest  # slow to import, and not needed for --help
 
-    E. B. Wilson, J. Am. Stat. Assoc. 22 (1927) 209.
-    """
     if trials == 0:
         return math.nan, math.nan
-    z = NormalDist().inv_cdf(0.5 + level / 2)
-    p, shrink = successes / trials, 1 + z * z / trials
-    centre = (p + z * z / (2 * trials)) / shrink
-    half = z / shrink * math.sqrt(p * (1 - p) / trials + z * z / (4 * trials * trials))
-    # At the ends the interval reaches the end itself, which rounding may miss.
-    low = 0.0 if successes == 0 else centre - half
-    return low, 1.0 if successes == trials else centre + half
+    low, high = binomtest(successes, trials).proportion_ci(method="wilson")
+    return float(low), float(high)
 
 
 @dataclass(frozen=True)

@@ -1,14 +1,14 @@
 """P(e) and dP/de by quadrature: no random numbers, and errors that no sample reaches.
 
 For given speed, offset and tilt the home runs are intervals of the aim, between an end of the bat
-and roots of D = 150 m. D answers to the aim strongly, since the bat is the faster the farther from
-its pivot, so that the probability of the intervals is smooth in the other three variables, but for
-kinks where an interval opens at an end of the bat. There the range of offsets is cut; what is left
-of kinks is found by halving ranges. Over speed and tilt Gauss-Legendre rules then converge
+and roots of D = 150 m. D depends strongly on the aim, since the bat moves faster farther from its
+pivot; the probability of the intervals is therefore smooth in the other three variables, except for
+kinks where an interval opens at an end of the bat. The range of offsets is cut there; remaining
+kinks are found by halving ranges. Over speed and tilt Gauss-Legendre rules then converge
 exponentially.
 
-To integrate the offset between its roots first, as `longball.home_run.randomised` does, leaves a
-function that ends in square roots.
+Integrating the offset between its roots first, as `longball.home_run.randomised` does, leaves an
+integrand with square-root endpoint singularities.
 """
 
 from __future__ import annotations
@@ -16,15 +16,19 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from longball.home_run.at_bats import AtBats, Mixture
-from longball.home_run.clearance import Clearance, Inputs
-from longball.home_run.crossings import Places, crossings
+from longball.home_run.at_bats import AtBats, Mixture, Samples
+from longball.home_run.clearance import Clearance
+from longball.home_run.crossings import Places, crossings, probability, sampled
+from longball.model.readings import SampleSpace
 from longball.model.scene import AtBatScene
+
+if TYPE_CHECKING:
+    pass
 
 Array = NDArray[np.float64]
 
@@ -58,10 +62,10 @@ LEVELS = (Nodes(20, 2), Nodes(28, 3), Nodes(40, 4), Nodes(56, 6))
 
 @dataclass(frozen=True)
 class Integral:
-    """P(e) and its slope, with estimates of their errors that mean to be generous.
+    """P(e) and its slope, with generous estimates of their errors.
 
     Each error is the difference of two rules, the coarser of which makes nearly all of it, and the
-    weight of what the engine could not tell. NaN where the sample space is empty.
+    weight of what the engine could not decide. NaN where the sample space is empty.
 
     Attributes
     ----------
@@ -107,6 +111,7 @@ def integrals(
     at_bats: AtBats,
     restitutions: Sequence[float],
     *,
+    sample_space: SampleSpace = "pitches",
     tolerance: float = TOLERANCE,
     workers: int = 1,
     progress: Callable[[int], None] = lambda done: None,
@@ -116,16 +121,18 @@ def integrals(
     Parameters
     ----------
     base
-        Everything about the at-bats that is not random, its reading of the ledger included.
+        Everything about the at-bats that is not random, its reading included.
     at_bats
         The distributions of what is.
     restitutions
         Values of e.
+    sample_space
+        Of which the home runs are a share.
     tolerance
         Error of P that is asked for; ten times as much of dP/de. The rules are refined until two in
         a row agree so far, or there is no finer one.
     workers
-        Threads; -1 for one a core. The answer does not depend on them, to the last bit.
+        Threads; -1 for one per core. The answer does not depend on them, to the last bit.
     progress
         Called with the number of restitutions done.
     """
@@ -133,7 +140,7 @@ def integrals(
 
     found = []
     for done, e in enumerate(restitutions, 1):
-        home_runs = Clearance(base, e, Batch())
+        home_runs = Clearance(base, e, Batch(), sample_space)
         found.append(_refined(home_runs, at_bats, tolerance, workers))
         progress(done)
     return found
@@ -158,7 +165,7 @@ def _probability(
 ) -> Share:
     """Return the share of the sample space that home runs have."""
     runs = _share(home_runs, at_bats, nodes, tolerance, workers)
-    if home_runs.base.reading.sample_space == "pitches":
+    if home_runs.sample_space == "pitches":
         return runs
     # An error of the sample space enters P as a part of P, which is small.
     loose = tolerance / max(float(runs.p), 1e-3)
@@ -206,18 +213,17 @@ def _speeds(clearance: Clearance, law: Mixture, nodes: int) -> tuple[Array, Arra
 
     speeds, weights = [], []
     for weight, mean, deviation in law.parts:
-        part = Mixture(1.0, (mean, mean), (deviation, deviation))
+        normal = Mixture(1.0, (mean, mean), (deviation, deviation)).distribution
         high = mean + FARTHEST * deviation
         # The printed columns of Table II draw negative speeds, too: such a ball is never pitched.
         grid = np.linspace(max(mean - FARTHEST * deviation, high / 1000), high, _SPEEDS)
-        arriving = arrives(grid, np.zeros(_SPEEDS, np.int64))
-        cuts = crossings(arrives, grid[None], arriving[None]).place
+        cuts = crossings(arrives, grid[None], sampled(arrives, grid[None])).place
         edges = np.array([grid[0], *cuts, grid[-1]])
         for low, high in pairwise(edges):
             if clearance.window(np.array([0.5 * (low + high)]))[0] > 0.0:
                 speed, width = _rule(low, high, nodes)
                 speeds.append(speed)
-                weights.append(weight * width * part.density(speed))
+                weights.append(weight * width * normal.pdf(speed))
     return np.concatenate([*speeds, []]), np.concatenate([*weights, []])
 
 
@@ -289,9 +295,9 @@ def _over_ranges(
     x, w = np.polynomial.legendre.leggauss(_OFFSET_NODES)
     half = 0.5 * (ranges.high - ranges.low)[:, None]
     offset = 0.5 * (ranges.low + ranges.high)[:, None] + half * x
-    weight = half * w * at_bats.offset.density(offset)
+    weight = half * w * at_bats.offset.distribution.pdf(offset)
     pair = np.repeat(ranges.pair, _OFFSET_NODES)
-    inputs = Inputs(speed[pair], np.zeros(len(pair)), offset.ravel(), tilt[pair])
+    inputs = Samples(speed[pair], np.zeros(len(pair)), offset.ravel(), tilt[pair])
     shares = share_over_aims(clearance, at_bats.aim, inputs)
     return np.array([(weight * share.reshape(offset.shape)).sum(axis=1) for share in shares])
 
@@ -304,11 +310,10 @@ def _ranges(clearance: Clearance, at_bats: AtBats, speed: Array, tilt: Array) ->
     for y in clearance.base.bat.length / 2 * (1.0 - _END) * np.array([-1.0, 0.0, 1.0]):
 
         def touching(offset: Array, pair: Places, y: float = y) -> Array:
-            inputs = Inputs(speed[pair], np.zeros_like(offset), offset, tilt[pair])
-            return clearance(inputs._replace(aim=clearance.aim_to_touch(y, inputs)))
+            inputs = Samples(speed[pair], np.zeros_like(offset), offset, tilt[pair])
+            return clearance(replace(inputs, aim=clearance.aim_to_touch(y, inputs)))
 
-        values = touching(grid.ravel(), np.repeat(pairs, grid.shape[1])).reshape(grid.shape)
-        found = crossings(touching, grid, values)
+        found = crossings(touching, grid, sampled(touching, grid))
         lines.append(found.line)
         cuts.append(found.place)
     line, cut = np.concatenate(lines), np.concatenate(cuts)
@@ -322,36 +327,33 @@ def _ranges(clearance: Clearance, at_bats: AtBats, speed: Array, tilt: Array) ->
 
 
 def share_over_aims(
-    clearance: Clearance, law: Mixture, inputs: Inputs
+    clearance: Clearance, law: Mixture, inputs: Samples
 ) -> tuple[Array, Array, Array]:
     """Return, for given speeds, offsets and tilts, the probability of what is counted.
 
-    And its derivative by e, and 1 where the engine could not tell some at-bat, 0 elsewhere.
+    And its derivative by e, and 1 where the engine could not decide some at-bat, 0 elsewhere.
     """
     half = clearance.base.bat.length / 2 * (1.0 - _END)
     low, high = clearance.aim_to_touch(-half, inputs), clearance.aim_to_touch(half, inputs)
     grid = low[:, None] + (high - low)[:, None] * np.linspace(0.0, 1.0, _AIMS)
 
-    def at(aim: Array, line: Places) -> Inputs:
-        return Inputs(inputs.speed[line], aim, inputs.offset[line], inputs.tilt[line])
+    def at(aim: Array, line: Places) -> Samples:
+        return replace(inputs.chosen(line), aim=aim)
 
     every = np.repeat(np.arange(len(low)), _AIMS)
     flat, unsolved = clearance.with_unsolved(at(grid.ravel(), every))
     values = flat.reshape(grid.shape)
-    p = np.where(values[:, -1] >= 0.0, law.below(high), 0.0)
-    p -= np.where(values[:, 0] >= 0.0, law.below(low), 0.0)
-    slope = np.zeros_like(p)
     ends = crossings(lambda aim, line: clearance(at(aim, line)), grid, values)
-    # What lies below a beginning does not count, what lies below an end does.
-    sign = np.where(ends.rises, -1.0, 1.0)
-    np.add.at(p, ends.line, sign * law.below(ends.place))
+    p = probability(law.distribution.cdf, grid, values, ends)
+    slope = np.zeros_like(p)
     moves = _moves(clearance, at(ends.place, ends.line), _STEP * (high - low)[ends.line])
-    np.add.at(slope, ends.line, sign * law.density(ends.place) * moves)
+    rates = np.where(ends.rises, -1.0, 1.0) * law.distribution.pdf(ends.place) * moves
+    np.add.at(slope, ends.line, rates)
     doubt = np.where(unsolved.reshape(grid.shape).any(axis=1), 1.0, 0.0)
     return p, slope, doubt
 
 
-def _moves(clearance: Clearance, roots: Inputs, step: Array) -> Array:
+def _moves(clearance: Clearance, roots: Samples, step: Array) -> Array:
     """Return how fast roots move along the aim with e: -(∂D/∂e)/(∂D/∂aim).
 
     Where D jumps, its difference over a step is so large that the root stays where it is.
@@ -359,7 +361,7 @@ def _moves(clearance: Clearance, roots: Inputs, step: Array) -> Array:
     e = clearance.restitution
     by_e = replace(clearance, restitution=e + _STEP)(roots)
     by_e -= replace(clearance, restitution=e - _STEP)(roots)
-    by_aim = clearance(roots._replace(aim=roots.aim + step))
-    by_aim -= clearance(roots._replace(aim=roots.aim - step))
+    by_aim = clearance(replace(roots, aim=roots.aim + step))
+    by_aim -= clearance(replace(roots, aim=roots.aim - step))
     moves: Array = np.divide(-by_e / _STEP, by_aim / step, np.zeros_like(step), where=by_aim != 0.0)
     return moves

@@ -1,4 +1,4 @@
-"""P(e) by randomised quasi-Monte Carlo: a second way, which shares no rule with the quadrature.
+"""P(e) by randomised quasi-Monte Carlo, which shares no rule with the quadrature.
 
 The height offset is integrated exactly between the roots of D = 150 m, and where ball and bat begin
 to miss each other; the other three variables are points of Sobol' sequences, scrambled
@@ -10,15 +10,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from longball.home_run.at_bats import AtBats
-from longball.home_run.clearance import Clearance, Counted, Inputs
-from longball.home_run.crossings import Places, crossings
+from longball.home_run.at_bats import AtBats, Samples
+from longball.home_run.clearance import Clearance, Counted
+from longball.home_run.crossings import Places, crossings, probability, sampled
 from longball.home_run.quadrature import FARTHEST
+from longball.model.readings import SampleSpace
 from longball.model.scene import AtBatScene
 
 Array = NDArray[np.float64]
@@ -43,6 +44,7 @@ def scrambled(
     lines: int,
     seed: int,
     *,
+    sample_space: SampleSpace = "pitches",
     workers: int = 1,
     progress: Callable[[int], None] = lambda done: None,
 ) -> list[Randomised]:
@@ -51,7 +53,7 @@ def scrambled(
     Parameters
     ----------
     base
-        Everything about the at-bats that is not random, its reading of the ledger included.
+        Everything about the at-bats that is not random, its reading included.
     at_bats
         The distributions of what is.
     restitutions
@@ -60,22 +62,23 @@ def scrambled(
         Lines along the offset in each of the scrambles: a power of 2.
     seed
         Where the scrambles come from.
+    sample_space
+        Of which the home runs are a share.
     workers
-        Threads; -1 for one a core. The answer does not depend on them, to the last bit.
+        Threads; -1 for one per core. The answer does not depend on them, to the last bit.
     progress
         Called with the number of restitutions done.
     """
     from longball.engines.batch import Batch  # slow to import, and not needed for --help
 
-    through = [_lines(base, at_bats, lines, seed, scramble) for scramble in range(SCRAMBLES)]
-    everything = Inputs(*map(np.concatenate, zip(*through, strict=True)))
+    everything = Samples.joined([_lines(base, at_bats, lines, seed, i) for i in range(SCRAMBLES)])
     kinds: list[Counted] = ["home runs"]
-    if base.reading.sample_space != "pitches":
+    if sample_space != "pitches":
         kinds.append("sample space")
     estimates = []
     for done, e in enumerate(restitutions, 1):
         shares = [
-            _means(Clearance(base, e, Batch(), kind), at_bats, everything, workers)
+            _means(Clearance(base, e, Batch(), sample_space, kind), at_bats, everything, workers)
             for kind in kinds
         ]
         with np.errstate(invalid="ignore"):  # 0/0 where there is no sample space
@@ -86,7 +89,7 @@ def scrambled(
     return estimates
 
 
-def _lines(base: AtBatScene, at_bats: AtBats, count: int, seed: int, scramble: int) -> Inputs:
+def _lines(base: AtBatScene, at_bats: AtBats, count: int, seed: int, scramble: int) -> Samples:
     """Return the lines of one scramble; their offset is still open.
 
     Speed and tilt are drawn from their distributions, the aim evenly from `_aims`: most home runs
@@ -99,8 +102,8 @@ def _lines(base: AtBatScene, at_bats: AtBats, count: int, seed: int, scramble: i
     # A scrambled point may round to 0, whose quantile is infinite.
     unit = np.clip(sobol.random(count), 2.0**-51, None)
     low, high = _aims(base, at_bats)
-    return Inputs(
-        at_bats.speed.quantiles(unit[:, 0]),
+    return Samples(
+        at_bats.speed.distribution.icdf(unit[:, 0]),
         low + (high - low) * unit[:, 1],
         np.zeros(count),
         at_bats.largest_tilt * unit[:, 2],
@@ -115,47 +118,35 @@ def _aims(base: AtBatScene, at_bats: AtBats) -> tuple[float, float]:
     x, y, _ = base.pitch.release
     way = (base.ball.radius + base.bat.radius) / x
     farthest = (base.bat.length / 2 + abs(y * way)) / (1.0 - way)
-    parts = at_bats.aim.parts
-    return (
-        max(-farthest, min(mean - FARTHEST * deviation for _, mean, deviation in parts)),
-        min(farthest, max(mean + FARTHEST * deviation for _, mean, deviation in parts)),
-    )
+    low, high = ([m + far * s for _, m, s in at_bats.aim.parts] for far in (-FARTHEST, FARTHEST))
+    return max(-farthest, min(low)), min(farthest, max(high))
 
 
-def _means(clearance: Clearance, at_bats: AtBats, lines: Inputs, workers: int) -> Array:
+def _means(clearance: Clearance, at_bats: AtBats, lines: Samples, workers: int) -> Array:
     """Return the share of what is counted in each scramble."""
     from joblib import Parallel, delayed  # slow to import
 
-    starts = range(0, len(lines.speed), _LINES)
     tasks = (
-        delayed(_share_over_offsets)(
-            clearance, at_bats, Inputs(*(x[start : start + _LINES] for x in lines))
-        )
-        for start in starts
+        delayed(_share_over_offsets)(clearance, at_bats, lines.chosen(slice(first, first + _LINES)))
+        for first in range(0, len(lines), _LINES)
     )
     low, high = _aims(clearance.base, at_bats)
     shares = np.concatenate(Parallel(n_jobs=workers, prefer="threads")(tasks))
-    shares *= (high - low) * at_bats.aim.density(lines.aim)
+    shares *= (high - low) * at_bats.aim.distribution.pdf(lines.aim)
     means: Array = shares.reshape(SCRAMBLES, -1).mean(axis=1)
     return means
 
 
-def _share_over_offsets(clearance: Clearance, at_bats: AtBats, lines: Inputs) -> Array:
+def _share_over_offsets(clearance: Clearance, at_bats: AtBats, lines: Samples) -> Array:
     """Return the probability, on each line, of the offsets that are counted."""
-    shares = np.zeros(len(lines.speed))
-    pitched = lines.speed > 0.0
-    lines = Inputs(*(x[pitched] for x in lines))
+    shares, pitched = np.zeros(len(lines)), lines.pitched
+    lines = lines.chosen(pitched)
     grid = clearance.offsets(lines.speed, FARTHEST * at_bats.offset_deviation)
 
     def on_lines(offset: Array, line: Places) -> Array:
-        return clearance(Inputs(lines.speed[line], lines.aim[line], offset, lines.tilt[line]))
+        return clearance(replace(lines.chosen(line), offset=offset))
 
-    every = np.repeat(np.arange(len(grid)), grid.shape[1])
-    values = on_lines(grid.ravel(), every).reshape(grid.shape)
-    found = crossings(on_lines, grid, values)
-    law = at_bats.offset
-    share = np.where(values[:, -1] >= 0.0, law.below(grid[:, -1]), 0.0)
-    share -= np.where(values[:, 0] >= 0.0, law.below(grid[:, 0]), 0.0)
-    np.add.at(share, found.line, np.where(found.rises, -1.0, 1.0) * law.below(found.place))
-    shares[pitched] = share
+    values = sampled(on_lines, grid)
+    ends = crossings(on_lines, grid, values)
+    shares[pitched] = probability(at_bats.offset.distribution.cdf, grid, values, ends)
     return shares

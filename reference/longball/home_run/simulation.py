@@ -1,4 +1,4 @@
-"""Monte Carlo: what becomes of sampled at-bats.
+"""Monte Carlo: landings of sampled at-bats.
 
 Every sample is drawn once and struck with every restitution asked for, so that differences of
 P(e) along e carry little noise.
@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from longball.engines.at_bat import solve_with_restitutions
+from longball.engines.chain import solve_with_restitutions
 from longball.engines.engine import Engine
 from longball.home_run.at_bats import BLOCK, AtBats, draw, scenes
 from longball.model.scene import AtBatScene
@@ -30,14 +30,14 @@ COLUMNS = 200 * BLOCK
 
 @dataclass(frozen=True)
 class Struck:
-    """What became of a number of at-bats, an array element each.
+    """Landings of at-bats, one array element for each.
 
     Attributes
     ----------
     x, y
         m, where the ball landed; NaN if it was not batted.
     failed
-        Whether the engine could not tell.
+        Whether the engine could not decide.
     """
 
     x: Array
@@ -71,12 +71,12 @@ def monte_carlo(
     workers: int = 1,
     progress: Callable[[int], None] = lambda done: None,
 ) -> list[Struck]:
-    """Return what becomes of sampled at-bats, the same ones at each restitution.
+    """Return the landings of sampled at-bats, the same ones at each restitution.
 
     Parameters
     ----------
     base
-        Everything about the at-bats that is not random, its reading of the ledger included.
+        Everything about the at-bats that is not random, its reading included.
     at_bats
         The distributions of what is.
     restitutions
@@ -86,7 +86,7 @@ def monte_carlo(
     engine
         The batch engine if none is given, over columns; any other one solves scene by scene.
     workers
-        Threads of the batch engine, processes of another; -1 for one a core. The answer does not
+        Threads of the batch engine, processes of another; -1 for one per core. The answer does not
         depend on it, to the last bit.
     progress
         Called with the number of samples done.
@@ -134,9 +134,8 @@ def _strike_columns(
     )
     landed = _nothing(len(restitutions), count)
     for one, table in zip(landed, tables, strict=True):
-        one[0, pitched] = table["landing.position.0"]
-        one[1, pitched] = table["landing.position.1"]
-        one[2, pitched] = table["outcome"] == ""
+        failed = table["outcome"] == ""
+        one[:, pitched] = table["landing.position[0]"], table["landing.position[1]"], failed
     return landed
 
 

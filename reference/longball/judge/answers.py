@@ -1,7 +1,7 @@
-"""What a candidate says: lines of results, read with suspicion and without losing any.
+"""What a candidate answers: lines of results, read with suspicion and without losing any.
 
 A candidate is another implementation. Its output is data: every line is either an answer to a
-scene that was asked, or a complaint with the number of the line. Nothing is evaluated, no text of
+scene that was asked, or an issue with the number of the line. Nothing is evaluated, no text of
 it is used as a path, and what is quoted is quoted escaped and short.
 """
 
@@ -17,15 +17,17 @@ from decimal import Decimal, InvalidOperation
 from pathlib import Path
 from typing import Any, BinaryIO, Literal, cast, get_args
 
-from pydantic import BaseModel
+from pydantic import BaseModel, Field
 
-from longball.judge.quantities import AXES, BLOCKS, QUANTITIES, Value
-from longball.model.result import Contact, Impact, Landing, Outcome, Plate, Result
+from longball.convergence.report import Frozen
+from longball.engines.chain import BLOCKS as MODELS
+from longball.judge.quantities import BLOCKS, QUANTITIES, Value
+from longball.model.result import Outcome, Result
 
 # A result with ninety digits a number takes five thousand bytes.
 LONGEST_LINE = 1 << 16
 
-# Complaints of one kind beyond this many are counted, not kept.
+# Issues of one kind beyond this many are counted, not kept.
 KEPT = 20
 
 Kind = Literal[
@@ -38,23 +40,12 @@ Kind = Literal[
 ]
 
 
-@dataclass(frozen=True)
-class Complaint:
-    """Something wrong with a candidate's output or conduct.
-
-    Attributes
-    ----------
-    kind
-        For programs.
-    sentence
-        For people.
-    line
-        Number of the line of its output, from 1; None for its conduct.
-    """
+class Issue(Frozen):
+    """Something wrong with the candidate's output or conduct."""
 
     kind: Kind
     sentence: str
-    line: int | None = None
+    line: int | None = Field(description="of its output, from 1; null for its conduct")
 
     def __str__(self) -> str:
         return self.sentence if self.line is None else f"line {self.line}: {self.sentence}"
@@ -86,7 +77,7 @@ class Answer:
 
 
 class Collector:
-    """Sorts lines into answers and complaints.
+    """Sorts lines into answers and issues.
 
     Parameters
     ----------
@@ -97,26 +88,26 @@ class Collector:
     ----------
     answers
         By id: the first answer to each scene.
-    complaints
+    issues
         In order; at most `KEPT` of a kind.
     """
 
     def __init__(self, asked: Collection[str]) -> None:
         self.asked = frozenset(asked)
         self.answers: dict[str, Answer] = {}
-        self.complaints: list[Complaint] = []
+        self.issues: list[Issue] = []
         self._count: Counter[Kind] = Counter()
 
     @property
     def left_out(self) -> dict[Kind, int]:
-        """Return how many complaints of each kind are counted only."""
+        """Return how many issues of each kind are counted only."""
         return {kind: n - KEPT for kind, n in self._count.items() if n > KEPT}
 
-    def complain(self, kind: Kind, sentence: str, line: int | None = None) -> None:
-        """Note a complaint."""
+    def report(self, kind: Kind, sentence: str, line: int | None = None) -> None:
+        """Note an issue."""
         self._count[kind] += 1
         if self._count[kind] <= KEPT:
-            self.complaints.append(Complaint(kind, sentence, line))
+            self.issues.append(Issue(kind=kind, sentence=sentence, line=line))
 
     def take_line(self, number: int, line: bytes) -> bool:
         """Take a line of JSON; tell whether it answers a scene that had no answer."""
@@ -131,11 +122,11 @@ class Collector:
             )
         except UnicodeDecodeError as error:
             byte = line[error.start]
-            self.complain("rubbish", f"not UTF-8 text: byte {error.start + 1} is {byte:#x}", number)
+            self.report("rubbish", f"not UTF-8 text: byte {error.start + 1} is {byte:#x}", number)
         except ValueError:
-            self.complain("rubbish", f"not JSON: {quoted(line.decode())}", number)
+            self.report("rubbish", f"not JSON: {quoted(line.decode())}", number)
         except RecursionError:
-            self.complain("rubbish", "not a result: brackets nested too deeply", number)
+            self.report("rubbish", "not a result: brackets nested too deeply", number)
         else:
             return self.take(number, data)
         return False
@@ -143,20 +134,18 @@ class Collector:
     def take(self, number: int, data: Any) -> bool:
         """Take what a line held; tell whether it answers a scene that had no answer."""
         if not isinstance(data, dict):
-            self.complain(
-                "rubbish", f"not a result, which is a JSON object: {quoted(data)}", number
-            )
+            self.report("rubbish", f"not a result, which is a JSON object: {quoted(data)}", number)
             return False
         scene_id = data.get("id")
         if not isinstance(scene_id, str):
             given = f"the id {quoted(scene_id)} is no text" if "id" in data else "it has no id"
-            self.complain("rubbish", f"not a result: {given}", number)
+            self.report("rubbish", f"not a result: {given}", number)
             return False
         if scene_id not in self.asked:
-            self.complain("unknown id", f"no scene has the id {quoted(scene_id)}", number)
+            self.report("unknown id", f"no scene has the id {quoted(scene_id)}", number)
             return False
         if scene_id in self.answers:
-            self.complain(
+            self.report(
                 "twice", f"{quoted(scene_id)} is answered again; the first answer counts", number
             )
             return False
@@ -166,7 +155,7 @@ class Collector:
     def _answer(self, number: int, scene_id: str, data: dict[str, Any]) -> Answer:
         outcome, error = data.get("outcome"), data.get("error")
         if outcome is not None and outcome not in get_args(Outcome):
-            self.complain(
+            self.report(
                 "outcome",
                 f"{quoted(scene_id)}: {quoted(outcome)} is not an outcome; "
                 f"the outcomes are {', '.join(get_args(Outcome))}",
@@ -178,7 +167,7 @@ class Collector:
         for block in BLOCKS:
             held = data.get(block)
             if held is not None and not isinstance(held, dict):
-                self.complain(
+                self.report(
                     "not a number", f"{quoted(scene_id)}: {block} is no JSON object", number
                 )
                 unreadable |= {name for name in QUANTITIES if name.startswith(f"{block}.")}
@@ -190,7 +179,7 @@ class Collector:
                     continue
                 unreadable.add(name)
                 needed = "a finite number" if QUANTITIES[name].size == 1 else "three finite numbers"
-                self.complain(
+                self.report(
                     "not a number",
                     f"{quoted(scene_id)}: {name} is {quoted(given)}; {needed} must stand there",
                     number,
@@ -205,7 +194,7 @@ class Collector:
 
 
 def quoted(what: Any, longest: int = 60) -> str:
-    """Return a text in which a stranger's characters can do no harm, cut to a length."""
+    """Return untrusted text with its control characters escaped, cut to a length."""
     if isinstance(what, Decimal):
         what = str(what)
     elif isinstance(what, dict | list):
@@ -256,15 +245,10 @@ def _ordinary(x: Decimal) -> bool:
 def as_result(answer: Answer) -> Result:
     """Return an answer as a result in doubles, with those of its blocks that are complete.
 
-    For what asks for whole results, such as `longball.judge.convergence`.
+    For what asks for whole results, such as `longball.convergence`.
     """
     blocks: dict[str, BaseModel] = {}
-    for block, model in (
-        ("plate", Plate),
-        ("contact", Contact),
-        ("impact", Impact),
-        ("landing", Landing),
-    ):
+    for block, model in MODELS.items():
         values = {
             name.removeprefix(f"{block}."): _doubles(value)
             for name, value in answer.values.items()
@@ -331,7 +315,7 @@ def _lines(file: BinaryIO, collector: Collector) -> Iterator[bytes]:
     while line := file.readline(LONGEST_LINE + 1):
         number += 1
         if len(line) > LONGEST_LINE:
-            collector.complain("rubbish", f"longer than {LONGEST_LINE} bytes", number)
+            collector.report("rubbish", f"longer than {LONGEST_LINE} bytes", number)
             while line and not line.endswith(b"\n"):
                 line = file.readline(LONGEST_LINE)
             line = b"\n"
@@ -341,20 +325,17 @@ def _lines(file: BinaryIO, collector: Collector) -> Iterator[bytes]:
 def csv_columns() -> dict[str, tuple[str, int | None]]:
     """Return what a column can hold: its name, the quantity, and which component.
 
-    ``id``, ``outcome``, ``error``; a number by its name, ``landing.distance``; a vector by
-    component, ``landing.position.x``.
+    ``id``, ``outcome``, ``error``; a number by its name, ``landing.distance``,
+    ``landing.position[0]``.
     """
-    columns: dict[str, tuple[str, int | None]] = {key: (key, None) for key in _WORDS}
+    columns: dict[str, tuple[str, int | None]] = {key: (key, None) for key in _TEXTS}
     for quantity in QUANTITIES.values():
-        if quantity.size == 1:
-            columns[quantity.name] = (quantity.name, None)
-        else:
-            for component, axis in enumerate(AXES):
-                columns[f"{quantity.name}.{axis}"] = (quantity.name, component)
+        for component, name in enumerate(quantity.names):
+            columns[name] = (quantity.name, component if quantity.size > 1 else None)
     return columns
 
 
-_WORDS = ("id", "outcome", "error")
+_TEXTS = ("id", "outcome", "error")
 
 
 def _read_csv(file: BinaryIO, collector: Collector, columns: Mapping[str, str]) -> None:
@@ -377,7 +358,7 @@ def _read_csv(file: BinaryIO, collector: Collector, columns: Mapping[str, str]) 
             if row:
                 collector.take(rows.line_num, _nested(zip(names, row, strict=False)))
     except csv.Error as error:
-        collector.complain("rubbish", f"not CSV: {error}", rows.line_num)
+        collector.report("rubbish", f"not CSV: {error}", rows.line_num)
 
 
 def _nested(cells: Iterable[tuple[str, str]]) -> dict[str, Any]:
@@ -388,7 +369,7 @@ def _nested(cells: Iterable[tuple[str, str]]) -> dict[str, Any]:
         if name not in known or not cell.strip():
             continue
         quantity, component = known[name]
-        if quantity in _WORDS:
+        if quantity in _TEXTS:
             data[quantity] = cell.strip()
             continue
         block, _, key = quantity.partition(".")
@@ -396,5 +377,7 @@ def _nested(cells: Iterable[tuple[str, str]]) -> dict[str, Any]:
         if component is None:
             held[key] = _decimal(cell.strip())
         else:
-            held.setdefault(key, [None] * len(AXES))[component] = _decimal(cell.strip())
+            held.setdefault(key, [None] * QUANTITIES[quantity].size)[component] = _decimal(
+                cell.strip()
+            )
     return data

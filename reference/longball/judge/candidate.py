@@ -89,23 +89,23 @@ def run(
     limits
         What it may take; `Limits()` if not given.
     progress
-        Is told the number of scenes answered whenever that grows.
+        Called with the number of scenes answered whenever that grows.
 
     Raises
     ------
     OSError
         If the program cannot be started.
     """
-    conversation = _Conversation(command, scenes, limits or Limits(), progress)
+    session = _Session(command, scenes, limits or Limits(), progress)
     try:
-        conversation.talk()
-        conversation.part()
+        session.exchange()
+        session.finish()
     finally:
-        conversation.clear()
-    return conversation.told()
+        session.clear()
+    return session.result()
 
 
-class _Conversation:
+class _Session:
     """A candidate's process, and what passes between it and us.
 
     A single thread waits for whichever of the three pipes is ready, so that neither side can
@@ -125,7 +125,7 @@ class _Conversation:
             raise ValueError("two scenes have the same id")
         self.unsent = (scene.line().encode() + b"\n" for scene in scenes)
         self.sending = next(self.unsent, b"")
-        self.deaf = False
+        self.input_closed = False
         self.splitter = Splitter()
         self.received = 0
         self.errors = b""
@@ -154,7 +154,7 @@ class _Conversation:
             os.set_blocking(pipe.fileno(), False)
             self.selector.register(pipe, ready, handle)
 
-    def talk(self) -> None:
+    def exchange(self) -> None:
         """Exchange scenes and answers until the output ends or a limit is reached."""
         limits = self.limits
         while not self.stopped and not self.stdout.closed:
@@ -174,7 +174,7 @@ class _Conversation:
         for line in self.splitter.rest():
             self._take(line)
 
-    def part(self) -> None:
+    def finish(self) -> None:
         """Wait for the candidate to end, and say how it did."""
         if self.stopped:
             return
@@ -193,10 +193,10 @@ class _Conversation:
                 f"it closed its output, but did not end within {self.limits.scene_seconds:g} s"
             )
         elif self.status < 0:
-            self._complain(f"it was ended by signal {_signal_name(-self.status)}")
+            self._report(f"it was ended by signal {_signal_name(-self.status)}")
         elif self._missing():
-            early = " before it had read all scenes" if self.deaf else ""
-            self._complain(f"it ended with status {self.status}{early}")
+            early = " before it had read all scenes" if self.input_closed else ""
+            self._report(f"it ended with status {self.status}{early}")
 
     def clear(self) -> None:
         """Leave nothing of the candidate behind: its group, and what has left the group."""
@@ -210,8 +210,8 @@ class _Conversation:
             self._close(pipe)
         self.selector.close()
 
-    def told(self) -> Run:
-        """Return what was heard."""
+    def result(self) -> Run:
+        """Return how it ran."""
         errors = self.errors.decode("utf-8", errors="replace")
         return Run(self.collected, errors, self.status, time.monotonic() - self.started)
 
@@ -229,7 +229,7 @@ class _Conversation:
         except BlockingIOError:
             return
         except BrokenPipeError:
-            self.deaf = True
+            self.input_closed = True
         self._close(self.stdin)
 
     def _read(self) -> None:
@@ -264,7 +264,7 @@ class _Conversation:
 
     def _take(self, line: Line) -> None:
         if line.text is None:
-            self.collected.complain("rubbish", f"longer than {LONGEST_LINE} bytes", line.number)
+            self.collected.report("rubbish", f"longer than {LONGEST_LINE} bytes", line.number)
         elif self.collected.take_line(line.number, line.text):
             self.latest = time.monotonic()
             self.progress(len(self.collected.answers))
@@ -272,15 +272,15 @@ class _Conversation:
     def _missing(self) -> int:
         return len(self.collected.asked) - len(self.collected.answers)
 
-    def _complain(self, what: str) -> None:
+    def _report(self, what: str) -> None:
         answered, asked = len(self.collected.answers), len(self.collected.asked)
-        self.collected.complain(
+        self.collected.report(
             "process", f"the candidate: {what}; it answered {answered} of {asked} scenes"
         )
 
     def _stop(self, why: str) -> None:
         self.stopped = True
-        self._complain(f"{why}, and was stopped")
+        self._report(f"{why}, and was stopped")
 
 
 def _signal_name(number: int) -> str:
@@ -340,7 +340,7 @@ MARK = "LONGBALL_JUDGE"
 def kill_marked(mark: str) -> None:
     """Kill the processes that have a mark in their environment, where /proc shows it (Linux)."""
     needle = f"{MARK}={mark}".encode()
-    # Again until none is found: one may have been born while we looked.
+    # Again until none is found: one may have started while we looked.
     for _ in range(10):
         found = [pid for pid in _processes() if needle in _environment(pid)]
         for pid in found:

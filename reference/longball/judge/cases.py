@@ -11,10 +11,11 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
-from longball.engines.at_bat import solve
+from longball.engines.chain import solve
 from longball.engines.engine import Engine
 from longball.engines.verlet import Verlet
 from longball.judge.quantities import QUANTITIES, Value, length, radii_of, values_of
+from longball.model.quantities import number
 from longball.model.result import Result
 from longball.model.scene import Scene
 
@@ -45,7 +46,7 @@ class Case(Protocol):
     def attainable(self, quantity: str) -> float:
         """Return the error that double precision cannot avoid, in the quantity's unit.
 
-        `quantity` is a number's path: ``landing.distance``, ``landing.position[0]``. Infinite if
+        `quantity` is a number's name: ``landing.distance``, ``landing.position[0]``. Infinite if
         the last bits of an input decide the outcome.
         """
 
@@ -77,11 +78,7 @@ class Known:
 
     def attainable(self, quantity: str) -> float:
         """Return the error that double precision may need, in the quantity's unit."""
-        block, _, key = quantity.partition(".")
-        key, _, component = key.partition("[")
-        value = getattr(getattr(self.expected, block), key)
-        number = value[int(component[:-1])] if component else value
-        return UNKNOWN_SENSITIVITY * max(1.0, abs(float(number)))
+        return UNKNOWN_SENSITIVITY * max(1.0, abs(float(number(self.expected, quantity))))
 
 
 def solved(
@@ -93,9 +90,7 @@ def solved(
 
 def attainable(case: Case, quantity: str) -> float:
     """Return what double precision cannot avoid, as the length of the error of a vector."""
-    if QUANTITIES[quantity].size == 1:
-        return case.attainable(quantity)
-    return math.hypot(*(case.attainable(f"{quantity}[{i}]") for i in range(3)))
+    return math.hypot(*map(case.attainable, QUANTITIES[quantity].names))
 
 
 # The golden data's flag of an outcome that a few ulps of an input decide: whoever answers with
@@ -189,7 +184,7 @@ SAME_SCHEME = 1e-9
 class Paper(Profile):
     """The same answers as the paper's scheme at its time step, right or wrong.
 
-    What counts as true is what longball's own Verlet engine answers under each scene's reading.
+    What counts as true is what longball's own Verlet engine answers.
 
     Attributes
     ----------
@@ -202,8 +197,8 @@ class Paper(Profile):
 
     def __str__(self) -> str:
         return (
-            f"paper: the answers of the printed scheme at Δt = {self.dt:g} s under each scene's "
-            f"reading, as longball's own Verlet engine gives them (not the truth), within "
+            f"paper: the answers of the printed scheme at Δt = {self.dt:g} s, "
+            f"as longball's own Verlet engine gives them (not the truth), within "
             f"{SAME_SCHEME:g} of each value"
         )
 

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from typing import Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
+
+from longball.convergence.report import Frozen
 
 
-class _Strict(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
-
-
-class Suspect(_Strict):
+class Suspect(Frozen):
     """A known mistake, and how well it explains a candidate's errors."""
 
     name: str
@@ -30,7 +28,7 @@ class Suspect(_Strict):
 Finding = Literal["nothing", "noise", "known", "unknown"]
 
 
-class Diagnosis(_Strict):
+class Diagnosis(Frozen):
     """Which known mistakes explain a candidate's errors."""
 
     finding: Finding = Field(

@@ -5,17 +5,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 from xml.etree import ElementTree
 
-from longball.judge.trial import Trial
+from longball.judge.evaluation import Evaluation
+from longball.judge.text import describe
 from longball.judge.verdict import Comparison, Failure
-from longball.judge.words import told
 
 
-def junit(trial: Trial) -> str:
-    """Return a trial as XML: a suite for each family, and one for the candidate's conduct."""
-    verdict = trial.verdict
+def junit(evaluation: Evaluation) -> str:
+    """Return an evaluation as XML: a suite for each family, and one for the candidate's conduct."""
+    verdict = evaluation.verdict
     failures = {failure.id: failure for failure in verdict.failures}
     families: dict[str, list[Comparison]] = {}
-    for comparison in trial.comparisons:
+    for comparison in evaluation.comparisons:
         families.setdefault(comparison.case.family, []).append(comparison)
     root = ElementTree.Element("testsuites", name=f"longball judge: {_text(verdict.candidate)}")
     for family, comparisons in families.items():
@@ -50,7 +50,7 @@ def _case(comparison: Comparison, failures: dict[str, Failure]) -> ElementTree.E
     case = comparison.case
     element = ElementTree.Element("testcase", classname=case.family, name=_text(case.id))
     if failure := failures.get(case.id):
-        sentences = [told(fault) for fault in failure.faults]
+        sentences = [describe(fault) for fault in failure.faults]
         child = ElementTree.SubElement(element, "failure", message=_text(sentences[0]))
         child.text = _text("\n".join([*sentences, f"scene: {case.scene.line()}"]))
     elif not comparison.judged:

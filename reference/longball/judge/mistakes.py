@@ -8,27 +8,68 @@ more than one likely form has a variant for each.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
-import numpy as np
-
-from longball.judge.altered import DragLaw
-from longball.model.motion import FlightPlane, PlaneState, acceleration, forces, into_plane
-from longball.model.numbers import DOUBLES
+from longball.engines.ivp import Ivp
+from longball.model import trace
+from longball.model.frame import launch_frame
+from longball.model.law import DRAG, FORCES, GRAVITY, LIFT, Force, Motion, law_of
+from longball.model.numbers import DOUBLES, Numbers, Vector
 from longball.model.readings import Reading
 from longball.model.result import Contact, Landing, Result
-from longball.model.scene import AtBatScene, FlightScene, ImpactScene, Launch, PitchScene, Scene
+from longball.model.scene import (
+    AtBatScene,
+    FlightScene,
+    ImpactScene,
+    Launch,
+    PitchScene,
+    Scene,
+    landing_height,
+)
 
-Solver = Callable[[Scene], Result]
 
-# Wraps a solver into one that makes a mistake in time steps of so many seconds (0: it needs none).
-Wrapper = Callable[[Scene, Solver, float], Result]
+@dataclass(frozen=True)
+class Solver:
+    """How scenes are solved, with the mistakes made so far.
+
+    Attributes
+    ----------
+    solve
+        From a scene to its result.
+    forces
+        What acts on the ball.
+    dt
+        s, for mistakes that depend on a time step.
+    """
+
+    solve: Callable[[Scene], Result]
+    forces: tuple[Force, ...] = FORCES
+    dt: float = 0.0
+
+    def making(self, variant: Variant) -> Solver:
+        """Return the solver that makes one more mistake."""
+        return replace(self, solve=lambda scene: variant.wrapper(scene, self))
+
+    def moved(
+        self,
+        scene: FlightScene | PitchScene | AtBatScene,
+        position: Sequence[Any],
+        velocity: Sequence[Any],
+        seconds: float,
+    ) -> tuple[Vector[float], Vector[float]]:
+        """Return position, m, and velocity, m/s, a step or less later or earlier."""
+        frame, start = launch_frame(_floats(position), _floats(velocity), DOUBLES)
+        law = law_of(scene, frame, DOUBLES, self.forces)
+        # A Taylor series in time holds on both sides of where it is expanded.
+        series = next(Ivp().path(law, law.state_of(start), scene.time_limit).pieces())
+        state = series.at(seconds)
+        return frame.position(state), frame.velocity(state)
 
 
-def _unchanged(scene: Scene, solve: Solver, dt: float) -> Result:
-    return solve(scene)
+def _unchanged(scene: Scene, solver: Solver) -> Result:
+    return solver.solve(scene)
 
 
 @dataclass(frozen=True)
@@ -38,24 +79,24 @@ class Variant:
     Attributes
     ----------
     wrapper
-        What is done to scenes and results.
-    drag
-        Another law of drag than the model's; see `longball.judge.altered`.
+        What is done to scenes and results: solves a scene with the mistake made.
+    forces
+        What acts on the ball, if not the model's forces.
     scheme
-        Switches of the paper's scheme that the mistake sets: it is made by those who take fixed
+        Options of the engine verlet that the mistake sets: it is made by those who take fixed
         steps as the paper does.
     steps
         Whether the mistake depends on a time step.
-    blow
+    instant
         Whether the bat strikes at once, in a scheme that is else the paper's. Where that scheme is
         the truth no such form is looked for: it is another departure from it than its mistake's.
     """
 
-    wrapper: Wrapper = _unchanged
-    drag: DragLaw | None = None
+    wrapper: Callable[[Scene, Solver], Result] = _unchanged
+    forces: tuple[Force, ...] | None = None
     scheme: Mapping[str, str] | None = None
     steps: bool = False
-    blow: bool = False
+    instant: bool = False
 
 
 @dataclass(frozen=True)
@@ -80,15 +121,55 @@ class Mistake:
     variants: tuple[Variant, ...]
 
 
+# --- changed forces -------------------------------------------------------------------------------
+
+
+def _drag_with_v(motion: Motion, p: Any) -> Vector[Any]:
+    """Return ``-k v``."""
+    u, v, w = (-p.drag * component for component in motion.velocity)
+    return u, v, w
+
+
+DRAG_WITH_V = replace(DRAG, acceleration=_drag_with_v)
+
+
+# m/s. A series in time cannot go through the kink of |c| at c = 0. What stands for it has none, and
+# is too large by less than SMALL⁴/(8 |c|³): a flight is off by less than 1e-9 of its length. Closer
+# to the kink, the high coefficients of a series would leave the range of doubles.
+SMALL = 1e-3
+
+
+def _drag_and_axes(scene: Any, frame: Any, numbers: Numbers[Any]) -> tuple[Any, ...] | None:
+    drag = DRAG.strengths(scene, frame, numbers)
+    return drag and (*drag, frame.cos, frame.sin, numbers.exact(SMALL))
+
+
+def _drag_by_component(motion: Motion, p: Any) -> Vector[Any]:
+    """Return ``-k |c| c`` for each component c along the axes of space."""
+    u, v, w = motion.velocity
+    x, y, z = (
+        -p.drag * (c * c + p.small * p.small / 2) / trace.sqrt(c * c + p.small * p.small) * c
+        for c in (p.cos * u - p.sin * v, p.sin * u + p.cos * v, w)
+    )
+    return p.cos * x + p.sin * y, p.cos * y - p.sin * x, z
+
+
+DRAG_BY_COMPONENT = Force(("drag", "cos", "sin", "small"), _drag_and_axes, _drag_by_component)
+
+
 # --- changed scenes -------------------------------------------------------------------------------
 
 
 def _changed(change: Callable[[Scene], Scene]) -> Variant:
-    return Variant(lambda scene, solve, dt: solve(change(scene)))
+    return Variant(lambda scene, solver: solver.solve(change(scene)))
 
 
 def _with(scene: Any, block: str, **values: object) -> Any:
-    """Return a scene with other values in a block; as it is if it has no such block."""
+    """Return a scene with other values in a block; as it is if it has no such block.
+
+    It is not validated: who makes a mistake in a number does not notice that a launch is now
+    underground, or a ball inside the bat.
+    """
     held = getattr(scene, block, None)
     if held is None:
         return scene
@@ -137,12 +218,12 @@ def _other_pivot(direction: float) -> Variant:
     `direction` -1: with ω × r̃ computed from there, which also turns the bat's velocity round.
     """
 
-    def wrapper(scene: Scene, solve: Solver, dt: float) -> Result:
+    def wrapper(scene: Scene, solver: Solver) -> Result:
         if not isinstance(scene, AtBatScene | ImpactScene):
-            return solve(scene)
+            return solver.solve(scene)
         mirrored = _mirrored(scene)
         speed = direction * scene.swing.angular_speed
-        return _mirrored_result(solve(_with(mirrored, "swing", angular_speed=speed)))
+        return _mirrored_result(solver.solve(_with(mirrored, "swing", angular_speed=speed)))
 
     return Variant(wrapper)
 
@@ -182,8 +263,8 @@ def _mirrored_result(result: Result) -> Result:
 def _distance_from(contact_only: bool) -> Variant:
     """Return the mistake of D measured from where the batted ball starts."""
 
-    def wrapper(scene: Scene, solve: Solver, dt: float) -> Result:
-        result = solve(scene)
+    def wrapper(scene: Scene, solver: Solver) -> Result:
+        result = solver.solve(scene)
         if result.landing is None:
             return result
         if result.contact is not None and result.contact.position is not None:
@@ -207,15 +288,15 @@ def _first_below(since_start: bool, on_floor: bool) -> Variant:
     be reported as that of the ground all the same.
     """
 
-    def wrapper(scene: Scene, solve: Solver, dt: float) -> Result:
-        result = solve(scene)
+    def wrapper(scene: Scene, solver: Solver) -> Result:
+        result = solver.solve(scene)
         if result.landing is None or isinstance(scene, ImpactScene | PitchScene):
             return result
         landing = result.landing
         time, hang_time = float(landing.time), float(landing.hang_time)
         count = time if since_start else hang_time
-        late = math.ceil(count / dt) * dt - count
-        position, velocity = _moved(scene, landing.position, landing.velocity, late)
+        late = math.ceil(count / solver.dt) * solver.dt - count
+        position, velocity = solver.moved(scene, landing.position, landing.velocity, late)
         below = Landing(
             time=time + late,
             hang_time=hang_time + late,
@@ -234,51 +315,45 @@ def _on_floor(scene: Scene, result: Result) -> Result:
     if result.landing is None or isinstance(scene, ImpactScene | PitchScene):
         return result
     x, y, _ = result.landing.position
-    landing = result.landing.model_copy(update={"position": (x, y, scene.floor(scene.ground))})
+    landing = result.landing.model_copy(update={"position": (x, y, landing_height(scene))})
     return result.model_copy(update={"landing": landing})
 
 
-def _blow(scene: Scene, solve: Solver, dt: float) -> Result:
+def _strike_at_once(scene: Scene, solver: Solver) -> Result:
     """Let the ball fly on from the touching, with steps counted from there: no push that lasts."""
-    result = solve(scene)
+    result = solver.solve(scene)
     contact, impact, landing = result.contact, result.impact, result.landing
     if not isinstance(scene, AtBatScene) or not (contact and impact and landing):
         return result
     if contact.time is None or contact.position is None:
         return result
-    flight = FlightScene(
-        id=scene.id,
-        ball=scene.ball,
-        air=scene.air,
-        gravity=scene.gravity,
-        launch=Launch(position=_floats(contact.position), velocity=_floats(impact.velocity)),
-        ground=scene.ground,
-        reading=scene.reading,
-        time_limit=scene.time_limit,
-    )
-    batted = solve(flight).landing
+    launch = Launch(position=_floats(contact.position), velocity=_floats(impact.velocity))
+    same = {k: v for k, v in scene if k in FlightScene.model_fields and k != "kind"}
+    batted = solver.solve(FlightScene(**same, launch=launch)).landing
     if batted is not None:
         batted = batted.model_copy(update={"time": float(contact.time) + float(batted.time)})
     return result.model_copy(update={"landing": batted})
 
 
-def _separating(scene: Scene, solve: Solver, dt: float) -> Result:
+def _separating(scene: Scene, solver: Solver) -> Result:
     """Find ball and bat parting where the ball leaves the bat: no force, and no batted ball."""
-    result = solve(scene)
+    result = solver.solve(scene)
     if result.impact is None or not isinstance(scene, AtBatScene):
         return result
     return result.model_copy(update={"outcome": "separating", "impact": None, "landing": None})
 
 
-def _linear_plate(scene: Scene, solve: Solver, dt: float) -> Result:
+def _linear_plate(scene: Scene, solver: Solver) -> Result:
     """Put the plate on the straight line between the steps on its two sides, and the bat there."""
-    result = solve(scene)
+    result = solver.solve(scene)
     if result.plate is None or not isinstance(scene, PitchScene | AtBatScene):
         return result
-    plate = result.plate
+    plate, dt = result.plate, solver.dt
     time = float(plate.time)
     before = math.floor(time / dt) * dt
-    ends = [_moved(scene, plate.position, plate.velocity, t - time) for t in (before, before + dt)]
+    ends = [
+        solver.moved(scene, plate.position, plate.velocity, t - time) for t in (before, before + dt)
+    ]
     (x0, y0, z0), (x1, y1, z1) = ends[0][0], ends[1][0]
     share = x0 / (x0 - x1)
     straight = plate.model_copy(
@@ -293,30 +368,30 @@ def _linear_plate(scene: Scene, solve: Solver, dt: float) -> Result:
     if isinstance(scene, AtBatScene):
         higher = float(straight.position[2]) - float(plate.position[2])
         offset = scene.swing.height_offset + higher
-        result = solve(_with(scene, "swing", height_offset=offset))
+        result = solver.solve(_with(scene, "swing", height_offset=offset))
     return result.model_copy(update={"plate": straight})
 
 
-def _tunnel(scene: Scene, solve: Solver, dt: float) -> Result:
+def _tunnel(scene: Scene, solver: Solver) -> Result:
     """Look for the bat at the steps only, and miss it where none falls into it."""
-    result = solve(scene)
+    result = solver.solve(scene)
     contact, impact, plate = result.contact, result.impact, result.plate
     if not isinstance(scene, AtBatScene) or not (contact and impact and plate):
         return result
     if contact.time is None or contact.position is None or contact.normal is None:
         return result
-    kick = float(impact.impulse) / scene.ball.mass
+    delta_v = float(impact.impulse) / scene.ball.mass
     incoming = tuple(
-        after - kick * n
+        after - delta_v * n
         for after, n in zip(_floats(impact.velocity), _floats(contact.normal), strict=True)
     )
-    time = float(contact.time)
+    time, dt = float(contact.time), solver.dt
     next_step = math.ceil(time / dt) * dt
     height = float(plate.position[2]) + scene.swing.height_offset
     reach = scene.ball.radius + scene.bat.radius
     distances = []
     for step in (next_step - dt, next_step):
-        (x, _, z), _ = _moved(scene, contact.position, incoming, step - time)
+        (x, _, z), _ = solver.moved(scene, contact.position, incoming, step - time)
         distances.append(math.hypot(x, z - height))
     if distances[1] < reach:
         return result
@@ -326,25 +401,6 @@ def _tunnel(scene: Scene, solve: Solver, dt: float) -> Result:
         plate=plate,
         contact=Contact(margin=reach - min(distances)),
     )
-
-
-def _moved(
-    scene: FlightScene | PitchScene | AtBatScene, position: Any, velocity: Any, seconds: float
-) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
-    """Return position and velocity some time later or earlier: a step of Runge and Kutta's."""
-    plane, start = into_plane(_floats(position), _floats(velocity), DOUBLES)
-    accelerate = acceleration(forces(scene.ball, scene.air, scene.gravity, False, DOUBLES), DOUBLES)
-
-    def rate(y: Any) -> Any:
-        return np.array([y[2], y[3], *accelerate(float(y[2]), float(y[3]))])
-
-    y = np.array(start)
-    a = rate(y)
-    b = rate(y + 0.5 * seconds * a)
-    c = rate(y + 0.5 * seconds * b)
-    d = rate(y + seconds * c)
-    end = PlaneState(*(y + seconds / 6 * (a + 2 * b + 2 * c + d)).tolist())
-    return FlightPlane.position(plane, end), FlightPlane.velocity(plane, end)
 
 
 def _floats(vector: Any) -> tuple[float, float, float]:
@@ -360,7 +416,7 @@ def _scheme(**switches: str) -> Variant:
 
 
 def _struck_at_once(forces: str) -> Variant:
-    return Variant(_blow, scheme={"verlet_forces": forces}, steps=True, blow=True)
+    return Variant(_strike_at_once, scheme={"forces": forces}, steps=True, instant=True)
 
 
 # What fixed steps do at best, with one of the treatments of the forces that are of order 2.
@@ -377,8 +433,8 @@ KNOWN: dict[str, Mistake] = {
             "predict the velocity at the step's end, v + aΔt, or iterate, before asking for the "
             "force there: the error then falls with Δt² instead of Δt",
             (
-                _scheme(verlet_forces="old_carried"),
-                _scheme(verlet_forces="old_recomputed"),
+                _scheme(forces="old_carried"),
+                _scheme(forces="old_recomputed"),
                 _struck_at_once("old_carried"),
                 _struck_at_once("old_recomputed"),
             ),
@@ -388,7 +444,7 @@ KNOWN: dict[str, Mistake] = {
             "takes drag and lift at the half-step velocity, as is usual in molecular dynamics, "
             "where forces do not depend on it",
             "predict the velocity at the step's end, v½ + aΔt/2, before asking for the force there",
-            (_scheme(verlet_forces="half_step"), _struck_at_once("half_step")),
+            (_scheme(forces="half_step"), _struck_at_once("half_step")),
         ),
         Mistake(
             NO_SLIP,
@@ -400,7 +456,7 @@ KNOWN: dict[str, Mistake] = {
             "two-step-push",
             "lets the bat push for two steps, as Appendix B has it, while the ball flies on",
             "strike at once, at the time and place of touching; only the impulse is meant",
-            tuple(_scheme(verlet_forces=forces) for forces in SOUND),
+            tuple(_scheme(forces=forces) for forces in SOUND),
         ),
         Mistake(
             "first-below",
@@ -411,12 +467,12 @@ KNOWN: dict[str, Mistake] = {
                 _first_below(since_start=True, on_floor=True),
                 _first_below(since_start=False, on_floor=False),
                 _first_below(since_start=False, on_floor=True),
-                _scheme(verlet_forces="predicted_recomputed", verlet_landing="first_below"),
+                _scheme(forces="predicted_recomputed", landing="first_below"),
                 Variant(
-                    lambda scene, solve, dt: _on_floor(scene, solve(scene)),
+                    lambda scene, solver: _on_floor(scene, solver.solve(scene)),
                     scheme={
-                        "verlet_forces": "predicted_recomputed",
-                        "verlet_landing": "first_below",
+                        "forces": "predicted_recomputed",
+                        "landing": "first_below",
                     },
                     steps=True,
                 ),
@@ -439,10 +495,10 @@ KNOWN: dict[str, Mistake] = {
             "takes the larger root of Appendix B's quadratic: where the ball would leave the bat",
             "take the smaller of the two positive roots",
             (
-                _scheme(verlet_forces="predicted_recomputed", appendix_b_root="larger"),
+                _scheme(forces="predicted_recomputed", root="larger"),
                 Variant(
                     _separating,
-                    scheme={"verlet_forces": "predicted_recomputed", "appendix_b_root": "larger"},
+                    scheme={"forces": "predicted_recomputed", "root": "larger"},
                     steps=True,
                 ),
             ),
@@ -451,13 +507,13 @@ KNOWN: dict[str, Mistake] = {
             "drag-per-component",
             "drags each component by itself, with its own square",
             "the drag is -k V v: every component times the whole speed V",
-            (Variant(drag=DragLaw(whole=False, own=True)),),
+            (Variant(forces=(DRAG_BY_COMPONENT, LIFT, GRAVITY)),),
         ),
         Mistake(
             "drag-with-v",
             "lets the drag grow with V, not with V²",
             "the drag is ½ C_D ρ A V², against the velocity",
-            (Variant(drag=DragLaw(whole=False, own=False)),),
+            (Variant(forces=(DRAG_WITH_V, LIFT, GRAVITY)),),
         ),
         Mistake(
             "lift-sign",

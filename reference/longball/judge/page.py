@@ -6,19 +6,21 @@ import base64
 import io
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from html import escape
+from itertools import zip_longest
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from longball.judge.altered import THE_MODELS, fly, release
+from longball.convergence.figure import draw_convergence
+from longball.engines.chain import solve_with_path
+from longball.engines.ivp import Ivp
 from longball.judge.answers import quoted
-from longball.judge.convergence import draw_convergence
+from longball.judge.evaluation import Evaluation
 from longball.judge.quantities import Value, values_of
-from longball.judge.trial import Trial
+from longball.judge.text import ERRORS, LONGEST_NAME, counts, describe, error_cells, silence
 from longball.judge.verdict import Comparison, Measured, Verdict
-from longball.judge.words import LONGEST_NAME, told
-from longball.model.scene import AtBatScene, FlightScene, ImpactScene, PitchScene
+from longball.model.scene import ImpactScene
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -26,7 +28,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-SHOWN = 20  # failures and complaints on the page
+SHOWN = 20  # failures and issues on the page
 NOTHING = 1e-17  # where a relative error of zero is drawn on a logarithmic axis
 WHOLE = 1.0  # where one is drawn that is as large as its quantity, or larger
 
@@ -42,9 +44,9 @@ img { max-width: 100% } pre, code { font-size: 12px; white-space: pre-wrap; word
 """
 
 
-def page(trial: Trial) -> str:
-    """Return a trial as HTML that needs no other file."""
-    verdict = trial.verdict
+def page(evaluation: Evaluation) -> str:
+    """Return an evaluation as HTML that needs no other file."""
+    verdict = evaluation.verdict
     candidate = escape(quoted(verdict.candidate, LONGEST_NAME))
     word = "passed" if verdict.passed else "failed"
     parts = [
@@ -55,7 +57,7 @@ def page(trial: Trial) -> str:
         f'<h1><span class="{word}">{word.upper()}</span> {candidate}</h1>',
         *_head(verdict),
         *_diagnosis(verdict),
-        *_pictures(trial),
+        *_pictures(evaluation),
         *_convergence(verdict),
         *_sampling(verdict),
         *_errors(verdict),
@@ -71,19 +73,12 @@ def page(trial: Trial) -> str:
 
 def _head(verdict: Verdict) -> Iterator[str]:
     if verdict.cases:
-        yield from _counts(verdict)
+        yield from _list(counts(verdict))
+        yield (
+            f"<p>Contacts missed {len(verdict.contacts_missed)}, "
+            f"invented {len(verdict.contacts_invented)}.</p>"
+        )
     yield from _list(verdict.reasons)
-
-
-def _counts(verdict: Verdict) -> Iterator[str]:
-    yield f"<p>Profile {escape(verdict.profile)}. Held against {escape(verdict.truth)}.</p>"
-    yield (
-        f"<p>{verdict.cases} scenes, {verdict.judged} answers judged, {verdict.right} right, "
-        f"{verdict.judged - verdict.right} wrong; {len(verdict.unanswered)} without an answer, "
-        f"{len(verdict.refused)} refused, {len(verdict.undecidable)} that doubles cannot decide; "
-        f"contacts missed {len(verdict.contacts_missed)}, "
-        f"invented {len(verdict.contacts_invented)}.</p>"
-    )
 
 
 def _diagnosis(verdict: Verdict) -> Iterator[str]:
@@ -132,26 +127,8 @@ def _sampling(verdict: Verdict) -> Iterator[str]:
 def _errors(verdict: Verdict) -> Iterator[str]:
     if not verdict.rows:
         return
-    rows = [
-        (
-            row.family,
-            row.quantity,
-            str(row.failed),
-            str(row.cases),
-            f"{row.worst_error:.1e}",
-            f"{row.median_error:.1e}",
-            row.unit,
-            "" if row.worst_ulps is None else f"{row.worst_ulps:.3g}",
-            "" if row.digits_right is None else f"{row.digits_right:.1f}",
-            "" if row.digits_attainable is None else f"{row.digits_attainable:.1f}",
-            row.worst_case,
-        )
-        for row in verdict.rows
-    ]
     yield "<h2>Errors</h2>"
-    head = ("family", "quantity", "failed", "of", "worst error", "median", "unit", "worst ulps",
-            "digits right", "attainable", "worst case")  # fmt: skip
-    yield from _table(head, rows, numbers=(2, 3, 4, 5, 7, 8, 9))
+    yield from _table(ERRORS, map(error_cells, verdict.rows), numbers=(2, 3, 4, 5, 7, 8, 9, 10))
     confused = [(c.expected, c.obtained, str(c.cases)) for c in verdict.outcomes]
     yield "<h2>Outcomes</h2>"
     yield from _table(("expected", "obtained", "scenes"), confused, numbers=(2,))
@@ -165,19 +142,14 @@ def _failures(verdict: Verdict) -> Iterator[str]:
     for failure in shown:
         flags = f" [{', '.join(failure.flags)}]" if failure.flags else ""
         yield f"<details><summary>{escape(failure.id + flags)}</summary>"
-        yield from _list(told(fault) for fault in failure.faults)
+        yield from _list(describe(fault) for fault in failure.faults)
         yield f"<pre>{escape(str(failure.scene))}</pre></details>"
 
 
 def _rest(verdict: Verdict) -> Iterator[str]:
-    sentences = [f"{m.quantity} is left out of {m.cases} answers" for m in verdict.missing]
-    sentences += [f"refused: {r.id}: {r.reason}" for r in verdict.refused[:SHOWN]]
-    sentences += [
-        f"complaint: {'' if c.line is None else f'line {c.line}: '}{c.sentence}"
-        for c in verdict.complaints[:SHOWN]
-    ]
+    sentences = [*silence(verdict, SHOWN), *(f"issue: {c}" for c in verdict.complaints[:SHOWN])]
     if sentences:
-        yield "<h2>What else there is to say</h2>"
+        yield "<h2>Other findings</h2>"
         yield from _list(sentences)
     if verdict.complaints and verdict.standard_error:
         yield f"<h2>The end of its standard error</h2><pre>{escape(verdict.standard_error)}</pre>"
@@ -205,13 +177,13 @@ def _table(
 # --- pictures -------------------------------------------------------------------------------------
 
 
-def _pictures(trial: Trial) -> Iterator[str]:
-    measured = [(c, m) for c in trial.comparisons for m in c.measured if m.size > 0]
+def _pictures(evaluation: Evaluation) -> Iterator[str]:
+    measured = [(c, m) for c in evaluation.comparisons for m in c.measured if m.size > 0]
     if not measured:
         return
     yield "<h2>Errors by family, and over difficulty</h2>"
     yield _image(lambda figure: draw_errors(figure, measured), (10, 4.6), "errors")
-    worst = worst_flight(trial.comparisons)
+    worst = worst_flight(evaluation.comparisons)
     if worst:
         yield f"<h2>The worst flight against the truth: {escape(worst.case.id)}</h2>"
         yield _image(lambda figure: draw_flight(figure, worst), (10, 4.6), "the worst flight")
@@ -281,7 +253,6 @@ def worst_flight(comparisons: Sequence[Comparison]) -> Comparison | None:
         c
         for c in comparisons
         if not c.passed and c.answer and not isinstance(c.case.scene, ImpactScene)
-        and c.case.scene.reading.lift_direction == "fixed_spin_axis"
     ]  # fmt: skip
 
     def off(comparison: Comparison) -> tuple[float, float]:
@@ -339,27 +310,11 @@ def _draw_error(side: Axes, above: Axes, expected: Value | None, given: Value) -
 
 def _paths(comparison: Comparison) -> Iterator[tuple[str, Array]]:
     """Yield the true pitch and the true flight as points: x, y and z, m."""
-    scene, truth = comparison.case.scene, comparison.case.expected
-    if isinstance(scene, ImpactScene):
-        return
-    if isinstance(scene, PitchScene | AtBatScene):
-        met = truth.contact is not None and truth.contact.position is not None
-        until = truth.contact if met else truth.plate
-        if until is not None and until.time is not None:
-            yield "pitch", _path(scene, release(scene), float(until.time))
-    if truth.landing is None:
-        return
-    hang_time = float(truth.landing.hang_time)
-    if isinstance(scene, FlightScene):
-        start = np.array([*scene.launch.position, *scene.launch.velocity])
-        yield "flight", _path(scene, start, hang_time)
-    elif truth.contact and truth.contact.position and truth.impact:
-        start = np.array([*truth.contact.position, *truth.impact.velocity], float)
-        yield "batted ball", _path(scene, start, hang_time)
-
-
-def _path(scene: FlightScene | PitchScene | AtBatScene, start: Array, seconds: float) -> Array:
-    end, path, _ = fly(scene, start, THE_MODELS, [])
-    times = np.linspace(0.0, min(seconds, end), 200)
-    points: Array = np.array([path(float(time))[:3] for time in times]).T
-    return points
+    scene = comparison.case.scene
+    _, trajectory = solve_with_path(scene, Ivp())
+    legs = trajectory.legs
+    for leg, after in zip_longest(legs, legs[1:]):
+        seconds = after.begin if after else leg.flight.time
+        name = "batted ball" if leg.begin else "flight" if scene.kind == "flight" else "pitch"
+        times = np.linspace(0.0, seconds, 200).tolist()
+        yield name, np.array([*map(leg.frame.position, leg.flight.path.sample(times))]).T

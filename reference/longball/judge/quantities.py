@@ -13,11 +13,10 @@ from dataclasses import dataclass
 from decimal import Decimal
 from typing import TypeVar
 
+from longball.model.quantities import numbers
 from longball.model.result import Result
 
 Value = tuple[Decimal, ...]
-
-AXES = ("x", "y", "z")
 
 # Differences of thirty-digit numbers, and of doubles written out (at most 53 binary places after
 # a leading digit near 1), lose nothing in this many digits.
@@ -25,8 +24,8 @@ ARITHMETIC = decimal.Context(prec=80)
 
 
 @dataclass(frozen=True)
-class Quantity:
-    """A quantity of a result.
+class QuantitySpec:
+    """What a quantity of a result is called, and what it consists of.
 
     Attributes
     ----------
@@ -42,28 +41,35 @@ class Quantity:
     unit: str
     size: int = 1
 
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of its numbers."""
+        if self.size == 1:
+            return (self.name,)
+        return tuple(f"{self.name}[{i}]" for i in range(self.size))
 
-QUANTITIES: dict[str, Quantity] = {
+
+QUANTITIES: dict[str, QuantitySpec] = {
     quantity.name: quantity
     for quantity in (
-        Quantity("plate.time", "s"),
-        Quantity("plate.position", "m", 3),
-        Quantity("plate.velocity", "m/s", 3),
-        Quantity("contact.time", "s"),
-        Quantity("contact.position", "m", 3),
-        Quantity("contact.normal", "", 3),
-        Quantity("contact.bat_velocity", "m/s", 3),
-        Quantity("contact.normal_speed", "m/s"),
-        Quantity("contact.margin", "m"),
-        Quantity("impact.restitution", ""),
-        Quantity("impact.impulse", "N s"),
-        Quantity("impact.velocity", "m/s", 3),
-        Quantity("impact.energy_change", "J"),
-        Quantity("landing.time", "s"),
-        Quantity("landing.hang_time", "s"),
-        Quantity("landing.position", "m", 3),
-        Quantity("landing.velocity", "m/s", 3),
-        Quantity("landing.distance", "m"),
+        QuantitySpec("plate.time", "s"),
+        QuantitySpec("plate.position", "m", 3),
+        QuantitySpec("plate.velocity", "m/s", 3),
+        QuantitySpec("contact.time", "s"),
+        QuantitySpec("contact.position", "m", 3),
+        QuantitySpec("contact.normal", "", 3),
+        QuantitySpec("contact.bat_velocity", "m/s", 3),
+        QuantitySpec("contact.normal_speed", "m/s"),
+        QuantitySpec("contact.margin", "m"),
+        QuantitySpec("impact.restitution", ""),
+        QuantitySpec("impact.impulse", "N s"),
+        QuantitySpec("impact.velocity", "m/s", 3),
+        QuantitySpec("impact.energy_change", "J"),
+        QuantitySpec("landing.time", "s"),
+        QuantitySpec("landing.hang_time", "s"),
+        QuantitySpec("landing.position", "m", 3),
+        QuantitySpec("landing.velocity", "m/s", 3),
+        QuantitySpec("landing.distance", "m"),
     )
 }
 
@@ -86,12 +92,10 @@ T = TypeVar("T")
 
 
 def _quantities(result: Result, read: Callable[..., T]) -> dict[str, tuple[T, ...]]:
-    found = {}
-    for name in QUANTITIES:
-        block, _, key = name.partition(".")
-        held = getattr(getattr(result, block), key, None)
-        if held is not None:
-            found[name] = tuple(map(read, held if isinstance(held, tuple) else (held,)))
+    found: dict[str, tuple[T, ...]] = {}
+    for name, x in numbers(result):
+        quantity = name.partition("[")[0]
+        found[quantity] = (*found.get(quantity, ()), read(x))
     return found
 
 

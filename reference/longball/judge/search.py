@@ -18,6 +18,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -68,9 +69,11 @@ LARGEST_SET = 3
 PROMISING = 12  # sets that are solved, of all that were screened
 REFINEMENTS = 8  # of a time step
 LISTED = 5  # suspects in the report
-MENTIONED = 0.01  # share of the error that an innocent suspect must explain to be listed
+MENTIONED = 0.01  # share of the error that a suspect not named must explain to be listed
 
 SHORTEST_STEP, LONGEST_STEP = 2e-5, 0.2  # s
+
+_MISTAKES = KNOWN | {SINGLE.name: SINGLE}
 
 # Of a step in its effect: the known mistakes of the scheme have 1 and 2, and their sums what lies
 # between, or seems to lie a little beyond.
@@ -91,7 +94,7 @@ def diagnose(prints: Fingerprints, answers: Mapping[str, Answer]) -> Diagnosis:
 
 
 @dataclass(frozen=True)
-class _Tried:
+class _Scored:
     """A guess, and the mean error that it leaves."""
 
     guess: Guess
@@ -112,13 +115,10 @@ class _Search:
         self.single = _in_single_precision(answer for answer in given if answer)
         self.count = sum(answer is not None and answer.error is None for answer in given)
         self.error = self.left_by(truth) if self.count else 0.0
-        self.most = prints.most(self.candidate, truth, self.seen) if self.count else 0.0
-        step = None if prints.step_known else common_step(self._landing_times())
-        self.steps = prints.steps if step is None else (*prints.steps, step)
-
-    def _landing_times(self) -> list[float]:
+        self.quantile90 = prints.quantile90(self.candidate, truth, self.seen) if self.count else 0.0
         times = self.candidate.numbers[:, COLUMNS.index(("landing.time", 0))]
-        return [float(time) for time in times if np.isfinite(time)]
+        step = None if prints.step_known else common_step(times[np.isfinite(times)].tolist())
+        self.steps = prints.steps if step is None else (*prints.steps, step)
 
     @cached_property
     def alone(self) -> list[Guess]:
@@ -126,14 +126,20 @@ class _Search:
         guesses = self.prints.singles(self.steps)
         return [guess for guess in guesses if self.prints.predict(guess) is not None]
 
+    def predicted(self, guess: Guess) -> Answers:
+        """Return the prediction of a guess that does not contradict itself."""
+        prediction = self.prints.predict(guess)
+        assert prediction is not None
+        return prediction
+
     def left_by(self, prediction: Answers) -> float:
         """Return the mean error that a prediction leaves."""
         return self.prints.error(self.candidate, prediction, self.seen)
 
-    def attempt(self, guess: Guess) -> _Tried | None:
+    def attempt(self, guess: Guess) -> _Scored | None:
         """Return what a guess leaves; None if it contradicts itself."""
         prediction = self.prints.predict(guess)
-        return None if prediction is None else _Tried(guess, self.left_by(prediction))
+        return None if prediction is None else _Scored(guess, self.left_by(prediction))
 
     def share(self, left: float) -> float:
         """Return the share of the error that is explained."""
@@ -159,7 +165,7 @@ class _Search:
             if self.single:
                 names.append(SINGLE.name)
             return self._found("known", "", names, share, singles, best)
-        if self.single and self.most < SINGLE_NOISE:
+        if self.single and self.quantile90 < SINGLE_NOISE:
             return self._found("known", "", [SINGLE.name], max(0.0, share), singles)
         if self.error < NOISE:
             sentence = (
@@ -167,8 +173,9 @@ class _Search:
                 "of any known mistake, as rounding or a solver's tolerance leaves them"
             )
             return self._found("noise", sentence, (), max(0.0, share), singles)
+        guessed = " and ".join(best.guess.names)
         sentence = (
-            f"none of the known mistakes: the best guess, {_listed(best.guess.names)}, explains "
+            f"none of the known mistakes: the best guess, {guessed}, explains "
             f"{max(0.0, share):.0%} of the error, and a mistake that is made explains at least "
             f"{NAMED:.0%}"
         )
@@ -183,19 +190,19 @@ class _Search:
         other = (outcomes >= 0) & (outcomes != self.prints.truth.outcomes)
         return not (off[self.seen].any() or other.any() or self.single)
 
-    def _best_singles(self) -> dict[str, _Tried]:
+    def _best_singles(self) -> dict[str, _Scored]:
         """Return the best form of each mistake alone, best first."""
-        forms: dict[Atom, _Tried] = {}
+        forms: dict[Atom, _Scored] = {}
         for guess in self.alone:
             tried, (atom,) = self.attempt(guess), guess.atoms
             if tried and (atom not in forms or tried.left < forms[atom].left):
                 forms[atom] = tried
-        best: dict[str, _Tried] = {}
+        best: dict[str, _Scored] = {}
         for tried in sorted(map(self._refined, forms.values()), key=lambda t: t.left):
             best.setdefault(tried.guess.names[0], tried)
         return best
 
-    def _best_set(self, singles: Mapping[str, _Tried]) -> _Tried:
+    def _best_set(self, singles: Mapping[str, _Scored]) -> _Scored:
         best = next(iter(singles.values()))
         seeds = list(singles.values())[:3]
         for size in range(2, LARGEST_SET + 1):
@@ -214,7 +221,7 @@ class _Search:
             best, seeds = tried[0], tried[:3]
         return best
 
-    def _tried(self, guesses: Iterable[Guess]) -> list[_Tried]:
+    def _tried(self, guesses: Iterable[Guess]) -> list[_Scored]:
         """Return what guesses leave, the least first; no further once all is explained."""
         tried = []
         for guess in guesses:
@@ -224,42 +231,36 @@ class _Search:
                     break
         return sorted(tried, key=lambda t: t.left)
 
-    def _screened(self, seeds: Sequence[_Tried], size: int) -> list[Guess]:
+    def _screened(self, seeds: Sequence[_Scored], size: int) -> list[Guess]:
         """Return the most promising sets of a size, by adding up fingerprints.
 
-        Some promise most over all numbers, some over those that no bat has jumbled.
+        Some promise most over all numbers, some over those that no bat has amplified.
         """
         starts = self.alone if size == 2 else [seed.guess for seed in seeds]
         prints = self.prints
         effects = np.array([self._effect(guess) for guess in self.alone])
         aim = self._relative(self.candidate) - self._relative(prints.truth)
-        others = np.array([self._outcomes(guess) for guess in self.alone])
+        others = np.array([self.predicted(guess).outcomes for guess in self.alone])
         changed = others != prints.truth.outcomes
-        said = self.candidate.outcomes >= 0
+        given = self.candidate.outcomes >= 0
         smooth = prints.smooth[self.seen]
-        everything: dict[tuple[Atom, ...], tuple[float, Guess]] = {}
-        unjumbled: dict[tuple[Atom, ...], tuple[float, Guess]] = {}
+        # By all numbers, and by the smooth ones: what each set leaves at the best of its steps.
+        rankings: tuple[dict[tuple[Atom, ...], tuple[float, Guess]], ...] = {}, {}
         for start in starts:
             with np.errstate(invalid="ignore"):
                 left = np.minimum(np.abs(aim - self._effect(start) - effects), 1.0)
             left = np.where(np.isnan(left), 1.0, left)
-            outcomes = np.where(changed, others, self._outcomes(start))
-            confused = ((outcomes != self.candidate.outcomes) & said).sum(axis=1)
+            outcomes = np.where(changed, others, self.predicted(start).outcomes)
+            confused = ((outcomes != self.candidate.outcomes) & given).sum(axis=1)
             whole = left.sum(axis=1) + confused
             part = left[:, smooth].sum(axis=1)
-            for guess, most, least in zip(self.alone, whole.tolist(), part.tolist(), strict=True):
-                joined = joined_guess(start, guess)
-                if joined is None:
-                    continue
-                key = joined.atoms
-                for found, rest in ((everything, most), (unjumbled, least)):
-                    if key not in found or rest < found[key][0]:
-                        found[key] = rest, joined
-        promising = []
-        for found in (everything, unjumbled):
-            ranked = sorted(found.values(), key=lambda item: item[0])
-            promising += [guess for _, guess in ranked[:PROMISING]]
-        return list(dict.fromkeys(promising))
+            for guess, *rests in zip(self.alone, whole.tolist(), part.tolist(), strict=True):
+                if joined := joined_guess(start, guess):
+                    for ranking, rest in zip(rankings, rests, strict=True):
+                        if rest < ranking.get(joined.atoms, (math.inf,))[0]:
+                            ranking[joined.atoms] = rest, joined
+        ranked = (sorted(r.values(), key=lambda item: item[0])[:PROMISING] for r in rankings)
+        return list(dict.fromkeys(guess for best in ranked for _, guess in best))
 
     def _relative(self, answers: Answers) -> Array:
         """Return the numbers that are seen, relative to the sizes of their quantities."""
@@ -268,16 +269,9 @@ class _Search:
 
     def _effect(self, guess: Guess) -> Array:
         """Return what a guess does to the numbers that are seen."""
-        prediction = self.prints.predict(guess)
-        assert prediction is not None
-        return self._relative(prediction) - self._relative(self.prints.truth)
+        return self._relative(self.predicted(guess)) - self._relative(self.prints.truth)
 
-    def _outcomes(self, guess: Guess) -> NDArray[np.int64]:
-        prediction = self.prints.predict(guess)
-        assert prediction is not None
-        return prediction.outcomes
-
-    def _bold(self, seeds: Sequence[_Tried], singles: Mapping[str, _Tried]) -> list[Guess]:
+    def _bold(self, seeds: Sequence[_Scored], singles: Mapping[str, _Scored]) -> list[Guess]:
         """Return the best guesses, each with every other mistake.
 
         A mistake that changes much spoils the sum of fingerprints.
@@ -289,7 +283,7 @@ class _Search:
         joined += [joined_guess(seed.guess, guess) for seed in seeds[1:] for guess in others]
         return list(dict.fromkeys(guess for guess in joined if guess))
 
-    def _refined(self, tried: _Tried) -> _Tried:
+    def _refined(self, tried: _Scored) -> _Scored:
         """Return a guess with the time step that fits best, where it is not known.
 
         The effect of a scheme grows with a power of its step, more or less, as long as ball and
@@ -338,11 +332,9 @@ class _Search:
             return 1.0
         # A median of ratios, weighted by the steps: whatever jumps has no say.
         ratios, weights = way[used] / step[used], np.abs(step[used])
-        order = np.argsort(ratios)
-        middle = np.searchsorted(np.cumsum(weights[order]), weights.sum() / 2)
-        return float(ratios[order][middle])
+        return float(np.quantile(ratios, 0.5, weights=weights, method="inverted_cdf"))
 
-    # --- the words --------------------------------------------------------------------------------
+    # --- the text ---------------------------------------------------------------------------------
 
     def _found(
         self,
@@ -350,18 +342,18 @@ class _Search:
         sentence: str,
         named: Sequence[str],
         share: float,
-        singles: Mapping[str, _Tried],
-        best: _Tried | None = None,
+        singles: Mapping[str, _Scored],
+        best: _Scored | None = None,
     ) -> Diagnosis:
         if finding == "known":
             step = best.guess.dt if best else 0.0
-            sentence = "; ".join(
-                f"it {(KNOWN | {SINGLE.name: SINGLE})[name].sentence}" for name in named
-            )
+            sentence = "; ".join(f"it {_MISTAKES[name].sentence}" for name in named)
             if best:
                 sentence += f": this explains {share:.2%} of the error"
             else:
-                sentence += f", which leaves errors like these, {self.most:.0e} of each quantity"
+                sentence += (
+                    f", which leaves errors like these, {self.quantile90:.0e} of each quantity"
+                )
             if step:
                 sentence += f" (Δt = {step:.4g} s)"
             if best and self._misses_as(best.guess):
@@ -382,41 +374,30 @@ class _Search:
 
     def _misses_as(self, guess: Guess) -> bool:
         """Tell whether the candidate misses a bat that steps in a guess's scheme miss, too."""
-        prediction = self.prints.predict(guess)
-        if prediction is None or not any(atom.made.scheme for atom in guess.atoms):
+        if not any(atom.made.scheme for atom in guess.atoms):
             return False
         candidate, scheme, truth = (
             answers.outcomes == OUTCOMES["missed"]
-            for answers in (self.candidate, prediction, self.prints.truth)
+            for answers in (self.candidate, self.predicted(guess), self.prints.truth)
         )
         return bool((candidate & scheme & ~truth).any())
 
-    def _suspect(self, name: str, singles: Mapping[str, _Tried], best: _Tried | None) -> Suspect:
-        if name == SINGLE.name:
-            return Suspect(
-                name=name,
-                sentence=SINGLE.sentence,
-                remedy=SINGLE.remedy,
-                share=None,
-                step=None,
-                twins=[],
-            )
-        mistake, alone = KNOWN[name], singles[name]
-        dt = best.guess.dt if best and name in best.guess.names else alone.guess.dt
-        atom = alone.guess.atoms[0].made
-        return Suspect(
-            name=name,
-            sentence=mistake.sentence,
-            remedy=mistake.remedy,
-            share=self.share(alone.left),
-            step=dt if atom.steps else None,
-            twins=self._twins(alone, best if best and name in best.guess.names else None),
-        )
+    def _suspect(self, name: str, singles: Mapping[str, _Scored], best: _Scored | None) -> Suspect:
+        mistake = _MISTAKES[name]
+        found: dict[str, Any] = {"share": None, "step": None, "twins": []}
+        if name in singles:
+            alone, together = singles[name], best if best and name in best.guess.names else None
+            guess = together.guess if together else alone.guess
+            found = {
+                "share": self.share(alone.left),
+                "step": guess.dt if alone.guess.atoms[0].made.steps else None,
+                "twins": self._twins(alone, together),
+            }
+        return Suspect(name=name, sentence=mistake.sentence, remedy=mistake.remedy, **found)
 
-    def _twins(self, alone: _Tried, best: _Tried | None) -> list[str]:
-        """Return the other mistakes that predict the same, alone or in the company named."""
-        mine = self.prints.predict(alone.guess)
-        assert mine is not None
+    def _twins(self, alone: _Scored, best: _Scored | None) -> list[str]:
+        """Return the other mistakes that predict the same, alone or in the set named."""
+        mine = self.predicted(alone.guess)
         if self.prints.error(mine, self.prints.truth, self.seen) <= ROUNDING:
             return []  # seen by nobody: no twin of another such
         same = [
@@ -424,18 +405,17 @@ class _Search:
             for guess in self.alone
             if guess.names != alone.guess.names and self._alike(mine, guess)
         ]
-        return list(dict.fromkeys([*same, *self._twins_in_company(alone, best)]))
+        return list(dict.fromkeys([*same, *self._twins_in_set(alone, best)]))
 
-    def _twins_in_company(self, alone: _Tried, best: _Tried | None) -> Iterator[str]:
-        """Yield the mistakes of the scheme that would do as well beside the others named.
+    def _twins_in_set(self, alone: _Scored, best: _Scored | None) -> Iterator[str]:
+        """Yield the mistakes of the scheme that would do as well in the set named.
 
         What tells two of them apart may be hidden by a third: no root of Appendix B is seen where
         a slow pitch never reaches the bat.
         """
         if best is None or not alone.guess.atoms[0].made.scheme:
             return
-        mine = self.prints.predict(best.guess)
-        assert mine is not None
+        mine = self.predicted(best.guess)
         rest = tuple(atom for atom in best.guess.atoms if atom.mistake != alone.guess.names[0])
         for atom in dict.fromkeys(guess.atoms[0] for guess in self.alone):
             if not atom.made.scheme:
@@ -463,10 +443,10 @@ def common_step(times: Sequence[float]) -> float | None:
 
     A multiple is met to a millionth of a step.
     """
-    told = sorted({time for time in times if time > LONGEST_STEP})
-    if len(told) < 5:
+    distinct = sorted({time for time in times if time > LONGEST_STEP})
+    if len(distinct) < 5:
         return None
-    known = np.array(told[:12])
+    known = np.array(distinct[:12])
     counts = np.arange(math.ceil(known[0] / LONGEST_STEP), math.floor(known[0] / SHORTEST_STEP) + 1)
     multiples = known[1:, None] * counts / known[0]
     fits = np.abs(multiples - np.round(multiples)).max(axis=0) < 1e-6
@@ -486,8 +466,8 @@ def _in_single_precision(answers: Iterable[Answer]) -> bool:
     for answer in answers:
         for name, value in answer.values.items():
             numbers[name].update(x for x in value if x)
-    told = [all(map(_is_single, some)) for some in numbers.values() if len(some) >= ENOUGH]
-    return 2 * sum(told) > len(told)
+    single = [all(map(_is_single, some)) for some in numbers.values() if len(some) >= ENOUGH]
+    return 2 * sum(single) > len(single)
 
 
 def _is_single(x: Decimal) -> bool:
@@ -495,7 +475,3 @@ def _is_single(x: Decimal) -> bool:
         return False
     single = np.float32(float(x))
     return float(x) == float(single) or x in (Decimal(str(single)), Decimal(f"{single:.9g}"))
-
-
-def _listed(names: Sequence[str]) -> str:
-    return " and ".join(names)

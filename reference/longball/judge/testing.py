@@ -17,9 +17,9 @@ from typing import Any
 from longball.judge.answers import Answer, Collector
 from longball.judge.cases import Case, Exact, Profile
 from longball.judge.quantities import values_of
-from longball.judge.verdict import REQUIRABLE, compare
+from longball.judge.text import describe
+from longball.judge.verdict import check_requirable, compare
 from longball.judge.verdict import failure as failure_of
-from longball.judge.words import told
 from longball.model.result import Result
 
 
@@ -52,9 +52,7 @@ def assert_case(
         If something required cannot be.
     """
     __tracebackhide__ = True  # pytest shows the caller's line
-    for name in require:
-        if name not in REQUIRABLE:
-            raise ValueError(f"{name} cannot be required; {', '.join(REQUIRABLE)} can")
+    check_requirable(require)
     profile = profile or Exact()
     (truth,) = profile.truths([case])
     answer, faults = _answer(case, obtained)
@@ -62,7 +60,7 @@ def assert_case(
     if comparison.judged:
         if answer is not None and answer.error is not None:
             faults.append(f"no answer: {answer.error}")
-        faults += [told(fault) for fault in failure_of(comparison).faults]
+        faults += [describe(fault) for fault in failure_of(comparison).faults]
         faults += [
             f"{name}: is missing"
             for name in comparison.missing
@@ -82,7 +80,7 @@ def _answer(case: Case, obtained: Result | Mapping[str, Any]) -> tuple[Answer | 
     collector = Collector([case.id])
     line = json.dumps({**obtained, "id": case.id}, default=_plain)
     collector.take_line(1, line.encode())
-    faults = [c.sentence.removeprefix(f"{case.id}: ") for c in collector.complaints]
+    faults = [issue.sentence.removeprefix(f"{case.id}: ") for issue in collector.issues]
     return collector.answers.get(case.id), faults
 
 

@@ -1,7 +1,7 @@
 """The verdict: a candidate's answers beside the truth, counted and measured.
 
 `compare` judges one answer, `verdict` all of them. The verdict is a pydantic model, so that it is
-written and read as JSON by a schema; `longball.judge.words` writes it for a person.
+written and read as JSON by a schema; `longball.judge.text` writes it for a person.
 """
 
 from __future__ import annotations
@@ -10,16 +10,17 @@ import json
 import math
 import sys
 from collections import Counter, defaultdict
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from statistics import median
 from typing import Any
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
-from longball.judge.answers import Answer, Collector, Kind
+from longball.convergence import ConvergenceReport
+from longball.convergence.report import Frozen
+from longball.judge.answers import Answer, Collector, Issue
 from longball.judge.cases import FRAGILE, Case, Profile, attainable, decidable
-from longball.judge.convergence_report import ConvergenceReport
 from longball.judge.diagnosis import Diagnosis
 from longball.judge.quantities import QUANTITIES, Value, difference, length, radii_of, values_of
 from longball.judge.sampling import Sampling
@@ -27,10 +28,6 @@ from longball.model.schema import DRAFT, FOLDER, text
 
 # What --require can name besides the quantities.
 REQUIRABLE = ("all", "answers", "outcome", *QUANTITIES)
-
-
-class _Strict(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
 
 # --- one answer -----------------------------------------------------------------------------------
@@ -191,7 +188,7 @@ def _measure(
 # --- the verdict, as JSON has it ------------------------------------------------------------------
 
 
-class Row(_Strict):
+class Row(Frozen):
     """A quantity of a family of cases."""
 
     family: str
@@ -213,7 +210,7 @@ class Row(_Strict):
     worst_case: str = Field(description="id of the case with the worst error")
 
 
-class Fault(_Strict):
+class Fault(Frozen):
     """What is wrong in one answer."""
 
     what: str = Field(description="outcome, or a quantity")
@@ -224,7 +221,7 @@ class Fault(_Strict):
     tolerance: float | None
 
 
-class Failure(_Strict):
+class Failure(Frozen):
     """A case that failed."""
 
     id: str
@@ -242,7 +239,7 @@ class Failure(_Strict):
         )
 
 
-class Confusion(_Strict):
+class Confusion(Frozen):
     """How often one outcome was given for another."""
 
     expected: str
@@ -250,7 +247,7 @@ class Confusion(_Strict):
     cases: int
 
 
-class Missing(_Strict):
+class Missing(Frozen):
     """A quantity that was left out."""
 
     quantity: str
@@ -258,22 +255,14 @@ class Missing(_Strict):
     required: bool
 
 
-class Refusal(_Strict):
+class Unsolved(Frozen):
     """A scene that the candidate says it cannot solve."""
 
     id: str
     reason: str
 
 
-class Grievance(_Strict):
-    """Something wrong with the candidate's output or conduct."""
-
-    kind: Kind
-    sentence: str
-    line: int | None
-
-
-class Verdict(_Strict):
+class Verdict(Frozen):
     """A candidate's answers beside the truth."""
 
     passed: bool
@@ -291,12 +280,12 @@ class Verdict(_Strict):
     failures: list[Failure] = Field(description="the worst first")
     missing: list[Missing]
     unanswered: list[str]
-    refused: list[Refusal]
+    refused: list[Unsolved]
     undecidable: list[str] = Field(
         description="ids of cases without a truth, or with one that hangs on the last bits of "
         "the inputs: any answer will do"
     )
-    complaints: list[Grievance] = Field(description="those about its conduct first")
+    complaints: list[Issue] = Field(description="those about its conduct first")
     complaints_left_out: dict[str, int] = Field(description="of a kind, beyond those listed")
     standard_error: str = Field(description="its end")
     seconds: float | None
@@ -323,24 +312,53 @@ def schema() -> dict[str, Any]:
     return {"$schema": DRAFT} | Verdict.model_json_schema(mode="serialization")
 
 
-def compare_all(cases: Sequence[Case], collected: Collector, profile: Profile) -> list[Comparison]:
-    """Hold the answers against cases that the profile's `truths` returned."""
-    return [compare(case, collected.answers.get(case.id), profile) for case in cases]
+def check_requirable(names: Iterable[str]) -> None:
+    """Raise a ValueError that names what is not in `REQUIRABLE`."""
+    for name in names:
+        if name not in REQUIRABLE:
+            raise ValueError(f"{name} cannot be required; {', '.join(REQUIRABLE)} can")
+
+
+def compare_all(
+    cases: Sequence[Case], answers: Mapping[str, Answer], profile: Profile
+) -> list[Comparison]:
+    """Hold answers, by scene, against cases that the profile's `truths` returned."""
+    return [compare(case, answers.get(case.id), profile) for case in cases]
+
+
+@dataclass(frozen=True)
+class Submission:
+    """What is known of a candidate.
+
+    Attributes
+    ----------
+    candidate
+        What it is called.
+    collected
+        Its answers, and what is wrong with its output or conduct.
+    standard_error, seconds
+        Of its run, if it was run.
+    convergence
+        How it converges, if a family of steps was run.
+    sampling
+        How it draws at-bats, if it gave some.
+    """
+
+    candidate: str
+    collected: Collector
+    standard_error: str = ""
+    seconds: float | None = None
+    convergence: ConvergenceReport | None = None
+    sampling: Sampling | None = None
 
 
 def verdict(
     comparisons: Sequence[Comparison],
-    collected: Collector,
-    profile: Profile,
-    *,
-    candidate: str,
-    truth: str = "golden data",
+    submission: Submission,
+    profile: str,
+    truth: str,
     require: Collection[str] = (),
-    standard_error: str = "",
-    seconds: float | None = None,
     diagnosis: Diagnosis | None = None,
-    convergence: ConvergenceReport | None = None,
-    sampling: Sampling | None = None,
 ) -> Verdict:
     """Return the verdict on a candidate.
 
@@ -348,42 +366,32 @@ def verdict(
     ----------
     comparisons
         From `compare_all`.
-    collected
-        Where the answers are from, and what there is to complain of.
-    profile
-        By which they were compared.
-    candidate
-        What it is called.
-    truth
-        Where the cases are from; a profile with an engine of its own names that instead.
+    submission
+        What was compared, and what else is known of the candidate.
+    profile, truth
+        By which rule it was compared, and with what.
     require
         What must not be missing: names of `REQUIRABLE`.
-    standard_error, seconds
-        Of the candidate's run.
     diagnosis
         From `longball.judge.search`.
-    convergence
-        From `longball.judge.convergence`.
-    sampling
-        From `longball.judge.sampling`.
 
     Raises
     ------
     ValueError
         If something required is not in `REQUIRABLE`.
     """
-    for name in require:
-        if name not in REQUIRABLE:
-            raise ValueError(f"{name} cannot be required; {', '.join(REQUIRABLE)} can")
+    check_requirable(require)
     judged = [c for c in comparisons if c.judged and c.answer is not None and not c.refused]
     failures = sorted((failure(c) for c in judged if not c.passed), key=lambda f: -f.excess)
     unanswered = [c.case.id for c in comparisons if c.answer is None]
     refused = [
-        Refusal(id=c.case.id, reason=c.answer.error)
+        Unsolved(id=c.case.id, reason=c.answer.error)
         for c in comparisons
         if c.judged and c.answer is not None and c.answer.error is not None
     ]
     missing = _missing(comparisons, require)
+    collected = submission.collected
+    convergence, sampling = submission.convergence, submission.sampling
     reasons = _reasons(comparisons, judged, failures, missing, collected)
     if {"all", "answers"} & set(require) and (silent := len(unanswered) + len(refused)):
         reasons.append(f"{silent} scenes without an answer, and answers are required")
@@ -391,13 +399,12 @@ def verdict(
         reasons += [f"convergence: {fault}" for fault in convergence.faults]
     if sampling:
         reasons += [f"sampling: {found.sentence}" for found in sampling.wrong]
-    engine = profile.engine()
     return Verdict(
         passed=not reasons,
         reasons=reasons,
-        candidate=candidate,
-        profile=str(profile),
-        truth=engine.description if engine else truth,
+        candidate=submission.candidate,
+        profile=profile,
+        truth=truth,
         cases=len(comparisons),
         judged=len(judged),
         right=len(judged) - len(failures),
@@ -410,13 +417,10 @@ def verdict(
         unanswered=unanswered,
         refused=refused,
         undecidable=[c.case.id for c in comparisons if not c.judged],
-        complaints=[
-            Grievance(kind=c.kind, sentence=c.sentence, line=c.line)
-            for c in sorted(collected.complaints, key=lambda c: c.kind != "process")
-        ],
+        complaints=sorted(collected.issues, key=lambda issue: issue.kind != "process"),
         complaints_left_out=dict(collected.left_out),
-        standard_error=standard_error,
-        seconds=seconds,
+        standard_error=submission.standard_error,
+        seconds=submission.seconds,
         diagnosis=diagnosis,
         convergence=convergence,
         sampling=sampling,
@@ -438,9 +442,9 @@ def _reasons(
     if failures:
         reasons.append(f"{len(failures)} of {len(judged)} answers are wrong")
     reasons += [f"{m.quantity} is missing in {m.cases} answers" for m in missing if m.required]
-    complaints = len(collected.complaints) + sum(collected.left_out.values())
-    if complaints:
-        reasons.append(f"{complaints} complaints about its output or conduct")
+    if issues := len(collected.issues) + sum(collected.left_out.values()):
+        noun = "issue" if issues == 1 else "issues"
+        reasons.append(f"{issues} {noun} with its output or conduct")
     return reasons
 
 
@@ -519,39 +523,17 @@ def _row(family: str, name: str, unit: str, group: list[tuple[Comparison, Measur
 def failure(comparison: Comparison) -> Failure:
     """Return what is wrong in a comparison; nothing may be."""
     case, answer = comparison.case, comparison.answer
+    expected, radii = values_of(case.expected), radii_of(case.expected)
     faults = []
     if comparison.outcome_wrong:
-        faults.append(
-            Fault(
-                what="outcome",
-                expected=[str(case.expected.outcome)],
-                radius=[],
-                obtained=[str(answer.outcome if answer else None)],
-                error=None,
-                tolerance=None,
-            )
-        )
-    expected, radii = values_of(case.expected), radii_of(case.expected)
+        outcome = answer.outcome if answer else None
+        faults.append(_fault("outcome", [case.expected.outcome], (), [outcome]))
     faults += [
-        Fault(
-            what=name,
-            expected=list(map(str, expected.get(name, ()))),
-            radius=list(map(str, radii.get(name, ()))),
-            obtained=["not a number"],
-            error=None,
-            tolerance=None,
-        )
+        _fault(name, expected.get(name, ()), radii.get(name, ()), ["not a number"])
         for name in comparison.unreadable
     ]
     faults += [
-        Fault(
-            what=m.quantity,
-            expected=list(map(str, m.expected)),
-            radius=list(map(str, m.radius)),
-            obtained=list(map(str, m.obtained)),
-            error=m.error,
-            tolerance=m.tolerance,
-        )
+        _fault(m.quantity, m.expected, m.radius, m.obtained, m.error, m.tolerance)
         for m in sorted(comparison.measured, key=lambda m: -m.excess)
         if not m.passed
     ]
@@ -562,6 +544,19 @@ def failure(comparison: Comparison) -> Failure:
         scene=json.loads(case.scene.line()),
         faults=faults,
     )
+
+
+def _fault(
+    what: str,
+    expected: Iterable[object],
+    radius: Iterable[object],
+    obtained: Iterable[object],
+    error: float | None = None,
+    tolerance: float | None = None,
+) -> Fault:
+    numbers = {"expected": expected, "radius": radius, "obtained": obtained}
+    texts = {name: [str(x) for x in held] for name, held in numbers.items()}
+    return Fault(what=what, **texts, error=error, tolerance=tolerance)
 
 
 if __name__ == "__main__":

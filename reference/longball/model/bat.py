@@ -15,15 +15,15 @@ from longball.model.readings import Reading
 from longball.model.scene import Ball, Bat, Rotation
 
 
-def lever(y: N, bat: Bat, numbers: Numbers[N]) -> N:
+def lever_arm(y: N, bat: Bat, numbers: Numbers[N]) -> N:
     """Return r̃, m: the distance from B to the foot of the perpendicular from the ball."""
     return numbers.exact(bat.length) / 2 - y
 
 
-def bat_velocity(lever: N, swing: Rotation, numbers: Numbers[N]) -> Vector[N]:
-    """Return V_b = ω' × r̃, m/s, with ω' = ω(-sin θ, 0, cos θ) and r̃ = (0, -lever, 0)."""
+def bat_velocity(lever_arm: N, swing: Rotation, numbers: Numbers[N]) -> Vector[N]:
+    """Return V_b = ω' × r̃, m/s, with ω' = ω(-sin θ, 0, cos θ) and r̃ = (0, -lever_arm, 0)."""
     cos, sin = numbers.cos_sin(numbers.exact(swing.tilt))
-    speed = numbers.exact(swing.angular_speed) * lever
+    speed = numbers.exact(swing.angular_speed) * lever_arm
     return speed * cos, numbers.exact(0.0), speed * sin
 
 
@@ -40,7 +40,7 @@ def moment_of_inertia(bat: Bat, reading: Reading, numbers: Numbers[N]) -> N:
 
 
 @dataclass(frozen=True)
-class Couple(Generic[N]):
+class CollisionParameters(Generic[N]):
     """What the impulse depends on besides the velocities.
 
     Attributes
@@ -55,22 +55,24 @@ class Couple(Generic[N]):
     reduced_mass: N
 
 
-def couple(ball: Ball, bat: Bat, lever: N, reading: Reading, numbers: Numbers[N]) -> Couple[N]:
-    """Return ẽ and μ at a distance `lever` (m) from the pivot, as the reading has them."""
+def collision_parameters(
+    ball: Ball, bat: Bat, lever_arm: N, reading: Reading, numbers: Numbers[N]
+) -> CollisionParameters[N]:
+    """Return ẽ and μ at a distance `lever_arm` (m) from the pivot, as the reading has them."""
     m, e, inertia = (
         numbers.exact(ball.mass),
         numbers.exact(ball.restitution),
         moment_of_inertia(bat, reading, numbers),
     )
-    arm = lever if reading.effective_mass == "as_printed" else lever * lever
+    arm = lever_arm if reading.effective_mass == "as_printed" else lever_arm * lever_arm
     effective_mass = inertia / arm
     whole_mass = numbers.exact(bat.mass)
     match reading.bat_ball_restitution:
         case "nathan":
-            return Couple(e, reduced_mass(m, effective_mass))
+            return CollisionParameters(e, reduced_mass(m, effective_mass))
         case "plain":
-            return Couple(e, reduced_mass(m, whole_mass))
+            return CollisionParameters(e, reduced_mass(m, whole_mass))
         case "as_printed":
             ratio = m / effective_mass
             struck = effective_mass if reading.reduced_mass == "effective_mass" else whole_mass
-            return Couple(e * (1 + ratio) + ratio, reduced_mass(m, struck))
+            return CollisionParameters(e * (1 + ratio) + ratio, reduced_mass(m, struck))

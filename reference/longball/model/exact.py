@@ -1,6 +1,6 @@
 """Exact results that any engine can be held against: closed forms, invariants, balance laws.
 
-All hold in the plane of a flight, for constant k_D, k_L and g (`longball.model.motion`), and all
+All hold in the plane of a flight, for constant k_D, k_L and g (`longball.model.law`), and all
 run over the number system of their arguments: the functions of analysis are taken from `math` for
 doubles, from `mpmath.mp` for its numbers, from `METHODS` for numbers that carry their functions as
 methods, such as flint's `arb`. Nothing is decided here, so nothing has to be compared.
@@ -11,10 +11,11 @@ in 1/m, `gravity` is g in m/s²; speeds are in m/s, times in s, lengths in m. V 
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from operator import methodcaller
 from typing import Generic, NamedTuple, Protocol
 
-from longball.model.motion import Forces, PlaneState
+from longball.model.law import PlaneState
 from longball.model.numbers import N
 
 
@@ -163,7 +164,7 @@ def fall_to_floor(
 
 
 def weightless(
-    start: PlaneState[N], forces: Forces[N], time: N, functions: Functions[N]
+    start: PlaneState[N], drag: N | None, lift: N | None, time: N, functions: Functions[N]
 ) -> PlaneState[N]:
     """Return the state of a ball without weight, `time` seconds after its launch.
 
@@ -172,7 +173,6 @@ def weightless(
     path is a circle of radius 1/k_L, of which the ball has flown a chord ``2 sin(k_L σ/2)/k_L``.
     Without drag or lift: the limits k_D -> 0, k_L -> 0.
     """
-    drag, lift = forces.drag, forces.lift
     u, w = start.u, start.w
     speed = functions.sqrt(u * u + w * w)
     slowing = 1 + 0 * speed
@@ -253,21 +253,16 @@ def phugoid_rate(state: PlaneState[N], drag: N, lift: N, gravity: N, functions: 
 def scaled_state(state: PlaneState[N], length: N, functions: Functions[N]) -> PlaneState[N]:
     """Return the state with lengths times λ = `length` and times times √λ.
 
-    In `scaled_forces` it flies the scaled path: every term of the equations of motion, k V² and
+    In `scaled_strengths` it flies the scaled path: every term of the equations of motion, k V² and
     g, keeps its value, and so does length/time².
     """
     root = functions.sqrt(length)
     return PlaneState(length * state.s, length * state.z, root * state.u, root * state.w)
 
 
-def scaled_forces(forces: Forces[N], length: N) -> Forces[N]:
-    """Return the forces with k_D and k_L divided by λ = `length` and g unchanged."""
-    return Forces(
-        drag=None if forces.drag is None else forces.drag / length,
-        lift=None if forces.lift is None else forces.lift / length,
-        gravity=forces.gravity,
-        always_up=forces.always_up,
-    )
+def scaled_strengths(strengths: Mapping[str, N], length: N) -> dict[str, N]:
+    """Return the strengths of a law with k_D and k_L divided by λ = `length` and g unchanged."""
+    return {n: k if n == "gravity" else k / length for n, k in strengths.items()}
 
 
 def _terminal_speed(drag: N, gravity: N, functions: Functions[N]) -> N:

@@ -7,8 +7,10 @@ so that they stand once for doubles, for mpmath and for ball arithmetic.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager, nullcontext
-from typing import Any, Protocol, Self, TypeVar
+from types import MappingProxyType
+from typing import Any, Generic, Protocol, Self, TypeVar, cast
 
 from longball.model.result import Number
 
@@ -26,11 +28,21 @@ class Real(Protocol):
     def __rtruediv__(self, other: Any, /) -> Self: ...
     def __neg__(self) -> Self: ...
     def __abs__(self) -> Self: ...
+    # Of balls, only what is certain; of arrays, element by element.
+    def __lt__(self, other: Any, /) -> Any: ...
+    def __le__(self, other: Any, /) -> Any: ...
+    def __gt__(self, other: Any, /) -> Any: ...
+    def __ge__(self, other: Any, /) -> Any: ...
 
 
 N = TypeVar("N", bound=Real)
 
 Vector = tuple[N, N, N]
+
+
+def absolute(x: N) -> N:
+    """Return the size of a number."""
+    return cast(N, abs(x))
 
 
 class Undecided(ArithmeticError):
@@ -51,8 +63,18 @@ class Numbers(Protocol[N]):
     def arithmetic(self) -> AbstractContextManager[object]:
         """Return the context in which + - * / of these numbers are as precise as the system."""
 
+    @property
+    def functions(self) -> Mapping[str, Callable[..., N]]:
+        """The functions of traced formulas: `sqrt`, `exp`, `log`, and `unit` (`trace.Node`)."""
+
     def exact(self, value: float) -> N:
         """Return the double `value` itself, not a rounded or decimal relative of it."""
+
+    def absent(self, value: float) -> bool:
+        """Tell whether a number of a scene is zero, so that what it multiplies is not there."""
+
+    def where(self, condition: Any, x: N, y: N) -> N:
+        """Return x where a condition of `positive` holds, y elsewhere."""
 
     def sqrt(self, x: N) -> N:
         """Return the square root of ``x >= 0``."""
@@ -73,12 +95,32 @@ class Numbers(Protocol[N]):
         """Return `x` as a result writes it."""
 
 
-class Doubles:
+def ratio(part: Any, whole: Any) -> Any:
+    """Return ``part / whole`` for a part of a vector's size, and 0 for a vector of no size."""
+    return part / whole if whole != 0 else part * 0
+
+
+class Single(Generic[N]):
+    """What number systems of one number at a time share."""
+
+    def absent(self, value: float) -> bool:
+        """Tell whether a number of a scene is zero."""
+        return value == 0.0
+
+    def where(self, condition: bool, x: N, y: N) -> N:
+        """Return x if a condition holds, else y."""
+        return x if condition else y
+
+
+class Doubles(Single[float]):
     """IEEE 754 double precision."""
 
     pi = math.pi
     rounding = 2.0**-53  # half an ulp of 1, relative
     sqrt = staticmethod(math.sqrt)  # correctly rounded; every evaluation of a force calls it
+    functions: Mapping[str, Callable[..., float]] = MappingProxyType(
+        {"sqrt": math.sqrt, "exp": math.exp, "log": math.log, "unit": ratio}
+    )
 
     def arithmetic(self) -> AbstractContextManager[None]:
         """Return a context that does nothing: doubles are what they are."""

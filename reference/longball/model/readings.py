@@ -1,11 +1,14 @@
 """The ledger of readings: every place where the paper is silent, ambiguous or wrong.
 
-Each entry is a named switch of a scene's ``reading`` block. The default is the first option.
-Nothing in the code decides one of these silently.
+Each entry is a named switch. It belongs to what it changes: to a scene's physics (`Reading`, a
+scene's ``reading`` block), to the sampling of at-bats (`SamplingReading`), to the paper's scheme
+(an option of the engine ``verlet``) or to the figure that P(e) is held against. The default is the
+first option. Nothing in the code decides one of these silently.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal, Self, get_args
 
@@ -39,27 +42,33 @@ VerletForces = Literal[
 VerletLanding = Literal["interpolated", "first_below"]
 AppendixBRoot = Literal["first", "larger"]
 
+Belongs = Literal["scene", "sampling", "scheme", "figure"]
 
-class Reading(BaseModel):
-    """One reading of the paper: an option for every switch of the ledger."""
+# The switches of the scheme, and the options of the engine verlet that they are.
+SCHEME_OPTIONS = {"verlet_forces": "forces", "verlet_landing": "landing", "appendix_b_root": "root"}
+FIGURE_SWITCH = "fig7_parameters"
 
+
+class _Switches(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
 
-    speed_table: SpeedTable = "columns_swapped"
-    speed_spread: SpeedSpread = "standard_deviation"
+    @model_serializer(mode="wrap")
+    def _only_what_differs(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        default = type(self).model_fields
+        return {
+            name: value for name, value in handler(self).items() if value != default[name].default
+        }
+
+
+class Reading(_Switches):
+    """One reading of the physics: an option for every switch that changes what a scene does."""
+
     effective_mass: EffectiveMass = "inertia_over_r_squared"
     bat_ball_restitution: BatBallRestitution = "as_printed"
     reduced_mass: ReducedMass = "bat_mass"
     inertia: Inertia = "solid_cylinder"
-    offset_spread: float = Field(default=0.0366, gt=0.0, description="m")
-    cell_width: float = Field(default=0.144, gt=0.0, description="m")
     lift_direction: LiftDirection = "fixed_spin_axis"
     ground_contact: GroundContact = "centre"
-    sample_space: SampleSpace = "pitches"
-    fig7_parameters: Fig7Parameters = "caption"
-    verlet_forces: VerletForces = "old_carried"
-    verlet_landing: VerletLanding = "interpolated"
-    appendix_b_root: AppendixBRoot = "first"
 
     @model_validator(mode="after")
     def _no_contradiction(self) -> Self:
@@ -71,12 +80,28 @@ class Reading(BaseModel):
             )
         return self
 
-    @model_serializer(mode="wrap")
-    def _only_what_differs(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        default = type(self).model_fields
-        return {
-            name: value for name, value in handler(self).items() if value != default[name].default
-        }
+
+class SamplingReading(_Switches):
+    """One reading of how at-bats are drawn, and of which of them P(e) is a share."""
+
+    speed_table: SpeedTable = "columns_swapped"
+    speed_spread: SpeedSpread = "standard_deviation"
+    offset_spread: float = Field(default=0.0366, gt=0.0, description="m")
+    cell_width: float = Field(default=0.144, gt=0.0, description="m")
+    sample_space: SampleSpace = "pitches"
+
+
+def readings_of(switches: Mapping[str, object]) -> tuple[Reading, SamplingReading]:
+    """Return the readings of scene and sampling that switches of the ledger make.
+
+    Raises
+    ------
+    ValueError
+        If a switch belongs to neither, or does not take its option, or contradicts another.
+    """
+    sampling = {name: x for name, x in switches.items() if name in SamplingReading.model_fields}
+    physics = {name: x for name, x in switches.items() if name not in sampling}
+    return Reading.model_validate(physics), SamplingReading.model_validate(sampling)
 
 
 @dataclass(frozen=True)
@@ -86,7 +111,7 @@ class Entry:
     Attributes
     ----------
     switch
-        Name of the switch in a scene's ``reading`` block.
+        Its name.
     options
         What it can be set to; the default comes first.
     place
@@ -99,6 +124,20 @@ class Entry:
     options: tuple[str, ...]
     place: str
     why: str
+
+    @property
+    def is_switch(self) -> bool:
+        """Whether it is chosen by name; the masses are numbers of a scene."""
+        return self.belongs != "scene" or self.switch in Reading.model_fields
+
+    @property
+    def belongs(self) -> Belongs:
+        """What it changes."""
+        if self.switch in SamplingReading.model_fields:
+            return "sampling"
+        if self.switch in SCHEME_OPTIONS:
+            return "scheme"
+        return "figure" if self.switch == FIGURE_SWITCH else "scene"
 
 
 LEDGER: tuple[Entry, ...] = (
@@ -191,14 +230,14 @@ LEDGER: tuple[Entry, ...] = (
         "Velocity Verlet needs the force at the end of a step before the velocity there is known, "
         "and drag and lift depend on it. Taken at the old velocity (and carried into the next "
         "step, or computed anew there), at the half-step velocity, at one predicted by Euler "
-        "(carried, or anew), or solved for. Only the engine verlet asks.",
+        "(carried, or anew), or solved for.",
     ),
     Entry(
         "verlet_landing",
         ("interpolated", "first_below"),
         "Sec. III.C",
         "Where the ball lands between two steps is not stated: on the line between them, "
-        "or at the first step that is not above the ground. Only the engine verlet asks.",
+        "or at the first step that is not above the ground.",
     ),
     Entry(
         "appendix_b_root",
@@ -206,7 +245,7 @@ LEDGER: tuple[Entry, ...] = (
         "Appendix B",
         "The positive root of the quadratic for Δt' is to be taken, but before the contact both "
         "are positive: the smaller is where the ball enters the bat, the larger where it would "
-        "leave it. Only the engine verlet asks.",
+        "leave it.",
     ),
     Entry(
         "masses",

@@ -144,14 +144,15 @@ class _FlyingScene(_Scene):
         default=60.0, description="s of flight, after which the ball is reported airborne"
     )
 
-    def floor(self, ground: Ground) -> float:
-        """Return the height of the ball's centre at landing, m."""
-        surface = self.reading.ground_contact == "surface"
-        return ground.height + self.ball.radius if surface else ground.height
-
     def _refuse_underground(self, key: str, z: float, floor: float) -> None:
         if z < floor:
             _refuse(f"{key} = {z} is underground: the ball lands at height {floor}")
+
+
+def landing_height(scene: Any) -> Any:
+    """Return the height of the ball's centre at landing, m; of columns of scenes, a column."""
+    height = scene.ground.height
+    return height + scene.ball.radius if scene.reading.ground_contact == "surface" else height
 
 
 class FlightScene(_FlyingScene):
@@ -164,7 +165,7 @@ class FlightScene(_FlyingScene):
     @model_validator(mode="after")
     def _above_ground(self) -> Self:
         self._refuse_underground(
-            "launch.position[2]", self.launch.position[2], self.floor(self.ground)
+            "launch.position[2]", self.launch.position[2], landing_height(self)
         )
         return self
 
@@ -182,7 +183,7 @@ class PitchScene(_FlyingScene):
 
     @model_validator(mode="after")
     def _above_ground(self) -> Self:
-        self._refuse_underground("pitch.release[2]", self.pitch.release[2], self.floor(self.ground))
+        self._refuse_underground("pitch.release[2]", self.pitch.release[2], landing_height(self))
         return self
 
 
@@ -219,7 +220,7 @@ class AtBatScene(_FlyingScene):
 
     @model_validator(mode="after")
     def _above_ground(self) -> Self:
-        self._refuse_underground("pitch.release[2]", self.pitch.release[2], self.floor(self.ground))
+        self._refuse_underground("pitch.release[2]", self.pitch.release[2], landing_height(self))
         return self
 
 

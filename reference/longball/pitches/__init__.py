@@ -1,10 +1,7 @@
 """The paper's data analysis (Sec. II) on any table of pitches."""
 
 from longball.pitches.fitted import (
-    AimMixture,
     FittedPitches,
-    PitchDistributions,
-    SpeedMixture,
     as_text,
     load_fitted,
 )
@@ -13,13 +10,10 @@ from longball.pitches.table import EXAMPLE, Columns, PitchesError, PitchTypes, r
 
 __all__ = [
     "EXAMPLE",
-    "AimMixture",
     "Columns",
     "FittedPitches",
-    "PitchDistributions",
     "PitchTypes",
     "PitchesError",
-    "SpeedMixture",
     "as_text",
     "fit_pitches",
     "load_fitted",

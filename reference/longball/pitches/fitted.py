@@ -1,7 +1,8 @@
-"""What a fit of pitches says: distributions to draw from, their uncertainty, how well they fit.
+"""The result of a fit of pitches: distributions, their uncertainty, and how well they fit.
 
-Everything is in SI units; places across the plate are in cells, with the width of a cell beside
-them. A spread is always a standard deviation. Eq. 2 lacks the 2 of its exponent, so that the σ it
+Everything is in SI units; places across the plate are in cells, numbered from left to right as the
+pitcher sees them and continuous: a cell of the chart reaches half a unit to either side of its
+number. A spread is always a standard deviation. Eq. 2 lacks the 2 of its exponent, so that the σ it
 speaks of as printed is √2 times that; where a σ in the paper's sense is meant, it is called σ.
 """
 
@@ -12,57 +13,17 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import AfterValidator, Field, ValidationError
 
+from longball.home_run import MIDDLE_CELL, Mixture
 from longball.model.scene import explain
-from longball.pitches.table import ROWS_NAMED, Columns, PitchesError, PitchTypes
+from longball.pitches.table import Columns, Omission, PitchesError, PitchTypes, Strict
 
 Method = Literal["maximum_likelihood", "least_squares"]
-Positive = Annotated[float, Field(gt=0.0)]
 Share = Annotated[float, Field(ge=0.0, le=1.0)]
-Pair = tuple[float, float]
 
 
-class _Strict(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
-
-
-# --- to draw from ---------------------------------------------------------------------------------
-
-
-class SpeedMixture(_Strict):
-    """Speed of a pitch: a mixture of two normal distributions (Eqs. 2 and 3)."""
-
-    weights: tuple[Share, Share] = Field(description="p and 1 - p: straight, breaking")
-    means: tuple[Positive, Positive] = Field(description="m/s: straight, breaking")
-    standard_deviations: tuple[Positive, Positive] = Field(description="m/s: straight, breaking")
-
-
-class AimMixture(_Strict):
-    """Where a pitch crosses the plate: two normal distributions of one width (Eq. 4).
-
-    Cells are numbered from left to right as the pitcher sees them, and are continuous: a cell of
-    the chart is from half a unit below its number to half a unit above. In the scene's frame
-    ``P_y = (cell - 3) · cell_width``.
-    """
-
-    weights: tuple[Share, Share] = Field(description="q and 1 - q: left, right")
-    means: Pair = Field(description="cells: left, right")
-    standard_deviation: Positive = Field(description="cells, of both")
-    cell_width: Positive = Field(description="m")
-
-
-class PitchDistributions(_Strict):
-    """All that the sampling of pitches needs."""
-
-    speed: SpeedMixture
-    aim: AimMixture
-
-
-# --- fitted, with uncertainty ---------------------------------------------------------------------
-
-
-class Estimate(_Strict):
+class Estimate(Strict):
     """A fitted number."""
 
     value: float
@@ -72,61 +33,74 @@ class Estimate(_Strict):
     )
 
 
-class SpeedFit(_Strict):
+def _positive(estimate: Estimate) -> Estimate:
+    if estimate.value <= 0.0:
+        raise ValueError("must be positive")
+    return estimate
+
+
+def _share(estimate: Estimate) -> Estimate:
+    if not 0.0 <= estimate.value <= 1.0:
+        raise ValueError("must lie between 0 and 1")
+    return estimate
+
+
+Positive = Annotated[Estimate, AfterValidator(_positive)]
+Weight = Annotated[Estimate, AfterValidator(_share)]
+
+
+class SpeedFit(Strict):
     """Eqs. 2 and 3, fitted."""
 
-    straight_mean: Estimate = Field(description="m/s, μ₁")
-    straight_spread: Estimate = Field(description="m/s, standard deviation")
-    breaking_mean: Estimate = Field(description="m/s, μ₂")
-    breaking_spread: Estimate = Field(description="m/s, standard deviation")
-    weight: Estimate = Field(description="p, of the straight balls")
+    straight_mean: Positive = Field(description="m/s, μ₁")
+    straight_spread: Positive = Field(description="m/s, standard deviation")
+    breaking_mean: Positive = Field(description="m/s, μ₂")
+    breaking_spread: Positive = Field(description="m/s, standard deviation")
+    weight: Weight = Field(description="p, of the straight balls")
     r_squared: float | None = Field(
         description="coefficient of determination of the mixture against the histogram; null if "
         "all its bins are equally full"
     )
 
-    def mixture(self) -> SpeedMixture:
-        """Return the fitted distribution."""
-        p = self.weight.value
-        return SpeedMixture(
-            weights=(p, 1.0 - p),
-            means=(self.straight_mean.value, self.breaking_mean.value),
-            standard_deviations=(self.straight_spread.value, self.breaking_spread.value),
+    def mixture(self) -> Mixture:
+        """Return the fitted distribution, m/s; the straight balls come first."""
+        return Mixture(
+            self.weight.value,
+            (self.straight_mean.value, self.breaking_mean.value),
+            (self.straight_spread.value, self.breaking_spread.value),
         )
 
 
-class AimFit(_Strict):
+class AimFit(Strict):
     """Eq. 4, fitted."""
 
     left_mean: Estimate = Field(description="cells")
     right_mean: Estimate = Field(description="cells")
-    spread: Estimate = Field(description="cells, the standard deviation of both")
-    weight: Estimate = Field(description="q, of the left one")
+    spread: Positive = Field(description="cells, the standard deviation of both")
+    weight: Weight = Field(description="q, of the left one")
     peaks: int = Field(description="maxima of the fitted density: 1 or 2")
     r_squared: float | None = Field(
         description="coefficient of determination against the five cells; null if all are equal"
     )
 
-    def mixture(self, cell_width: float) -> AimMixture:
-        """Return the fitted distribution, for cells of a width in m."""
-        q = self.weight.value
-        return AimMixture(
-            weights=(q, 1.0 - q),
-            means=(self.left_mean.value, self.right_mean.value),
-            standard_deviation=self.spread.value,
-            cell_width=cell_width,
+    def mixture(self, cell_width: float) -> Mixture:
+        """Return the fitted distribution of P_y = (cell - 3) `cell_width`, m; left comes first."""
+        left, right = (
+            (x.value - MIDDLE_CELL) * cell_width for x in (self.left_mean, self.right_mean)
         )
+        deviation = self.spread.value * cell_width
+        return Mixture(self.weight.value, (left, right), (deviation, deviation))
 
 
-class SpeedHistogram(_Strict):
+class SpeedHistogram(Strict):
     """The circles of Fig. 2, by class."""
 
     edges: tuple[float, ...] = Field(description="m/s")
-    straight: tuple[int, ...] = Field(description="pitches a bin")
-    breaking: tuple[int, ...] = Field(description="pitches a bin")
+    straight: tuple[int, ...] = Field(description="pitches per bin")
+    breaking: tuple[int, ...] = Field(description="pitches per bin")
 
 
-class Speeds(_Strict):
+class Speeds(Strict):
     """Fig. 2 and Table II."""
 
     histogram: SpeedHistogram
@@ -138,7 +112,7 @@ class Speeds(_Strict):
     )
 
 
-class Aims(_Strict):
+class Aims(Strict):
     """Fig. 3."""
 
     cells: tuple[int, int, int, int, int] = Field(description="pitches in cells 1 to 5")
@@ -158,7 +132,7 @@ class Aims(_Strict):
     )
 
 
-class Heights(_Strict):
+class Heights(Strict):
     """Fig. 4."""
 
     cells: tuple[int, int, int, int, int] = Field(description="pitches in cells 1 to 5")
@@ -169,17 +143,7 @@ class Heights(_Strict):
     p_value_of_lower_four: Share = Field(description="of that χ² if the shares are equal")
 
 
-class Omission(_Strict):
-    """Rows that were not used."""
-
-    reason: str
-    count: int
-    first_rows: tuple[int, ...] = Field(
-        description=f"numbers of the first {ROWS_NAMED}, from 1 below the header"
-    )
-
-
-class FittedPitches(_Strict):
+class FittedPitches(Strict):
     """The paper's Sec. II on a table of pitches: `longball homerun --pitches` reads it."""
 
     source: str
@@ -197,12 +161,12 @@ class FittedPitches(_Strict):
     bootstrap_seed: int
     draw_from: Method = Field(description="which of the fits is to be drawn from")
 
-    def distributions(self, method: Method | None = None) -> PitchDistributions:
-        """Return the distributions to draw from, or those of another method."""
+    def distributions(self, method: Method | None = None) -> tuple[Mixture, Mixture]:
+        """Return the distributions of speed, m/s, and aim, m, to draw from."""
         method = method or self.draw_from
         speed: SpeedFit = getattr(self.speed, method)
         aim: AimFit = getattr(self.aim, method)
-        return PitchDistributions(speed=speed.mixture(), aim=aim.mixture(self.columns.cell_width))
+        return speed.mixture(), aim.mixture(self.columns.cell_width)
 
 
 def load_fitted(path: str | Path) -> FittedPitches:
@@ -249,16 +213,14 @@ def _lines(fitted: FittedPitches) -> Iterator[str]:
     yield ""
     yield _row("Speed (Table II, Fig. 2)", "maximum likelihood", "histogram", "Eq. 2 as printed")
     fits = (speed.maximum_likelihood, speed.least_squares, speed.least_squares_as_printed)
-    for label, key, scale, digits in (
-        ("mean of straight, km/h", "straight_mean", 3.6, 2),
-        ("  its standard deviation", "straight_spread", 3.6, 2),
-        ("  σ of Eq. 2 as printed", "straight_spread", 3.6 * math.sqrt(2.0), 2),
-        ("mean of breaking, km/h", "breaking_mean", 3.6, 2),
-        ("  its standard deviation", "breaking_spread", 3.6, 2),
-        ("  σ of Eq. 2 as printed", "breaking_spread", 3.6 * math.sqrt(2.0), 2),
-        ("p, weight of straight", "weight", 1.0, 4),
-    ):
-        yield _row(label, *(_number(getattr(fit, key), scale, digits) for fit in fits))
+    for kind in ("straight", "breaking"):
+        for label, key, scale in (
+            (f"mean of {kind}, km/h", f"{kind}_mean", 3.6),
+            ("  its standard deviation", f"{kind}_spread", 3.6),
+            ("  σ of Eq. 2 as printed", f"{kind}_spread", 3.6 * math.sqrt(2.0)),
+        ):
+            yield _row(label, *(_number(getattr(fit, key), scale, 2) for fit in fits))
+    yield _row("p, weight of straight", *(_number(fit.weight, 1.0, 4) for fit in fits))
     yield _row("R² of the mixture", *(_determination(fit.r_squared) for fit in fits))
 
     aim = fitted.aim

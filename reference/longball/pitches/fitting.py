@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple, TextIO
 
@@ -25,13 +25,11 @@ from longball.pitches.fitted import (
     FittedPitches,
     Heights,
     Method,
-    Omission,
     SpeedFit,
     SpeedHistogram,
     Speeds,
 )
 from longball.pitches.table import (
-    ROWS_NAMED,
     SPEED_UNITS,
     Booleans,
     Columns,
@@ -60,7 +58,7 @@ BIN_WIDTH = 3.0
 # Five numbers are fitted to the histogram; and more bins than this hold next to nothing each.
 FEWEST_BINS, MOST_BINS = 5, 1000
 
-# Below this the errors given here, all of them for large samples, would be a pretence.
+# The standard errors here are asymptotic: they need samples of at least this size.
 FEWEST_PITCHES = 20
 
 # The grid of Fig. 1 across the plate: boundaries of the five cells, the outer ones open.
@@ -118,10 +116,7 @@ def fit_pitches(
         types=types,
         rows_read=pitches.rows_read,
         rows_used=len(pitches.types),
-        left_out=tuple(
-            Omission(reason=each.reason, count=len(each.rows), first_rows=each.rows[:ROWS_NAMED])
-            for each in pitches.left_out
-        ),
+        left_out=pitches.left_out,
         straight=dict(straight.most_common()),
         breaking=dict(breaking.most_common()),
         speed=_fit_speeds(pitches, bin_width, replicates, generator),
@@ -181,18 +176,11 @@ class NormalCurve(NamedTuple):
         """Return the mean and σ > 0 of the curve nearest to a density, from a first guess."""
         from scipy.optimize import least_squares
 
-        def residuals(theta: Floats) -> Floats:
-            return self(v, *theta) - density
-
-        def jacobian(theta: Floats) -> Floats:
-            z = (v - theta[0]) / theta[1]
-            slope = self(v, *theta) / theta[1]
-            return np.stack(
-                [slope * 2.0 * z / self.factor, slope * (2.0 * z * z / self.factor - 1.0)], axis=1
-            )
-
         found = least_squares(
-            residuals, (mean, sigma), jacobian, method="lm", x_scale=(sigma, sigma)
+            lambda theta: self(v, *theta) - density,
+            (mean, sigma),
+            method="lm",
+            x_scale=(sigma, sigma),
         )
         return float(found.x[0]), abs(float(found.x[1]))
 
@@ -205,14 +193,10 @@ def _fit_speeds(
     pitches: Pitches, bin_width: float, replicates: int, generator: np.random.Generator
 ) -> Speeds:
     edges = _bins(pitches.speed, bin_width, pitches.columns)
-    counts = np.stack(
-        [
-            np.histogram(pitches.speed[chosen], edges)[0]
-            for chosen in (pitches.straight, ~pitches.straight)
-        ]
-    )
+    classes = (pitches.straight, ~pitches.straight)
+    counts = np.stack([np.histogram(pitches.speed[chosen], edges)[0] for chosen in classes])
     by_likelihood = _likeliest_speeds(pitches, edges, counts)
-    start = _values(by_likelihood)
+    start = tuple(getattr(by_likelihood, name).value for name in _NAMES)
     return Speeds(
         histogram=SpeedHistogram(
             edges=tuple(edges.tolist()),
@@ -254,15 +238,8 @@ def _likeliest_speeds(pitches: Pitches, edges: Floats, counts: Counts) -> SpeedF
         _likeliest_normal(pitches.speed[chosen], _variance_of_rounding(pitches.columns))
         for chosen in (pitches.straight, ~pitches.straight)
     )
-    values = (mean_1.value, spread_1.value, mean_2.value, spread_2.value, share)
-    return SpeedFit(
-        straight_mean=mean_1,
-        straight_spread=spread_1,
-        breaking_mean=mean_2,
-        breaking_spread=spread_2,
-        weight=Estimate(value=share, standard_error=math.sqrt(share * (1.0 - share) / total)),
-        r_squared=_r_squared_of_speeds(DENSITY, edges, counts, values),
-    )
+    weight = Estimate(value=share, standard_error=math.sqrt(share * (1.0 - share) / total))
+    return _speed_fit(DENSITY, edges, counts, (mean_1, spread_1, mean_2, spread_2, weight))
 
 
 def _variance_of_rounding(columns: Columns) -> float:
@@ -288,17 +265,23 @@ def _likeliest_normal(speed: Floats, rounding: float) -> tuple[Estimate, Estimat
     )
 
 
-SpeedValues = tuple[float, float, float, float, float]
+SpeedValues = tuple[float, ...]  # means and spreads of straight and breaking balls, and p
+_NAMES = ("straight_mean", "straight_spread", "breaking_mean", "breaking_spread", "weight")
 
 
-def _values(fit: SpeedFit) -> SpeedValues:
-    return (
-        fit.straight_mean.value,
-        fit.straight_spread.value,
-        fit.breaking_mean.value,
-        fit.breaking_spread.value,
-        fit.weight.value,
+def _speed_fit(
+    curve: NormalCurve, edges: Floats, counts: Counts, estimates: Sequence[Estimate]
+) -> SpeedFit:
+    """Return estimates, in the order of `SpeedValues`, with the R² of their mixture."""
+    mean_1, spread_1, mean_2, spread_2, p = (estimate.value for estimate in estimates)
+    v, width = _middles(edges)
+    straight, breaking = (
+        curve(v, mean, curve.sigma_per_deviation * spread)
+        for mean, spread in ((mean_1, spread_1), (mean_2, spread_2))
     )
+    everything = counts.sum(axis=0) / (counts.sum() * width)
+    fitted = r_squared(everything, p * straight + (1.0 - p) * breaking)
+    return SpeedFit(**dict(zip(_NAMES, estimates, strict=True)), r_squared=fitted)
 
 
 def _speeds_through(
@@ -317,18 +300,7 @@ def _speeds_through(
         replicates,
         generator,
     )
-    estimates = [
-        Estimate(value=value, standard_error=error)
-        for value, error in zip(fitted, errors, strict=True)
-    ]
-    return SpeedFit(
-        straight_mean=estimates[0],
-        straight_spread=estimates[1],
-        breaking_mean=estimates[2],
-        breaking_spread=estimates[3],
-        weight=estimates[4],
-        r_squared=_r_squared_of_speeds(curve, edges, counts, fitted),
-    )
+    return _speed_fit(curve, edges, counts, _estimates(fitted, errors))
 
 
 def _least_squares_speeds(
@@ -351,17 +323,6 @@ def _least_squares_speeds(
         sigma_2 / curve.sigma_per_deviation,
         weight,
     )
-
-
-def _r_squared_of_speeds(
-    curve: NormalCurve, edges: Floats, counts: Counts, values: SpeedValues
-) -> float | None:
-    mean_1, spread_1, mean_2, spread_2, p = values
-    v, width = _middles(edges)
-    mixture = p * curve(v, mean_1, curve.sigma_per_deviation * spread_1) + (1.0 - p) * curve(
-        v, mean_2, curve.sigma_per_deviation * spread_2
-    )
-    return r_squared(counts.sum(axis=0) / (counts.sum() * width), mixture)
 
 
 def _middles(edges: Floats) -> tuple[Floats, float]:
@@ -393,9 +354,8 @@ class _Aim(NamedTuple):
     spread: float
 
     def density(self, y: Floats) -> Floats:
-        return self.weight * DENSITY(y, self.left, self.spread) + (1.0 - self.weight) * DENSITY(
-            y, self.right, self.spread
-        )
+        left, right = (DENSITY(y, mean, self.spread) for mean in self[1:3])
+        return self.weight * left + (1.0 - self.weight) * right
 
     def shares(self, edges: Floats) -> Floats:
         """Return the integral of the density over each cell."""
@@ -548,10 +508,7 @@ def _nearest(
 
 
 def _aim_fit(aim: _Aim, errors: Errors, counts: Counts, fitted: Floats) -> AimFit:
-    weight, left, right, spread = (
-        Estimate(value=value, standard_error=error)
-        for value, error in zip(aim, errors, strict=True)
-    )
+    weight, left, right, spread = _estimates(aim, errors)
     return AimFit(
         left_mean=left,
         right_mean=right,
@@ -594,6 +551,11 @@ def _five(counts: Counts) -> tuple[int, int, int, int, int]:
 
 
 # --- uncertainty ----------------------------------------------------------------------------------
+
+
+def _estimates(values: Sequence[float], errors: Errors) -> list[Estimate]:
+    pairs = zip(values, errors, strict=True)
+    return [Estimate(value=value, standard_error=error) for value, error in pairs]
 
 
 def _bootstrap(

@@ -21,7 +21,7 @@ import numpy as np
 import numpy.typing as npt
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from longball.model.readings import Reading
+from longball.model.readings import SamplingReading
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -47,11 +47,13 @@ class PitchesError(ValueError):
     """Pitches that cannot be used; the message says in a sentence which column or row, and why."""
 
 
-class _Strict(BaseModel):
+class Strict(BaseModel):
+    """A model that takes what it names, as it is, and nothing else."""
+
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
 
 
-class Columns(_Strict):
+class Columns(Strict):
     """Which column says what, in which unit, seen from where. The defaults are Statcast's."""
 
     pitch_type: str = "pitch_type"
@@ -73,11 +75,13 @@ class Columns(_Strict):
         default="catcher", description="whose right is positive (or has the high cells)"
     )
     cell_width: float = Field(
-        default=Reading().cell_width, gt=0.0, description="m, of a cell across; paper: not given"
+        default=SamplingReading().cell_width,
+        gt=0.0,
+        description="m, of a cell across; paper: not given",
     )
 
 
-class PitchTypes(_Strict):
+class PitchTypes(Strict):
     """Which types of pitch are straight, which break. The defaults are for Statcast's codes.
 
     The paper counts curves and two-seam fastballs among the breaking balls, so that straight is
@@ -108,20 +112,14 @@ class PitchTypes(_Strict):
         return self
 
 
-@dataclass(frozen=True)
-class LeftOut:
-    """Rows that are not used, and why.
-
-    Attributes
-    ----------
-    reason
-        What they lack.
-    rows
-        Their numbers, from 1 below the header.
-    """
+class Omission(Strict):
+    """Rows that were not used."""
 
     reason: str
-    rows: tuple[int, ...]
+    count: int
+    first_rows: tuple[int, ...] = Field(
+        description=f"numbers of the first {ROWS_NAMED}, from 1 below the header"
+    )
 
 
 @dataclass(frozen=True)
@@ -153,7 +151,7 @@ class Pitches:
 
     source: str
     rows_read: int
-    left_out: tuple[LeftOut, ...]
+    left_out: tuple[Omission, ...]
     types: tuple[str, ...]
     straight: Booleans
     speed: Floats
@@ -295,17 +293,18 @@ def _numbers(column: pd.Series) -> Floats:
 
 def _sort_out(
     lacks: list[tuple[str, Booleans]], count: int
-) -> tuple[tuple[LeftOut, ...], Booleans]:
+) -> tuple[tuple[Omission, ...], Booleans]:
     """List the rows that lack something, each under the first thing; and mark the others."""
     keep = np.ones(count, dtype=bool)
     left_out = []
     for reason, lacking in lacks:
         rows = np.flatnonzero(lacking & keep) + 1
         if rows.size:
-            left_out.append(LeftOut(reason, tuple(rows.tolist())))
+            first = tuple(rows[:ROWS_NAMED].tolist())
+            left_out.append(Omission(reason=reason, count=rows.size, first_rows=first))
         keep &= ~lacking
     if not keep.any():
-        reasons = "; ".join(f"{len(each.rows)} rows: {each.reason}" for each in left_out)
+        reasons = "; ".join(f"{each.count} rows: {each.reason}" for each in left_out)
         raise PitchesError(f"no pitch of the table says all that is asked ({reasons})")
     return tuple(left_out), keep
 
@@ -333,22 +332,15 @@ def _straight(names: tuple[str, ...], rows: Counts, types: PitchTypes, column: s
 
 def _speed(speed: Floats, rows: Counts, columns: Columns) -> Floats:
     metres_per_second = speed * SPEED_UNITS[columns.speed_unit]
-    _refuse_rows(
-        (speed <= 0.0, speed, rows, columns.speed, "a speed is positive"),
-        (
-            metres_per_second > IMPOSSIBLE_SPEED,
-            speed,
-            rows,
-            columns.speed,
-            f"faster in {columns.speed_unit} than any pitch: is it the right unit?",
-        ),
-    )
+    too_fast = f"faster in {columns.speed_unit} than any pitch: is it the right unit?"
+    _refuse_rows(speed <= 0.0, speed, rows, columns.speed, "a speed is positive")
+    _refuse_rows(metres_per_second > IMPOSSIBLE_SPEED, speed, rows, columns.speed, too_fast)
     return metres_per_second
 
 
 def _across(across: Floats, rows: Counts, columns: Columns) -> Floats:
     if columns.place_unit == "cell":
-        _refuse_rows((_no_cell(across), across, rows, columns.across, "a cell is 1, 2, 3, 4 or 5"))
+        _refuse_no_cell(across, rows, columns.across)
         from_middle = across - 3.0
     else:
         from_middle = across * LENGTH_UNITS[columns.place_unit] / columns.cell_width
@@ -361,25 +353,24 @@ def _height(kept: dict[str, Floats], rows: Counts, columns: Columns) -> Floats |
         return None
     height = kept[columns.height]
     if columns.place_unit == "cell":
-        _refuse_rows((_no_cell(height), height, rows, columns.height, "a cell is 1, 2, 3, 4 or 5"))
+        _refuse_no_cell(height, rows, columns.height)
         return height
     top, bottom = kept[columns.top], kept[columns.bottom]
-    _refuse_rows((top <= bottom, top, rows, columns.top, f"that is not above {columns.bottom}"))
+    _refuse_rows(top <= bottom, top, rows, columns.top, f"that is not above {columns.bottom}")
     return 1.5 + 3.0 * (height - bottom) / (top - bottom)
 
 
-def _no_cell(values: Floats) -> Booleans:
-    return ~np.isin(values, (1.0, 2.0, 3.0, 4.0, 5.0))
+def _refuse_no_cell(values: Floats, rows: Counts, column: str) -> None:
+    _refuse_rows(~np.isin(values, range(1, 6)), values, rows, column, "a cell is 1, 2, 3, 4 or 5")
 
 
-def _refuse_rows(*faults: tuple[Booleans, Floats, Counts, str, str]) -> None:
-    for wrong, values, rows, column, sentence in faults:
-        first = np.flatnonzero(wrong)
-        if first.size:
-            raise PitchesError(
-                f"{column}: row {rows[first[0]]} below the header has {values[first[0]]:g}: "
-                f"{sentence}{_and_more(first.size)}"
-            )
+def _refuse_rows(wrong: Booleans, values: Floats, rows: Counts, column: str, why: str) -> None:
+    if wrong.any():
+        first = int(np.argmax(wrong))
+        raise PitchesError(
+            f"{column}: row {rows[first]} below the header has {values[first]:g}: "
+            f"{why}{_and_more(int(wrong.sum()))}"
+        )
 
 
 def _and_more(count: int) -> str:

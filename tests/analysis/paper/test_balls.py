@@ -5,15 +5,16 @@ import math
 import numpy as np
 import pytest
 
-from analysis.paper.balls import SPACES, Share, Space, strike, strike_in_steps, told
+from analysis.paper.balls import SPACES, Base, Share, Space, describe, strike, strike_in_steps
+from longball.engines.verlet import Verlet
 from longball.home_run import draw, monte_carlo, paper_at_bats
-from longball.model.readings import Reading
+from longball.model.readings import Reading, SamplingReading
 from longball.model.scene import AtBatScene, Ball
 
 # The inertia about the centre has home runs enough for small samples.
-BASE = AtBatScene(id="base", reading=Reading(inertia="about_centre"))
+BASE = Base(AtBatScene(id="base", reading=Reading(inertia="about_centre")))
 COUNT = 4_000
-AT_BATS = paper_at_bats(BASE.reading)
+AT_BATS = paper_at_bats(BASE.sampling)
 
 
 @pytest.fixture(scope="module")
@@ -22,7 +23,9 @@ def balls():
 
 
 def test_the_landings_are_those_of_monte_carlo(balls):
-    for ours, theirs in zip(balls, monte_carlo(BASE, AT_BATS, [0.42, 0.45], COUNT, 5), strict=True):
+    for ours, theirs in zip(
+        balls, monte_carlo(BASE.scene, AT_BATS, [0.42, 0.45], COUNT, 5), strict=True
+    ):
         np.testing.assert_array_equal(ours.x, theirs.x)
         np.testing.assert_array_equal(ours.y, theirs.y)
 
@@ -71,8 +74,8 @@ def test_a_difference_of_the_same_at_bats_is_known_better(balls):
 
 
 def test_the_printed_scheme_sees_few_of_the_balls(balls):
-    (stepped,) = strike_in_steps(BASE, 1_000, 5, [0.42], 0.05)
-    (fine,) = strike_in_steps(BASE, 200, 5, [0.42], 2e-4)
+    (stepped,) = strike_in_steps(BASE, 1_000, 5, [0.42], Verlet(0.05))
+    (fine,) = strike_in_steps(BASE, 200, 5, [0.42], Verlet(2e-4))
     assert 0.0 < stepped.batted.mean() < 0.1
     exact = balls[0].batted[:200]
     # A ball passes 7 mm in a step: the thinnest grazes alone are overlooked.
@@ -83,8 +86,8 @@ def test_the_printed_scheme_sees_few_of_the_balls(balls):
 
 
 def test_a_reading_is_told_by_what_differs():
-    assert told(AtBatScene(id="base"), SPACES[0]) == "nothing changed"
-    base = AtBatScene(id="base", ball=Ball(radius=0.0183), reading=Reading(cell_width=0.12))
-    assert told(base, Space("flies", "batted", flies=True)) == (
+    assert describe(Base(AtBatScene(id="base")), SPACES[0]) == "nothing changed"
+    base = Base(AtBatScene(id="base", ball=Ball(radius=0.0183)), SamplingReading(cell_width=0.12))
+    assert describe(base, Space("flies", "batted", flies=True)) == (
         "ball.radius = 0.0183, cell_width = 0.12, samples: flies"
     )

@@ -8,11 +8,11 @@ import pytest
 
 from analysis.__main__ import PAGES, chosen
 from analysis.paper.argument import density_at_fence, line, width
-from analysis.paper.balls import SPACES
+from analysis.paper.balls import SPACES, Base
 from analysis.paper.combinations import BLOWS, bases
 from analysis.paper.counterparts import Counterpart
 from analysis.paper.home_run_figures import curve_share, fit_noise, flatness, printed_ratio
-from analysis.paper.numbers import PARAMETERS, UNKNOWN, drawn, number, with_number
+from analysis.paper.numbers import PARAMETERS, UNKNOWN, drawn
 from analysis.paper.printed import CARRIES, SAMPLES
 from analysis.paper.switches import options, turned_to
 from analysis.paper.variance import indices
@@ -20,7 +20,7 @@ from longball.home_run import PAPER_CURVES, RESTITUTIONS, Curve, Estimate, fit
 from longball.model.readings import Reading
 from longball.model.scene import AtBatScene
 
-BASE = AtBatScene(id="base")
+BASE = Base(AtBatScene(id="base"))
 
 
 # ---- Sobol's indices -----------------------------------------------------------------------------
@@ -152,24 +152,21 @@ def test_every_switch_is_turned_to_every_other_option():
 
 
 def test_what_the_ledger_forbids_is_no_reading():
-    reading = Reading(reduced_mass="effective_mass")
-    assert turned_to(reading, "bat_ball_restitution", "plain") is None
-    assert turned_to(reading, "inertia", "thin_rod") == Reading(
+    base = Base(AtBatScene(id="base", reading=Reading(reduced_mass="effective_mass")))
+    assert turned_to(base, "bat_ball_restitution", "plain") is None
+    assert turned_to(base, "inertia", "thin_rod").scene.reading == Reading(
         reduced_mass="effective_mass", inertia="thin_rod"
     )
+    assert turned_to(base, "cell_width", "0.2") == base.replaced({"cell_width": 0.2})
 
 
 def test_combinations_differ():
-    lines = [base.line() for base in bases()]
-    assert len(lines) == len(set(lines)) == len(BLOWS) * 2 * 5 * 2
+    found = [(base.scene.line(), base.sampling) for base in bases()]
+    assert len(found) == len(set(found)) == len(BLOWS) * 2 * 5 * 2
 
 
-def test_a_number_of_a_scene_is_changed_alone():
-    other = with_number(BASE, "air.drag_coefficient", 0.3)
-    assert number(other, "air.drag_coefficient") == 0.3
-    assert with_number(other, "air.drag_coefficient", 0.4) == BASE
-    assert number(with_number(BASE, "gravity", 0.0), "gravity") == 0.0
-    assert all(one.low < number(BASE, one.name) < one.high for one in UNKNOWN)
+def test_the_ranges_hold_the_usual_numbers():
+    assert all(one.low < BASE.number(one.name) < one.high for one in UNKNOWN)
 
 
 @pytest.mark.parametrize("parameter", PARAMETERS, ids=lambda one: one.name)

@@ -1,9 +1,9 @@
 """The batch engine: Taylor series, compiled, for one scene or for millions, with the same bits.
 
-`lanes` gives compiled code values of sixteen doubles; `expansion` has the series of sixteen
-flights; `roots` finds the events on a step's polynomials; `flights` flies records to their ends.
-`engine` makes an engine of it, for one scene at a time; `chain` is the at-bat over columns, and
-`many` what one calls.
+`expansion` makes machine code of a law: the series of sixteen flights; `flights` flies records to
+their ends, whose events `falls` finds on a step's polynomials; `jit` and `cache` compile that.
+`records` writes and reads the records; `engine` makes an engine of it, for one scene at a time;
+`columns` gives the chain columns for numbers, and `many` is what one calls.
 """
 
 from longball.engines.batch.engine import Batch

@@ -3,56 +3,61 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import cast
+from typing import Any
 
 import numpy as np
 
-from longball.engines import contact
 from longball.engines.batch import flights
-from longball.engines.batch.flights import FLIGHT, Records
+from longball.engines.batch.expansion import kernel
+from longball.engines.batch.flights import Records
+from longball.engines.batch.many import solve_all
 from longball.engines.batch.records import (
+    STOPS,
+    Bat,
     Start,
-    Way,
     approach_is_clear,
+    general,
     noted,
-    put_bat,
-    put_forces,
-    put_start,
-    put_stops,
+    placed,
+    records_of,
+    stops,
 )
-from longball.engines.engine import (
-    Arrival,
+from longball.engines.contact import (
+    STARTS_INSIDE,
+    TURNS_VERTICAL,
     BatSection,
-    CannotSolve,
-    ManyAtOnce,
-    Stop,
-    Stops,
-    Touch,
+    inside_bat,
+    margin_error,
 )
-from longball.model.motion import Forces, PlaneState
+from longball.engines.engine import CannotSolve, ManyAtOnce, Touch
+from longball.engines.event import Event, Piece, past
+from longball.engines.path import Flight, Path
+from longball.engines.polynomial import PolynomialPiece
+from longball.engines.series import recurrence
+from longball.model.law import Law, State
 from longball.model.numbers import DOUBLES, Doubles, Undecided
 from longball.model.result import Result
 from longball.model.scene import Scene
-
-State = PlaneState[float]
+from longball.model.trace import Program
 
 LOOSEST, TIGHTEST = 1e-4, 1e-14  # m
 
-_STOPS: dict[int, Stop] = {
-    flights.FLOOR: "floor",
-    flights.WALL: "wall",
-    flights.VERTICAL: "vertical",
-    flights.TIME_LIMIT: "time",
-}
+
+@dataclass(frozen=True)
+class OneFlight(Flight[float]):
+    """A flight with its launch, and where it was near the plate."""
+
+    launch: Start
+    approach: Start
 
 
 @dataclass(frozen=True)
 class Batch(ManyAtOnce):
     """Flights by Taylor series, compiled; many scenes go sixteen at a time.
 
-    `longball.engines.at_bat.solve` takes one scene; `longball.engines.batch.solve_all` takes many,
+    `longball.engines.chain.solve` takes one scene; `longball.engines.batch.solve_all` takes many,
     and gives the same bits.
 
     Attributes
@@ -108,96 +113,129 @@ class Batch(ManyAtOnce):
         """
         return 20 * max(self.truncation, DOUBLES.rounding)
 
-    def fly(self, start: State, forces: Forces[float], stops: Stops[float]) -> Arrival[float]:
-        """Fly until the first stop; see `longball.engines.engine.Engine.fly`."""
+    def fly(
+        self, law: Law[float], start: State[float], events: Sequence[Event[float]], limit: float
+    ) -> Flight[float]:
+        """Fly until the first of several events; see `longball.engines.engine.Engine.fly`."""
         launch = Start(0.0, start)
-        flight = self._flight(launch, forces, stops)
-        end = self.fly_all(flight)
-        stop = end["stop"].item()
-        if stop not in _STOPS:
-            raise _reason(stop, end, flight)
-        time, state = _of_one(noted(end))
-        return Arrival(_STOPS[stop], time, state, Way(launch, _of_one(noted(end, "mark_"))))
+        flight = records_of(law, launch, events, limit, self.flight_error)
+        end = self.fly_all(flight, general(law).program)
+        _require_answer(end, flight, events)
+        names = {number: name for name, number in STOPS.items()}
+        return OneFlight(
+            Path(self._pieces(flight, general(law))),
+            names[stops(end, events).item()],
+            *_plain(placed(end, law, events)),
+            launch,
+            _plain(noted(end, law, "mark_")),
+        )
 
     def touch(
         self,
-        pitch: Arrival[float],
-        forces: Forces[float],
+        pitch: Flight[float],
+        law: Law[float],
         bat: BatSection[float],
-        stops: Stops[float],
+        events: Sequence[Event[float]],
+        limit: float,
     ) -> Touch[float]:
         """Find how a pitch meets the bat; see `longball.engines.engine.Engine.touch`."""
-        way = cast(Way, pitch.record)
-        start = way.approach if approach_is_clear(bat, pitch.state.z) else way.launch
-        flight = self._flight(start, forces, stops)
-        error = contact.margin_error(bat, pitch.state, self.flight_error)
-        put_bat(flight, bat, error)
-        end = self.search_all(flight)
-        stop, margin = end["stop"].item(), end["margin"].item()
-        match stop:
+        assert isinstance(pitch, OneFlight)
+        start = pitch.approach if approach_is_clear(bat, pitch.state.z) else pitch.launch
+        error = margin_error(bat, pitch.state.z, self.flight_error, DOUBLES)
+        ends = [past(bat.frame, bat.reach, DOUBLES), *events]
+        flight = records_of(law, start, ends, limit, self.flight_error, Bat(bat, error))
+        end = self.search_all(flight, general(law).program)
+        margin = end["margin"].item()
+        match end["stop"].item():
             case flights.TOUCH:
-                return Touch(margin, True, *_of_one(noted(end)))
+                return Touch(margin, True, *_plain(noted(end, law)))
             case flights.GRAZES_BAT:
-                return Touch(margin, None, doubt=contact.doubt(margin, error))
-            case flights.FLOOR | flights.WALL | flights.TIME_LIMIT:
-                return Touch(margin, False)
-        raise _reason(stop, end, flight)
+                return Touch(margin, None, doubt=_doubt(margin, error, "the ball touches the bat"))
+        _require_answer(end, flight, ends)
+        if stops(end, ends).item() == STOPS["vertical"]:
+            raise CannotSolve(TURNS_VERTICAL)
+        return Touch(margin, False)
 
     def solve_all(self, scenes: Sequence[Scene]) -> list[Result]:
         """Solve scenes of any kinds; see `longball.engines.batch.solve_all`."""
-        from longball.engines.batch.many import solve_all  # which imports this module
-
         return solve_all(scenes, self)
 
-    def fly_all(self, starts: Records) -> Records:
-        """Fly records of `flights.FLIGHT`; return records of `flights.ARRIVAL`, in order."""
-        return flights.fly_all(starts, self.order, self.truncation)
+    def fly_all(self, starts: Records, program: Program) -> Records:
+        """Fly records of `flights.flight_dtype`; return their arrivals, in order."""
+        return flights.fly_all(kernel(program), starts, self.order, self.truncation)
 
-    def search_all(self, starts: Records) -> Records:
+    def search_all(self, starts: Records, program: Program) -> Records:
         """Do the same for flights past a bat.
 
         They take a hundredth of a second, which steps of a lower order span.
         """
-        return flights.fly_all(starts, max(8, 2 * self.order // 5), self.truncation)
+        order = max(8, 2 * self.order // 5)
+        return flights.fly_all(kernel(program), starts, order, self.truncation)
 
-    def _flight(self, start: Start, forces: Forces[float], stops: Stops[float]) -> Records:
-        flight = np.zeros(1, FLIGHT)
-        put_start(flight, start)
-        put_forces(flight, forces)
-        put_stops(flight, stops, self.flight_error)
-        return flight
+    def _pieces(self, flight: Records, law: Law[float]) -> Iterator[Piece[float]]:
+        """Yield the steps of a flight, expanded anew."""
+        program = law.program
+        arrival, way = flights.trail(kernel(program), flight, self.order, self.truncation)
+        series = recurrence(program)
+        rest = len(program.variables) // 2
+        ends = [*way[1:, 0].tolist(), arrival["time"].item()]
+        strengths = [flight[name].item() for name in program.parameters]
+        for (begin, *state), end in zip(way.tolist(), ends, strict=True):
+            rows = [[0.0] * (self.order + 2) for _ in series.rows]
+            for row, x in zip(rows, state, strict=False):
+                row[0] = x
+            at_rest = not any(state[rest:])
+            if not at_rest or any(law.rates(DOUBLES)(*state)):
+                expand = series.function(DOUBLES.functions, at_rest)
+                expand(rows, self.order, *strengths)
+            coefficients = np.array(rows[: len(program.variables)])
+            yield PolynomialPiece(begin, end - begin, law.state, coefficients)
 
 
-def _of_one(start: Start) -> Start:
-    """Return what arrays of one element hold."""
-    return Start(start.time.item(), PlaneState(*(x.item() for x in start.state)))
+def _plain(start: Start) -> Start:
+    """Return numbers of Python."""
+    return Start(start.time.item(), type(start.state)(*(x.item() for x in start.state)))
 
 
-def _reason(stop: int, end: Records, flight: Records) -> ArithmeticError:
-    """Say why a flight has no answer."""
-    doubt = end["doubt"].item()
-    match stop:
-        case flights.VERTICAL:
-            return CannotSolve(
-                "the pitch turns vertical over the plate, where a lift that is always up "
-                "has no direction; use lift_direction = fixed_spin_axis"
-            )
-        case flights.GRAZES_FLOOR:
-            return Undecided(
-                "whether the ball touches the ground at the bottom of a dip cannot be decided in "
-                f"double precision: its height {doubt:.3g} m above the ground lies within its "
-                f"error {end['size'].item() * flight['error'].item():.3g} m"
-            )
-        case flights.INSIDE_BAT:
+def _require_answer(end: Records, flight: Records, events: Sequence[Event[Any]]) -> None:
+    """Raise why a flight has no answer, if it has none."""
+    stop, doubt = end["stop"].item(), end["doubt"].item()
+    if stop < len(events) or stop == flights.TIME_LIMIT:
+        return
+    first, second = (
+        events[i] if 0 <= i < len(events) else None
+        for i in (end["event"].item(), end["rival"].item())
+    )
+    relative = flight["error"].item()
+    match stop, first, second:
+        case flights.UNDECIDED, Event(), _:
+            question, error = f"whether {first.question}", relative * first.size
+        case flights.UNDECIDED_FIRST, Event(), Event():
+            question = f"whether {first.question} before {second.question}"
+            error = relative * second.size
+        case flights.UNDECIDED_IN_TIME, Event(), _:
+            question = f"whether {first.question} in the time limit"
+            error = max(abs(doubt), relative * first.size)
+        case flights.UNDECIDED_RELEASE, _, _:
+            question, error = STARTS_INSIDE, flight["margin_error"].item()
+        case flights.INSIDE_BAT, _, _:
             reach = flight["reach"].item()
-            return CannotSolve(
-                f"the ball starts inside the bat: {reach + doubt:.6g} m from its axis, "
-                f"where the two touch at {reach:.6g} m; release it farther from the plate"
-            )
-        case flights.TOO_LONG:
-            return CannotSolve(
+            raise CannotSolve(inside_bat(reach + doubt, reach))
+        case flights.TOO_LONG, _, _:
+            raise CannotSolve(
                 f"the flight takes more than {flights.MOST_STEPS} steps, its steps shrink to "
                 "nothing where the ball all but comes to rest in the air, or an event of it has "
                 "three roots in one"
             )
-    return CannotSolve("a quantity of the flight leaves the range of double precision")
+        case _:
+            raise CannotSolve("a quantity of the flight leaves the range of double precision")
+    raise Undecided(_doubt(doubt, error, question.removeprefix("whether ")))
+
+
+def _doubt(x: float, error: float, question: str) -> str:
+    """Say what cannot be told, in the words of `DOUBLES`."""
+    try:
+        DOUBLES.positive(x, error, f"whether {question}")
+    except Undecided as undecided:
+        return str(undecided)
+    return f"whether {question} cannot be decided: the two coincide"

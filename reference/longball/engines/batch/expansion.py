@@ -1,155 +1,739 @@
-"""The Taylor series of sixteen flights at once, and a step along them.
+"""The Taylor steps of sixteen flights at once, as machine code made from a traced law.
 
-The recurrence is that of `longball.engines.series`, in the order of operations that keeps sixteen
-lanes of multiply-adds busy; a test holds the two together.
+The recurrence is that of `longball.engines.series`; here it is written in LLVM's language, on
+vectors of sixteen doubles, in an order that keeps the multiply-add units busy. Lane k of a result
+depends on lane k of the operands alone, each operation is rounded once as IEEE 754 says, and
+nothing is contracted or reordered, so a lane's bits are the same whatever its neighbours hold.
+
+Expansions are arrays of shape (blocks, order + 2, lanes); row k of a block belongs to the power k
+of t. The first blocks are the rows of the recurrence, the variables before all others. `Layout`
+says where the others are.
 """
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cache
+from threading import Lock
+from typing import Any
+
 import numpy as np
+from llvmlite import binding, ir
 from numpy.typing import NDArray
 
-from longball.engines.batch.lanes import (
-    WIDTH,
-    aligned,
-    compiled,
-    fma,
-    load,
-    magnitude,
-    splat,
-    square_root,
-    store,
-)
+from longball.engines.batch.cache import machine, sources, stored
+from longball.engines.series import recurrence, row_of
+from longball.model.trace import Node, Program, squares, variable
 
 Array = NDArray[np.float64]
+Value = Any  # of LLVM: a number in each lane
+Values = dict[Node, Value]
 
-# An expansion is an array of shape (blocks, order + 2, WIDTH). Row k of the first blocks is the
-# coefficient of t^k of the state (m/s^k, and m/s^(k+1) for the velocity) and of the speed V.
-S, Z, U, W, SPEED, FORCES, STEP, INVERSE = range(8)
-# Rows of FORCES: k_D, k_L (1/m) and g (m/s²).
-DRAG, LIFT, GRAVITY = range(3)
-# Rows of STEP: the state at the end of the step; how far, m, s and z can get from their start on
-# the way; the step, s; the time at its start, s.
-S_RANGE, Z_RANGE, LENGTH, TIME = range(4, 8)
-# Row k of INVERSE is 1/k.
+# Two registers of eight doubles hide the latency of a fused multiply-add where there is AVX-512;
+# elsewhere sixteen are spread over more registers, at no loss against eight.
+WIDTH = 16
 
+# Rows of the block `step`, after those of the state at the end of the step: how long it is, s; when
+# it begins, s; 1 where nothing can happen on the way, else -1; how far each position can get from
+# where it was.
+LENGTH, TIME, CLEARANCE, RANGES = range(4)
 
-def room(order: int) -> Array:
-    """Return an expansion of u and w to the power `order`, of s and z to the next."""
-    x = aligned(8, max(order + 2, 8))
-    for k in range(1, order + 2):
-        x[INVERSE, k] = 1.0 / k
-    return x
+NO_LIMIT = 1e300  # s, of a step
 
 
-@compiled
-def expand(x: Array, order: int) -> None:
-    """Fill in the coefficients from those of t^0.
+@dataclass(frozen=True)
+class Layout:
+    """Which block of an expansion holds what, after the rows of the recurrence."""
 
-    With a = V u, b = V w: u' = -(k_D a + k_L b), w' = -(k_D b - k_L a) - g, and V² = u² + w².
+    program: Program
+
+    @property
+    def parameters(self) -> int:
+        """Block of the parameters, a row each."""
+        return len(recurrence(self.program).rows)
+
+    @property
+    def step(self) -> int:
+        """Block of the step: the state at its end, then LENGTH, TIME, CLEARANCE and RANGES."""
+        return self.parameters + 1
+
+    @property
+    def inverse(self) -> int:
+        """Block whose row k is 1/k."""
+        return self.parameters + 2
+
+    def allocate(self, order: int, lanes: int) -> Array:
+        """Return an expansion of the velocity to the power `order`, of the position to the next."""
+        parts = 2 * len(self.program.variables) + RANGES, len(self.program.parameters)
+        rows = max(order + 2, *parts)
+        x = aligned(self.inverse + 1, rows, lanes)
+        x[self.inverse, 1 : order + 2] = 1.0 / np.arange(1, order + 2)[:, np.newaxis]
+        return x
+
+
+def aligned(*shape: int) -> Array:
+    """Return zeros that begin on a cache line."""
+    cache_line = 64  # bytes
+    size = math.prod(shape)
+    memory = np.zeros(size + cache_line // 8)
+    skip = (-memory.ctypes.data % cache_line) // 8
+    return memory[skip : skip + size].reshape(*shape)
+
+
+# --- code on lanes --------------------------------------------------------------------------------
+
+_INDEX = ir.IntType(64)
+_DOUBLE = ir.DoubleType()
+
+
+class _Writer:
+    """Writes a function whose values are a double in each of some lanes.
+
+    Its arguments are pointers to arrays of lanes, then integers, then doubles.
     """
-    drag, lift, gravity = load(x, FORCES, DRAG), load(x, FORCES, LIFT), load(x, FORCES, GRAVITY)
-    zero, half = splat(0.0), splat(0.5)
-    u0, w0 = load(x, U, 0), load(x, W, 0)
-    v0 = square_root(fma(u0, u0, w0 * w0))
-    per_v0 = splat(1.0) / v0
-    store(x, SPEED, 0, v0)
-    store(x, S, 1, u0)
-    store(x, Z, 1, w0)
-    a, b = v0 * u0, v0 * w0
-    un = zero - fma(drag, a, lift * b)
-    wn = fma(lift, a, zero - drag * b) - gravity
-    store(x, U, 1, un)
-    store(x, W, 1, wn)
-    for n in range(1, order):
-        # The coefficient n of V from that of V², then those of a and b. The sums run over pairs
-        # (j, n - j) that leave out the ends 0 and n, which are not known until V's is.
-        uu, ww, vv = zero, zero, zero
-        vu, uv, vw, wv = zero, zero, zero, zero
-        j, k = 1, n - 1
-        while j < k:
-            uj, wj, vj = load(x, U, j), load(x, W, j), load(x, SPEED, j)
-            uk, wk, vk = load(x, U, k), load(x, W, k), load(x, SPEED, k)
-            uu, ww, vv = fma(uj, uk, uu), fma(wj, wk, ww), fma(vj, vk, vv)
-            vu, uv = fma(vj, uk, vu), fma(vk, uj, uv)
-            vw, wv = fma(vj, wk, vw), fma(vk, wj, wv)
-            j += 1
-            k -= 1
-        q, a, b = (uu + ww) - vv, vu + uv, vw + wv
-        if j == k:
-            uj, wj, vj = load(x, U, j), load(x, W, j), load(x, SPEED, j)
-            q = fma(half, fma(uj, uj, wj * wj) - vj * vj, q)
-            a, b = fma(vj, uj, a), fma(vj, wj, b)
-        vn = fma(w0, wn, fma(u0, un, q)) * per_v0
-        store(x, SPEED, n, vn)
-        a = fma(vn, u0, fma(v0, un, a))
-        b = fma(vn, w0, fma(v0, wn, b))
-        per_n = load(x, INVERSE, n + 1)
-        store(x, S, n + 1, un * per_n)
-        store(x, Z, n + 1, wn * per_n)
-        un = (zero - fma(drag, a, lift * b)) * per_n
-        wn = fma(lift, a, zero - drag * b) * per_n
-        store(x, U, n + 1, un)
-        store(x, W, n + 1, wn)
-    per_n = load(x, INVERSE, order + 1)
-    store(x, S, order + 1, un * per_n)
-    store(x, Z, order + 1, wn * per_n)
+
+    def __init__(
+        self, module: Any, name: str, lanes: int, pointers: int, integers: int, doubles: int
+    ) -> None:
+        self.lanes = lanes
+        self.type = ir.VectorType(_DOUBLE, lanes) if lanes > 1 else _DOUBLE
+        arguments = [self.type.as_pointer()] * pointers + [_INDEX] * integers + [_DOUBLE] * doubles
+        self.function = ir.Function(module, ir.FunctionType(_INDEX, arguments), name)
+        self.arguments = self.function.args
+        self.builder = ir.IRBuilder(self.function.append_basic_block())
+
+    def number(self, value: float) -> Value:
+        """Return a number, the same in every lane."""
+        one = ir.Constant(_DOUBLE, value)
+        return ir.Constant(self.type, [one] * self.lanes) if self.lanes > 1 else one
+
+    def spread(self, scalar: Value) -> Value:
+        """Return a double or an integer in every lane."""
+        if scalar.type == _INDEX:
+            scalar = self.builder.sitofp(scalar, _DOUBLE)
+        if self.lanes == 1:
+            return scalar
+        nothing = ir.Constant(self.type, ir.Undefined)
+        first = self.builder.insert_element(nothing, scalar, ir.Constant(ir.IntType(32), 0))
+        every = ir.Constant(ir.VectorType(ir.IntType(32), self.lanes), [0] * self.lanes)
+        return self.builder.shuffle_vector(first, nothing, every)
+
+    def index(self, value: int) -> Value:
+        """Return an integer that indexes rows."""
+        return ir.Constant(_INDEX, value)
+
+    def _address(self, array: Value, index: Value) -> Value:
+        return self.builder.gep(array, [index])
+
+    def load(self, array: Value, index: Value) -> Value:
+        """Return a row of an array."""
+        return self.builder.load(self._address(array, index), align=8)
+
+    def store(self, array: Value, index: Value, value: Value) -> None:
+        """Write a row of an array."""
+        self.builder.store(value, self._address(array, index), align=8)
+
+    def call(self, name: str, *arguments: Value) -> Value:
+        """Call a function of LLVM: fma, sqrt, exp, log, fabs."""
+        suffix = f"v{self.lanes}f64" if self.lanes > 1 else "f64"
+        shape = ir.FunctionType(self.type, [self.type] * len(arguments))
+        full = f"llvm.{name}.{suffix}"
+        known = self.function.module.globals
+        function = known[full] if full in known else ir.Function(self.function.module, shape, full)
+        return self.builder.call(function, arguments)
+
+    def fma(self, a: Value, b: Value, c: Value) -> Value:
+        """Return ``a b + c``, rounded once."""
+        return self.call("fma", a, b, c)
+
+    def add(self, a: Value, b: Value) -> Value:
+        """Return ``a + b``."""
+        return self.builder.fadd(a, b)
+
+    def subtract(self, a: Value, b: Value) -> Value:
+        """Return ``a - b``."""
+        return self.builder.fsub(a, b)
+
+    def multiply(self, a: Value, b: Value) -> Value:
+        """Return ``a b``."""
+        return self.builder.fmul(a, b)
+
+    def divide(self, a: Value, b: Value) -> Value:
+        """Return ``a / b``."""
+        return self.builder.fdiv(a, b)
+
+    def choose(self, a: Value, comparison: str, b: Value, yes: Value, no: Value) -> Value:
+        """Return `yes` in the lanes where a comparison holds, else `no`; it fails for NaN."""
+        return self.builder.select(self.builder.fcmp_ordered(comparison, a, b), yes, no)
+
+    def repeat(
+        self,
+        begin: Value,
+        end: Value,
+        carried: Sequence[Value],
+        body: Callable[[Value, list[Value]], Sequence[Value]],
+    ) -> list[Value]:
+        """Write a loop over i from `begin` to below `end`.
+
+        `body` takes i and the carried values, and returns those for the next i.
+        """
+        build, entry = self.builder, self.builder.block
+        head, inside, after = (self.function.append_basic_block() for _ in range(3))
+        build.branch(head)
+        build.position_at_end(head)
+        i = build.phi(_INDEX)
+        i.add_incoming(begin, entry)
+        values = [build.phi(value.type) for value in carried]
+        for phi, value in zip(values, carried, strict=True):
+            phi.add_incoming(value, entry)
+        build.cbranch(build.icmp_signed("<", i, end), inside, after)
+        build.position_at_end(inside)
+        for phi, value in zip(values, body(i, values), strict=True):
+            phi.add_incoming(value, build.block)
+        i.add_incoming(build.add(i, self.index(1)), build.block)
+        build.branch(head)
+        build.position_at_end(after)
+        return values
 
 
-@compiled
-def choose_steps(x: Array, order: int, truncation: float) -> None:
-    """Choose the steps: the last two terms of the velocity stay below `truncation` times V.
+# --- the recurrence -------------------------------------------------------------------------------
 
-    A second bound keeps V analytic: V² ≈ V₀² + S₁ t + S₂ t² has its complex zeros near V₀/√S₂ from
-    an apex, and a step stays within half of that. A ball that only goes up or down needs none:
-    V = ±w is analytic.
+
+class _Expansion(_Writer):
+    """Writes the expansion of a program, as `longball.engines.series` prints it for numbers.
+
+    The first argument is the array of the expansion, the first integer the order.
     """
-    for lane in range(WIDTH):
-        u0, w0, v0 = x[U, 0, lane], x[W, 0, lane], x[SPEED, 0, lane]
-        u1, w1 = x[U, 1, lane], x[W, 1, lane]
-        bend = u1 * u1 + w1 * w1 + 2.0 * (u0 * x[U, 2, lane] + w0 * x[W, 2, lane])
-        last = max(abs(x[U, order, lane]), abs(x[W, order, lane]))
-        last_but_one = max(abs(x[U, order - 1, lane]), abs(x[W, order - 1, lane]))
-        allowed = truncation * v0
-        step = min(_root(allowed / last, order), _root(allowed / last_but_one, order - 1))
-        straight = u0 == 0.0 and x[FORCES, LIFT, lane] == 0.0
-        x[STEP, LENGTH, lane] = step if straight else min(step, 0.5 * v0 / np.sqrt(abs(bend)))
+
+    def __init__(
+        self,
+        module: Any,
+        name: str,
+        program: Program,
+        lanes: int,
+        at_rest: bool,
+        shape: tuple[int, int, int],
+    ) -> None:
+        super().__init__(module, name, lanes, *shape)
+        self.program = program
+        self.recurrence = recurrence(program)
+        self.layout = Layout(program)
+        self.from_rest = self.recurrence.roots if at_rest else ()
+        self.array = self.arguments[0]
+        self.order, self.stride = self.arguments[shape[0] : shape[0] + 2]
+        self.dynamic = [n for n in program.nodes if not n.static and n.kind != "variable"]
+        self.blocks = {
+            node: self.builder.mul(self.index(i), self.stride)
+            for i, node in enumerate(self.recurrence.rows)
+        }
+        self.zeroth: Values = {}
+
+    def at(self, node: Node, k: Value) -> Value:
+        """Return the coefficient k > 0 of a row."""
+        return self.load(self.array, self.builder.add(self.blocks[row_of(node)], k))
+
+    def put(self, node: Node, k: Value, value: Value) -> None:
+        """Write the coefficient k of a node that has a row."""
+        self.store(self.array, self.builder.add(self.blocks[node], k), value)
+
+    def extra(self, block: int, row: Value | int) -> Value:
+        """Return a row of a block after those of the recurrence."""
+        row = self.index(row) if isinstance(row, int) else row
+        start = self.builder.mul(self.index(block), self.stride)
+        return self.load(self.array, self.builder.add(start, row))
+
+    def after(self, k: Value) -> Value:
+        """Return ``k + 1``."""
+        return self.builder.add(k, self.index(1))
+
+    @property
+    def outputs(self) -> list[tuple[Node, Node]]:
+        """The variables and their rates."""
+        return list(zip(map(variable, self.program.variables), self.program.outputs, strict=True))
+
+    def expand(self) -> None:
+        """Fill in the coefficients from those of t^0."""
+        self.order_zero()
+        first = [self.zeroth[rate] for _, rate in self.outputs]
+        for (name, _), rate in zip(self.outputs, first, strict=True):
+            self.put(name, self.index(1), rate)
+        last = self.repeat(self.index(1), self.order, first, self.next_order)
+        per_n = self.extra(self.layout.inverse, self.after(self.order))
+        known = dict(zip((name for name, _ in self.outputs), last, strict=True))
+        for name, rate in self.outputs:
+            if rate.kind == "variable":
+                self.put(name, self.after(self.order), self.multiply(known[rate], per_n))
+
+    def order_zero(self) -> None:
+        """Evaluate the program, and what each order divides by."""
+        place = {name: i for i, name in enumerate(self.program.parameters)}
+        state = (name for name, _ in self.outputs)
+        for node in dict.fromkeys((*state, *self.program.nodes)):
+            self.zeroth[node] = self.value(node, place)
+        self.inverses = {
+            node: self.divide(self.number(1.0), self.zeroth[divisor])
+            for node in self.dynamic
+            if node not in self.from_rest and (divisor := _divisor(node)) is not None
+        }
+
+    def value(self, node: Node, place: dict[str, int]) -> Value:
+        """Return the value of a node at t = 0, from those of the nodes before it."""
+        match node.kind:
+            case "constant":
+                return self.number(node.args[0])
+            case "parameter":
+                return self.extra(self.layout.parameters, place[node.args[0]])
+            case "variable":
+                return self.load(self.array, self.blocks[node])
+            case "sum":
+                value = self.combination(node, self.zeroth)
+                rest = node.args[0]
+                zero = rest.kind == "constant" and rest.args[0] == 0.0
+                value = value if zero else self.add(value, self.zeroth[rest])
+            case "plus":
+                value = self.add(*(self.zeroth[x] for x in node.args))
+            case "product":
+                value = self.multiply(*(self.zeroth[x] for x in node.args))
+            case "quotient":
+                value = self.divide(*(self.zeroth[x] for x in node.args))
+            case _:
+                value = self.call(node.kind, self.zeroth[node.args[0]])
+        if node in self.from_rest:
+            value = self.number(0.0)
+        if node in self.blocks:
+            self.put(node, self.index(0), value)
+        return value
+
+    def combination(self, node: Node, values: Values) -> Value:
+        """Return a sum without its constant."""
+        total = None
+        for coefficient, x in node.args[1:]:
+            known = coefficient.args[0] if coefficient.kind == "constant" else None
+            if known == 1.0:
+                total = values[x] if total is None else self.add(total, values[x])
+            elif total is None:
+                total = self.multiply(self.zeroth[coefficient], values[x])
+            else:
+                total = self.fma(self.zeroth[coefficient], values[x], total)
+        return total
+
+    # A symmetric sum is taken by halves: of these nodes `halves` holds half the coefficient.
+
+    def next_order(self, n: Value, coefficients: list[Value]) -> list[Value]:
+        """From the coefficients n of the variables, return those of order n + 1."""
+        sums = self.inner_sums(n)
+        names = [name for name, _ in self.outputs]
+        current: Values = dict(zip(names, coefficients, strict=True))
+        halves: Values = {}
+        for node in self.dynamic:
+            self.end(node, n, sums, current, halves)
+            if node in self.blocks:
+                self.put(node, n, self.whole(node, current, halves))
+        per_n = self.extra(self.layout.inverse, self.after(n))
+        following = []
+        for name, rate in self.outputs:
+            value = self.number(0.0)
+            if not rate.static:
+                value = self.multiply(self.whole(rate, current, halves), per_n)
+            self.put(name, self.after(n), value)
+            following.append(value)
+        return following
+
+    def whole(self, node: Node, current: Values, halves: Values) -> Value:
+        """Return a coefficient, doubling what is known by half."""
+        if node not in current:
+            current[node] = self.add(halves[node], halves[node])
+        return current[node]
+
+    def inner_sums(self, n: Value) -> dict[Node, list[Value]]:
+        """Return the parts of the sums over 1 … n-1: of pairs (j, n-j), symmetric ones by halves.
+
+        The pairs go from the middle outwards, for the outermost need what was computed last.
+        """
+        build = self.builder
+        rows = {
+            node: factors
+            for node in self.dynamic
+            if node not in self.from_rest and (factors := self.recurrence.factors(node)) is not None
+        }
+        count = build.ashr(build.sub(n, self.index(1)), self.index(1))
+
+        def pair(i: Value, totals: list[Value]) -> list[Value]:
+            j = build.sub(count, i)
+            k = build.sub(n, j)
+            known: dict[tuple[Node, int], Value] = {}
+
+            def at(node: Node, side: int) -> Value:
+                key = row_of(node), side
+                if key not in known:
+                    known[key] = self.at(node, k if side else j)
+                return known[key]
+
+            coming = iter(totals)
+            found = []
+            for node, (a, b) in rows.items():
+                if a is b:
+                    found.append(self.fma(at(a, 0), at(a, 1), next(coming)))
+                    continue
+                for side, weight in ((0, j), (1, k)):
+                    x = at(a, side)
+                    if node.kind in ("exp", "log"):
+                        x = self.multiply(self.spread(weight), x)
+                    found.append(self.fma(x, at(b, 1 - side), next(coming)))
+            return found
+
+        chains = sum(1 if a is b else 2 for a, b in rows.values())
+        totals = self.repeat(self.index(0), count, [self.number(0.0)] * chains, pair)
+        coming = iter(totals)
+        merged = [
+            next(coming) if a is b else self.add(next(coming), next(coming))
+            for a, b in rows.values()
+        ]
+        middle = build.ashr(n, self.index(1))
+
+        def central(_: Value, totals: list[Value]) -> list[Value]:
+            found = []
+            for (node, (a, b)), total in zip(rows.items(), totals, strict=True):
+                x = self.at(a, middle)
+                if a is b:
+                    found.append(self.fma(self.multiply(self.number(0.5), x), x, total))
+                    continue
+                if node.kind in ("exp", "log"):
+                    x = self.multiply(self.spread(middle), x)
+                found.append(self.fma(x, self.at(b, middle), total))
+            return found
+
+        odd = build.and_(n, self.index(1))
+        return dict(zip(rows, self.repeat(odd, self.index(1), merged, central), strict=True))
+
+    def end(
+        self, node: Node, n: Value, sums: dict[Node, Value], current: Values, halves: Values
+    ) -> None:
+        """Write the coefficient n of a node, or half of it."""
+        zeroth = self.zeroth
+
+        def of(x: Node) -> Value:
+            return self.number(0.0) if x.static else self.whole(x, current, halves)
+
+        if node in self.from_rest:
+            current[node] = self.root_from_rest(node, n, of)
+            return
+        match node.kind:
+            case "sum":
+                ones = all(c.kind == "constant" and c.args[0] == 1.0 for c, _ in node.args[1:])
+                if ones and all(x in halves for _, x in node.args[1:]):
+                    halves[node] = self.combination(node, halves)
+                else:
+                    values = {x: of(x) for _, x in node.args[1:]}
+                    current[node] = self.combination(node, values)
+            case "product":
+                a, b = node.args
+                if a is b:
+                    halves[node] = self.fma(zeroth[a], of(a), sums[node])
+                else:
+                    # Variables come first among factors, and are known before what depends on them.
+                    early = self.fma(zeroth[b], of(a), sums[node])
+                    current[node] = self.fma(of(b), zeroth[a], early)
+            case "quotient":
+                a, b = node.args
+                rest = self.fma(of(b), zeroth[node], sums[node])
+                current[node] = self.multiply(self.subtract(of(a), rest), self.inverses[node])
+            case "sqrt":
+                (a,) = node.args
+                half = halves.get(a)
+                if half is None:
+                    half = self.multiply(self.number(0.5), of(a))
+                current[node] = self.multiply(self.subtract(half, sums[node]), self.inverses[node])
+            case "exp":
+                (a,) = node.args
+                inner = self.multiply(sums[node], self.extra(self.layout.inverse, n))
+                current[node] = self.fma(of(a), zeroth[node], inner)
+            case "log":
+                (a,) = node.args
+                inner = self.multiply(sums[node], self.extra(self.layout.inverse, n))
+                current[node] = self.multiply(self.subtract(of(a), inner), self.inverses[node])
+
+    def root_from_rest(self, node: Node, n: Value, of: Callable[[Node], Value]) -> Value:
+        """Return the coefficient n of a speed that is zero at the start: V_1 V_n from order n+1."""
+        build, one = self.builder, self.index(1)
+        parts = squares(node.args[0])
+        first = self.number(0.0)
+        for p in parts:
+            first = self.fma(of(p), of(p), first)
+        first = self.call("sqrt", first)
+        beyond = self.after(n)
+
+        def add(j: Value, totals: list[Value]) -> list[Value]:
+            (total,) = totals
+            for p in parts:
+                total = self.fma(self.at(p, j), self.at(p, build.sub(beyond, j)), total)
+            return [total]
+
+        def subtract(j: Value, totals: list[Value]) -> list[Value]:
+            product = self.multiply(self.at(node, j), self.at(node, build.sub(beyond, j)))
+            return [self.subtract(totals[0], product)]
+
+        total = self.repeat(one, beyond, [self.number(0.0)], add)
+        (total,) = self.repeat(self.index(2), n, total, subtract)
+        twice = self.multiply(self.number(2.0), self.at(node, one))
+        return build.select(build.icmp_signed("==", n, one), first, self.divide(total, twice))
 
 
-# The logarithm of a double to base 2, times 2^52, is its bits read as an integer, plus this, to
-# within 2^52 / 11: the mantissa stands for the fraction of the logarithm.
-_ZERO_OF_LOGARITHM = 1023 << 52
-# Reading the root back from its bits makes it at most 1 / 0.94 times too long.
-_SHORTEN = 0.94
+def _divisor(node: Node) -> Node | None:
+    """Return by what the coefficients of a node are divided, at t = 0."""
+    divisors: dict[str, Node] = {"quotient": node.args[-1], "sqrt": node, "log": node.args[0]}
+    return divisors.get(node.kind)
 
 
-@compiled
-def _root(x: float, n: int) -> float:
-    """Return a lower estimate of the n-th root, good to a tenth: all that a step needs."""
-    if not x < 1e300:
-        return 1e300
-    bits = np.float64(x).view(np.int64)
-    return _SHORTEN * np.int64((bits - _ZERO_OF_LOGARITHM) / n + _ZERO_OF_LOGARITHM).view(
-        np.float64
+# --- the step -------------------------------------------------------------------------------------
+
+
+class _Step(_Expansion):
+    """Writes a step: the expansion, how far it holds, and the state at its end.
+
+    The second argument is an array of shape (functions, variables + 2, lanes): of linear functions
+    of the state the coefficients, the constant, and the error. Their number is the third integer.
+    """
+
+    def __init__(self, module: Any, program: Program) -> None:
+        super().__init__(module, "step", program, WIDTH, at_rest=False, shape=(2, 3, 1))
+        self.expand()
+        self.variables = [name for name, _ in self.outputs]
+        self.positions = [name for name, rate in self.outputs if rate.kind == "variable"]
+        velocities = [name for name in self.variables if name not in self.positions]
+        straight, size = self.choose_length(velocities)
+        ranges = self.take(size)
+        self.tell_clearance(ranges, straight)
+        self.builder.ret(self.index(0))
+
+    def put_step(self, row: int, value: Value) -> None:
+        """Write a row of the block of the step."""
+        start = self.builder.mul(self.index(self.layout.step), self.stride)
+        self.store(self.array, self.builder.add(start, self.index(row)), value)
+
+    def larger(self, values: list[Value]) -> Value:
+        """Return the largest absolute value."""
+        largest = self.call("fabs", values[0])
+        for value in values[1:]:
+            size = self.call("fabs", value)
+            largest = self.choose(size, ">", largest, size, largest)
+        return largest
+
+    def choose_length(self, velocities: list[Node]) -> tuple[Value, Value]:
+        """Choose the length: the last two terms of the velocity stay below `truncation` times V.
+
+        A second bound keeps the roots of sums of squares analytic. Such a sum q_0 + q_1 t + q_2 t²
+        has its complex zeros near √(q_0/q_2) from a minimum, and a step stays within half of that.
+        It is not needed where all but one of the squares vanish, as on a vertical flight, for then
+        the root is ± an analytic function; nor where the series ends.
+
+        Returns
+        -------
+        The lanes where only one square does not vanish, and the length.
+        """
+        start = [self.zeroth[name] for name in velocities]
+        square = self.number(0.0)
+        for x in start:
+            square = self.fma(x, x, square)
+        allowed = self.multiply(self.spread(self.arguments[-1]), self.call("sqrt", square))
+        before = self.builder.sub(self.order, self.index(1))
+        lengths = []
+        for power in (self.order, before):
+            last = self.larger([self.at(name, power) for name in velocities])
+            lengths.append(self.root(self.divide(allowed, last), power))
+        length = self.choose(lengths[0], "<", lengths[1], *lengths)
+        none = ir.Constant(ir.VectorType(ir.IntType(1), self.lanes), [0] * self.lanes)
+        straight = none
+        ends = self.builder.fcmp_ordered(">=", length, self.number(NO_LIMIT))
+        for node in self.recurrence.roots:
+            along, limit = self.distance_to_zero(node)
+            shorter = self.choose(limit, "<", length, limit, length)
+            length = self.builder.select(self.builder.or_(along, ends), length, shorter)
+            straight = self.builder.or_(straight, along)
+        self.put_step(len(self.variables) + LENGTH, length)
+        return straight, length
+
+    def distance_to_zero(self, node: Node) -> tuple[Value, Value]:
+        """Return where all squares but one vanish, and half the distance to the complex zeros."""
+        one, two = self.index(1), self.index(2)
+        bend, zero = self.number(0.0), self.number(0.0)
+        moving: list[Value] = []
+        for p in squares(node.args[0]):
+            p0, p1 = self.zeroth[p], self.at(p, one)
+            bend = self.fma(p1, p1, bend)
+            bend = self.fma(self.add(p0, p0), self.at(p, two), bend)
+            moving.append(self.builder.fcmp_unordered("!=", self.larger([p0, p1]), zero))
+        both, any_one = None, moving[0]
+        for moves in moving[1:]:
+            again = self.builder.and_(any_one, moves)
+            both = again if both is None else self.builder.or_(both, again)
+            any_one = self.builder.or_(any_one, moves)
+        every = ir.Constant(any_one.type, [1] * self.lanes)
+        along = every if both is None else self.builder.not_(both)
+        half = self.multiply(self.number(0.5), self.zeroth[node])
+        return along, self.divide(half, self.call("sqrt", self.call("fabs", bend)))
+
+    def root(self, x: Value, n: Value) -> Value:
+        """Return a lower estimate of the n-th root, good to a tenth: all that a step needs.
+
+        The logarithm of a double to base 2, times 2^52, is its bits read as an integer, but for a
+        constant and to within 2^52 / 11: the mantissa stands for the fraction of the logarithm.
+        Reading the root back from its bits makes it at most 1 / 0.94 times too long.
+        """
+        build = self.builder
+        integers = ir.VectorType(_INDEX, self.lanes)
+        one = ir.Constant(integers, [1023 << 52] * self.lanes)
+        logarithm = build.sitofp(build.sub(build.bitcast(x, integers), one), self.type)
+        part = self.add(self.divide(logarithm, self.spread(n)), build.sitofp(one, self.type))
+        root = build.bitcast(build.fptosi(part, integers), self.type)
+        limit = self.number(NO_LIMIT)
+        return self.choose(x, "<", limit, self.multiply(self.number(0.94), root), limit)
+
+    def take(self, length: Value) -> dict[Node, Value]:
+        """Sum the series; return how far each position can get from its start on the way."""
+        last = self.after(self.order)
+        names = [*self.variables, *self.positions]
+        sizes = self.call("fabs", length)
+
+        def upper(name: Node, k: Value) -> Value:
+            """Return the coefficient of t^k of a velocity, or of t^(k+1) of a position."""
+            return self.at(name, self.after(k) if name in self.positions else k)
+
+        def term(k: Value, totals: list[Value]) -> list[Value]:
+            down = self.builder.sub(self.builder.sub(self.order, self.index(1)), k)
+            found = {name: upper(name, down) for name in self.variables}
+            sums = [
+                self.fma(total, length, found[name])
+                for name, total in zip(self.variables, totals, strict=False)
+            ]
+            bounds = [
+                self.fma(total, sizes, self.call("fabs", found[name]))
+                for name, total in zip(self.positions, totals[len(sums) :], strict=True)
+            ]
+            return sums + bounds
+
+        begin = [upper(name, self.order) for name in self.variables]
+        begin += [self.call("fabs", self.at(name, last)) for name in self.positions]
+        totals = self.repeat(self.index(0), self.order, begin, term)
+        for i, (name, total) in enumerate(zip(names, totals, strict=True)):
+            if i < len(self.variables):
+                if name in self.positions:
+                    total = self.fma(total, length, self.zeroth[name])
+                self.put_step(i, total)
+        ranges = {}
+        for i, name in enumerate(self.positions):
+            ranges[name] = self.multiply(totals[len(self.variables) + i], sizes)
+            self.put_step(len(self.variables) + RANGES + i, ranges[name])
+        return ranges
+
+    def tell_clearance(self, ranges: dict[Node, Value], straight: Value) -> None:
+        """Write 1 where every linear function certainly stays above its error, -1 elsewhere.
+
+        Also -1 where the ball may come to rest on the way.
+        """
+        functions, count = self.arguments[1], self.arguments[4]
+        size = self.index(len(self.variables) + 2)
+        clear, touched, zero = (self.number(value) for value in (1.0, -1.0, 0.0))
+
+        def nearest(e: Value, totals: list[Value]) -> list[Value]:
+            first = self.builder.mul(e, size)
+
+            def part(i: int) -> Value:
+                return self.load(functions, self.builder.add(first, self.index(i)))
+
+            least = self.subtract(part(len(self.variables)), part(len(self.variables) + 1))
+            total = totals[0]
+            for i, name in enumerate(self.variables):
+                slope = part(i)
+                if name in ranges:
+                    least = self.fma(slope, self.zeroth[name], least)
+                    reach = self.call("fabs", slope)
+                    least = self.subtract(least, self.multiply(reach, ranges[name]))
+                else:
+                    total = self.choose(slope, "==", zero, total, touched)
+            return [self.choose(least, ">", zero, total, touched)]
+
+        (result,) = self.repeat(self.index(0), count, [clear], nearest)
+        result = self.builder.select(straight, touched, result)
+        self.put_step(len(self.variables) + CLEARANCE, result)
+
+
+def _write_rest(module: Any, program: Program) -> None:
+    """Write the expansion of one flight from rest; it returns 0 if the flight is not at rest."""
+    writer = _Expansion(module, "expand_from_rest", program, 1, at_rest=True, shape=(1, 2, 0))
+    build = writer.builder
+    writer.expand()
+    rests = ir.Constant(ir.IntType(1), 1)
+    for root in writer.recurrence.roots:
+        for part in squares(root.args[0]):
+            still = build.fcmp_ordered("==", writer.zeroth[part], writer.number(0.0))
+            rests = build.and_(rests, still)
+    build.ret(build.zext(rests, _INDEX))
+
+
+# --- machine code ---------------------------------------------------------------------------------
+
+
+def written(program: Program) -> Any:
+    """Return the module of LLVM with the functions `step` and `expand_from_rest`."""
+    module = ir.Module("law")
+    _Step(module, program)
+    _write_rest(module, program)
+    return module
+
+
+@dataclass(frozen=True)
+class Kernel:
+    """The compiled steps of a program.
+
+    Attributes
+    ----------
+    step, rest
+        Addresses of the functions ``step(x, functions, order, stride, count, truncation)`` and
+        ``expand_from_rest(x, order, stride)``; the stride is the number of rows of a block.
+    """
+
+    layout: Layout
+    step: int
+    rest: int
+    engine: Any  # owns the code
+
+
+_lock = Lock()
+
+
+@cache
+def _kernel(program: Program) -> Kernel:
+    def compiled() -> bytes:
+        module = binding.parse_assembly(str(written(program)))
+        module.verify()
+        options = binding.create_pipeline_tuning_options(speed_level=3)
+        binding.create_pass_builder(target, options).getModulePassManager().run(
+            module, binding.create_pass_builder(target, options)
+        )
+        code: bytes = target.emit_object(module)
+        return code
+
+    binding.initialize_native_target()
+    binding.initialize_native_asmprinter()
+    target = binding.Target.from_default_triple().create_target_machine(
+        cpu=binding.get_host_cpu_name(),
+        features=binding.get_host_cpu_features().flatten(),
+        opt=3,
+        codemodel="jitdefault",
+        jit=True,
     )
+    code = stored("law", [program.source("rates"), *sources(), *machine()], compiled)
+    engine = binding.create_mcjit_compiler(binding.parse_assembly(""), target)
+    engine.add_object_file(binding.ObjectFileRef.from_data(code))
+    engine.finalize_object()
+    step, rest = map(engine.get_function_address, ("step", "expand_from_rest"))
+    return Kernel(Layout(program), step, rest, engine)
 
 
-@compiled
-def take_steps(x: Array, order: int) -> None:
-    """Sum the series at the end of the steps, and the range of s and z on the way."""
-    h = load(x, STEP, LENGTH)
-    size = magnitude(h)
-    s, z = load(x, S, order + 1), load(x, Z, order + 1)
-    u, w = load(x, U, order), load(x, W, order)
-    s_range, z_range = magnitude(s), magnitude(z)
-    for k in range(order - 1, -1, -1):
-        sk, zk = load(x, S, k + 1), load(x, Z, k + 1)
-        s, z = fma(s, h, sk), fma(z, h, zk)
-        s_range, z_range = fma(s_range, size, magnitude(sk)), fma(z_range, size, magnitude(zk))
-        u, w = fma(u, h, load(x, U, k)), fma(w, h, load(x, W, k))
-    store(x, STEP, S, fma(s, h, load(x, S, 0)))
-    store(x, STEP, Z, fma(z, h, load(x, Z, 0)))
-    store(x, STEP, U, u)
-    store(x, STEP, W, w)
-    store(x, STEP, S_RANGE, s_range * size)
-    store(x, STEP, Z_RANGE, z_range * size)
+def kernel(program: Program) -> Kernel:
+    """Return the compiled steps of a program; they are compiled once per machine."""
+    with _lock:
+        return _kernel(program)

@@ -1,40 +1,32 @@
 """Many flights, sixteen at a time, each to its own end.
 
-The series are expanded for sixteen flights at once (`longball.engines.batch.expansion`). Whatever a
+The steps are taken for sixteen flights at once (`longball.engines.batch.expansion`). Whatever a
 flight decides, it decides alone: the first of its events within the step, found on the step's
 polynomials (`longball.engines.batch.roots`); a lane whose flight has ended takes the next one.
+
+This code is the same for all laws. A state is an array of as many positions as velocities, and an
+event is a linear function of the state that falls through zero.
 """
 
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from longball.engines import series
+from longball.engines.batch.cache import compile_cached
 from longball.engines.batch.expansion import (
-    DRAG,
-    FORCES,
-    GRAVITY,
+    CLEARANCE,
     LENGTH,
-    LIFT,
-    S_RANGE,
-    SPEED,
-    STEP,
+    RANGES,
     TIME,
-    Z_RANGE,
-    S,
-    U,
-    W,
-    Z,
-    choose_steps,
-    expand,
-    room,
-    take_steps,
+    WIDTH,
+    Kernel,
+    aligned,
 )
-from longball.engines.batch.lanes import WIDTH, borrowed, compiled, fma, kept
+from longball.engines.batch.jit import call, compiled, fma, shifted, unowned_view
 from longball.engines.batch.roots import (
     NEVER,
     curvature,
@@ -42,76 +34,118 @@ from longball.engines.batch.roots import (
     downward,
     first_fall,
     first_zero,
-    value,
+    two_values,
 )
+from longball.model.trace import Program
 
 Array = NDArray[np.float64]
+Integer = int | np.int64
 Records = NDArray[Any]
 
-# One record a flight. Starts: time (s), state (m, m, m/s, m/s). Forces as in
-# `longball.model.motion.Forces`, 0 for none. Stops as in `longball.engines.engine.Stops`, with
-# -inf and inf for no floor and no wall, and the relative error of a state at the end of a flight.
-# `mark`: the distance s whose passing is noted. The bat as in
-# `longball.engines.engine.BatSection`, with reach 0 for no bat, and the error (m) of its margin.
-FLIGHT = np.dtype(
-    [
-        (name, np.float64)
-        for name in (
-            *("time", "s", "z", "u", "w"),
-            *("drag", "lift", "gravity"),
-            *("time_limit", "floor", "error", "wall", "vertical", "mark"),
-            *("bat_x", "bat_cos", "bat_height", "reach", "margin_error"),
-        )
-    ]
-)
+# --- records --------------------------------------------------------------------------------------
 
-# How a flight ends: at a stop; touching the bat; or without an answer, for a reason.
-FLOOR, WALL, VERTICAL, TIME_LIMIT, TOUCH = range(5)
-GRAZES_FLOOR, GRAZES_BAT, INSIDE_BAT, OUT_OF_RANGE, TOO_LONG = range(10, 15)
-# While it flies: on its way, or for a moment at rest, at the apex of a flight straight up.
-FLYING, RESTING = -1, -2
-
-# One record a flight: how it ends, when (s) and in what state; when and in what state it passed the
-# mark, or first touched the bat; the margin of the bat, m; the steps taken. `doubt`, m: what lies
-# within its error, if that is the reason for no answer. `size`, m: the largest height there was,
-# 1 m at least, to which the error of a height is relative.
-ARRIVAL = np.dtype(
-    [
-        ("stop", np.int64),
-        ("steps", np.int64),
-        *(
-            (name, np.float64)
-            for name in (
-                *("time", "s", "z", "u", "w"),
-                *("mark_time", "mark_s", "mark_z", "mark_u", "mark_w"),
-                *("margin", "doubt", "size"),
-            )
-        ),
-    ]
-)
-
-# A flight of 60 s with the paper's ball takes some 100 steps; a ball that all but rests at its
-# apex takes three steps for each factor e of its speed there.
-MOST_STEPS = 20_000
-
-# Beyond this many reaches from the bat a step is not searched but shortened: the square of the
-# distance, of which reach² is to be told apart, is rounded to 16² half ulps of reach² at most.
-_FAR = 16.0
+# How a flight ends: at an event, which is then the number of the event; at its time limit; touching
+# the bat; or without an answer. Undecided are whether it meets an event, or which of two is first,
+# or whether within the time limit.
+TIME_LIMIT, TOUCH = 100, 101
+UNDECIDED, UNDECIDED_FIRST, UNDECIDED_IN_TIME, GRAZES_BAT = 110, 111, 112, 113
+INSIDE_BAT, UNDECIDED_RELEASE, OUT_OF_RANGE, TOO_LONG = 120, 121, 122, 123
+# While it flies: on its way, at its waypoint, or at rest for a moment, at the apex of a flight
+# straight up.
+_FLYING, _AT_WAYPOINT, _AT_REST = -1, -2, -3
 
 
-# Rows of a desk, on which one flight is worked on: the polynomials of its step as in an expansion,
-# and an event's polynomial with its derivatives.
-P, SLOPE, BEND = range(5, 8)
+def flight_dtype(program: Program, events: int) -> np.dtype[Any]:
+    """Return the type of the records of where flights start and what can end them.
 
-_extend = compiled(series.extend)
+    The fields are
+
+    ``time``, ``time_limit``
+        s.
+    the program's variables and parameters
+        By their names: state and strengths; 0 for a force that does not act.
+    ``error``
+        Of a state at the end of a flight, relative to its size.
+    ``reach``, ``margin_error``, ``across``, ``above``
+        The bat: the distance from its axis at which it is touched, m, 0 for no bat; the error of
+        the margin, m; the two components of the distance.
+    ``waypoint``, ``ahead``
+        A step ends where this function falls through zero, and the state there is noted. The event
+        of that number lies beyond; -1 if none does.
+    ``events``
+        The functions that end a flight where they fall through zero.
+
+    Functions are linear: an array of the coefficients of the variables, the constant, and the size
+    that the error is relative to.
+    """
+    size = len(program.variables) + 2
+    return np.dtype(
+        [
+            *((name, np.float64) for name in _FLIGHT),
+            *((name, np.float64) for name in (*program.variables, *program.parameters)),
+            *((name, np.float64, (size,)) for name in ("across", "above", "waypoint")),
+            ("events", np.float64, (events, size)),
+        ]
+    )
 
 
-def fly_all(flights: Records, order: int, truncation: float) -> Records:
+_FLIGHT = ("time", "time_limit", "error", "reach", "margin_error", "ahead")
+_TIME, _LIMIT, _ERROR, _REACH, _MARGIN_ERROR, _AHEAD, _STATE = range(7)
+# Functions, in the order of the records.
+_ACROSS, _ABOVE, _WAYPOINT, _FIRST_EVENT = range(4)
+
+
+def arrival_dtype(program: Program) -> np.dtype[Any]:
+    """Return the type of the records of how flights end.
+
+    The fields are
+
+    ``stop``
+        The number of the event, `TIME_LIMIT`, `TOUCH`, or why there is no answer.
+    ``event``, ``rival``, ``doubt``
+        What is undecided: about one event, or which of two is first; and the value that lies within
+        its error.
+    ``steps``
+        How many were taken.
+    ``time`` and the program's variables
+        When, s, and in what state it ends.
+    ``mark_time``, ``mark_`` and the variables
+        When and in what state it passed the waypoint or, at a bat, first touched it; the time is
+        NaN if it did not.
+    ``margin``
+        Of the bat, m.
+    """
+    names = ("time", *program.variables)
+    return np.dtype(
+        [
+            *((name, np.int64) for name in ("stop", "steps", "event", "rival")),
+            *((name, np.float64) for name in ("margin", "doubt")),
+            *((f"{prefix}{name}", np.float64) for prefix in ("", "mark_") for name in names),
+        ]
+    )
+
+
+# Columns of arrivals.
+_STOP, _STEPS, _EVENT, _RIVAL, _MARGIN, _DOUBT, _END = range(7)
+
+
+def new_flights(program: Program, shape: tuple[int, ...], events: int) -> Records:
+    """Return flights that have no waypoint, no bat, and events that never happen."""
+    flights = np.zeros(shape, flight_dtype(program, events))
+    constant = len(program.variables)
+    flights["ahead"] = -1.0
+    flights["waypoint"][..., constant] = flights["events"][..., constant] = math.inf
+    return flights
+
+
+def fly_all(kernel: Kernel, flights: Records, order: int, truncation: float) -> Records:
     """Fly every flight to its end.
 
     Parameters
     ----------
-    flights : records of FLIGHT, shape (n,)
+    kernel
+        Of the law.
+    flights : records of `flight_dtype`, of any shape
     order
         Of the series.
     truncation
@@ -119,403 +153,586 @@ def fly_all(flights: Records, order: int, truncation: float) -> Records:
 
     Returns
     -------
-    records of ARRIVAL, shape (n,)
+    records of `arrival_dtype`, of the same shape
     """
-    arrivals = np.empty(len(flights), ARRIVAL)
-    desk = np.zeros((8, 2 * order + 4))
-    _fly_all(flights, arrivals, room(order), desk, np.zeros(WIDTH, np.int64), order, truncation)
-    return arrivals
+    return _flown(kernel, flights, order, truncation, np.empty((0, 0)))
 
 
-@kept
-def _fly_all(
-    flights: Records,
-    arrivals: Records,
-    lanes: Array,
-    table: Array,
-    crew: NDArray[np.int64],
-    order: int,
-    truncation: float,
-) -> None:
-    x, desk, flying = borrowed(lanes), borrowed(table), borrowed(crew)
-    flying[:] = _NONE
-    next_one = 0
-    while True:
-        for lane in range(WIDTH):
-            while True:
-                if flying[lane] == _NONE:
-                    flying[lane] = _take_off(flights, arrivals, next_one, x, lane, desk)
-                    next_one = flying[lane] + 1
-                i = flying[lane]
-                if i >= len(flights) or x[U, 0, lane] != 0.0 or x[W, 0, lane] != 0.0:
-                    break
-                if not _leaves_rest(flights[i], arrivals[i], x, lane, desk, order, truncation):
-                    flying[lane] = _NONE
-        if flying.min() >= len(flights):
-            return
-        expand(x, order)
-        choose_steps(x, order, truncation)
-        take_steps(x, order)
-        for lane in range(WIDTH):
-            i = flying[lane]
-            if i < len(flights) and not _goes_on(flights[i], arrivals[i], x, lane, desk, order):
-                flying[lane] = _NONE
+def trail(kernel: Kernel, flights: Records, order: int, truncation: float) -> tuple[Records, Array]:
+    """Fly one flight to its end; return its arrival, and the way there.
 
+    Returns
+    -------
+    record of `arrival_dtype`
+    array of shape (steps, 1 + variables)
+        Time, s, and state at the beginning of each step.
+    """
+    arrival = fly_all(kernel, flights, order, truncation)
+    steps = np.empty((arrival["steps"].item(), 1 + len(kernel.layout.program.variables)))
+    return _flown(kernel, flights, order, truncation, steps), steps
+
+
+def _flown(
+    kernel: Kernel, flights: Records, order: int, truncation: float, steps: Array
+) -> Records:
+    program, layout = kernel.layout.program, kernel.layout
+    functions = flights.dtype["events"].shape[0] + 1
+    variables, parameters = len(program.variables), len(program.parameters)
+    starts = np.ascontiguousarray(flights).reshape(-1)
+    arrivals = np.empty(len(starts), arrival_dtype(program))
+    lanes, rest = layout.allocate(order, WIDTH), layout.allocate(order, 1)
+    rows, width = lanes.shape[1], 2 * order + 4
+    _fly_all(
+        (kernel.step, kernel.rest, layout.parameters * rows, layout.step * rows),
+        (variables, parameters, functions, order, rows, width),
+        truncation,
+        (starts.view(np.float64), arrivals.view(np.float64), arrivals.view(np.int64)),
+        (starts.itemsize // 8, arrivals.itemsize // 8, len(starts)),
+        (
+            lanes.ravel(),
+            rest.ravel(),
+            aligned(functions * (variables + 2) * WIDTH),
+            np.zeros((variables + _SCRATCH) * width),
+        ),
+        np.zeros(WIDTH, np.int64),
+        steps.ravel(),
+        len(steps),
+    )
+    return arrivals.reshape(flights.shape)
+
+
+# --- the loop -------------------------------------------------------------------------------------
+
+# A flight of 60 s with the paper's ball takes some 100 steps; a ball that all but rests at its
+# apex takes three steps for each factor e of its speed there.
+MOST_STEPS = 20_000
 
 _NONE = -1  # flies in a lane
 
 
-@compiled
-def _take_off(
-    flights: Records, arrivals: Records, index: int, x: Array, lane: int, desk: Array
-) -> int:
-    """Put the next flight that needs a series into a lane; return its index."""
-    while index < len(flights):
-        flight, arrival = flights[index], arrivals[index]
-        _clear(flight, arrival)
-        x[FORCES, DRAG, lane], x[FORCES, LIFT, lane] = flight.drag, flight.lift
-        x[FORCES, GRAVITY, lane] = flight.gravity
-        _put(x, lane, flight.s, flight.z, flight.u, flight.w)
-        x[STEP, TIME, lane] = flight.time
-        if not _is_over(flight, arrival) and not _flies_freely(flight, arrival, desk):
-            break
-        index += 1
-    return index
+class _Setup(NamedTuple):
+    """What all flights share: sizes, code, and memory.
+
+    Attributes
+    ----------
+    half, variables, parameters, functions
+        Numbers of positions, variables, parameters; and of the waypoint and the events.
+    order, degree
+        Of the velocity's polynomials, and of the position's.
+    block, width
+        Doubles between two components of the state in `x`, and in `work`.
+    expand_from_rest
+        Address of code.
+    truncation
+        Of the series, relative to the speed.
+    x, strengths, step
+        The expansion of all lanes, its block of parameters, and that of the step.
+    rest, rest_strengths, rest_block
+        The same for one flight at rest.
+    linear
+        Linear functions of the flights in the lanes: waypoint and events, with absolute errors.
+    work
+        Polynomials of the state of one flight in its step, and of the bat's distance after them.
+    p, slope, bend
+        Of an event.
+    state
+        Of a flight at some time.
+    """
+
+    half: int
+    variables: int
+    parameters: int
+    functions: int
+    order: int
+    degree: int
+    block: int
+    width: int
+    expand_from_rest: int
+    truncation: float
+    x: Any
+    strengths: Any
+    step: Any
+    rest: Any
+    rest_strengths: Any
+    rest_block: int
+    linear: Any
+    work: Any
+    p: Any
+    slope: Any
+    bend: Any
+    across: Any
+    above: Any
+    state: Any
 
 
-@compiled
-def _put(x: Array, lane: int, s: float, z: float, u: float, w: float) -> None:
-    x[S, 0, lane], x[Z, 0, lane], x[U, 0, lane], x[W, 0, lane] = s, z, u, w
+_SCRATCH = 6  # rows of a workspace after those of the state
 
 
-@compiled
-def _clear(flight: Any, arrival: Any) -> None:
-    arrival.steps = 0
-    arrival.margin = -math.inf
-    arrival.doubt = 0.0
-    arrival.size = max(1.0, abs(flight.z))
-    if flight.floor > -math.inf:
-        arrival.size = max(arrival.size, abs(flight.floor))
-    _note_arrival(arrival, FLYING, flight.time, flight.s, flight.z, flight.u, flight.w)
-    _note_mark(arrival, flight.time, flight.s, flight.z, flight.u, flight.w)
-    if flight.s < flight.mark:
-        arrival.mark_time = math.nan
+class _Slot(NamedTuple):
+    """One flight: its records (the arrival as doubles and as integers), and its lane."""
+
+    flight: Any
+    arrival: Any
+    mark: Any
+    lane: int
 
 
-@compiled
-def _note_arrival(
-    arrival: Any, stop: int, time: float, s: float, z: float, u: float, w: float
-) -> None:
-    arrival.stop = stop
-    arrival.time = time
-    arrival.s, arrival.z, arrival.u, arrival.w = s, z, u, w
-
-
-@compiled
-def _note_mark(arrival: Any, time: float, s: float, z: float, u: float, w: float) -> None:
-    arrival.mark_time = time
-    arrival.mark_s, arrival.mark_z, arrival.mark_u, arrival.mark_w = s, z, u, w
-
-
-@compiled
-def _is_over(flight: Any, arrival: Any) -> bool:
-    """Tell whether a flight ends at its start: on the floor, and not leaving it."""
-    if flight.z > flight.floor or flight.w > 0.0:
-        return False
-    speed = math.sqrt(flight.u * flight.u + flight.w * flight.w)
-    lifted = -speed * (flight.drag * flight.w - flight.lift * flight.u) - flight.gravity > 0.0
-    if flight.w == 0.0 and lifted:
-        return False
-    arrival.stop = FLOOR
-    return True
-
-
-@compiled
-def _flies_freely(flight: Any, arrival: Any, desk: Array) -> bool:
-    """Fly without a series where no air acts, be it that the ball stays at rest."""
-    stays = flight.u == 0.0 and flight.w == 0.0 and flight.gravity == 0.0
-    if not stays and (flight.drag != 0.0 or flight.lift != 0.0):
-        return False
-    desk[S, 0], desk[S, 1], desk[S, 2] = flight.s, flight.u, 0.0
-    desk[Z, 0], desk[Z, 1], desk[Z, 2] = flight.z, flight.w, -0.5 * flight.gravity
-    desk[U, 0], desk[U, 1] = flight.u, 0.0
-    desk[W, 0], desk[W, 1] = flight.w, -flight.gravity
-    time = flight.time
-    while arrival.stop == FLYING:
-        arrival.steps += 1
-        taken = _settle(flight, arrival, desk, 1, time, flight.time_limit - time)
-        time += taken
-        desk[S, 0] += taken * desk[S, 1]
-        desk[Z, 0] += taken * (desk[Z, 1] + taken * desk[Z, 2])
-        desk[W, 0] += taken * desk[W, 1]
-        desk[Z, 1] = desk[W, 0]
-    return True
-
-
-@compiled
-def _leaves_rest(
-    flight: Any,
-    arrival: Any,
-    x: Array,
-    lane: int,
-    desk: Array,
-    order: int,
+@compile_cached
+def _fly_all(
+    code: tuple[int, int, int, int],
+    sizes: tuple[int, int, int, int, int, int],
     truncation: float,
-) -> bool:
-    """Take a flight from rest through its first step, in which V = g t + …; see `_goes_on`."""
-    s, z, u, w = desk[S], desk[Z], desk[U], desk[W]
-    s[0], z[0], u[0], w[0] = x[S, 0, lane], x[Z, 0, lane], 0.0, 0.0
-    desk[SPEED, 0], desk[SPEED, 1] = 0.0, flight.gravity
-    for n in range(order):
-        _extend(n, flight.drag, flight.lift, flight.gravity, u, w, desk[SPEED], 1)
-    for k in range(order + 1):
-        s[k + 1], z[k + 1] = u[k] / (k + 1), w[k] / (k + 1)
-    # Every second coefficient of u and w is zero, so that the last two terms are among four.
-    step = flight.time_limit
-    for k in range(order - 3, order + 1):
-        last = max(abs(u[k]), abs(w[k]))
-        if last > 0.0:
-            step = min(step, (truncation * flight.gravity / last) ** (1.0 / (k - 1)))
-    arrival.steps += 1
-    taken = _settle(flight, arrival, desk, order, x[STEP, TIME, lane], step)
-    return _moves_on(arrival, x, lane, desk, order, taken)
-
-
-@compiled
-def _goes_on(flight: Any, arrival: Any, x: Array, lane: int, desk: Array, order: int) -> bool:
-    """Take a flight to the end of its step, or of itself; tell whether it goes on."""
-    time, step = x[STEP, TIME, lane], x[STEP, LENGTH, lane]
-    arrival.steps += 1
-    nothing_near = (
-        flight.reach == 0.0
-        and flight.vertical == 0.0
-        and x[U, 0, lane] != 0.0
-        and time + step < flight.time_limit
-        and x[Z, 0, lane] - x[STEP, Z_RANGE, lane] > flight.floor + flight.error * arrival.size
-        and x[S, 0, lane] + x[STEP, S_RANGE, lane] < min(flight.mark, flight.wall)
+    records: tuple[Array, Array, NDArray[np.int64]],
+    record_sizes: tuple[int, int, int],
+    memory: tuple[Array, Array, Array, Array],
+    numbers: NDArray[np.int64],
+    steps: Array,
+    recorded: int,
+) -> None:
+    variables, parameters, functions, order, rows, width = sizes
+    flight_size, arrival_size, count = record_sizes
+    x, rest = unowned_view(memory[0]), unowned_view(memory[1])
+    work = unowned_view(memory[3])
+    scratch = shifted(work, variables * width)
+    s = _Setup(
+        variables // 2,
+        variables,
+        parameters,
+        functions,
+        order,
+        order + 1,
+        rows * WIDTH,
+        width,
+        code[1],
+        truncation,
+        x,
+        shifted(x, code[2] * WIDTH),
+        shifted(x, code[3] * WIDTH),
+        rest,
+        shifted(rest, code[2]),
+        rows,
+        unowned_view(memory[2]),
+        work,
+        scratch,
+        shifted(scratch, width),
+        shifted(scratch, 2 * width),
+        shifted(scratch, 3 * width),
+        shifted(scratch, 4 * width),
+        shifted(scratch, 5 * width),
     )
-    if nothing_near:
-        x[STEP, TIME, lane] = time + step
-        _put(x, lane, x[STEP, S, lane], x[STEP, Z, lane], x[STEP, U, lane], x[STEP, W, lane])
-        return _is_in_order(arrival, x, lane, step)
-    for k in range(order + 1):
-        desk[S, k], desk[Z, k] = x[S, k, lane], x[Z, k, lane]
-        desk[U, k], desk[W, k] = x[U, k, lane], x[W, k, lane]
-    desk[S, order + 1], desk[Z, order + 1] = x[S, order + 1, lane], x[Z, order + 1, lane]
-    taken = _settle(flight, arrival, desk, order, time, step)
-    return _moves_on(arrival, x, lane, desk, order, taken)
+    starts, ends = unowned_view(records[0]), unowned_view(records[1])
+    marks, active, way = unowned_view(records[2]), unowned_view(numbers), unowned_view(steps)
+    time_row, length_row = (variables + TIME) * WIDTH, (variables + LENGTH) * WIDTH
+    clearance_row = (variables + CLEARANCE) * WIDTH
+    for lane in range(WIDTH):
+        active[lane] = _NONE
+    next_one = 0
+    while True:
+        busy = 0
+        for lane in range(WIDTH):
+            if active[lane] == _NONE and next_one < count:
+                slot = _Slot(
+                    shifted(starts, next_one * flight_size),
+                    shifted(ends, next_one * arrival_size),
+                    shifted(marks, next_one * arrival_size),
+                    lane,
+                )
+                _launch(s, slot)
+                active[lane] = next_one
+                next_one += 1
+            busy += active[lane] != _NONE
+        if busy == 0:
+            return
+        call(code[0], (x, s.linear, order, rows, functions, truncation))
+        for lane in range(WIDTH):
+            i = active[lane]
+            if i == _NONE:
+                continue
+            slot = _Slot(
+                shifted(starts, i * flight_size),
+                shifted(ends, i * arrival_size),
+                shifted(marks, i * arrival_size),
+                lane,
+            )
+            time, length = s.step[time_row + lane], s.step[length_row + lane]
+            if slot.mark[_STEPS] < recorded:
+                row = shifted(way, slot.mark[_STEPS] * (variables + 1))
+                row[0] = time
+                for k in range(variables):
+                    row[1 + k] = x[k * s.block + lane]
+            slot.mark[_STEPS] += 1
+            if (
+                s.step[clearance_row + lane] > 0.0
+                and time + length < slot.flight[_LIMIT]
+                and slot.flight[_REACH] == 0.0
+            ):
+                for k in range(variables):
+                    x[k * s.block + lane] = s.step[k * WIDTH + lane]
+            else:
+                length = _settle(s, slot, time, _take_out(s, slot, length))
+                if slot.mark[_STOP] < 0:
+                    for k in range(variables):
+                        x[k * s.block + lane] = s.state[k]
+            s.step[time_row + lane] = time + length
+            total = 0.0
+            for k in range(variables):
+                total += x[k * s.block + lane]
+            if slot.mark[_STOP] >= 0:
+                active[lane] = _NONE
+            elif not math.isfinite(total):
+                slot.mark[_STOP], active[lane] = OUT_OF_RANGE, _NONE
+            elif time + length == time or slot.mark[_STEPS] >= MOST_STEPS:
+                slot.mark[_STOP], active[lane] = TOO_LONG, _NONE
 
 
 @compiled
-def _moves_on(arrival: Any, x: Array, lane: int, desk: Array, order: int, taken: float) -> bool:
-    """Put the state after the step on the desk into the lane, unless the flight has ended."""
-    if arrival.stop >= 0:
-        return False
-    x[STEP, TIME, lane] += taken
-    s, z, u, w = _state(desk, order, taken)
-    if arrival.stop == RESTING:
-        arrival.stop, u, w = FLYING, 0.0, 0.0
-    _put(x, lane, s, z, u, w)
-    return _is_in_order(arrival, x, lane, taken)
+def _launch(s: _Setup, slot: _Slot) -> None:
+    """Put a flight into its lane."""
+    flight, arrival, mark, lane = slot
+    marked = shifted(arrival, _END + 1 + s.variables)
+    mark[_STOP] = mark[_EVENT] = mark[_RIVAL] = _NONE
+    mark[_STEPS] = 0
+    arrival[_MARGIN] = -math.inf
+    arrival[_DOUBT] = 0.0
+    arrival[_END] = marked[0] = flight[_TIME]
+    s.step[(s.variables + TIME) * WIDTH + lane] = flight[_TIME]
+    source = shifted(flight, _STATE)
+    for k in range(s.variables):
+        s.x[k * s.block + lane] = arrival[_END + 1 + k] = marked[1 + k] = source[k]
+    source = shifted(source, s.variables)
+    for k in range(s.parameters):
+        s.strengths[k * WIDTH + lane] = source[k]
+    source = shifted(source, s.parameters + (_WAYPOINT - _ACROSS) * (s.variables + 2))
+    error = s.variables + 1
+    target = shifted(s.linear, lane)
+    for _ in range(s.functions):
+        for k in range(error):
+            target[k * WIDTH] = source[k]
+        target[error * WIDTH] = source[error] * flight[_ERROR]
+        source, target = shifted(source, s.variables + 2), shifted(target, (error + 1) * WIDTH)
+    if _height(s, np.int64(0), lane, shifted(flight, _STATE)) > 0.0:
+        marked[0] = math.nan
+    else:
+        s.linear[s.variables * WIDTH + lane] = math.inf
 
 
 @compiled
-def _is_in_order(arrival: Any, x: Array, lane: int, taken: float) -> bool:
-    """Tell whether a flight has a state to go on from, and makes way."""
-    arrival.size = max(arrival.size, abs(x[Z, 0, lane]))
-    if not math.isfinite(x[S, 0, lane] + x[Z, 0, lane] + x[U, 0, lane] + x[W, 0, lane]):
-        arrival.stop = OUT_OF_RANGE
-    elif x[STEP, TIME, lane] + taken == x[STEP, TIME, lane] or arrival.steps >= MOST_STEPS:
-        arrival.stop = TOO_LONG
-    return bool(arrival.stop < 0)
+def _height(s: _Setup, number: Integer, lane: int, state: Any) -> float:
+    """Return the value of a linear function."""
+    function = shifted(s.linear, number * (s.variables + 2) * WIDTH + lane)
+    total: float = function[s.variables * WIDTH]
+    for k in range(s.variables):
+        total = fma(function[k * WIDTH], state[k], total)
+    return total
 
 
 @compiled
-def _settle(flight: Any, arrival: Any, desk: Array, order: int, time: float, step: float) -> float:
+def _take_out(s: _Setup, slot: _Slot, length: float) -> float:
+    """Put the polynomials of a flight's step on the workspace; return the length of the step."""
+    moves = False
+    for i in range(s.variables):
+        source, target = shifted(s.x, i * s.block + slot.lane), shifted(s.work, i * s.width)
+        for k in range(s.degree + 1):
+            target[k] = source[k * WIDTH]
+        if i >= s.half:
+            target[s.degree] = 0.0
+            moves = moves or target[0] != 0.0
+    if moves:
+        return length
+    for i in range(s.variables):
+        s.rest[i * s.rest_block] = s.x[i * s.block + slot.lane]
+    for k in range(s.parameters):
+        s.rest_strengths[k] = s.strengths[k * WIDTH + slot.lane]
+    if call(s.expand_from_rest, (s.rest, s.order, s.rest_block)) == 0:
+        return length  # the air moves
+    # There V = a t + …, with the acceleration a.
+    square = 0.0
+    for i in range(s.half, s.variables):
+        square += s.rest[i * s.rest_block + 1] ** 2
+    for i in range(s.variables):
+        source, target = shifted(s.rest, i * s.rest_block), shifted(s.work, i * s.width)
+        for k in range(1, s.degree + 1):
+            target[k] = source[k] if square > 0.0 and (i < s.half or k < s.degree) else 0.0
+        if i < s.half:
+            s.step[(s.variables + RANGES + i) * WIDTH + slot.lane] = math.inf
+    # Every second coefficient of the velocity is zero, so that the last two terms are among four.
+    length = slot.flight[_LIMIT]
+    for k in range(s.order - 3, s.order + 1):
+        last = 0.0
+        for i in range(s.half, s.variables):
+            last = max(last, abs(s.work[i * s.width + k]))
+        if last > 0.0:
+            length = min(length, (s.truncation * math.sqrt(square) / last) ** (1.0 / (k - 1)))
+    return length
+
+
+# --- the end of a step ----------------------------------------------------------------------------
+
+
+@compiled
+def _settle(s: _Setup, slot: _Slot, time: float, length: float) -> float:
     """Note what ends a flight within a step, if anything does; return how far the step goes.
 
-    The polynomials of the step are on the desk, u and w of degree `order`, s and z of one more.
+    The polynomials of the step are on the workspace, and at last the state where the flight is.
     """
-    stop, end = FLYING, step
-    if not time + step < flight.time_limit:
-        stop, end = TIME_LIMIT, flight.time_limit - time
-    p, slope, bend = desk[P], desk[SLOPE], desk[BEND]
-    if flight.reach > 0.0:
-        end_of_search = _search_length(flight, desk[S, 0], desk[Z, 0], desk[U, 0], desk[W, 0], end)
-        if end_of_search < end:
-            stop, end = FLYING, end_of_search
-    if flight.drag != 0.0 and flight.lift == 0.0 and desk[U, 0] == 0.0 and desk[W, 0] > 0.0:
-        for k in range(order + 1):
-            p[k] = desk[W, k]
-        differentiate(p, order, slope)
-        top, _ = first_fall(p, slope, bend, order, end, 0.0)
-        if top != NEVER:
-            stop, end = RESTING, top
-    if flight.vertical != 0.0:
-        # From u = 0 it falls or rises with its first coefficient that is not zero: divided by the
-        # power of t before that, u has the same roots but the one at the start.
-        first = 0
-        while first < order - 1 and desk[U, first] == 0.0:
-            first += 1
-        for k in range(first, order + 1):
-            p[k - first] = desk[U, k]
-        differentiate(p, order - first, slope)
-        upright = 0.0
-        if p[0] >= 0.0:
-            upright, _ = first_fall(p, slope, bend, order - first, end, 0.0)
-        if upright != NEVER:
-            stop, end = VERTICAL, upright
-    # The mark lies before the wall. A step ends there, for what lies beyond is to share the
-    # rounding of that state.
-    before_mark = flight.reach == 0.0 and math.isnan(arrival.mark_time)
-    reached = NEVER
-    if flight.wall < math.inf:
-        _turn_over(flight.mark if before_mark else flight.wall, desk, order)
-        reached, _ = first_fall(p, slope, bend, order + 1, end, 0.0)
-        if reached != NEVER:
-            stop, end = FLYING if before_mark else WALL, reached
-    doubt = flight.error * arrival.size
-    if desk[Z, 0] - _farthest(flight, desk[U, 0], desk[W, 0], end) <= flight.floor + doubt:
-        for k in range(order + 2):
-            p[k] = desk[Z, k]
-        p[0] -= flight.floor
-        landed, depth = first_fall(p, desk[W], bend, order + 1, end, doubt)
-        if math.isnan(landed):
-            arrival.stop, arrival.doubt = GRAZES_FLOOR, depth
-            return end
-        if landed != NEVER:
-            stop, end = FLOOR, landed
-    if before_mark and end == reached:
-        s, z, u, w = _state(desk, order, end)
-        _note_mark(arrival, time + end, s, z, u, w)
-    if math.isnan(end):
-        arrival.stop = TOO_LONG
-        return 0.0
-    if flight.reach > 0.0 and _meets_bat(flight, arrival, desk, order, time, end, stop >= 0):
+    flight, arrival, mark, lane = slot
+    stop, end = _FLYING, length
+    if not time + length < flight[_LIMIT]:
+        stop, end = TIME_LIMIT, flight[_LIMIT] - time
+    near_bat = flight[_REACH] > 0.0
+    if near_bat:
+        searched = _search_length(s, flight, end)
+        if searched < end:
+            stop, end = _FLYING, searched
+    doubt, doubtful = 0.0, _NONE
+    ahead = flight[_AHEAD] if math.isnan(arrival[_END + 1 + s.variables]) else -1.0
+    # First what shortens the step, then the events.
+    for number in range(-2, s.functions - 1):
+        error = 0.0
+        if number == -2:
+            if not _put_speed(s):
+                continue
+        elif number >= 0 and number == ahead:
+            continue
+        else:
+            function = shifted(s.linear, (number + 1) * (s.variables + 2) * WIDTH + lane)
+            error = function[(s.variables + 1) * WIDTH]
+            if not _put_function(s, function, np.int64(WIDTH), s.p, lane, end / length):
+                continue
+        differentiate(s.p, s.degree, s.slope)
+        if number >= 0 and s.p[0] <= error and (mark[_STEPS] > 1 or s.p[0] <= 0.0):
+            if not _rises(s.p, s.degree):
+                if mark[_STEPS] <= 1:  # a launch from where it arrives
+                    stop, end, doubtful = number, 0.0, _NONE
+                    break
+            elif mark[_STEPS] > 1 and not near_bat:  # from a turning point
+                stop, end, doubtful, doubt = UNDECIDED, 0.0, number, s.p[0]
+                break
+        root, least = first_fall(s.p, s.slope, s.bend, s.degree, end, error)
+        if math.isnan(root):
+            mark[_STOP] = TOO_LONG
+            return 0.0
+        if root == NEVER:
+            continue
+        end, doubtful, doubt = root, _NONE, 0.0
+        if not math.isnan(least):
+            stop, doubtful, doubt = UNDECIDED, number, least
+        elif number == -2:
+            stop = _AT_REST
+        else:
+            stop = number if number >= 0 else _AT_WAYPOINT
+    mark[_STOP] = stop
+    if near_bat and doubtful == _NONE and _meets_bat(s, slot, time, end, stop >= 0):
         return end
+    _evaluate(s, end)
     if stop >= 0:
-        s, z, u, w = _state(desk, order, end)
-        _note_arrival(
-            arrival,
-            stop,
-            flight.time_limit if stop == TIME_LIMIT else time + end,
-            flight.wall if stop == WALL else s,
-            flight.floor if stop == FLOOR else z,
-            0.0 if stop == VERTICAL else u,
-            w,
-        )
-    elif stop == RESTING:
-        arrival.stop = RESTING
+        _note(s, shifted(arrival, _END), flight[_LIMIT] if stop == TIME_LIMIT else time + end)
+        mark[_EVENT], arrival[_DOUBT] = doubtful, doubt
+        if not near_bat and doubtful == _NONE and end > 0.0:
+            _decide(s, slot, stop)
+    elif stop == _AT_WAYPOINT:
+        s.linear[s.variables * WIDTH + lane] = math.inf
+        _note(s, shifted(arrival, _END + 1 + s.variables), time + end)
+    elif stop == _AT_REST:
+        for k in range(s.half, s.variables):
+            s.state[k] = 0.0
     return end
 
 
 @compiled
-def _state(desk: Array, order: int, t: float) -> tuple[float, float, float, float]:
-    """Return s, z, u, w at a time within the step on the desk."""
-    s, z, u, w = desk[S, order + 1], desk[Z, order + 1], 0.0, 0.0
-    for k in range(order, -1, -1):
-        s, z = fma(s, t, desk[S, k]), fma(z, t, desk[Z, k])
-        u, w = fma(u, t, desk[U, k]), fma(w, t, desk[W, k])
-    return s, z, u, w
+def _evaluate(s: _Setup, t: float) -> None:
+    """Find the state at t on the step."""
+    for i in range(s.half):
+        j = s.half + i
+        p, q = shifted(s.work, i * s.width), shifted(s.work, j * s.width)
+        s.state[i], s.state[j] = two_values(p, q, s.degree, t)
 
 
 @compiled
-def _turn_over(wall: float, desk: Array, order: int) -> None:
-    """Put the polynomial ``wall - s`` on the desk."""
-    for k in range(order + 1):
-        desk[P, k] = -desk[S, k]
-        desk[SLOPE, k] = -desk[U, k]
-    desk[P, order + 1] = -desk[S, order + 1]
-    desk[P, 0] += wall
+def _note(s: _Setup, row: Any, time: float) -> None:
+    """Write a time and the state."""
+    row[0] = time
+    for k in range(s.variables):
+        row[1 + k] = s.state[k]
 
 
 @compiled
-def _search_length(flight: Any, s: float, z: float, u: float, w: float, end: float) -> float:
-    """Return how far, s, a step that may touch the bat is to be searched: not from afar."""
-    distance = _distance(flight, s, z)
-    if distance <= _FAR * flight.reach:
+def _put_speed(s: _Setup) -> bool:
+    """Put the speed on the workspace if it may fall through zero, where the drag of V² has a kink.
+
+    It may on a straight flight, on which a single component of the velocity does not vanish; not
+    under a constant acceleration, which depends on no speed.
+    """
+    moving = _NONE
+    for i in range(s.half, s.variables):
+        row = shifted(s.work, i * s.width)
+        for k in range(s.degree):
+            if row[k] != 0.0:
+                if moving != _NONE:
+                    return False
+                moving = i
+                break
+    if moving == _NONE or s.work[moving * s.width] == 0.0:
+        return False
+    row = shifted(s.work, moving * s.width)
+    sign = 1.0 if row[0] > 0.0 else -1.0
+    accelerates = False
+    for k in range(s.degree + 1):
+        s.p[k] = sign * row[k]
+        accelerates = accelerates or (k > 1 and row[k] != 0.0)
+    return accelerates
+
+
+@compiled
+def _put_function(
+    s: _Setup, function: Any, stride: Integer, p: Any, lane: Integer, part: float
+) -> bool:
+    """Put the polynomial of a linear function on the workspace.
+
+    Not if the function certainly stays above its error over a part of the step; then it returns
+    False. With a part of infinity it always does.
+    """
+    constant = function[s.variables * stride]
+    least = constant - function[(s.variables + 1) * stride]
+    for i in range(s.variables):
+        factor = function[i * stride]
+        if factor != 0.0:
+            # How far a position gets grows at least in proportion to the time.
+            reach = math.inf
+            if i < s.half:
+                reach = s.step[(s.variables + RANGES + i) * WIDTH + lane]
+            least += factor * s.work[i * s.width] - abs(factor) * (part * reach)
+    if least > 0.0:
+        return False
+    for k in range(s.degree + 1):
+        p[k] = 0.0
+    p[0] = constant
+    for i in range(s.variables):
+        factor = function[i * stride]
+        if factor != 0.0:
+            row = shifted(s.work, i * s.width)
+            for k in range(s.degree + 1):
+                p[k] = fma(factor, row[k], p[k])
+    return True
+
+
+@compiled
+def _rises(p: Any, degree: int) -> bool:
+    """Tell whether a polynomial rises at 0."""
+    for k in range(1, degree + 1):
+        if p[k] != 0.0:
+            return bool(p[k] > 0.0)
+    return False
+
+
+@compiled
+def _decide(s: _Setup, slot: _Slot, stop: int) -> None:
+    """Mark an end as undecided if another event, or the time limit, may be as early."""
+    flight, arrival, mark, lane = slot
+    for number in range(s.functions - 1):
+        error = s.linear[((number + 2) * (s.variables + 2) - 1) * WIDTH + lane]
+        height = _height(s, number + 1, lane, s.state)
+        if number != stop and abs(height) <= error:
+            arrival[_DOUBT] = height
+            if stop == TIME_LIMIT:
+                mark[_STOP], mark[_EVENT] = UNDECIDED_IN_TIME, number
+            else:
+                mark[_STOP], mark[_EVENT], mark[_RIVAL] = UNDECIDED_FIRST, stop, number
+            return
+    left = flight[_LIMIT] - arrival[_END]
+    if stop != TIME_LIMIT and left <= flight[_ERROR] * flight[_LIMIT]:
+        mark[_STOP], mark[_EVENT], arrival[_DOUBT] = UNDECIDED_IN_TIME, stop, left
+
+
+# --- the bat --------------------------------------------------------------------------------------
+
+# Beyond this many reaches from the bat a step is not searched but shortened: the square of the
+# distance, of which reach² is to be told apart, is rounded to 16² half ulps of reach² at most.
+_FAR = 16.0
+
+
+@compiled
+def _search_length(s: _Setup, flight: Any, end: float) -> float:
+    """Return how far, s, a step that may touch the bat is to be searched: not from afar.
+
+    Puts the components of the distance to the bat's axis on the workspace.
+    """
+    one, none = np.int64(1), np.int64(0)  # literals would have code of their own
+    across = shifted(flight, _STATE + s.variables + s.parameters)
+    _put_function(s, across, one, s.across, none, math.inf)
+    _put_function(s, shifted(across, s.variables + 2), one, s.above, none, math.inf)
+    distance, reach = _distance(s, 0.0), flight[_REACH]
+    if distance <= _FAR * reach:
         return end
-    if distance - flight.reach > _farthest(flight, u, w, end):
+    x, z = 0.0, 0.0
+    for k in range(s.degree, 0, -1):
+        x, z = fma(x, end, abs(s.across[k])), fma(z, end, abs(s.above[k]))
+    farthest: float = end * math.sqrt(x * x + z * z)
+    if distance - reach > farthest:
         return end
-    far: float = distance - 0.5 * _FAR * flight.reach
-    return end * far / _farthest(flight, u, w, end)
+    # The bound grows at least in proportion to the time.
+    return float(end * (distance - 0.5 * _FAR * reach) / farthest)
 
 
 @compiled
-def _distance(flight: Any, s: float, z: float) -> float:
+def _distance(s: _Setup, t: float) -> float:
     """Return the distance of the ball's centre from the bat's axis, m."""
-    across, above = flight.bat_x + flight.bat_cos * s, z - flight.bat_height
+    across, above = two_values(s.across, s.above, s.degree, t)
     return math.sqrt(across * across + above * above)
 
 
 @compiled
-def _farthest(flight: Any, u: float, w: float, duration: float) -> float:
-    """Return how far, m, a ball can get in a duration.
-
-    Drag only brakes and lift only turns, so the speed grows by at most g a second.
-    """
-    speed = math.sqrt(u * u + w * w)
-    return float((speed + flight.gravity * duration) * duration)
-
-
-@compiled
-def _meets_bat(
-    flight: Any, arrival: Any, desk: Array, order: int, time: float, end: float, last: bool
-) -> bool:
+def _meets_bat(s: _Setup, slot: _Slot, time: float, end: float, last: bool) -> bool:
     """Follow the distance to the bat through a step; tell whether that settles how they meet.
 
     The distance falls to a minimum, rises to a maximum, and so on; a touching is settled at the
-    first minimum that is certainly nearer than `reach` (see `longball.engines.contact`). Where
-    the ball first touches is noted on the way there.
+    first minimum that is certainly nearer than `reach`. Where the ball first touches is noted on
+    the way there.
     """
-    p, slope, bend = desk[P], desk[SLOPE], desk[BEND]
-    reach = flight.reach
-    degree = _depth(flight, desk, order, end)
-    differentiate(p, degree, slope)
-    differentiate(slope, degree - 1, bend)
-    bend_of_slope = curvature(bend, degree - 2, end)
-    approaching = slope[0] < 0.0
-    if arrival.steps <= 1:
-        gap = _distance(flight, desk[S, 0], desk[Z, 0]) - reach
-        if gap < -flight.margin_error:
-            arrival.stop, arrival.doubt = INSIDE_BAT, gap
+    flight, arrival, mark, _ = slot
+    reach, error = flight[_REACH], flight[_MARGIN_ERROR]
+    noted = shifted(arrival, _END + 1 + s.variables)
+    degree = _put_depth(s, reach, end)
+    differentiate(s.p, degree, s.slope)
+    differentiate(s.slope, degree - 1, s.bend)
+    bend_of_slope = curvature(s.bend, degree - 2, end)
+    bend_of_depth = downward(s.slope, degree - 1, end)
+    approaching = s.slope[0] < 0.0
+    if mark[_STEPS] <= 1:
+        gap = _distance(s, 0.0) - reach
+        if gap < -error:
+            mark[_STOP], arrival[_DOUBT] = INSIDE_BAT, gap
             return True
-        if gap <= flight.margin_error and approaching:
-            _note_mark(arrival, time, desk[S, 0], desk[Z, 0], desk[U, 0], desk[W, 0])
+        if gap != 0.0 and gap <= error:
+            mark[_STOP], arrival[_DOUBT] = UNDECIDED_RELEASE, gap
+            return True
+        if gap <= error and approaching:
+            _evaluate(s, 0.0)
+            _note(s, noted, time)
     begin = 0.0
     while True:
         sign = -1.0 if approaching else 1.0
-        turn = first_zero(slope, bend, degree - 1, sign, 0.0, begin, end, bend_of_slope)
+        turn = first_zero(s.slope, s.bend, degree - 1, sign, 0.0, begin, end, bend_of_slope)
         if math.isnan(turn):
-            arrival.stop = TOO_LONG
+            mark[_STOP] = TOO_LONG
             return True
         until = min(turn, end)
-        margin = reach - _distance(
-            flight, value(desk[S], order + 1, until), value(desk[Z], order + 1, until)
-        )
+        margin = reach - _distance(s, until)
         settled = last or turn != NEVER
         if settled:
-            arrival.margin = max(arrival.margin, margin)
-        if settled and abs(margin) <= flight.margin_error:
-            arrival.stop, arrival.margin, arrival.doubt = GRAZES_BAT, margin, margin
+            arrival[_MARGIN] = max(arrival[_MARGIN], margin)
+        if settled and abs(margin) <= error:
+            mark[_STOP], arrival[_MARGIN], arrival[_DOUBT] = GRAZES_BAT, margin, margin
             return True
-        if margin > 0.0 and math.isnan(arrival.mark_time):
-            bend_of_depth = downward(slope, degree - 1, end)
-            touch = first_zero(p, slope, degree, 1.0, 0.0, begin, until, bend_of_depth)
+        if margin > 0.0 and math.isnan(noted[0]):
+            touch = first_zero(s.p, s.slope, degree, 1.0, 0.0, begin, until, bend_of_depth)
             touch = touch if touch < until else until
-            s, z, u, w = _state(desk, order, touch)
-            _note_mark(arrival, time + touch, s, z, u, w)
+            _evaluate(s, touch)
+            _note(s, noted, time + touch)
         if settled and margin > 0.0:
-            arrival.margin = margin
-            _note_arrival(
-                arrival,
-                TOUCH,
-                arrival.mark_time,
-                arrival.mark_s,
-                arrival.mark_z,
-                arrival.mark_u,
-                arrival.mark_w,
-            )
+            mark[_STOP], arrival[_MARGIN] = TOUCH, margin
+            for k in range(s.variables + 1):
+                arrival[_END + k] = noted[k]
             return True
         if turn == NEVER:
             return False
@@ -524,23 +741,20 @@ def _meets_bat(
 
 
 @compiled
-def _depth(flight: Any, desk: Array, order: int, end: float) -> int:
-    """Put the polynomial ``(d² - reach²)/2`` on the desk; return its degree.
+def _put_depth(s: _Setup, reach: float, end: float) -> int:
+    """Put the polynomial ``(d² - reach²)/2`` on the workspace; return its degree.
 
-    The terms of s and z that stay below a hundredth of the rounding of `reach` are left out.
+    The terms of d that stay below a hundredth of the rounding of `reach` are left out.
     """
-    p, x, z = desk[P], desk[SLOPE], desk[BEND]
-    negligible = 1e-18 * flight.reach
+    p, x, z = s.p, s.across, s.above
+    negligible = 1e-18 * reach
     terms, power = 2, 1.0
-    for k in range(order + 2):
-        x[k], z[k] = flight.bat_cos * desk[S, k], desk[Z, k]
+    for k in range(s.degree + 1):
         if k > 1 and (abs(x[k]) + abs(z[k])) * power > negligible:
             terms = k + 1
         power *= end
-    x[0] += flight.bat_x
-    z[0] -= flight.bat_height
     distance = math.sqrt(x[0] * x[0] + z[0] * z[0])
-    p[0] = 0.5 * (distance - flight.reach) * (distance + flight.reach)
+    p[0] = 0.5 * (distance - reach) * (distance + reach)
     for n in range(1, 2 * terms - 1):
         total = 0.0
         for j in range(max(0, n - terms + 1), (n + 1) // 2):

@@ -1,68 +1,147 @@
 """Flights as records of the compiled code: writing where they start, reading how they end.
 
-What is written is a number for one flight, or an array for many.
+A law, a state, an event hold a number of each flight, or one number for all.
 """
 
 from __future__ import annotations
 
-import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from longball.engines.batch.flights import Records
-from longball.engines.engine import BatSection, Stops
-from longball.model.motion import Forces, PlaneState
+import numpy as np
 
-# m before a wall (the plate): a pitch is expanded anew there, and the search for the bat starts
-# there. A pitch crosses that distance in 8 ms, well within one step, and the square of the
-# distance to the bat, of which reach² = 0.005 m² is to be told apart, starts small.
+from longball.engines.batch import flights
+from longball.engines.batch.flights import Records, new_flights
+from longball.engines.contact import BatSection
+from longball.engines.event import Event
+from longball.model.law import FORCES, Law, State, law_with
+
+# m before the plate: a pitch is expanded anew there, and the search for the bat starts there. A
+# pitch crosses that distance in 8 ms, well within one step, and the square of the distance to the
+# bat, of which reach² = 0.005 m² is to be told apart, starts small.
 APPROACH = 0.25
+
+# How arrivals say what stopped a flight: by a number for each event's name.
+STOPS: Mapping[str, int] = {
+    "ground": 0,
+    "plate": 1,
+    "vertical": 2,
+    "past": 3,
+    "time": flights.TIME_LIMIT,
+}
 
 
 class Start(NamedTuple):
     """A time, s since launch, and the state then."""
 
     time: Any
-    state: PlaneState[Any]
+    state: State[Any]
 
 
-class Way(NamedTuple):
-    """What a flight remembers of its way: its launch, and where it was `APPROACH` from a wall."""
+def general(law: Law[Any]) -> Law[Any]:
+    """Return a law with all of the paper's forces, those that do not act with strength 0.
 
-    launch: Start
-    approach: Start
-
-
-def put_start(flight: Records, start: Start) -> None:
-    """Write where flights begin."""
-    flight["time"] = start.time
-    flight["s"], flight["z"], flight["u"], flight["w"] = start.state
-
-
-def put_forces(flight: Records, forces: Forces[Any]) -> None:
-    """Write what acts on the balls."""
-    flight["drag"] = 0.0 if forces.drag is None else forces.drag
-    flight["lift"] = 0.0 if forces.lift is None else forces.lift
-    flight["gravity"] = 0.0 if forces.gravity is None else forces.gravity
+    So that the same compiled code serves all of the paper's scenes.
+    """
+    paper = {name: 0.0 for force in FORCES for name in force.parameters}
+    absent = [f for f in FORCES if not any(name in law.strengths for name in f.parameters)]
+    forces = [*law.forces, *absent]
+    order = {force: place for place, force in enumerate(FORCES)}
+    forces.sort(key=lambda force: order.get(force, len(FORCES)))
+    return law_with({**paper, **law.strengths}, tuple(forces))
 
 
-def put_stops(flight: Records, stops: Stops[Any], flight_error: float) -> None:
-    """Write what ends the flights."""
-    floor = -math.inf if stops.floor is None else stops.floor
-    flight["time_limit"] = stops.time_limit
-    flight["floor"] = floor
-    flight["error"] = flight_error
-    flight["wall"] = math.inf if stops.wall is None else stops.wall
-    flight["vertical"] = stops.vertical
-    flight["mark"] = flight["wall"] - APPROACH
+@dataclass(frozen=True)
+class _Linear:
+    """A linear function of the variables: their coefficients, by name, and a constant."""
+
+    coefficients: Mapping[str, Any]
+    constant: Any = 0.0
+
+    __array_ufunc__ = None  # an array is one factor or constant
+
+    def __add__(self, other: Any) -> _Linear:
+        if not isinstance(other, _Linear):
+            return _Linear(self.coefficients, self.constant + other)
+        names = {**self.coefficients, **other.coefficients}
+        both = (self.coefficients, other.coefficients)
+        added = {name: sum(part[name] for part in both if name in part) for name in names}
+        return _Linear(added, self.constant + other.constant)
+
+    __radd__ = __add__
+
+    def __mul__(self, factor: Any) -> _Linear:
+        scaled = {name: x * factor for name, x in self.coefficients.items()}
+        return _Linear(scaled, self.constant * factor)
+
+    __rmul__ = __mul__
+
+    def __neg__(self) -> _Linear:
+        return self * -1.0
+
+    def __sub__(self, other: Any) -> _Linear:
+        return self.__add__(other * -1.0)
+
+    def __rsub__(self, other: Any) -> _Linear:
+        return self.__mul__(-1.0).__add__(other)
 
 
-def put_bat(flight: Records, bat: BatSection[Any], error: Any) -> None:
-    """Write a bat to search for, and where the search ends: x + cos s = -reach."""
-    flight["bat_x"], flight["bat_cos"] = bat.x, bat.cos
-    flight["bat_height"], flight["reach"] = bat.height, bat.reach
-    flight["margin_error"] = error
-    flight["wall"] = (-bat.reach - bat.x) / bat.cos
-    flight["mark"] = math.inf
+class Bat(NamedTuple):
+    """A bat to search for, and the error of the margin, m."""
+
+    section: BatSection[Any]
+    error: Any
+
+
+def records_of(
+    law: Law[Any],
+    start: Start,
+    events: Sequence[Event[Any]],
+    limit: Any,
+    flight_error: float,
+    bat: Bat | None = None,
+) -> Records:
+    """Return flights that start from states, as `general(law)` has them fly.
+
+    The values of the events must be linear in the state.
+    """
+    law = general(law)
+    names = law.program.variables
+    columns: dict[tuple[Any, ...], Any] = {
+        ("time",): start.time,
+        ("time_limit",): limit,
+        ("error",): flight_error,
+        **{(name,): law.strengths[name] for name in law.program.parameters},
+        **{(name,): getattr(start.state, name) for name in names},
+    }
+
+    def put(way: tuple[Any, ...], value: _Linear, size: Any) -> None:
+        numbers = [value.coefficients.get(name, 0.0) for name in names]
+        for i, number in enumerate([*numbers, value.constant, size]):
+            columns[(*way, i)] = number
+
+    for i, event in enumerate(events):
+        value = _linear(law, event.value)
+        put(("events", i), value, event.size)
+        if event.name == "plate":
+            columns["ahead",] = float(i)
+            put(("waypoint",), value - APPROACH * abs(value.coefficients["s"]), 0.0)
+    if bat is not None:
+        columns["reach",], columns["margin_error",] = bat.section.reach, bat.error
+        put(("across",), _linear(law, bat.section.frame.towards_x), 0.0)
+        put(("above",), _linear(law, lambda state: state.z - bat.section.height), 0.0)
+    shape = np.broadcast_shapes(*(np.shape(value) for value in columns.values()))
+    flight = new_flights(law.program, shape, len(events))
+    for (name, *place), value in columns.items():
+        flight[name][..., *place] = value
+    return flight
+
+
+def _linear(law: Law[Any], value: Any) -> _Linear:
+    state = law.state(*(_Linear({name: 1.0}) for name in law.program.variables))
+    found: _Linear = value(state)
+    return found
 
 
 def approach_is_clear(bat: BatSection[Any], plate: Any) -> Any:
@@ -70,11 +149,28 @@ def approach_is_clear(bat: BatSection[Any], plate: Any) -> Any:
 
     Before it the ball is farther from the bat than the touching, and than at the plate.
     """
-    far = APPROACH * abs(bat.cos)
+    far = APPROACH * abs(bat.frame.cos)
     return (bat.reach < far) & (abs(bat.height - plate) < far)
 
 
-def noted(end: Any, prefix: str = "") -> Start:
+def noted(end: Records, law: Law[Any], prefix: str = "") -> Start:
     """Return time and state that arrivals hold under names with a prefix."""
-    time, s, z, u, w = (end[prefix + name] for name in ("time", "s", "z", "u", "w"))
-    return Start(time, PlaneState(s, z, u, w))
+    time, *state = (end[prefix + name][()] for name in ("time", *law.program.variables))
+    return Start(time, law.state(*state))
+
+
+def placed(end: Records, law: Law[Any], events: Sequence[Event[Any]]) -> Start:
+    """Return when and where flights ended, those that an event stopped being put onto it."""
+    time, state = noted(end, law)
+    for i, event in enumerate(events):
+        stopped = end["stop"] == i
+        there = event.place(state)
+        state = law.state(*(np.where(stopped, x, y)[()] for x, y in zip(there, state, strict=True)))
+    return Start(time, state)
+
+
+def stops(end: Records, events: Sequence[Event[Any]]) -> Any:
+    """Return what stopped flights: of `STOPS`, or why there is no answer."""
+    numbers = np.array([STOPS[event.name] for event in events], np.int64)
+    by_event = end["stop"] < len(events)
+    return np.where(by_event, numbers[np.where(by_event, end["stop"], 0)], end["stop"])[()]

@@ -13,7 +13,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from longball.engines.batch.lanes import compiled, fma
+from longball.engines.batch.jit import compiled, fma
 
 Array = NDArray[np.float64]
 
@@ -126,28 +126,51 @@ def first_zero(
     return math.nan
 
 
+# --- the first fall -----------------------------------------------------------------------------
+
+# A fall is steep if its rate squared exceeds that many times the strongest bend times the error.
+_STEEP = 1e6
+
+
+@compiled
+def two_values(p: Array, q: Array, degree: int, t: float) -> tuple[float, float]:
+    """Return p(t) and q(t): even and odd powers apart, which halves the wait for each sum."""
+    square = t * t
+    odd, odd_too = 0.0, 0.0
+    k = degree
+    if degree % 2 == 1:
+        odd, odd_too = p[k], q[k]
+        k -= 1
+    even, even_too = p[k], q[k]
+    k -= 1
+    while k > 0:
+        odd, even = fma(odd, square, p[k]), fma(even, square, p[k - 1])
+        odd_too, even_too = fma(odd_too, square, q[k]), fma(even_too, square, q[k - 1])
+        k -= 2
+    return fma(odd, t, even), fma(odd_too, t, even_too)
+
+
 @compiled
 def first_fall(
     p: Array, slope: Array, scratch: Array, degree: int, end: float, error: float
 ) -> tuple[float, float]:
-    """Return where p first falls through zero in [0, end], and the least value that is in doubt.
+    """Return where p first falls through zero in [0, end], or NEVER, and NaN.
 
-    Where p has a minimum within `error` of zero, whether it falls through cannot be told: the time
-    then is NaN, and the second number the minimum. Otherwise the second number is 0.
+    Where p has a minimum within `error` of zero, whether it falls through cannot be told: the
+    second number is that minimum then, and the first is where it lies. The first number is NaN if
+    the walk takes too long.
     """
     sag = downward(slope, degree - 1, end)
-    zero = first_zero(p, slope, degree, 1.0, 0.0, 0.0, end, sag)
-    if error == 0.0:
-        return zero, 0.0
-    if zero == NEVER:
-        if first_zero(p, slope, degree, 1.0, error, 0.0, end, sag) == NEVER:
-            return NEVER, 0.0
-    else:
-        rate = value(slope, degree - 1, zero)
-        bend = curvature(slope, degree - 1, end)
-        if rate < 0.0 and rate * rate > 4.0 * bend * error:
-            # So steep that even the strongest bend turns p only below -error.
-            return zero, 0.0
+    near = first_zero(p, slope, degree, 1.0, error, 0.0, end, sag)
+    if error == 0.0 or near == NEVER or math.isnan(near):
+        return near, math.nan
+    height, rate = _height_and_rate(p, slope, degree, near)
+    bend = sag + slope[1] + abs(slope[1])  # as `curvature`
+    if rate < 0.0 and height <= 2.0 * error and rate * rate > _STEEP * bend * error:
+        # Even the strongest bend turns p only far below -error; a step of Newton's method from here
+        # is good to 1/_STEEP of the way.
+        zero = near - height / rate
+        return (zero if zero <= end else NEVER), math.nan
     return _fall_by_pieces(p, slope, scratch, degree, end, error, sag)
 
 
@@ -164,16 +187,16 @@ def _fall_by_pieces(
         sign = 1.0 if rising else -1.0
         turn = first_zero(slope, scratch, degree - 1, sign, 0.0, begin, end, bend_of_slope)
         if math.isnan(turn):
-            return turn, 0.0
+            return turn, math.nan
         if not rising:
             least = value(p, degree, min(turn, end))
             if turn != NEVER and abs(least) <= error:
-                return math.nan, least
+                return turn, least
             if least <= 0.0:
                 zero = first_zero(p, slope, degree, 1.0, 0.0, begin, end, sag)
-                return (zero if zero < end else end), 0.0
+                return (zero if zero < end else end), math.nan
         if turn == NEVER:
-            return NEVER, 0.0
+            return NEVER, math.nan
         begin = turn
         rising = not rising
-    return math.nan, 0.0
+    return math.nan, math.nan

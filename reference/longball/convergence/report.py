@@ -1,4 +1,4 @@
-"""What a family of time steps told about an implementation, as JSON, CSV and text have it."""
+"""What a family of time steps shows, as JSON, CSV and text."""
 
 from __future__ import annotations
 
@@ -9,20 +9,22 @@ from typing import Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 
-class _Frozen(BaseModel):
+class Frozen(BaseModel):
+    """A part of a report: finite numbers only, for JSON knows no others."""
+
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
 
 Use = Literal["fitted", "pre-asymptotic", "floor", "no range", "no error"]
-Verdict = Literal[
+OrderVerdict = Literal[
     "as expected", "other order", "wrong limit", "exact", "not resolved", "no expectation"
 ]
 
-BAD: tuple[Verdict, ...] = ("other order", "wrong limit", "not resolved")
+BAD: tuple[OrderVerdict, ...] = ("other order", "wrong limit", "not resolved")
 
 
-class Rung(_Frozen):
-    """A step of the ladder, for one quantity."""
+class Level(Frozen):
+    """A step of the family, for one quantity."""
 
     step: float = Field(description="s")
     error: float | None = Field(description="typical of all scenes; null if none has one")
@@ -31,7 +33,7 @@ class Rung(_Frozen):
     use: Use = Field(description="whether the order is fitted to it, and if not, why")
 
 
-class Order(_Frozen):
+class Order(Frozen):
     """How one quantity converges."""
 
     quantity: str
@@ -43,12 +45,17 @@ class Order(_Frozen):
     expected: float | None
     jump: float = Field(description="change of the error with the step's phase, relative")
     jumps: bool = Field(description="whether it was averaged over phases for that")
-    rungs: tuple[Rung, ...]
-    verdict: Verdict
+    rungs: tuple[Level, ...]
+    verdict: OrderVerdict
     why: str
 
+    @property
+    def errors(self) -> list[tuple[float, float, Use]]:
+        """The steps that have an error, s; the error; and whether the order is fitted to it."""
+        return [(r.step, r.error, r.use) for r in self.rungs if r.error is not None]
 
-class Limit(_Frozen):
+
+class Limit(Frozen):
     """The value at h = 0 of one quantity of one scene, by Richardson's extrapolation."""
 
     scene: str
@@ -58,7 +65,7 @@ class Limit(_Frozen):
     off: float | None = Field(description="distance from the truth; null if there is none")
 
 
-class Lost(_Frozen):
+class Lost(Frozen):
     """A step, and how many scenes ended otherwise there than they should."""
 
     step: float
@@ -66,7 +73,7 @@ class Lost(_Frozen):
     of: int
 
 
-class ConvergenceReport(_Frozen):
+class ConvergenceReport(Frozen):
     """What a family of steps showed."""
 
     engine: str | None = Field(description="as the implementation names itself")
@@ -109,24 +116,15 @@ class ConvergenceReport(_Frozen):
         return "\n".join(lines) + "\n"
 
     def csv(self) -> str:
-        """Return every rung of every quantity as a table."""
+        """Return every step of every quantity as a table."""
         out = io.StringIO()
         write = csv.writer(out, lineterminator="\n").writerow
         write(["quantity", "unit", "step_s", "error", "scenes", "phases", "use"])
         for order in self.orders:
-            for rung in order.rungs:
-                error = "" if rung.error is None else repr(rung.error)
-                write(
-                    [
-                        order.quantity,
-                        order.unit,
-                        repr(rung.step),
-                        error,
-                        rung.scenes,
-                        rung.phases,
-                        rung.use,
-                    ]
-                )
+            for level in order.rungs:
+                error = "" if level.error is None else repr(level.error)
+                row = (order.quantity, order.unit, repr(level.step), error)
+                write([*row, level.scenes, level.phases, level.use])
         return out.getvalue()
 
 
@@ -134,7 +132,7 @@ def _row(order: Order) -> tuple[str, ...]:
     expected = "" if order.expected is None else f"{order.expected:g}"
     if order.order is None or order.constant is None:
         return (order.quantity, "", "", expected, "", "", order.verdict)
-    fitted = [rung.step for rung in order.rungs if rung.use == "fitted"]
+    fitted = [step for step, _, use in order.errors if use == "fitted"]
     return (
         order.quantity,
         f"{order.order:.3f}",

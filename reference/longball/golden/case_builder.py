@@ -19,9 +19,9 @@ class Draft:
     scene
         What is to be solved.
     comment
-        What the case is there for.
+        What the case tests.
     flags
-        What is said of it from the start; others follow from its solution.
+        Known in advance; others follow from its solution.
     """
 
     scene: Scene

@@ -3,13 +3,23 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import pytest
 
 from longball import engines
-from longball.engines.at_bat import meet, solve, solve_with_restitutions, strike
+from longball.engines.chain import (
+    MODEL,
+    approach_of,
+    collide,
+    solve,
+    solve_with_path,
+    solve_with_restitutions,
+)
 from longball.engines.ivp import Ivp
+from longball.model.law import DRAG, GRAVITY, Force
 from longball.model.scene import parse_scene
+from longball.model.trace import ZERO
 
 IMPACT = '{"id":"x","kind":"impact","swing":{"angular_speed":0},"incoming":{"position":[%s],"velocity":[%s],"bat_height":1}}'  # noqa: E501
 
@@ -95,9 +105,60 @@ def test_one_pitch_serves_many_restitutions():
         assert result == other
 
 
-def test_meeting_and_striking_are_solving():
+def test_the_approach_is_that_of_the_at_bat():
     scene = parse_scene('{"id":"x","kind":"at-bat","swing":{"height_offset":-0.03}}')
-    assert strike(scene, meet(scene, Ivp()), Ivp()) == solve(scene, Ivp())
+    approach, result = approach_of(scene, Ivp()), solve(scene, Ivp())
+    assert approach.touch.time == result.contact.time
+    assert approach.touch.margin == result.contact.margin
+    assert approach.pitch.frame.position(approach.touch.state) == result.contact.position
+
+
+def test_the_path_of_a_scene_runs_from_its_start_to_its_end():
+    scene = parse_scene('{"id":"x","kind":"at-bat","swing":{"height_offset":-0.03}}')
+    result, way = solve_with_path(scene, Ivp())
+    assert way.at(0.0)[0] == scene.pitch.release
+    contact, landing = result.contact, result.landing
+    before = way.at(contact.time * (1 - 1e-15))
+    assert before[0] == pytest.approx(contact.position, abs=1e-13)  # 40 m/s over an ulp or two
+    assert way.at(contact.time) == (contact.position, result.impact.velocity)
+    assert way.end == landing.time
+    assert way.at(way.end)[0] == pytest.approx(landing.position, abs=1e-12)
+    with pytest.raises(ValueError, match=r"no state at t = -1\.0 s"):
+        way.at(-1.0)
+
+
+def test_another_law_or_collision_may_stand_in_the_chain():
+    """Known mistakes, alternative readings and fitted laws are the same chain with other parts."""
+    scene = parse_scene('{"id":"x","kind":"at-bat","swing":{"height_offset":-0.03}}')
+
+    def dead(scene, contact, numbers):
+        impact = collide(scene, contact, numbers)
+        return replace(impact, velocity=(0.0, 0.0, 0.0))
+
+    fallen = solve(scene, Ivp(), replace(MODEL, collide=dead))
+    assert fallen.contact == solve(scene, Ivp()).contact
+    dropped = '{"id":"x","kind":"flight","launch":{"position":%s,"velocity":[0,0,0]}}'
+    alone = solved(dropped % list(fallen.contact.position))
+    assert fallen.landing.position == alone.landing.position
+    no_lift = solve(scene, Ivp(), replace(MODEL, forces=(DRAG, GRAVITY)))
+    without = '{"id":"x","kind":"at-bat","swing":{"height_offset":-0.03},"air":%s}'
+    assert no_lift == solved(without % '{"lift_coefficient":0}')
+
+
+def test_a_sideways_force_goes_through_the_whole_chain():
+    """1 m/s² to the left of the flight, whatever else acts: y = a t²/2 in a vacuum."""
+    across = Force(("push",), lambda scene, frame, numbers: (numbers.exact(1.0),), push_left)
+    model = replace(MODEL, forces=(GRAVITY, across))
+    scene = parse_scene(
+        '{"id":"x","kind":"flight","air":null,"launch":{"position":[0,0,1],"velocity":[30,0,20]}}'
+    )
+    landing = solve(scene, Ivp(), model).landing
+    assert landing.position[1] == pytest.approx(landing.time**2 / 2, rel=1e-14)
+    assert landing.position[0] == pytest.approx(30.0 * landing.time, rel=1e-14)
+
+
+def push_left(motion, p):
+    return ZERO, p.push, ZERO
 
 
 def test_a_graze_below_rounding_is_not_decided():

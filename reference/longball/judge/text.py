@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 
+from longball.convergence import ConvergenceReport
 from longball.judge.answers import quoted
-from longball.judge.convergence_report import ConvergenceReport
 from longball.judge.diagnosis import Diagnosis
 from longball.judge.sampling import Sampling
-from longball.judge.verdict import Failure, Fault, Verdict
+from longball.judge.verdict import Failure, Fault, Row, Verdict
 
 # How many of each list are printed; all are in the JSON.
 SHOWN = 5
@@ -17,8 +17,8 @@ SHOWN = 5
 LONGEST_NAME = 120  # of a candidate: its command may hold a whole program
 
 
-def words(verdict: Verdict, shown: int = SHOWN) -> str:
-    """Return a verdict as text of at most `shown` failed cases, complaints and so on."""
+def render(verdict: Verdict, shown: int = SHOWN) -> str:
+    """Return a verdict as text of at most `shown` failed cases, issues and so on."""
     sections = [
         _head(verdict),
         _errors(verdict),
@@ -27,8 +27,8 @@ def words(verdict: Verdict, shown: int = SHOWN) -> str:
         _convergence(verdict.convergence),
         _sampling(verdict.sampling),
         _failures(verdict, shown),
-        _silence(verdict, shown),
-        _complaints(verdict, shown),
+        silence(verdict, shown),
+        _issues(verdict, shown),
     ]
     return "\n\n".join("\n".join(lines) for s in sections if (lines := list(s))) + "\n"
 
@@ -37,59 +37,62 @@ def _head(verdict: Verdict) -> Iterator[str]:
     candidate = quoted(verdict.candidate, LONGEST_NAME)
     yield f"{'PASSED' if verdict.passed else 'FAILED'}: {candidate}"
     if verdict.cases:
-        yield from _counts(verdict)
+        yield from counts(verdict)
     for reason in verdict.reasons:
         yield f"failed because: {reason}"
 
 
-def _counts(verdict: Verdict) -> Iterator[str]:
+def counts(verdict: Verdict) -> Iterator[str]:
+    """Yield how many scenes were answered and how, by which rule."""
     yield f"profile {verdict.profile}"
     yield f"held against {verdict.truth}"
-    counts = [f"{verdict.cases} scenes", f"{verdict.judged} answers judged"]
-    counts += [f"{verdict.right} right", f"{verdict.judged - verdict.right} wrong"]
+    parts = [f"{verdict.cases} scenes", f"{verdict.judged} answers judged"]
+    parts += [f"{verdict.right} right", f"{verdict.judged - verdict.right} wrong"]
     if verdict.unanswered:
-        counts.append(f"{len(verdict.unanswered)} without an answer")
+        parts.append(f"{len(verdict.unanswered)} without an answer")
     if verdict.refused:
-        counts.append(f"{len(verdict.refused)} refused")
+        parts.append(f"{len(verdict.refused)} refused")
     if verdict.undecidable:
-        counts.append(f"{len(verdict.undecidable)} that doubles cannot decide, not judged")
+        parts.append(f"{len(verdict.undecidable)} that doubles cannot decide, not judged")
     if verdict.seconds is not None:
-        counts.append(f"{verdict.seconds:.1f} s")
-    yield ", ".join(counts)
+        parts.append(f"{verdict.seconds:.1f} s")
+    yield ", ".join(parts)
 
 
 def _errors(verdict: Verdict) -> Iterator[str]:
     if not verdict.rows:
         return
-    table = [
-        (
-            "family", "quantity", "failed", "of", "worst error", "median", "", "worst ulps",
-            "median", "digits right", "of attainable", "worst case",
-        )
-    ]  # fmt: skip
     failed = [row for row in verdict.rows if row.failed]
-    for row in failed or verdict.rows:
-        table.append(
-            (
-                row.family,
-                row.quantity,
-                str(row.failed or "-"),
-                str(row.cases),
-                f"{row.worst_error:.1e}",
-                f"{row.median_error:.1e}",
-                row.unit,
-                _short(row.worst_ulps),
-                _short(row.median_ulps),
-                "" if row.digits_right is None else f"{row.digits_right:.1f}",
-                "" if row.digits_attainable is None else f"{row.digits_attainable:.1f}",
-                row.worst_case,
-            )
-        )
+    table = [ERRORS, *map(error_cells, failed or verdict.rows)]
     yield from _aligned(table, left=(0, 1, 6, 11))
     right = Counter(row.family for row in verdict.rows if failed and not row.failed)
     if right:
         listed = ", ".join(f"{family} {count}" for family, count in right.items())
         yield f"quantities right in every case, by family: {listed}"
+
+
+ERRORS = (
+    "family", "quantity", "failed", "of", "worst error", "median", "", "worst ulps", "median",
+    "digits right", "of attainable", "worst case",
+)  # fmt: skip
+
+
+def error_cells(row: Row) -> tuple[str, ...]:
+    """Return a row's texts under the head `ERRORS`."""
+    return (
+        row.family,
+        row.quantity,
+        str(row.failed or "-"),
+        str(row.cases),
+        f"{row.worst_error:.1e}",
+        f"{row.median_error:.1e}",
+        row.unit,
+        _short(row.worst_ulps),
+        _short(row.median_ulps),
+        "" if row.digits_right is None else f"{row.digits_right:.1f}",
+        "" if row.digits_attainable is None else f"{row.digits_attainable:.1f}",
+        row.worst_case,
+    )
 
 
 def _short(ulps: float | None) -> str:
@@ -105,11 +108,11 @@ def _contacts(verdict: Verdict) -> Iterator[str]:
         table += [(c.expected, c.obtained, str(c.cases)) for c in confused]
         yield from _aligned(table, left=(0, 1))
     for ids, what in (
-        (verdict.contacts_missed, "contacts missed"),
-        (verdict.contacts_invented, "contacts invented"),
+        (verdict.contacts_missed, "missed"),
+        (verdict.contacts_invented, "invented"),
     ):
         if ids:
-            yield f"{what}: {len(ids)} ({_some(ids, 5)})"
+            yield f"contacts {what}: {len(ids)} ({_some(ids, 5)})"
 
 
 def _diagnosis(diagnosis: Diagnosis | None) -> Iterator[str]:
@@ -158,12 +161,12 @@ def _failure(failure: Failure) -> Iterator[str]:
     flags = f" [{', '.join(failure.flags)}]" if failure.flags else ""
     yield f"  {failure.id}{flags}"
     for fault in failure.faults[:2]:
-        yield f"    {told(fault)}"
+        yield f"    {describe(fault)}"
     if len(failure.faults) > 2:
         yield f"    and {len(failure.faults) - 2} quantities more"
 
 
-def told(fault: Fault) -> str:
+def describe(fault: Fault) -> str:
     """Return a fault as a sentence."""
     expected = _joined(fault.expected)
     if any(radius.strip("0.") for radius in fault.radius):
@@ -180,25 +183,25 @@ def _joined(numbers: Sequence[str]) -> str:
     return short[0] if len(short) == 1 else f"({', '.join(short)})"
 
 
-def _silence(verdict: Verdict, shown: int) -> Iterator[str]:
+def silence(verdict: Verdict, shown: int) -> Iterator[str]:
+    """Yield what was not answered, or not judged."""
     for missing in verdict.missing:
         required = " (required)" if missing.required else ""
         yield f"left out: {missing.quantity} in {missing.cases} answers{required}"
     if verdict.unanswered:
         yield f"without an answer: {_some(verdict.unanswered, shown)}"
-    for refusal in verdict.refused[:shown]:
-        yield f"refused: {refusal.id}: {refusal.reason}"
+    for unsolved in verdict.refused[:shown]:
+        yield f"refused: {unsolved.id}: {unsolved.reason}"
     if verdict.undecidable:
         yield f"not judged, doubles cannot decide: {_some(verdict.undecidable, shown)}"
 
 
-def _complaints(verdict: Verdict, shown: int) -> Iterator[str]:
-    for complaint in verdict.complaints[:shown]:
-        where = "" if complaint.line is None else f"line {complaint.line}: "
-        yield f"complaint: {where}{complaint.sentence}"
+def _issues(verdict: Verdict, shown: int) -> Iterator[str]:
+    for issue in verdict.complaints[:shown]:
+        yield f"issue: {issue}"
     more = len(verdict.complaints) - shown + sum(verdict.complaints_left_out.values())
     if more > 0:
-        yield f"complaints: {more} more"
+        yield f"issues: {more} more"
     if verdict.complaints and verdict.standard_error.strip():
         yield "the end of its standard error:"
         for line in verdict.standard_error.strip().splitlines()[-shown:]:

@@ -1,0 +1,10 @@
+"""Observed orders of convergence, limits and errors of a family of time steps.
+
+`study` takes a function of the time step; `converge` takes a solver of scenes.
+"""
+
+from longball.convergence.order import PowerLaw, fit_power_law
+from longball.convergence.report import ConvergenceReport
+from longball.convergence.studies import converge, study
+
+__all__ = ["ConvergenceReport", "PowerLaw", "converge", "fit_power_law", "study"]

@@ -1,0 +1,342 @@
+"""One quantity over a family of steps: its values, its error at each step, and its order.
+
+An event between two steps (a plate, a bat, the ground) can make an error that jumps with the phase
+of the step. It is recognised by evaluating again with steps so little shorter that a smooth error
+would not notice, though the phase is another one. Such a quantity is evaluated at several phases
+of each step, and its error is their root mean square.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from longball.convergence.order import (
+    FEWEST,
+    PowerLaw,
+    errors_without_truth,
+    fit_power_law,
+    richardson,
+    typical,
+)
+from longball.convergence.report import Level, Limit, Order, OrderVerdict, Use
+
+Array = NDArray[np.float64]
+Expected = float | Mapping[str, float] | None
+
+EPSILON = float(np.finfo(np.float64).eps)
+
+# Phases of each step for a quantity that jumps: the root mean square of eight is within a quarter.
+PHASES = 8
+# A smooth error changes by p times the change of log h; this much more is a jump, and below it a
+# jump is lost in what is allowed to bend a line.
+JUMP = 0.15
+# Means over phases keep some noise; their differences are taken between steps so far apart that it
+# is not blown up.
+FAR = 4.0
+# An order is held to theory with this tolerance, besides its own interval.
+TOLERANCE = 0.1
+# An interval wider than this does not tell an order from the next.
+UNDECIDED = 0.4
+
+
+@dataclass(frozen=True)
+class Observed:
+    """One quantity of all scenes, at one step or as it should be.
+
+    Attributes
+    ----------
+    quantity, unit
+        What it is called.
+    values
+        (scene, component); NaN where a scene does not have it, or ended otherwise than it should.
+    """
+
+    quantity: str
+    unit: str
+    values: Array
+
+
+def step_family(steps: Sequence[float]) -> Array:
+    """Return different steps, the coarsest first.
+
+    Raises
+    ------
+    ValueError
+        If fewer than `FEWEST` of them differ, or one is not positive and finite.
+    """
+    family = np.array(sorted(set(steps), reverse=True), float)
+    if len(family) < FEWEST or not (np.isfinite(family).all() and family[-1] > 0):
+        raise ValueError(f"{len(family)} steps; {FEWEST} different positive ones are needed")
+    return family
+
+
+def phase_step(step: float, clock: float, phase: int) -> float:
+    """Return a step a little shorter, so that an event at `clock` has another phase in it.
+
+    The phases are multiples of the golden ratio's: well spread, however many there are, and for
+    events at other times too.
+    """
+    share = phase * (math.sqrt(5) - 1) / 2 % 1.0
+    return step / (1 + share * step / clock)
+
+
+def observe(
+    evaluate: Callable[[float], Sequence[Observed]],
+    family: Array,
+    truth: Sequence[Observed] | None,
+    *,
+    scenes: Sequence[str],
+    expected: Expected,
+    first: float,
+    last: float,
+    phases: int,
+    progress: Callable[[int, int], None],
+) -> tuple[tuple[Order, ...], tuple[Limit, ...]]:
+    """Evaluate quantities at a family of steps, and fit the order of each.
+
+    Parameters
+    ----------
+    evaluate
+        Returns the same quantities at every step.
+    family
+        s, descending.
+    truth
+        The quantities without an error, if they are known.
+    scenes
+        Ids.
+    expected
+        The order in theory: one for all, or one for each name of a quantity.
+    first, last
+        s, when the first and the last event of any scene happens.
+    phases
+        Of each step, for a quantity that jumps with them; 1 if none is to be looked for.
+    progress
+        Called with the evaluations done, and how many there are so far as is known.
+    """
+    done: dict[tuple[int, int], Sequence[Observed]] = {}
+
+    def measured(count: int) -> list[_Measured]:
+        """Evaluate what is missing of the first `count` phases of every step."""
+        planned = [(level, phase) for level in range(len(family)) for phase in range(count)]
+        steps = np.array([[phase_step(h, first, phase) for phase in range(count)] for h in family])
+        for key in planned:
+            if key not in done:
+                done[key] = evaluate(float(steps[key]))
+                progress(len(done), len(planned))
+        return [
+            _Measured(
+                one.quantity,
+                one.unit,
+                steps,
+                np.array([done[key][i].values for key in planned])
+                .reshape(*steps.shape, *one.values.shape)
+                .transpose(2, 0, 1, 3)
+                .copy(),
+                truth[i].values if truth else None,
+                last / family,
+            )
+            for i, one in enumerate(done[0, 0])
+        ]
+
+    found = measured(min(2, phases))
+    jumps = [_jump(one) if phases > 1 else 0.0 for one in found]
+    if max(jumps, default=0.0) > JUMP:
+        found = measured(phases)
+    orders: list[Order] = []
+    limits: list[Limit] = []
+    for one, jump in zip(found, jumps, strict=True):
+        if one.size == 0.0:
+            continue
+        wanted = expected.get(one.quantity) if isinstance(expected, Mapping) else expected
+        order, law = _assess(one, jump, wanted)
+        orders.append(order)
+        if law is not None:
+            limits += _limits(one, jump > JUMP, law, scenes)
+    return tuple(orders), tuple(limits)
+
+
+@dataclass(frozen=True)
+class _Measured:
+    """One quantity at all steps.
+
+    Attributes
+    ----------
+    steps
+        s, (step, phase).
+    values
+        (scene, step, phase, component); NaN where there is none.
+    truth
+        (scene, component), or None.
+    counts
+        Steps up to the last event, (step,).
+    """
+
+    quantity: str
+    unit: str
+    steps: Array
+    values: Array
+    truth: Array | None
+    counts: Array
+
+    @property
+    def size(self) -> float:
+        """The largest of the values; 0 if there is none."""
+        return float(np.max(np.abs(self.values), where=np.isfinite(self.values), initial=0.0))
+
+    def levels(self, jumps: bool) -> Array:
+        """Return each step, or the geometric mean of its phases if the error jumps, s."""
+        means: Array = np.exp(np.log(self.steps if jumps else self.steps[:, :1]).mean(axis=1))
+        return means
+
+    def means(self, jumps: bool) -> Array:
+        """Return the values (scene, step, component), averaged over phases if they jump."""
+        return _mean(self.values if jumps else self.values[:, :, :1])
+
+    def errors(self, jumps: bool, order: float) -> Array:
+        """Return the errors (scene, step), root mean squares over phases if they jump.
+
+        `order` is a guess, which is needed only without the truth.
+        """
+        if self.truth is None:
+            levels, ratio = self.levels(jumps), FAR if jumps else 1.0
+            return np.array(
+                [errors_without_truth(levels, values, order, ratio) for values in self.means(jumps)]
+            )
+        values = self.values if jumps else self.values[:, :, :1]
+        off = np.linalg.norm(values - self.truth[:, None, None, :], axis=-1)
+        rms: Array = np.sqrt(_mean(off**2))
+        return rms
+
+
+def _mean(values: Array) -> Array:
+    """Return the mean over the phases, axis 2, at which there is a value; NaN without one."""
+    known = np.isfinite(values)
+    with np.errstate(invalid="ignore"):
+        mean: Array = np.where(known, values, 0.0).sum(axis=2) / known.sum(axis=2)
+    return mean
+
+
+def _jump(one: _Measured) -> float:
+    """Return how much the error changes with the phase, relative to itself.
+
+    The median over scenes and the finer half of the steps: there a smooth error hardly changes
+    from one phase to the next. Not where rounding rules.
+    """
+    fine = slice(len(one.steps) // 2, None)
+    change = np.linalg.norm(one.values[:, fine, 1] - one.values[:, fine, 0], axis=-1)
+    error = one.errors(jumps=False, order=1.0)[:, fine]
+    # Independent roundings add up like the square root of their number.
+    noise = 4 * EPSILON * one.size * np.sqrt(one.counts[fine])
+    clear = np.isfinite(change) & np.isfinite(error) & (np.maximum(error, change) > noise)
+    with np.errstate(divide="ignore"):
+        relative = change[clear] / np.maximum(error[clear], change[clear])
+    return float(np.median(relative)) if clear.any() else 0.0
+
+
+def _assess(one: _Measured, jump: float, expected: float | None) -> tuple[Order, PowerLaw | None]:
+    """Fit the order of one quantity and hold it against theory."""
+    jumps = jump > JUMP
+    steps, order = one.levels(jumps), 1.0
+    for _ in range(5):  # the guess is needed without the truth; it settles to 1e-3 in three rounds
+        errors = typical(np.maximum(one.errors(jumps, order), EPSILON / 2 * one.size))
+        law = fit_power_law(steps, errors)
+        if law is None or one.truth is not None:
+            break
+        order = law.order
+    verdict, why = _verdict(one, errors, steps, law, expected)
+    if jumps:
+        why += f"; it jumps with the phase of the step, by {100 * jump:.0f} % of the error"
+    known = np.isfinite(one.errors(jumps, order))
+    report = Order(
+        quantity=one.quantity,
+        unit=one.unit,
+        order=law and law.order,
+        low=law and law.low,
+        high=law and law.high,
+        constant=law and law.constant,
+        expected=expected,
+        jump=jump,
+        jumps=jumps,
+        rungs=tuple(
+            Level(
+                step=float(step),
+                error=None if math.isnan(error) else float(error),
+                scenes=int(known[:, level].sum()),
+                phases=one.steps.shape[1] if jumps else 1,
+                use=_use(level, error, law),
+            )
+            for level, (step, error) in enumerate(zip(steps, errors, strict=True))
+        ),
+        verdict=verdict,
+        why=why,
+    )
+    return report, law
+
+
+def _use(level: int, error: float, law: PowerLaw | None) -> Use:
+    if math.isnan(error) or law is None:
+        return "no error" if math.isnan(error) else "no range"
+    if level < law.first:
+        return "pre-asymptotic"
+    return "floor" if level > law.last else "fitted"
+
+
+def _verdict(
+    one: _Measured, errors: Array, steps: Array, law: PowerLaw | None, expected: float | None
+) -> tuple[OrderVerdict, str]:
+    """Return the verdict on one quantity, and a sentence with its reason."""
+    unit = one.unit
+    there = np.flatnonzero(np.isfinite(errors))
+    bound = EPSILON * one.size * one.counts  # as many roundings, if all go the same way
+    if len(there) == 0:
+        return "not resolved", "no scene ends as it should at two steps"
+    if (errors[there] <= bound[there]).all():
+        return "exact", f"no error above rounding, at most {errors[there].max():.1e} {unit}"
+    finest = there[-1]
+    stuck = errors[finest] > bound[finest] and (
+        errors[finest] > 3 * law.error(steps[finest])
+        if law
+        else len(there) >= FEWEST and np.ptp(np.log(errors[there[-FEWEST:]])) < math.log(2)
+    )
+    if one.truth is not None and stuck:
+        return "wrong limit", (
+            f"the error stays at {errors[finest]:.2e} {unit}, which rounding does not explain "
+            f"(at most {bound[finest]:.0e}): the limit is not the truth"
+        )
+    if law is None:
+        return "not resolved", f"no {FEWEST} steps lie on one line: there is no asymptotic range"
+    seen = f"order {law.order:.3f} ({law.low:.3f} to {law.high:.3f})"
+    if law.half_width > UNDECIDED / 2:
+        return "not resolved", f"{seen} does not tell an order from the next"
+    if expected is None:
+        return "no expectation", seen
+    if abs(law.order - expected) <= TOLERANCE + law.half_width:
+        return "as expected", f"{seen}, {expected:g} in theory"
+    return "other order", f"{seen}, but {expected:g} in theory"
+
+
+def _limits(one: _Measured, jumps: bool, law: PowerLaw, scenes: Sequence[str]) -> list[Limit]:
+    """Extrapolate the quantity of every scene, from the finest steps of the asymptotic range."""
+    steps, means = one.levels(jumps)[: law.last + 1], one.means(jumps)[:, : law.last + 1]
+    limits = []
+    for scene, values in enumerate(means):
+        found = richardson(steps, values, law.order)
+        if found is None:
+            continue
+        value, error = found
+        off = None if one.truth is None else float(np.linalg.norm(value - one.truth[scene]))
+        limits.append(
+            Limit(
+                scene=scenes[scene],
+                quantity=one.quantity,
+                value=tuple(value.tolist()),
+                error=error,
+                off=off,
+            )
+        )
+    return limits

@@ -1,0 +1,39 @@
+"""A convergence report as a figure."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from longball.convergence.report import ConvergenceReport
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+
+def draw_convergence(axes: Axes, report: ConvergenceReport) -> None:
+    """Draw error against step for every quantity: fitted steps filled, the others hollow."""
+    for order, marker in zip(report.orders, "osD^v<>", strict=False):
+        label = order.quantity
+        fitted = [(step, error) for step, error, use in order.errors if use == "fitted"]
+        if order.order is not None and order.constant is not None:
+            label += f", order {order.order:.2f}"
+            line = [order.constant * step**order.order for step, _ in fitted]
+            axes.plot([step for step, _ in fitted], line, "-", color="0.6", linewidth=1, zorder=1)
+        steps, errors = [e[0] for e in order.errors], [e[1] for e in order.errors]
+        (drawn,) = axes.plot(steps, errors, marker, markersize=5, markerfacecolor="none")
+        steps, errors = [e[0] for e in fitted], [e[1] for e in fitted]
+        axes.plot(steps, errors, marker, markersize=5, color=drawn.get_color(), label=label)
+    axes.set(xscale="log", yscale="log", xlabel="step, s", ylabel="error, SI units")
+    axes.legend(fontsize="small", frameon=False)
+
+
+def save_convergence(path: Path, report: ConvergenceReport) -> None:
+    """Write the figure of a report to a file, in the format that its suffix names."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(6.4, 4.8), layout="constrained")
+    FigureCanvasAgg(figure)
+    draw_convergence(figure.add_subplot(), report)
+    figure.savefig(path)

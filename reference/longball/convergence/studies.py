@@ -1,0 +1,242 @@
+"""Studies of a family of time steps: of a function of the step, and of a solver of scenes.
+
+For each quantity the observed order comes from the steps in its asymptotic range, which
+`longball.convergence.order` finds; the others are shown with the reason why they are left out. With
+the truth at hand the errors are those against it; without, those that the differences of
+neighbouring steps imply.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from longball.convergence.family import PHASES, Expected, Observed, observe, step_family
+from longball.convergence.report import ConvergenceReport, Lost
+from longball.model.result import Bounded, Number, Result
+from longball.model.scene import Scene
+
+Array = NDArray[np.float64]
+
+
+# --- a function of the step -----------------------------------------------------------------------
+
+
+def study(
+    function_of_dt: Callable[[float], ArrayLike],
+    steps: Sequence[float],
+    *,
+    truth: ArrayLike | None = None,
+    expected: float | None = None,
+    duration: float = 1.0,
+    phases: int = 1,
+) -> ConvergenceReport:
+    """Evaluate a function at a family of steps, and fit the order of each of its numbers.
+
+    Parameters
+    ----------
+    function_of_dt
+        Takes a step, s; returns a number or an array, of the same shape at every step. NaN: no
+        value there.
+    steps
+        s; at least five different ones. Their ratio is free.
+    truth
+        The values without an error; if not given, the differences of neighbouring steps imply it.
+    expected
+        The order in theory.
+    duration
+        s, that the steps are taken through: their number bounds what rounding can do.
+    phases
+        Each step is evaluated alone if this is 1. With more, it is also shortened by less than
+        one step in `duration`, to see whether the error jumps with the phase that the step has in
+        an event at that time; the errors of a number that does are root mean squares over so many
+        phases.
+
+    Returns
+    -------
+    ConvergenceReport
+        Its `orders` are those of ``value``, or ``value[0]``, ``value[1, 0]`` and so on of an array;
+        a number that is 0 at every step has none.
+
+    Raises
+    ------
+    ValueError
+        If there are too few steps.
+
+    Examples
+    --------
+    >>> euler = study(lambda dt: (1 - dt) ** round(1 / dt), [2.0**-k for k in range(8, 16)])
+    >>> print(f"{euler.orders[0].order:.2f}, limit {euler.limits[0].value[0]:.6f}")
+    1.00, limit 0.367879
+    """
+
+    def observed(values: ArrayLike) -> list[Observed]:
+        return [
+            Observed("value" + (str(list(index)) if index else ""), "", np.array([[number]]))
+            for index, number in np.ndenumerate(np.asarray(values, float))
+        ]
+
+    orders, limits = observe(
+        lambda step: observed(function_of_dt(step)),
+        step_family(steps),
+        None if truth is None else observed(truth),
+        scenes=[""],
+        expected=expected,
+        first=duration,
+        last=duration,
+        phases=phases,
+        progress=lambda done, of: None,
+    )
+    return ConvergenceReport(
+        engine=None, against_truth=truth is not None, orders=orders, limits=limits, lost=()
+    )
+
+
+# --- a solver of scenes ---------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Observable:
+    """What is observed of a result: its name, its unit, and how to take it from one."""
+
+    name: str
+    unit: str
+    take: Callable[[Result], Sequence[Number] | None]
+
+    def of(self, result: Result) -> list[float] | None:
+        """Return its components as doubles; None if the result does not have it."""
+        values = self.take(result)
+        return None if values is None else list(map(_double, values))
+
+
+def _double(number: Number) -> float:
+    return float(number.value) if isinstance(number, Bounded) else number
+
+
+def _plate_height(result: Result) -> Sequence[Number] | None:
+    return (result.plate.position[2],) if result.plate else None
+
+
+def _contact_time(result: Result) -> Sequence[Number] | None:
+    time = result.contact.time if result.contact else None
+    return None if time is None else (time,)
+
+
+OBSERVABLES = (
+    Observable("plate height", "m", _plate_height),
+    Observable("contact time", "s", _contact_time),
+    Observable("contact point", "m", lambda r: r.contact.position if r.contact else None),
+    Observable("exit velocity", "m/s", lambda r: r.impact.velocity if r.impact else None),
+    Observable("landing time", "s", lambda r: (r.landing.time,) if r.landing else None),
+    Observable("landing point", "m", lambda r: r.landing.position if r.landing else None),
+    Observable("distance", "m", lambda r: (r.landing.distance,) if r.landing else None),
+)
+
+
+def converge(
+    run: Callable[[float], Sequence[Result]],
+    scenes: Sequence[Scene],
+    steps: Sequence[float],
+    truth: Sequence[Result] | None = None,
+    expected: Expected = None,
+    *,
+    phases: int = PHASES,
+    progress: Callable[[int, int], None] = lambda done, of: None,
+) -> ConvergenceReport:
+    """Solve scenes with a family of steps, and fit the order of each of `OBSERVABLES`.
+
+    Parameters
+    ----------
+    run
+        Solves all the scenes with a step, s; the results carry the scenes' ids.
+    scenes
+        What is solved; at least one.
+    steps
+        s; at least five different ones. Their ratio is free.
+    truth
+        Results of the scenes; without it the finest step says how each scene should end.
+    expected
+        The order in theory: one for all, or one for each name of `OBSERVABLES`.
+    phases
+        Of each step, for a quantity that jumps with them.
+    progress
+        Called with the runs done, and how many there are so far as is known.
+
+    Raises
+    ------
+    ValueError
+        If there are too few steps, no scenes, or results that belong to no scene.
+    """
+    if not scenes:
+        raise ValueError("there is no scene to converge in")
+    family = step_family(steps)
+    ids = [scene.id for scene in scenes]
+    finest = _in_order(run(float(family[-1])), ids)
+    should = finest if truth is None else _in_order(truth, ids)
+    lost = {float(family[-1]): _lost(finest, should)}
+
+    def evaluate(step: float) -> list[Observed]:
+        results = finest
+        if step != family[-1]:
+            results = _in_order(run(step), ids)
+            lost[step] = _lost(results, should)
+        return _observed(results, should)
+
+    first, last = _first_and_last_event(should)
+    orders, limits = observe(
+        evaluate,
+        family,
+        None if truth is None else _observed(should, should),
+        scenes=ids,
+        expected=expected,
+        first=first,
+        last=last,
+        phases=phases,
+        progress=progress,
+    )
+    return ConvergenceReport(
+        engine=finest[0].engine,
+        against_truth=truth is not None,
+        orders=orders,
+        limits=limits,
+        lost=tuple(Lost(step=h, lost=lost[h], of=len(ids)) for h in map(float, family)),
+    )
+
+
+def _observed(results: Sequence[Result], should: Sequence[Result]) -> list[Observed]:
+    """Return what is observed of results; NaN of those that end otherwise than they should."""
+    observed = []
+    for one in OBSERVABLES:
+        right = [one.of(result) for result in should]
+        width = max((len(value) for value in right if value is not None), default=1)
+        values = np.full((len(results), width), np.nan)
+        for scene, (result, end) in enumerate(zip(results, should, strict=True)):
+            value = one.of(result)
+            if value is not None and right[scene] is not None and result.outcome == end.outcome:
+                values[scene] = value
+        observed.append(Observed(one.name, one.unit, values))
+    return observed
+
+
+def _lost(results: Sequence[Result], should: Sequence[Result]) -> int:
+    return sum(a.outcome != b.outcome for a, b in zip(results, should, strict=True))
+
+
+def _first_and_last_event(results: Sequence[Result]) -> tuple[float, float]:
+    """Return when the first and the last thing happens in any scene, s; 1 s if nothing does."""
+    parts = [part for r in results for part in (r.plate, r.contact, r.landing)]
+    times = [_double(part.time) for part in parts if part is not None and part.time is not None]
+    later = [time for time in times if time > 0] or [1.0]
+    return min(later), max(later)
+
+
+def _in_order(results: Sequence[Result], ids: Sequence[str]) -> list[Result]:
+    """Return the results in the order of the scenes; an error for one that is missing."""
+    by_id = {result.id: result for result in results}
+    unknown = [name for name in by_id if name not in ids]
+    if unknown:
+        raise ValueError(f"a result belongs to no scene: its id is {unknown[0]!r}")
+    return [by_id.get(name) or Result(id=name, error="there is no result") for name in ids]

@@ -1,0 +1,356 @@
+"""The chain of an at-bat over columns: a number for each of many scenes.
+
+It is the chain of `longball.engines.chain`, with arrays for numbers, so that a row has the bits
+that its scene gets when it is solved alone. What cannot be answered is left without an outcome;
+solved alone it has a reason.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from copy import copy
+from dataclasses import dataclass, fields, is_dataclass, replace
+from types import SimpleNamespace
+from typing import Any, Protocol, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from longball.engines.batch import flights
+from longball.engines.batch.flights import Records
+from longball.engines.batch.records import (
+    STOPS,
+    Bat,
+    Start,
+    approach_is_clear,
+    general,
+    noted,
+    placed,
+    records_of,
+    stops,
+)
+from longball.engines.chain import Cases, Model
+from longball.engines.contact import BatSection, margin_error
+from longball.engines.engine import Touch
+from longball.engines.event import past
+from longball.engines.path import Flight, Path
+from longball.model.law import Law, State
+from longball.model.numbers import DOUBLES, ratio
+from longball.model.result import Outcome
+from longball.model.trace import Program
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+OUTCOMES: tuple[str, ...] = get_args(Outcome)
+UNSOLVED = -1  # stands in a column of outcomes where a scene has no answer
+
+
+# --- arrays as numbers ----------------------------------------------------------------------------
+
+
+class Elementwise:
+    """Arrays of doubles as the numbers of the model's formulas (`longball.model.numbers`)."""
+
+    pi = math.pi
+    rounding = DOUBLES.rounding
+    functions: Mapping[str, Callable[..., Any]] = {
+        "sqrt": np.sqrt,
+        "exp": np.exp,
+        "log": np.log,
+        "unit": np.vectorize(ratio),
+    }
+
+    def exact(self, value: Any) -> Any:
+        """Return the doubles themselves."""
+        return value
+
+    def absent(self, value: Any) -> bool:
+        """Tell whether a number is zero in all scenes."""
+        return not np.any(value)
+
+    def where(self, condition: Any, x: Any, y: Any) -> Any:
+        """Return x where a condition holds, else y."""
+        return np.where(condition, x, y)[()]  # a number of numbers
+
+    def sqrt(self, x: Array) -> Array:
+        """Return the correctly rounded square roots."""
+        return np.sqrt(x)
+
+    def cos_sin(self, angle: Array) -> tuple[Array, Array]:
+        """Return cosines and sines by the functions that `math` has, not by NumPy's vector code."""
+        angles = np.atleast_1d(angle)
+        cos, sin = (
+            np.fromiter(map(function, angles.tolist()), float, angles.size)
+            for function in (math.cos, math.sin)
+        )
+        return cos.reshape(np.shape(angle))[()], sin.reshape(np.shape(angle))[()]
+
+    def positive(self, x: Array, error: Any, question: str) -> Any:
+        """Tell where ``x > 0``, of numbers without error."""
+        return x > 0.0
+
+
+NUMBERS: Any = Elementwise()
+
+
+# --- tables of results ----------------------------------------------------------------------------
+
+
+# What an answer ends with: if it is no number, something before has overflowed.
+_LAST = {
+    "landed": "landing.distance",
+    "batted": "landing.distance",
+    "crossed": "plate.velocity[2]",
+    "struck": "impact.velocity[2]",
+}
+
+
+class Table:
+    """Results, a row a scene: columns named as the contract names them, NaN where there is none.
+
+    `part` gives a table of some of the rows, which writes into this one.
+    """
+
+    def __init__(self, rows: int) -> None:
+        self.rows = slice(0, rows)
+        self.whole = np.full(rows, UNSOLVED, np.int64)
+        self.columns: dict[str, Array] = {}
+
+    def __len__(self) -> int:
+        return self.rows.stop - self.rows.start
+
+    @property
+    def outcome(self) -> NDArray[np.int64]:
+        """The outcomes, as places in OUTCOMES."""
+        return self.whole[self.rows]
+
+    def part(self, rows: slice) -> Table:
+        """Return the table of a range of rows."""
+        part = copy(self)
+        part.rows = slice(rows.start, min(rows.stop, len(self.whole)))
+        return part
+
+    def copy_from(self, other: Table) -> None:
+        """Write all that another table of as many rows holds."""
+        self.outcome[:] = other.outcome
+        for name, column in other.columns.items():
+            self.put(name, slice(None), column[other.rows])
+
+    def withdraw_what_is_not_finite(self) -> None:
+        """Leave rows without an answer if a quantity of theirs has overflowed."""
+        overflown = np.zeros(len(self), bool)
+        for column in self.columns.values():
+            overflown |= np.isinf(column[self.rows])
+        for outcome, quantity in _LAST.items():
+            if quantity in self.columns:
+                reached = self.outcome == OUTCOMES.index(outcome)
+                overflown |= reached & np.isnan(self.columns[quantity][self.rows])
+        self.outcome[overflown] = UNSOLVED
+
+    def put(self, name: str, rows: Any, values: Any) -> None:
+        """Write a quantity into rows: an array, or a vector of three."""
+        if isinstance(values, tuple):
+            for i, value in enumerate(values):
+                self.put(f"{name}[{i}]", rows, value)
+            return
+        if name not in self.columns:
+            self.columns.setdefault(name, np.full(len(self.whole), np.nan))
+        self.columns[name][self.rows][rows] = values
+
+
+# --- flights by records ---------------------------------------------------------------------------
+
+
+class BatchFlyer(Protocol):
+    """Who flies balls for the chain, many at a time; `longball.engines.batch.engine.Batch` does."""
+
+    @property
+    def description(self) -> str:
+        """Name and settings."""
+
+    @property
+    def flight_error(self) -> float:
+        """Error of a state at the end of a flight, relative to its size."""
+
+    def fly_all(self, starts: Records, program: Program) -> Records:
+        """Fly records of starts by a law's program; return records of arrivals, in order."""
+
+    def search_all(self, starts: Records, program: Program) -> Records:
+        """Do the same for flights past a bat."""
+
+
+@dataclass(frozen=True)
+class Flights(Flight[Any]):
+    """Flights at their ends, `stop` being codes of `flights`; and where they were near a wall."""
+
+    launch: Start
+    approach: Start
+
+    def stopped(self, name: str) -> Any:
+        """Tell which flights an event of that name stopped."""
+        return self.stop == STOPS[name]  # type: ignore[comparison-overlap]
+
+    def then(self, second: Flight[Any]) -> Flights:
+        """Return these flights, going on as others where they ended."""
+        return replace(self, stop=second.stop, time=self.time + second.time, state=second.state)
+
+
+@dataclass(frozen=True)
+class Columns:
+    """The engine of the chain over columns."""
+
+    flyer: BatchFlyer
+
+    numbers = NUMBERS
+
+    @property
+    def description(self) -> str:
+        """Name and settings."""
+        return self.flyer.description
+
+    @property
+    def flight_error(self) -> float:
+        """Error of a state at the end of a flight, relative to its size."""
+        return self.flyer.flight_error
+
+    def fly(self, law: Law[Any], start: State[Any], events: Any, limit: Any) -> Flights:
+        """Fly to a stop; see `longball.engines.engine.Engine.fly`."""
+        launch = Start(0.0, start)
+        records = records_of(law, launch, events, limit, self.flight_error)
+        ends = self.flyer.fly_all(records, general(law).program)
+        return Flights(
+            Path(()),
+            stops(ends, events),
+            *placed(ends, law, events),
+            launch,
+            noted(ends, law, "mark_"),
+        )
+
+    def touch(
+        self, pitch: Flights, law: Law[Any], bat: BatSection[Any], events: Any, limit: Any
+    ) -> Touch[Any]:
+        """Find how pitches meet the bat; see `longball.engines.engine.Engine.touch`."""
+        clear = approach_is_clear(bat, pitch.state.z)
+        start = merged(clear, select(pitch.approach, clear), select(pitch.launch, ~clear))
+        error = margin_error(bat, pitch.state.z, self.flight_error, NUMBERS)
+        over = [past(bat.frame, bat.reach, NUMBERS), *events]
+        records = records_of(law, start, over, limit, self.flight_error, Bat(bat, error))
+        ends = self.flyer.search_all(records, general(law).program)
+        touched = ends["stop"] == flights.TOUCH
+        missed = np.isin(stops(ends, over), [STOPS[name] for name in ("past", "ground", "time")])
+        told = touched | missed | (ends["stop"] == flights.GRAZES_BAT)
+        margin = np.where(told, ends["margin"], np.nan)[()]
+        time, state = noted(ends, law)
+        told_apart = np.where(touched, 1, np.where(missed, 0, -1))[()]
+        return Touch(margin, told_apart, time, state)  # type: ignore[arg-type]
+
+
+# --- cases in columns -----------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class ManyCases(Cases[Any]):
+    """Rows of a table."""
+
+    scene: Any
+    engine: Any
+    model: Model
+    table: Table
+    rows: NDArray[np.int64]
+
+    @property
+    def empty(self) -> bool:
+        """See `Cases`."""
+        return len(self.rows) == 0
+
+    def decide(self, x: Array, error: Array, question: str) -> tuple[Flags, Flags]:
+        """See `Cases`."""
+        decided = (abs(x) > error) | ((x == 0.0) & (error == 0.0))
+        return decided & (x > 0.0), decided & ~(x > 0.0)
+
+    def touched(self, touch: Touch[Any]) -> tuple[Flags, Flags]:
+        """See `Cases`."""
+        code: Any = touch.touched
+        return code == 1, code == 0
+
+    def take(self, condition: Any, *values: Any) -> tuple[Any, ...]:
+        """See `Cases`."""
+        rows = self._flags(condition)
+        some = replace(self, scene=select(self.scene, rows), rows=self.rows[rows])
+        return some, *(select(value, rows) for value in values)
+
+    def either(
+        self, condition: Any, yes: Callable[..., Any], no: Callable[..., Any], *values: Any
+    ) -> Any:
+        """See `Cases`."""
+        flags = self._flags(condition)
+        answers = [
+            function(*self.take(which, *values)) if which.any() else None
+            for function, which in ((yes, flags), (no, ~flags))
+        ]
+        return merged(flags, *answers)
+
+    def record(self, name: str, value: Any) -> None:
+        """See `Cases`."""
+        self.table.put(name, self.rows, value)
+
+    def conclude(self, outcome: Outcome) -> None:
+        """See `Cases`."""
+        self.table.outcome[self.rows] = OUTCOMES.index(outcome)
+
+    def with_restitution(self, restitution: float, table: Table) -> ManyCases:
+        """Return the same cases with other balls, writing into another table."""
+        ball = SimpleNamespace(**{**vars(self.scene.ball), "restitution": restitution})
+        scene = SimpleNamespace(**{**vars(self.scene), "ball": ball})
+        return replace(self, scene=scene, table=table)
+
+    def _flags(self, condition: Any) -> Flags:
+        return np.broadcast_to(condition, len(self.rows))
+
+
+def select(value: Any, rows: Flags | slice) -> Any:
+    """Return some rows of whatever holds columns; a number is that of every row."""
+    if isinstance(rows, np.ndarray) and rows.all():
+        return value  # a view copies nothing
+    return _mapped(lambda column: column[rows], value)
+
+
+def merged(flags: Flags, yes: Any, no: Any) -> Any:
+    """Return columns that are `yes` where a flag is set, else `no`, each with its own rows only."""
+    if yes is None or no is None:
+        return no if yes is None else yes
+
+    def merge(a: Any, b: Any) -> Any:
+        column = np.empty(len(flags), np.result_type(a, b))
+        column[flags], column[~flags] = a, b
+        return column
+
+    return _mapped(merge, yes, no)
+
+
+def _mapped(function: Callable[..., Any], *values: Any) -> Any:
+    """Return a structure of columns with a function of each."""
+    first = values[0]
+    match first:
+        case np.ndarray():
+            return function(*values)
+        case float() | str() | None if len(values) == 1:
+            return first
+        case tuple() | list():
+            parts = [_mapped(function, *same) for same in zip(*values, strict=True)]
+            return type(first)(*parts) if hasattr(first, "_fields") else type(first)(parts)
+        case Mapping():
+            return {name: _mapped(function, *(value[name] for value in values)) for name in first}
+        case SimpleNamespace():
+            return SimpleNamespace(**_mapped(function, *map(vars, values)))
+        case Law():
+            return replace(first, strengths=_mapped(function, *(law.strengths for law in values)))
+        case _ if is_dataclass(first):
+            names = [f.name for f in fields(first)]
+            changed = {n: _mapped(function, *(getattr(v, n) for v in values)) for n in names}
+            return replace(first, **changed)  # type: ignore[type-var]
+    if any(isinstance(value, np.ndarray) for value in values):
+        return function(*values)
+    return first

@@ -1,0 +1,700 @@
+"""The chain of an at-bat: pitch, plate, contact, impact, landing.
+
+Written once, over any engine, any number system, and one scene or columns of scenes. It follows the
+paper's Sec. III: the throw, the swing that is aimed at where the throw would cross the plate, the
+collision of Sec. III.C and Appendix A, the flight to the ground. Its parts, the forces and the
+collision, are handed in: a known mistake is the same chain with another part.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, Generic, cast
+
+from pydantic import ValidationError
+
+from longball.engines.contact import BatSection
+from longball.engines.engine import CannotSolve, Engine, Launch, Stepped, Touch
+from longball.engines.event import Event, ground, plate, vertical
+from longball.engines.path import Flight, Leg, Path, Trajectory
+from longball.model import result as written
+from longball.model.bat import bat_velocity, collision_parameters, lever_arm
+from longball.model.frame import Frame, launch_frame
+from longball.model.impact import energy_change, impulse, velocity_after
+from longball.model.law import FORCES, LIFT, Force, Law, PlaneState, State, law_of
+from longball.model.numbers import N, Numbers, Undecided, Vector, absolute
+from longball.model.quantities import replaced
+from longball.model.result import Outcome, Result
+from longball.model.scene import AtBatScene, Scene, landing_height
+
+# --- the collision --------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class ContactState(Generic[N]):
+    """Ball and bat at the touching, before the impulse.
+
+    Attributes
+    ----------
+    position, velocity
+        Of the ball, m and m/s.
+    normal
+        Unit vector from the bat's axis to the ball.
+    lever_arm
+        r̃, m.
+    normal_speed
+        Ṽ·n, m/s.
+    """
+
+    position: Vector[N]
+    velocity: Vector[N]
+    normal: Vector[N]
+    lever_arm: N
+    normal_speed: N
+
+
+@dataclass(frozen=True)
+class Impact(Generic[N]):
+    """The impulse, N s, and what it does: see `longball.model.result.Impact`."""
+
+    restitution: N
+    impulse: N
+    velocity: Vector[N]
+    energy_change: N
+
+
+def collide(scene: Any, contact: ContactState[N], numbers: Numbers[N]) -> Impact[N]:
+    """Apply the impulse of Appendix A."""
+    pair = collision_parameters(scene.ball, scene.bat, contact.lever_arm, scene.reading, numbers)
+    parts = pair.reduced_mass, pair.restitution, contact.normal_speed
+    push = impulse(*parts)
+    mass = numbers.exact(scene.ball.mass)
+    after = velocity_after(contact.velocity, contact.normal, mass, push)
+    return Impact(pair.restitution, push, after, energy_change(*parts))
+
+
+@dataclass(frozen=True)
+class Model:
+    """The parts of the chain that may be replaced.
+
+    Attributes
+    ----------
+    forces
+        What may act on a ball in flight.
+    collide
+        From a scene and a `ContactState` to the `Impact`.
+    """
+
+    forces: tuple[Force, ...] = FORCES
+    collide: Callable[[Any, ContactState[Any], Numbers[Any]], Impact[Any]] = collide
+
+
+MODEL = Model()
+
+
+# --- one scene, or many ---------------------------------------------------------------------------
+
+
+class Cases(ABC, Generic[N]):
+    """Scenes that have come equally far: one, or a column of them.
+
+    A condition is a bool for one scene, and an array of them for columns.
+
+    Attributes
+    ----------
+    scene
+        Has the blocks of a scene as attributes, with a number or a column of numbers each.
+    engine, model
+        Who computes, with which parts.
+    """
+
+    scene: Any
+    engine: Engine[N]
+    model: Model
+
+    @property
+    @abstractmethod
+    def empty(self) -> bool:
+        """Whether no scene is left."""
+
+    @abstractmethod
+    def decide(self, x: N, error: N, question: str) -> tuple[Any, Any]:
+        """Return the conditions that ``x > 0``, and that it is not; neither where in doubt.
+
+        Raises
+        ------
+        Undecided
+            For one scene, in doubt.
+        """
+
+    @abstractmethod
+    def take(self, condition: Any, *values: Any) -> tuple[Any, ...]:
+        """Return those for which a condition holds, and values of theirs."""
+
+    @abstractmethod
+    def either(
+        self, condition: Any, yes: Callable[..., Any], no: Callable[..., Any], *values: Any
+    ) -> Any:
+        """Return ``yes(cases, *values)`` where a condition holds, else what `no` returns."""
+
+    @abstractmethod
+    def record(self, name: str, value: Any) -> None:
+        """Write a quantity of the results, a number or a vector: ``plate.time``."""
+
+    @abstractmethod
+    def conclude(self, outcome: Outcome) -> None:
+        """Write the outcome."""
+
+    @abstractmethod
+    def touched(self, touch: Touch[N]) -> tuple[Any, Any]:
+        """Return the conditions that ball and bat touch, and that they miss; see `decide`."""
+
+    def follow(self, frame: Frame[N], flight: Flight[N], begin: N) -> None:
+        """Take note of a flight that begins at a time, s since the start of the scene."""
+
+    @property
+    def numbers(self) -> Numbers[N]:
+        """The engine's number system."""
+        return self.engine.numbers
+
+    @property
+    def time_limit(self) -> N:
+        """The longest time of flight, s."""
+        return self.numbers.exact(self.scene.time_limit)
+
+    def vector(self, values: Sequence[float]) -> Vector[N]:
+        """Return three numbers of a scene."""
+        x, y, z = map(self.numbers.exact, values)
+        return x, y, z
+
+    def law(self, frame: Frame[N]) -> Law[N]:
+        """Return the law of motion of a flight in a frame."""
+        return law_of(self.scene, frame, self.numbers, self.model.forces)
+
+    def ground(self, start: State[N]) -> Event[N]:
+        """Return the landing of a flight from a state."""
+        return ground(self.numbers.exact(landing_height(self.scene)), start, self.numbers)
+
+
+# --- balls in the air -----------------------------------------------------------------------------
+
+
+# What a flight may end with, from its frame and start.
+Surface = Callable[[Cases[N], Frame[N], State[N]], Event[N]]
+
+
+def _ground(cases: Cases[N], frame: Frame[N], start: State[N]) -> Event[N]:
+    return cases.ground(start)
+
+
+def _plate(cases: Cases[N], frame: Frame[N], start: State[N]) -> Event[N]:
+    return plate(frame, cases.numbers)
+
+
+def fly(cases: Cases[N], frame: Frame[N], start: PlaneState[N], *surfaces: Surface[N]) -> Flight[N]:
+    """Fly to a surface or the time limit, through the vertical if need be.
+
+    With lift that is always up, a ball that reaches the vertical cannot leave it: on either side
+    the horizontal part of the lift drives it back. It goes on without lift, straight up and down
+    (the sliding solution in Filippov's sense; on the way down it is the symmetric one of two). From
+    rest, or straight up or down, it is there already.
+    """
+    law = cases.law(frame)
+    leg = law, law.state_of(start), cases.time_limit, frame, surfaces
+    flight: Flight[N] = cases.either(_is_always_up(cases, law), _fly_upwards, _fly, *leg)
+    return flight
+
+
+def _is_always_up(cases: Cases[N], law: Law[N]) -> Any:
+    """Return the condition that there is a lift, and that it is always up."""
+    if cases.scene.reading.lift_direction != "always_up" or LIFT not in law.forces:
+        return False
+    return cast(Any, law.strengths["lift"]) != 0
+
+
+def _fly(
+    cases: Cases[N],
+    law: Law[N],
+    start: State[N],
+    limit: N,
+    frame: Frame[N],
+    surfaces: Sequence[Surface[N]],
+    *others: Event[N],
+) -> Flight[N]:
+    events = [surface(cases, frame, start) for surface in surfaces]
+    return cases.engine.fly(law, start, [*events, *others], limit)
+
+
+def _fly_upwards(cases: Cases[N], law: Law[N], start: State[N], *leg: Any) -> Flight[N]:
+    upright = cast(Any, start.u) == 0
+    flight: Flight[N] = cases.either(upright, _fly_upright, _fly_to_vertical, law, start, *leg)
+    return flight
+
+
+def _fly_upright(cases: Cases[N], law: Law[N], *leg: Any) -> Flight[N]:
+    return _fly(cases, law.without(LIFT), *leg)
+
+
+def _fly_to_vertical(cases: Cases[N], *leg: Any) -> Flight[N]:
+    turns = vertical(cases.numbers)
+
+    def go_on(
+        cases: Cases[N], flight: Flight[N], law: Law[N], start: State[N], limit: N, *rest: Any
+    ) -> Flight[N]:
+        upright = turns.place(flight.state)
+        return flight.then(_fly_upright(cases, law, upright, limit - flight.time, *rest))
+
+    def stay(cases: Cases[N], flight: Flight[N], *leg: Any) -> Flight[N]:
+        return flight
+
+    first = _fly(cases, *leg, turns)
+    flight: Flight[N] = cases.either(first.stopped("vertical"), go_on, stay, first, *leg)
+    return flight
+
+
+def solve_flights(cases: Cases[N]) -> None:
+    """Solve launches and landings."""
+    position = cases.vector(cases.scene.launch.position)
+    velocity = cases.vector(cases.scene.launch.velocity)
+    nothing = cases.numbers.exact(0.0)
+    land(cases, Launch(position, velocity, nothing, nothing), "landed")
+
+
+def land(cases: Cases[N], launch: Launch[N], outcome: Outcome) -> None:
+    """Fly from launches to the ground; the `outcome` if the ball lands."""
+    frame, start = launch_frame(launch.position, launch.velocity, cases.numbers)
+    landed = launch.landed
+    flight = _landed(start, cases.numbers) if landed else fly(cases, frame, start, _ground)
+    cases.follow(frame, flight, launch.time)
+    (airborne,) = cases.take(flight.stopped("time"))
+    airborne.conclude("airborne")
+    cases, flight, frame, launch = cases.take(flight.stopped("ground"), flight, frame, launch)
+    if cases.empty:
+        return
+    x, y, z = frame.position(flight.state)
+    cases.record("landing.time", launch.time + flight.time)
+    cases.record("landing.hang_time", launch.delay + flight.time)
+    cases.record("landing.position", (x, y, z))
+    cases.record("landing.velocity", frame.velocity(flight.state))
+    cases.record("landing.distance", cases.numbers.sqrt(x * x + y * y))
+    cases.conclude(outcome)
+
+
+def _landed(state: State[N], numbers: Numbers[N]) -> Flight[N]:
+    return Flight(Path(()), "ground", numbers.exact(0.0), state)
+
+
+# --- the pitch ------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Pitch(Generic[N]):
+    """A pitch up to the plate, or to wherever it ended before."""
+
+    frame: Frame[N]
+    start: State[N]
+    flight: Flight[N]
+
+
+def throw(cases: Cases[N]) -> Pitch[N]:
+    """Throw from the release toward the point aimed at, and fly to the plane x = 0."""
+    numbers, pitch = cases.numbers, cases.scene.pitch
+    x, y, z = release = cases.vector(pitch.release)
+    aim_y, aim_z = (numbers.exact(value) for value in pitch.aim)
+    toward = (-x, aim_y - y, aim_z - z)
+    scale = numbers.exact(pitch.speed) / numbers.sqrt(_dot(toward, toward))
+    velocity = (toward[0] * scale, toward[1] * scale, toward[2] * scale)
+    frame, start = launch_frame(release, velocity, numbers)
+    return Pitch(frame, start, fly(cases, frame, start, _ground, _plate))
+
+
+def reach_plate(cases: Cases[N]) -> tuple[Cases[N], Pitch[N]]:
+    """Throw; conclude the pitches that end before the plate, and return the others."""
+    pitch = throw(cases)
+    cases.follow(pitch.frame, pitch.flight, cases.numbers.exact(0.0))
+    for stop, outcome in (("ground", "grounded"), ("time", "airborne")):
+        (ended,) = cases.take(pitch.flight.stopped(stop))
+        ended.conclude(outcome)
+    cases, pitch = cases.take(pitch.flight.stopped("plate"), pitch)
+    if not cases.empty:
+        _, y, z = pitch.frame.position(pitch.flight.state)
+        cases.record("plate.time", pitch.flight.time)
+        cases.record("plate.position", (cases.numbers.exact(0.0), y, z))
+        cases.record("plate.velocity", pitch.frame.velocity(pitch.flight.state))
+    return cases, pitch
+
+
+def solve_pitches(cases: Cases[N]) -> None:
+    """Solve releases and plates."""
+    crossed, _ = reach_plate(cases)
+    crossed.conclude("crossed")
+
+
+# --- ball and bat ---------------------------------------------------------------------------------
+
+
+def solve_impacts(cases: Cases[N]) -> None:
+    """Solve touchings that are given."""
+    incoming = cases.scene.incoming
+    ball = Ball(cases.vector(incoming.position), cases.vector(incoming.velocity))
+    height = cases.numbers.exact(incoming.bat_height)
+    # Nothing has flown: the position is exact, and only roundings here are in doubt.
+    cases, contact = meet(cases, ball, height, 0.0)
+    if not cases.empty:
+        strike(cases, contact)
+        cases.conclude("struck")
+
+
+@dataclass(frozen=True)
+class Ball(Generic[N]):
+    """A ball that touches the bat.
+
+    Attributes
+    ----------
+    position, velocity
+        m and m/s.
+    aside
+        Where it was along the bat, m, when that was looked at; None: as in `position`.
+    leaving
+        Whether it is where it would leave the bat.
+    """
+
+    position: Vector[N]
+    velocity: Vector[N]
+    aside: N | None = None
+    leaving: bool = False
+
+
+def meet(
+    cases: Cases[N], ball: Ball[N], height: N, inherited: float, *carried: Any
+) -> tuple[Any, ...]:
+    """Look at balls and bats that touch; return those that approach each other.
+
+    Parameters
+    ----------
+    height
+        Of the bat's axis, m.
+    inherited
+        Relative error of position and velocity before any rounding here.
+    carried
+        Other values of theirs, returned behind the `ContactState`.
+    """
+    numbers, bat = cases.numbers, cases.scene.bat
+    half = numbers.exact(bat.length) / 2
+    slack = half * (inherited + 2 * numbers.rounding) if inherited else numbers.exact(0.0)
+    question = "whether the ball meets the bat or its end"
+    aside = ball.position[1] if ball.aside is None else ball.aside
+    on_bat, beyond = cases.decide(half - absolute(aside), slack, question)
+    (ended,) = cases.take(beyond)
+    ended.conclude("beyond_bat")
+    cases, ball, height, *rest = cases.take(on_bat, ball, height, *carried)
+    if cases.empty:
+        return cases, None, *rest
+    (x, y, z), velocity = ball.position, ball.velocity
+    distance = numbers.sqrt(x * x + (z - height) * (z - height))
+    normal = (x / distance, numbers.exact(0.0), (z - height) / distance)
+    arm = lever_arm(y, cases.scene.bat, numbers)
+    moving = bat_velocity(arm, cases.scene.swing, numbers)
+    relative = (velocity[0] - moving[0], velocity[1] - moving[1], velocity[2] - moving[2])
+    normal_speed = _dot(relative, normal)
+    # Six operations stand between the velocities and their normal part.
+    terms = [(v[i], normal[i]) for v in (velocity, moving) for i in (0, 2)]
+    doubt = sum((absolute(a * b) * (inherited + 6 * numbers.rounding) for a, b in terms), x * 0)
+    # The force is the same for n and -n; a ball that would leave the bat approaches its back.
+    approach = normal_speed if ball.leaving else -normal_speed
+    question = "whether ball and bat approach or separate"
+    closing, separating = cases.decide(approach, doubt, question)
+    contact = ContactState(ball.position, velocity, normal, arm, normal_speed)
+    cases.record("contact.position", ball.position)
+    cases.record("contact.normal", normal)
+    cases.record("contact.bat_velocity", moving)
+    cases.record("contact.normal_speed", normal_speed)
+    (ended,) = cases.take(separating)
+    ended.conclude("separating")
+    return cases.take(closing, contact, *rest)
+
+
+def strike(cases: Cases[N], contact: ContactState[N]) -> Impact[N]:
+    """Apply the impulses."""
+    impact = cases.model.collide(cases.scene, contact, cases.numbers)
+    cases.record("impact.restitution", impact.restitution)
+    cases.record("impact.impulse", impact.impulse)
+    cases.record("impact.velocity", impact.velocity)
+    cases.record("impact.energy_change", impact.energy_change)
+    return impact
+
+
+# --- the whole at-bat -----------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Approach(Generic[N]):
+    """A pitch, the height of the bat's axis, m, and how they meet."""
+
+    pitch: Pitch[N]
+    height: N
+    touch: Touch[N]
+
+
+@dataclass(frozen=True)
+class Meeting(Generic[N]):
+    """Pitch and bat up to the impulse, on which the ball's restitution has no influence."""
+
+    approach: Approach[N]
+    contact: ContactState[N]
+
+
+def approach_bat(cases: Cases[N]) -> tuple[Cases[N], Approach[N] | None]:
+    """Throw, put the bat where it is swung, and find how the two meet."""
+    cases, pitch = reach_plate(cases)
+    if cases.empty:
+        return cases, None
+    numbers, scene = cases.numbers, cases.scene
+    # z_b = z'_b + σ_b (paper, Sec. III.A)
+    height = pitch.flight.state.z + numbers.exact(scene.swing.height_offset)
+    reach = numbers.exact(scene.ball.radius) + numbers.exact(scene.bat.radius)
+    bat = BatSection(pitch.frame, height, reach)
+    law = cases.law(pitch.frame)
+    touch = cases.either(_is_always_up(cases, law), _find_upwards, _find, pitch, bat, law)
+    return cases, Approach(pitch, height, touch)
+
+
+def _find(
+    cases: Cases[N], pitch: Pitch[N], bat: BatSection[N], law: Law[N], *others: Event[N]
+) -> Touch[N]:
+    events = [cases.ground(pitch.start), *others]
+    return cases.engine.touch(pitch.flight, law, bat, events, cases.time_limit)
+
+
+def _find_upwards(cases: Cases[N], *parts: Any) -> Touch[N]:
+    return _find(cases, *parts, vertical(cases.numbers))
+
+
+def meet_bat(cases: Cases[N]) -> tuple[Cases[N], Meeting[N] | None]:
+    """Throw and swing; conclude what is not struck, and return the others."""
+    cases, approach = approach_bat(cases)
+    if approach is None:
+        return cases, None
+    touch = approach.touch
+    cases.record("contact.margin", touch.margin)
+    touched, missed = cases.touched(touch)
+    (ended,) = cases.take(missed)
+    ended.conclude("missed")
+    cases, approach = cases.take(touched, approach)
+    if cases.empty:
+        return cases, None
+    touch, frame = approach.touch, approach.pitch.frame
+    ball = Ball(
+        frame.position(touch.state),
+        frame.velocity(touch.state),
+        frame.position(touch.detected)[1],
+        touch.leaving,
+    )
+    cases.record("contact.time", touch.time)
+    cases.record("contact.position", ball.position)
+    error = cases.engine.flight_error
+    cases, contact, approach = meet(cases, ball, approach.height, error, approach)
+    return cases, None if contact is None else Meeting(approach, contact)
+
+
+def finish(cases: Cases[N], meeting: Meeting[N] | None) -> None:
+    """Solve at-bats from the impulse on."""
+    if meeting is None or cases.empty:
+        return
+    contact, engine = meeting.contact, cases.engine
+    touch, pitch = meeting.approach.touch, meeting.approach.pitch
+    impact = strike(cases, contact)
+    if isinstance(engine, Stepped):
+        before, after = contact.velocity, impact.velocity
+        delta_v = (after[0] - before[0], after[1] - before[1], after[2] - before[2])
+        surface = cases.ground(pitch.start)
+        launch = engine.rebound(pitch.frame, touch, delta_v, cases.law, surface)
+    else:
+        time = cast(N, touch.time)
+        launch = Launch(contact.position, impact.velocity, time, time * 0)
+    land(cases, launch, "batted")
+
+
+def solve_at_bats(cases: Cases[N]) -> None:
+    """Solve whole at-bats."""
+    finish(*meet_bat(cases))
+
+
+CHAINS: dict[str, Callable[[Cases[Any]], None]] = {
+    "flight": solve_flights,
+    "pitch": solve_pitches,
+    "impact": solve_impacts,
+    "at-bat": solve_at_bats,
+}
+
+
+# --- one scene ------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class OneCase(Cases[N]):
+    """A scene, whose results are written into `answer`, and the way of its ball into `legs`."""
+
+    scene: Scene
+    engine: Engine[N]
+    model: Model
+    answer: dict[str, Any] = field(default_factory=dict)
+    legs: list[Leg[N]] = field(default_factory=list)
+
+    @property
+    def empty(self) -> bool:
+        """See `Cases`."""
+        return False
+
+    def decide(self, x: N, error: N, question: str) -> tuple[bool, bool]:
+        """See `Cases`."""
+        positive = self.numbers.positive(x, error, question)
+        return positive, not positive
+
+    def touched(self, touch: Touch[N]) -> tuple[bool, bool]:
+        """See `Cases`."""
+        if touch.touched is None:
+            raise Undecided(touch.doubt)
+        return touch.touched, not touch.touched
+
+    def take(self, condition: bool, *values: Any) -> tuple[Any, ...]:
+        """See `Cases`."""
+        return self if condition else _Nobody(self.scene, self.engine, self.model), *values
+
+    def either(
+        self, condition: bool, yes: Callable[..., Any], no: Callable[..., Any], *values: Any
+    ) -> Any:
+        """See `Cases`."""
+        return (yes if condition else no)(self, *values)
+
+    def follow(self, frame: Frame[N], flight: Flight[N], begin: N) -> None:
+        """See `Cases`."""
+        self.legs.append(Leg(begin, frame, flight))
+
+    def record(self, name: str, value: Any) -> None:
+        """See `Cases`."""
+        self.answer[name] = value
+
+    def conclude(self, outcome: Outcome) -> None:
+        """See `Cases`."""
+        self.answer["outcome"] = outcome
+
+    def result(self, error: str | None = None) -> Result:
+        """Return what has been written, as a result; with an error, if there is one."""
+        blocks: dict[str, dict[str, Any]] = {}
+        for name, value in self.answer.items():
+            block, _, key = name.partition(".")
+            if key:
+                blocks.setdefault(block, {})[key] = (
+                    tuple(map(self.numbers.report, value))
+                    if isinstance(value, tuple)
+                    else self.numbers.report(value)
+                )
+        return Result(
+            id=self.scene.id,
+            engine=self.engine.description,
+            outcome=None if error else self.answer["outcome"],
+            error=error,
+            **{name: BLOCKS[name](**values) for name, values in blocks.items()},
+        )
+
+
+class _Nobody(OneCase[N]):
+    """The one scene, once its outcome is known."""
+
+    @property
+    def empty(self) -> bool:
+        return True
+
+    def follow(self, frame: Frame[N], flight: Flight[N], begin: N) -> None:
+        pass
+
+    def record(self, name: str, value: Any) -> None:
+        pass
+
+    def conclude(self, outcome: Outcome) -> None:
+        pass
+
+
+BLOCKS: dict[str, type[Any]] = {
+    "plate": written.Plate,
+    "contact": written.Contact,
+    "impact": written.Impact,
+    "landing": written.Landing,
+}
+
+
+def solve(scene: Scene, engine: Engine[N], model: Model = MODEL) -> Result:
+    """Return the result of a scene; what cannot be solved is a result with an error."""
+    case = OneCase(scene, engine, model)
+    return _answer(case, CHAINS[scene.kind])
+
+
+def solve_with_path(
+    scene: Scene, engine: Engine[N], model: Model = MODEL
+) -> tuple[Result, Trajectory[N]]:
+    """Return the result of a scene, and the way of its ball from the start of the scene on."""
+    case = OneCase(scene, engine, model)
+    result = _answer(case, CHAINS[scene.kind])
+    return result, Trajectory(tuple(case.legs))
+
+
+def solve_with_restitutions(
+    scene: AtBatScene, restitutions: Sequence[float], engine: Engine[N], model: Model = MODEL
+) -> list[Result]:
+    """Return the results of an at-bat struck with balls that differ in restitution only.
+
+    The pitch and its touching of the bat, which do not depend on it, are solved once.
+    """
+    case = OneCase(scene, engine, model)
+    struck: list[tuple[Cases[N], Meeting[N] | None]] = []
+    concluded = _follow(case, lambda: struck.append(meet_bat(case)))
+    if concluded is not None:
+        return [concluded] * len(restitutions)
+    ((_, meeting),) = struck
+    return [
+        _answer(
+            replace(case, scene=replaced(scene, {"ball.restitution": e}), answer=dict(case.answer)),
+            lambda one: finish(one, meeting),
+        )
+        for e in restitutions
+    ]
+
+
+def approach_of(scene: AtBatScene, engine: Engine[N]) -> Approach[N] | None:
+    """Return how pitch and bat of a scene meet; None if the pitch does not reach the plate.
+
+    Raises
+    ------
+    CannotSolve, Undecided
+    """
+    with engine.numbers.arithmetic():
+        return approach_bat(OneCase(scene, engine, MODEL))[1]
+
+
+def _answer(case: OneCase[N], chain: Callable[[OneCase[N]], None]) -> Result:
+    """Go through a chain to its end; return the result."""
+    result = _follow(case, lambda: chain(case))
+    assert result is not None
+    return result
+
+
+def _follow(case: OneCase[N], chain: Callable[[], None]) -> Result | None:
+    """Go through a chain; return the result, or an error; None if it is not concluded."""
+    with case.numbers.arithmetic():
+        try:
+            chain()
+            return case.result() if "outcome" in case.answer else None
+        except (Undecided, CannotSolve) as error:
+            return case.result(str(error))
+        except (ArithmeticError, ValueError) as error:
+            what = "a quantity is not finite" if isinstance(error, ValidationError) else str(error)
+            return OneCase(case.scene, case.engine, case.model).result(
+                f"the numbers leave the range of the engine: {what}"
+            )
+
+
+def _dot(a: Vector[N], b: Vector[N]) -> N:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]

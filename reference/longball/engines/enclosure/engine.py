@@ -1,0 +1,307 @@
+"""The engine: steps with a proof."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import flint
+from flint import arb, arb_poly
+
+from longball.engines.enclosure import lemmas
+from longball.engines.enclosure.balls import Balls
+from longball.engines.enclosure.curve import EnclosedPiece
+from longball.engines.enclosure.defect import Defect, leading
+from longball.engines.enclosure.system import Structure, System
+from longball.engines.engine import CannotSolve
+from longball.engines.event import Event
+from longball.engines.path_engine import PathEngine
+from longball.model.law import Law, State
+from longball.model.trace import Node, variable
+
+# Error of a step, in roundings of the speed: what the roundings of a hundred coefficients leave.
+_TOLERANCE = 2.0**8
+
+# Order of the series for each bit: ln 2 / 2, which makes the work of a flight least if that of a
+# step is as the square of its order (Jorba & Zou, Experimental Mathematics 14 (2005) 99).
+_ORDER_PER_BIT = 0.35
+
+# A step that cannot be proven is tried again this much shorter: the error falls as the order's
+# power of it, to a twentieth.
+_SHORTER = 0.95
+_MOST_TRIALS = 1000
+
+# A flight of a minute has a hundred steps, one that loops with strong lift some thousand.
+_MOST_STEPS = 10_000
+
+# Bounds need few digits, unlike what they are bounds of.
+_BITS_OF_BOUNDS = 64
+
+# A step is cut into as many parts, on each of which the law's derivative is bounded, as make errors
+# grow by little on each: by as much as the state changes on a part, the bound is too large.
+_PARTS = (1, 8, 32, 128)
+_GROWTH_OF_A_PART = 1 / 64
+
+# How often a tube is made wider, for errors that grow much in a step.
+_TUBES = 4
+
+
+@dataclass(frozen=True)
+class Start:
+    """The core at the start of a step: an exact state, and how far it is off at most (norm)."""
+
+    state: tuple[arb, ...]
+    error: arb
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Exact polynomials of the core from 0 to `length` s: off by ``early + late t`` (norm)."""
+
+    polynomials: tuple[arb_poly, ...]
+    length: arb
+    early: arb
+    late: arb
+
+
+class _Steps:
+    """The steps of a flight, one after the other."""
+
+    def __init__(self, system: System, start: State[arb], limit: arb, bits: int) -> None:
+        self._system = system
+        self._limit = limit
+        self._bits = bits
+        structure = system.structure
+        core = [getattr(start, name) for name in structure.core.variables]
+        self._core = start_of(core, arb(0), structure.weights)
+        # What a rounding of the launch's speed is, is no speed.
+        self._negligible = _speed(self._core, structure) * arb(2) ** -bits
+
+    def next(self, begin: arb, state: State[arb]) -> EnclosedPiece:
+        """Take a step from a state, the one that the step before ended with."""
+        system, structure = self._system, self._system.structure
+        core = brought_to_rest(self._core, structure, self._negligible)
+        motion = proven(system, core, self._limit - begin, self._bits)
+        families: dict[str, Any] = {}
+        for name, weight, p in zip(
+            structure.core.variables, structure.weights, motion.polynomials, strict=True
+        ):
+            error = arb_poly([arb(0, motion.early / weight), arb(0, motion.late / weight)])
+            families[name] = p + error
+        for name, (rest, terms) in structure.quadratures.items():
+            rate = arb_poly([system.static[rest]])
+            for c, x in terms:
+                rate += system.static[c] * families[x.args[0]]
+            families[name] = getattr(state, name) + rate.integral()
+        length = (motion.length - 2 * begin.rad()).lower()
+        self._core = start_of(
+            [p(length) for p in motion.polynomials],
+            motion.early + motion.late * length,
+            structure.weights,
+        )
+        return EnclosedPiece(begin, length, type(state)(**families))
+
+
+def start_of(state: Sequence[arb], error: arb, weights: Sequence[float]) -> Start:
+    """Return the start at a state whose balls' middles are off by an error."""
+    off = lemmas.norm([x.rad() for x in state], weights)
+    return Start(tuple(x.mid() for x in state), (error + off).upper())
+
+
+def _speed(core: Start, structure: Structure) -> arb:
+    """Bound the size of the variables that are zero at rest; 0 if there are none."""
+    return sum((abs(core.state[n]) for n in structure.resting), arb(0))
+
+
+def brought_to_rest(core: Start, structure: Structure, negligible: arb) -> Start:
+    """Return a velocity that is not told from rest, or is negligible (m/s), as rest with an error.
+
+    A Taylor step cannot come closer to V = 0 than to a fraction, but the bound on the error holds
+    there as well; and from rest there is another series (`longball.engines.series`).
+    """
+    speed = _speed(core, structure)
+    if speed == 0 or not (speed <= negligible or speed <= core.error):
+        return core
+    still = tuple(arb(0) if n in structure.resting else x for n, x in enumerate(core.state))
+    return Start(still, (core.error + speed).upper())
+
+
+def proven(system: System, core: Start, left: arb, bits: int) -> Motion:
+    """Take a step that keeps its error to a few roundings.
+
+    Parameters
+    ----------
+    left
+        How much of the flight is left, s; the step is shorter, or at least as long.
+    """
+    structure = system.structure
+    order = math.ceil(_ORDER_PER_BIT * bits)
+    series = _series(system, core, order)
+    polynomials = {node: arb_poly([arb(c).mid() for c in row]) for node, row in series.items()}
+    motion = tuple(polynomials[variable(name)] for name in structure.core.variables)
+    defect = Defect(structure.core, system.static, polynomials)
+    guarded = [defect.polynomial(node) for node in structure.guarded]
+    longest = left.upper()
+    with flint.ctx.workprec(_BITS_OF_BOUNDS):
+        tolerance = _TOLERANCE * arb(2) ** -bits
+        guess = arb(_guess(motion, guarded, structure.weights, order, tolerance))
+        first = guess if guess < left else longest
+        h, missed = _length(motion, defect, structure.weights, first, tolerance)
+        return Motion(motion, h, *_error(system, motion, core.error, missed, h))
+
+
+def _length(
+    motion: Sequence[arb_poly],
+    defect: Defect,
+    weights: Sequence[float],
+    first: arb,
+    tolerance: arb,
+) -> tuple[arb, arb]:
+    """Return a time, s, in which the defect does little, and the norm of the defect till then.
+
+    Parameters
+    ----------
+    first
+        The time to try first.
+    tolerance
+        What the defect may do, relative to the state.
+    """
+    size = lemmas.norm([p[0] for p in motion], weights)
+    change = lemmas.norm([p[1] for p in motion], weights)
+    h = first
+    for _ in range(_MOST_TRIALS):
+        missed = lemmas.norm(defect.bounds(h), weights)
+        if missed * h <= tolerance * (size + change * h):
+            return h, missed
+        h = (h * _SHORTER).mid()
+    raise CannotSolve("the forces are so strong that no step can be proven")
+
+
+def _series(system: System, core: Start, order: int) -> dict[Node, list[arb]]:
+    """Return the Taylor coefficients; of a ball that stays at rest, only the first."""
+    structure = system.structure
+    at_rest = bool(structure.resting) and _speed(core, structure) == 0
+    if at_rest:
+        few = system.series(core.state, 1, at_rest)
+        rates = (few[variable(structure.core.variables[n])][1] for n in structure.resting)
+        if all(rate == 0 for rate in rates):
+            return few
+    return system.series(core.state, order, at_rest)
+
+
+def _error(
+    system: System, motion: Sequence[arb_poly], error: arb, defect: arb, h: arb
+) -> tuple[arb, arb]:
+    """Apply `lemmas.error_bound`, with a tube that is wide enough for it."""
+    tube = 4 * (error + defect * h) + arb(2) ** -1000
+    for _ in range(_TUBES):
+        early, late = lemmas.error_bound(error, defect, _growth(system, motion, tube, h))
+        bound = early + late * h
+        if bound < tube:
+            return early, late
+        tube = 2 * bound
+    raise CannotSolve(
+        "the bound on the velocity's error has grown as large as the speed, as it does under a "
+        "strong lift in the long run; take more digits, or a lower time_limit"
+    )
+
+
+def _growth(system: System, motion: Sequence[arb_poly], tube: arb, h: arb) -> arb:
+    """Bound how much an error grows from 0 to h, if it stays below `tube`."""
+    weights = system.structure.weights
+    around = [arb(0, tube / weight) for weight in weights]
+    for parts in _PARTS:
+        rates = []
+        for part in range(parts):
+            times = (h * part / parts).union(h * (part + 1) / parts)
+            box = [p(times) + near for p, near in zip(motion, around, strict=True)]
+            rate = lemmas.logarithmic_norm(system.jacobian(box), weights)
+            rates.append((rate, h / parts))
+        if all(rate * length <= _GROWTH_OF_A_PART for rate, length in rates):
+            break
+    return lemmas.growth(rates)
+
+
+def _guess(
+    motion: Sequence[arb_poly],
+    guarded: Sequence[arb_poly],
+    weights: Sequence[float],
+    order: int,
+    tolerance: arb,
+) -> float:
+    """Return the time, s, at which the series' last terms are small next to the state.
+
+    But not the whole time in which a value that must not be zero would come to nothing.
+    """
+    times = []
+    for p in guarded:
+        first = leading(p)
+        if first is not None and (falling := abs(p[first + 1])) > 0:
+            times.append(abs(p[first]) / falling * (1 - arb(2) ** -10))
+    first, size = next(
+        ((n, size) for n in (0, 1) if (size := lemmas.norm([p[n] for p in motion], weights)) > 0),
+        (0, arb(1)),
+    )
+    for n in (order - 1, order):
+        term = lemmas.norm([p[n] for p in motion], weights)
+        if n > first and term > 0:
+            times.append(((tolerance * size / term).log() / (n - first)).exp())
+    return min((float(time) for time in times), default=math.inf)
+
+
+@dataclass(frozen=True)
+class Enclosure(PathEngine[arb]):
+    """Flights with proven bounds.
+
+    Attributes
+    ----------
+    digits
+        What a result is to be good to, relatively. A number's own radius tells what it is good to.
+    """
+
+    digits: int = 30
+
+    def __post_init__(self) -> None:
+        if self.digits < 1:
+            raise ValueError(f"digits = {self.digits} is not positive")
+
+    @property
+    def numbers(self) -> Balls:
+        """Balls of as many digits."""
+        return Balls(self.digits)
+
+    @property
+    def description(self) -> str:
+        """Name and digits."""
+        return f"enclosure digits={self.digits}"
+
+    @property
+    def flight_error(self) -> float:
+        """Balls carry their own error."""
+        return 0.0
+
+    def steps(
+        self,
+        law: Law[arb],
+        start: State[arb],
+        begin: arb,
+        limit: arb,
+        events: Sequence[Event[Any]],
+    ) -> Iterator[EnclosedPiece]:
+        """Yield the pieces of a flight; see `PathEngine.steps`."""
+        balls = self.numbers
+        with balls.arithmetic():
+            steps = _Steps(System(law, balls), start, limit, balls.bits)
+        for _ in range(_MOST_STEPS):
+            with balls.arithmetic():
+                piece = steps.next(begin, start)
+                begin, start = begin + piece.length, piece.at(piece.length)
+            yield piece
+            if not begin < limit:
+                return
+        raise CannotSolve(
+            f"the flight takes more than {_MOST_STEPS} steps; the first {float(begin):.3g} s of it "
+            "can be had by a lower time_limit"
+        )

@@ -1,0 +1,201 @@
+"""A flight that one can ask: the state at any time, and the first event."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any, Generic, cast
+
+from longball.engines.event import Curve, Event, Met, Piece, first_met
+from longball.model.frame import Frame
+from longball.model.law import State
+from longball.model.numbers import N, Numbers, Vector
+
+
+class Path(Generic[N]):
+    """A flight from its launch, as far as one looks.
+
+    Parameters
+    ----------
+    pieces
+        In order of time, each beginning where the one before ends. They are taken when needed.
+    """
+
+    def __init__(self, pieces: Iterable[Piece[N]]) -> None:
+        self._coming = iter(pieces)
+        self._known: list[Piece[N]] = []
+
+    def pieces(self) -> Iterator[Piece[N]]:
+        """Yield the pieces from the launch on."""
+        number = 0
+        while True:
+            if number == len(self._known):
+                piece = next(self._coming, None)
+                if piece is None:
+                    return
+                self._known.append(piece)
+            yield self._known[number]
+            number += 1
+
+    def at(self, time: N) -> State[N]:
+        """Return the state at a time, s since the launch.
+
+        Raises
+        ------
+        ValueError
+            If the flight does not last so long, or the time is before the launch.
+        """
+        for piece in self.pieces():
+            if not time > piece.begin + piece.length:
+                if time < piece.begin:
+                    break
+                return piece.at(time - piece.begin)
+        raise ValueError(f"the flight has no state at t = {float(cast(Any, time))} s")
+
+    def sample(self, times: Iterable[N]) -> list[State[N]]:
+        """Return the states at some times, s since the launch; see `at`."""
+        return [self.at(time) for time in times]
+
+    def first(
+        self, events: Sequence[Event[N]], limit: N, error: float, numbers: Numbers[N]
+    ) -> Met[N] | None:
+        """Return the first of several events; see `longball.engines.event.first_met`."""
+        return first_met(self.pieces(), events, limit, error, numbers)
+
+
+@dataclass(frozen=True)
+class Flight(Generic[N]):
+    """A flight to its end: the way there, what stopped it, when (s since launch), in what state.
+
+    `stop` is the name of an event, or "time" for the time limit.
+    """
+
+    path: Path[N]
+    stop: str
+    time: N
+    state: State[N]
+
+    def stopped(self, name: str) -> Any:
+        """Tell whether an event of that name stopped it."""
+        return self.stop == name
+
+    def then(self, second: Flight[N]) -> Flight[N]:
+        """Return this flight, going on as another one where it ended."""
+
+        def pieces() -> Iterator[Piece[N]]:
+            for piece in self.path.pieces():
+                if not piece.begin + piece.length < self.time:
+                    yield Part(piece, self.time - piece.begin)
+                    break
+                yield piece
+            for piece in second.path.pieces():
+                begin, end = self.time + piece.begin, self.time + (piece.begin + piece.length)
+                yield Part(piece, reaching(begin, piece.length, end), self.time)
+
+        return Flight(Path(pieces()), second.stop, self.time + second.time, second.state)
+
+
+def reaching(begin: N, length: N, end: N) -> N:
+    """Return the length of a piece, rounded such that it reaches its end from its beginning."""
+    while begin + length < end:
+        length += end - (begin + length)
+    return length
+
+
+@dataclass(frozen=True)
+class Part(Generic[N]):
+    """The beginning of a piece, up to a length, s, as a flight has it that begins later, s."""
+
+    piece: Piece[N]
+    length: N
+    delay: N | None = None
+
+    @property
+    def begin(self) -> N:
+        """When it begins, s since the launch."""
+        return self.piece.begin if self.delay is None else self.delay + self.piece.begin
+
+    def at(self, t: N) -> State[N]:
+        """Return the state at a time on the piece."""
+        return self.piece.at(t)
+
+    def curve(self, value: Callable[[Any], Any]) -> Curve[N]:
+        """Return the value of an event along the piece."""
+        return self.piece.curve(value)
+
+
+@dataclass(frozen=True)
+class Rest(Generic[N]):
+    """A ball that nothing moves, as a piece of a flight."""
+
+    begin: N
+    length: N
+    state: State[N]
+
+    def at(self, t: N) -> State[N]:
+        """Return the state, which is always the same."""
+        return self.state
+
+    def curve(self, value: Callable[[Any], Any]) -> Curve[N]:
+        """Return the value of an event, which is always the same."""
+        return _Constant(value(self.state))
+
+
+@dataclass(frozen=True)
+class _Constant(Generic[N]):
+    value: N
+
+    def __call__(self, t: N) -> N:
+        return self.value
+
+    def positive(self, a: N, b: N) -> bool:
+        return bool(self.value > 0)
+
+    def turns(self, a: N, b: N) -> list[N]:
+        return []
+
+    def zero(self, a: N, b: N) -> N:
+        return a
+
+
+@dataclass(frozen=True)
+class Leg(Generic[N]):
+    """A flight of a scene: when it begins, s since the start of the scene, and in which frame."""
+
+    begin: N
+    frame: Frame[N]
+    flight: Flight[N]
+
+
+@dataclass(frozen=True)
+class Trajectory(Generic[N]):
+    """The way of the ball from the start of a scene to its end: a pitch, a batted ball, or both."""
+
+    legs: tuple[Leg[N], ...]
+
+    @property
+    def end(self) -> N:
+        """When it ends, s since the start of the scene."""
+        return self.legs[-1].begin + self.legs[-1].flight.time
+
+    def at(self, time: N) -> tuple[Vector[N], Vector[N]]:
+        """Return position, m, and velocity, m/s, at a time, s since the start of the scene.
+
+        Raises
+        ------
+        ValueError
+            If the trajectory has no such time.
+        """
+        begun = [leg for leg in self.legs if not time < leg.begin]
+        if not begun:
+            raise ValueError(f"the trajectory has no state at t = {float(cast(Any, time))} s")
+        leg = begun[-1]
+        since = time - leg.begin
+        if since > leg.flight.time and not time > leg.begin + leg.flight.time:
+            since = leg.flight.time  # the end is a rounded sum
+        state = leg.flight.path.at(since)
+        return leg.frame.position(state), leg.frame.velocity(state)
+
+    def sample(self, times: Iterable[N]) -> list[tuple[N, ...]]:
+        """Return x, y, z, m, and their rates, m/s, at some times; see `at`."""
+        return [(*position, *velocity) for position, velocity in map(self.at, times)]

@@ -1,0 +1,299 @@
+"""Taylor's method for `scipy.integrate.solve_ivp`, for any traced law.
+
+    solve_ivp(right_hand_side(law), (0, 60), start, method=Taylor, law=law, dense_output=True)
+
+A step is a Taylor series of high order in time (Jorba and Zou, *Experimental Mathematics* 14
+(2005) 99), from the recurrence that the law implies (`longball.engines.series`). The series itself
+is the dense output: a state between two steps, and an event there, is as exact as the steps.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+import warnings
+from collections.abc import Callable, Sequence
+from functools import cache
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.integrate import DenseOutput, OdeSolver
+
+from longball.engines.compiled import COMPILES, module_of
+from longball.engines.polynomial import advance
+from longball.engines.series import recurrence
+from longball.model.law import Law
+from longball.model.numbers import DOUBLES
+from longball.model.trace import Program
+
+Array = NDArray[np.float64]
+Rows = Any  # an array of shape (rows, order + 2); of lists where nothing is compiled
+
+# The reach of a series to 16 digits grows like the order, the work like its square. But solve_ivp's
+# own work for a step is ten times that of a series: all orders from 30 to 42 cost much the same.
+ORDER = 34
+# The first terms left out are then smaller than the rounding of the velocity.
+TRUNCATION = 2.0**-54
+# From a speed of 1e-300 m/s steps grow by half each, until a thousand later they can be seen.
+_MOST_SHORT_STEPS = 5_000
+
+
+def right_hand_side(law: Law[float]) -> Callable[[float, Array], Sequence[float]]:
+    """Return the law as `solve_ivp` takes it: a function of time and state."""
+    rates = law.rates(DOUBLES)
+
+    def function(_: float, y: Array) -> Sequence[float]:
+        return rates(*y.tolist())  # doubles of Python: numpy's are five times slower one by one
+
+    return function
+
+
+class Taylor(OdeSolver):  # type: ignore[misc]
+    """Taylor's method, as a `method` of `solve_ivp`.
+
+    Parameters
+    ----------
+    fun
+        Not called: the law is what is integrated.
+    t0, y0, t_bound, vectorized
+        As every `OdeSolver` takes them.
+    law
+        The law of motion, or any other traced law: its `program` has the rates of its variables as
+        outputs, its `strengths` the values of the program's parameters.
+    order
+        Of the series.
+    rtol
+        Of the last terms of the series, relative to the size of what changes (of the velocity).
+    max_step
+        s.
+    **extraneous
+        Options of other methods; a warning names them.
+    """
+
+    t: float
+    t_bound: float
+    direction: float
+    n: int
+    y: Array
+
+    def __init__(
+        self,
+        fun: Callable[..., Any],
+        t0: float,
+        y0: Any,
+        t_bound: float,
+        vectorized: bool = False,
+        *,
+        law: Law[float],
+        order: int = ORDER,
+        rtol: float = TRUNCATION,
+        max_step: float = math.inf,
+        **extraneous: Any,
+    ) -> None:
+        if extraneous:
+            warnings.warn(f"Taylor does not take {', '.join(extraneous)}", stacklevel=3)
+        super().__init__(fun, t0, y0, t_bound, vectorized)
+        self.direction = float(self.direction)
+        self._expand = Expander(law, order, rtol)
+        self._max_step = max_step
+        self._low = np.zeros(self.n)
+
+    def _step_impl(self) -> tuple[bool, str | None]:
+        waited = 0.0
+        for _ in range(_MOST_SHORT_STEPS):
+            self._x, length = self._expand(self.y)
+            if not length > 0:
+                return False, "the rates are beyond the range of double precision"
+            length = min(length, self._max_step)
+            t = self.t + (waited + self.direction * length)
+            if length >= abs(self.t_bound - self.t):
+                t = self.t_bound
+            if t != self.t:
+                # The difference of two times that are close is exact.
+                self.y, self.t = self._at_end(t - self.t - waited), t
+                return True, None
+            # Where a ball all but rests its steps are shorter than the spacing of times.
+            self.y = self._at_end(self.direction * length)
+            waited += self.direction * length
+        return False, self.TOO_SMALL_STEP
+
+    def _at_end(self, h: float) -> Array:
+        """Return the state at the end of a step; its rounding is made up for at the next."""
+        end = np.empty(self.n)
+        advance(self._x, h, self._low, end)
+        return end
+
+    def _dense_output_impl(self) -> Series:
+        return Series(self.t_old, self.t, self._x)
+
+
+class Series(DenseOutput):  # type: ignore[misc]
+    """The dense output of a step: its own polynomial.
+
+    Attributes
+    ----------
+    coefficients
+        Shape (n, order + 2): of the powers of ``t - t_old``, for each component of the state.
+    """
+
+    def __init__(self, t_old: float, t: float, coefficients: Array) -> None:
+        super().__init__(t_old, t)
+        self.coefficients = coefficients
+
+    def __call__(self, t: float | Array) -> Array:
+        """Return the state at a time, or at several: shape (n,) or (n, times)."""
+        if not isinstance(t, float):
+            found: Array = super().__call__(t)
+            return found
+        state = np.empty(len(self.coefficients))
+        advance(self.coefficients, t - self.t_old, np.zeros(len(state)), state)
+        return state
+
+    def _call_impl(self, t: Array) -> Array:
+        if t.ndim == 0:
+            return self(float(t))
+        return np.reshape([self(each) for each in t.tolist()], (-1, len(self.coefficients))).T
+
+
+# --- a step ---------------------------------------------------------------------------------------
+
+
+class Expander:
+    """From states to the series of a law.
+
+    Parameters
+    ----------
+    law
+    order
+        Of the series.
+    rtol
+        Of their last terms; it sets how far they reach.
+    """
+
+    def __init__(self, law: Law[float], order: int = ORDER, rtol: float = TRUNCATION) -> None:
+        self._printed = _printed(law.program)
+        self._strengths = [law.strengths[name] for name in law.program.parameters]
+        self._order, self._rtol = order, rtol
+
+    def __call__(self, state: Array) -> tuple[Array, float]:
+        """Return the coefficients of the components of the state, and how far they reach, s.
+
+        The reach is nan if numbers are beyond the range of doubles.
+        """
+        step, order = self._printed.step, self._order
+        x, reach = self._expand(step, order, state)
+        if not reach > 0 and any(x[root][0] == 0 for root in self._printed.roots):
+            step = self._printed.step_from_rest
+            x, reach = self._expand(step, order, state)
+            if all(row[1] == 0 for row in x[: len(state)]):
+                return np.column_stack([state, np.zeros(len(state))]), math.inf  # nothing moves
+        # Close to rest coefficients grow like the powers of 1/V, and the last may be too large.
+        while not reach > 0 and order > 4:
+            order //= 2
+            x, reach = self._expand(step, order, state)
+        return np.asarray(x[: len(state)]), reach
+
+    def _expand(self, step: Callable[..., float], order: int, state: Array) -> tuple[Rows, float]:
+        x: Rows = np.zeros((self._printed.rows, order + 2))
+        x[: len(state), 0] = state
+        if not COMPILES:
+            x = x.tolist()
+        try:
+            return x, step(x, order, self._rtol, *self._strengths)
+        except (ZeroDivisionError, OverflowError):  # compiled code gives inf or nan
+            return x, math.nan
+
+
+class _Printed(NamedTuple):
+    """The printed recurrence of a program, the number of its rows, and which are sizes."""
+
+    rows: int
+    roots: tuple[int, ...]
+    step: Callable[..., float]
+    step_from_rest: Callable[..., float]
+
+
+@cache
+def _printed(program: Program) -> _Printed:
+    series = recurrence(program)
+    return _Printed(
+        len(series.rows),
+        tuple(series.rows.index(root) for root in series.roots),
+        module_of(_source(program, at_rest=False)).step,
+        module_of(_source(program, at_rest=True)).step,
+    )
+
+
+# Names in printed code.
+_TAKEN = re.compile(
+    "[xjkmn]|[crsxy][0-9]+|abs|bend|exp|expand|inf|last|log|min|nan|order|power|reach|rtol|size|sqrt"
+)
+
+
+def _source(program: Program, at_rest: bool) -> str:
+    """Print ``step(x, order, rtol, *parameters)``, which expands and returns the reach.
+
+    The last two terms of what changes stay below `rtol` times its size, which is that of the first
+    term that is not zero.
+
+    Along a circle, whose series converges at any time, that would be half a turn, with terms so
+    large that their roundings show: the term of second order stays below twice the size, and so a
+    step within a third of a turn.
+
+    A square root has to stay analytic: V² ≈ V₀² + S₁ t + S₂ t² has its complex zeros near V₀/√S₂
+    from a place where V is least, and a step stays within half of it.
+    """
+    for name in (*program.variables, *program.parameters):
+        if _TAKEN.fullmatch(name):
+            raise ValueError(f"a variable or parameter of a law cannot be called {name}")
+    series = recurrence(program)
+    changing = [i for i, rate in enumerate(program.outputs) if rate.kind != "variable"]
+    changing = changing or list(range(len(program.outputs)))
+
+    def total(index: str) -> str:
+        return " + ".join(f"abs(x[{i}][{index}])" for i in changing)
+
+    roots = [i for i, node in enumerate(series.rows) if node.kind == "sqrt"]
+    moving = "if x[{i}][0] != 0.0 and bend != 0.0:" if at_rest else "if bend != 0.0:"
+    lines = [
+        f"    expand(x, order{''.join(f', {name}' for name in program.parameters)})",
+        "    power = 0",
+        f"    size = {total('0')}",
+        "    if size == 0.0:",
+        "        power = 1",
+        f"        size = {total('1')}",
+        "    reach = inf",
+        f"    bend = {total('2')}",
+        "    if power == 0 and bend > 0.0:",
+        "        reach = sqrt(2.0 * size / bend)",
+        "    for n in (order - 1, order):",
+        f"        last = {total('n')}",
+        "        if not last < inf:",
+        "            return nan",
+        "        if last > 0.0:",
+        "            reach = min(reach, (rtol * size / last) ** (1.0 / (n - power)))",
+    ]
+    for i in roots:
+        lines += [
+            f"    bend = x[{i}][1] * x[{i}][1] + 2.0 * x[{i}][0] * x[{i}][2]",
+            "    " + moving.format(i=i),
+            f"        reach = min(reach, 0.5 * x[{i}][0] / sqrt(abs(bend)))",
+        ]
+    return "\n".join(
+        [
+            "from math import exp, inf, log, nan, sqrt",
+            "",
+            "from longball.engines.compiled import compiled",
+            "",
+            "",
+            "@compiled",
+            series.source(at_rest),
+            "",
+            "@compiled",
+            f"def step({', '.join(('x', 'order', 'rtol', *program.parameters))}):",
+            *lines,
+            "    return reach",
+            "",
+        ]
+    )

@@ -1,0 +1,104 @@
+"""Steps of velocity Verlet, in any number of dimensions: the code that numba compiles for each law.
+
+This source runs in a namespace of its own together with functions that `longball.engines.verlet`
+prints for a law. Vectors are tuples of as many numbers as there are dimensions.
+"""
+
+# ruff: noqa: F821  (the names declared below are defined where this runs)
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+# Printed: the acceleration at a position and velocity, given the parameters; a + factor b; the
+# largest size of a component; position and velocity from a column of an array, and back.
+accelerate: Callable[..., Any]
+plus: Callable[..., Any]
+largest: Callable[..., Any]
+read: Callable[..., Any]
+write: Callable[..., None]
+
+# An implicit step has settled when v' changes by no more than its rounding, and has failed when it
+# has not after this many rounds: a ball's first change is a hundredth of the one before.
+SETTLED = 2.0**-52
+ROUNDS = 100
+
+
+def step(
+    position: Any,
+    velocity: Any,
+    force: Any,
+    push: Any,
+    dt: float,
+    ahead: float,
+    iterates: bool,
+    carries: bool,
+    parameters: Any,
+) -> Any:
+    """Take one step.
+
+    Parameters
+    ----------
+    position, velocity
+        m, m/s.
+    force
+        m/s², of the law: what the step begins with.
+    push
+        m/s², constant over the step.
+    dt
+        s.
+    ahead, iterates, carries
+        See `longball.engines.verlet.Treatment`.
+    parameters
+        Of the law.
+
+    Returns
+    -------
+    position, velocity, force
+        At the end; the force is what the next step begins with. NaN where an implicit step does
+        not settle.
+    """
+    felt = plus(force, 1.0, push)
+    half = plus(velocity, 0.5 * dt, felt)
+    position = plus(position, dt, half)
+    force = accelerate(position, plus(velocity, ahead * dt, felt), parameters)
+    velocity = plus(half, 0.5 * dt, plus(force, 1.0, push))
+    if iterates:
+        settled = False
+        for _ in range(ROUNDS):
+            old = velocity
+            force = accelerate(position, old, parameters)
+            velocity = plus(half, 0.5 * dt, plus(force, 1.0, push))
+            if largest(plus(velocity, -1.0, old)) <= SETTLED * largest(velocity):
+                settled = True
+                break
+        if not settled:
+            velocity = plus(velocity, math.nan, velocity)
+    if not carries:
+        force = accelerate(position, velocity, parameters)
+    return position, velocity, force
+
+
+def march(
+    states: Any,
+    force: Any,
+    dt: float,
+    ahead: float,
+    iterates: bool,
+    carries: bool,
+    parameters: Any,
+) -> Any:
+    """Fill an array with the states after one step, two, …, from its first column on.
+
+    Returns the force that the next step begins with.
+    """
+    position, velocity = read(states, 0)
+    nothing = plus(velocity, -1.0, velocity)
+    for k in range(1, states.shape[1]):
+        position, velocity, force = step(
+            position, velocity, force, nothing, dt, ahead, iterates, carries, parameters
+        )
+        write(states, k, position, velocity)
+    return force

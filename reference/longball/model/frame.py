@@ -1,0 +1,77 @@
+"""The frame of a flight: its launch seen along the horizontal direction that it heads for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Generic
+
+from longball.model.law import PlaneState, State
+from longball.model.numbers import N, Numbers, Vector, absolute
+
+
+@dataclass(frozen=True)
+class Frame(Generic[N]):
+    """Where a flight starts, m, and the horizontal unit vector that it heads for."""
+
+    x: N
+    y: N
+    cos: N
+    sin: N
+
+    def position(self, state: State[N]) -> Vector[N]:
+        """Return the position in space, m."""
+        if isinstance(state, PlaneState):
+            return self.x + self.cos * state.s, self.y + self.sin * state.s, state.z
+        return (
+            self.x + self.cos * state.s - self.sin * state.y,
+            self.y + self.sin * state.s + self.cos * state.y,
+            state.z,
+        )
+
+    def velocity(self, state: State[N]) -> Vector[N]:
+        """Return the velocity in space, m/s."""
+        if isinstance(state, PlaneState):
+            return self.cos * state.u, self.sin * state.u, state.w
+        return (
+            self.cos * state.u - self.sin * state.v,
+            self.sin * state.u + self.cos * state.v,
+            state.w,
+        )
+
+    def towards_x(self, state: Any) -> Any:
+        """Return x, m, of a state, or of a state of polynomials."""
+        x = self.x + self.cos * state.s
+        return x if isinstance(state, PlaneState) else x - self.sin * state.y
+
+
+# The square of a speed below TINY, in m/s, may vanish from a double. That of LARGER times any such
+# double does not, and a power of 2 changes no digit.
+TINY, LARGER = 2.0**-500, 2.0**600
+
+
+def launch_frame(
+    position: Vector[N], velocity: Vector[N], numbers: Numbers[N]
+) -> tuple[Frame[N], PlaneState[N]]:
+    """Return the frame of a flight, and its launch in that frame.
+
+    A launch straight up or down has no heading of its own and takes that of +x, toward the
+    pitcher: with it the landing distance from above the plate is continuous across the vertical.
+
+    Raises
+    ------
+    Undecided
+        If the numbers cannot tell whether the launch is vertical.
+    """
+    x, y, z = position
+    vx, vy, vz = velocity
+    nothing = numbers.exact(0.0)
+    size = absolute(vx) + absolute(vy)
+    question = "whether the launch is vertical"
+    heads = numbers.positive(size, nothing, question)
+    tiny = numbers.positive(numbers.exact(TINY) - size, nothing, question)
+    scale = numbers.where(tiny, numbers.exact(LARGER), numbers.exact(1.0))
+    u, v = scale * vx, scale * vy
+    length = numbers.sqrt(u * u + v * v)
+    divisor = numbers.where(heads, length, numbers.exact(1.0))
+    frame = Frame(x, y, numbers.where(heads, u / divisor, numbers.exact(1.0)), v / divisor)
+    return frame, PlaneState(nothing, z, length / scale, vz)

@@ -1,0 +1,135 @@
+"""Numbers by their names: ``pitch.speed``, ``pitch.aim[0]``, ``landing.position[2]``.
+
+A name is the way to a number through the blocks of a scene or a result, or through the same as
+plain data. Columns, golden data, tables and messages all use this syntax.
+"""
+
+from __future__ import annotations
+
+import difflib
+import re
+import reprlib
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any, TypeVar
+
+from pydantic import BaseModel
+
+from longball.model.result import Bounded
+
+B = TypeVar("B", bound=BaseModel)
+
+_NAME = re.compile(r"\w+(\.\w+|\[\d+\])*", re.ASCII)
+_STEP = re.compile(r"(\w+)(\]?)", re.ASCII)
+
+
+def numbers(block: Any) -> Iterator[tuple[str, Any]]:
+    """Yield the name and the value of every number in a block, in the order of its keys.
+
+    Parameters
+    ----------
+    block
+        A pydantic model, or plain data as JSON has it. What is neither a number nor a block or
+        list of them (texts, null) is passed over.
+
+    Yields
+    ------
+    tuple of str and float, int or `Bounded`
+        Values as they are held.
+    """
+    if _is_number(block):
+        yield "", block
+        return
+    for key, inner in _parts(block):
+        for way, value in numbers(inner):
+            yield key + (f".{way}" if way and way[0] != "[" else way), value
+
+
+def at(block: Any, name: str) -> Any:
+    """Return what stands under a name, number or not; None if it is left out.
+
+    Raises
+    ------
+    ValueError
+        If the way there leads through something that has no parts, or not so many.
+    """
+    if not _NAME.fullmatch(name):
+        raise ValueError(f"{name!r} is not the name of a number, such as pitch.aim[0]")
+    for key, bracket in _STEP.findall(name):
+        if block is None:
+            return None
+        step = f"[{key}]" if bracket else key
+        parts = dict(_parts(block))
+        if step not in parts and (bracket or not isinstance(block, BaseModel | Mapping)):
+            raise ValueError(f"{name}: {reprlib.repr(block)} has no {step}")
+        block = parts.get(step)
+    return block
+
+
+def number(block: Any, name: str) -> Any:
+    """Return a number of a block, as it is held.
+
+    Raises
+    ------
+    ValueError
+        If the block has no number of that name; the message names the nearest that it has.
+    """
+    try:
+        value = at(block, name)
+    except ValueError:
+        value = None
+    if not _is_number(value):
+        raise unknown(name, [known for known, _ in numbers(block)])
+    return value
+
+
+def unknown(name: str, names: Iterable[str]) -> ValueError:
+    """Return the error that a name is none of those that there are; it names the nearest."""
+    nearest = difflib.get_close_matches(name, names := list(names), n=3, cutoff=0.0)
+    known = f"the nearest are {', '.join(nearest)}" if names else "there are none"
+    return ValueError(f"{name} is not the name of a number here; {known}")
+
+
+def replaced(block: B, values: Mapping[str, object]) -> B:
+    """Return a model with other numbers, validated as if it had been written so.
+
+    Parameters
+    ----------
+    block
+        A scene, a result or a block of one.
+    values
+        By name. They are put in together: a scene is valid or not as a whole.
+
+    Raises
+    ------
+    ValueError
+        If the block has no number of a name; the message names the nearest that it has. If the
+        numbers make no valid block (`pydantic.ValidationError`).
+    """
+    data: Any = block.model_dump()
+    for name, value in values.items():
+        number(block, name)
+        data = _put(data, _STEP.findall(name), value)
+    return type(block).model_validate(data)
+
+
+def _put(data: Any, steps: list[tuple[str, str]], value: object) -> Any:
+    if not steps:
+        return value
+    (key, bracket), *rest = steps
+    if not bracket:
+        # A reading is dumped without its defaults.
+        return data | {key: _put(data.get(key), rest, value)}
+    return tuple(_put(x, rest, value) if i == int(key) else x for i, x in enumerate(data))
+
+
+def _parts(block: Any) -> Iterator[tuple[str, Any]]:
+    if isinstance(block, BaseModel):
+        yield from ((key, getattr(block, key)) for key in type(block).model_fields)
+    elif isinstance(block, Mapping):
+        yield from block.items()
+    elif isinstance(block, tuple | list):
+        yield from ((f"[{i}]", inner) for i, inner in enumerate(block))
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, float | int | Bounded) and not isinstance(value, bool)

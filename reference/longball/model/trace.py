@@ -1,0 +1,431 @@
+"""Formulas traced into straight-line code.
+
+A formula is an ordinary Python function. Called with `Node` instead of numbers it leaves behind
+the graph of its operations, in which equal subexpressions are one node and whatever is multiplied
+by an absent (zero) strength is gone. `Program` is that graph in the order of evaluation: an
+engine evaluates it with its numbers, differentiates it, or prints recurrences from it.
+
+The operations are ``+ - * /``, `sqrt`, `exp` and `log`. What depends on parameters alone is
+*static*: it is computed once, not at every evaluation. What depends on the state is kept in a form
+that suits power series, in which products are expensive and sums are not: sums are flat linear
+combinations with static coefficients, and a static factor of a product stands before the product.
+"""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property, lru_cache
+from types import CodeType
+from typing import Any, cast
+
+Scalar = float  # Python's numbers; they stand for themselves, exactly
+
+
+class Node:
+    """A value of a traced formula; equal nodes are identical.
+
+    Attributes
+    ----------
+    kind
+        ``constant``, ``parameter`` and ``variable`` have one argument, a number or a name.
+        ``product``, ``quotient``, ``sqrt``, ``exp``, ``log`` and ``unit`` have nodes. ``sum`` has
+        a static node (the constant term) and pairs of a static coefficient and a dynamic node.
+        A static sum, ``plus``, has two nodes. ``unit`` is a quotient known to be between -1 and 1.
+    static
+        Whether it depends on no variable.
+    """
+
+    __slots__ = ("args", "kind", "static")
+
+    kind: str
+    args: tuple[Any, ...]
+    static: bool
+
+    # Arithmetic with numbers is arithmetic with constants.
+    def __add__(self, other: Any) -> Node:
+        return _add(self, _node(other))
+
+    def __radd__(self, other: Any) -> Node:
+        return _add(_node(other), self)
+
+    def __sub__(self, other: Any) -> Node:
+        return _add(self, -_node(other))
+
+    def __rsub__(self, other: Any) -> Node:
+        return _add(_node(other), -self)
+
+    def __mul__(self, other: Any) -> Node:
+        return _multiply(self, _node(other))
+
+    def __rmul__(self, other: Any) -> Node:
+        return _multiply(_node(other), self)
+
+    def __truediv__(self, other: Any) -> Node:
+        return _divide(self, _node(other))
+
+    def __rtruediv__(self, other: Any) -> Node:
+        return _divide(_node(other), self)
+
+    def __neg__(self) -> Node:
+        return _multiply(_MINUS_ONE, self)
+
+    def __repr__(self) -> str:
+        return f"{self.kind}{self.args}"
+
+
+_known: dict[tuple[Any, ...], Node] = {}
+
+
+def _make(kind: str, *args: Any) -> Node:
+    key = (kind, *args)
+    if key not in _known:
+        node = Node()
+        node.kind, node.args = kind, args
+        node.static = kind != "variable" and all(child.static for child in _children(node))
+        _known[key] = node
+    return _known[key]
+
+
+def _children(node: Node) -> Iterator[Node]:
+    """Yield the nodes that a node is computed from."""
+    match node.kind:
+        case "constant" | "parameter" | "variable":
+            return
+        case "sum":
+            constant, *terms = node.args
+            yield constant
+            for term in terms:
+                yield from term
+        case _:
+            yield from node.args
+
+
+def constant(value: Scalar) -> Node:
+    """Return a number as a node."""
+    return _make("constant", float(value))
+
+
+def variable(name: str) -> Node:
+    """Return a component of the state."""
+    return _make("variable", name)
+
+
+def parameter(name: str) -> Node:
+    """Return what is the same all along a flight."""
+    return _make("parameter", name)
+
+
+def _node(value: Any) -> Node:
+    return value if isinstance(value, Node) else constant(value)
+
+
+ZERO, _ONE, _MINUS_ONE = constant(0.0), constant(1.0), constant(-1.0)
+
+
+def _exact(a: Node, symbol: str, b: Node) -> Node:
+    """Return what an operation makes of two constants, if that is a double itself."""
+    operation = {"+": operator.add, "*": operator.mul, "/": operator.truediv}[symbol]
+    result = operation(a.args[0], b.args[0])
+    if operation(Fraction(a.args[0]), Fraction(b.args[0])) != Fraction(result):
+        written = f"{a.args[0]} {symbol} {b.args[0]}"
+        raise ArithmeticError(f"{written} is no double; make it a parameter")
+    return constant(result)
+
+
+def _add(a: Node, b: Node) -> Node:
+    if a is ZERO or b is ZERO:
+        return b if a is ZERO else a
+    if a.static and b.static:
+        if a.kind == b.kind == "constant":
+            return _exact(a, "+", b)
+        return _make("plus", a, b)
+    coefficients: dict[Node, Node] = {}
+    rest = ZERO
+    for part in (a, b):
+        more, *terms = _as_sum(part)
+        rest = _add(rest, more)
+        for coefficient, node in terms:
+            coefficients[node] = _add(coefficients.get(node, ZERO), coefficient)
+    return _sum(rest, ((c, node) for node, c in coefficients.items() if c is not ZERO))
+
+
+def _sum(rest: Node, terms: Iterable[tuple[Node, Node]]) -> Node:
+    pairs = tuple(terms)
+    if not pairs:
+        return rest
+    if rest is ZERO and len(pairs) == 1 and pairs[0][0] is _ONE:
+        return pairs[0][1]
+    return _make("sum", rest, *pairs)
+
+
+def _as_sum(node: Node) -> tuple[Any, ...]:
+    """Return the constant term and the terms of a node."""
+    if node.static:
+        return (node,)
+    return node.args if node.kind == "sum" else (ZERO, (_ONE, node))
+
+
+def _multiply(a: Node, b: Node) -> Node:
+    if a is ZERO or b is ZERO:
+        return ZERO
+    if a is _ONE or b is _ONE:
+        return b if a is _ONE else a
+    if a.static and b.static:
+        if a.kind == b.kind == "constant":
+            return _exact(a, "*", b)
+        return _make("product", a, b)
+    if a.static or b.static:
+        factor, node = (a, b) if a.static else (b, a)
+        rest, *terms = _as_sum(node)
+        return _sum(_multiply(factor, rest), ((_multiply(factor, c), x) for c, x in terms))
+    (c, x), (d, y) = _scaled(a), _scaled(b)
+    if c is not _ONE or d is not _ONE:
+        return _multiply(_multiply(c, d), _multiply(x, y))
+    return _make("product", *sorted((x, y), key=_order))
+
+
+def _scaled(node: Node) -> tuple[Node, Node]:
+    """Return a node as a static factor and what it multiplies."""
+    if node.kind == "sum" and node.args[0] is ZERO and len(node.args) == 2:
+        factor, inner = node.args[1]
+        return factor, inner
+    return _ONE, node
+
+
+def _order(node: Node) -> tuple[int, str]:
+    """Order the factors of a product: the same whatever was traced before."""
+    return (0, node.args[0]) if node.kind == "variable" else (1, repr(node))
+
+
+def _divide(a: Node, b: Node) -> Node:
+    if b is ZERO:
+        raise ZeroDivisionError("a traced formula divides by zero")
+    if a is ZERO or b is _ONE:
+        return a
+    if a.kind == b.kind == "constant":
+        return _exact(a, "/", b)
+    if b.static and not a.static:
+        return _multiply(_divide(_ONE, b), a)
+    (c, x), (d, y) = _scaled(a), _scaled(b)
+    if c is not _ONE or d is not _ONE:
+        return _multiply(_divide(c, d), _divide(x, y))
+    return _make("quotient", a, b)
+
+
+def _function(kind: str) -> Callable[[Any], Node]:
+    def function(x: Any) -> Node:
+        node = _node(x)
+        if node.kind == "constant":
+            raise ArithmeticError(f"{kind}({node.args[0]}) is no double; make it a parameter")
+        return _make(kind, node)
+
+    return function
+
+
+sqrt, exp, log = map(_function, ("sqrt", "exp", "log"))
+
+
+def total(nodes: Iterable[Node]) -> Node:
+    """Return the sum of nodes."""
+    return sum(nodes, ZERO)
+
+
+def squares(node: Node) -> tuple[Node, ...]:
+    """Return x, y, … of a node ``x x + y y + …``; nothing if it is another one."""
+    rest, *terms = _as_sum(node)
+    found = []
+    for coefficient, term in terms:
+        if coefficient is not _ONE or term.kind != "product" or term.args[0] is not term.args[1]:
+            return ()
+        found.append(term.args[0])
+    return tuple(found) if rest is ZERO else ()
+
+
+def derivative(node: Node, by: Node, known: dict[Node, Node] | None = None) -> Node:
+    """Return the partial derivative of a node by a variable, as a node."""
+    known = {} if known is None else known
+    if node not in known:
+        known[node] = _derivative(node, by, known)
+    return known[node]
+
+
+def _derivative(node: Node, by: Node, known: dict[Node, Node]) -> Node:
+    def of(inner: Node) -> Node:
+        return derivative(inner, by, known)
+
+    if node.static or node.kind == "variable":
+        return _ONE if node is by else ZERO
+    match node.kind:
+        case "sum":
+            return total(c * of(x) for c, x in node.args[1:])
+        case "product":
+            a, b = cast(tuple[Node, Node], node.args)
+            return of(a) * b + a * of(b)
+        case "quotient":
+            a, b = cast(tuple[Node, Node], node.args)
+            return (of(a) - node * of(b)) / b
+        case "sqrt":
+            (a,) = node.args
+            if parts := squares(a):
+                # Each part is no larger than the root: the ratio is bounded even where both vanish.
+                return total(_make("unit", x, node) * of(x) for x in parts)
+            return of(a) / (2 * node)
+        case "exp":
+            (a,) = node.args
+            rate: Node = of(a)
+            return node * rate
+        case "log":
+            (a,) = cast(tuple[Node], node.args)
+            return of(a) / a
+    raise TypeError(f"a {node.kind} has no derivative")
+
+
+# --- programs -------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Program:
+    """Straight-line code: from variables and parameters to outputs.
+
+    Attributes
+    ----------
+    variables, parameters
+        Names, in the order in which values are given.
+    outputs
+        What is computed, as nodes.
+    """
+
+    variables: tuple[str, ...]
+    parameters: tuple[str, ...]
+    outputs: tuple[Node, ...]
+
+    @cached_property
+    def nodes(self) -> tuple[Node, ...]:
+        """All nodes that the outputs depend on, each after those that it is computed from."""
+        order: dict[Node, None] = {}
+
+        def visit(node: Node) -> None:
+            if node not in order:
+                for child in _children(node):
+                    visit(child)
+                order[node] = None
+
+        for output in self.outputs:
+            visit(output)
+        return tuple(order)
+
+    def jacobian(self) -> Program:
+        """Return the program whose outputs are the partial derivatives, output by output."""
+        columns = [(variable(name), dict[Node, Node]()) for name in self.variables]
+        return Program(
+            self.variables,
+            self.parameters,
+            tuple(derivative(o, by, known) for o in self.outputs for by, known in columns),
+        )
+
+    def source(self, name: str) -> str:
+        """Return the code of a Python function of that name.
+
+        It takes the parameters, one by one, and returns a function that takes the variables. Both
+        call `sqrt`, `exp`, `log` and `unit` from their globals.
+        """
+        names = Names()
+        outer = [f"def {name}({', '.join(self.parameters)}):"]
+        inner = [f"    def rates({', '.join(self.variables)}):"]
+        for node in self.nodes:
+            if text := names.define(node):
+                (outer if node.static else inner).append(
+                    f"    {text}" if node.static else f"        {text}"
+                )
+        inner.append(f"        return ({''.join(f'{names[o]}, ' for o in self.outputs)})")
+        return "\n".join([*outer, *inner, "    return rates"]) + "\n"
+
+    @cached_property
+    def _source(self) -> str:
+        return self.source("program")
+
+    def bind(
+        self, values: Mapping[str, Any], functions: Mapping[str, Callable[..., Any]]
+    ) -> Callable[..., tuple[Any, ...]]:
+        """Return the program as a function of its variables, with values of its parameters.
+
+        Parameters
+        ----------
+        values
+            Of the parameters, by name.
+        functions
+            What `sqrt`, `exp`, `log` and `unit` are for the numbers at hand.
+        """
+        make = run_source(self._source, "program", functions)
+        bound: Callable[..., tuple[Any, ...]] = make(*(values[name] for name in self.parameters))
+        return bound
+
+
+class Names(dict[Node, str]):
+    """What the nodes of a program are called in printed code."""
+
+    def __missing__(self, node: Node) -> str:
+        if node.kind == "constant":
+            name = repr(node.args[0])
+            return name if node.args[0] >= 0 else f"({name})"
+        if node.kind in ("variable", "parameter"):
+            return str(node.args[0])
+        raise KeyError(node)
+
+    def define(self, node: Node) -> str:
+        """Name a node, and return the line that computes it; nothing if it needs none."""
+        if node.kind in ("constant", "parameter", "variable"):
+            return ""
+        text = self.expression(node)
+        self[node] = f"x{len(self)}"
+        return f"{self[node]} = {text}"
+
+    def expression(self, node: Node) -> str:
+        """Return the expression that computes a node from those before."""
+        match node.kind:
+            case "sum":
+                return self.combination(node, self.__getitem__)
+            case "plus":
+                return " + ".join(self[x] for x in node.args)
+            case "product":
+                a, b = node.args
+                return f"-{self[b]}" if a is _MINUS_ONE else f"{self[a]} * {self[b]}"
+            case "quotient":
+                return " / ".join(self[x] for x in node.args)
+        return f"{node.kind}({', '.join(self[x] for x in node.args)})"
+
+    def combination(self, node: Node, value: Callable[[Node], str], constant: bool = True) -> str:
+        """Return a sum, given what to write for the nodes in it; with its constant or without."""
+        rest, *terms = node.args
+        text = ""
+        for coefficient, x in terms:
+            if coefficient is _ONE or coefficient is _MINUS_ONE:
+                sign, term = "-" if coefficient is _MINUS_ONE else "+", value(x)
+            else:
+                sign, term = "+", f"{self[coefficient]} * {value(x)}"
+            text += f" {sign} {term}" if text else (f"-{term}" if sign == "-" else term)
+        return text if rest is ZERO or not constant else f"{text} + {self[rest]}"
+
+
+def run_source(source: str, name: str, functions: Mapping[str, Callable[..., Any]]) -> Any:
+    """Return what printed code defines under a name, given the functions that it calls."""
+    space: dict[str, Any] = dict(functions)
+    exec(_compiled(source), space)
+    return space[name]
+
+
+@lru_cache(maxsize=256)
+def _compiled(source: str) -> CodeType:
+    return compile(source, "<traced>", "exec")
+
+
+def trace(
+    formula: Callable[..., Sequence[Any]], variables: Sequence[str], parameters: Sequence[str]
+) -> Program:
+    """Return the program of a function that takes variables and parameters, one by one."""
+    inputs = [*map(variable, variables), *map(parameter, parameters)]
+    outputs = tuple(_node(output) for output in formula(*inputs))
+    return Program(tuple(variables), tuple(parameters), outputs)

@@ -1,0 +1,84 @@
+"""Zeros and turns of families of polynomials: enclosed, all of them, and told apart if possible."""
+
+from __future__ import annotations
+
+import pytest
+from flint import arb, arb_poly
+
+from longball.engines.enclosure import Balls
+from longball.engines.enclosure.curve import Curve, zeros
+from longball.model.numbers import Undecided
+
+
+@pytest.fixture(autouse=True)
+def _precise():
+    with Balls(30).arithmetic():
+        yield
+
+
+def of_roots(*roots):
+    p = arb_poly([1])
+    for root in roots:
+        p *= arb_poly([-arb(root), 1])
+    return p
+
+
+@pytest.mark.parametrize(
+    "roots", [(), (0.25,), (0.25, 0.5, 0.75), (0.5, 0.5 + 2.0**-40), (1e-12, 0.3), (-0.5, 1.5)]
+)
+@pytest.mark.parametrize("sign", [1, -1])
+def test_simple_zeros_are_each_in_a_ball_of_their_own(roots, sign):
+    inside = [root for root in roots if 0 < root < 1]
+    found = zeros(sign * of_roots(*roots), arb(0), arb(1))
+    assert len(found) == len(inside)
+    for ball, root in zip(found, inside, strict=True):
+        assert ball.contains(arb(root))
+        assert ball.rad() < 1e-30
+
+
+@pytest.mark.parametrize("roots", [(0.3, 0.3), (0.3, 0.3, 0.3)])
+def test_zeros_that_are_not_told_apart_are_in_a_tiny_ball(roots):
+    found = zeros(of_roots(*roots), arb(0), arb(1))
+    assert any(ball.contains(arb(0.3)) for ball in found)
+    # A triple zero is told to the cube root of a rounding, 2^-164.
+    assert all(ball.rad() < 1e-15 for ball in found)
+    assert len(found) == 1
+
+
+def test_the_zeros_of_all_members_are_enclosed():
+    off = 2.0**-30
+    family = arb_poly([arb(0.5, off), -1])
+    (ball,) = zeros(family, arb(0), arb(1))
+    assert ball.contains(arb(0.5, off))
+    assert ball.rad() < 1.01 * off
+    assert Curve(family).zero(arb(0), arb(1)).contains(arb(0.5, off))
+
+
+def test_a_curve_may_start_on_zero_and_on_a_turn():
+    curve = Curve(arb_poly([0, 0, -1, 2]))  # -t² (1 - 2 t) turns at 0 and 1/3
+    (turn,) = curve.turns(arb(0), arb(1))
+    assert turn.contains(arb(1) / 3)
+    assert curve.zero(arb(0), turn) == 0
+    assert Curve(arb_poly([3])).turns(arb(0), arb(1)) == []
+
+
+@pytest.mark.parametrize("power", [1, 2, 3])
+def test_a_zero_between_flat_ends(power):
+    # 1 - 2 t^n (…): falls from 1 to -1, flat at both ends for n > 1.
+    smooth = {1: [1, -2], 2: [1, 0, -6, 4], 3: [1, 0, 0, -20, 30, -12]}[power]
+    zero = Curve(arb_poly(smooth)).zero(arb(0), arb(1))
+    assert zero.contains(arb(0.5))
+    assert zero.rad() < 1e-30
+
+
+def test_a_value_that_may_have_fallen_to_zero_before_is_open():
+    with pytest.raises(Undecided, match="cannot be decided"):
+        Curve(arb_poly([arb(0, 1e-30), -1])).zero(arb(0), arb(1))
+    assert Curve(arb_poly([-1, -1])).zero(arb(0), arb(1)) == 0
+
+
+def test_positive_is_certain_or_not():
+    curve = Curve(arb_poly([1, -1]))
+    assert curve.positive(arb(0), arb(0.5))
+    assert not curve.positive(arb(0), arb(1))
+    assert not curve.positive(arb(0.5), arb(2))

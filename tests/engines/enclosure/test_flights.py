@@ -1,0 +1,603 @@
+"""Flights with proven bounds, under the paper's law and others: the bounds hold the truth."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import replace
+from fractions import Fraction
+
+import mpmath
+import pytest
+from flint import arb, arb_poly
+
+from longball.engines.enclosure import Balls, Enclosure, engine
+from longball.engines.enclosure.system import System, structure
+from longball.engines.engine import CannotSolve
+from longball.engines.event import ground
+from longball.model import exact
+from longball.model.exact import METHODS
+from longball.model.law import DRAG, FORCES, GRAVITY, Force, PlaneState, SpaceState, law_with
+from longball.model.trace import exp, log, sqrt
+
+ENGINE = Enclosure(30)
+
+
+def fraction(x: arb) -> Fraction:
+    mantissa, exponent = x.mid().man_exp()
+    return Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
+
+
+def law(drag=None, lift=None, gravity=9.8):
+    named = {"drag": drag, "lift": lift, "gravity": gravity}
+    return law_with({name: arb(k) for name, k in named.items() if k is not None})
+
+
+def state(s, z, u, w):
+    return PlaneState(arb(s), arb(z), arb(u), arb(w))
+
+
+def same(found, truth, width=1e-30):
+    """Tell whether two balls have something in common, and the first is narrow."""
+    return found.overlaps(truth) and found.rad() <= width * max(1, abs(truth).upper())
+
+
+def fly(start, field, limit, solver=ENGINE, events=()):
+    with solver.numbers.arithmetic():
+        return solver.fly(field, start, list(events), arb(limit))
+
+
+def to_floor(start, field, limit=60.0, solver=ENGINE):
+    with solver.numbers.arithmetic():
+        floor = ground(arb(0), start, solver.numbers)
+    return fly(start, field, limit, solver, [floor])
+
+
+@pytest.fixture(autouse=True)
+def _precise():
+    with Balls(60).arithmetic():
+        yield
+
+
+# --- closed forms to 60 digits against enclosures of 30 -------------------------------------------
+
+
+def test_parabola():
+    start = state(0, 1, 30, 20)
+    arrival = to_floor(start, law())
+    truth = exact.parabola_to_floor(start, arb(9.8), arb(0), METHODS)
+    assert same(arrival.time, truth.time)
+    assert all(map(same, arrival.state, truth.state))
+    assert len(list(arrival.path.pieces())) == 1
+
+
+@pytest.mark.parametrize("up", [0.5, 25.0, 300.0])
+def test_straight_up_and_down(up):
+    # The ball comes to rest at its apex, V = 0, where the speed is not smooth.
+    drag, gravity, start = arb(0.0075), arb(9.8), state(0, 1, 0, up)
+    arrival = to_floor(start, law(drag))
+    top = exact.apex(start, drag, gravity, METHODS)
+    truth = exact.fall_to_floor(top.state, drag, gravity, arb(0), METHODS)
+    assert same(arrival.time, top.time + truth.time)
+    assert same(arrival.state.w, truth.state.w)
+    assert arrival.state.s == 0
+    assert arrival.state.u == 0
+
+
+@pytest.mark.parametrize("u", [1e-9, 1e-40, 1e-70])
+def test_nearly_straight_up_and_down(u):
+    # A heading so small that the apex is told from rest, or is not.
+    drag, gravity, start = arb(0.0075), arb(9.8), state(0, 1, u, 25)
+    arrival = to_floor(start, law(drag))
+    top = exact.apex(start, drag, gravity, METHODS)
+    truth = exact.fall_to_floor(top.state, drag, gravity, arb(0), METHODS)
+    # The speed differs from |w| by u²/2|w|, which matters for u/g s around the apex.
+    near = arb(0, u)
+    assert same(arrival.time + near, top.time + truth.time, 1e-8)
+    assert same(arrival.state.w + near, truth.state.w, 1e-8)
+    assert abs(arrival.state.u) <= u + 1e-40
+
+
+def test_from_rest():
+    start, drag, gravity = state(0, 100, 0, 0), arb(0.0075), arb(9.8)
+    upright = to_floor(start, law(drag))
+    truth = exact.fall_to_floor(start, drag, gravity, arb(0), METHODS)
+    assert same(upright.time, truth.time)
+    # A lift that does next to nothing, so that the law has a root, and the series starts from rest.
+    lifted = to_floor(start, law(drag, arb(1e-60)))
+    assert same(lifted.time, truth.time)
+    assert same(lifted.state.w, truth.state.w)
+
+
+@pytest.mark.parametrize("lift", [None, 0.0037, -0.3])
+def test_without_weight(lift):
+    start, limit = state(0, 1, 30, 20), arb(5)
+    arrival = fly(start, law(0.0075, lift, None), limit)
+    assert arrival.stop == "time"
+    truth = exact.weightless(
+        start, arb(0.0075), None if lift is None else arb(lift), limit, METHODS
+    )
+    assert all(map(same, arrival.state, truth))
+
+
+def test_without_weight_at_rest():
+    start = state(0, 1, 0, 0)
+    assert fly(start, law(0.0075, 0.003, None), 5).state == start
+    off = arb(0, 1e-20)
+    near = start._replace(u=off, w=off)
+    found = fly(near, law(0.0075, 0.003, None), 5).state
+    assert found.s.contains(0)
+    assert found.z.rad() < 1e-18
+
+
+@pytest.mark.parametrize("drag", [0.0075, 0.2])
+def test_drag_alone(drag):
+    start = state(0, 1, 30, 20)
+    arrival = to_floor(start, law(drag))
+    values = (
+        exact.drag_only_invariant(there, arb(drag), arb(9.8), METHODS)
+        for there in (arrival.state, start)
+    )
+    assert same(*values)
+
+
+@pytest.mark.parametrize("lift", [0.0037, 0.05, -0.02])
+def test_lift_alone(lift):
+    # With 0.05 the ball loops.
+    start = state(0, 30, 25, 5)
+    arrival = to_floor(start, law(None, lift), limit=10.0)
+    energies = (exact.energy(there, arb(9.8)) for there in (arrival.state, start))
+    assert same(*energies)
+    values = (
+        exact.phugoid(there, arb(lift), arb(9.8), METHODS) for there in (arrival.state, start)
+    )
+    assert same(*values)
+
+
+# --- an independent method agrees -----------------------------------------------------------------
+
+
+def extrapolated(start, rate, time, steps):
+    """Fly by Gragg's method, extrapolated in the square of its step to the order 24."""
+    y, big = mpmath.matrix(list(start)), time / steps
+    for _ in range(steps):
+        rows = []
+        for j in range(1, 13):
+            h = big / (2 * j)
+            before, now = y, y + h * rate(y)
+            for _ in range(2 * j - 1):
+                before, now = now, before + 2 * h * rate(now)
+            row = [(before + now + h * rate(now)) / 2]
+            for k in range(1, j):
+                ratio = (mpmath.mpf(j) / (j - k)) ** 2
+                row.append(row[-1] + (row[-1] - rows[-1][k - 1]) / (ratio - 1))
+            rows.append(row)
+        y = rows[-1][-1]
+    return y
+
+
+def planar(drag, lift):
+    """Return the paper's rates, written by hand."""
+
+    def rate(y):
+        u, w = y[2], y[3]
+        speed = mpmath.sqrt(u * u + w * w)
+        return mpmath.matrix(
+            [u, w, -speed * (drag * u + lift * w), speed * (lift * u - drag * w) - 9.8]
+        )
+
+    return rate
+
+
+def agrees(found, start, rate, time, digits=36):
+    """Hold a state against extrapolation with two steps, of which one is shorter by a third."""
+    with mpmath.workdps(55):
+        start = tuple(map(mpmath.mpf, start))
+        rough, fine = (extrapolated(start, rate, mpmath.mpf(time), steps) for steps in (24, 36))
+        for ball, near, true in zip(found, rough, fine, strict=True):
+            middle = fraction(ball)
+            off = abs(mpmath.mpf(middle.numerator) / middle.denominator - true)
+            # Steps shorter by a third divide the error by 1.5^24: what is left is less than the
+            # thousandth part of what was won.
+            assert off <= float(ball.rad()) + abs(near - true) / 1000
+            assert off < 10.0**-digits
+
+
+@pytest.mark.parametrize(
+    ("drag", "lift", "velocity"),
+    [(0.0075, 0.00375, (30.0, 25.0)), (0.0075, -0.03, (0.5, 30.0)), (0.005, 0.05, (40.0, 3.0))],
+)
+def test_a_flight_holds_what_extrapolation_finds(drag, lift, velocity):
+    arrival = fly(state(0, 1, *velocity), law(drag, lift), 2)
+    agrees(arrival.state, (0, 1, *velocity), planar(drag, lift), 2)
+
+
+# --- other laws -----------------------------------------------------------------------------------
+
+
+def force(acceleration, *parameters):
+    return Force(parameters, lambda scene, numbers: None, acceleration)
+
+
+def dense_air(motion, p):
+    """-k V v e^(-z/H): forces depend on the height, which belongs to the core then."""
+    thickness = p.dense * exp(p.inverse_height * motion.position[2])
+    return tuple(-(thickness * motion.speed) * x for x in motion.velocity)
+
+
+def crisis(motion, p):
+    """A drag that falls as the speed grows, with every kind of node in it."""
+    ratio = motion.speed / (p.scale + motion.speed)
+    size = p.crisis * (ratio + log(p.scale + motion.speed) * exp(-p.rate * motion.speed))
+    return tuple(-size * x for x in motion.velocity)
+
+
+def side(motion, p):
+    """k V (ê × v) for a vertical ê: a force out of the plane."""
+    u, v, _ = motion.velocity
+    return -p.side * (motion.speed * v), p.side * (motion.speed * u), 0.0
+
+
+DENSE = force(dense_air, "dense", "inverse_height")
+CRISIS = force(crisis, "crisis", "scale", "rate")
+SIDE = force(side, "side")
+
+
+def test_the_core_is_what_rates_depend_on():
+    assert structure(law(0.01, 0.01).program).core.variables == ("u", "w")
+    assert structure(law().program).core.variables == ("u", "w")
+    assert structure(law(0.01).straight(arb(1)).program).core.variables == ("w",)
+    dense = law_with({"dense": arb(1), "inverse_height": arb(1)}, (DENSE,))
+    assert structure(dense.program).core.variables == ("z", "u", "w")
+    assert structure(dense.program).weights == (0.125, 1.0, 1.0)
+    spun = law_with({"side": arb(0.01), "drag": arb(0.01)}, (*FORCES, SIDE))
+    assert structure(spun.program).core.variables == ("u", "v", "w")
+
+
+def test_forces_that_depend_on_height():
+    k, inverse = 2.0**-7, -(2.0**-13)
+    field = law_with(
+        {"dense": arb(k), "inverse_height": arb(inverse), "gravity": arb(9.8)}, (DENSE, GRAVITY)
+    )
+    arrival = fly(state(0, 1, 30, 25), field, 2)
+
+    def rate(y):
+        drag = k * mpmath.exp(inverse * y[1]) * mpmath.hypot(y[2], y[3])
+        return mpmath.matrix([y[2], y[3], -drag * y[2], -drag * y[3] - 9.8])
+
+    agrees(arrival.state, (0, 1, 30, 25), rate, 2)
+
+
+@pytest.mark.parametrize("velocity", [(30.0, 25.0), (2.0, -1.0)])
+def test_a_law_with_all_kinds_of_nodes(velocity):
+    k, scale, falls = 0.03125, 16.0, 0.0625
+    strengths = {"crisis": k, "scale": scale, "rate": falls, "gravity": 9.8}
+    field = law_with({n: arb(x) for n, x in strengths.items()}, (CRISIS, GRAVITY))
+    kinds = {node.kind for node in field.program.nodes}
+    assert {"sqrt", "quotient", "exp", "log"} <= kinds
+    arrival = fly(state(0, 1, *velocity), field, 2)
+
+    def rate(y):
+        speed = mpmath.hypot(y[2], y[3])
+        falling = mpmath.log(scale + speed) * mpmath.exp(-falls * speed)
+        size = k * (speed / (scale + speed) + falling)
+        return mpmath.matrix([y[2], y[3], -size * y[2], -size * y[3] - 9.8])
+
+    agrees(arrival.state, (0, 1, *velocity), rate, 2, digits=35)
+
+
+def test_such_a_law_from_rest():
+    # Every node that is no polynomial, but the speed, is one whose argument does not vanish.
+    strengths = {"crisis": 0.03125, "scale": 16.0, "rate": 0.0625, "gravity": 9.8}
+    field = law_with({n: arb(x) for n, x in strengths.items()}, (CRISIS, GRAVITY))
+    rest = fly(state(0, 1, 1e-70, 0), field, 2).state
+    slow = fly(state(0, 1, 1e-20, 0), field, 2).state
+    assert rest.z.rad() < 1e-30
+    # A speed of 1e-20 m/s moves it by some 1e-20 m, not more.
+    assert abs(rest.z - slow.z) < 1e-19
+
+
+def test_a_flight_in_space():
+    k, b = 2.0**-7, 2.0**-8
+    field = law_with({"drag": arb(k), "side": arb(b), "gravity": arb(9.8)}, (DRAG, SIDE, GRAVITY))
+    start = SpaceState(*map(arb, (0, 0, 1, 30, 0, 25)))
+    arrival = fly(start, field, 2)
+
+    def rate(y):
+        u, v, w = y[3], y[4], y[5]
+        speed = mpmath.sqrt(u * u + v * v + w * w)
+        return mpmath.matrix(
+            [u, v, w, -speed * (k * u + b * v), speed * (b * u - k * v), -speed * k * w - 9.8]
+        )
+
+    agrees(arrival.state, (0, 0, 1, 30, 0, 25), rate, 2)
+
+
+def test_where_a_law_is_not_defined_no_step_is_taken():
+    root = force(lambda motion, p: (0.0, 0.0, -p.k * sqrt(motion.position[2])), "k")
+    field = law_with({"k": arb(4.0)}, (root,))
+    # It falls to z = 0 in 1 s or so.
+    with pytest.raises(CannotSolve):
+        fly(state(0, 1, 1, -1), field, 5)
+
+
+# --- growth of errors -----------------------------------------------------------------------------
+
+
+def shear(motion, p):
+    """A linear law, u' = c w: nearby flights part at the rate c/2 at most."""
+    return p.shear * motion.velocity[2], 0.0, 0.0
+
+
+def bound_and_separations(field, velocity, error, h, directions=32):
+    """Return how far a bound lets an error grow in h s, and how far flights part in that time.
+
+    Both as a multiple of the error at the start, one separation for each of the directions.
+    """
+    with ENGINE.numbers.arithmetic():
+        system = System(field, ENGINE.numbers)
+        core = engine.Start(tuple(map(arb, velocity)), arb(error))
+        motion = engine.proven(system, core, arb(h), ENGINE.numbers.bits)
+    assert motion.length >= h
+    grown = (motion.early + motion.late * motion.length) / error
+    fine = Enclosure(40)
+    true = fly(state(0, 0, *velocity), field, h, fine).state
+    separations = []
+    for turn in range(directions):
+        angle = 2 * math.pi * turn / directions
+        u, w = velocity[0] + error * math.cos(angle), velocity[1] + error * math.sin(angle)
+        other = fly(state(0, 0, u, w), field, h, fine).state
+        offset = math.hypot(u - velocity[0], w - velocity[1])
+        apart = math.hypot(float(other.u - true.u), float(other.w - true.w))
+        separations.append(apart / offset)
+    return float(grown), max(separations)
+
+
+@pytest.mark.parametrize(
+    ("field", "share"),
+    [
+        ({"lift": 0.1}, 0.9),
+        ({"drag": 0.01, "lift": 0.1, "gravity": 9.8}, 0.9),
+        ({"drag": 0.005, "lift": 0.03, "gravity": 9.8}, 0.8),
+        ({"shear": 2.0, "gravity": 9.8}, 0.95),
+    ],
+    ids=["lift", "lift-and-drag", "weak", "shear"],
+)
+def test_growth_is_nearly_attained(field, share):
+    # In so short a time that the directions of growth hardly turn: the logarithms are as the rates.
+    field = law_with({n: arb(k) for n, k in field.items()}, (*FORCES, force(shear, "shear")))
+    bound, separation = bound_and_separations(field, (30.0, 20.0), 2.0**-20, 2.0**-10)
+    assert share * math.log(bound) <= math.log(separation) <= math.log(bound)
+
+
+@pytest.mark.parametrize("error", [1.0, 10.0, 20.0])
+def test_growth_is_that_of_the_fastest_flight_in_the_tube(error):
+    field = law(None, 0.1, None)
+    bound, separation = bound_and_separations(field, (20.0, 0.0), error, 2.0**-7)
+    assert separation <= bound
+    if error == 20.0:
+        # More than the rate k_L V / 2 at the speed of the flight itself has it.
+        assert math.log(separation) > 0.1 * 20 / 2 * 2.0**-7
+
+
+@pytest.mark.parametrize("bits", [64, 164])
+def test_growth_is_summed_over_the_parts_of_a_step(bits):
+    # V = a t: the integral of k_L V / 2 is k_L a h² / 4, though errors hardly grow at first.
+    lift, a, h = 0.125, 64.0, 1.0
+    with Balls(30).arithmetic():
+        system = System(law(None, lift), Balls(30))
+        motion = (arb_poly([]), arb_poly([0, -a]))
+        growth = engine._growth(system, motion, arb(2) ** -bits, arb(h))
+    truth = lift * a * h**2 / 4
+    # A part of 1/128 of the step is as much too large as V changes on it, in each of four entries.
+    assert truth <= math.log(float(growth)) <= 1.05 * truth
+
+
+@pytest.mark.parametrize("field", [(0.0075, 0.00375), (None, 0.1), (0.01, -0.5), (0.02, None)])
+@pytest.mark.parametrize("launch", [(30.0, 20.0), (40.0, -5.0), (0.001, 0.0)])
+def test_a_launch_that_is_a_ball_holds_the_flights_of_its_points(field, launch):
+    # From rest, too: the third launch is not told from a ball at rest.
+    (u, w), off = launch, 0.002
+    field = law(*field)
+    wide = PlaneState(arb(0), arb(1), arb(u, off), arb(w, off))
+    whole = fly(wide, field, 0.25, Enclosure(5)).state
+    for du, dw in itertools.product((-off, 0.0, off), repeat=2):
+        one = fly(state(0, 1, u + du, w + dw), field, 0.25).state
+        assert all(map(arb.contains, whole, one))
+
+
+def test_a_launch_that_is_a_ball_in_a_law_of_height():
+    # e^(-z/8 m): an error in the height becomes one in the velocity.
+    field = law_with({"dense": arb(0.02), "inverse_height": arb(-0.125)}, (DENSE,))
+    off = 0.01
+    wide = PlaneState(arb(0), arb(0, off), arb(20, off), arb(-8, off))
+    whole = fly(wide, field, 0.25, Enclosure(5)).state
+    for dz, du, dw in itertools.product((-off, off), repeat=3):
+        one = fly(state(0, dz, 20 + du, -8 + dw), field, 0.25).state
+        assert all(map(arb.contains, whole, one))
+    high = PlaneState(arb(0), arb(0, off), arb(20), arb(-8))
+    whole = fly(high, field, 0.25, Enclosure(5)).state
+    for dz in (-off, off):
+        assert all(map(arb.contains, whole, fly(state(0, dz, 20, -8), field, 0.25).state))
+
+
+# --- steps ----------------------------------------------------------------------------------------
+
+
+def test_a_start_is_off_by_the_radii_and_the_error():
+    start = engine.start_of([arb(3, 0.25), arb(4, 0.5)], arb(1), (1.0, 2.0))
+    assert start.state == (3, 4)
+    assert 1 + math.hypot(0.25, 1.0) <= float(start.error) < 2.04
+
+
+def test_a_ball_brought_to_rest_is_as_far_off_as_it_was_fast():
+    core = engine.Start((arb(0.003), arb(-0.004)), arb(0.01))
+    drag = structure(law(0.01).program)
+    still = engine.brought_to_rest(core, drag, arb(0))
+    assert still.state == (0, 0)
+    assert still.error >= arb(0.01) + arb(0.005)
+    known = replace(core, error=arb(0.001))
+    assert engine.brought_to_rest(known, drag, arb(0)) == known
+    assert engine.brought_to_rest(known, drag, arb(0.1)).state == (0, 0)
+    # Without a root nothing is special about rest.
+    assert engine.brought_to_rest(core, structure(law().program), arb(0)) == core
+
+
+def test_the_error_stays_in_the_tube_that_its_growth_was_bounded_on(monkeypatch):
+    # Existence: growth by 10, and by ever more in a wider tube, which no tube is wide enough for.
+    tubes = []
+
+    def grown(factor):
+        def growth(system, motion, tube, h):
+            tubes.append(tube)
+            return factor(tube)
+
+        monkeypatch.setattr(engine, "_growth", growth)
+
+    one = arb(1)
+    grown(lambda tube: arb(10))
+    early, late = engine._error(None, (), one, one, one)
+    assert tubes[-1] > early + late >= 20
+    grown(lambda tube: 10 * tube)
+    with pytest.raises(CannotSolve, match="has grown"):
+        engine._error(None, (), one, one, one)
+
+
+@pytest.mark.parametrize("order", [2, 4, 8])
+def test_a_step_of_low_order_keeps_its_bound(monkeypatch, order):
+    balls, field = Balls(30), law(0.0075, 0.00375)
+    monkeypatch.setattr(engine, "_TOLERANCE", 1e-6 * 2.0**balls.bits)
+    monkeypatch.setattr(engine, "_ORDER_PER_BIT", order / balls.bits)
+    with balls.arithmetic():
+        start = engine.Start((arb(30), arb(25)), arb(0))
+        step = engine.proven(System(field, balls), start, arb(60), balls.bits)
+    monkeypatch.undo()
+    h = step.length
+    arrival = fly(state(0, 1, 30, 25), field, h)
+    u, w = step.polynomials
+    off = math.hypot(float(u(h) - arrival.state.u), float(w(h) - arrival.state.w))
+    bound = float(step.early + step.late * h)
+    assert off <= bound
+    # The defect grows as the order's power of the time; the bound takes its end for all of it.
+    assert bound <= 4 * (order + 1) * off
+
+
+def test_a_speed_that_would_be_negative_is_not_believed(monkeypatch):
+    # On the way up w is V; going on beyond the apex so, drag would push the ball down.
+    guess = engine._guess
+    monkeypatch.setattr(engine, "_guess", lambda *series: 3 * guess(*series))
+    start, drag = state(0, 1, 1e-30, 1), arb(0.0075)
+    arrival = to_floor(start, law(drag))
+    top = exact.apex(start, drag, arb(9.8), METHODS)
+    truth = exact.fall_to_floor(top.state, drag, arb(9.8), arb(0), METHODS)
+    assert same(arrival.time, top.time + truth.time, 1e-27)
+
+
+def landing(digits=30):
+    field = law(arb(3) / 400, arb(3) / 800)
+    return to_floor(state(0, 1, 30, 25), field, solver=Enclosure(digits))
+
+
+def overlap(one, other):
+    return all(map(arb.overlaps, (one.time, *one.state), (other.time, *other.state)))
+
+
+def allow(monkeypatch, fraction_of_speed):
+    """Let a step be off by a fraction of the speed, instead of a few roundings."""
+    monkeypatch.setattr(engine, "_TOLERANCE", fraction_of_speed * 2.0 ** Balls(30).bits)
+
+
+@pytest.mark.parametrize("order_per_bit", [0.03, 0.06, 0.12])
+def test_the_rest_of_the_series_is_not_forgotten(monkeypatch, order_per_bit):
+    truth = landing(60)
+    allow(monkeypatch, 1e-9)
+    monkeypatch.setattr(engine, "_ORDER_PER_BIT", order_per_bit)
+    assert overlap(landing(), truth)
+    proven = engine.proven
+
+    def careless(*arguments):
+        return replace(proven(*arguments), late=arb(0))
+
+    monkeypatch.setattr(engine, "proven", careless)
+    assert not overlap(landing(), truth)
+
+
+def test_a_wrong_recurrence_is_not_believed(monkeypatch):
+    truth = landing(60)
+    right = System.series
+
+    def wrong(self, start, order, at_rest):
+        series = right(self, start, order, at_rest)
+        for row in series.values():
+            row[1] *= 1 + arb(2) ** -40
+        return series
+
+    monkeypatch.setattr(System, "series", wrong)
+    with pytest.raises(CannotSolve, match="no step can be proven"):
+        landing()
+    allow(monkeypatch, 1e-9)
+    found = landing()
+    assert overlap(found, truth)
+    assert found.state.s.rad() > 1e-14
+
+
+# --- events ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("side_of_zero", [-1, 1])
+def test_a_dip_that_touches_the_ground_by_a_hair(side_of_zero):
+    # A dive that strong lift turns up again. Height enters no force: the depth of the dive is the
+    # same from any height.
+    drag, lift = 0.005, 0.2
+    with mpmath.workdps(40):
+        rate = planar(drag, lift)
+        start = tuple(map(mpmath.mpf, (0, 0, 40, -5)))
+        time = mpmath.mpf("0.06")
+        for _ in range(7):
+            bottom = extrapolated(start, rate, time, steps=2)
+            time -= bottom[3] / rate(bottom)[3]
+        depth = -bottom[1]
+        assert 0.03 < depth < 0.05
+        height = float(depth) * (1 + side_of_zero * 1e-13)
+        assert side_of_zero * (height - depth) > 1e-15
+    arrival = to_floor(state(0, height, 40, -5), law(drag, lift), limit=0.2)
+    assert arrival.stop == ("ground" if side_of_zero < 0 else "time")
+    assert side_of_zero > 0 or abs(float(arrival.time) - float(time)) < 1e-6
+
+
+@pytest.mark.parametrize(
+    ("velocity", "field", "landed"),
+    [
+        ((30.0, 0.0), (), True),  # it falls at once
+        ((0.0, 0.0), (0.01,), True),
+        ((30.0, 1e-30), (0.01,), False),
+        ((60.0, 0.0), (None, 0.01), False),  # lift is more than weight
+        ((20.0, 0.0), (None, 0.01), True),
+        ((30.0, 0.0), (None, None, None), True),  # it stays on the ground
+    ],
+)
+def test_a_launch_on_the_ground(velocity, field, landed):
+    arrival = to_floor(state(0, 0, *velocity), law(*field), limit=1.0)
+    assert (arrival.time == 0) == landed
+
+
+def test_a_path_has_a_state_at_any_time():
+    arrival = fly(state(0, 100, 0, 10), law(0.01), 3)
+    seen = 0
+    for piece in arrival.path.pieces():
+        for t in (arb(0), piece.length / 3, piece.length):
+            time = piece.begin + t
+            if not time > 3:
+                there = arrival.path.at(time)
+                truth = exact_height(time)
+                assert same(there.z, truth)
+                seen += 1
+    assert seen > 6
+
+
+def exact_height(time):
+    start, drag, gravity = state(0, 100, 0, 10), arb(0.01), arb(9.8)
+    top = exact.apex(start, drag, gravity, METHODS)
+    if time < top.time:
+        return exact.rise(start, drag, gravity, time, METHODS).z
+    return exact.fall(top.state, drag, gravity, time - top.time, METHODS).z

@@ -1,0 +1,124 @@
+"""A scene has the same answer, to the bit, alone and among any number of others, in any order."""
+
+import contextlib
+import itertools
+import random
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from longball import golden
+from longball.engines.batch import Batch, solve_all, solve_columns
+from longball.engines.chain import solve
+from longball.model.quantities import numbers
+from longball.model.readings import LEDGER, Reading
+from longball.model.scene import AtBatScene, parse_scene
+from tests.strategies import at_bats, flights, impacts
+
+ENGINE = Batch()
+
+AT_REST = (
+    '{"id":"up","kind":"flight","launch":{"position":[0,0,20],"velocity":[0,0,0]},'
+    '"reading":{"lift_direction":"always_up"}}'
+)
+
+
+def alone(scenes):
+    return [solve(scene, ENGINE) for scene in scenes]
+
+
+def together(scenes):
+    return solve_all(scenes, ENGINE)
+
+
+@pytest.mark.parametrize("copies", [1, 15, 16, 17, 1000])
+def test_a_ball_at_rest_falls_straight_however_many_there_are(copies):
+    scene = parse_scene(AT_REST)
+    (wanted,) = {result.line() for result in alone([scene])}
+    assert {result.line() for result in together([scene] * copies)} == {wanted}
+    assert '"distance": 0.0' in wanted
+
+
+# --- every kind of scene, every reading ----------------------------------------------------------
+
+
+def readings():
+    """Each option of each switch that a scene has, the others being default."""
+    for entry in LEDGER:
+        if entry.switch in Reading.model_fields:
+            for option in entry.options:
+                yield Reading.model_validate({entry.switch: option})
+
+
+def every_kind():
+    """Golden scenes of every kind and outcome, hard ones included, under every reading."""
+    cases = golden.load()
+    chosen = [case.scene for case in cases[:: max(1, len(cases) // 150)]]
+    chosen += [case.scene for case in cases if case.id.startswith("hard-")]
+    yield from chosen
+    plain = [scene for scene in chosen if scene.reading == Reading()][::9]
+    for reading, scene in itertools.product(readings(), plain):
+        with contextlib.suppress(ValueError):  # a launch that is underground in this reading
+            yield type(scene)(**dict(scene) | {"reading": reading})
+
+
+@pytest.fixture(scope="module")
+def scenes():
+    return list(every_kind())
+
+
+@pytest.fixture(scope="module")
+def answers(scenes):
+    return [result.line() for result in alone(scenes)]
+
+
+def test_one_by_one_or_all_at_once(scenes, answers):
+    assert len(scenes) > 800
+    assert [result.line() for result in together(scenes)] == answers
+
+
+@pytest.mark.parametrize("size", [15, 16, 1000])
+def test_in_groups(scenes, answers, size):
+    """Each scene as often as it takes: no group of it is smaller than `size`."""
+    for first in range(0, len(scenes), 61):
+        scene, answer = scenes[first], answers[first]
+        assert {r.line() for r in together([scene] * size)} == {answer}
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_shuffled(scenes, answers, seed):
+    order = list(range(len(scenes)))
+    random.Random(seed).shuffle(order)
+    shuffled = together([scenes[i] for i in order])
+    assert [result.line() for result in shuffled] == [answers[i] for i in order]
+
+
+@settings(max_examples=20)
+@given(st.lists(flights() | at_bats() | impacts(), min_size=1, max_size=40), st.randoms())
+def test_any_scenes_in_any_order(scenes, chance):
+    wanted = [result.line() for result in alone(scenes)]
+    order = list(range(len(scenes)))
+    chance.shuffle(order)
+    found = together([scenes[i] for i in order])
+    assert [result.line() for result in found] == [wanted[i] for i in order]
+
+
+@settings(max_examples=10)
+@given(st.lists(at_bats(), min_size=1, max_size=5))
+def test_columns_are_scenes(scenes):
+    """A table of columns has the numbers of the results, and no others."""
+    base = AtBatScene(id="base", reading=scenes[0].reading)
+    names = [name for name, _ in numbers(base) if name != "reading"]
+    columns = {
+        name: [dict(numbers(scene))[name] for scene in scenes]
+        for name in names
+        if name in dict(numbers(scenes[0]))
+    }
+    table = solve_columns(base, columns, ENGINE)
+    for i, result in enumerate(alone(scenes)):
+        assert table["outcome"][i] == (result.outcome or "")
+        if result.outcome is None:
+            continue
+        known = {n: c[i] for n, c in table.items() if n != "outcome" and c[i] == c[i]}
+        assert known == dict(numbers(result))

@@ -1,0 +1,541 @@
+"""The one search for events: none missed, none invented, on any surface.
+
+A flight that touches a surface and turns back dips below it for a moment, or stays as little short
+of it. Here are such flights, from 1e-3 to 1e-13 beyond each surface and as far short of it, most of
+them with a turning point that is known exactly: by a closed form, by an invariant, or in 25 digits
+by `tests.oracle`. Double precision finds the event, or not, or says that it cannot tell; the
+enclosure tells them all.
+"""
+
+import json
+import math
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from flint import arb
+
+from longball.engines import event
+from longball.engines.chain import approach_of, solve
+from longball.engines.enclosure import Enclosure
+from longball.engines.ivp import Ivp
+from longball.engines.polynomial import PolynomialPiece
+from longball.model.frame import Frame
+from longball.model.law import GRAVITY, Force, PlaneState, law_with
+from longball.model.numbers import DOUBLES, Undecided
+from longball.model.scene import Air, AtBatScene, Pitch, Swing, parse_scene
+from tests import oracle
+
+IVP, ENCLOSURE = Ivp(), Enclosure(30)
+ENGINES = pytest.mark.parametrize("engine", [IVP, ENCLOSURE], ids=["ivp", "enclosure"])
+DIGITS = 25
+
+
+def sway(motion, p):
+    """Pushed sideways by its own climbing, so that u is a parabola in time."""
+    return -p.sway * motion.velocity[2], 0, 0
+
+
+SWAY = Force(("sway",), lambda scene, frame, numbers: None, sway)
+
+
+@dataclass(frozen=True)
+class Case:
+    """A flight in numbers of a scene, an event, and how far beyond that it goes (exactly)."""
+
+    strengths: dict
+    start: tuple
+    surface: str
+    at: tuple
+    limit: float
+    depth: arb | None = None
+
+
+def fly(case, engine):
+    number = engine.numbers.exact
+    with engine.numbers.arithmetic():
+        strengths = {name: number(k) for name, k in case.strengths.items()}
+        law = law_with(strengths, (GRAVITY, SWAY)) if "sway" in strengths else law_with(strengths)
+        start = PlaneState(*map(number, case.start))
+        events = [make(case.surface, case.at, start, engine.numbers)]
+        return engine.fly(law, start, events, number(case.limit))
+
+
+def make(surface, at, start, numbers):
+    """Return an event by its name and its place."""
+    match surface:
+        case "ground":
+            return event.ground(numbers.exact(at[0]), start, numbers)
+        case "plate":
+            return event.plate(frame_of(at, numbers), numbers)
+        case "vertical":
+            return event.vertical(numbers)
+        case "past":
+            return event.past(frame_of(at, numbers), numbers.exact(at[2]), numbers)
+
+
+def frame_of(at, numbers):
+    """Return a frame from x and cos; that y and sin do not matter to any surface."""
+    x, cos = map(numbers.exact, at[:2])
+    return Frame(x, numbers.exact(0.0), cos, numbers.exact(0.0))
+
+
+# --- flights that turn ----------------------------------------------------------------------------
+
+
+def launched(rng, speeds=(25, 60)):
+    speed, angle = rng.uniform(*speeds), rng.uniform(-1.4, 1.4)
+    return 0.0, rng.uniform(10, 60), speed * math.cos(angle), speed * math.sin(angle)
+
+
+def on_a_circle(rng):
+    """Without weight: a circle of radius 1/k_L, whatever the drag.
+
+    Return strengths, launch, the lowest and the farthest place, and when it is there.
+    """
+    drag, lift = rng.choice([0.0, rng.uniform(0.001, 0.01)]), rng.uniform(0.02, 0.1)
+    start = launched(rng)
+    _, z, u, w = map(arb, start)
+    speed, radius, angle = (u * u + w * w).sqrt(), 1 / arb(lift), math.atan2(start[3], start[2])
+
+    def after(turned):
+        way = turned / lift
+        return (math.expm1(drag * way) / drag if drag else way) / math.hypot(*start[2:])
+
+    lowest = z + radius * u / speed - radius
+    farthest = radius - radius * w / speed
+    strengths = {"lift": lift} | ({"drag": drag} if drag else {})
+    down = -angle if angle < 0 else 2 * math.pi - angle
+    return strengths, start, (lowest, after(down)), (farthest, after(math.pi / 2 - angle))
+
+
+def through_the_air(rng):
+    """Under all forces: a bottom, the lowest so far, and the first turn to the vertical.
+
+    Both in 25 digits.
+    """
+    while True:
+        strengths = {
+            "drag": rng.uniform(0.0005, 0.004),
+            "lift": rng.uniform(0.01, 0.03),
+            "gravity": rng.uniform(1, 9.8),
+        }
+        start = launched(rng)
+        path = IVP.path(law_with(strengths), PlaneState(*start), 20.0)
+        times = np.linspace(0.05, 20, 800)
+        states = [path.at(t) for t in times.tolist()]
+        lowest = np.minimum.accumulate([state.z for state in states])
+        bottoms = [
+            i
+            for i, (a, b) in enumerate(pairwise(states))
+            if a.w < 0 <= b.w and i > 3 and lowest[i - 3] > min(a.z, b.z) + 0.05
+        ]
+        upright = first([b.u <= 0 < a.u for a, b in pairwise(states)])
+        if bottoms and upright:
+            bottom = rng.choice(bottoms)
+            break
+    s, z, u, w = map(arb, start)
+    constants = [arb(strengths[name]) for name in ("drag", "lift", "gravity")]
+    precise = oracle.Path([s, arb(0), z], [u, arb(0), w], constants, DIGITS)
+
+    def turn(axis, guess):
+        def rate(time):
+            _, v = precise.at(time)
+            return v[axis], precise.acceleration(v)[axis]
+
+        time = oracle.newton(rate, arb(times[guess].item()))
+        return precise.at(time)[0][axis], float(time)
+
+    turns = turn(2, bottom), turn(0, upright)
+    if not all(place.rad() < 1e-18 for place, _ in turns):  # oracle's balls grow close to rest
+        return through_the_air(rng)
+    return strengths, start, *turns
+
+
+def first(found):
+    return next((i for i, x in enumerate(found) if x), None)
+
+
+def turning(rng):
+    return (on_a_circle if rng.random() < 0.6 else through_the_air)(rng)
+
+
+def phugoid_bottom(rng):
+    """Without drag the speed at the bottom follows from K = k_L V³/3 - g u, and E gives z."""
+    while True:
+        lift, gravity = rng.uniform(0.01, 0.03), rng.uniform(1, 9.8)
+        start = launched(rng)
+        speed = math.hypot(*start[2:])
+        if abs(lift * speed**3 / 3 - gravity * start[2]) > 1.0 and start[3] < -1:
+            break
+    _, z, u, w = map(arb, start)
+    k, g = arb(lift), arb(gravity)
+    squared = u * u + w * w
+    energy, constant = g * z + squared / 2, k * squared * squared.sqrt() / 3 - g * u
+    fastest = oracle.newton(
+        lambda v: (k * v * v * v / 3 - g * v - constant, k * v * v - g), arb(2 * speed)
+    )
+    strengths = {"lift": lift, "gravity": gravity}
+    path = IVP.path(law_with(strengths), PlaneState(*start), 20.0)
+    times = np.linspace(0.01, 20, 2000).tolist()
+    time = times[first([path.at(t).w >= 0 for t in times])]
+    return strengths, start, ((energy - fastest * fastest / 2) / g, time), None
+
+
+# --- dips beyond each surface ---------------------------------------------------------------------
+
+
+def dip(strengths, start, time, surface, at, depth):
+    return Case(strengths, start, surface, at, 1.001 * time + 0.01, depth)
+
+
+def over_the_ground(rng):
+    strengths, start, (lowest, time), _ = (
+        phugoid_bottom(rng) if rng.random() < 0.4 else turning(rng)
+    )
+    if rng.random() < 0.5:  # as far as it can be from where rounding is largest
+        lower = float(arb(start[1]) - lowest)
+        lowest += arb(lower) - arb(start[1])
+        start = (start[0], lower, *start[2:])
+
+    def placed(depth):
+        height = float(lowest + arb(depth))
+        return dip(strengths, start, time, "ground", (height,), arb(height) - lowest)
+
+    return placed
+
+
+def at_the_plate(rng, reach=None):
+    strengths, start, _, (farthest, time) = turning(rng)
+    cos = -math.cos(rng.uniform(-0.5, 0.5))
+
+    def placed(depth):
+        least = arb(0) if reach is None else arb(reach)
+        x = float(-arb(cos) * farthest - arb(depth) - least)
+        surface, more = ("plate", ()) if reach is None else ("past", (reach,))
+        beyond = -(arb(x) + arb(cos) * farthest + least)
+        return dip(strengths, start, time, surface, (x, cos, *more), beyond)
+
+    return placed
+
+
+def past_the_bat(rng):
+    return at_the_plate(rng, reach=0.0696)
+
+
+def near_a_cusp(rng):
+    """Without drag V comes to all but nothing at the top, and u to -K/g."""
+    gravity, start = rng.uniform(2, 9.8), launched(rng)
+    start = (*start[:2], start[2], abs(start[3]) + 0.5)
+    _, _, u, w = map(arb, start)
+    cubed, g = (u * u + w * w) ** 2 / (u * u + w * w).sqrt(), arb(gravity)
+    law = law_with({"lift": float(3 * g * u / cubed) * 1.001, "gravity": gravity})
+    path = IVP.path(law, PlaneState(*start), 40.0)
+    times = np.linspace(0, 40, 1000).tolist()
+    time = times[first([path.at(t).w < 0 for t in times])]
+
+    def placed(depth):
+        lift = float(3 * g * (u + arb(depth)) / cubed)
+        strengths = {"lift": lift, "gravity": gravity}
+        return dip(strengths, start, time, "vertical", (), arb(lift) * cubed / 3 / g - u)
+
+    return placed
+
+
+def swaying(rng):
+    """u = u₀ - c (w₀ t - g t²/2) is least at the top, exactly."""
+    gravity, push, w = rng.uniform(2, 9.8), rng.uniform(0.1, 1), rng.uniform(5, 40)
+    change = arb(push) * arb(w) * arb(w) / (2 * arb(gravity))
+
+    def placed(depth):
+        u = float(change - arb(depth))
+        strengths = {"gravity": gravity, "sway": push}
+        start = (0.0, 1.0, u, w)
+        return dip(strengths, start, w / gravity, "vertical", (), change - arb(u))
+
+    return placed
+
+
+def upright(rng):
+    return (near_a_cusp if rng.random() < 0.4 else swaying)(rng)
+
+
+SURFACES = {
+    "ground": over_the_ground,
+    "plate": at_the_plate,
+    "vertical": upright,
+    "past": past_the_bat,
+}
+
+
+def dips(surface, flights, depths):
+    """Yield flights that go beyond a surface by 1e-3 … 1e-13, and that stay as far short of it."""
+    rng = np.random.default_rng([600, *surface.encode()])
+    for _ in range(flights):
+        with oracle.in_digits(DIGITS):
+            placed = SURFACES[surface](rng)
+            cases = [
+                placed(sign * depth)
+                for sign in (1, -1)
+                for depth in np.geomspace(1e-3, 1e-13, depths).tolist()
+            ]
+        yield from cases
+
+
+@pytest.mark.parametrize("surface", SURFACES)
+def test_no_dip_is_missed_and_none_invented(surface):
+    decided = total = 0
+    for case in dips(surface, flights=30, depths=10):
+        total += 1
+        try:
+            flight = fly(case, IVP)
+        except Undecided:
+            assert abs(case.depth) < 1e-11, case
+            continue
+        decided += 1
+        assert flight.stop == (surface if case.depth > 0 else "time"), case
+    assert total == 600
+    assert decided > 450
+
+
+@pytest.mark.parametrize("surface", SURFACES)
+def test_the_enclosure_tells_them_all(surface):
+    for case in dips(surface, flights=5, depths=4):
+        flight = fly(case, ENCLOSURE)
+        assert flight.stop == (surface if case.depth > 0 else "time"), case
+
+
+# --- the bat --------------------------------------------------------------------------------------
+
+
+def grazes(flights, margins):
+    """Yield at-bats that touch by 1e-3 … 1e-13 m or miss by as much, and that margin.
+
+    Lobs and level pitches, in a vacuum, where the path is a parabola, and through the air.
+    """
+    rng = np.random.default_rng(601)
+    for _ in range(flights):
+        speed = math.exp(rng.uniform(math.log(16), math.log(60)))
+        elevation = rng.uniform(0.1, 0.8) if speed < 30 else rng.uniform(-0.05, 0.3)
+        pitch = Pitch(speed=speed, aim=(rng.uniform(-0.3, 0.3), 1.8 + 18.44 * math.tan(elevation)))
+        air = Air(drag_coefficient=rng.uniform(0, 0.6), lift_coefficient=rng.uniform(-0.2, 0.3))
+        scene = AtBatScene(id="graze", pitch=pitch, air=air if rng.random() < 0.5 else None)
+        with oracle.in_digits(DIGITS):
+            throw = oracle.Throw(json.loads(scene.line()), DIGITS)
+            if throw.plate[0][2] < 0.5:
+                continue
+            offsets = [
+                throw.offset_for(sign * margin, rng.choice([-1, 1]).item())
+                for sign in (1, -1)
+                for margin in np.geomspace(1e-3, 1e-13, margins).tolist()
+            ]
+            known = [throw.margin(offset) for offset in offsets]
+        for offset, margin in zip(offsets, known, strict=True):
+            yield scene.model_copy(update={"swing": Swing(height_offset=offset)}), margin
+
+
+def test_no_bat_is_missed_and_none_invented():
+    decided = total = 0
+    for scene, margin in grazes(flights=60, margins=10):
+        total += 1
+        touched = approach_of(scene, IVP).touch.touched
+        if touched is None:
+            assert abs(margin) < 1e-12, scene.line()
+            continue
+        decided += 1
+        assert touched is bool(margin > 0), scene.line()
+    assert total >= 600
+    assert decided > 0.9 * total
+
+
+def test_the_enclosure_tells_every_graze():
+    for scene, margin in grazes(flights=12, margins=3):
+        assert approach_of(scene, ENCLOSURE).touch.touched is bool(margin > 0), scene.line()
+
+
+# --- where pieces join ----------------------------------------------------------------------------
+
+
+def falling_and_rising(depth, cuts):
+    """The parabola ``(t - 1)² - depth`` of a height, in pieces that are cut at some times."""
+    ends = [0.0, *sorted(cuts), 2.0]
+    for begin, end in pairwise(ends):
+        z = [(begin - 1) ** 2 - depth, 2 * (begin - 1), 1.0]
+        w = [2 * (begin - 1), 2.0, 0.0]
+        rows = np.array([[0.0] * 3, z, [0.0] * 3, w])
+        yield PolynomialPiece(begin, end - begin, PlaneState, rows)
+
+
+@pytest.mark.parametrize("near", [0.0, 1e-15, 1e-12, 1e-9, 1e-7, 1e-6, 1e-3])
+def test_no_dip_is_lost_where_pieces_join(near):
+    """Cut at the turning point, close to it, and where the value falls through zero."""
+    rng = np.random.default_rng(2)
+    floor = make("ground", (0.0,), PlaneState(0.0, 1.0, 0.0, 0.0), DOUBLES)
+    for depth in np.geomspace(1e-3, 1e-17, 29):
+        for sign in (1, -1):
+            for middle in (1.0, 1.0 - math.sqrt(depth), 1.0 + math.sqrt(depth)):
+                cuts = (middle + near * rng.uniform(-1, 1, rng.integers(1, 4))).tolist()
+                pieces = falling_and_rising(sign * depth, cuts)
+                try:
+                    met = event.first_met(pieces, [floor], 2.0, 1e-14, DOUBLES)
+                except Undecided:
+                    assert depth < 2e-14
+                    continue
+                assert (met is not None) == (sign > 0), (depth, cuts)
+                if met is not None:
+                    off = 1e-14 / math.sqrt(depth)  # the error of the height, over the speed
+                    assert met.time == pytest.approx(1 - math.sqrt(depth), abs=off)
+
+
+# --- ties -----------------------------------------------------------------------------------------
+
+# Under 8 m/s² from rest, 16 m high, it lands after 2 s; all numbers of it are doubles.
+FALL = Case({"gravity": 8.0}, (0.0, 16.0, 4.0, 0.0), "ground", (0.0,), 60.0)
+
+
+def stop_of(case, engine, *more):
+    """What stops a flight, with other events besides; "" if that cannot be told."""
+    number = engine.numbers.exact
+    start = PlaneState(*map(number, case.start))
+    with engine.numbers.arithmetic():
+        law = law_with({name: number(k) for name, k in case.strengths.items()})
+        events = [make(case.surface, case.at, start, engine.numbers)]
+        events += [make(*other, start, engine.numbers) for other in more]
+        try:
+            return engine.fly(law, start, events, number(case.limit)).stop
+        except Undecided:
+            return ""
+
+
+@ENGINES
+def test_two_events_at_once_are_not_told_apart(engine):
+    """Ground and plate, 8 m away."""
+    for above in (-1e-3, -1e-9, -1e-12, 0.0, 1e-12, 1e-9, 1e-3):
+        case = replace(FALL, at=(above,))
+        wanted = {-1: "plate", 0: "", 1: "ground"}[(above > 0) - (above < 0)]
+        assert stop_of(case, engine, ("plate", (8.0, -1.0))) == wanted
+
+
+def test_the_enclosure_tells_the_closest_doubles_apart():
+    for x, wanted in ((math.nextafter(8, 7), "plate"), (math.nextafter(8, 9), "ground")):
+        assert stop_of(FALL, ENCLOSURE, ("plate", (x, -1.0))) == wanted
+        assert stop_of(FALL, IVP, ("plate", (x, -1.0))) == ""
+
+
+@ENGINES
+def test_an_event_at_the_time_limit_is_not_decided(engine):
+    for late in (-1e-3, -1e-12, 0.0, 1e-12, 1e-3):
+        wanted = {-1: "time", 0: "", 1: "ground"}[(late > 0) - (late < 0)]
+        assert stop_of(replace(FALL, limit=2.0 + late), engine) == wanted
+
+
+def test_the_enclosure_tells_the_closest_time_limits_apart():
+    for limit, wanted in ((math.nextafter(2, 1), "time"), (math.nextafter(2, 3), "ground")):
+        assert stop_of(replace(FALL, limit=limit), ENCLOSURE) == wanted
+        assert stop_of(replace(FALL, limit=limit), IVP) == ""
+
+
+@ENGINES
+@pytest.mark.parametrize("height", [0.0, 16.0, -0.3])
+def test_a_launch_from_the_ground(engine, height):
+    """It has landed if it does not rise, and otherwise flies."""
+    for air in ({"gravity": 8.0}, {"gravity": 8.0, "drag": 0.0075, "lift": 0.00375}):
+        for w, landed in ((-5.0, True), (-1e-300, True), (-0.0, True), (1e-3, False), (5.0, False)):
+            case = Case(air, (0.0, height, 4.0, w), "ground", (height,), 60.0)
+            flight = fly(case, engine)
+            assert flight.stop == "ground"
+            assert (flight.time == 0) is landed
+            if not landed:
+                assert float(flight.time) == pytest.approx(2 * w / 8, rel=0.1)
+
+
+@ENGINES
+def test_a_launch_along_the_ground_rises_if_lift_is_more_than_weight(engine):
+    """w = 0, and k_L V² is twice g, or half."""
+    for lift, stop in ((0.01, "time"), (0.0025, "ground")):
+        air = {"gravity": 8.0, "drag": 0.001, "lift": lift}
+        case = Case(air, (0.0, 0.0, 40.0, 0.0), "ground", (0.0,), 0.5)
+        assert fly(case, engine).stop == stop
+
+
+@ENGINES
+@pytest.mark.parametrize("above", [1e-16, 1e-13, 1e-9])
+def test_a_launch_just_above_the_ground_is_above_it(engine, above):
+    """However little: a launch is exact."""
+    case = Case({"gravity": 8.0}, (0.0, above, 4.0, 4.0), "ground", (0.0,), 60.0)
+    flight = fly(case, engine)
+    assert float(flight.time) == pytest.approx(1.0, abs=above + 1e-14)
+    falling = fly(replace(case, start=(0.0, above, 4.0, -4.0)), engine)
+    assert float(falling.time) == pytest.approx(above / 4, rel=1e-6, abs=1e-15)
+
+
+@ENGINES
+def test_a_pitch_released_at_the_plate_crosses_it_unless_it_flies_away(engine):
+    for cos, stop in ((-1.0, "plate"), (1.0, "time")):
+        case = Case({"gravity": 8.0}, (0.0, 16.0, 4.0, 0.0), "plate", (0.0, cos), 1.0)
+        flight = fly(case, engine)
+        assert flight.stop == stop
+        assert (flight.time == 0) is (stop == "plate")
+
+
+@ENGINES
+@pytest.mark.parametrize("gravity", [{}, {"gravity": 8.0}])
+def test_a_ball_at_rest_on_the_ground_has_landed(engine, gravity):
+    flight = fly(Case(gravity, (0.0, 0.5, 0.0, 0.0), "ground", (0.5,), 60.0), engine)
+    assert flight.stop == "ground"
+    assert flight.time == 0
+
+
+@ENGINES
+def test_a_ball_at_rest_in_the_air_stays_or_falls(engine):
+    resting = Case({}, (0.0, 4.0, 0.0, 0.0), "ground", (0.0,), 60.0)
+    assert fly(resting, engine).stop == "time"
+    falling = fly(replace(resting, strengths={"gravity": 8.0}), engine)
+    assert falling.stop == "ground"
+    assert float(falling.time) == pytest.approx(1.0, abs=1e-15)
+
+
+# --- scenes ---------------------------------------------------------------------------------------
+
+TURNED = (
+    '{"id":"t","kind":"%s","air":{"drag_coefficient":0.1,"lift_coefficient":%r},'
+    '"pitch":{"speed":40,"release":[%r,0,30],"aim":[0,30]},"time_limit":%r}'
+)
+
+
+@ENGINES
+@pytest.mark.parametrize("limit", [3.0, 60.0])
+def test_a_pitch_that_lift_turns_round_just_beyond_the_plate(engine, limit):
+    """Between two steps it crosses the plate there and back."""
+    scene = parse_scene(TURNED % ("pitch", 1.5, 45.14168982597962, limit))
+    # It crosses at 0.16 m/s, and so an error of its place is 280 times as large in its time.
+    assert float(solve(scene, engine).plate.time) == pytest.approx(2.131360008, abs=1e-9)
+
+
+@ENGINES
+@pytest.mark.parametrize("before", [1e-3, 1e-6, 1e-9])
+def test_an_at_bat_whose_pitch_lift_turns_round_just_beyond_the_plate(engine, before):
+    """With C_L = 2.5 it turns round after 1 s, and comes to the plate again after 4."""
+    scene = parse_scene(TURNED % ("pitch", 2.5, 1000.0, 60.0))
+    law = law_with(
+        {"drag": 0.1 * (k := 1.29 * math.pi * 0.0366**2 / 0.29), "lift": 2.5 * k, "gravity": 9.8}
+    )
+    start = PlaneState(0.0, 30.0, 40.0, 0.0)
+    turn = IVP.fly(law, start, [event.vertical(DOUBLES)], 60.0)
+    assert turn.stop == "vertical"
+    scene = parse_scene(TURNED % ("at-bat", 2.5, turn.state.s - before, 60.0))
+    found = solve(scene, engine)
+    assert found.plate is not None
+    # It is that far from the plate a while before: of x = a t²/2, with a near 25 m/s².
+    ahead = turn.time - float(found.plate.time)
+    assert 0 < ahead < math.sqrt(before)
+
+
+@ENGINES
+def test_a_ball_dropped_with_lift_that_is_always_up_falls_straight_down(engine):
+    scene = parse_scene(
+        '{"id":"up","kind":"flight","launch":{"position":[0,0,20],"velocity":[0,0,0]},'
+        '"reading":{"lift_direction":"always_up"}}'
+    )
+    assert float(solve(scene, engine).landing.distance) == 0.0

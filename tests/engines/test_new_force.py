@@ -1,0 +1,94 @@
+"""A new force costs one function and one key of the scene: every engine then flies it."""
+
+import math
+
+import numpy as np
+import pytest
+
+from longball.engines.batch import Batch, solve_columns
+from longball.engines.chain import Model, solve
+from longball.engines.enclosure import Enclosure
+from longball.engines.ivp import Ivp
+from longball.engines.multiprecision import Multiprecision
+from longball.engines.verlet import Verlet
+from longball.model.law import FORCES, Force
+from longball.model.scene import Air, FlightScene, Launch
+
+
+class ThickAir(Air):
+    linear_drag: float = 0.0  # 1/s
+
+
+class ThickFlight(FlightScene):
+    air: ThickAir = ThickAir()
+
+
+def strength(scene, frame, numbers):
+    rate = scene.air.linear_drag
+    return None if numbers.absent(rate) else (numbers.exact(rate),)
+
+
+def linear_drag(motion, p):
+    """-c v"""
+    u, v, w = (-p.linear_drag * component for component in motion.velocity)
+    return u, v, w
+
+
+MODEL = Model(forces=(*FORCES, Force(("linear_drag",), strength, linear_drag)))
+
+
+def scene(velocity=(30.0, 3.0, 25.0), **air):
+    launch = Launch(position=(0.0, 0.0, 1.0), velocity=velocity)
+    return ThickFlight(id="x", launch=launch, air=ThickAir(**air))
+
+
+def landing(scene, engine):
+    result = solve(scene, engine, MODEL)
+    assert result.error is None
+    return np.array([float(x) for x in (*result.landing.position, result.landing.time)])
+
+
+@pytest.fixture(scope="module")
+def truth():
+    return landing(scene(linear_drag=0.125), Enclosure(30))
+
+
+@pytest.mark.parametrize(
+    ("engine", "error"),
+    [
+        (Multiprecision(30), 0.0),  # both are rounded to the same doubles
+        (Ivp(), 2e-13),  # a few ulps of 60 m
+        (Ivp("DOP853"), 1e-11),  # its tolerance, 5e-14 a step
+        (Batch(), 2e-13),
+        (Verlet(1e-4, forces="implicit"), 1e-6),  # Δt² times a few hundred m/s²
+    ],
+    ids=["multiprecision", "ivp", "ivp-dop853", "batch", "verlet"],
+)
+def test_all_engines_agree_with_the_enclosure(engine, error, truth):
+    found = landing(scene(linear_drag=0.125), engine)
+    assert found == pytest.approx(truth, abs=error, rel=0.0)
+
+
+def test_columns_have_the_new_key():
+    rates = np.array([0.0, 0.125, 0.25])
+    table = solve_columns(scene(), {"air.linear_drag": rates}, model=MODEL)
+    for i, rate in enumerate(rates.tolist()):
+        alone = landing(scene(linear_drag=rate), Batch())
+        assert [table[f"landing.position[{k}]"][i] for k in range(3)] == alone[:3].tolist()
+
+
+def test_alone_it_is_the_exponential():
+    """u = u₀ e^(-ct), w = (w₀ + g/c) e^(-ct) - g/c, where nothing else drags."""
+    c, g = 0.125, 9.8
+    flight = scene(
+        velocity=(30.0, 0.0, 25.0), drag_coefficient=0.0, lift_coefficient=0.0, linear_drag=c
+    )
+    result = solve(flight, Ivp(), MODEL)
+    t = result.landing.time
+    fallen = 1 + (25.0 + g / c) * -math.expm1(-c * t) / c - g / c * t
+    assert fallen == pytest.approx(0.0, abs=1e-12)
+    assert result.landing.position[0] == pytest.approx(-30.0 * math.expm1(-c * t) / c, rel=1e-14)
+
+
+def test_it_changes_something():
+    assert landing(scene(linear_drag=0.125), Ivp())[0] < landing(scene(), Ivp())[0] - 5

@@ -1,0 +1,349 @@
+"""A flight that one can ask: the same states as of a flight that ends there, at any time."""
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from longball.engines.batch import Batch
+from longball.engines.chain import solve_with_path
+from longball.engines.enclosure import Enclosure
+from longball.engines.event import ground, plate, vertical
+from longball.engines.ivp import Ivp
+from longball.engines.multiprecision import Multiprecision
+from longball.engines.path import Flight, Leg, Part, Path, Rest, Trajectory
+from longball.engines.polynomial import PolynomialPiece
+from longball.engines.verlet import Verlet
+from longball.model import trace
+from longball.model.frame import Frame
+from longball.model.law import FORCES, LIFT, Force, PlaneState, law_with
+from longball.model.numbers import DOUBLES
+from longball.model.scene import parse_scene
+
+IVP, ENCLOSURE = Ivp(), Enclosure(30)
+ENGINES = pytest.mark.parametrize("engine", [IVP, ENCLOSURE], ids=["ivp", "enclosure"])
+
+STRENGTHS = {"drag": 0.0075, "lift": 0.00375, "gravity": 9.8}
+# A batted ball; loops of strong lift; straight up and down; from rest.
+FLIGHTS = {
+    "batted": (STRENGTHS, (0.0, 1.0, 35.0, 30.0)),
+    "loops": ({"drag": 0.002, "lift": 0.04, "gravity": 9.8}, (0.0, 60.0, 40.0, 5.0)),
+    "straight": ({"drag": 0.0075, "gravity": 9.8}, (0.0, 1.0, 0.0, 25.0)),
+    "at rest": (STRENGTHS, (0.0, 100.0, 0.0, 0.0)),
+    "still": ({}, (3.0, 4.0, 0.0, 0.0)),
+}
+LIMIT = 4.0
+# Some ulps of 100 m and 60 m/s: a flight that ends elsewhere has other steps.
+ULPS = 4 * math.ulp(100.0)
+
+
+def prepared(name, engine):
+    """The law and the launch of a flight, and its landing as an event, in an engine's numbers."""
+    strengths, start = FLIGHTS[name]
+    number = engine.numbers.exact
+    with engine.numbers.arithmetic():
+        law = law_with({key: number(k) for key, k in strengths.items()})
+        state = PlaneState(*map(number, start))
+        return law, state, ground(number(0.0), state, engine.numbers)
+
+
+def flown(name, engine, limit=LIMIT):
+    law, start, landing = prepared(name, engine)
+    with engine.numbers.arithmetic():
+        return engine.fly(law, start, [landing], engine.numbers.exact(limit))
+
+
+def assert_same(found, wanted, tolerance=ULPS):
+    """To a few ulps; for balls, that they overlap."""
+    for a, b in zip(found, wanted, strict=True):
+        if isinstance(a, float):
+            assert abs(a - b) <= tolerance
+        else:
+            assert a.overlaps(b)
+            assert a.rad() < 1e-24
+
+
+TIMES = [0.0, 1e-9, 0.1, 1.0, math.pi / 2, 3.999, LIMIT]
+
+
+@ENGINES
+@pytest.mark.parametrize("name", FLIGHTS)
+def test_a_path_has_the_states_of_flights_that_end_there(name, engine):
+    path = flown(name, engine).path
+    number = engine.numbers.exact
+    with engine.numbers.arithmetic():
+        for time in TIMES:
+            if time == 0.0:
+                assert_same(path.at(number(0.0)), prepared(name, engine)[1], 0.0)
+                continue
+            ended = flown(name, engine, time)
+            assert ended.stop == "time"
+            assert float(ended.time) == time
+            assert_same(path.at(number(time)), ended.state)
+
+
+@ENGINES
+@pytest.mark.parametrize("name", FLIGHTS)
+def test_pieces_join(name, engine):
+    """One begins when the one before ends, in the state in which that ends."""
+    pieces = list(flown(name, engine).path.pieces())
+    number = engine.numbers.exact
+    with engine.numbers.arithmetic():
+        assert float(pieces[0].begin) == 0.0
+        assert float(pieces[-1].begin + pieces[-1].length) == pytest.approx(LIMIT, rel=1e-15)
+        for one, following in pairwise(pieces):
+            assert_same([one.begin + one.length], [following.begin], math.ulp(LIMIT))
+            # The length of a piece is rounded up, so that it reaches the next.
+            assert_same(one.at(one.length), following.at(number(0.0)))
+
+
+@ENGINES
+def test_a_path_does_not_depend_on_what_was_asked_before(engine):
+    number = engine.numbers.exact
+    with engine.numbers.arithmetic():
+        forwards, backwards = flown("loops", engine).path, flown("loops", engine).path
+        there = {time: forwards.at(number(time)) for time in TIMES}
+        for time in reversed(TIMES):
+            back = backwards.at(number(time))
+            assert [str(x) for x in back] == [str(x) for x in there[time]]
+        assert list(forwards.pieces()) == list(forwards.pieces())
+
+
+@ENGINES
+def test_a_path_goes_on_beyond_the_event_that_ended_the_flight(engine):
+    """Below the ground, as if that were not there."""
+    law, start, landing = prepared("batted", engine)
+    number = engine.numbers.exact
+    with engine.numbers.arithmetic():
+        landed = engine.fly(law, start, [landing], number(20.0))
+        assert landed.stop == "ground"
+        assert 0 < float(landed.time) < 10
+        assert_same(landed.path.at(landed.time)._replace(z=landed.state.z), landed.state)
+        free = engine.fly(law, start, [], number(20.0))
+        for time in (float(landed.time) + 1e-9, 8.0, 19.9, 20.0):
+            below = landed.path.at(number(time))
+            assert below.z < 0
+            assert_same(below, free.path.at(number(time)), 4 * ULPS)  # 500 m below
+
+
+@ENGINES
+@pytest.mark.parametrize("time", [-1e-300, -1.0, math.nextafter(LIMIT, 5), 60.0])
+def test_a_time_outside_the_flight_is_an_error(engine, time):
+    path = flown("batted", engine).path
+    with engine.numbers.arithmetic(), pytest.raises(ValueError, match="the flight has no state"):
+        path.at(engine.numbers.exact(time))
+
+
+def test_a_path_without_pieces_has_no_state():
+    with pytest.raises(ValueError, match=r"no state at t = 0\.0 s"):
+        Path(()).at(0.0)
+
+
+# --- one flight after another ---------------------------------------------------------------------
+
+
+@ENGINES
+def test_a_flight_that_goes_on_as_another(engine):
+    """Up to the vertical with lift, and from there without."""
+    number = engine.numbers.exact
+    law, start, landing = prepared("loops", engine)
+    with engine.numbers.arithmetic():
+        turns = vertical(engine.numbers)
+        ahead = engine.fly(law, start, [landing, turns], number(60.0))
+        assert ahead.stopped("vertical")
+        assert not ahead.stopped("ground")
+        upright = turns.place(ahead.state)
+        behind = engine.fly(law.without(LIFT), upright, [landing], number(60.0))
+        whole = ahead.then(behind)
+        assert (whole.stop, whole.state) == (behind.stop, behind.state)
+        assert_same([whole.time], [ahead.time + behind.time], 0.0)
+        for part in (0.0, 0.3, 0.999):
+            before = number(part) * ahead.time
+            assert_same(whole.path.at(before), ahead.path.at(before), 0.0)
+            after = number(part) * behind.time
+            assert_same(whole.path.at(ahead.time + after), behind.path.at(after))
+        at_the_end = whole.path.at(whole.time)
+        assert_same(at_the_end._replace(z=whole.state.z), whole.state)
+        begins = [float(piece.begin) for piece in whole.path.pieces()]
+        assert begins == sorted(begins)
+        for one, following in pairwise(whole.path.pieces()):
+            assert_same([one.begin + one.length], [following.begin], math.ulp(20.0))
+            assert not one.begin + one.length < following.begin
+
+
+def test_a_flight_that_goes_on_has_a_state_at_its_end():
+    """Its time is a rounded sum, and so are the times of its pieces."""
+    rng = np.random.default_rng(3)
+    law, start, _ = prepared("loops", IVP)
+    for limit, speed in rng.uniform([0.5, 20.0], [20.0, 40.0], (100, 2)).tolist():
+        ahead = IVP.fly(law, start._replace(u=speed), [vertical(DOUBLES)], 60.0)
+        whole = ahead.then(IVP.fly(law.without(LIFT), ahead.state._replace(u=0.0), [], limit))
+        assert_same(whole.path.at(whole.time), whole.state, 64 * ULPS)  # up to 2 km below
+
+
+def test_three_flights_in_a_row():
+    def straight(speed, start, time):
+        rows = np.array([[start, speed], [0.0, 0.0], [speed, 0.0], [0.0, 0.0]])
+        piece = PolynomialPiece(0.0, 10.0, PlaneState, rows)
+        return Flight(Path([piece]), "time", time, piece.at(time))
+
+    whole = straight(1.0, 0.0, 2.0).then(straight(2.0, 2.0, 1.0)).then(straight(4.0, 4.0, 1.0))
+    assert whole.time == 4.0
+    ways = {1.0: 1.0, 2.0: 2.0, 2.5: 3.0, 3.0: 4.0, 3.25: 5.0, 4.0: 8.0, 6.0: 16.0}
+    assert {time: whole.path.at(time).s for time in ways} == ways
+    assert [piece.begin for piece in whole.path.pieces()] == [0.0, 2.0, 3.0]
+
+
+def test_a_part_is_the_beginning_of_a_piece_as_of_a_later_time():
+    rows = np.array([[0.0, 3.0], [5.0, -2.0], [3.0, 0.0], [-2.0, 0.0]])
+    piece = PolynomialPiece(1.0, 4.0, PlaneState, rows)
+    part, delayed = Part(piece, 2.0), Part(piece, 2.0, 0.5)
+    assert (part.begin, part.length) == (1.0, 2.0)
+    assert (delayed.begin, delayed.length) == (1.5, 2.0)
+    for each in (part, delayed):
+        assert each.at(1.0) == piece.at(1.0) == PlaneState(3.0, 3.0, 3.0, -2.0)
+        assert each.curve(lambda state: state.z).zero(0.0, 4.0) == 2.5
+
+
+def test_a_rest_is_always_the_same_state():
+    state = PlaneState(1.0, 2.0, 0.0, 0.0)
+    rest = Rest(0.0, 60.0, state)
+    assert rest.at(0.0) == rest.at(33.0) == state
+    for height, positive in ((1.0, True), (2.0, False), (3.0, False)):
+        curve = rest.curve(lambda state, height=height: state.z - height)
+        assert curve(5.0) == 2.0 - height
+        assert curve.positive(0.0, 60.0) is positive
+        assert list(curve.turns(0.0, 60.0)) == []
+        assert curve.zero(7.0, 60.0) == 7.0
+
+
+# --- scenes ---------------------------------------------------------------------------------------
+
+AT_BAT = '{"id":"x","kind":"at-bat","swing":{"height_offset":-0.03,"tilt":0.1}}'
+
+
+def float_of(values):
+    return [float(x) for x in values]
+
+
+@ENGINES
+def test_the_trajectory_of_an_at_bat_has_its_results(engine):
+    number = engine.numbers.exact
+    with engine.numbers.arithmetic():
+        result, way = solve_with_path(parse_scene(AT_BAT), engine)
+        (pitch, batted), end = way.legs, way.end
+        assert float(end) == float(result.landing.time)
+        at = {"landing": end, "contact": batted.begin}
+        for block, time in at.items():
+            position, velocity = way.at(time)
+            wanted = getattr(result, block)
+            assert float_of(position) == pytest.approx(float_of(wanted.position), abs=1e-13)
+            after = result.impact.velocity if block == "contact" else wanted.velocity
+            assert float_of(velocity) == pytest.approx(float_of(after), abs=1e-13)
+        # Before the contact the ball is on the pitch, whose own path goes on to the plate.
+        before = batted.begin - number(1e-6)
+        assert way.at(before)[1][0] < 0 < way.at(batted.begin)[1][0]
+        crossing = pitch.flight.path.at(pitch.flight.time)
+        found = float_of(pitch.frame.position(crossing))
+        assert found == pytest.approx(float_of(result.plate.position), abs=1e-13)
+        for time in (number(-1e-9), end + 60):
+            with pytest.raises(ValueError, match="has no state at t"):
+                way.at(time)
+
+
+def test_a_trajectory_has_a_state_at_its_end():
+    """The end is the time of the contact and the time of the flight, rounded."""
+    rng = np.random.default_rng(4)
+    scene = parse_scene(AT_BAT)
+    for limit in rng.uniform(0.7, 1.5, 50).tolist():
+        result, way = solve_with_path(scene.model_copy(update={"time_limit": limit}), IVP)
+        assert result.outcome == "airborne"
+        flight = way.legs[-1].flight
+        wanted = way.legs[-1].frame.position(flight.state)
+        assert way.at(way.end)[0] == pytest.approx(wanted, abs=1e-13)  # 60 m/s over an ulp
+
+
+def test_a_trajectory_is_continuous_in_position():
+    _, way = solve_with_path(parse_scene(AT_BAT), IVP)
+    times = np.linspace(0, way.end, 3000).tolist()
+    places = [np.array(way.at(time)[0]) for time in times]
+    fastest = 70.0  # m/s, more than the ball has before the bat and after
+    for (earlier, a), (later, b) in pairwise(zip(times, places, strict=True)):
+        assert np.linalg.norm(b - a) < fastest * (later - earlier)
+
+
+def test_legs_are_asked_in_their_own_frames():
+    rest = Flight(Path([Rest(0.0, 9.0, PlaneState(2.0, 1.0, 3.0, 4.0))]), "time", 5.0, None)
+    turned = Frame(10.0, 20.0, 0.6, 0.8)
+    way = Trajectory((Leg(0.0, Frame(0.0, 0.0, 1.0, 0.0), rest), Leg(2.0, turned, rest)))
+    assert way.end == 7.0
+    assert way.at(1.0) == ((2.0, 0.0, 1.0), (3.0, 0.0, 4.0))
+    for time in (2.0, 7.0):
+        position, velocity = way.at(time)
+        assert position == pytest.approx((11.2, 21.6, 1.0), rel=1e-15)
+        assert velocity == pytest.approx((1.8, 2.4, 4.0), rel=1e-15)
+
+
+# --- a law with another size that is zero at rest -------------------------------------------------
+
+
+def wind(motion, p):
+    """Drag in a wind along the flight: at rest the ball has a speed in the air."""
+    u, v, w = motion.velocity
+    u = u - p.wind
+    speed = trace.sqrt(u * u + v * v + w * w)
+    return -p.blown * speed * u, -p.blown * speed * v, -p.blown * speed * w
+
+
+def test_a_ball_dropped_into_a_wind():
+    """V is zero at the launch, and the speed in the air is not."""
+    force = Force(("wind", "blown"), lambda scene, frame, numbers: None, wind)
+    law = law_with({**STRENGTHS, "wind": 5.0, "blown": 0.01}, (*FORCES, force))
+    start = PlaneState(0.0, 30.0, 0.0, 0.0)
+    found, wanted = (
+        engine.fly(law, start, [ground(0.0, start, DOUBLES)], 60.0)
+        for engine in (IVP, Ivp("DOP853", 1e-12, 1e-12))
+    )
+    assert found.time == pytest.approx(wanted.time, abs=1e-10)
+    assert found.state == pytest.approx(wanted.state, abs=1e-9)
+    crossing = plate(Frame(3.0, 0.0, -1.0, 0.0), DOUBLES)
+    assert IVP.fly(law, start, [crossing], 60.0).stop == "plate"
+
+
+@pytest.mark.parametrize(
+    ("engine", "error"),
+    [
+        (Ivp("DOP853"), 1e-11),  # its tolerance, 5e-14 a step, over 100 m
+        (Batch(), ULPS),
+        (Multiprecision(20), ULPS),
+        (Verlet(1e-4, "implicit"), 1e-5),  # Δt² times some hundred m/s²
+    ],
+    ids=["dop853", "batch", "multiprecision", "verlet"],
+)
+def test_every_engine_has_the_path(engine, error):
+    """The state at any time, as the reference engine has it."""
+    path, wanted = flown("batted", engine).path, flown("batted", IVP).path
+    for t in (0.0, 0.123, 1.0, 2.75):
+        found = map(float, path.at(engine.numbers.exact(t)))
+        assert_same(found, wanted.at(t), error)
+
+
+def test_a_path_is_sampled_and_asked_for_another_event():
+    """Beyond the event that ended the flight, too: a wall 20 m away, on the same path."""
+    flight = flown("batted", IVP)
+    times = [0.0, 0.5, 1.0]
+    assert flight.path.sample(times) == [flight.path.at(t) for t in times]
+    ahead = plate(Frame(20.0, 0.0, -1.0, 0.0), DOUBLES)
+    met = flight.path.first([ahead], LIMIT, IVP.flight_error, DOUBLES)
+    assert (met.event.name, met.state.s) == ("plate", 20.0)
+    assert_same(met.state, flight.path.at(met.time))
+
+
+def test_a_trajectory_is_sampled_in_space():
+    scene = parse_scene('{"id":"x","kind":"at-bat","swing":{"height_offset":-0.03}}')
+    result, way = solve_with_path(scene, IVP)
+    first, last = way.sample([0.0, way.end])
+    assert first[:3] == scene.pitch.release
+    assert last == (*way.at(way.end)[0], *way.at(way.end)[1])
+    assert last[:3] == pytest.approx(result.landing.position, abs=ULPS)

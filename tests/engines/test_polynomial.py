@@ -1,0 +1,94 @@
+"""Polynomials on a step: no turning point and no zero is missed."""
+
+import numpy as np
+import pytest
+from numpy.polynomial import Polynomial as Series
+
+from longball.engines.polynomial import (
+    Polynomial,
+    PolynomialPiece,
+    shifted,
+    stays_high,
+    turning_points,
+    zero,
+)
+from longball.model.law import PlaneState
+
+
+def from_roots(rng, degree):
+    """A polynomial whose slope has known roots about [0, 1], some of them close to each other."""
+    places = np.sort(rng.uniform(-0.5, 1.5, degree - 1))
+    if rng.random() < 0.5:
+        places[1] = places[0] + 10 ** rng.uniform(-4, -1)
+    slope = Series.fromroots(places) * rng.choice([-1, 1])
+    return slope.integ(k=rng.normal(0, 0.1)).coef, places
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_between_turning_points_a_polynomial_only_rises_or_only_falls(seed):
+    rng = np.random.default_rng(seed)
+    for _ in range(200):
+        p, places = from_roots(rng, rng.integers(3, 9))
+        found = turning_points(p, 1.0)
+        wanted = places[(places > 0) & (places < 1)]
+        assert len(found) == len(wanted)
+        # A root that has another one close to it is known less well.
+        np.testing.assert_allclose(found, np.sort(wanted), atol=1e-8)
+
+
+def test_a_start_on_a_turning_point_is_none():
+    assert turning_points(np.array([1.0, 0.0, -1.0]), 5.0).tolist() == []
+    assert turning_points(np.array([1.0, 0.0, 0.0, -1.0, 1.0]), 5.0) == pytest.approx([0.75])
+    assert turning_points(np.array([1.0, 0.0, 0.0, 0.0]), 5.0).tolist() == []
+
+
+def test_what_stays_high_is_above_half_of_its_start():
+    rng = np.random.default_rng(1)
+    high = 0
+    for _ in range(3000):
+        p = rng.normal(0, 1, 6) * 0.4 ** np.arange(6)
+        p[0] = abs(p[0])
+        least = Series(p)(np.linspace(0, 1, 500)).min()
+        if stays_high(p, 1.0):
+            high += 1
+            assert least >= 0.5 * p[0] * (1 - 1e-15)
+    assert high > 1000
+
+
+def test_a_shifted_polynomial_has_the_same_values():
+    rng = np.random.default_rng(2)
+    p = rng.normal(0, 1, 20)
+    moved = Series(shifted(p, -0.3))
+    for t in (0.0, 0.2, 0.6):
+        assert moved(t) == pytest.approx(Series(p)(t - 0.3), rel=1e-12)
+
+
+@pytest.mark.parametrize("order", [1, 3, 5])
+def test_a_zero_of_any_order_is_found(order):
+    p = (Series([0.7, -1.0]) ** order).coef
+    # Where p is less than its rounding, some 1e-16, the place is known to the root of that order.
+    assert zero(p, 0.0, 1.0) == pytest.approx(0.7, abs=1e-15 ** (1 / order))
+
+
+def test_polynomials_calculate():
+    rng = np.random.default_rng(3)
+    p, q = rng.normal(0, 1, 4), rng.normal(0, 1, 7)
+    a, b = Polynomial(p), Polynomial(q)
+    x, y = Series(p), Series(q)
+    for found, wanted in [
+        (2 * a - b * a + 3, 2 * x - y * x + 3),
+        (1 - a, 1 - x),
+        (a * a - 0.5, x * x - 0.5),
+        (b + a - (-a), y + 2 * x),
+    ]:
+        np.testing.assert_allclose(found.coefficients, wanted.coef, rtol=1e-14)
+
+
+def test_the_value_of_an_event_where_large_terms_cancel():
+    """The distance from (18, 0) at the end of a way of 18 m, to the rounding of that distance."""
+    coefficients = np.array([[0.0, 40.0], [1e-3, 0.0], [40.0, 0.0], [0.0, 0.0]])
+    piece = PolynomialPiece(0.0, 1.0, PlaneState, coefficients)
+    curve = piece.curve(lambda y: (y.s - 18) * (y.s - 18) + y.z * y.z)
+    (nearest,) = curve.turns(0.0, 1.0)
+    assert nearest == pytest.approx(0.45, abs=1e-14)
+    assert curve(nearest) == pytest.approx(1e-6, rel=1e-9)

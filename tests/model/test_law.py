@@ -1,0 +1,144 @@
+"""The law of motion: traced, it is the sum of its forces in space, and only what is named."""
+
+import itertools
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import sympy as sp
+
+from longball.model.frame import Frame
+from longball.model.law import (
+    DRAG,
+    FORCES,
+    GRAVITY,
+    LIFT,
+    Force,
+    PlaneState,
+    SpaceState,
+    law_of,
+    law_with,
+)
+from longball.model.numbers import DOUBLES
+from longball.model.scene import Air, FlightScene, Launch
+from longball.model.trace import ZERO
+
+K_D, K_L, G = sp.symbols("k_D k_L g", positive=True)
+U, V, W = sp.symbols("u v w", real=True)
+ALONG_X = Frame(0.0, 0.0, 1.0, 0.0)
+SYMBOLS = SimpleNamespace(functions={"sqrt": sp.sqrt})
+
+
+def scene(air=Air(), gravity=9.8):  # noqa: B008  (frozen)
+    launch = Launch(position=(0.0, 0.0, 1.0), velocity=(30.0, 0.0, 10.0))
+    return FlightScene(id="x", launch=launch, air=air, gravity=gravity)
+
+
+@pytest.mark.parametrize(
+    ("drag", "lift", "gravity"), [*itertools.product([None, K_D], [None, K_L], [None, G])]
+)
+def test_the_law_is_that_of_space(drag, lift, gravity):
+    """a = -k_D V v + k_L V (ŝ × v) + g, ŝ level and to the right of the flight."""
+    strengths = {"drag": drag, "lift": lift, "gravity": gravity}
+    law = law_with({name: k for name, k in strengths.items() if k is not None})
+    rates = law.rates(SYMBOLS)(*sp.symbols("s z"), U, W)
+    velocity, speed = sp.Matrix([U, 0, W]), sp.sqrt(U**2 + W**2)
+    wanted = (
+        -(drag or 0) * speed * velocity
+        + (lift or 0) * speed * sp.Matrix([0, -1, 0]).cross(velocity)
+        - (gravity or 0) * sp.Matrix([0, 0, 1])
+    )
+    assert law.state is PlaneState
+    assert rates[:2] == (U, W)
+    found = sp.Matrix([rates[2], 0, rates[3]])
+    assert (found - wanted).applyfunc(sp.simplify) == sp.zeros(3, 1)
+
+
+def test_backspin_lifts_and_drag_brakes():
+    """The signs, without algebra: a level flight."""
+    law = law_with({"drag": 0.1, "lift": 0.01})
+    assert law.rates(DOUBLES)(0.0, 0.0, 10.0, 0.0) == pytest.approx((10.0, 0.0, -10.0, 1.0))
+
+
+def test_the_constants_are_those_of_the_paper():
+    """k = ρ C A / (2 m), in numbers: 1.29 · 0.4 · π · 0.0366² / (2 · 0.145)."""
+    strengths = law_of(scene(), ALONG_X, DOUBLES).strengths
+    assert strengths["drag"] == pytest.approx(0.007488, rel=1e-4)
+    assert strengths["lift"] == pytest.approx(0.003744, rel=1e-4)
+    assert strengths["gravity"] == 9.8
+
+
+@pytest.mark.parametrize(
+    ("air", "gravity", "named"),
+    [
+        (None, 9.8, {GRAVITY}),
+        (None, 0.0, set()),
+        (Air(density=0.0), 9.8, {GRAVITY}),
+        (Air(drag_coefficient=0.0), 0.0, {LIFT}),
+        (Air(lift_coefficient=0.0), 0.0, {DRAG}),
+        (Air(lift_coefficient=-0.1), 9.8, {DRAG, LIFT, GRAVITY}),
+    ],
+)
+def test_only_what_the_scene_names_is_there(air, gravity, named):
+    law = law_of(scene(air, gravity), ALONG_X, DOUBLES)
+    assert set(law.forces) == named
+    assert set(law.strengths) == {name for force in named for name in force.parameters}
+
+
+def test_what_is_absent_is_not_computed():
+    vacuum = law_with({"gravity": 9.8}).program
+    assert all(node.static or node.kind == "variable" for node in vacuum.nodes)
+    with_drag = law_with({"drag": 0.01}).program
+    products = [n for n in with_drag.nodes if n.kind == "product" and not n.static]
+    assert len(products) == 4  # u², w², V u, V w
+
+
+def sideways(motion, p):
+    return ZERO, p.push, ZERO
+
+
+def test_a_force_across_takes_the_flight_out_of_its_plane():
+    push = Force(("push",), lambda scene, frame, numbers: (0.5,), sideways)
+    law = law_of(scene(), ALONG_X, DOUBLES, (*FORCES, push))
+    assert law.state is SpaceState
+    start = law.state_of(PlaneState(0.0, 1.0, 30.0, 10.0))
+    assert start == SpaceState(0.0, 0.0, 1.0, 30.0, 0.0, 10.0)
+    ds, dy, dz, du, dv, dw = law.rates(DOUBLES)(*start)
+    planar = law_of(scene(), ALONG_X, DOUBLES).rates(DOUBLES)(0.0, 1.0, 30.0, 10.0)
+    assert (ds, dz, du, dw) == pytest.approx(planar, rel=1e-15)
+    assert (dy, dv) == (0.0, 0.5)
+
+
+def test_without_a_force():
+    law = law_of(scene(), ALONG_X, DOUBLES)
+    assert law.without(LIFT) == law_of(scene(Air(lift_coefficient=0.0)), ALONG_X, DOUBLES)
+
+
+def test_a_straight_flight_has_no_root():
+    """V = w on the way up, -w on the way down; with lift there is no straight flight."""
+    law = law_with({"drag": 0.1, "gravity": 9.8})
+    for sense, w in ((1.0, 5.0), (-1.0, -5.0)):
+        straight = law.straight(sense)
+        assert straight.rates(DOUBLES)(0.0, 0.0, 0.0, w) == law.rates(DOUBLES)(0.0, 0.0, 0.0, w)
+        assert all(node.kind != "sqrt" for node in straight.program.nodes)
+    assert law_with({"lift": 0.1}).straight(1.0) is None
+
+
+@pytest.mark.parametrize("straight", [False, True])
+def test_the_jacobian_is_that_of_finite_differences(straight):
+    law = law_with({"drag": 0.01, "gravity": 9.8} | ({} if straight else {"lift": 0.004}))
+    law = law.straight(1.0) if straight else law
+    point = np.array([1.0, 2.0, 0.0 if straight else 30.0, 20.0])
+    rates = law.rates(DOUBLES)
+    found = np.reshape(law.jacobian(DOUBLES)(*point), (4, 4))
+    for j in range(2 if straight else 0, 4):
+        if straight and j == 2:
+            continue
+        step = np.eye(4)[j] * 1e-5
+        wanted = (np.array(rates(*(point + step))) - rates(*(point - step))) / 2e-5
+        assert found[:, j] == pytest.approx(wanted, abs=1e-8)  # rounding over the step
+
+
+def test_the_jacobian_is_bounded_at_rest():
+    found = law_with({"drag": 0.01, "lift": 0.1}).jacobian(DOUBLES)(0.0, 0.0, 0.0, 0.0)
+    assert found[8:] == (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
