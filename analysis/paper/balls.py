@@ -79,7 +79,7 @@ def strike(
 ) -> list[Balls]:
     """Return what becomes of samples, the same ones at each restitution.
 
-    `longball.home_run.monte_carlo` gives the same landings; here the blow is kept too.
+    `longball.home_run.monte_carlo` gives the same landings; here the collision is kept too.
     """
     pitched = samples.pitched
     tables = solve_columns_with_restitutions(

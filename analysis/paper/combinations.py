@@ -55,7 +55,7 @@ WITHIN = 4 * NEAR  # of Fig. 7 at first sight: worth a closer look
 FEWEST = 100  # balls that a sample space must have at first sight
 SEED = 1
 
-# The readings of the blow that differ. With μ from M_eff the printed ẽ gives
+# The readings of the collision that differ. With μ from M_eff the printed ẽ gives
 # μ (1 + ẽ) = m (1 + e), whatever M_eff is; plain has no M_eff. The thin rod's inertia is the
 # cylinder's to 0.1 %.
 BLOWS: tuple[dict[str, Any], ...] = (
@@ -439,7 +439,7 @@ def on_the_best(best: Trial) -> str:
     )
     if best.base.scene.reading.reduced_mass == "effective_mass":
         said += (
-            "Its blow is the paper's formula with one effective mass throughout: then "
+            "Its collision is the paper's formula with one effective mass throughout: then "
             "μ (1 + ẽ) = m (1 + e), a ball is struck as by a bat of infinite mass with the "
             "restitution e, and neither the bat's mass nor its inertia matters, which the paper "
             "does not print. "

@@ -175,7 +175,7 @@ def test_agrees_with_the_ivp_engine(scene):
     assert found.outcome == other.outcome
     found, other = numbers_of(found), numbers_of(other)
     assert found.keys() == other.keys()
-    # The ivp engine lands within 1e-12 m of a given launch; the blow may magnify it tenfold.
+    # The ivp engine lands within 1e-12 m of a given launch; the collision may magnify it tenfold.
     for way, value in found.items():
         assert float(value) == pytest.approx(other[way], rel=1e-11, abs=1e-11), way
 

@@ -86,6 +86,7 @@ def inside_bat(distance: Any, reach: Any) -> str:
     )
 
 
+TOUCHES = "whether the ball touches the bat"
 STARTS_INSIDE = "whether the ball starts inside the bat or touches it"
 TURNS_VERTICAL = (
     "the pitch turns vertical over the plate, where a lift that is always up has no direction; "

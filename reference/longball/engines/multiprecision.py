@@ -24,7 +24,7 @@ from longball.model.numbers import Single, Undecided, ratio
 from longball.model.result import Bounded
 
 # Digits beyond those that are printed. What a step leaves out is 14 digits below; a flight of
-# dozens of steps stays 10 digits below, and those ten are for what an at-bat magnifies: the blow
+# dozens of steps stays 10 digits below, and those ten are for what an at-bat magnifies: the impact
 # makes of an error of the contact a few hundred times as much at the landing, and in a graze with a
 # margin of 1e-15 m 1e10 times as much. Rounding stays six digits below what a step leaves out.
 _FLIGHT_GUARD = 10

@@ -15,6 +15,7 @@ from typing import Any, Generic, cast
 
 from longball.engines.contact import (
     STARTS_INSIDE,
+    TOUCHES,
     TURNS_VERTICAL,
     BatSection,
     inside_bat,
@@ -24,7 +25,7 @@ from longball.engines.engine import CannotSolve, Touch
 from longball.engines.event import Event, Piece, first_fall, past
 from longball.engines.path import Flight, Part, Path, Rest
 from longball.model.law import Law, State
-from longball.model.numbers import N, Numbers, Undecided
+from longball.model.numbers import N, Numbers, doubt
 
 
 class PathEngine(ABC, Generic[N]):
@@ -151,7 +152,7 @@ class PathEngine(ABC, Generic[N]):
             margin = bat.reach - bat.distance(way.end, numbers)
             closest = margin if margin > closest else closest
             if way.settled and not abs(margin) > error + way.error:
-                return Touch(margin, None, doubt=_doubt(margin, error + way.error, numbers))
+                return Touch(margin, None, doubt=doubt(margin, error + way.error, TOUCHES, numbers))
             if way.settled and margin > error and way.touching is not None:
                 return Touch(margin, True, *way.touching)
         return Touch(closest, False)
@@ -243,13 +244,3 @@ class _WayIn(Generic[N]):
     touching: tuple[N, State[N]] | None
     error: N
     settled: bool
-
-
-def _doubt(margin: N, error: N, numbers: Numbers[N]) -> str:
-    """Say that a graze cannot be told from a miss."""
-    question = "whether the ball touches the bat"
-    try:
-        numbers.positive(margin, error, question)
-    except Undecided as undecided:
-        return str(undecided)
-    return question

@@ -100,6 +100,15 @@ def ratio(part: Any, whole: Any) -> Any:
     return part / whole if whole != 0 else part * 0
 
 
+def doubt(x: N, error: N, question: str, numbers: Numbers[N]) -> str:
+    """Say that a question is open: whether ``x > 0``, of which `x` and its `error` tell nothing."""
+    try:
+        numbers.positive(x, error, question)
+    except Undecided as undecided:
+        return str(undecided)
+    return f"{question} cannot be decided: the two coincide"
+
+
 class Single(Generic[N]):
     """What number systems of one number at a time share."""
 

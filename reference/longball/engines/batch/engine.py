@@ -26,6 +26,7 @@ from longball.engines.batch.records import (
 )
 from longball.engines.contact import (
     STARTS_INSIDE,
+    TOUCHES,
     TURNS_VERTICAL,
     BatSection,
     inside_bat,
@@ -37,7 +38,7 @@ from longball.engines.path import Flight, Path
 from longball.engines.polynomial import PolynomialPiece
 from longball.engines.series import recurrence
 from longball.model.law import Law, State
-from longball.model.numbers import DOUBLES, Doubles, Undecided
+from longball.model.numbers import DOUBLES, Doubles, Undecided, doubt
 from longball.model.result import Result
 from longball.model.scene import Scene
 from longball.model.trace import Program
@@ -150,7 +151,7 @@ class Batch(ManyAtOnce):
             case flights.TOUCH:
                 return Touch(margin, True, *_plain(noted(end, law)))
             case flights.GRAZES_BAT:
-                return Touch(margin, None, doubt=_doubt(margin, error, "the ball touches the bat"))
+                return Touch(margin, None, doubt=doubt(margin, error, TOUCHES, DOUBLES))
         _require_answer(end, flight, ends)
         if stops(end, ends).item() == STOPS["vertical"]:
             raise CannotSolve(TURNS_VERTICAL)
@@ -199,7 +200,7 @@ def _plain(start: Start) -> Start:
 
 def _require_answer(end: Records, flight: Records, events: Sequence[Event[Any]]) -> None:
     """Raise why a flight has no answer, if it has none."""
-    stop, doubt = end["stop"].item(), end["doubt"].item()
+    stop, value = end["stop"].item(), end["doubt"].item()
     if stop < len(events) or stop == flights.TIME_LIMIT:
         return
     first, second = (
@@ -215,12 +216,12 @@ def _require_answer(end: Records, flight: Records, events: Sequence[Event[Any]])
             error = relative * second.size
         case flights.UNDECIDED_IN_TIME, Event(), _:
             question = f"whether {first.question} in the time limit"
-            error = max(abs(doubt), relative * first.size)
+            error = max(abs(value), relative * first.size)
         case flights.UNDECIDED_RELEASE, _, _:
             question, error = STARTS_INSIDE, flight["margin_error"].item()
         case flights.INSIDE_BAT, _, _:
             reach = flight["reach"].item()
-            raise CannotSolve(inside_bat(reach + doubt, reach))
+            raise CannotSolve(inside_bat(reach + value, reach))
         case flights.TOO_LONG, _, _:
             raise CannotSolve(
                 f"the flight takes more than {flights.MOST_STEPS} steps, its steps shrink to "
@@ -229,13 +230,4 @@ def _require_answer(end: Records, flight: Records, events: Sequence[Event[Any]])
             )
         case _:
             raise CannotSolve("a quantity of the flight leaves the range of double precision")
-    raise Undecided(_doubt(doubt, error, question.removeprefix("whether ")))
-
-
-def _doubt(x: float, error: float, question: str) -> str:
-    """Say what cannot be told, in the words of `DOUBLES`."""
-    try:
-        DOUBLES.positive(x, error, f"whether {question}")
-    except Undecided as undecided:
-        return str(undecided)
-    return f"whether {question} cannot be decided: the two coincide"
+    raise Undecided(doubt(value, error, question, DOUBLES))
