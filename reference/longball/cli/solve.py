@@ -61,16 +61,23 @@ def solve(
     with refusing():
         solver = engines.create(engine, **{k: v for k, v in options.items() if v is not None})
     solved = failed = 0
-    scenes, results = reading_from(source), writing_to(output, source)
-    with on_cluster(scheduler), scenes as lines, results as file:
+    ids: set[str | None] = set()
+    repeated: set[str] = set()
+    scenes = reading_from(source)
+    with on_cluster(scheduler), scenes as lines, writing_to(output, lines) as file:
         for result in solve_lines(lines, solver, -1 if scheduler else workers):
             file.write(result.line().encode() + b"\n")
             file.flush()
             solved += 1
             failed += result.error is not None
+            if result.id is not None and result.id in ids:
+                repeated.add(result.id)
+            ids.add(result.id)
     if solved == 0:
         tell(f"no scenes in {source}")
     elif failed:
         tell(f"{failed} of {solved} lines could not be solved")
+    if repeated:
+        tell(f"ids that more than one line has: {len(repeated)}, among them {min(repeated)!r}")
     if failed or not solved:
         raise typer.Exit(1)

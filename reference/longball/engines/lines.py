@@ -8,6 +8,7 @@ from itertools import islice
 
 from longball.engines.chain import solve
 from longball.engines.engine import Engine, ManyAtOnce
+from longball.model.jsonl import LONGEST_LINE
 from longball.model.numbers import N
 from longball.model.result import Result
 from longball.model.scene import InvalidScene, Scene, parse_scene
@@ -33,7 +34,7 @@ def solve_lines(lines: Iterable[bytes], engine: Engine[N], workers: int = 1) -> 
     from joblib import Parallel, delayed  # slow to import, and not needed for one worker
 
     size = CHUNK_AT_ONCE if isinstance(engine, ManyAtOnce) else CHUNK
-    numbered = (line for chunk in _numbered([line] for line in lines) for line in chunk)
+    numbered = (line for chunk in _numbered(_as_they_come(lines)) for line in chunk)
     chunks = iter(lambda: list(islice(numbered, size)), [])
     tasks = (delayed(_solve_chunk)(chunk, engine) for chunk in chunks)
     for results in Parallel(n_jobs=workers, return_as="generator")(tasks):
@@ -41,18 +42,20 @@ def solve_lines(lines: Iterable[bytes], engine: Engine[N], workers: int = 1) -> 
 
 
 def _as_they_come(lines: Iterable[bytes]) -> Iterator[list[bytes]]:
-    """Yield the lines that can be had without waiting, but for the first of them."""
+    """Yield the lines that can be had without waiting, but for the first of them.
+
+    No more is kept of a line than shows that it is too long.
+    """
     if not isinstance(lines, BufferedIOBase):
         yield from ([line] for line in lines)
         return
-    unfinished: list[bytes] = []
+    unfinished = b""
     while data := lines.read1(_BYTES):
-        unfinished.append(data)
-        if b"\n" in data:
-            *whole, rest = b"".join(unfinished).split(b"\n")
-            unfinished = [rest]
+        *whole, rest = (unfinished + data).split(b"\n")
+        unfinished = rest[: LONGEST_LINE + 1]
+        if whole:
             yield whole
-    yield [b"".join(unfinished)]
+    yield [unfinished]
 
 
 def _numbered(chunks: Iterable[list[bytes]]) -> Iterator[list[Line]]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import random
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from decimal import Decimal, localcontext
 from pathlib import Path
@@ -13,7 +13,16 @@ from typing import TypeVar
 from pydantic import ValidationError
 
 from longball.golden.case import Case, Header, as_double, decisive, numbers_of
-from longball.golden.files import CHECKSUMS, HEADER, PROBABILITIES, checksum, listed, schemas
+from longball.golden.families import FAMILIES, Family
+from longball.golden.files import (
+    CHECKSUMS,
+    HEADER,
+    PROBABILITIES,
+    checksum,
+    inside,
+    listed,
+    schemas,
+)
 from longball.golden.home_runs import integrated_again
 from longball.golden.probability import Probabilities, ProbabilityCase
 from longball.golden.reader import DATA
@@ -34,6 +43,7 @@ class Report:
 
 def check(
     folder: Path = DATA,
+    families: Mapping[str, Family] = FAMILIES,
     *,
     sample: int | None = None,
     seed: int = 1,
@@ -47,6 +57,8 @@ def check(
     ----------
     folder
         The set; by default the shipped one.
+    families
+        Functions that return the drafts of a family, in the order of its cases.
     sample
         How many cases are solved again, drawn at random; by default all of them.
     seed
@@ -66,9 +78,14 @@ def check(
     if top is None:
         return Report(0, 0, (*failures, f"{HEADER}: {fault}"))
     for name, family in top.families.items():
+        if not inside(folder, family.file):
+            failures.append(f"{HEADER}: {family.file!r} is not a file of {folder}")
+            continue
         found, wrong = _read_family(folder / family.file, name, family.cases)
         cases += found
         failures += wrong
+        if name in families:
+            failures += _out_of_order(found, families[name])
     every: list[Case | ProbabilityCase] = [*cases]
     if (folder / PROBABILITIES).exists():
         integrals, fault = _read(Probabilities, folder / PROBABILITIES)
@@ -102,7 +119,9 @@ def _wrong_files(folder: Path) -> Iterator[str]:
         return
     sums = listed(folder)
     for name, digest in sums.items():
-        if not (folder / name).is_file():
+        if not inside(folder, name):
+            yield f"{CHECKSUMS}: {name!r} is not a file of {folder}"
+        elif not (folder / name).is_file():
             yield f"{name}: listed in {CHECKSUMS}, but not there"
         elif checksum(folder / name) != digest:
             yield f"{name}: its SHA-256 is not the one in {CHECKSUMS}; the file was changed"
@@ -142,6 +161,15 @@ def _read_family(path: Path, family: str, count: int) -> tuple[list[Case], list[
     if len(lines) != count:
         failures.append(f"{path.name}: has {len(lines)} cases, {count} in {HEADER}")
     return cases, failures
+
+
+def _out_of_order(cases: list[Case], family: Family) -> Iterator[str]:
+    """Yield which cases stand where others belong, in the order in which a family is written."""
+    place = {draft.scene.id: number for number, draft in enumerate(family())}
+    ids = [case.id for case in cases if case.id in place]
+    for stands, belongs in zip(ids, sorted(ids, key=place.__getitem__), strict=True):
+        if stands != belongs:
+            yield f"{stands}: stands where {belongs} belongs"
 
 
 def _first_fault(error: ValidationError) -> str:

@@ -15,14 +15,12 @@ from pathlib import Path
 import longball
 from longball.golden.case import Case
 from longball.golden.case_builder import Draft
-from longball.golden.families import FAMILIES
+from longball.golden.families import FAMILIES, Family
 from longball.golden.files import HEADER, HISTORIES, PARTIAL, schemas, write_files
 from longball.golden.headers import header, made_by
 from longball.golden.history import ABOUT, history
 from longball.golden.truth import make
 from longball.model.scene import FlightScene
-
-Family = Callable[[], Iterator[Draft]]
 
 # Flights that are tabulated: one of every kind, all of which land.
 TABULATED = (
@@ -109,7 +107,7 @@ def fingerprint() -> str:
     """Return a text that changes with the code that takes part and with its libraries."""
     package = Path(longball.__file__).parent
     parts = ("model", "engines", "home_run", "golden")
-    sources = sorted(path for part in parts for path in (package / part).glob("*.py"))
+    sources = sorted(path for part in parts for path in (package / part).rglob("*.py"))
     digest = hashlib.sha256(repr(sorted(made_by().items())).encode())
     for path in sources:
         digest.update(path.read_bytes())

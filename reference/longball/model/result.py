@@ -5,10 +5,11 @@ The keys are fixed: other implementations write them, and the judge reads them.
 
 from __future__ import annotations
 
-import json
 from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, model_serializer
+
+from longball.model.jsonl import json_line
 
 Outcome = Literal[
     "batted",
@@ -125,4 +126,4 @@ class Result(_Strict):
     def line(self) -> str:
         """Return the result as one line of JSON, without the quantities it does not have."""
         known = self.model_dump(mode="json", exclude_none=True)
-        return json.dumps({"id": self.id} | known, ensure_ascii=False, allow_nan=False)
+        return json_line({"id": self.id} | known)

@@ -13,6 +13,7 @@ from typing import Annotated, Any, Literal, NoReturn, Self, get_args
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
+from longball.model.jsonl import LONGEST_LINE, json_line
 from longball.model.readings import Reading
 from longball.model.result import ErrorCode
 
@@ -137,7 +138,7 @@ class _Scene(_Block):
         """Return the scene as one line of JSON with every default but the reading's written out."""
         blocks = self.model_dump(mode="json")
         head = {key: blocks.pop(key) for key in ("id", "kind")}
-        return json.dumps(head | blocks, ensure_ascii=False, allow_nan=False)
+        return json_line(head | blocks)
 
 
 class _FlyingScene(_Scene):
@@ -265,6 +266,8 @@ def explain(error: ValidationError, model: type[BaseModel]) -> str:
 
 
 def _text(line: str | bytes) -> str:
+    if len(line) > LONGEST_LINE:
+        raise InvalidScene(f"longer than {LONGEST_LINE:,} bytes")
     if isinstance(line, str):
         if not _is_text(line):
             raise InvalidScene("not Unicode text: it holds half of a surrogate pair")
