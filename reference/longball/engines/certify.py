@@ -3,7 +3,7 @@
 The enclosure engine solves the scene again in balls that hold the truth. A double's error is at
 most the distance to the far side of the ball, whatever engine the double is from. So a ball need
 not be small next to the double: it is enough that it is small next to the double's error, for which
-some 74 bits mostly do.
+some 84 bits mostly do.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from longball.model.result import Certified, Result
 from longball.model.scene import InvalidScene, Scene
 
 # Digits of the enclosure, tried in turn; it works with 64 bits more (`enclosure.balls`).
-DIGITS = (3, 15, 30, 60)
+DIGITS = (6, 20, 40, 60)
 
 # A ball does not matter if it is less than half an ulp, relative to the length of a vector.
 _NOTHING = 2.0**-53
