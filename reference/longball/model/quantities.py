@@ -14,7 +14,7 @@ from typing import Any, TypeVar
 
 from pydantic import BaseModel
 
-from longball.model.result import Bounded
+from longball.model.result import Bounded, Certified
 
 B = TypeVar("B", bound=BaseModel)
 
@@ -33,7 +33,7 @@ def numbers(block: Any) -> Iterator[tuple[str, Any]]:
 
     Yields
     ------
-    tuple of str and float, int or `Bounded`
+    tuple of str and float, int, `Bounded` or `Certified`
         Values as they are held.
     """
     if _is_number(block):
@@ -132,4 +132,4 @@ def _parts(block: Any) -> Iterator[tuple[str, Any]]:
 
 
 def _is_number(value: Any) -> bool:
-    return isinstance(value, float | int | Bounded) and not isinstance(value, bool)
+    return isinstance(value, float | int | Bounded | Certified) and not isinstance(value, bool)
