@@ -15,6 +15,7 @@ import pytest
 import longball as lb
 from longball import api, engines, tables
 from longball.model.quantities import numbers
+from tests.engines.test_lines import ERRORS
 
 AT_BAT = {
     "pitch": {"speed": 38.64, "aim": [-0.144, 1.8]},
@@ -118,10 +119,25 @@ class TestSolve:
         with pytest.raises(error):
             lb.solve({"kind": "pitch"}, engine=engine, **options)
 
-    def test_what_cannot_be_solved_raises(self):
-        inside = {"kind": "at-bat", "pitch": {"release": [0.01, 0, 1.8]}}
-        with pytest.raises(lb.CannotSolve, match="inside"):
-            lb.solve(inside)
+    @pytest.mark.parametrize(
+        ("line", "error"),
+        [
+            (next(line for code, _, line in ERRORS if code == wanted), error)
+            for wanted, error in (
+                ("undecided", lb.Undecided),
+                ("too_long", lb.CannotSolve),
+                ("out_of_range", lb.CannotSolve),
+                ("unsupported", lb.CannotSolve),
+            )
+        ],
+    )
+    def test_what_cannot_be_solved_raises(self, line: str, error: type[Exception]):
+        (unsolved,) = lb.solve_many([line], "ivp")
+        for attempt in (lambda: lb.solve(line), lambda: unsolved.path):
+            with pytest.raises(error) as raised:
+                attempt()
+            assert raised.value.code == unsolved.code
+            assert str(raised.value) == unsolved.error
 
     def test_a_result_shows_itself(self):
         shown = lb.solve(lb.AtBat(id="<b>", **AT_BAT))

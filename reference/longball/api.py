@@ -9,7 +9,7 @@ from __future__ import annotations
 import html
 import json
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, cast, get_args
 
@@ -19,14 +19,21 @@ from pydantic import BaseModel
 
 from longball import engines
 from longball.engines import chain
-from longball.engines.engine import CannotSolve, Engine
+from longball.engines.engine import CannotSolve, Engine, OutOfRange, TooLong
 from longball.engines.path import Trajectory
 from longball.model import scene as models
 from longball.model.numbers import Undecided
-from longball.model.result import Bounded, Contact, Landing, Outcome, Plate, Result
+from longball.model.result import (
+    Bounded,
+    Contact,
+    ErrorCode,
+    Landing,
+    Outcome,
+    Plate,
+    Result,
+)
 from longball.model.result import Impact as ImpactResult
-from longball.model.scene import AtBatScene, Scene, parse_scene
-from longball.model.scene import SceneError as InvalidScene
+from longball.model.scene import AtBatScene, InvalidScene, Scene, parse_scene
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -238,6 +245,7 @@ class Solution:
     landing: Landing | None
     engine: str | None
     error: str | None
+    code: ErrorCode | None
 
     def __init__(
         self,
@@ -374,8 +382,14 @@ def as_engine(engine: str | Engine[Any], options: Mapping[str, Any]) -> Engine[A
 
 def error_of(result: Result) -> Exception:
     """Return the exception that says why a result has no outcome."""
-    kinds: dict[str | None, type[Exception]] = {"invalid": InvalidScene, "undecided": Undecided}
-    return kinds.get(getattr(result, "code", None), CannotSolve)(result.error)
+    assert result.error is not None
+    assert result.code is not None
+    return _ERRORS[result.code](result.error)
+
+
+_ERRORS: dict[ErrorCode, Callable[[str], Exception]] = {
+    error.code: error for error in (InvalidScene, Undecided, CannotSolve, TooLong, OutOfRange)
+}
 
 
 # --- the probability of a home run ----------------------------------------------------------------

@@ -23,8 +23,7 @@ from longball.engines.chain import BLOCKS
 from longball.engines.engine import Engine, ManyAtOnce
 from longball.model.quantities import flat, nested, replaced
 from longball.model.result import Result
-from longball.model.scene import AtBatScene, ImpactScene, PitchScene, Scene
-from longball.model.scene import SceneError as InvalidScene
+from longball.model.scene import AtBatScene, ImpactScene, InvalidScene, PitchScene, Scene
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -72,8 +71,8 @@ def solve_many(
     list of Solution or pandas.DataFrame
         Solutions in the order of the scenes; one without an answer has an `error`. Of columns a
         table with a row for each scene: ``outcome``, ``plate.time``, ``landing.distance``,
-        ``landing.position[0]``, …, NaN where there is none; ``error`` says why a row has no
-        outcome. ``id`` is there if the columns have it.
+        ``landing.position[0]``, …, NaN where there is none; ``error`` and ``code`` say why a row
+        has no outcome. ``id`` is there if the columns have it.
 
     Raises
     ------
@@ -113,7 +112,7 @@ def solve_each(
     results = iter(_solve_valid(valid, solver, workers))
     for scene in asked:
         if isinstance(scene, InvalidScene):
-            yield scene, Result(id=scene.scene_id, error=str(scene))
+            yield scene, Result(id=scene.scene_id, error=str(scene), code=scene.code)
         else:
             yield scene, next(results)
 
@@ -244,9 +243,9 @@ def _frame(
 
     named = {} if ids is None else {"id": ids}
     frame = pd.DataFrame({**named, **table})
-    frame["error"] = pd.Series(None, frame.index, "str")
+    frame["error"] = frame["code"] = pd.Series(None, frame.index, "str")
     for i, result in reasons.items():
-        frame.loc[i, ["outcome", "error"]] = None, result.error
+        frame.loc[i, ["outcome", "error", "code"]] = None, result.error, result.code
     return frame
 
 
@@ -260,7 +259,7 @@ def results_table(results: Iterable[Result]) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=sorted(names, key=_place)).astype(_TEXTS)
 
 
-_TEXTS = {"outcome": "str", "error": "str"}  # columns that are always there
+_TEXTS = {"outcome": "str", "error": "str", "code": "str"}  # columns that are always there
 
 
 def _place(name: str) -> tuple[int, int, str]:

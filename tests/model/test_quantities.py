@@ -159,5 +159,5 @@ def test_vectors_named_in_part_are_completed():
     "names", [("pitch speed",), ("pitch", "pitch.speed"), ("a[0].b", "a[0]", "a[0].c")]
 )
 def test_names_that_contradict_each_other(names):
-    with pytest.raises(ValueError, match="is not the name|already"):
+    with pytest.raises(ValueError, match=r"is not the name|already"):
         nested(dict.fromkeys(names, 1.0))

@@ -153,7 +153,7 @@ def _with_lists(data: Any, default: Any, name: str) -> Any:
     """Return data with lists for mappings from places."""
     if not isinstance(data, dict):
         return data
-    if not all(key.isdigit() for key in data):
+    if not data or not all(key.isdigit() for key in data):
         return {key: _with_lists(x, default, f"{name}.{key}") for key, x in data.items()}
     rest = [] if default is None else at(default, name) or []
     places = range(max(len(rest), *(int(key) + 1 for key in data)))
