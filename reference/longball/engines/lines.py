@@ -96,6 +96,5 @@ def _of_line(number: int, answer: Result | InvalidScene) -> Result:
     """Return the result of a line: its error, if it has one, names the line."""
     if isinstance(answer, InvalidScene):
         return Result(id=answer.scene_id, error=f"line {number}: {answer}", code=answer.code)
-    if answer.error is None:
-        return answer
-    return answer.model_copy(update={"error": f"line {number}: {answer.error}"})
+    error = answer.error and f"line {number}: {answer.error}"
+    return answer.model_copy(update={"id": answer.id or str(number), "error": error})
