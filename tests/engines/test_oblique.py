@@ -19,9 +19,9 @@ from longball.model.scene import (
     Bat,
     ImpactScene,
     Incoming,
+    InvalidScene,
     Pitch,
     Rotation,
-    SceneError,
     Swing,
     parse_scene,
 )
@@ -496,5 +496,5 @@ def test_a_scene_without_the_new_keys_is_written_as_ever():
 )
 def test_bad_keys_are_named(bat, reading, message):
     line = f'{{"id": "x", "kind": "at-bat", "bat": {{{bat}}}, "reading": {{{reading}}}}}'
-    with pytest.raises(SceneError, match=message):
+    with pytest.raises(InvalidScene, match=message):
         parse_scene(line)
