@@ -99,9 +99,20 @@ class Impact(_Strict):
     """The impulse and what it does."""
 
     restitution: Number = Field(description="ẽ, between ball and bat")
-    impulse: Number = Field(description="N s, along the normal")
+    impulse: Number = Field(description="N s, the normal part")
     velocity: Triple = Field(description="m/s, of the ball, after")
-    energy_change: Number = Field(description="J, of ball and bat together")
+    energy_change: Number = Field(
+        description="J, of ball and bat together; positive: the collision creates energy"
+    )
+    spin: Triple | None = Field(default=None, description="rad/s, of the ball, after")
+    mode: Literal["grip", "slide", "frictionless"] | None = Field(
+        default=None, description="what the ball does on the bat; absent without friction and spin"
+    )
+    friction_margin: Number | None = Field(
+        default=None,
+        description="1 - |P_t|/(μ_f P_n) of the impulse that would make the ball grip; negative: "
+        "it slides",
+    )
 
 
 class Landing(_Strict):
