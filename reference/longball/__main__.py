@@ -63,11 +63,16 @@ def main() -> None:
 
     from longball.cli import app
     from longball.cli.common import tell
+    from longball.extras import MissingExtra, naming_extras
 
     for number in heard:
         signal.signal(number, _stop)
     try:
-        app()
+        with naming_extras():
+            app()
+    except MissingExtra as error:
+        tell(str(error))
+        sys.exit(2)
     except BrokenPipeError:
         # The reader of our output has left. Python would raise again when it flushes.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -38,7 +38,7 @@ def on_cluster(address: str | None) -> Iterator[None]:
     try:
         distributed: Any = import_module("distributed")
     except ImportError:
-        wrong_call("--scheduler: Dask is not installed; pip install 'longball[dask]'")
+        wrong_call('--scheduler: Dask is not installed; pip install "longball[dask]"')
     from joblib import parallel_config
 
     option = f"--scheduler {address}"

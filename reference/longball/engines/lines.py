@@ -8,6 +8,7 @@ from itertools import islice
 
 from longball.engines.chain import solve_each
 from longball.engines.engine import Engine, ManyAtOnce
+from longball.engines.parallel import in_parallel
 from longball.model.jsonl import LONGEST_LINE
 from longball.model.numbers import N
 from longball.model.result import Result
@@ -33,13 +34,10 @@ def solve_lines(
         for chunk in _numbered(_as_they_come(lines)):
             yield from _solve_in_turn(chunk, engine)
         return
-    from joblib import Parallel, delayed  # slow to import, and not needed for one worker
-
     size = CHUNK_AT_ONCE if isinstance(engine, ManyAtOnce) else CHUNK
     numbered = (line for chunk in _numbered(_as_they_come(lines)) for line in chunk)
     chunks = iter(lambda: list(islice(numbered, size)), [])
-    tasks = (delayed(_solve_chunk)(chunk, engine) for chunk in chunks)
-    for results in Parallel(n_jobs=workers, return_as="generator")(tasks):
+    for results in in_parallel(_solve_chunk, ((chunk, engine) for chunk in chunks), workers):
         yield from results
 
 

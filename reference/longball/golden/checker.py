@@ -7,11 +7,14 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from decimal import Decimal, localcontext
+from importlib import import_module
 from pathlib import Path
 from typing import TypeVar
 
 from pydantic import ValidationError
 
+from longball.engines.parallel import in_parallel
+from longball.extras import MissingExtra, naming_extras
 from longball.golden.case import Case, Header, as_double, decisive, numbers_of
 from longball.golden.families import FAMILIES, Family
 from longball.golden.files import (
@@ -34,11 +37,12 @@ M = TypeVar("M", Header, Probabilities)
 
 @dataclass(frozen=True)
 class Report:
-    """Numbers of cases read and solved again, and a sentence for each failure."""
+    """Numbers of cases read and solved again, a sentence for each failure, what was left out."""
 
     cases: int
     solved_again: int
     failures: tuple[str, ...]
+    left_out: str = ""
 
 
 def check(
@@ -70,8 +74,6 @@ def check(
     progress
         Called with the numbers of cases solved again, and of those to be.
     """
-    from joblib import Parallel, delayed  # slow to import
-
     failures = [*_wrong_files(folder)]
     cases: list[Case] = []
     top, fault = _read(Header, folder / HEADER)
@@ -100,14 +102,18 @@ def check(
     chosen = every
     if sample is not None and sample < len(every):
         chosen = random.Random(seed).sample(every, sample)
-    tasks = (
-        delayed(solved_again if isinstance(case, Case) else integrated_again)(case, independent)
-        for case in chosen
-    )
-    for done, found_wrong in enumerate(Parallel(n_jobs=workers, return_as="generator")(tasks), 1):
+    left_out = ""
+    try:
+        with naming_extras():
+            import_module("longball.engines.batch")
+    except MissingExtra as error:
+        left_out = f"P(e) is not integrated again: {error}"
+        chosen = [case for case in chosen if isinstance(case, Case)]
+    calls = ((case, independent) for case in chosen)
+    for done, found_wrong in enumerate(in_parallel(_made_again, calls, workers), 1):
         failures += found_wrong
         progress(done, len(chosen))
-    return Report(len(every), len(chosen), tuple(failures))
+    return Report(len(every), len(chosen), tuple(failures), left_out)
 
 
 # --- files ----------------------------------------------------------------------------------------
@@ -207,6 +213,12 @@ def _inconsistent(case: Case, top: Header) -> Iterator[str]:
 
 
 # --- every number once more -----------------------------------------------------------------------
+
+
+def _made_again(case: Case | ProbabilityCase, independent: bool) -> list[str]:
+    if isinstance(case, Case):
+        return solved_again(case, independent)
+    return integrated_again(case, independent)
 
 
 def solved_again(case: Case, independent: bool) -> list[str]:

@@ -13,6 +13,8 @@ from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 
 import longball
+from longball.engines.parallel import in_parallel
+from longball.extras import naming_extras
 from longball.golden.case import Case
 from longball.golden.case_builder import Draft
 from longball.golden.families import FAMILIES, Family
@@ -89,12 +91,13 @@ def _histories(made: Mapping[str, list[Case]]) -> Iterator[tuple[str, str]]:
 
 def _cases(folder: Path, family: str, drafts: list[Draft], workers: int) -> Iterator[Case]:
     """Yield the cases of a family in order; those that an earlier run has finished are kept."""
-    from joblib import Memory, Parallel, delayed  # slow to import
+    with naming_extras():
+        from joblib import Memory  # slow to import
 
     finished = Memory(folder / PARTIAL, verbose=0).cache(_line)
     stamp = fingerprint()
-    tasks = (delayed(finished)(stamp, family, draft) for draft in drafts)
-    for line in Parallel(n_jobs=workers, return_as="generator")(tasks):
+    calls = ((stamp, family, draft) for draft in drafts)
+    for line in in_parallel(finished, calls, workers):
         yield Case.model_validate_json(line)
 
 
