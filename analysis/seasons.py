@@ -36,9 +36,8 @@ FENCE = ((-45, 330), (-30, 365), (-15, 392), (0, 402), (15, 392), (30, 365), (45
 FENCE_HEIGHT = 8.0 * FOOT
 
 # Table I: the livelier ball and the duller one of each pair, the recent pair first.
-SEASON_PAIRS = tuple(
-    tuple(next(x for x in SEASONS if x.year == year) for year in pair) for pair in reversed(PAIRS)
-)
+_OF = {season.year: season for season in SEASONS}
+SEASON_PAIRS = tuple((_OF[lively], _OF[dull]) for lively, dull in reversed(PAIRS))
 DULL = SEASON_PAIRS[0][1]
 E_LOW = DULL.restitution
 
