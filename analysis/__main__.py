@@ -73,6 +73,7 @@ whether the coefficient of restitution explains the home runs of the paper's Tab
             "convergence": False,
             "stability": False,
             "survival": False,
+            "certificates": False,
         },
     ),
     "paper": Page(
