@@ -4,6 +4,7 @@ import csv
 import io
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ from longball.cli import app
 from longball.engines import create
 from longball.engines.chain import solve
 from longball.model.scene import parse_scene
-from longball.pitches.models import MODELS
+from longball.pitches.models import ACTIVE_SHARE, MODELS
 from longball.pitches.prediction import bands, predict, scenes, summaries
 from longball.pitches.statcast import read_measured
 
@@ -33,6 +34,15 @@ def batted_row(scene, model):
     level = speed * MPH * math.cos(theta)
     velocity = [level * math.cos(beta), -level * math.sin(beta), speed * MPH * math.sin(theta)]
     launch = {"position": [2 * FOOT, 0, 3 * FOOT], "velocity": velocity}
+    if MODELS[model].spin:  # of a right-handed batter, by the regression
+        rpm = -763 + 120 * angle + 21 * bearing, -849 - 94 * bearing
+        back, side = (2 * math.pi / 60 * x for x in rpm)
+        level = -side * math.sin(theta)
+        launch["spin"] = [
+            -back * math.sin(beta) + level * math.cos(beta),
+            -back * math.cos(beta) - level * math.sin(beta),
+            side * math.cos(theta),
+        ]
     blocks = MODELS[model].blocks(293.15, 0.0)
     flight = {"id": "x", "kind": "flight", "launch": launch} | blocks
     landing = solve(parse_scene(json.dumps(flight)), ENGINE).landing
@@ -43,7 +53,7 @@ def batted_row(scene, model):
     }  # fmt: skip
 
 
-@pytest.mark.parametrize("model", ["vacuum", "paper"])
+@pytest.mark.parametrize("model", ["vacuum", "paper", "nathan", "giordano", "crisis"])
 def test_a_fly_comes_back(model):
     rows = [batted_row(ball, model) for ball in ((100, 30, 0), (80, 15, -20), (95, 55, 40))]
     flies = read_measured(io.StringIO(table(*rows)), "batted")
@@ -51,8 +61,35 @@ def test_a_fly_comes_back(model):
     # Lost in feet and back, and in the degrees that a bearing is found from: some 1e-15 of 120 m.
     assert np.abs(prediction.error).max() < 1e-11
     assert not prediction.without
-    other = predict(flies, MODELS["paper" if model == "vacuum" else "vacuum"], ENGINE)
+    other = predict(flies, MODELS["vacuum" if model == "paper" else "paper"], ENGINE)
     assert np.abs(other.error).min() > 1.0
+
+
+@pytest.mark.parametrize(("hand", "sign"), [("R", 1), ("L", -1)])
+def test_a_pitch_comes_back(hand, sign):
+    # Thrown at (5, -135, -6) ft/s, with 2,300 rpm about an axis seen at 200°, a share of it active.
+    velocity = np.array([-135.0, -5.0, -6.0]) * FOOT
+    along = velocity / np.linalg.norm(velocity)
+    axis = np.array([0.0, -math.cos(math.radians(200)), math.sin(math.radians(200))])
+    axis -= axis @ along * along
+    axis /= np.linalg.norm(axis)
+    share = ACTIVE_SHARE["FF"]
+    spin = 2300 * 2 * math.pi / 60 * (share * axis + sign * math.sqrt(1 - share**2) * along)
+    release = [(54.5 - 17 / 12) * FOOT, 2 * FOOT, 6 * FOOT]
+    pitch = {"release": release, "velocity": velocity.tolist(), "spin": spin.tolist()}
+    model = MODELS["nathan"]
+    scene = {"id": "x", "kind": "pitch", "pitch": pitch} | model.blocks(293.15, 0.0)
+    _, y, z = map(float, solve(parse_scene(json.dumps(scene)), ENGINE).plate.position)
+    row = {
+        "game_pk": 1, "pitch_type": "FF", "p_throws": hand, "release_spin_rate": 2300,
+        "spin_axis": 200, "release_pos_x": -2, "release_pos_y": 54.5, "release_pos_z": 6,
+        "vx0": 5, "vy0": -135, "vz0": -6, "ax": 0, "ay": 0, "az": 0,
+        "plate_x": repr(-y / FOOT), "plate_z": repr(z / FOOT),
+    }  # fmt: skip
+    pitches = read_measured(io.StringIO(table(row)), "pitch")
+    assert np.abs(predict(pitches, model, ENGINE).error).max() < 1e-12
+    # Without its spin it drops by half a metre.
+    assert predict(pitches, replace(model, lift=0.0), ENGINE).error[0, 1] < -0.3
 
 
 def test_groups():
