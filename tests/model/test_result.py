@@ -23,7 +23,9 @@ def test_the_keys_are_the_contracts():
         "time", "position", "normal", "bat_velocity", "normal_speed", "margin",
     ]  # fmt: skip
     assert list(Impact.model_fields) == ["restitution", "impulse", "velocity", "energy_change"]
-    assert list(Landing.model_fields) == ["time", "hang_time", "position", "velocity", "distance"]
+    assert list(Landing.model_fields) == [
+        "time", "hang_time", "position", "velocity", "distance", "spin", "path",
+    ]  # fmt: skip
 
 
 def test_the_outcomes_are_the_contracts():

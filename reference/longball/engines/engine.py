@@ -60,6 +60,8 @@ class Launch(Generic[N]):
 
     Attributes
     ----------
+    spin
+        rad/s; None if the scene says nothing of it.
     delay
         s, from the contact to the time at which the ball is free.
     landed
@@ -71,6 +73,7 @@ class Launch(Generic[N]):
     time: N
     delay: N
     landed: bool = False
+    spin: Vector[N] | None = None
 
 
 class Engine(Protocol[N]):
