@@ -123,6 +123,10 @@ class Landing(_Strict):
     position: Triple = Field(description="m")
     velocity: Triple = Field(description="m/s")
     distance: Number = Field(description="m, horizontal, from the plate")
+    spin: Triple | None = Field(default=None, description="rad/s, if the scene names a spin")
+    path: Number | None = Field(
+        default=None, description="m, through the air since contact or launch, if spin decays"
+    )
 
 
 class Result(_Strict):
