@@ -1,4 +1,4 @@
-"""Sphinx builds the documentation from these settings; neither the build nor the pages need a network."""
+"""Settings of Sphinx. Neither the build nor the pages need a network."""
 
 from __future__ import annotations
 
