@@ -19,9 +19,9 @@ from longball.model.scene import (
     FlightScene,
     Ground,
     ImpactScene,
+    InvalidScene,
     PitchScene,
     Rotation,
-    SceneError,
     Swing,
     landing_height,
     parse_scene,
@@ -42,7 +42,7 @@ def parsed(kind="pitch", **values):
 
 
 def refused(text):
-    with pytest.raises(SceneError) as error:
+    with pytest.raises(InvalidScene) as error:
         parse_scene(text)
     return error.value
 

@@ -16,7 +16,7 @@ from typing import Any, Generic, cast
 from pydantic import ValidationError
 
 from longball.engines.contact import BatSection
-from longball.engines.engine import CannotSolve, Engine, Launch, Stepped, Touch
+from longball.engines.engine import CannotSolve, Engine, Launch, OutOfRange, Stepped, Touch
 from longball.engines.event import Event, ground, plate, vertical
 from longball.engines.path import Flight, Leg, Path, Trajectory
 from longball.model import result as written
@@ -27,7 +27,7 @@ from longball.model.law import FORCES, LIFT, Force, Law, PlaneState, State, law_
 from longball.model.numbers import N, Numbers, Undecided, Vector, absolute
 from longball.model.quantities import replaced
 from longball.model.result import Outcome, Result
-from longball.model.scene import AtBatScene, Scene, landing_height
+from longball.model.scene import AtBatScene, InvalidScene, Scene, landing_height
 
 # --- the collision --------------------------------------------------------------------------------
 
@@ -581,7 +581,7 @@ class OneCase(Cases[N]):
         """See `Cases`."""
         self.answer["outcome"] = outcome
 
-    def result(self, error: str | None = None) -> Result:
+    def result(self, error: InvalidScene | Undecided | CannotSolve | None = None) -> Result:
         """Return what has been written, as a result; with an error, if there is one."""
         blocks: dict[str, dict[str, Any]] = {}
         for name, value in self.answer.items():
@@ -596,7 +596,8 @@ class OneCase(Cases[N]):
             id=self.scene.id,
             engine=self.engine.description,
             outcome=None if error else self.answer["outcome"],
-            error=error,
+            error=None if error is None else str(error),
+            code=None if error is None else error.code,
             **{name: BLOCKS[name](**values) for name, values in blocks.items()},
         )
 
@@ -668,7 +669,7 @@ def approach_of(scene: AtBatScene, engine: Engine[N]) -> Approach[N] | None:
 
     Raises
     ------
-    CannotSolve, Undecided
+    CannotSolve, InvalidScene, Undecided
     """
     with engine.numbers.arithmetic():
         return approach_bat(OneCase(scene, engine, MODEL))[1]
@@ -685,15 +686,15 @@ def _follow(case: OneCase[N], chain: Callable[[], None]) -> Result | None:
     """Go through a chain; return the result, or an error; None if it is not concluded."""
     with case.numbers.arithmetic():
         try:
-            chain()
+            try:
+                chain()
+            except (InvalidScene, Undecided, CannotSolve) as error:
+                return case.result(error)
             return case.result() if "outcome" in case.answer else None
-        except (Undecided, CannotSolve) as error:
-            return case.result(str(error))
         except (ArithmeticError, ValueError) as error:
             what = "a quantity is not finite" if isinstance(error, ValidationError) else str(error)
-            return OneCase(case.scene, case.engine, case.model).result(
-                f"the numbers leave the range of the engine: {what}"
-            )
+            reason = OutOfRange(f"the numbers leave the range of the engine: {what}")
+            return replace(case, answer={}).result(reason)
 
 
 def _dot(a: Vector[N], b: Vector[N]) -> N:

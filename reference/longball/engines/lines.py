@@ -10,7 +10,7 @@ from longball.engines.chain import solve
 from longball.engines.engine import Engine, ManyAtOnce
 from longball.model.numbers import N
 from longball.model.result import Result
-from longball.model.scene import Scene, SceneError, parse_scene
+from longball.model.scene import InvalidScene, Scene, parse_scene
 
 # Lines that a worker process takes at a time: some hundredths of a second.
 CHUNK, CHUNK_AT_ONCE = 32, 1024
@@ -79,27 +79,29 @@ def _solve_in_turn(chunk: list[Line], engine: Engine[N]) -> Iterator[Result]:
     if isinstance(engine, ManyAtOnce):
         read = [_read(line) for _, line in chunk]
         solved = iter(
-            engine.solve_all([scene for scene in read if not isinstance(scene, SceneError)])
+            engine.solve_all([scene for scene in read if not isinstance(scene, InvalidScene)])
         )
         for (number, _), scene in zip(chunk, read, strict=True):
-            yield _of_line(number, scene if isinstance(scene, SceneError) else next(solved))
+            yield _of_line(number, scene if isinstance(scene, InvalidScene) else next(solved))
     else:
         for number, line in chunk:
             scene = _read(line)
-            yield _of_line(number, scene if isinstance(scene, SceneError) else solve(scene, engine))
+            yield _of_line(
+                number, scene if isinstance(scene, InvalidScene) else solve(scene, engine)
+            )
 
 
-def _read(line: bytes) -> Scene | SceneError:
+def _read(line: bytes) -> Scene | InvalidScene:
     try:
         return parse_scene(line)
-    except SceneError as error:
+    except InvalidScene as error:
         return error
 
 
-def _of_line(number: int, answer: Result | SceneError) -> Result:
+def _of_line(number: int, answer: Result | InvalidScene) -> Result:
     """Return the result of a line: its error, if it has one, names the line."""
-    if isinstance(answer, SceneError):
-        return Result(id=answer.scene_id, error=f"line {number}: {answer}")
+    if isinstance(answer, InvalidScene):
+        return Result(id=answer.scene_id, error=f"line {number}: {answer}", code=answer.code)
     if answer.error is None:
         return answer
     return answer.model_copy(update={"error": f"line {number}: {answer.error}"})

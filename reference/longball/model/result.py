@@ -23,6 +23,9 @@ Outcome = Literal[
 ]
 
 
+ErrorCode = Literal["invalid", "undecided", "too_long", "out_of_range", "unsupported"]
+
+
 class _Strict(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
 
@@ -109,6 +112,14 @@ class Result(_Strict):
     engine: str | None = Field(default=None, description="who computed it, and how")
     error: str | None = Field(
         default=None, description="what could not be solved, where, and how to mend it"
+    )
+    code: ErrorCode | None = Field(
+        default=None,
+        description="the sort of error. invalid: not a scene, or one that contradicts itself; "
+        "undecided: the errors of the numbers leave open what happens, and more digits may tell; "
+        "too_long: the flight takes too many steps, and a lower time_limit may help; "
+        "out_of_range: numbers or forces are beyond what the engine can represent or resolve; "
+        "unsupported: the model or the engine has no answer to such a scene",
     )
 
     def line(self) -> str:

@@ -14,10 +14,13 @@ from typing import Annotated, Any, Literal, NoReturn, Self, get_args
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from longball.model.readings import Reading
+from longball.model.result import ErrorCode
 
 
-class SceneError(ValueError):
-    """A line that is not a scene; the message says what is wrong, and where."""
+class InvalidScene(ValueError):
+    """What is not a scene, or contradicts itself; the message says what is wrong, and where."""
+
+    code: ErrorCode = "invalid"
 
     def __init__(self, message: str, scene_id: str | None = None) -> None:
         super().__init__(message)
@@ -238,22 +241,22 @@ def parse_scene(line: str | bytes) -> Scene:
 
     Raises
     ------
-    SceneError
+    InvalidScene
         With a sentence that names the key at fault and says what it takes.
     """
     text = _text(line)
     data = _json(text)
     if not isinstance(data, dict):
-        raise SceneError(f"not a scene: a JSON object is needed, this is {_short(data)}")
+        raise InvalidScene(f"not a scene: a JSON object is needed, this is {_short(data)}")
     scene_id = data["id"] if _is_text(data.get("id")) else None
     kind = data.get("kind")
     if not isinstance(kind, str) or kind not in KINDS:
         given = f"{_short(kind)} is not a kind of scene" if "kind" in data else "is missing"
-        raise SceneError(f"kind: {given}; it is one of {', '.join(KINDS)}", scene_id)
+        raise InvalidScene(f"kind: {given}; it is one of {', '.join(KINDS)}", scene_id)
     try:
         return KINDS[kind].model_validate_json(text)
     except ValidationError as error:
-        raise SceneError(explain(error, KINDS[kind]), scene_id) from None
+        raise InvalidScene(explain(error, KINDS[kind]), scene_id) from None
 
 
 def explain(error: ValidationError, model: type[BaseModel]) -> str:
@@ -264,12 +267,12 @@ def explain(error: ValidationError, model: type[BaseModel]) -> str:
 def _text(line: str | bytes) -> str:
     if isinstance(line, str):
         if not _is_text(line):
-            raise SceneError("not Unicode text: it holds half of a surrogate pair")
+            raise InvalidScene("not Unicode text: it holds half of a surrogate pair")
         return line
     try:
         return line.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise SceneError(
+        raise InvalidScene(
             f"not UTF-8 text: byte {error.start + 1} is 0x{line[error.start]:02x}"
         ) from None
 
@@ -279,9 +282,9 @@ def _json(text: str) -> Any:
         # Python refuses to convert whole numbers of thousands of digits, as a protection.
         return json.loads(text, object_pairs_hook=_each_key_once, parse_int=float)
     except json.JSONDecodeError as error:
-        raise SceneError(f"not JSON: {error.msg} at character {error.pos + 1}") from None
+        raise InvalidScene(f"not JSON: {error.msg} at character {error.pos + 1}") from None
     except RecursionError:
-        raise SceneError("not a scene: its brackets are nested too deeply") from None
+        raise InvalidScene("not a scene: its brackets are nested too deeply") from None
 
 
 def _is_text(value: Any) -> bool:
@@ -294,7 +297,7 @@ def _each_key_once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     if len(block) < len(pairs):
         keys = [key for key, _ in pairs]
         twice = next(key for key in keys if keys.count(key) > 1)
-        raise SceneError(f"{twice}: the key is given twice in one block")
+        raise InvalidScene(f"{twice}: the key is given twice in one block")
     return block
 
 

@@ -20,16 +20,23 @@ from longball.model.scene import explain
 from longball.pitches.table import Columns, Omission, PitchesError, PitchTypes, Strict
 
 Method = Literal["maximum_likelihood", "least_squares"]
+Status = Literal["fitted", "held", "at_bound"]
 Share = Annotated[float, Field(ge=0.0, le=1.0)]
+
+# The 95 % point of (χ²₀ + χ²₁)/2, the distribution of a likelihood ratio where the truth lies on
+# the boundary between the two hypotheses (Self and Liang, J. Am. Stat. Assoc. 82, 605 (1987)).
+PEAK_GAIN = 2.71
 
 
 class Estimate(Strict):
     """A fitted number."""
 
     value: float
-    standard_error: float | None = Field(
-        description="0 where the number was held; null where the data do not determine it, "
-        "or leave it at the end of the range that was searched"
+    standard_error: float | None = Field(description="null where the data do not determine it")
+    status: Status = Field(
+        default="fitted",
+        description="held: not fitted, its error is 0; at_bound: the search ended at the end of "
+        "its range, so that the value is no maximum and has no error",
     )
 
 
@@ -122,7 +129,16 @@ class Aims(Strict):
     )
     gain_over_one_normal: float = Field(
         description="twice the logarithm of how much likelier that mixture is than one normal "
-        "distribution, with its two parameters less; 4 is nothing (Akaike)"
+        "distribution, which has two parameters less"
+    )
+    gain_over_one_peak: float = Field(
+        description="the same over the likeliest mixture of Eq. 4 that has a single maximum; 0 if "
+        "the likeliest of all has"
+    )
+    two_peaks_supported: bool = Field(
+        description="whether the first gain exceeds 2 ln n, which is what two more parameters "
+        f"cost (BIC), and the second {PEAK_GAIN}, which 5 % of samples from a density with one "
+        "peak exceed at most; both compare with densities of Eq. 4 only"
     )
     least_squares: AimFit = Field(
         description="the density at a cell's number laid through the cell's share, as in Fig. 3"
@@ -234,9 +250,14 @@ def _lines(fitted: FittedPitches) -> Iterator[str]:
         ("q, weight of left", "weight"),
     ):
         yield _row(label, *(_number(getattr(fit, key), 1.0, 3) for fit in aims))
-    yield _row("peaks", *(str(fit.peaks) for fit in aims))
+    unsupported = "" if aim.two_peaks_supported else ", unsupported"
+    yield _row("peaks", *(f"{fit.peaks}{unsupported * (fit.peaks == 2)}" for fit in aims))
     yield _row("R²", *(_determination(fit.r_squared) for fit in aims))
-    yield _row("2 Δ ln L over one normal", f"{aim.gain_over_one_normal:.1f}")
+    needed = 2.0 * math.log(sum(aim.cells))
+    yield _row("2 Δ ln L over one normal", f"{aim.gain_over_one_normal:.1f} (BIC: {needed:.1f})")
+    yield _row("2 Δ ln L over one peak", f"{aim.gain_over_one_peak:.1f} (5 %: {PEAK_GAIN})")
+    if not aim.two_peaks_supported:
+        yield "The data do not support two peaks: one of these gains is below what it has to be."
     yield _row("pitches in cells 1 to 5", ", ".join(map(str, aim.cells)))
 
     if fitted.height is not None:
@@ -250,7 +271,8 @@ def _lines(fitted: FittedPitches) -> Iterator[str]:
             f"p = {fitted.height.p_value_of_lower_four:.2g}",
         )
     yield ""
-    yield "± is one standard error, ? where there is none to give."
+    yield "± is one standard error, ? where there is none to give. At bound: where the range of the"
+    yield "search ends; the likelihood, or the sum of squares, has no extremum there."
     yield (
         f"A cell across is {fitted.columns.cell_width:g} m wide, numbered from the pitcher's left. "
         f"To draw from: {fitted.draw_from.replace('_', ' ')}."
@@ -263,10 +285,10 @@ def _row(label: str, *values: str) -> str:
 
 def _number(estimate: Estimate, scale: float, digits: int) -> str:
     value = f"{scale * estimate.value:.{digits}f}"
+    if estimate.status != "fitted":
+        return f"{value} ({estimate.status.replace('_', ' ')})"
     if estimate.standard_error is None:
         return f"{value} ± ?"
-    if estimate.standard_error == 0.0:
-        return f"{value} (held)"
     return f"{value} ± {scale * estimate.standard_error:.{digits}f}"
 
 
