@@ -9,9 +9,18 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Sequence
 from typing import Annotated, Any, Literal, NoReturn, Self, get_args
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    SerializerFunctionWrapHandler,
+    ValidationError,
+    model_serializer,
+    model_validator,
+)
 
 from longball.model.readings import Reading
 from longball.model.result import ErrorCode
@@ -30,6 +39,15 @@ class InvalidScene(ValueError):
 class _Block(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
 
+    @model_serializer(mode="wrap")
+    def _without_what_is_not_named(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        fields = type(self).model_fields
+        return {
+            name: value
+            for name, value in handler(self).items()
+            if value is not None or fields[name].default is not None
+        }
+
 
 # Sizes within which no product of the model's formulas overflows or underflows a double.
 LARGEST, SMALLEST = 1e30, 1e-30
@@ -47,6 +65,12 @@ class Ball(_Block):
     radius: Positive = Field(default=0.0366, description="m; paper, Sec. III.A")
     restitution: float = Field(
         default=0.42, ge=0.0, le=1.0, description="e; the paper's runs from 0.41 to 0.45"
+    )
+    inertia_factor: float | None = Field(
+        default=None,
+        ge=SMALLEST,
+        le=1.0,
+        description="I/(m R²), which friction needs; 0.4 if left out, as of a solid sphere",
     )
 
 
@@ -90,6 +114,26 @@ class Bat(_Block):
     mass: Positive = Field(default=0.9, description="kg; not printed in the paper")
     length: Positive = Field(default=1.0, description="m")
     radius: Positive = Field(default=0.033, description="m")
+    support: Literal["pivot", "free"] | None = Field(
+        default=None,
+        description="what holds the bat in the impact: it turns about its end B (pivot, also if "
+        "left out), or nothing does (free)",
+    )
+    friction: Positive | None = Field(
+        default=None, description="μ_f, between ball and bat; none if left out"
+    )
+    tangential_restitution: float | None = Field(
+        default=None,
+        ge=-1.0,
+        le=1.0,
+        description="e_T of a ball that grips the bat; needs friction; 0.3 if left out",
+    )
+
+    @model_validator(mode="after")
+    def _with_friction(self) -> Self:
+        if self.tangential_restitution is not None and self.friction is None:
+            _refuse("tangential_restitution needs friction: give the bat a friction, such as 0.5")
+        return self
 
 
 class Rotation(_Block):
@@ -120,6 +164,7 @@ class Incoming(_Block):
     position: Point = Field(description="m, of the ball's centre, R + r_b from the bat's axis")
     velocity: Point = Field(description="m/s")
     bat_height: Quantity = Field(description="m, z_b of the bat's axis")
+    spin: Point | None = Field(default=None, description="rad/s, of the ball")
 
 
 class Ground(_Block):
@@ -129,14 +174,18 @@ class Ground(_Block):
 
 
 class _Scene(_Block):
-    id: str = Field(min_length=1, description="returned with the result")
+    id: str | None = Field(
+        default=None,
+        min_length=1,
+        description="returned with the result; if left out, that bears the number of the line",
+    )
     ball: Ball = Ball()
     reading: Reading = Reading()
 
     def line(self) -> str:
         """Return the scene as one line of JSON with every default but the reading's written out."""
         blocks = self.model_dump(mode="json")
-        head = {key: blocks.pop(key) for key in ("id", "kind")}
+        head = {key: value for key in ("id", "kind") if (value := blocks.pop(key))}
         return json.dumps(head | blocks, ensure_ascii=False, allow_nan=False)
 
 
@@ -209,6 +258,7 @@ class ImpactScene(_Scene):
                 f"incoming.position is {where}: its distance from the bat's axis is "
                 f"{distance} m, and the two touch at R + r_b = {reach} m"
             )
+        _require_support(self)
         return self
 
 
@@ -224,7 +274,16 @@ class AtBatScene(_FlyingScene):
     @model_validator(mode="after")
     def _above_ground(self) -> Self:
         self._refuse_underground("pitch.release[2]", self.pitch.release[2], landing_height(self))
+        _require_support(self)
         return self
+
+
+def _require_support(scene: ImpactScene | AtBatScene) -> None:
+    if scene.bat.support == "free" and scene.reading.effective_mass == "as_printed":
+        _refuse(
+            "bat.support = free has no distance from a pivot, which the reading effective_mass = "
+            "as_printed asks for; take effective_mass = inertia_over_r_squared, or support = pivot"
+        )
 
 
 Scene = FlightScene | PitchScene | ImpactScene | AtBatScene
@@ -234,6 +293,11 @@ KINDS: dict[str, type[Scene]] = {
     "impact": ImpactScene,
     "at-bat": AtBatScene,
 }
+
+
+def ids_of(scenes: Sequence[Scene]) -> list[str]:
+    """Return the ids that results of scenes bear: the scene's, or else the number of the line."""
+    return [scene.id or str(number) for number, scene in enumerate(scenes, 1)]
 
 
 def parse_scene(line: str | bytes) -> Scene:
