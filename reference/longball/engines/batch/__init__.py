@@ -9,9 +9,8 @@ what the code is made of besides.
 
 from longball.engines.batch.engine import Batch
 from longball.engines.batch.many import (
-    solve_all,
     solve_columns,
     solve_columns_with_restitutions,
 )
 
-__all__ = ["Batch", "solve_all", "solve_columns", "solve_columns_with_restitutions"]
+__all__ = ["Batch", "solve_columns", "solve_columns_with_restitutions"]
