@@ -28,7 +28,14 @@ from longball.model.scene import parse_scene
 
 CASES = golden.load()
 # Switches of the extended model, which no family uses yet.
-EXTENDED = {"spin_parameter", "drag_spin", "spin_decay", "wind_acts_on", "pressure"}
+EXTENDED = {
+    "slide_direction",
+    "spin_parameter",
+    "drag_spin",
+    "spin_decay",
+    "wind_acts_on",
+    "pressure",
+}
 
 
 def test_the_set_is_what_its_files_say_and_a_sample_is_solved_again():
@@ -168,6 +175,7 @@ def test_what_cannot_be_told_says_why():
         no_answer = {"undecided", "refused"} & set(case.flags)
         assert bool(no_answer) == (case.expected.outcome is None)
         assert bool(no_answer) == (case.expected.error is not None)
+        assert bool(no_answer) == (case.expected.code is not None)
 
 
 # --- conditions -----------------------------------------------------------------------------------
