@@ -75,12 +75,12 @@ class Reading(_Switches):
     inertia: Inertia = "solid_cylinder"
     lift_direction: LiftDirection = "fixed_spin_axis"
     ground_contact: GroundContact = "centre"
+    slide_direction: SlideDirection = "initial"
     spin_parameter: SpinParameter = "transverse"
     drag_spin: DragSpin = "transverse"
     spin_decay: SpinDecay = "path"
     wind_acts_on: WindActsOn = "both"
     pressure: Pressure = "sea_level"
-    slide_direction: SlideDirection = "initial"
 
     @model_validator(mode="after")
     def _no_contradiction(self) -> Self:

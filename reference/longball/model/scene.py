@@ -385,8 +385,7 @@ def _text(line: str | bytes) -> str:
 
 def _json(text: str) -> Any:
     try:
-        # Python refuses to convert whole numbers of thousands of digits, as a protection.
-        return json.loads(text, object_pairs_hook=_each_key_once, parse_int=float)
+        return _DECODER.decode(text)
     except json.JSONDecodeError as error:
         raise InvalidScene(f"not JSON: {error.msg} at character {error.pos + 1}") from None
     except RecursionError:
@@ -405,6 +404,10 @@ def _each_key_once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
         twice = next(key for key in keys if keys.count(key) > 1)
         raise InvalidScene(f"{twice}: the key is given twice in one block")
     return block
+
+
+# Python refuses to convert whole numbers of thousands of digits, as a protection.
+_DECODER = json.JSONDecoder(object_pairs_hook=_each_key_once, parse_int=float)
 
 
 def _explain_fault(fault: dict[str, Any], model: type[BaseModel]) -> str:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from longball.model.scene import Air, Ball
+from longball.model.scene import Ball
 from longball.pitches.statcast import RPM, MeasuredFlies, MeasuredPitches
 from longball.pitches.table import Floats
 
@@ -77,13 +77,11 @@ _NATHAN_LIFT = {"law": "rational", "numerator": 1.12, "constant": 0.583, "slope"
 # 5.125 oz, and 9.125 inches around: the middle of what the rules allow.
 _RULE_BALL = {"mass": 5.125 * 0.028349523125, "radius": 9.125 * 0.0254 / (2.0 * math.pi)}
 
-_PAPER: Any = Air()
-
 MODELS = {
     "vacuum": FlightModel("no air", None, None, spin=False),
     "paper": FlightModel(
         "Kuninaka, Kosaka and Mizutani, Sec. III.B: C_D 0.4, C_L 0.2 upwards, 1.29 kg/m³",
-        _PAPER.drag_coefficient, _PAPER.lift_coefficient, _PAPER.density, spin=False, gravity=9.8,
+        0.4, 0.2, 1.29, spin=False, gravity=9.8,
     ),
     "constants": FlightModel(
         "constant C_D 0.385 and C_L 0.088: the best for the flies of the day that longball ships",

@@ -12,7 +12,7 @@ import numpy as np
 from longball.engines.batch import flights
 from longball.engines.batch.expansion import kernel
 from longball.engines.batch.flights import Records
-from longball.engines.batch.many import solve_all
+from longball.engines.batch.many import solve_as_data
 from longball.engines.batch.records import (
     STOPS,
     Bat,
@@ -41,7 +41,6 @@ from longball.engines.polynomial import PolynomialPiece
 from longball.engines.series import recurrence
 from longball.model.law import Law, State
 from longball.model.numbers import DOUBLES, Doubles, Undecided, doubt
-from longball.model.result import Result
 from longball.model.scene import Scene
 from longball.model.trace import Program
 
@@ -63,8 +62,7 @@ class OneFlight(Flight[float]):
 class Batch(ManyAtOnce):
     """Flights by Taylor series, compiled; many scenes go sixteen at a time.
 
-    `longball.engines.chain.solve` takes one scene; `longball.engines.batch.solve_all` takes many,
-    and gives the same bits.
+    `longball.engines.chain.solve` takes one scene; `solve_all` takes many, and gives the same bits.
 
     Attributes
     ----------
@@ -165,9 +163,9 @@ class Batch(ManyAtOnce):
             raise CannotSolve(TURNS_VERTICAL)
         return Touch(margin, False)
 
-    def solve_all(self, scenes: Sequence[Scene], threads: int = 1) -> list[Result]:
-        """Solve scenes of any kinds; see `longball.engines.batch.solve_all`."""
-        return solve_all(scenes, self, threads)
+    def solve_as_data(self, scenes: Sequence[Scene], threads: int = 1) -> list[dict[str, Any]]:
+        """Solve scenes of any kinds; see `longball.engines.batch.solve_as_data`."""
+        return solve_as_data(scenes, self, threads)
 
     def fly_all(self, starts: Records, program: Program) -> Records:
         """Fly records of `flights.flight_dtype`; return their arrivals, in order."""
