@@ -56,10 +56,10 @@ FLYING = COMMON | {"air", "gravity", "time_limit"}
 @pytest.mark.parametrize(
     ("kind", "model", "keys"),
     [
-        ("flight", FlightScene, FLYING | {"launch", "ground"}),
+        ("flight", FlightScene, FLYING | {"launch", "ground", "fence"}),
         ("pitch", PitchScene, FLYING | {"pitch"}),
         ("impact", ImpactScene, COMMON | {"bat", "swing", "incoming"}),
-        ("at-bat", AtBatScene, FLYING | {"pitch", "bat", "swing", "ground"}),
+        ("at-bat", AtBatScene, FLYING | {"pitch", "bat", "swing", "ground", "fence"}),
     ],
 )
 def test_each_kind_takes_only_the_blocks_it_needs(kind, model, keys):

@@ -51,6 +51,10 @@ class Clearance:
     sample_space: SampleSpace = "pitches"
     counted: Counted = "home runs"
 
+    def __post_init__(self) -> None:
+        if self.base.fence is not None:
+            raise ValueError("quadrature finds roots of D = 150 m, and knows no fence")
+
     def __call__(self, inputs: Samples) -> Array:
         """Return clearances, an array of shape (n,)."""
         return self.with_unsolved(inputs)[0]

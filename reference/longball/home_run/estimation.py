@@ -45,10 +45,11 @@ class Estimate:
 
 
 def estimate(e: float, struck: Struck, sample_space: SampleSpace = "pitches") -> Estimate:
-    """Count the home runs at one restitution: D >= 150 m (paper, Sec. IV)."""
+    """Count the home runs at one restitution: over the fence, or D >= 150 m (paper, Sec. IV)."""
     every = np.ones_like(struck.batted)
     space = {"pitches": every, "batted": struck.batted, "fair": struck.fair}[sample_space]
-    hits = int(np.count_nonzero(space & (struck.distance >= HOME_RUN_DISTANCE)))
+    over = struck.distance >= HOME_RUN_DISTANCE if struck.over is None else struck.over
+    hits = int(np.count_nonzero(space & over))
     trials = int(np.count_nonzero(space))
     p = hits / trials if trials else math.nan
     low, high = wilson(hits, trials)

@@ -30,6 +30,8 @@ Inertia = Literal["solid_cylinder", "thin_rod", "about_centre"]
 LiftDirection = Literal["fixed_spin_axis", "always_up"]
 GroundContact = Literal["centre", "surface"]
 SlideDirection = Literal["initial", "final"]
+FenceClearance = Literal["centre", "surface"]
+DistanceOrigin = Literal["plate", "launch"]
 SampleSpace = Literal["pitches", "batted", "fair"]
 Fig7Parameters = Literal["caption", "text"]
 VerletForces = Literal[
@@ -71,6 +73,8 @@ class Reading(_Switches):
     lift_direction: LiftDirection = "fixed_spin_axis"
     ground_contact: GroundContact = "centre"
     slide_direction: SlideDirection = "initial"
+    fence_clearance: FenceClearance = "centre"
+    distance_origin: DistanceOrigin = "plate"
 
     @model_validator(mode="after")
     def _no_contradiction(self) -> Self:
@@ -257,6 +261,20 @@ LEDGER: tuple[Entry, ...] = (
         "yield more in one direction than in another, so that the slip turns during the impact. "
         "initial: against the slip as it begins. final: along the friction that would end it, so "
         "that a ball that all but grips leaves as one that grips.",
+    ),
+    Entry(
+        "fence_clearance",
+        ("centre", "surface"),
+        "not in the paper",
+        "Does a ball clear a fence when its centre or when its whole surface is above the top?",
+    ),
+    Entry(
+        "distance_origin",
+        ("plate", "launch"),
+        "Sec. IV",
+        "Distances are said to be from the plate, of which x = y = 0 is the tip; trackers and many "
+        "simulators measure from where the ball is launched or hit. "
+        "P(e) counts D >= 150 m from the plate.",
     ),
     Entry(
         "friction",

@@ -6,9 +6,9 @@ The keys are fixed: other implementations write them, and the judge reads them.
 from __future__ import annotations
 
 import json
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, model_serializer
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_serializer
 
 Outcome = Literal[
     "batted",
@@ -20,6 +20,8 @@ Outcome = Literal[
     "struck",
     "grounded",
     "airborne",
+    "home_run",
+    "wall",
 ]
 
 
@@ -54,6 +56,11 @@ class Bounded(_Strict):
 
 Number = Annotated[float, Field(description="a double")] | Bounded
 Triple = tuple[Number, Number, Number]
+
+
+def _whole(value: Any) -> Any:
+    """Return a number that engines compute as a number again as the whole number that it is."""
+    return int(float(value)) if isinstance(value, float | Bounded) else value
 
 
 class Plate(_Strict):
@@ -109,6 +116,25 @@ class Landing(_Strict):
     position: Triple = Field(description="m")
     velocity: Triple = Field(description="m/s")
     distance: Number = Field(description="m, horizontal, from the plate")
+    fair: Annotated[bool, BeforeValidator(bool)] | None = Field(
+        default=None,
+        description="whether |y| <= x where the ball leaves the field or lands; with a fence only",
+    )
+
+
+class Fence(_Strict):
+    """Where the ball first leaves the field over the fence, or meets it."""
+
+    time: Number = Field(description="s, since the start of the scene")
+    position: Triple = Field(description="m")
+    velocity: Triple = Field(description="m/s")
+    clearance: Number = Field(description="m, height above the top; a wall if not positive")
+    segment: Annotated[int, BeforeValidator(_whole)] = Field(
+        description="number of the chord between two vertices, the first being 0"
+    )
+    margin: Number | None = Field(
+        default=None, description="m, along the chord to the next vertex; none on a circle"
+    )
 
 
 class Result(_Strict):
@@ -119,6 +145,7 @@ class Result(_Strict):
     plate: Plate | None = None
     contact: Contact | None = None
     impact: Impact | None = None
+    fence: Fence | None = None
     landing: Landing | None = None
     engine: str | None = Field(default=None, description="who computed it, and how")
     error: str | None = Field(
