@@ -159,3 +159,10 @@ def test_no_line_waits_for_one_that_is_not_there(engine):
     answered = [(result.id, pipe.asked) for result in results]
     # The last line has no end of its own: the end of the pipe is it.
     assert answered == [("f", 1), ("i", 1), ("f", 3), ("i", 5)]
+
+
+@pytest.mark.parametrize("engine", [Ivp(), Batch()])
+def test_a_result_without_an_id_bears_the_number_of_its_line(engine):
+    lines = [b"\n", b'{"kind":"pitch"}\n', b'{"kind":"pitch","id":"p"}\n', b"junk"]
+    results = list(solve_lines(lines, engine))
+    assert [r.id for r in results] == ["2", "p", None]

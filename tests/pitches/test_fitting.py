@@ -10,8 +10,8 @@ import pytest
 from longball.pitches import (
     EXAMPLE,
     Columns,
-    PitchesError,
     PitchTypes,
+    TableError,
     as_text,
     fit_pitches,
     load_fitted,
@@ -355,12 +355,12 @@ def test_a_fit_that_is_none_is_refused_by_key(example, tmp_path):
     data = json.loads(example.model_dump_json())
     data["speed"]["maximum_likelihood"]["weight"]["value"] = "half"
     path.write_text(json.dumps(data), encoding="utf-8")
-    with pytest.raises(PitchesError, match=r"speed\.maximum_likelihood\.weight\.value"):
+    with pytest.raises(TableError, match=r"speed\.maximum_likelihood\.weight\.value"):
         load_fitted(path)
     path.write_text(json.dumps(data | {"extra": 1}), encoding="utf-8")
-    with pytest.raises(PitchesError, match="extra: unknown key"):
+    with pytest.raises(TableError, match="extra: unknown key"):
         load_fitted(path)
-    with pytest.raises(PitchesError, match="cannot be read"):
+    with pytest.raises(TableError, match="cannot be read"):
         load_fitted(tmp_path / "nothing.json")
 
 
@@ -389,12 +389,12 @@ def test_the_text_says_what_was_used_and_what_was_not():
     ],
 )
 def test_bins_that_are_none(width, sentence):
-    with pytest.raises(PitchesError, match=sentence):
+    with pytest.raises(TableError, match=sentence):
         fit_pitches(draw(1548, 0, METRES), METRES, KINDS, bin_width=width)
 
 
 def test_a_bootstrap_of_one_is_none():
-    with pytest.raises(PitchesError, match="replicates = 1"):
+    with pytest.raises(TableError, match="replicates = 1"):
         fit_pitches(EXAMPLE, replicates=1)
 
 
@@ -410,8 +410,8 @@ def test_what_equal_and_empty_cells_leave_undetermined():
 
 def test_a_handful_of_pitches_is_not_fitted():
     table = pd.DataFrame({"kind": ["straight"] * 5 + ["breaking"] * 30, "kmh": 140.0, "cell": 3})
-    with pytest.raises(PitchesError, match="kind: only 5 straight balls"):
+    with pytest.raises(TableError, match="kind: only 5 straight balls"):
         fit_pitches(table, CELLS, KINDS)
     table = pd.DataFrame({"kind": ["straight", "breaking"] * 30, "kmh": 140.0, "cell": 3})
-    with pytest.raises(PitchesError, match="kmh: the 30 straight balls differ no more than"):
+    with pytest.raises(TableError, match="kmh: the 30 straight balls differ no more than"):
         fit_pitches(table, CELLS, KINDS)

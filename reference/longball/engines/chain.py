@@ -9,14 +9,22 @@ collision, are handed in: a known mistake is the same chain with another part.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, fields, replace
 from typing import Any, Generic, cast
 
 from pydantic import ValidationError
 
 from longball.engines.contact import BatSection, margin_error
-from longball.engines.engine import CannotSolve, Engine, Launch, OutOfRange, Stepped, Touch
+from longball.engines.engine import (
+    CannotSolve,
+    Engine,
+    Launch,
+    ManyAtOnce,
+    OutOfRange,
+    Stepped,
+    Touch,
+)
 from longball.engines.event import Event, ground, plate, vertical
 from longball.engines.fence import Place, Stop, at_stop, first_crossing, stop_at
 from longball.engines.path import Flight, Leg, Path, Trajectory
@@ -941,6 +949,15 @@ def solve(scene: Scene, engine: Engine[N], model: Model = MODEL) -> Result:
     return _answer(case, CHAINS[scene.kind])
 
 
+def solve_each(
+    scenes: Sequence[Scene], engine: Engine[N] | ManyAtOnce, threads: int = 1
+) -> Iterable[Result]:
+    """Return the results of scenes, in order; of most engines each when it is asked for."""
+    if isinstance(engine, ManyAtOnce):
+        return engine.solve_all(scenes, threads)
+    return (solve(scene, engine) for scene in scenes)
+
+
 def solve_with_path(
     scene: Scene, engine: Engine[N], model: Model = MODEL
 ) -> tuple[Result, Trajectory[N]]:
@@ -970,6 +987,20 @@ def solve_with_restitutions(
         )
         for e in restitutions
     ]
+
+
+def quantities_of(scene: Scene, engine: Engine[N]) -> dict[str, Any]:
+    """Return what a result holds by its names, the outcome too, in the engine's own numbers.
+
+    Raises
+    ------
+    ArithmeticError, ValueError
+        If there is no result: `CannotSolve`, `InvalidScene`, `Undecided`, or what `_follow` words.
+    """
+    case = OneCase(scene, engine, MODEL)
+    with engine.numbers.arithmetic():
+        CHAINS[scene.kind](case)
+    return case.answer
 
 
 def approach_of(scene: AtBatScene, engine: Engine[N]) -> Approach[N] | None:

@@ -164,5 +164,5 @@ class ManyAtOnce(ABC):
     """What an engine offers besides if many scenes take it less time together than one by one."""
 
     @abstractmethod
-    def solve_all(self, scenes: Sequence[Scene]) -> list[Result]:
+    def solve_all(self, scenes: Sequence[Scene], threads: int = 1) -> list[Result]:
         """Return what `longball.engines.chain.solve` returns for each scene, in order."""

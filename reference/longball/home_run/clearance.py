@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from longball.home_run.at_bats import Samples
-from longball.home_run.estimation import HOME_RUN_DISTANCE
+from longball.home_run.simulation import HOME_RUN_DISTANCE
 from longball.model.readings import SampleSpace
 from longball.model.scene import AtBatScene
 

@@ -27,6 +27,8 @@ Flags = NDArray[np.bool_]
 # Where a ball that meets the fence stays, and where another one lands.
 _PLACES = "fence", "landing"
 
+HOME_RUN_DISTANCE = 150.0  # m; paper, Sec. IV
+
 # Samples that a thread takes at a time: some hundredths of a second.
 COLUMNS = 200 * BLOCK
 
@@ -41,14 +43,11 @@ class Struck:
         m, where the ball landed, or met the fence; NaN if it was not batted.
     failed
         Whether the engine could not decide.
-    over
-        Whether it was a home run over the fence; None if there is no fence.
     """
 
     x: Array
     y: Array
     failed: Flags
-    over: Flags | None = None
 
     @property
     def distance(self) -> Array:
@@ -64,6 +63,23 @@ class Struck:
     def fair(self) -> Flags:
         """Whether it landed within 45° of the line from the plate to the pitcher."""
         return np.abs(self.y) <= self.x
+
+    @property
+    def home_run(self) -> Flags:
+        """Whether it is a home run: D >= 150 m (paper, Sec. IV)."""
+        return self.distance >= HOME_RUN_DISTANCE
+
+
+@dataclass(frozen=True)
+class Fenced(Struck):
+    """Landings of at-bats in a field with a fence, which the ball may be `over` as a home run."""
+
+    over: Flags
+
+    @property
+    def home_run(self) -> Flags:
+        """Whether it is a home run: over the fence."""
+        return self.over
 
 
 def monte_carlo(
@@ -118,8 +134,9 @@ def monte_carlo(
         landed[:, :, done : done + part.shape[2]] = part
         done += part.shape[2]
         progress(done)
-    fenced = base.fence is not None
-    return [Struck(x, y, failed > 0, over > 0 if fenced else None) for x, y, failed, over in landed]
+    if base.fence is None:
+        return [Struck(x, y, failed > 0) for x, y, failed, _ in landed]
+    return [Fenced(x, y, failed > 0, over > 0) for x, y, failed, over in landed]
 
 
 def _strike_columns(

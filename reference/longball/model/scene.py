@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Sequence
 from itertools import pairwise
 from typing import Annotated, Any, Literal, NoReturn, Self, get_args
 
@@ -237,14 +238,18 @@ def _meet(
 
 
 class _Scene(_Block):
-    id: str = Field(min_length=1, description="returned with the result")
+    id: str | None = Field(
+        default=None,
+        min_length=1,
+        description="returned with the result; if left out, that bears the number of the line",
+    )
     ball: Ball = Ball()
     reading: Reading = Reading()
 
     def line(self) -> str:
         """Return the scene as one line of JSON with every default but the reading's written out."""
         blocks = self.model_dump(mode="json")
-        head = {key: blocks.pop(key) for key in ("id", "kind")}
+        head = {key: value for key in ("id", "kind") if (value := blocks.pop(key))}
         return json.dumps(head | blocks, ensure_ascii=False, allow_nan=False)
 
 
@@ -361,6 +366,11 @@ KINDS: dict[str, type[Scene]] = {
     "impact": ImpactScene,
     "at-bat": AtBatScene,
 }
+
+
+def ids_of(scenes: Sequence[Scene]) -> list[str]:
+    """Return the ids that results of scenes bear: the scene's, or else the number of the line."""
+    return [scene.id or str(number) for number, scene in enumerate(scenes, 1)]
 
 
 def parse_scene(line: str | bytes) -> Scene:

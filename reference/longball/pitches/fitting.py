@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, NamedTuple, TextIO
 
 import numpy as np
 
+from longball.pitches.chart import Columns, Pitches, PitchTypes, cell, read_pitches
 from longball.pitches.fitted import (
     PEAK_GAIN,
     AimFit,
@@ -32,18 +33,7 @@ from longball.pitches.fitted import (
     Speeds,
     Status,
 )
-from longball.pitches.table import (
-    SPEED_UNITS,
-    Booleans,
-    Columns,
-    Counts,
-    Floats,
-    Pitches,
-    PitchesError,
-    PitchTypes,
-    cell,
-    read_pitches,
-)
+from longball.pitches.table import SPEED_UNITS, Booleans, Counts, Floats, TableError
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -101,7 +91,7 @@ def fit_pitches(
 
     Raises
     ------
-    PitchesError
+    TableError
         If the table cannot be used, a class has too few pitches or all of one speed, or the
         bins are too few or too many.
     """
@@ -109,7 +99,7 @@ def fit_pitches(
     pitches = read_pitches(table, columns, types)
     _enough(pitches)
     if replicates < 2:
-        raise PitchesError(f"replicates = {replicates}: a bootstrap takes at least 2")
+        raise TableError(f"replicates = {replicates}: a bootstrap takes at least 2")
     generator = np.random.default_rng(seed)
     straight = Counter(np.array(pitches.types)[pitches.straight].tolist())
     breaking = Counter(np.array(pitches.types)[~pitches.straight].tolist())
@@ -143,12 +133,12 @@ def _enough(pitches: Pitches) -> None:
     for name, chosen in (("straight", pitches.straight), ("breaking", ~pitches.straight)):
         speeds = pitches.speed[chosen]
         if len(speeds) < FEWEST_PITCHES:
-            raise PitchesError(
+            raise TableError(
                 f"{pitches.columns.pitch_type}: only {len(speeds)} {name} balls; a fit with its "
                 f"errors needs at least {FEWEST_PITCHES}"
             )
         if np.ptp(speeds) == 0.0 or speeds.var() <= _variance_of_rounding(pitches.columns):
-            raise PitchesError(
+            raise TableError(
                 f"{pitches.columns.speed}: the {len(speeds)} {name} balls differ no more than by "
                 "the step in which their speeds are written, which no normal curve describes"
             )
@@ -220,14 +210,14 @@ def _bins(speed: Floats, bin_width: float, columns: Columns) -> Floats:
     step = columns.speed_resolution * unit
     width = bin_width / 3.6
     if not width > 0.0:
-        raise PitchesError(f"bin_width = {bin_width:g} km/h: a bin has a positive width")
+        raise TableError(f"bin_width = {bin_width:g} km/h: a bin has a positive width")
     if step > 0.0:
         width = max(1, round(width / step)) * step
     # A speed that is written v is between v - step/2 and v + step/2, and bins end there too.
     first = math.floor((speed.min() - step / 2) / width)
     last = math.ceil((speed.max() - step / 2) / width)
     if not FEWEST_BINS <= last - first <= MOST_BINS:
-        raise PitchesError(
+        raise TableError(
             f"bin_width = {bin_width:g} km/h puts these speeds into {last - first} bins; "
             f"it takes {FEWEST_BINS} to {MOST_BINS} of them"
         )

@@ -157,9 +157,9 @@ class Batch(ManyAtOnce):
             raise CannotSolve(TURNS_VERTICAL)
         return Touch(margin, False)
 
-    def solve_all(self, scenes: Sequence[Scene]) -> list[Result]:
+    def solve_all(self, scenes: Sequence[Scene], threads: int = 1) -> list[Result]:
         """Solve scenes of any kinds; see `longball.engines.batch.solve_all`."""
-        return solve_all(scenes, self)
+        return solve_all(scenes, self, threads)
 
     def fly_all(self, starts: Records, program: Program) -> Records:
         """Fly records of `flights.flight_dtype`; return their arrivals, in order."""
