@@ -10,10 +10,12 @@ from hypothesis import given, settings
 
 from longball.engines import create
 from longball.engines.batch import solve_all, solve_columns
+from longball.engines.certify import certify
 from longball.engines.chain import MODEL, Model, solve, solve_with_path
 from longball.engines.event import ground
 from longball.engines.fence import first_crossing
 from longball.engines.ivp import Ivp
+from longball.model import quantities
 from longball.model.frame import Frame
 from longball.model.law import GRAVITY, Force, PlaneState, law_with
 from longball.model.scene import FlightScene, InvalidScene, parse_scene
@@ -329,6 +331,19 @@ def crossed(engine, push, across, y):
     if met is None:
         return False
     return None if met.place.room == 0 else True
+
+
+def test_fences_are_certified():
+    for up in (26.0, 18.0, 10.0):
+        scene = flight((44.0, 3.0, up), PARK)
+        found = certify(scene, answer(scene, Ivp()))
+        assert found.certificate is None
+        for block in (found.fence, found.landing):
+            for name, number in () if block is None else quantities.numbers(block):
+                assert name == "segment" or float(number.radius) < 1e-11
+    other = answer(scene, Ivp())
+    foul = other.model_copy(update={"landing": other.landing.model_copy(update={"fair": False})})
+    assert "landing.fair is proven to be True, not False" in certify(scene, foul).certificate
 
 
 # --- columns --------------------------------------------------------------------------------------

@@ -911,7 +911,7 @@ class OneCase(Cases[N]):
     def _reported(self, value: Any) -> Any:
         if isinstance(value, tuple):
             return tuple(map(self.numbers.report, value))
-        return value if isinstance(value, str | bool) else self.numbers.report(value)
+        return value if isinstance(value, str | int) else self.numbers.report(value)
 
 
 class _Nobody(OneCase[N]):

@@ -65,7 +65,7 @@ class Chord(Generic[N]):
         to_end = 1 - share
         shorter = numbers.where(to_end < share, to_end, share)
         height = self.a[2] + share * rise
-        return Place(height, numbers.exact(self.segment), shorter * length, room, rise / length)
+        return Place(height, self.segment, shorter * length, room, rise / length)
 
 
 # m: what stands for the way to a vertex where there is none to be missed.
@@ -112,7 +112,7 @@ def stop_at(
         Of directions, relative.
     """
     zero, far = numbers.exact(0.0), numbers.exact(_FAR)
-    nowhere = Place(zero, zero, None if fence.polyline is None else zero, far, zero)
+    nowhere = Place(zero, 0, None if fence.polyline is None else zero, far, zero)
     if fence.polyline is None:
         radius = numbers.exact(fence.radius)
         along = frame.x * frame.cos + frame.y * frame.sin
@@ -261,7 +261,7 @@ def _on_piece(
     if chord is None:
         for t, _ in falls(piece.curve(value), last, 2 * error * size * size):
             state = piece.at(t)
-            yield Crossing(piece.begin + t, state, Place(zero, zero, None, far, zero))
+            yield Crossing(piece.begin + t, state, Place(zero, 0, None, far, zero))
         return
     (ax, ay, _), (bx, by, _) = chord.a, chord.b
     length = numbers.sqrt((bx - ax) * (bx - ax) + (by - ay) * (by - ay))

@@ -6,7 +6,7 @@ The keys are fixed: other implementations write them, and the judge reads them.
 from __future__ import annotations
 
 import json
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_serializer
 
@@ -70,11 +70,6 @@ class Certified(_Strict):
 
 Number = Annotated[float, Field(description="a double")] | Bounded | Certified
 Triple = tuple[Number, Number, Number]
-
-
-def _whole(value: Any) -> Any:
-    """Return a number that engines compute as a number again as the whole number that it is."""
-    return int(float(value)) if isinstance(value, float | Bounded) else value
 
 
 class Plate(_Strict):
@@ -143,7 +138,7 @@ class Fence(_Strict):
     position: Triple = Field(description="m")
     velocity: Triple = Field(description="m/s")
     clearance: Number = Field(description="m, height above the top; a wall if not positive")
-    segment: Annotated[int, BeforeValidator(_whole)] = Field(
+    segment: Annotated[int, BeforeValidator(int)] = Field(
         description="number of the chord between two vertices, the first being 0"
     )
     margin: Number | None = Field(
