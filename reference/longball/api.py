@@ -27,6 +27,7 @@ from longball.model.result import (
     Bounded,
     Contact,
     ErrorCode,
+    Fence,
     Landing,
     Outcome,
     Plate,
@@ -242,6 +243,7 @@ class Solution:
     plate: Plate | None
     contact: Contact | None
     impact: ImpactResult | None
+    fence: Fence | None
     landing: Landing | None
     engine: str | None
     error: str | None

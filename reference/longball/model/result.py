@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, model_serializer
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_serializer
 
 Outcome = Literal[
     "batted",
@@ -20,6 +20,8 @@ Outcome = Literal[
     "struck",
     "grounded",
     "airborne",
+    "home_run",
+    "wall",
 ]
 
 
@@ -127,6 +129,25 @@ class Landing(_Strict):
     path: Number | None = Field(
         default=None, description="m, through the air since contact or launch, if spin decays"
     )
+    fair: Annotated[bool, BeforeValidator(bool)] | None = Field(
+        default=None,
+        description="whether |y| <= x where the ball leaves the field or lands; with a fence only",
+    )
+
+
+class Fence(_Strict):
+    """Where the ball first leaves the field over the fence, or meets it."""
+
+    time: Number = Field(description="s, since the start of the scene")
+    position: Triple = Field(description="m")
+    velocity: Triple = Field(description="m/s")
+    clearance: Number = Field(description="m, height above the top; a wall if not positive")
+    segment: Annotated[int, BeforeValidator(int)] = Field(
+        description="number of the chord between two vertices, the first being 0"
+    )
+    margin: Number | None = Field(
+        default=None, description="m, along the chord to the next vertex; none on a circle"
+    )
 
 
 class Result(_Strict):
@@ -137,6 +158,7 @@ class Result(_Strict):
     plate: Plate | None = None
     contact: Contact | None = None
     impact: Impact | None = None
+    fence: Fence | None = None
     landing: Landing | None = None
     engine: str | None = Field(default=None, description="who computed it, and how")
     error: str | None = Field(
