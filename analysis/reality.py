@@ -100,10 +100,14 @@ def measured_flies() -> MeasuredFlies:
 
 
 def measured_pitches() -> MeasuredPitches:
-    """Return the pitches of the day that is shipped."""
+    """Return the pitches of the day that is shipped, all of them higher than they were.
+
+    No model here depends on the height, and none of them loses a pitch to the ground.
+    """
     pitches = read_measured(EXAMPLE, "pitch")
     assert isinstance(pitches, MeasuredPitches)
-    return pitches
+    up = np.array([0.0, 0.0, 2.0])
+    return replace(pitches, release=pitches.release + up, measured=pitches.measured + up[1:])
 
 
 def error(prediction: Prediction) -> float:
@@ -141,10 +145,10 @@ def fly_predictions(
 def launched(flies: MeasuredFlies, engine: Engine[Any]) -> MeasuredFlies:
     """Return the flies, launched so that they land at the bearings that were measured.
 
-    Each turn takes off part of the difference: after 15 of them 1e-5 rad is left.
+    Each turn takes off part of the difference: after 8 of them some 1e-4 rad are left.
     """
     launch = flies
-    for _ in range(15):
+    for _ in range(8):
         place = landings(launch, NATHAN, engine)[0]
         reached = np.arctan2(-place[:, 1], place[:, 0])
         launch = replace(launch, bearing=launch.bearing + 0.6 * (flies.bearing - reached))
