@@ -134,18 +134,21 @@ class Variant:
     by_place: bool = False
     restitution: float = E_LOW
 
-    def chances(self, hits: Hits, engine: Engine[Any], model: FlightModel | None = None) -> Array:
-        """Return the probability of a home run of each ball.
+    def margins(self, hits: Hits, engine: Engine[Any]) -> Array:
+        """Return how much further than needed each ball carries, m, before the fence is moved.
 
         A ball clears the fence if it comes down far enough beyond it; over the last metres, from
         the height of the fence to the ground, its path is taken to be straight.
         """
-        place, velocity = landings(hits.flies, model or self.model, engine)
+        place, velocity = landings(hits.flies, self.model, engine)
         level = np.hypot(velocity[:, 0], velocity[:, 1])
         carry = np.hypot(place[:, 0], place[:, 1]) + FENCE_HEIGHT * level / velocity[:, 2]
         bearing = np.arctan2(-place[:, 1], place[:, 0]) if self.by_place else hits.flies.bearing
-        margin = carry - fence_distance(bearing) - self.fence
-        chance: Array = norm.cdf(margin / self.scatter)
+        return carry - fence_distance(bearing)
+
+    def chances(self, margins: Array) -> Array:
+        """Return the probability of a home run of each ball."""
+        chance: Array = norm.cdf((margins - self.fence) / self.scatter)
         return chance
 
     def livelier(self, change: float) -> Hits:
@@ -235,7 +238,7 @@ class Study:
         for step in (-0.002, 0.002):
             drag = {**variant.model.drag, "constant": variant.model.drag["constant"] + step}
             model = replace(variant.model, drag=drag)
-            chances.append(variant.chances(variant.hits, self.engine, model))
+            chances.append(self.of(replace(variant, model=model), variant.hits))
         return self.slope(variant, chances, 0.002)
 
     def ratio(self, variant: Variant, change: float) -> Estimate:
@@ -248,7 +251,7 @@ class Study:
 
     def of(self, variant: Variant, hits: Hits) -> Array:
         """Return the chances of hits under a variant."""
-        return variant.chances(hits, self.engine)
+        return variant.chances(variant.margins(hits, self.engine))
 
     def slope(self, variant: Variant, chances: Sequence[Array], step: float) -> Estimate:
         """Return d ln(home runs) from the chances a step below and a step above."""
@@ -259,11 +262,11 @@ class Study:
 
     def with_fence_for(self, variant: Variant, home_runs: float) -> Variant:
         """Return a variant whose fence stands where it lets so many home runs over."""
+        margins = variant.margins(variant.hits, self.engine)
         place = brentq(
-            lambda x: self.of(replace(variant, fence=x), variant.hits).sum() - home_runs,
-            -20.0, 60.0, xtol=0.01,
-        )  # fmt: skip
-        return replace(variant, fence=place)
+            lambda x: replace(variant, fence=x).chances(margins).sum() - home_runs, -20.0, 60.0
+        )
+        return replace(variant, fence=float(place))
 
     def with_speed_for(self, variant: Variant, home_runs: float) -> tuple[Variant, float]:
         """Return a variant with all balls slower, so that it has so many home runs; and by what."""
