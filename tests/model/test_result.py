@@ -35,7 +35,9 @@ def test_the_keys_are_the_contracts():
     assert list(Impact.model_fields) == [
         "restitution", "impulse", "velocity", "energy_change", "spin", "mode", "friction_margin",
     ]  # fmt: skip
-    assert list(Landing.model_fields) == ["time", "hang_time", "position", "velocity", "distance"]
+    assert list(Landing.model_fields) == [
+        "time", "hang_time", "position", "velocity", "distance", "spin", "path",
+    ]  # fmt: skip
 
 
 def test_the_outcomes_are_the_contracts():

@@ -28,6 +28,7 @@ from longball.engines.engine import (
 from longball.engines.event import Event, ground, plate, vertical
 from longball.engines.path import Flight, Leg, Path, Trajectory
 from longball.model import result as written
+from longball.model.aerodynamics import LIFT
 from longball.model.bat import (
     CollisionParameters,
     bat_rotation,
@@ -38,6 +39,7 @@ from longball.model.bat import (
     lever_arm,
     tangential_restitution,
 )
+from longball.model.force import Term
 from longball.model.frame import Frame, launch_frame
 from longball.model.impact import (
     energy_change,
@@ -51,7 +53,7 @@ from longball.model.impact import (
     velocity_after,
     velocity_after_push,
 )
-from longball.model.law import FORCES, LIFT, Force, Law, PlaneState, State, law_of
+from longball.model.law import FORCES, Law, PlaneState, State, law_of
 from longball.model.numbers import N, Numbers, Undecided, Vector, absolute
 from longball.model.quantities import replaced
 from longball.model.result import Outcome, Result
@@ -216,7 +218,7 @@ class Model:
         From a `ContactState` to the `Impact`; see `collide`.
     """
 
-    forces: tuple[Force, ...] = FORCES
+    forces: tuple[Term, ...] = FORCES
     collide: Callable[..., tuple[Any, ...]] = collide
 
 
@@ -307,9 +309,20 @@ class Cases(ABC, Generic[N]):
         x, y, z = map(self.numbers.exact, values)
         return x, y, z
 
+    def spin(self, values: Sequence[float] | None) -> Vector[N] | None:
+        """Return the spin that a scene gives a ball, if it does."""
+        return None if values is None else self.vector(values)
+
     def law(self, frame: Frame[N]) -> Law[N]:
         """Return the law of motion of a flight in a frame."""
         return law_of(self.scene, frame, self.numbers, self.model.forces)
+
+    def spin_at(self, frame: Frame[N], state: State[N]) -> Vector[N] | None:
+        """Return the spin of the ball in a state of a flight, rad/s."""
+        if frame.spin is None:
+            return None
+        left = self.law(frame).spin_left(state, self.numbers)
+        return frame.spin[0] * left, frame.spin[1] * left, frame.spin[2] * left
 
     def ground(self, start: State[N]) -> Event[N]:
         """Return the landing of a flight from a state."""
@@ -396,13 +409,13 @@ def solve_flights(cases: Cases[N]) -> None:
     """Solve launches and landings."""
     position = cases.vector(cases.scene.launch.position)
     velocity = cases.vector(cases.scene.launch.velocity)
-    nothing = cases.numbers.exact(0.0)
-    land(cases, Launch(position, velocity, nothing, nothing), "landed")
+    nothing, spin = cases.numbers.exact(0.0), cases.spin(cases.scene.launch.spin)
+    land(cases, Launch(position, velocity, nothing, nothing, spin=spin), "landed")
 
 
 def land(cases: Cases[N], launch: Launch[N], outcome: Outcome) -> None:
     """Fly from launches to the ground; the `outcome` if the ball lands."""
-    frame, start = launch_frame(launch.position, launch.velocity, cases.numbers)
+    frame, start = launch_frame(launch.position, launch.velocity, cases.numbers, launch.spin)
     landed = launch.landed
     flight = _landed(start, cases.numbers) if landed else fly(cases, frame, start, _ground)
     cases.follow(frame, flight, launch.time)
@@ -417,6 +430,10 @@ def land(cases: Cases[N], launch: Launch[N], outcome: Outcome) -> None:
     cases.record("landing.position", (x, y, z))
     cases.record("landing.velocity", frame.velocity(flight.state))
     cases.record("landing.distance", cases.numbers.sqrt(x * x + y * y))
+    if frame.spin is not None:
+        cases.record("landing.spin", cases.spin_at(frame, flight.state))
+    if hasattr(flight.state, "path") and cases.scene.reading.spin_decay == "path":
+        cases.record("landing.path", flight.state.path)
     cases.conclude(outcome)
 
 
@@ -440,11 +457,14 @@ def throw(cases: Cases[N]) -> Pitch[N]:
     """Throw from the release toward the point aimed at, and fly to the plane x = 0."""
     numbers, pitch = cases.numbers, cases.scene.pitch
     x, y, z = release = cases.vector(pitch.release)
-    aim_y, aim_z = (numbers.exact(value) for value in pitch.aim)
-    toward = (-x, aim_y - y, aim_z - z)
-    scale = numbers.exact(pitch.speed) / numbers.sqrt(_dot(toward, toward))
-    velocity = (toward[0] * scale, toward[1] * scale, toward[2] * scale)
-    frame, start = launch_frame(release, velocity, numbers)
+    if pitch.velocity is None:
+        aim_y, aim_z = (numbers.exact(value) for value in pitch.aim)
+        toward = (-x, aim_y - y, aim_z - z)
+        scale = numbers.exact(pitch.speed) / numbers.sqrt(_dot(toward, toward))
+        velocity = (toward[0] * scale, toward[1] * scale, toward[2] * scale)
+    else:
+        velocity = cases.vector(pitch.velocity)
+    frame, start = launch_frame(release, velocity, numbers, cases.spin(pitch.spin))
     return Pitch(frame, start, fly(cases, frame, start, _ground, _plate))
 
 
@@ -662,7 +682,9 @@ def finish(cases: Cases[N], meeting: Meeting[N] | None) -> None:
         launch = engine.rebound(pitch.frame, touch, delta_v, cases.law, surface)
     else:
         time = cast(N, touch.time)
-        launch = Launch(contact.position, impact.velocity, time, time * 0)
+        # An impulse along the normal leaves the spin as it is.
+        spin = cases.spin_at(pitch.frame, cast(State[N], touch.state))
+        launch = Launch(contact.position, impact.velocity, time, time * 0, spin=spin)
     land(cases, launch, "batted")
 
 

@@ -6,7 +6,7 @@ The keys are fixed: other implementations write them, and the judge reads them.
 from __future__ import annotations
 
 import json
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, model_serializer
 
@@ -123,6 +123,10 @@ class Landing(_Strict):
     position: Triple = Field(description="m")
     velocity: Triple = Field(description="m/s")
     distance: Number = Field(description="m, horizontal, from the plate")
+    spin: Triple | None = Field(default=None, description="rad/s, if the scene names a spin")
+    path: Number | None = Field(
+        default=None, description="m, through the air since contact or launch, if spin decays"
+    )
 
 
 class Result(_Strict):
@@ -152,7 +156,10 @@ class Result(_Strict):
         description="with --certify: why outcome and numbers are not proven; absent if they are",
     )
 
+    def data(self) -> dict[str, Any]:
+        """Return the result as plain data, without the quantities it does not have."""
+        return {"id": self.id} | self.model_dump(exclude_none=True)
+
     def line(self) -> str:
         """Return the result as one line of JSON, without the quantities it does not have."""
-        known = self.model_dump(mode="json", exclude_none=True)
-        return json.dumps({"id": self.id} | known, ensure_ascii=False, allow_nan=False)
+        return json.dumps(self.data(), ensure_ascii=False, allow_nan=False)
