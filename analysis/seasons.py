@@ -221,10 +221,10 @@ class Study:
     engine: Engine[Any]
     replicates: int
 
-    def by_restitution(self, variant: Variant) -> Estimate:
-        """Return d ln(home runs)/de at the duller ball's restitution."""
+    def by_restitution(self, variant: Variant) -> tuple[float, Estimate]:
+        """Return the home runs with the duller ball, and d ln(home runs)/de there."""
         chances = [self.of(variant, variant.livelier(step)) for step in (-STEP, STEP)]
-        return self.slope(variant, chances, STEP)
+        return float(np.mean(chances, axis=0).sum()), self.slope(variant, chances, STEP)
 
     def by_speed(self, variant: Variant) -> Estimate:
         """Return d ln(home runs) by the speed off the bat of all balls, s/m."""
@@ -241,13 +241,16 @@ class Study:
             chances.append(self.of(replace(variant, model=model), variant.hits))
         return self.slope(variant, chances, 0.002)
 
-    def ratio(self, variant: Variant, change: float) -> Estimate:
-        """Return what a larger restitution multiplies home runs by."""
-        chances = [self.of(variant, variant.livelier(x)) for x in (0.0, change)]
-        return of_games(
-            lambda dull, lively: lively / dull,
-            variant.hits.flies.games, *chances, replicates=self.replicates,
-        )  # fmt: skip
+    def ratios(self, variant: Variant, changes: Sequence[float]) -> list[Estimate]:
+        """Return what larger restitutions multiply home runs by."""
+        dull, *lively = (self.of(variant, variant.livelier(x)) for x in (0.0, *changes))
+        return [
+            of_games(
+                lambda before, after: after / before,
+                variant.hits.flies.games, dull, each, replicates=self.replicates,
+            )
+            for each in lively
+        ]  # fmt: skip
 
     def of(self, variant: Variant, hits: Hits) -> Array:
         """Return the chances of hits under a variant."""
@@ -299,10 +302,7 @@ def run(report: Path, full: bool) -> str:
     variants = [plain, fitted, *(study.with_fence_for(x, day) for x in others), further, slower]
     slopes = {variant.name: study.by_restitution(variant) for variant in variants}
     changes = [lively.restitution - E_LOW for lively, _ in SEASON_PAIRS]
-    ratios = {
-        variant.name: [study.ratio(variant, change) for change in changes]
-        for variant in (fitted, further, slower)
-    }
+    ratios = {variant.name: study.ratios(variant, changes) for variant in (fitted, further, slower)}
     counted = [counted_ratio(*pair, study.replicates) for pair in SEASON_PAIRS]
     seen, expected = counted[0], ratios[slower.name][0]
     by_speed, by_drag = study.by_speed(slower), study.by_drag(slower)
@@ -323,10 +323,10 @@ def run(report: Path, full: bool) -> str:
         speed_gain=changes[0] * per_e,
         carry=carry_slope(plain, study.engine),
         carries=", ".join(f"{x.slope:.0f} ± {x.slope_error:.0f} m ({x.who})" for x in CARRIES),
-        slopes=table(report, "seasons_slopes", slope_table(study, variants, slopes, counted)),
+        slopes=table(report, "seasons_slopes", slope_table(slopes, counted)),
         ratios=table(report, "seasons_ratios", ratio_table(counted, ratios)),
         figure=shown("seasons", CAPTION),
-        slope=slopes[slower.name],
+        slope=slopes[slower.name][1],
         counted_slope=math.log(seen.value) / changes[0],
         counted=seen,
         expected=expected,
@@ -335,7 +335,7 @@ def run(report: Path, full: bool) -> str:
         by_speed=by_speed.value * MPH,
         rest_speed=gap / (by_speed.value * MPH),
         rest_drag=-gap / by_drag.value,
-        rest_e=math.log(seen.value) / slopes[slower.name].value,
+        rest_e=math.log(seen.value) / slopes[slower.name][1].value,
         rounding=math.log(expected.value) * 0.001 / changes[0],
     )
 
@@ -382,10 +382,7 @@ def carry_slope(variant: Variant, engine: Engine[Any]) -> float:
 
 
 def slope_table(
-    study: Study,
-    variants: Sequence[Variant],
-    slopes: Mapping[str, Estimate],
-    counted: Sequence[Estimate],
+    slopes: Mapping[str, tuple[float, Estimate]], counted: Sequence[Estimate]
 ) -> pd.DataFrame:
     """Return d ln(home runs)/de by variant, of the paper's curves, and as counted."""
 
@@ -393,9 +390,8 @@ def slope_table(
         return [name, home_runs, f"{value:.1f}", " to ".join(f"{x:.1f}" for x in interval)]
 
     rows = []
-    for variant in variants:
-        slope, home_runs = slopes[variant.name], study.of(variant, variant.hits).sum()
-        rows.append(row(variant.name, f"{home_runs:.1f}", slope.value, slope.interval))
+    for name, (expected, slope) in slopes.items():
+        rows.append(row(name, f"{expected:.1f}", slope.value, slope.interval))
     rows += [row(name, "", value) for name, value in paper_slopes().items()]
     for (lively, dull), ratio in zip(SEASON_PAIRS, counted, strict=True):
         change = lively.restitution - dull.restitution

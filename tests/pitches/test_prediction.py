@@ -14,6 +14,7 @@ from longball.cli import app
 from longball.engines import create
 from longball.engines.chain import solve
 from longball.model.scene import parse_scene
+from longball.pitches import EXAMPLE
 from longball.pitches.models import ACTIVE_SHARE, MODELS
 from longball.pitches.prediction import bands, predict, scenes, summaries
 from longball.pitches.statcast import read_measured
@@ -193,3 +194,13 @@ def test_scenes_have_the_weather_of_the_game():
     (scene, _) = scenes(flies, MODELS["constants"])
     density = scene.air.density
     assert (density.temperature, density.elevation) == (293.15, 0.0)
+
+
+def test_published_laws_predict_the_flies_of_a_day_to_21_feet():
+    flies = read_measured(EXAMPLE, "batted")
+    *_, every = summaries(predict(flies, MODELS["nathan"], create("batch")))
+    assert every.count == 385
+    assert every.rms < 21 * FOOT
+    *_, paper = summaries(predict(flies, MODELS["paper"], create("batch")))
+    # The paper's model, which knows of no spin: 40 ft by every program that was asked.
+    assert paper.rms == pytest.approx(40 * FOOT, abs=0.5 * FOOT)
