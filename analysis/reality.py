@@ -14,10 +14,11 @@ from scipy.interpolate import CubicSpline
 from scipy.optimize import least_squares
 from scipy.stats import bootstrap
 
-from analysis.writing import LINES, figure, filled, shown, table
+from analysis.writing import figure, filled, shown, table
 from longball import engines
 from longball.engines.engine import Engine
 from longball.model.scene import Ball
+from longball.pictures import draw_errors
 from longball.pitches import EXAMPLE
 from longball.pitches.models import MODELS, STANDARD_GRAVITY, FlightModel, regression_spin
 from longball.pitches.prediction import (
@@ -55,7 +56,8 @@ def run(report: Path, full: bool) -> str:
     nathan = of_flies["Nathan, backspin and side spin"]
     events = pd.read_csv(EXAMPLE)["events"].to_numpy()[flies.rows - 1]
     draw_flies(report, flies, of_flies)
-    draw_pitches(report, pitches, held_out)
+    with figure(report, "reality_pitches", size=(5.6, 4.2)) as (axes,):
+        draw_errors(axes, held_out)
     best = best_constants(flies, engine)
     by_place, by_place_and_bearing = scatter(flies)
     caught = np.isin(events, CAUGHT)
@@ -418,19 +420,6 @@ def type_table(
 
 
 PITCHES_CAPTION = (
-    "Distance between predicted and measured place at the plate, games held out: the share of "
-    "pitches of a type within it."
+    "Predicted minus measured place at the plate, games held out, as a catcher sees it: every "
+    "pitch, and the mean of each type with a standard deviation either way."
 )
-
-
-def draw_pitches(report: Path, pitches: MeasuredPitches, prediction: Prediction) -> None:
-    """Draw the distribution of the errors at the plate by type of pitch."""
-    off = 100.0 * np.linalg.norm(prediction.error, axis=1)
-    kinds, counts = np.unique(pitches.labels, return_counts=True)
-    with figure(report, "reality_pitches", size=(6.4, 3.6)) as (axes,):
-        for i, kind in enumerate(kinds[np.argsort(-counts)][:8]):
-            x = np.sort(off[(pitches.labels == kind) & prediction.solved])
-            share = np.arange(1, len(x) + 1) / len(x)
-            axes.plot(x, share, linestyle=LINES[i % len(LINES)], label=f"{kind} ({len(x)})")
-        axes.set(xlim=(0.0, 45.0), ylim=(0.0, 1.0), xlabel="distance, cm", ylabel="share within it")
-        axes.legend(fontsize="small")
