@@ -15,8 +15,6 @@ from scipy.optimize import least_squares
 from scipy.stats import bootstrap
 
 from analysis.writing import figure, filled, shown, table
-from longball import engines
-from longball.engines.engine import Engine
 from longball.model.scene import Ball
 from longball.pictures import draw_errors
 from longball.pitches import EXAMPLE
@@ -45,12 +43,11 @@ CAUGHT = ("field_out", "sac_fly", "double_play", "field_error")
 
 def run(report: Path, full: bool) -> str:
     """Predict the day that is shipped with every model, and tell how far off each is."""
-    engine = engines.create("batch")
     flies, pitches = measured_flies(), measured_pitches()
-    launch = launched(flies, engine)
-    of_flies = fly_predictions(flies, launch, engine)
-    shares, held_out, spread = held_out_shares(pitches, engine)
-    of_pitches = pitch_predictions(pitches, engine) | {
+    launch = launched(flies)
+    of_flies = fly_predictions(flies, launch)
+    shares, held_out, spread = held_out_shares(pitches)
+    of_pitches = pitch_predictions(pitches) | {
         "Nathan, the active share of its type, fitted to the other games": held_out
     }
     nathan = of_flies["Nathan, backspin and side spin"]
@@ -58,7 +55,7 @@ def run(report: Path, full: bool) -> str:
     draw_flies(report, flies, of_flies)
     with figure(report, "reality_pitches", size=(5.6, 4.2)) as (axes,):
         draw_errors(axes, held_out)
-    best = best_constants(flies, engine)
+    best = best_constants(flies)
     by_place, by_place_and_bearing = scatter(flies)
     caught = np.isin(events, CAUGHT)
     return filled(
@@ -90,7 +87,7 @@ def run(report: Path, full: bool) -> str:
         drawn=drawn_correlation(flies, caught),
         not_drawn=drawn_correlation(flies, events == "single"),
         caught_bias=nathan.error[caught].mean() / FOOT,
-        catch=catch_shift(flies, engine)[caught].mean() / FOOT,
+        catch=catch_shift(flies)[caught].mean() / FOOT,
     )
 
 
@@ -123,43 +120,41 @@ COMPARED = ("the paper", "best constants", "Nathan, backspin and side spin")
 LAUNCHED = "the same, launched so that it comes down where it was fielded"
 
 
-def fly_predictions(
-    flies: MeasuredFlies, launch: MeasuredFlies, engine: Engine[Any]
-) -> dict[str, Prediction]:
+def fly_predictions(flies: MeasuredFlies, launch: MeasuredFlies) -> dict[str, Prediction]:
     """Return what each model says of the flies, and of their launches as `launched` has them."""
     none = np.zeros(len(flies))
     backspin = flies.spin(np.full(len(flies), ONE_SPIN), none)
     return {
-        "no air": predict(flies, MODELS["vacuum"], engine),
-        "the paper": predict(flies, MODELS["paper"], engine),
-        "best constants": predict(flies, MODELS["constants"], engine),
-        "Giordano and Nakanishi": predict(flies, MODELS["giordano"], engine),
-        "Nathan, 2,000 rpm of backspin for all": predict(flies, NATHAN, engine, backspin),
+        "no air": predict(flies, MODELS["vacuum"]),
+        "the paper": predict(flies, MODELS["paper"]),
+        "best constants": predict(flies, MODELS["constants"]),
+        "Giordano and Nakanishi": predict(flies, MODELS["giordano"]),
+        "Nathan, 2,000 rpm of backspin for all": predict(flies, NATHAN, backspin),
         "Nathan, backspin by the angle": predict(
-            flies, NATHAN, engine, regression_spin(flies, side_spin=False)
+            flies, NATHAN, regression_spin(flies, side_spin=False)
         ),
-        "Nathan, backspin and side spin": predict(flies, NATHAN, engine),
-        LAUNCHED: predict(launch, NATHAN, engine),
-        "drag crisis fitted to the day": predict(flies, MODELS["crisis"], engine),
+        "Nathan, backspin and side spin": predict(flies, NATHAN),
+        LAUNCHED: predict(launch, NATHAN),
+        "drag crisis fitted to the day": predict(flies, MODELS["crisis"]),
     }
 
 
-def launched(flies: MeasuredFlies, engine: Engine[Any]) -> MeasuredFlies:
+def launched(flies: MeasuredFlies) -> MeasuredFlies:
     """Return the flies, launched so that they land at the bearings that were measured.
 
     Each turn takes off part of the difference: after 8 of them some 1e-4 rad are left.
     """
     launch = flies
     for _ in range(8):
-        place = landings(launch, NATHAN, engine)[0]
+        place = landings(launch, NATHAN)[0]
         reached = np.arctan2(-place[:, 1], place[:, 0])
         launch = replace(launch, bearing=launch.bearing + 0.6 * (flies.bearing - reached))
     return launch
 
 
-def landings(flies: MeasuredFlies, model: FlightModel, engine: Engine[Any]) -> tuple[Array, Array]:
+def landings(flies: MeasuredFlies, model: FlightModel) -> tuple[Array, Array]:
     """Return position and velocity at landing, shape (n, 3) each."""
-    found = [result.landing for result in solve(flies, model, engine)]
+    found = [result.landing for result in solve(flies, model)]
     assert all(found)
     return (
         np.array([x.position for x in found if x], dtype=np.float64),
@@ -167,18 +162,18 @@ def landings(flies: MeasuredFlies, model: FlightModel, engine: Engine[Any]) -> t
     )
 
 
-def catch_shift(flies: MeasuredFlies, engine: Engine[Any]) -> Array:
+def catch_shift(flies: MeasuredFlies) -> Array:
     """Return how much sooner than on the ground a ball comes down to where it is caught, m."""
-    _, velocity = landings(flies, NATHAN, engine)
+    _, velocity = landings(flies, NATHAN)
     return CATCH * np.hypot(velocity[:, 0], velocity[:, 1]) / -velocity[:, 2]
 
 
-def best_constants(flies: MeasuredFlies, engine: Engine[Any]) -> tuple[float, float]:
+def best_constants(flies: MeasuredFlies) -> tuple[float, float]:
     """Return the constant C_D and C_L that bring the distances nearest to the measured ones."""
 
     def off(x: Array) -> Array:
         model = replace(MODELS["constants"], drag=float(x[0]), lift=float(x[1]))
-        return predict(flies, model, engine).error[:, 0]
+        return predict(flies, model).error[:, 0]
 
     # Steps of 1e-3 move a landing by decimetres, far above rounding and far below the scatter.
     found = least_squares(off, (0.4, 0.1), diff_step=1e-3, xtol=1e-4)
@@ -303,22 +298,22 @@ def draw_flies(report: Path, flies: MeasuredFlies, predictions: Mapping[str, Pre
 FLOOR = "each pitch's own constant C_D, C_L and axis"
 
 
-def pitch_predictions(pitches: MeasuredPitches, engine: Engine[Any]) -> dict[str, Prediction]:
+def pitch_predictions(pitches: MeasuredPitches) -> dict[str, Prediction]:
     """Return what each model says of the pitches, with nothing fitted to other pitches."""
     whole = pitches.spin(np.ones(len(pitches)))
     paper = MODELS["paper"]
     return {
-        "no air": predict(pitches, MODELS["vacuum"], engine),
-        "the paper": predict(pitches, paper, engine),
+        "no air": predict(pitches, MODELS["vacuum"]),
+        "the paper": predict(pitches, paper),
         "the paper, its lift across the measured axis": predict(
-            pitches, replace(paper, spin=True), engine, whole
+            pitches, replace(paper, spin=True), whole
         ),
-        "Nathan, all of the spin active": predict(pitches, NATHAN, engine, whole),
-        FLOOR: own_constants(pitches, engine),
+        "Nathan, all of the spin active": predict(pitches, NATHAN, whole),
+        FLOOR: own_constants(pitches),
     }
 
 
-def own_constants(pitches: MeasuredPitches, engine: Engine[Any]) -> Prediction:
+def own_constants(pitches: MeasuredPitches) -> Prediction:
     """Predict each pitch with the constants that its recorded acceleration means halfway.
 
     What is left is the difference between constant coefficients and a constant acceleration, and
@@ -339,11 +334,11 @@ def own_constants(pitches: MeasuredPitches, engine: Engine[Any]) -> Prediction:
         replace(model, drag=c_d, lift=c_l, density=density, spin=True)
         for c_d, c_l in zip(drag.tolist(), lift.tolist(), strict=True)
     ]
-    return predict(pitches, own, engine, np.cross(v, across))
+    return predict(pitches, own, np.cross(v, across))
 
 
 def held_out_shares(
-    pitches: MeasuredPitches, engine: Engine[Any]
+    pitches: MeasuredPitches,
 ) -> tuple[dict[str, float], Prediction, dict[str, tuple[float, float]]]:
     """Fit the active share of each type of pitch, and predict games that it was not fitted to.
 
@@ -354,7 +349,7 @@ def held_out_shares(
         shares that fit the other ones best; and the range of those shares.
     """
     tried = [
-        predict(pitches, NATHAN, engine, pitches.spin(np.full(len(pitches), share))).predicted
+        predict(pitches, NATHAN, pitches.spin(np.full(len(pitches), share))).predicted
         for share in SOLVED_SHARES
     ]
     # Predictions at every share: a hundredth of an inch from those solved.

@@ -5,7 +5,15 @@ import math
 import numpy as np
 import pytest
 
-from analysis.seasons import Estimate, fence_distance, measured_hits, of_games, proportionality
+from analysis.seasons import (
+    Estimate,
+    Variant,
+    fence_distance,
+    measured_hits,
+    of_games,
+    proportionality,
+)
+from longball.pitches.models import MODELS
 from longball.pitches.statcast import FOOT
 
 
@@ -47,13 +55,20 @@ def test_harder_balls_keep_their_direction():
 
 
 def test_a_bootstrap_over_games():
-    games = np.array([7, 7, 9])
-    one = of_games(lambda a, b: b / a, games, np.ones(3), np.full(3, 2.0), replicates=50)
-    assert one.value == 2.0
-    assert one.interval == (2.0, 2.0)
-    other = of_games(lambda a: a, games, np.array([1.0, 2.0, 5.0]), replicates=500)
-    assert other.value == 8.0
-    assert set(other.draws) == {6.0, 8.0, 10.0}  # two of either game, or one of each
+    variant = Variant("", measured_hits(), MODELS["nathan"], 1.0)
+    games = variant.hits.flies.games
+    n = len(np.unique(games))
+    one = np.ones(len(games))
+    doubled = of_games(lambda a, b: b / a, variant, one, 2.0 * one)
+    assert doubled.value == 2.0
+    assert doubled.interval == (2.0, 2.0)
+    # One home run in a game and none in the others: a game is drawn any number of times, in the
+    # mean once, with the variance 1 - 1/n of n draws of one in n.
+    first = (games == games[0]) / np.sum(games == games[0])
+    drawn = of_games(lambda a: a, variant, first).draws
+    assert set(np.round(drawn, 9)) >= {0.0, 1.0, 2.0}
+    error = math.sqrt((1 - 1 / n) / len(drawn))
+    assert drawn.mean() == pytest.approx(1.0, abs=4 * error)
 
 
 def test_functions_of_estimates():

@@ -66,7 +66,7 @@ def measured(
         if scenes_file:
             lines = [scene.line() + "\n" for scene in scenes(rows, law)]
             scenes_file.write_text("".join(lines), encoding="utf-8")
-        prediction = predict(rows, law, solver)
+        prediction = predict(rows, law, engine=solver)
     except TableError as error:
         if isinstance(error.__cause__, OSError):  # there is no such file: the call is wrong
             wrong_call(str(error))
