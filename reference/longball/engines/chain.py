@@ -655,6 +655,7 @@ def meet_bat(cases: Cases[N]) -> tuple[Cases[N], Meeting[N] | None]:
     ball = Ball(
         frame.position(touch.state),
         frame.velocity(touch.state),
+        cases.spin_at(frame, touch.state),
         aside=frame.position(touch.detected)[1],
         leaving=touch.leaving,
     )
@@ -679,12 +680,15 @@ def finish(cases: Cases[N], meeting: Meeting[N] | None) -> None:
         before, after = contact.velocity, impact.velocity
         delta_v = (after[0] - before[0], after[1] - before[1], after[2] - before[2])
         surface = cases.ground(pitch.start)
-        launch = engine.rebound(pitch.frame, touch, delta_v, cases.law, surface)
+
+        def law_in(frame: Frame[N]) -> Law[N]:
+            return cases.law(replace(frame, spin=impact.spin))
+
+        launch = engine.rebound(pitch.frame, touch, delta_v, law_in, surface)
+        launch = replace(launch, spin=impact.spin)
     else:
         time = cast(N, touch.time)
-        # An impulse along the normal leaves the spin as it is.
-        spin = cases.spin_at(pitch.frame, cast(State[N], touch.state))
-        launch = Launch(contact.position, impact.velocity, time, time * 0, spin=spin)
+        launch = Launch(contact.position, impact.velocity, time, time * 0, spin=impact.spin)
     land(cases, launch, "batted")
 
 
