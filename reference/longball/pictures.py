@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from longball.extras import naming_extras
 from longball.home_run import PAPER_CURVES, Estimate, Fit, Integral
 from longball.pitches.prediction import Prediction
 from longball.pitches.statcast import MeasuredPitches
@@ -118,7 +119,8 @@ def save_probability(
 @contextmanager
 def _saved(path: Path, size: tuple[float, float]) -> Iterator[Axes]:
     """Yield axes, and write what is drawn on them."""
-    import matplotlib
+    with naming_extras():
+        import matplotlib
 
     matplotlib.use("agg")
     import matplotlib.pyplot as plt

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from longball.cli.common import Workers, progress_bar, say, wrong_call
+from longball.cli.common import Workers, progress_bar, say, tell, wrong_call
 
 app = typer.Typer(help="Generate the golden data, or verify them.", no_args_is_help=True)
 
@@ -68,6 +68,8 @@ def check(
         )
     for failure in report.failures:
         print(failure)
+    if report.left_out:
+        tell(report.left_out)
     found = f"{len(report.failures)} failures" if report.failures else "nothing is wrong"
     say.print(f"{report.cases} cases, {report.solved_again} solved again: {found}")
     if report.failures:

@@ -74,16 +74,23 @@ def solve(
     # What has been imported stays: looking at it again and again took a fourth of the time.
     gc.freeze()
     solved = failed = 0
-    scenes, results = reading_from(source), writing_to(output, source)
-    with on_cluster(scheduler), scenes as lines, results as file:
+    ids: set[str | None] = set()
+    repeated: set[str] = set()
+    scenes = reading_from(source)
+    with on_cluster(scheduler), scenes as lines, writing_to(output, lines) as file:
         for result in solve_lines(lines, solver, -1 if scheduler else workers):
             file.write(result.text + b"\n")
             file.flush()
             solved += 1
             failed += result.failure is not None
+            if result.id is not None and result.id in ids:
+                repeated.add(result.id)
+            ids.add(result.id)
     if solved == 0:
         tell(f"no scenes in {source}")
     elif failed:
         tell(f"{failed} of {solved} lines could not be solved{' and certified' * certify}")
+    if repeated:
+        tell(f"ids that more than one line has: {len(repeated)}, among them {min(repeated)!r}")
     if failed or not solved:
         raise typer.Exit(1)

@@ -5,10 +5,11 @@ The keys are fixed: other implementations write them, and the judge reads them.
 
 from __future__ import annotations
 
-import json
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_serializer
+
+from longball.model.jsonl import json_line
 
 Outcome = Literal[
     "batted",
@@ -184,4 +185,4 @@ class Result(_Strict):
 
     def line(self) -> str:
         """Return the result as one line of JSON, without the quantities it does not have."""
-        return json.dumps(self.data(), ensure_ascii=False, allow_nan=False)
+        return json_line(self.data())
