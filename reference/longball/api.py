@@ -31,6 +31,7 @@ from longball.model.result import (
     Outcome,
     Plate,
     Result,
+    signed,
 )
 from longball.model.result import Impact as ImpactResult
 from longball.model.scene import AtBatScene, InvalidScene, Scene, parse_scene
@@ -254,7 +255,8 @@ class Solution:
         solver: Engine[Any],
         trajectory: Trajectory[Any] | None = None,
     ) -> None:
-        self.scene, self.result = scene, result
+        engine = result.engine and signed(result.engine)
+        self.scene, self.result = scene, result.model_copy(update={"engine": engine})
         self._solver, self._trajectory = solver, trajectory
 
     def __getattr__(self, name: str) -> Any:

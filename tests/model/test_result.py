@@ -16,7 +16,7 @@ def read(**values):
 def test_the_keys_are_the_contracts():
     """Other implementations write them: a renamed key would break them all."""
     assert list(Result.model_fields) == [
-        "id", "outcome", "plate", "contact", "impact", "landing", "engine", "error", "code",
+        "id", "outcome", "plate", "contact", "impact", "landing", "path", "engine", "error", "code",
     ]  # fmt: skip
     assert list(Plate.model_fields) == ["time", "position", "velocity"]
     assert list(Contact.model_fields) == [

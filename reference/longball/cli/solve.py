@@ -3,24 +3,34 @@
 from __future__ import annotations
 
 import gc
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from importlib.util import find_spec
+from io import BytesIO
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, BinaryIO
 
 import typer
 
 from longball import engines
 from longball.cli.cluster import Scheduler, on_cluster
-from longball.cli.common import Workers, reading_from, refusing, tell, writing_to
+from longball.cli.common import Workers, reading_from, refusing, tell, writing_to, wrong_call
 from longball.engines.lines import solve_lines
 
 
 def solve(
     source: Annotated[
         str,
-        typer.Argument(metavar="[SCENES|-]", help="JSON Lines, one scene per line; - reads stdin."),
+        typer.Argument(
+            metavar="[SCENES|-]",
+            help="A scene per line of JSON, or per row of a .csv or .parquet; - reads stdin.",
+        ),
     ] = "-",
     output: Annotated[
-        Path | None, typer.Option("-o", "--output", help="Where results go; by default stdout.")
+        Path | None,
+        typer.Option(
+            "-o", "--output", help="Where results go, .jsonl, .csv or .parquet; by default stdout."
+        ),
     ] = None,
     engine: Annotated[str, typer.Option(help="One of " + ", ".join(engines.ENGINES))] = "ivp",
     method: Annotated[
@@ -49,6 +59,12 @@ def solve(
     root: Annotated[
         str | None, typer.Option(help="verlet: Appendix B's root, first (default) or larger.")
     ] = None,
+    path: Annotated[
+        bool, typer.Option("--path", help="Add the path: [[t, x, y, z, vx, vy, vz], …].")
+    ] = False,
+    points: Annotated[
+        int | None, typer.Option(min=2, help="Of the path, evenly spaced in time; 201.")
+    ] = None,
     workers: Workers = 1,
     scheduler: Scheduler = None,
 ) -> None:
@@ -59,16 +75,24 @@ def solve(
         "dt": dt, "forces": forces, "landing": landing, "root": root,
     }
     # fmt: on
+    asked = (points or 201) if path or points else None
+    if asked and output and output.suffix in TABLES:
+        wrong_call(f"--path: {output} is a table, which has no place for paths; .jsonl has")
+    tables = {Path(name).suffix for name in (source, output or "")}
+    if ".parquet" in tables and find_spec("pyarrow") is None:
+        wrong_call("Parquet needs pyarrow; pip install 'longball[tables]'")
     with refusing():
         solver = engines.create(engine, **{k: v for k, v in options.items() if v is not None})
     # What has been imported stays: looking at it again and again took a fourth of the time.
     gc.freeze()
     solved = failed = 0
-    scenes, results = reading_from(source), writing_to(output, source)
-    with on_cluster(scheduler), scenes as lines, results as file:
-        for result in solve_lines(lines, solver, -1 if scheduler else workers):
-            file.write(result.text + b"\n")
-            file.flush()
+    with (
+        on_cluster(scheduler),
+        scenes_from(source) as lines,
+        results_to(output, source) as write,
+    ):
+        for result in solve_lines(lines, solver, -1 if scheduler else workers, asked):
+            write(result.text)
             solved += 1
             failed += result.error is not None
     if solved == 0:
@@ -77,3 +101,41 @@ def solve(
         tell(f"{failed} of {solved} lines could not be solved")
     if failed or not solved:
         raise typer.Exit(1)
+
+
+TABLES = (".csv", ".parquet")  # all other files are JSON Lines
+
+
+@contextmanager
+def scenes_from(source: str) -> Iterator[BinaryIO]:
+    """Open scenes as lines of JSON, whatever the file holds."""
+    if (path := Path(source)).suffix not in TABLES:
+        with reading_from(source) as file:
+            yield file
+        return
+    with refusing(f"{source}: "):
+        from longball.tables import scene_lines
+
+        lines = scene_lines(path)
+    yield BytesIO(lines)
+
+
+@contextmanager
+def results_to(output: Path | None, source: str) -> Iterator[Callable[[bytes], object]]:
+    """Open the file that results go to; yield a function that takes a line of JSON."""
+    if output is None or output.suffix not in TABLES:
+        with writing_to(output, source) as file:
+
+            def write(line: bytes) -> None:
+                file.write(line + b"\n")
+                file.flush()
+
+            yield write
+        return
+    if source != "-" and output.exists() and output.samefile(source):
+        wrong_call(f"{output} is the file that the scenes are read from")
+    results: list[bytes] = []
+    yield results.append
+    from longball.tables import write_table
+
+    write_table(output, results)

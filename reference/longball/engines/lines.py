@@ -9,11 +9,10 @@ from typing import Any, NamedTuple
 
 from pydantic_core import to_json
 
-from longball import __version__
-from longball.engines.chain import solve
+from longball.engines.chain import solve, solve_with_points
 from longball.engines.engine import Engine, ManyAtOnce
 from longball.model.numbers import N
-from longball.model.result import Result
+from longball.model.result import Result, signed
 from longball.model.scene import InvalidScene, Scene, parse_scene
 
 # Lines that a worker process takes at a time: some hundredths of a second.
@@ -31,8 +30,12 @@ class Answer(NamedTuple):
     text: bytes
 
 
-def solve_lines(lines: Iterable[bytes], engine: Engine[N], workers: int = 1) -> Iterator[Answer]:
+def solve_lines(
+    lines: Iterable[bytes], engine: Engine[N], workers: int = 1, points: int | None = None
+) -> Iterator[Answer]:
     """Yield the answer to each line that is not blank, in order.
+
+    With `points` each has so many points of its path.
 
     With one worker no line waits for another one that is not there yet, so that two programs can
     talk through pipes: of a file or a pipe, what is there is taken at once; of anything else a line
@@ -40,14 +43,14 @@ def solve_lines(lines: Iterable[bytes], engine: Engine[N], workers: int = 1) -> 
     """
     if workers == 1:
         for chunk in _numbered(_as_they_come(lines)):
-            yield from _solve_in_turn(chunk, engine)
+            yield from _solve_in_turn(chunk, engine, points)
         return
     from joblib import Parallel, delayed  # slow to import, and not needed for one worker
 
     size = CHUNK_AT_ONCE if isinstance(engine, ManyAtOnce) else CHUNK
     numbered = (line for chunk in _numbered([line] for line in lines) for line in chunk)
     chunks = iter(lambda: list(islice(numbered, size)), [])
-    tasks = (delayed(_solve_chunk)(chunk, engine) for chunk in chunks)
+    tasks = (delayed(_solve_chunk)(chunk, engine, points) for chunk in chunks)
     for results in Parallel(n_jobs=workers, return_as="generator")(tasks):
         yield from results
 
@@ -82,13 +85,15 @@ def solve_line(number: int, line: bytes, engine: Engine[N]) -> Answer:
     return answer
 
 
-def _solve_chunk(chunk: list[Line], engine: Engine[N]) -> list[Answer]:
-    return list(_solve_in_turn(chunk, engine))
+def _solve_chunk(chunk: list[Line], engine: Engine[N], points: int | None = None) -> list[Answer]:
+    return list(_solve_in_turn(chunk, engine, points))
 
 
-def _solve_in_turn(chunk: list[Line], engine: Engine[N]) -> Iterator[Answer]:
+def _solve_in_turn(
+    chunk: list[Line], engine: Engine[N], points: int | None = None
+) -> Iterator[Answer]:
     """Yield the answers to lines, each as soon as the engine has it."""
-    if isinstance(engine, ManyAtOnce):
+    if isinstance(engine, ManyAtOnce) and points is None:
         read = [_read(line) for _, line in chunk]
         scenes = [scene for scene in read if not isinstance(scene, InvalidScene)]
         solved = iter(engine.solve_as_data(scenes))
@@ -101,7 +106,10 @@ def _solve_in_turn(chunk: list[Line], engine: Engine[N]) -> Iterator[Answer]:
             if isinstance(scene, InvalidScene):
                 yield _answer(number, scene, _refused(scene))
             else:
-                yield _answer(number, scene, solve(scene, engine).data())
+                result = (
+                    solve_with_points(scene, engine, points) if points else solve(scene, engine)
+                )
+                yield _answer(number, scene, result.data())
 
 
 def _read(line: bytes) -> Scene | InvalidScene:
@@ -120,7 +128,7 @@ def _answer(number: int, scene: Scene | InvalidScene, data: dict[str, Any]) -> A
     if data["id"] is None and not isinstance(scene, InvalidScene):
         data["id"] = str(number)
     if "engine" in data:
-        data["engine"] = f"longball {__version__} {data['engine']}"
+        data["engine"] = signed(data["engine"])
     if "error" in data:
         data["error"] = f"line {number}: {data['error']}"
     return Answer(data["id"], data.get("error"), to_json(data))

@@ -10,6 +10,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, model_serializer
 
+from longball import __version__
+
 Outcome = Literal[
     "batted",
     "missed",
@@ -100,6 +102,11 @@ class Landing(_Strict):
     distance: Number = Field(description="m, horizontal, from the plate")
 
 
+def signed(engine: str) -> str:
+    """Return the description of an engine with longball's version."""
+    return f"longball {__version__} {engine}"
+
+
 class Result(_Strict):
     """What an engine answers to one scene."""
 
@@ -109,6 +116,13 @@ class Result(_Strict):
     contact: Contact | None = None
     impact: Impact | None = None
     landing: Landing | None = None
+    path: tuple[Annotated[tuple[Number, ...], Field(min_length=4, max_length=7)], ...] | None = (
+        Field(
+            default=None,
+            description="[t, x, y, z, vx, vy, vz] at times from the start of the scene to its end, "
+            "s, m and m/s, if it is asked for; velocities may be left out",
+        )
+    )
     engine: str | None = Field(default=None, description="who computed it, and how")
     error: str | None = Field(
         default=None, description="what could not be solved, where, and how to mend it"
