@@ -37,6 +37,7 @@ def solve_many(
     scenes: Mapping[str, Any] | pd.DataFrame,
     engine: str | Engine[Any] = "batch",
     *,
+    certify: bool = False,
     workers: int = -1,
     **options: Any,
 ) -> pd.DataFrame: ...
@@ -47,13 +48,19 @@ def solve_many(
     scenes: Iterable[object],
     engine: str | Engine[Any] = "batch",
     *,
+    certify: bool = False,
     workers: int = -1,
     **options: Any,
 ) -> list[Solution]: ...
 
 
 def solve_many(
-    scenes: Any, engine: str | Engine[Any] = "batch", *, workers: int = -1, **options: Any
+    scenes: Any,
+    engine: str | Engine[Any] = "batch",
+    *,
+    certify: bool = False,
+    workers: int = -1,
+    **options: Any,
 ) -> Any:
     """Solve many scenes.
 
@@ -65,6 +72,9 @@ def solve_many(
         of shape (n,) or to one value for all scenes.
     engine, options
         As in `solve`.
+    certify
+        Whether every number comes with a proven bound on its error; where there is none,
+        ``certificate`` says why.
     workers
         Threads of the batch engine, processes of another; -1: one per core. The answers do not
         depend on it.
@@ -92,7 +102,12 @@ def solve_many(
     >>> table["plate.time"].round(4).tolist()
     [0.6581, 0.5644, 0.494]
     """
-    solver = as_engine(engine, options)
+    flyer = as_engine(engine, options)
+    solver: Engine[Any] | ManyAtOnce = flyer
+    if certify:
+        from longball.engines.certify import Certifying  # brings ball arithmetic
+
+        solver = Certifying(flyer)
     if workers == -1:
         workers = os.cpu_count() or 1
     if isinstance(scenes, Mapping) or hasattr(scenes, "columns"):
@@ -101,13 +116,13 @@ def solve_many(
     if isinstance(scenes, str | bytes | BaseModel):
         raise TypeError("solve_many takes a list of scenes or columns; lb.solve takes one scene")
     return [
-        Solution(asked if isinstance(asked, BaseModel) else None, result, solver)
+        Solution(asked if isinstance(asked, BaseModel) else None, result, flyer)
         for asked, result in solve_each(scenes, solver, workers)
     ]
 
 
 def solve_each(
-    written: Iterable[object], solver: Engine[Any], workers: int
+    written: Iterable[object], solver: Engine[Any] | ManyAtOnce, workers: int
 ) -> Iterator[tuple[Scene | InvalidScene, Result]]:
     """Yield scenes, or why they are none, with their results."""
     asked = [*map(_as_scene_or_error, written)]
@@ -131,7 +146,9 @@ def _as_scene_or_error(written: object) -> Scene | InvalidScene:
 _FEW = 100
 
 
-def _solve_valid(scenes: list[Scene], solver: Engine[Any], workers: int) -> Iterable[Result]:
+def _solve_valid(
+    scenes: list[Scene], solver: Engine[Any] | ManyAtOnce, workers: int
+) -> Iterable[Result]:
     if isinstance(solver, ManyAtOnce):
         return solver.solve_all(scenes, workers)
     if workers == 1 or len(scenes) < _FEW:
@@ -148,7 +165,9 @@ def _solve_valid(scenes: list[Scene], solver: Engine[Any], workers: int) -> Iter
 _MOST_COLUMNS = 12
 
 
-def _solve_table(columns: Mapping[str, Any], solver: Engine[Any], workers: int) -> pd.DataFrame:
+def _solve_table(
+    columns: Mapping[str, Any], solver: Engine[Any] | ManyAtOnce, workers: int
+) -> pd.DataFrame:
     """Solve the scenes of columns; see `solve_many`."""
     from longball.engines.batch import Batch, solve_columns
 

@@ -8,13 +8,14 @@ from contextlib import contextmanager
 from importlib.util import find_spec
 from io import BytesIO
 from pathlib import Path
-from typing import Annotated, BinaryIO
+from typing import Annotated, Any, BinaryIO
 
 import typer
 
 from longball import engines
 from longball.cli.cluster import Scheduler, on_cluster
 from longball.cli.common import Workers, reading_from, refusing, tell, writing_to, wrong_call
+from longball.engines.engine import Engine, ManyAtOnce
 from longball.engines.lines import solve_lines
 
 
@@ -65,6 +66,9 @@ def solve(
     points: Annotated[
         int | None, typer.Option(min=2, help="Of the path, evenly spaced in time; 201.")
     ] = None,
+    certify: Annotated[
+        bool, typer.Option("--certify", help="Give every number with a proven error.")
+    ] = False,
     workers: Workers = 1,
     scheduler: Scheduler = None,
 ) -> None:
@@ -78,11 +82,19 @@ def solve(
     asked = (points or 201) if path or points else None
     if asked and output and output.suffix in TABLES:
         wrong_call(f"--path: {output} is a table, which has no place for paths; .jsonl has")
+    if asked and certify:
+        wrong_call("--path: its points cannot be certified; take --engine enclosure")
     tables = {Path(name).suffix for name in (source, output or "")}
     if ".parquet" in tables and find_spec("pyarrow") is None:
         wrong_call("Parquet needs pyarrow; pip install 'longball[tables]'")
     with refusing():
-        solver = engines.create(engine, **{k: v for k, v in options.items() if v is not None})
+        solver: Engine[Any] | ManyAtOnce = engines.create(
+            engine, **{k: v for k, v in options.items() if v is not None}
+        )
+    if certify:
+        from longball.engines.certify import Certifying  # brings ball arithmetic
+
+        solver = Certifying(solver)
     # What has been imported stays: looking at it again and again took a fourth of the time.
     gc.freeze()
     solved = failed = 0
@@ -94,11 +106,11 @@ def solve(
         for result in solve_lines(lines, solver, -1 if scheduler else workers, asked):
             write(result.text)
             solved += 1
-            failed += result.error is not None
+            failed += result.failure is not None
     if solved == 0:
         tell(f"no scenes in {source}")
     elif failed:
-        tell(f"{failed} of {solved} lines could not be solved")
+        tell(f"{failed} of {solved} lines could not be solved{' and certified' * certify}")
     if failed or not solved:
         raise typer.Exit(1)
 

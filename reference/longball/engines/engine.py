@@ -74,6 +74,8 @@ class Launch(Generic[N]):
 
     Attributes
     ----------
+    spin
+        rad/s; None if the scene says nothing of it.
     delay
         s, from the contact to the time at which the ball is free.
     landed
@@ -85,6 +87,7 @@ class Launch(Generic[N]):
     time: N
     delay: N
     landed: bool = False
+    spin: Vector[N] | None = None
 
 
 class Engine(Protocol[N]):

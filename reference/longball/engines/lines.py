@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from io import BufferedIOBase
 from itertools import islice
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 from pydantic_core import to_json
 
@@ -23,15 +23,18 @@ Line = tuple[int, bytes]
 
 
 class Answer(NamedTuple):
-    """The result of a line: its id and its error, if it has them, and the whole as JSON."""
+    """The result of a line: its id, why it failed if it did, and the whole as JSON."""
 
     id: str | None
-    error: str | None
+    failure: str | None
     text: bytes
 
 
 def solve_lines(
-    lines: Iterable[bytes], engine: Engine[N], workers: int = 1, points: int | None = None
+    lines: Iterable[bytes],
+    engine: Engine[N] | ManyAtOnce,
+    workers: int = 1,
+    points: int | None = None,
 ) -> Iterator[Answer]:
     """Yield the answer to each line that is not blank, in order.
 
@@ -79,37 +82,34 @@ def _numbered(chunks: Iterable[list[bytes]]) -> Iterator[list[Line]]:
         yield [(n, line) for n, line in numbered if line.strip()]
 
 
-def solve_line(number: int, line: bytes, engine: Engine[N]) -> Answer:
+def solve_line(number: int, line: bytes, engine: Engine[N] | ManyAtOnce) -> Answer:
     """Return the answer to a line, which is an error that names the line if it is no scene."""
     (answer,) = _solve_chunk([(number, line)], engine)
     return answer
 
 
-def _solve_chunk(chunk: list[Line], engine: Engine[N], points: int | None = None) -> list[Answer]:
+def _solve_chunk(
+    chunk: list[Line], engine: Engine[N] | ManyAtOnce, points: int | None = None
+) -> list[Answer]:
     return list(_solve_in_turn(chunk, engine, points))
 
 
 def _solve_in_turn(
-    chunk: list[Line], engine: Engine[N], points: int | None = None
+    chunk: list[Line], engine: Engine[N] | ManyAtOnce, points: int | None = None
 ) -> Iterator[Answer]:
     """Yield the answers to lines, each as soon as the engine has it."""
-    if isinstance(engine, ManyAtOnce) and points is None:
-        read = [_read(line) for _, line in chunk]
-        scenes = [scene for scene in read if not isinstance(scene, InvalidScene)]
-        solved = iter(engine.solve_as_data(scenes))
-        for (number, _), scene in zip(chunk, read, strict=True):
-            data = _refused(scene) if isinstance(scene, InvalidScene) else next(solved)
-            yield _answer(number, scene, data)
-    else:
-        for number, line in chunk:
-            scene = _read(line)
-            if isinstance(scene, InvalidScene):
-                yield _answer(number, scene, _refused(scene))
-            else:
-                result = (
-                    solve_with_points(scene, engine, points) if points else solve(scene, engine)
-                )
-                yield _answer(number, scene, result.data())
+    read = [_read(line) for _, line in chunk]
+    scenes = [scene for scene in read if not isinstance(scene, InvalidScene)]
+    solved = iter(
+        (solve_with_points(scene, cast(Engine[N], engine), points).data() for scene in scenes)
+        if points
+        else engine.solve_as_data(scenes)
+        if isinstance(engine, ManyAtOnce)
+        else (solve(scene, engine).data() for scene in scenes)
+    )
+    for (number, _), scene in zip(chunk, read, strict=True):
+        data = _refused(scene) if isinstance(scene, InvalidScene) else next(solved)
+        yield _answer(number, scene, data)
 
 
 def _read(line: bytes) -> Scene | InvalidScene:
@@ -131,4 +131,4 @@ def _answer(number: int, scene: Scene | InvalidScene, data: dict[str, Any]) -> A
         data["engine"] = signed(data["engine"])
     if "error" in data:
         data["error"] = f"line {number}: {data['error']}"
-    return Answer(data["id"], data.get("error"), to_json(data))
+    return Answer(data["id"], data.get("error") or data.get("certificate"), to_json(data))

@@ -14,7 +14,8 @@ from typing import Any, TypeVar
 
 from pydantic import BaseModel
 
-from longball.model.result import Bounded
+from longball.model.block import Block
+from longball.model.result import Bounded, Certified
 
 B = TypeVar("B", bound=BaseModel)
 
@@ -33,7 +34,7 @@ def numbers(block: Any) -> Iterator[tuple[str, Any]]:
 
     Yields
     ------
-    tuple of str and float, int or `Bounded`
+    tuple of str and float, int, `Bounded` or `Certified`
         Values as they are held.
     """
     if _is_number(block):
@@ -177,7 +178,8 @@ def _put(data: Any, steps: list[tuple[str, str]], value: object) -> Any:
 
 def _parts(block: Any) -> Iterator[tuple[str, Any]]:
     if isinstance(block, BaseModel):
-        yield from ((key, getattr(block, key)) for key in type(block).model_fields)
+        keys = block.named() if isinstance(block, Block) else type(block).model_fields
+        yield from ((key, getattr(block, key)) for key in keys)
     elif isinstance(block, Mapping):
         yield from block.items()
     elif isinstance(block, tuple | list):
@@ -185,4 +187,4 @@ def _parts(block: Any) -> Iterator[tuple[str, Any]]:
 
 
 def _is_number(value: Any) -> bool:
-    return isinstance(value, float | int | Bounded) and not isinstance(value, bool)
+    return isinstance(value, float | int | Bounded | Certified) and not isinstance(value, bool)

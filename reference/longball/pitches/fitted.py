@@ -17,7 +17,8 @@ from pydantic import AfterValidator, Field, ValidationError
 
 from longball.home_run import MIDDLE_CELL, Mixture
 from longball.model.scene import explain
-from longball.pitches.table import Columns, Omission, PitchesError, PitchTypes, Strict
+from longball.pitches.chart import Columns, PitchTypes
+from longball.pitches.table import Omission, Strict, TableError
 
 Method = Literal["maximum_likelihood", "least_squares"]
 Status = Literal["fitted", "held", "at_bound"]
@@ -190,19 +191,19 @@ def load_fitted(path: str | Path) -> FittedPitches:
 
     Raises
     ------
-    PitchesError
+    TableError
         With a sentence that names the key at fault.
     """
     try:
         text = Path(path).read_text(encoding="utf-8")
     except OSError as error:
-        raise PitchesError(f"{path}: cannot be read: {error.strerror}") from None
+        raise TableError(f"{path}: cannot be read: {error.strerror}") from None
     except UnicodeDecodeError as error:
-        raise PitchesError(f"{path}: not UTF-8 text: byte {error.start + 1}") from None
+        raise TableError(f"{path}: not UTF-8 text: byte {error.start + 1}") from None
     try:
         return FittedPitches.model_validate_json(text)
     except ValidationError as error:
-        raise PitchesError(
+        raise TableError(
             f"{path}: not the result of longball fit: {explain(error, FittedPitches)}"
         ) from None
 
@@ -218,9 +219,7 @@ def as_text(fitted: FittedPitches) -> str:
 def _lines(fitted: FittedPitches) -> Iterator[str]:
     yield f"{fitted.source}: {fitted.rows_used} pitches used of {fitted.rows_read} rows"
     for each in fitted.left_out:
-        rows = ", ".join(map(str, each.first_rows))
-        more = ", …" if each.count > len(each.first_rows) else ""
-        yield f"  left out: {each.count}, {each.reason} (row {rows}{more})"
+        yield f"  {each}"
     for name, types in (("straight", fitted.straight), ("breaking", fitted.breaking)):
         found = ", ".join(f"{kind} {count}" for kind, count in types.items())
         yield f"  {name}: {sum(types.values())} ({found})"

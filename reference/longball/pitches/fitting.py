@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, NamedTuple, TextIO
 
 import numpy as np
 
+from longball.pitches.chart import Columns, Pitches, PitchTypes, cell, read_pitches
 from longball.pitches.fitted import (
     PEAK_GAIN,
     AimFit,
@@ -32,18 +33,7 @@ from longball.pitches.fitted import (
     Speeds,
     Status,
 )
-from longball.pitches.table import (
-    SPEED_UNITS,
-    Booleans,
-    Columns,
-    Counts,
-    Floats,
-    Pitches,
-    PitchesError,
-    PitchTypes,
-    cell,
-    read_pitches,
-)
+from longball.pitches.table import SPEED_UNITS, Booleans, Counts, Floats, TableError
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -101,7 +91,7 @@ def fit_pitches(
 
     Raises
     ------
-    PitchesError
+    TableError
         If the table cannot be used, a class has too few pitches or all of one speed, or the
         bins are too few or too many.
     """
@@ -109,7 +99,7 @@ def fit_pitches(
     pitches = read_pitches(table, columns, types)
     _enough(pitches)
     if replicates < 2:
-        raise PitchesError(f"replicates = {replicates}: a bootstrap takes at least 2")
+        raise TableError(f"replicates = {replicates}: a bootstrap takes at least 2")
     generator = np.random.default_rng(seed)
     straight = Counter(np.array(pitches.types)[pitches.straight].tolist())
     breaking = Counter(np.array(pitches.types)[~pitches.straight].tolist())
@@ -143,12 +133,12 @@ def _enough(pitches: Pitches) -> None:
     for name, chosen in (("straight", pitches.straight), ("breaking", ~pitches.straight)):
         speeds = pitches.speed[chosen]
         if len(speeds) < FEWEST_PITCHES:
-            raise PitchesError(
+            raise TableError(
                 f"{pitches.columns.pitch_type}: only {len(speeds)} {name} balls; a fit with its "
                 f"errors needs at least {FEWEST_PITCHES}"
             )
         if np.ptp(speeds) == 0.0 or speeds.var() <= _variance_of_rounding(pitches.columns):
-            raise PitchesError(
+            raise TableError(
                 f"{pitches.columns.speed}: the {len(speeds)} {name} balls differ no more than by "
                 "the step in which their speeds are written, which no normal curve describes"
             )
@@ -157,39 +147,28 @@ def _enough(pitches: Pitches) -> None:
 # --- speeds: Fig. 2, Table II ---------------------------------------------------------------------
 
 
-class NormalCurve(NamedTuple):
-    """Eq. 2 with an exponent ``-(v - μ)² / (factor σ²)``: factor 2 is a density, 1 is as printed.
-
-    As printed the curve has the integral 1/√2, and its standard deviation is σ/√2.
-    """
-
-    factor: float
-
-    @property
-    def sigma_per_deviation(self) -> float:
-        """How many of its standard deviations the curve's σ is: 1, or √2 as printed."""
-        return math.sqrt(2.0 / self.factor)
-
-    def __call__(self, v: Floats, mean: float, sigma: float) -> Floats:
-        """Return the curve at the speeds `v`, in the inverse of their unit."""
-        z = (v - mean) / sigma
-        return np.exp(-z * z / self.factor) / (math.sqrt(2.0 * math.pi) * sigma)
-
-    def fit(self, v: Floats, density: Floats, mean: float, sigma: float) -> tuple[float, float]:
-        """Return the mean and σ > 0 of the curve nearest to a density, from a first guess."""
-        from scipy.optimize import least_squares
-
-        found = least_squares(
-            lambda theta: self(v, *theta) - density,
-            (mean, sigma),
-            method="lm",
-            x_scale=(sigma, sigma),
-        )
-        return float(found.x[0]), abs(float(found.x[1]))
+# Of Eq. 2 as printed, which lacks the 2 of its exponent: the curve is that of a normal distribution
+# with the standard deviation σ/√2.
+INTEGRAL_AS_PRINTED = math.sqrt(0.5)
 
 
-DENSITY = NormalCurve(2.0)
-AS_PRINTED = NormalCurve(1.0)
+def normal(v: Floats, mean: float, deviation: float, integral: float = 1.0) -> Floats:
+    """Return the density of a normal distribution, scaled to an integral."""
+    z = (v - mean) / deviation
+    return integral * np.exp(-z * z / 2.0) / (math.sqrt(2.0 * math.pi) * deviation)
+
+
+def _normal_through(
+    v: Floats, density: Floats, start: Sequence[float], integral: float
+) -> tuple[float, float]:
+    """Return mean and standard deviation of the curve nearest to a density, from a first guess."""
+    from scipy.optimize import least_squares
+
+    def off(theta: Floats) -> Floats:
+        return normal(v, theta[0], theta[1], integral) - density
+
+    mean, deviation = least_squares(off, start, method="lm", x_scale=(start[1], start[1])).x
+    return float(mean), abs(float(deviation))
 
 
 def _fit_speeds(
@@ -207,9 +186,9 @@ def _fit_speeds(
             breaking=tuple(counts[1].tolist()),
         ),
         maximum_likelihood=by_likelihood,
-        least_squares=_speeds_through(DENSITY, edges, counts, start, replicates, generator),
+        least_squares=_speeds_through(1.0, edges, counts, start, replicates, generator),
         least_squares_as_printed=_speeds_through(
-            AS_PRINTED, edges, counts, start, replicates, generator
+            INTEGRAL_AS_PRINTED, edges, counts, start, replicates, generator
         ),
     )
 
@@ -220,14 +199,14 @@ def _bins(speed: Floats, bin_width: float, columns: Columns) -> Floats:
     step = columns.speed_resolution * unit
     width = bin_width / 3.6
     if not width > 0.0:
-        raise PitchesError(f"bin_width = {bin_width:g} km/h: a bin has a positive width")
+        raise TableError(f"bin_width = {bin_width:g} km/h: a bin has a positive width")
     if step > 0.0:
         width = max(1, round(width / step)) * step
     # A speed that is written v is between v - step/2 and v + step/2, and bins end there too.
     first = math.floor((speed.min() - step / 2) / width)
     last = math.ceil((speed.max() - step / 2) / width)
     if not FEWEST_BINS <= last - first <= MOST_BINS:
-        raise PitchesError(
+        raise TableError(
             f"bin_width = {bin_width:g} km/h puts these speeds into {last - first} bins; "
             f"it takes {FEWEST_BINS} to {MOST_BINS} of them"
         )
@@ -242,7 +221,7 @@ def _likeliest_speeds(pitches: Pitches, edges: Floats, counts: Counts) -> SpeedF
         for chosen in (pitches.straight, ~pitches.straight)
     )
     weight = Estimate(value=share, standard_error=math.sqrt(share * (1.0 - share) / total))
-    return _speed_fit(DENSITY, edges, counts, (mean_1, spread_1, mean_2, spread_2, weight))
+    return _speed_fit(1.0, edges, counts, (mean_1, spread_1, mean_2, spread_2, weight))
 
 
 def _variance_of_rounding(columns: Columns) -> float:
@@ -273,13 +252,13 @@ _NAMES = ("straight_mean", "straight_spread", "breaking_mean", "breaking_spread"
 
 
 def _speed_fit(
-    curve: NormalCurve, edges: Floats, counts: Counts, estimates: Sequence[Estimate]
+    integral: float, edges: Floats, counts: Counts, estimates: Sequence[Estimate]
 ) -> SpeedFit:
     """Return estimates, in the order of `SpeedValues`, with the R² of their mixture."""
     mean_1, spread_1, mean_2, spread_2, p = (estimate.value for estimate in estimates)
     v, width = _middles(edges)
     straight, breaking = (
-        curve(v, mean, curve.sigma_per_deviation * spread)
+        normal(v, mean, spread, integral)
         for mean, spread in ((mean_1, spread_1), (mean_2, spread_2))
     )
     everything = counts.sum(axis=0) / (counts.sum() * width)
@@ -288,7 +267,7 @@ def _speed_fit(
 
 
 def _speeds_through(
-    curve: NormalCurve,
+    integral: float,
     edges: Floats,
     counts: Counts,
     start: SpeedValues,
@@ -296,38 +275,32 @@ def _speeds_through(
     generator: np.random.Generator,
 ) -> SpeedFit:
     """Lay Eqs. 2 and 3 through the histograms of the classes, and of all pitches."""
-    fitted = _least_squares_speeds(curve, edges, counts, start)
+    fitted = _least_squares_speeds(integral, edges, counts, start)
     errors = _bootstrap(
         counts,
-        lambda drawn: _least_squares_speeds(curve, edges, drawn, fitted),
+        lambda drawn: _least_squares_speeds(integral, edges, drawn, fitted),
         replicates,
         generator,
     )
     statuses: list[Status] = ["fitted"] * 4
     statuses.append("at_bound" if fitted[-1] in (0.0, 1.0) else "fitted")
-    return _speed_fit(curve, edges, counts, _estimates(fitted, errors, statuses))
+    return _speed_fit(integral, edges, counts, _estimates(fitted, errors, statuses))
 
 
 def _least_squares_speeds(
-    curve: NormalCurve, edges: Floats, counts: Counts, start: SpeedValues
+    integral: float, edges: Floats, counts: Counts, start: SpeedValues
 ) -> SpeedValues:
     v, width = _middles(edges)
-    (mean_1, sigma_1), (mean_2, sigma_2) = (
-        curve.fit(v, count / (count.sum() * width), mean, curve.sigma_per_deviation * spread)
-        for count, mean, spread in zip(counts, start[0:4:2], start[1:4:2], strict=True)
+    one, two = (
+        _normal_through(v, count / (count.sum() * width), start[i : i + 2], integral)
+        for i, count in zip((0, 2), counts, strict=True)
     )
-    straight, breaking = curve(v, mean_1, sigma_1), curve(v, mean_2, sigma_2)
+    straight, breaking = (normal(v, *each, integral=integral) for each in (one, two))
     everything = counts.sum(axis=0) / (counts.sum() * width)
     # The sum of squares is a parabola in p: within [0, 1] it is least where clipping puts it.
     apart = straight - breaking
     weight = float(np.clip((everything - breaking) @ apart / (apart @ apart), 0.0, 1.0))
-    return (
-        mean_1,
-        sigma_1 / curve.sigma_per_deviation,
-        mean_2,
-        sigma_2 / curve.sigma_per_deviation,
-        weight,
-    )
+    return (*one, *two, weight)
 
 
 def _middles(edges: Floats) -> tuple[Floats, float]:
@@ -364,7 +337,7 @@ class _Aim(NamedTuple):
     spread: float
 
     def density(self, y: Floats) -> Floats:
-        left, right = (DENSITY(y, mean, self.spread) for mean in self[1:3])
+        left, right = (normal(y, mean, self.spread) for mean in self[1:3])
         return self.weight * left + (1.0 - self.weight) * right
 
     def shares(self, edges: Floats) -> Floats:

@@ -19,6 +19,7 @@ from longball.engines.batch.records import (
     Start,
     approach_is_clear,
     general,
+    is_of_paper,
     noted,
     placed,
     records_of,
@@ -34,6 +35,7 @@ from longball.engines.contact import (
 )
 from longball.engines.engine import CannotSolve, ManyAtOnce, OutOfRange, TooLong, Touch
 from longball.engines.event import Event, Piece, past
+from longball.engines.ivp import Ivp
 from longball.engines.path import Flight, Path
 from longball.engines.polynomial import PolynomialPiece
 from longball.engines.series import recurrence
@@ -43,6 +45,9 @@ from longball.model.scene import Scene
 from longball.model.trace import Program
 
 LOOSEST, TIGHTEST = 1e-4, 1e-14  # m
+
+# Who flies under the extended model, one flight at a time.
+SCALAR = Ivp()
 
 
 @dataclass(frozen=True)
@@ -116,6 +121,8 @@ class Batch(ManyAtOnce):
         self, law: Law[float], start: State[float], events: Sequence[Event[float]], limit: float
     ) -> Flight[float]:
         """Fly until the first of several events; see `longball.engines.engine.Engine.fly`."""
+        if not is_of_paper(law):
+            return SCALAR.fly(law, start, events, limit)
         launch = Start(0.0, start)
         flight = records_of(law, launch, events, limit, self.flight_error)
         end = self.fly_all(flight, general(law).program)
@@ -138,7 +145,8 @@ class Batch(ManyAtOnce):
         limit: float,
     ) -> Touch[float]:
         """Find how a pitch meets the bat; see `longball.engines.engine.Engine.touch`."""
-        assert isinstance(pitch, OneFlight)
+        if not isinstance(pitch, OneFlight):
+            return SCALAR.touch(pitch, law, bat, events, limit)
         start = pitch.approach if approach_is_clear(bat, pitch.state.z) else pitch.launch
         error = margin_error(bat, pitch.state.z, self.flight_error, DOUBLES)
         ends = [past(bat.frame, bat.reach, DOUBLES), *events]

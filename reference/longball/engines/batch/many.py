@@ -28,7 +28,7 @@ from longball.engines.chain import BLOCKS, MODEL, Model
 from longball.model import quantities
 from longball.model.readings import Reading
 from longball.model.result import Outcome
-from longball.model.scene import AtBatScene, Scene
+from longball.model.scene import AtBatScene, FlightScene, ImpactScene, Scene
 
 Array = NDArray[np.float64]
 
@@ -75,6 +75,8 @@ def solve_columns(
     refuse is not found out.
     """
     n, view = _view(scene, columns)
+    if _is_extended(scene):
+        return _one_by_one(scene, n, columns, engine or _batch(), model)
     return _named(_solve(scene.kind, n, view, engine or _batch(), threads, model))
 
 
@@ -105,6 +107,34 @@ def solve_columns_with_restitutions(
 
     _in_blocks(solve_block, n, threads)
     return [_named(table) for table in tables]
+
+
+def _is_extended(scene: Scene) -> bool:
+    """Tell whether a scene names more than the paper's forces: then it is solved alone."""
+    if isinstance(scene, ImpactScene) or scene.air is None:
+        return False
+    thrown: Any = scene.launch if isinstance(scene, FlightScene) else scene.pitch
+    named = thrown.spin, getattr(thrown, "velocity", None) if scene.kind != "flight" else None
+    air = scene.air
+    further = (*named, scene.earth, air.wind, air.spin_decay_length, air.density_scale_height)
+    laws = air.drag_coefficient, air.lift_coefficient, air.density
+    return any(x is not None for x in further) or any(isinstance(x, BaseModel) for x in laws)
+
+
+def _one_by_one(
+    scene: Scene, n: int, columns: Mapping[str, ArrayLike], flyer: Any, model: Model
+) -> dict[str, NDArray[Any]]:
+    """Solve the scenes of columns one at a time."""
+    table = Table(n)
+    rows = zip(*(np.asarray(column).tolist() for column in columns.values()), strict=True)
+    for i, row in enumerate(rows):
+        one = quantities.replaced(scene, dict(zip(columns, row, strict=True)))
+        result = chain.solve(one, flyer, model)
+        if result.outcome is not None:
+            table.outcome[i] = OUTCOMES.index(result.outcome)
+        for name, value in quantities.numbers(result):
+            table.put(name, i, value)
+    return _named(table)
 
 
 def _batch() -> BatchFlyer:
@@ -162,7 +192,8 @@ def solve_as_data(scenes: Sequence[Scene], solver: Any, threads: int = 1) -> lis
     """Return the results of scenes of any kinds, in order, as plain data."""
     alike: defaultdict[tuple[Any, ...], list[int]] = defaultdict(list)
     for i, scene in enumerate(scenes):
-        alike[type(scene), scene.reading, getattr(scene, "air", None) is None].append(i)
+        alone = i if _is_extended(scene) else None
+        alike[*_structure(scene), alone].append(i)
     results: dict[int, dict[str, Any]] = {}
     for places in alike.values():
         if len(places) < FEW:
@@ -180,8 +211,22 @@ def solve_as_data(scenes: Sequence[Scene], solver: Any, threads: int = 1) -> lis
     return [results[i] for i in range(len(scenes))]
 
 
+def _structure(scene: Any) -> tuple[Any, ...]:
+    """Return what scenes have in common that differ in nothing but their numbers."""
+    bat, incoming = getattr(scene, "bat", None), getattr(scene, "incoming", None)
+    named = (
+        (scene.ball, "inertia_factor"),
+        (scene, "air"),
+        (bat, "friction"),
+        (bat, "tangential_restitution"),
+        (incoming, "spin"),
+    )
+    absent = tuple(getattr(block, key, None) is None for block, key in named)
+    return type(scene), scene.reading, getattr(bat, "support", None), absent
+
+
 def _columns_of(scenes: list[Scene]) -> dict[str, Array]:
-    """Return the numbers of scenes of one kind, all of them with air or all without."""
+    """Return the numbers of scenes of one structure."""
     columns: dict[str, Array] = {}
     for way in dict.fromkeys(name.partition("[")[0] for name, _ in quantities.numbers(scenes[0])):
         values = np.array([*map(attrgetter(way), scenes)], np.float64)
@@ -241,9 +286,14 @@ def _rows(table: Table) -> Iterator[tuple[Outcome | None, dict[str, Any]]]:
         yield None if outcome == UNSOLVED else OUTCOMES[outcome], known
 
 
+def _known(column: NDArray[Any]) -> NDArray[np.bool_]:
+    found: NDArray[np.bool_] = np.isfinite(column) if column.dtype == float else column != ""
+    return found
+
+
 def _part(columns_of: dict[str, list[Array]]) -> list[dict[str, Any]]:
     """Return a part of each row's result: what it has of its quantities."""
-    known = zip(*(np.isfinite(columns[0]).tolist() for columns in columns_of.values()), strict=True)
+    known = zip(*(_known(columns[0]).tolist() for columns in columns_of.values()), strict=True)
     values = zip(
         *(
             zip(*(column.tolist() for column in columns), strict=True)
