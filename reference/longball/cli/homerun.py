@@ -15,6 +15,7 @@ from longball import engines
 from longball.cli.cluster import Scheduler, on_cluster
 from longball.cli.common import (
     Json,
+    Quiet,
     Seed,
     Workers,
     option_value,
@@ -89,6 +90,7 @@ def homerun(
     ] = None,
     method: Annotated[Method, typer.Option(help="How P(e) is computed.")] = "monte-carlo",
     engine: Annotated[Engine, typer.Option(help="What solves the at-bats.")] = "batch",
+    quiet: Quiet = False,
 ) -> None:
     """Compute the probability of a home run P(e), from sampled at-bats or by quadrature.
 

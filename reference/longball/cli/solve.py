@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from importlib.util import find_spec
@@ -14,29 +15,46 @@ import typer
 
 from longball import engines
 from longball.cli.cluster import Scheduler, on_cluster
-from longball.cli.common import Workers, reading_from, refusing, tell, writing_to, wrong_call
+from longball.cli.common import (
+    EngineName,
+    Quiet,
+    Workers,
+    note,
+    progress_bar,
+    reading_from,
+    refusing,
+    say,
+    tell,
+    writing_to,
+    wrong_call,
+)
 from longball.engines.engine import Engine, ManyAtOnce
 from longball.engines.lines import solve_lines
+from longball.model.readings import AppendixBRoot, VerletForces, VerletLanding
+
+Source = Annotated[
+    str,
+    typer.Argument(
+        metavar="[SCENES|-]",
+        help="A scene per line of JSON, or per row of a .csv or .parquet; - reads stdin.",
+    ),
+]
 
 
 def solve(
-    source: Annotated[
-        str,
-        typer.Argument(
-            metavar="[SCENES|-]",
-            help="A scene per line of JSON, or per row of a .csv or .parquet; - reads stdin.",
-        ),
-    ] = "-",
+    source: Source = "-",
     output: Annotated[
         Path | None,
         typer.Option(
             "-o", "--output", help="Where results go, .jsonl, .csv or .parquet; by default stdout."
         ),
     ] = None,
-    engine: Annotated[str, typer.Option(help="One of " + ", ".join(engines.ENGINES))] = "ivp",
+    engine: EngineName = "ivp",
     method: Annotated[
         str | None,
-        typer.Option(help="ivp: Taylor (default), or a method of solve_ivp: DOP853, Radau, ..."),
+        typer.Option(
+            help="ivp: Taylor (default), or of solve_ivp: RK23, RK45, DOP853, Radau, BDF, LSODA."
+        ),
     ] = None,
     rtol: Annotated[
         float | None, typer.Option(help="ivp: relative tolerance of solve_ivp's methods; 5e-14.")
@@ -52,13 +70,13 @@ def solve(
     ] = None,
     dt: Annotated[float | None, typer.Option(help="verlet: the step, s; 0.05.")] = None,
     forces: Annotated[
-        str | None, typer.Option(help="verlet: how drag and lift are had; old_carried.")
+        VerletForces | None, typer.Option(help="verlet: how drag and lift are had; old_carried.")
     ] = None,
     landing: Annotated[
-        str | None, typer.Option(help="verlet: interpolated (default) or first_below.")
+        VerletLanding | None, typer.Option(help="verlet: where the ball lands; interpolated.")
     ] = None,
     root: Annotated[
-        str | None, typer.Option(help="verlet: Appendix B's root, first (default) or larger.")
+        AppendixBRoot | None, typer.Option(help="verlet: of Appendix B's quadratic; first.")
     ] = None,
     path: Annotated[
         bool, typer.Option("--path", help="Add the path: [[t, x, y, z, vx, vy, vz], …].")
@@ -71,6 +89,7 @@ def solve(
     ] = False,
     workers: Workers = 1,
     scheduler: Scheduler = None,
+    quiet: Quiet = False,
 ) -> None:
     """Solve scenes: one result in JSON for each line of input."""
     # fmt: off
@@ -102,10 +121,12 @@ def solve(
         on_cluster(scheduler),
         scenes_from(source) as lines,
         results_to(output, source) as write,
+        progress_of(lines, output) as advance,
     ):
         for result in solve_lines(lines, solver, -1 if scheduler else workers, asked):
             write(result.text)
             solved += 1
+            advance(solved)
             failed += result.failure is not None
     if solved == 0:
         tell(f"no scenes in {source}")
@@ -113,6 +134,21 @@ def solve(
         tell(f"{failed} of {solved} lines could not be solved{' and certified' * certify}")
     if failed or not solved:
         raise typer.Exit(1)
+
+
+@contextmanager
+def progress_of(lines: BinaryIO, output: Path | None) -> Iterator[Callable[[int], None]]:
+    """Show how many lines of a file are done, unless the results go to the terminal."""
+    if lines.isatty():
+        note("scenes are read from the terminal, one per line of JSON; Ctrl-D ends")
+    shown = output is not None or not sys.stdout.isatty()
+    if not (say.is_terminal and shown and lines.seekable()):
+        yield lambda done: None
+        return
+    total = sum(1 for _ in lines)
+    lines.seek(0)
+    with progress_bar("scenes", total) as advance:
+        yield advance
 
 
 TABLES = (".csv", ".parquet")  # all other files are JSON Lines
