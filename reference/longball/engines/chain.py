@@ -993,6 +993,17 @@ def solve_with_path(
     return result, Trajectory(tuple(case.legs))
 
 
+def solve_with_points(scene: Scene, engine: Engine[N], points: int) -> Result:
+    """Return the result of a scene with so many points of its path, if it has any."""
+    result, way = solve_with_path(scene, engine)
+    if result.error is not None or not way.legs:
+        return result
+    with engine.numbers.arithmetic():
+        rows = way.evenly(points, engine.numbers)
+        path = tuple(tuple(map(engine.numbers.report, row)) for row in rows)
+    return result.model_copy(update={"path": path})
+
+
 def solve_with_restitutions(
     scene: AtBatScene, restitutions: Sequence[float], engine: Engine[N], model: Model = MODEL
 ) -> list[Result]:

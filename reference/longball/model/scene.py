@@ -259,7 +259,7 @@ class _Scene(_Block):
     def line(self) -> str:
         """Return the scene as one line of JSON with every default but the reading's written out."""
         blocks = self.model_dump(mode="json")
-        head = {key: value for key in ("id", "kind") if (value := blocks.pop(key))}
+        head = {key: value for key in ("id", "kind") if (value := blocks.pop(key, None))}
         return json_line(head | blocks)
 
 
