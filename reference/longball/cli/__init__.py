@@ -16,13 +16,14 @@ from longball.cli.fit import fit
 from longball.cli.homerun import homerun
 from longball.cli.judge import judge
 from longball.cli.measured import measured
+from longball.cli.plot import plot
 from longball.cli.readings import readings
 from longball.cli.solve import solve
 
 app = typer.Typer(
-    help="The precision reference for a simulator of baseball at-bats.",
+    help="The precision reference for baseball in flight.",
+    epilog='Example: echo \'{"kind": "at-bat"}\' | longball solve',
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
     context_settings={"help_option_names": ["-h", "--help"]},
@@ -41,6 +42,7 @@ app.command(epilog="Example: longball fit pitches.csv --json > fitted.json")(fit
 app.command(epilog="Example: longball measured statcast.csv --kind batted --figure errors.png")(
     measured
 )
+app.command(epilog="Example: longball plot at-bats.jsonl -o paths.svg")(plot)
 app.command(epilog="Example: longball readings --samples 1000")(readings)
 
 

@@ -17,11 +17,13 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
+from longball import engines
 from longball.model.scene import explain
 
 M = TypeVar("M", bound=BaseModel)
 
-say = Console(stderr=True, highlight=False, soft_wrap=True)
+# For people: what goes wrong, and what --quiet hides, notes and progress.
+errors, say = (Console(stderr=True, highlight=False, soft_wrap=True) for _ in range(2))
 
 
 def _checked(workers: int) -> int:
@@ -30,6 +32,16 @@ def _checked(workers: int) -> int:
     return workers
 
 
+def _hushed(quiet: bool) -> bool:
+    say.quiet = quiet
+    return quiet
+
+
+Quiet = Annotated[
+    bool,
+    typer.Option("-q", "--quiet", callback=_hushed, help="No progress, no notes: errors only."),
+]
+EngineName = Annotated[engines.Name, typer.Option(help="What solves the scenes.")]
 Seed = Annotated[int, typer.Option(min=0, help="Of the random numbers.")]
 Workers = Annotated[
     int, typer.Option(callback=_checked, help="Parallel threads or processes; -1: one per core.")
@@ -38,7 +50,12 @@ Json = Annotated[bool, typer.Option("--json", help="Print JSON instead of text."
 
 
 def tell(sentence: str) -> None:
-    """Print a sentence for people to standard error."""
+    """Print what is wrong to standard error."""
+    errors.print(f"longball: {sentence}", markup=False)
+
+
+def note(sentence: str) -> None:
+    """Print what may be good to know to standard error."""
     say.print(f"longball: {sentence}", markup=False)
 
 
@@ -130,7 +147,7 @@ def progress_bar(what: str, total: int) -> Iterator[Callable[..., None]]:
         MofNCompleteColumn(),
         TimeRemainingColumn(),
         console=say,
-        disable=not say.is_terminal,
+        disable=not say.is_terminal or say.quiet,
         transient=True,
     )
     with bar:

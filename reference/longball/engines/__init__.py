@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from dataclasses import fields
 from importlib import import_module
-from typing import Any
+from typing import Any, Literal
 
 from longball.engines.engine import Engine
 from longball.extras import naming_extras
 
+Name = Literal["ivp", "batch", "enclosure", "multiprecision", "verlet"]
+
 # Imported only when asked for: an engine brings its own heavy libraries.
-ENGINES: dict[str, tuple[str, str]] = {
+ENGINES: dict[Name, tuple[str, str]] = {
     "ivp": ("longball.engines.ivp", "Ivp"),
     "batch": ("longball.engines.batch", "Batch"),
     "enclosure": ("longball.engines.enclosure", "Enclosure"),
