@@ -57,8 +57,7 @@ def test_extras_are_those_that_are_named_to_users():
         for extra in set(EXTRAS.values())
         for text in PROJECT["optional-dependencies"][extra]
     }
-    # numba brings llvmlite, and pandas reads Parquet by pyarrow where that is installed.
-    named = {name: extra for name, extra in EXTRAS.items() if name not in ("llvmlite", "pyarrow")}
+    named = {name: extra for name, extra in EXTRAS.items() if name != "llvmlite"}  # numba brings it
     assert declared == named | {"longball": "dask"}
     light = {canonicalize_name(Requirement(text).name) for text in PROJECT["dependencies"]}
     assert light == {"mpmath", "numpy", "pydantic", "python-flint", "rich", "scipy", "typer"}
