@@ -10,7 +10,7 @@ from typing import Annotated
 import typer
 
 from longball import engines
-from longball.cli.common import Json, refusing, tell, wrong_call
+from longball.cli.common import Json, Quiet, refusing, tell, wrong_call
 from longball.pitches import EXAMPLE, TableError
 from longball.pitches.models import MODELS
 from longball.pitches.prediction import as_data, as_frame, as_text, predict, scenes
@@ -48,6 +48,7 @@ def measured(
         Path | None, typer.Option(metavar="FILE", help="Draw the errors here: .png, .svg, .pdf")
     ] = None,
     as_json: Json = False,
+    quiet: Quiet = False,
 ) -> None:
     """Predict measured pitches or batted balls, and compare.
 

@@ -14,6 +14,7 @@ import numpy as np
 from longball import engines
 from longball.engines import chain
 from longball.engines.engine import Engine, ManyAtOnce
+from longball.extras import naming_extras
 from longball.model.result import Result
 from longball.model.scene import InvalidScene, Scene, parse_scene
 from longball.pitches.models import FlightModel, expected_spin
@@ -199,6 +200,7 @@ def _summary(group: str, which: Booleans, error: Floats) -> Summary:
     )
 
 
+@naming_extras()
 def as_frame(prediction: Prediction) -> pd.DataFrame:
     """Return a row for each ball, in SI units and the frame of scenes."""
     import pandas as pd
