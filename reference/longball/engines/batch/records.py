@@ -41,7 +41,7 @@ class Start(NamedTuple):
 
 def is_of_paper(law: Law[Any]) -> bool:
     """Tell whether no term of the extended model is in a law: then its flights go in lanes."""
-    return not set(law.forces) & set(FORCES[len(PAPER) :])
+    return not law.bends and not set(law.forces) & set(FORCES[len(PAPER) :])
 
 
 def general(law: Law[Any]) -> Law[Any]:
