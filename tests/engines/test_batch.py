@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import math
-import shutil
 from itertools import pairwise
-from pathlib import Path
 from typing import Any
 
 import mpmath
@@ -17,10 +15,8 @@ from hypothesis import strategies as st
 
 from longball.engines.batch import (
     Batch,
-    cache,
     expansion,
     roots,
-    solve_all,
     solve_columns,
     solve_columns_with_restitutions,
 )
@@ -189,7 +185,7 @@ def test_odd_scenes_have_the_answers_of_the_ivp_engine(odd_scenes: list[Scene]) 
     """Outcomes, and every number that the reference has, to what its touchings are good for."""
     reference = Ivp()
     outcomes = set()
-    for scene, result in zip(odd_scenes, solve_all(odd_scenes), strict=True):
+    for scene, result in zip(odd_scenes, Batch().solve_all(odd_scenes), strict=True):
         expected = solve(scene, reference)
         assert (result.outcome, result.error) == (expected.outcome, expected.error), scene.line()
         outcomes.add(result.outcome)
@@ -216,7 +212,7 @@ def test_regular_at_bats_agree_with_the_enclosure_to_the_digits_of_doubles() -> 
         )
         for i in range(12)
     ]
-    for scene, result in zip(scenes, solve_all(scenes), strict=True):
+    for scene, result in zip(scenes, Batch().solve_all(scenes), strict=True):
         found, truth = numbers(result), numbers(solve(scene, Enclosure()))
         assert result.outcome == "batted"
         assert found.keys() == truth.keys()
@@ -282,7 +278,7 @@ def test_a_parabola_is_exact() -> None:
 
 def test_lists_have_the_bits_of_scenes_solved_alone(odd_scenes: list[Scene]) -> None:
     engine = Batch()
-    assert solve_all(odd_scenes, engine) == [solve(scene, engine) for scene in odd_scenes]
+    assert engine.solve_all(odd_scenes) == [solve(scene, engine) for scene in odd_scenes]
 
 
 def test_balls_that_share_their_pitch_have_the_bits_of_their_own() -> None:
@@ -439,73 +435,6 @@ def test_the_path_has_the_states_of_the_flight(w: float) -> None:
             assert list(before.at(before.length)) == pytest.approx(list(after.at(0.0)), abs=1e-13)
 
 
-# --- compiled code that is kept -------------------------------------------------------------------
-
-
-def test_a_change_of_any_source_changes_the_key(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    package = tmp_path / "longball"
-    shutil.copytree(cache.PACKAGE, package, ignore=shutil.ignore_patterns("data", "__pycache__"))
-    monkeypatch.setattr(cache, "PACKAGE", package)
-    read = cache.sources.__wrapped__
-    before = read()
-    files = [*map(str, cache.MODULES), *(f"engines/batch/{n}.py" for n in ("flights", "expansion"))]
-    for name in files:
-        file = package / name
-        text = file.read_text()
-        file.write_text(text + "#\n")
-        assert read() != before, name
-        file.write_text(text)
-    assert read() == before
-
-
-def test_code_is_kept_and_made_anew_when_its_file_is_not_what_was_written(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
-    made: list[int] = []
-
-    def make() -> bytes:
-        made.append(1)
-        return b"code" * 100
-
-    assert cache.stored("law", ["a"], make) == cache.stored("law", ["a"], make) == b"code" * 100
-    assert len(made) == 1
-    (file,) = tmp_path.iterdir()
-    for damage in (file.read_bytes()[:50], b"", b"\0" * 432):
-        file.write_bytes(damage)
-        assert cache.stored("law", ["a"], make) == b"code" * 100
-    assert len(made) == 4
-    cache.stored("law", ["b"], make)
-    assert len(made) == 5
-
-
-def test_where_no_code_can_be_kept_it_is_made_in_each_process(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    (tmp_path / "file").touch()
-    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "file"))
-    assert cache.stored("law", ["a"], lambda: b"code") == b"code"
-
-
-def test_a_compiled_function_is_kept(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
-    for turn in range(3):
-
-        def twice(x: float) -> float:
-            return 2.0 * x
-
-        cache.tell.cache_clear()
-        assert cache.compile_cached(twice)(3.0) == 6.0
-        (file,) = tmp_path.iterdir()
-        assert ("compiling" in capsys.readouterr().err) == (turn != 1)
-        if turn == 1:
-            file.write_bytes(file.read_bytes()[:-1])
-
-
 # --- roots ----------------------------------------------------------------------------------------
 
 
@@ -618,7 +547,7 @@ def test_landings_of_every_tolerance_lie_that_close_to_proven_ones() -> None:
     truth = np.array([numbers(solve(s, Enclosure()))[".landing.distance"] for s in scenes])
     rounding = Batch(1e-14).flight_error
     for tolerance in 10.0 ** -np.arange(4.0, 15.0):
-        results = solve_all(scenes, Batch(tolerance))
+        results = Batch(tolerance).solve_all(scenes)
         found = np.array([numbers(result)[".landing.distance"] for result in results])
         assert (np.abs(found - truth) < tolerance + rounding * truth).all(), tolerance
 
@@ -638,7 +567,7 @@ def test_a_graze_is_an_error_with_its_margin() -> None:
     while True:
         offset = (low + high) / 2
         scene = AtBatScene(id="graze", swing=Swing(height_offset=offset))
-        (result,) = solve_all([scene])
+        (result,) = Batch().solve_all([scene])
         if result.error is not None:
             break
         low, high = (low, offset) if result.outcome == "missed" else (offset, high)
@@ -658,7 +587,7 @@ def test_a_circle_that_comes_back_to_the_ground_where_it_left_it_is_an_error() -
         air=Air(drag_coefficient=0.0, lift_coefficient=0.7),
         launch=Launch(position=(0.0, 0.0, 0.0), velocity=(45.0, 0.0, 0.0)),
     )
-    (result,) = solve_all([scene])
+    (result,) = Batch().solve_all([scene])
     assert result.error is not None
     assert "whether the ball touches the ground cannot be decided" in result.error
 
@@ -675,12 +604,12 @@ def test_sizes_that_overflow_have_the_same_answer_in_a_list_as_alone(size: float
         AtBatScene(id="swung", swing=Swing(angular_speed=size)),
         AtBatScene(id="heavy", ball=Ball(mass=size)),
     ]
-    assert solve_all(scenes) == [solve(scene, Batch()) for scene in scenes]
+    assert Batch().solve_all(scenes) == [solve(scene, Batch()) for scene in scenes]
 
 
 def test_a_ball_released_inside_the_bat_is_an_error() -> None:
     scene = AtBatScene(id="in", pitch=Pitch(release=(0.02, 0.0, 1.8)))
-    (result,) = solve_all([scene])
+    (result,) = Batch().solve_all([scene])
     assert result.error is not None
     assert "starts inside the bat" in result.error
 
@@ -705,7 +634,7 @@ def test_a_ball_that_is_all_but_vertical(sideways: float, up: float, lift: float
         assert result.landing.distance == pytest.approx(float(truth.distance), rel=1e-14)
         heights.append([way.at(part * float(truth.time))[0][2] for part in (0.2, 0.5, 0.9)])
     assert heights[0] == pytest.approx(heights[1], rel=1e-13)
-    assert solve_all([scene] * 20) == [solve(scene, Batch())] * 20
+    assert Batch().solve_all([scene] * 20) == [solve(scene, Batch())] * 20
 
 
 def test_a_ball_that_all_but_rests_in_the_air_is_solved_or_refused_never_wrong() -> None:

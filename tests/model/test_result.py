@@ -32,8 +32,12 @@ def test_the_keys_are_the_contracts():
     assert list(Contact.model_fields) == [
         "time", "position", "normal", "bat_velocity", "normal_speed", "margin",
     ]  # fmt: skip
-    assert list(Impact.model_fields) == ["restitution", "impulse", "velocity", "energy_change"]
-    assert list(Landing.model_fields) == ["time", "hang_time", "position", "velocity", "distance"]
+    assert list(Impact.model_fields) == [
+        "restitution", "impulse", "velocity", "energy_change", "spin", "mode", "friction_margin",
+    ]  # fmt: skip
+    assert list(Landing.model_fields) == [
+        "time", "hang_time", "position", "velocity", "distance", "spin", "path",
+    ]  # fmt: skip
 
 
 def test_the_outcomes_are_the_contracts():

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from longball.convergence.family import PHASES, Expected, Observed, observe, step_family
 from longball.convergence.report import ConvergenceReport, Lost
 from longball.model.result import Number, Result
-from longball.model.scene import Scene
+from longball.model.scene import Scene, ids_of
 
 Array = NDArray[np.float64]
 
@@ -169,7 +169,7 @@ def converge(
     if not scenes:
         raise ValueError("there is no scene to converge in")
     family = step_family(steps)
-    ids = [scene.id for scene in scenes]
+    ids = ids_of(scenes)
     finest = _in_order(run(float(family[-1])), ids)
     should = finest if truth is None else _in_order(truth, ids)
     lost = {float(family[-1]): _lost(finest, should)}

@@ -38,10 +38,14 @@ class Certifying(ManyAtOnce):
 
     engine: Engine[Any] | ManyAtOnce
 
-    def solve_all(self, scenes: Sequence[Scene]) -> list[Result]:
+    def solve_all(self, scenes: Sequence[Scene], threads: int = 1) -> list[Result]:
         """Return what `certify` returns for each scene's result, in order."""
-        results = solve_each(scenes, self.engine)
+        results = solve_each(scenes, self.engine, threads)
         return [certify(scene, result) for scene, result in zip(scenes, results, strict=True)]
+
+    def solve_as_data(self, scenes: Sequence[Scene], threads: int = 1) -> list[dict[str, Any]]:
+        """Return the same as plain data."""
+        return [result.data() for result in self.solve_all(scenes, threads)]
 
 
 def certified(scene: Scene, engine: Engine[Any] | ManyAtOnce) -> Result:

@@ -10,12 +10,12 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from typing import Any, Generic, cast
 
 from pydantic import ValidationError
 
-from longball.engines.contact import BatSection
+from longball.engines.contact import BatSection, margin_error
 from longball.engines.engine import (
     CannotSolve,
     Engine,
@@ -28,10 +28,32 @@ from longball.engines.engine import (
 from longball.engines.event import Event, ground, plate, vertical
 from longball.engines.path import Flight, Leg, Path, Trajectory
 from longball.model import result as written
-from longball.model.bat import bat_velocity, collision_parameters, lever_arm
+from longball.model.aerodynamics import LIFT
+from longball.model.bat import (
+    CollisionParameters,
+    bat_rotation,
+    bat_velocity,
+    collision_parameters,
+    inertia_factor,
+    inverse_masses,
+    lever_arm,
+    tangential_restitution,
+)
+from longball.model.force import Term
 from longball.model.frame import Frame, launch_frame
-from longball.model.impact import energy_change, impulse, velocity_after
-from longball.model.law import FORCES, LIFT, Force, Law, PlaneState, State, law_of
+from longball.model.impact import (
+    energy_change,
+    gripping_impulse,
+    impulse,
+    push_energy,
+    sliding_impulse,
+    sliding_resistance,
+    slip,
+    spin_after_push,
+    velocity_after,
+    velocity_after_push,
+)
+from longball.model.law import FORCES, Law, PlaneState, State, law_of
 from longball.model.numbers import N, Numbers, Undecided, Vector, absolute
 from longball.model.quantities import replaced
 from longball.model.result import Outcome, Result
@@ -46,10 +68,12 @@ class ContactState(Generic[N]):
 
     Attributes
     ----------
-    position, velocity
-        Of the ball, m and m/s.
+    position, velocity, spin
+        Of the ball, m, m/s and rad/s; no spin if the scene has none.
     normal
         Unit vector from the bat's axis to the ball.
+    bat_velocity
+        Of the bat on its axis, m/s.
     lever_arm
         r̃, m.
     normal_speed
@@ -58,7 +82,9 @@ class ContactState(Generic[N]):
 
     position: Vector[N]
     velocity: Vector[N]
+    spin: Vector[N] | None
     normal: Vector[N]
+    bat_velocity: Vector[N]
     lever_arm: N
     normal_speed: N
 
@@ -71,16 +97,113 @@ class Impact(Generic[N]):
     impulse: N
     velocity: Vector[N]
     energy_change: N
+    spin: Vector[N] | None = None
+    mode: Any = None
+    friction_margin: N | None = None
 
 
-def collide(scene: Any, contact: ContactState[N], numbers: Numbers[N]) -> Impact[N]:
-    """Apply the impulse of Appendix A."""
+def collide(
+    cases: Cases[N], contact: ContactState[N], error: N | float, *carried: Any
+) -> tuple[Any, ...]:
+    """Apply the impulse of Appendix A; on a bat with friction, the oblique one.
+
+    Parameters
+    ----------
+    error
+        Of velocities and directions, relative, before any rounding here.
+    carried
+        Other values of theirs.
+
+    Returns
+    -------
+    tuple
+        Those that part, their `Impact`, and the other values.
+    """
+    scene, numbers = cases.scene, cases.numbers
     pair = collision_parameters(scene.ball, scene.bat, contact.lever_arm, scene.reading, numbers)
+    if scene.bat.friction is not None:
+        return _rub(cases, contact, pair, error, *carried)
     parts = pair.reduced_mass, pair.restitution, contact.normal_speed
     push = impulse(*parts)
     mass = numbers.exact(scene.ball.mass)
     after = velocity_after(contact.velocity, contact.normal, mass, push)
-    return Impact(pair.restitution, push, after, energy_change(*parts))
+    mode = None if contact.spin is None else "frictionless"
+    impact = Impact(pair.restitution, push, after, energy_change(*parts), contact.spin, mode)
+    return cases, impact, *carried
+
+
+# Between the velocities and the decisions below stand fewer operations, each on terms that are no
+# larger than those of the bounds.
+_OPERATIONS = 40
+
+
+def _rub(
+    cases: Cases[N],
+    contact: ContactState[N],
+    pair: CollisionParameters[N],
+    error: N | float,
+    *carried: Any,
+) -> tuple[Any, ...]:
+    """Let the ball grip the bat, or slide on it; see `longball.model.derivation`."""
+    scene, numbers = cases.scene, cases.numbers
+    ball, bat, normal = scene.ball, scene.bat, contact.normal
+    mass, radius = numbers.exact(ball.mass), numbers.exact(ball.radius)
+    bat_radius, friction = numbers.exact(bat.radius), numbers.exact(bat.friction)
+    e, e_t = pair.restitution, tangential_restitution(bat, numbers)
+    zero, one = numbers.exact(0.0), numbers.exact(1.0)
+    spin = (zero, zero, zero) if contact.spin is None else contact.spin
+    rotation = bat_rotation(scene.swing, numbers)
+    motion = contact.velocity, spin, contact.bat_velocity, rotation
+    _, g_y, g_t = slip(*motion, normal, radius, bat_radius)
+    g = contact.normal_speed, g_y, g_t
+    k = inverse_masses(ball, bat, contact.lever_arm, pair, scene.reading, numbers)
+
+    # No element of K is below 1/m but that which couples, so that an impulse is at most m times
+    # what it does to the slip; doubled for the coupling.
+    lengths = one, radius, one, bat_radius
+    sizes = (absolute(x) * a for v, a in zip(motion, lengths, strict=True) for x in v)
+    off = (error + _OPERATIONS * numbers.rounding) * sum(sizes, zero)
+    wanted = gripping_impulse(k, e, e_t, g)
+    rubbed = numbers.sqrt(wanted[1] * wanted[1] + wanted[2] * wanted[2])
+    doubt = 2 * (1 + friction) * mass * (2 + e + absolute(e_t)) * off
+    question = "whether the ball grips the bat or slides on it"
+    room = friction * wanted[0] - rubbed
+    grips, slides = cases.decide(room, doubt, question)
+
+    if scene.reading.slide_direction == "initial":
+        way, speed, off_way = (g_y, g_t), numbers.sqrt(g_y * g_y + g_t * g_t), off
+    else:
+        way, speed, off_way = (-wanted[1], -wanted[2]), rubbed, doubt
+    speed = numbers.where(grips, one, speed)
+    question = "in which direction the ball slides on the bat"
+    known, unknown = cases.decide(speed, numbers.where(grips, zero, off_way), question)
+    (ended,) = cases.take(unknown)
+    ended.refuse(
+        f"{question} cannot be said: it has no slip; use the reading slide_direction = final"
+    )
+    direction = way[0] / speed, way[1] / speed
+    resistance = numbers.where(grips, one, sliding_resistance(k, friction, direction))
+    coupled = friction * absolute(k[1])
+    doubt = _OPERATIONS * numbers.rounding * (k[0] + coupled) + coupled * off_way / speed
+    parts, jammed = cases.decide(resistance, doubt, "whether ball and bat jam")
+    (ended,) = cases.take(jammed)
+    ended.refuse(
+        "ball and bat jam: with bat.friction so high no impulse parts them; take a lower one"
+    )
+    slid = sliding_impulse(resistance, e, friction, g, direction)
+    x, y, z = (numbers.where(grips, a, b) for a, b in zip(wanted, slid, strict=True))
+    push = x, y, z
+    modes: Any = "grip", "slide"
+    impact = Impact(
+        e,
+        x,
+        velocity_after_push(contact.velocity, push, normal, mass),
+        push_energy(push, g, k),
+        spin_after_push(spin, push, normal, mass, radius, inertia_factor(ball, numbers)),
+        numbers.where(grips, *modes),
+        room / (friction * absolute(wanted[0])),
+    )
+    return cases.take((grips | slides) & known & parts, impact, *carried)
 
 
 @dataclass(frozen=True)
@@ -92,11 +215,11 @@ class Model:
     forces
         What may act on a ball in flight.
     collide
-        From a scene and a `ContactState` to the `Impact`.
+        From a `ContactState` to the `Impact`; see `collide`.
     """
 
-    forces: tuple[Force, ...] = FORCES
-    collide: Callable[[Any, ContactState[Any], Numbers[Any]], Impact[Any]] = collide
+    forces: tuple[Term, ...] = FORCES
+    collide: Callable[..., tuple[Any, ...]] = collide
 
 
 MODEL = Model()
@@ -155,6 +278,15 @@ class Cases(ABC, Generic[N]):
     def conclude(self, outcome: Outcome) -> None:
         """Write the outcome."""
 
+    def refuse(self, reason: str) -> None:
+        """Give no answer, and to one scene the reason why.
+
+        Raises
+        ------
+        CannotSolve
+            For one scene.
+        """
+
     @abstractmethod
     def touched(self, touch: Touch[N]) -> tuple[Any, Any]:
         """Return the conditions that ball and bat touch, and that they miss; see `decide`."""
@@ -177,9 +309,20 @@ class Cases(ABC, Generic[N]):
         x, y, z = map(self.numbers.exact, values)
         return x, y, z
 
+    def spin(self, values: Sequence[float] | None) -> Vector[N] | None:
+        """Return the spin that a scene gives a ball, if it does."""
+        return None if values is None else self.vector(values)
+
     def law(self, frame: Frame[N]) -> Law[N]:
         """Return the law of motion of a flight in a frame."""
         return law_of(self.scene, frame, self.numbers, self.model.forces)
+
+    def spin_at(self, frame: Frame[N], state: State[N]) -> Vector[N] | None:
+        """Return the spin of the ball in a state of a flight, rad/s."""
+        if frame.spin is None:
+            return None
+        left = self.law(frame).spin_left(state, self.numbers)
+        return frame.spin[0] * left, frame.spin[1] * left, frame.spin[2] * left
 
     def ground(self, start: State[N]) -> Event[N]:
         """Return the landing of a flight from a state."""
@@ -266,13 +409,13 @@ def solve_flights(cases: Cases[N]) -> None:
     """Solve launches and landings."""
     position = cases.vector(cases.scene.launch.position)
     velocity = cases.vector(cases.scene.launch.velocity)
-    nothing = cases.numbers.exact(0.0)
-    land(cases, Launch(position, velocity, nothing, nothing), "landed")
+    nothing, spin = cases.numbers.exact(0.0), cases.spin(cases.scene.launch.spin)
+    land(cases, Launch(position, velocity, nothing, nothing, spin=spin), "landed")
 
 
 def land(cases: Cases[N], launch: Launch[N], outcome: Outcome) -> None:
     """Fly from launches to the ground; the `outcome` if the ball lands."""
-    frame, start = launch_frame(launch.position, launch.velocity, cases.numbers)
+    frame, start = launch_frame(launch.position, launch.velocity, cases.numbers, launch.spin)
     landed = launch.landed
     flight = _landed(start, cases.numbers) if landed else fly(cases, frame, start, _ground)
     cases.follow(frame, flight, launch.time)
@@ -287,6 +430,10 @@ def land(cases: Cases[N], launch: Launch[N], outcome: Outcome) -> None:
     cases.record("landing.position", (x, y, z))
     cases.record("landing.velocity", frame.velocity(flight.state))
     cases.record("landing.distance", cases.numbers.sqrt(x * x + y * y))
+    if frame.spin is not None:
+        cases.record("landing.spin", cases.spin_at(frame, flight.state))
+    if hasattr(flight.state, "path") and cases.scene.reading.spin_decay == "path":
+        cases.record("landing.path", flight.state.path)
     cases.conclude(outcome)
 
 
@@ -310,11 +457,14 @@ def throw(cases: Cases[N]) -> Pitch[N]:
     """Throw from the release toward the point aimed at, and fly to the plane x = 0."""
     numbers, pitch = cases.numbers, cases.scene.pitch
     x, y, z = release = cases.vector(pitch.release)
-    aim_y, aim_z = (numbers.exact(value) for value in pitch.aim)
-    toward = (-x, aim_y - y, aim_z - z)
-    scale = numbers.exact(pitch.speed) / numbers.sqrt(_dot(toward, toward))
-    velocity = (toward[0] * scale, toward[1] * scale, toward[2] * scale)
-    frame, start = launch_frame(release, velocity, numbers)
+    if pitch.velocity is None:
+        aim_y, aim_z = (numbers.exact(value) for value in pitch.aim)
+        toward = (-x, aim_y - y, aim_z - z)
+        scale = numbers.exact(pitch.speed) / numbers.sqrt(_dot(toward, toward))
+        velocity = (toward[0] * scale, toward[1] * scale, toward[2] * scale)
+    else:
+        velocity = cases.vector(pitch.velocity)
+    frame, start = launch_frame(release, velocity, numbers, cases.spin(pitch.spin))
     return Pitch(frame, start, fly(cases, frame, start, _ground, _plate))
 
 
@@ -346,12 +496,13 @@ def solve_pitches(cases: Cases[N]) -> None:
 def solve_impacts(cases: Cases[N]) -> None:
     """Solve touchings that are given."""
     incoming = cases.scene.incoming
-    ball = Ball(cases.vector(incoming.position), cases.vector(incoming.velocity))
+    spin = None if incoming.spin is None else cases.vector(incoming.spin)
+    ball = Ball(cases.vector(incoming.position), cases.vector(incoming.velocity), spin)
     height = cases.numbers.exact(incoming.bat_height)
     # Nothing has flown: the position is exact, and only roundings here are in doubt.
     cases, contact = meet(cases, ball, height, 0.0)
     if not cases.empty:
-        strike(cases, contact)
+        cases, _ = strike(cases, contact, 0.0)
         cases.conclude("struck")
 
 
@@ -361,8 +512,8 @@ class Ball(Generic[N]):
 
     Attributes
     ----------
-    position, velocity
-        m and m/s.
+    position, velocity, spin
+        m, m/s and rad/s; None: the scene has no spin.
     aside
         Where it was along the bat, m, when that was looked at; None: as in `position`.
     leaving
@@ -371,6 +522,7 @@ class Ball(Generic[N]):
 
     position: Vector[N]
     velocity: Vector[N]
+    spin: Vector[N] | None = None
     aside: N | None = None
     leaving: bool = False
 
@@ -414,7 +566,7 @@ def meet(
     approach = normal_speed if ball.leaving else -normal_speed
     question = "whether ball and bat approach or separate"
     closing, separating = cases.decide(approach, doubt, question)
-    contact = ContactState(ball.position, velocity, normal, arm, normal_speed)
+    contact = ContactState(ball.position, velocity, ball.spin, normal, moving, arm, normal_speed)
     cases.record("contact.position", ball.position)
     cases.record("contact.normal", normal)
     cases.record("contact.bat_velocity", moving)
@@ -424,14 +576,15 @@ def meet(
     return cases.take(closing, contact, *rest)
 
 
-def strike(cases: Cases[N], contact: ContactState[N]) -> Impact[N]:
-    """Apply the impulses."""
-    impact = cases.model.collide(cases.scene, contact, cases.numbers)
-    cases.record("impact.restitution", impact.restitution)
-    cases.record("impact.impulse", impact.impulse)
-    cases.record("impact.velocity", impact.velocity)
-    cases.record("impact.energy_change", impact.energy_change)
-    return impact
+def strike(
+    cases: Cases[N], contact: ContactState[N], error: N | float, *carried: Any
+) -> tuple[Any, ...]:
+    """Apply the impulses; see `collide`."""
+    cases, impact, *rest = cases.model.collide(cases, contact, error, *carried)
+    for quantity in fields(Impact):
+        if (value := getattr(impact, quantity.name)) is not None:
+            cases.record(f"impact.{quantity.name}", value)
+    return cases, impact, *rest
 
 
 # --- the whole at-bat -----------------------------------------------------------------------------
@@ -439,11 +592,16 @@ def strike(cases: Cases[N], contact: ContactState[N]) -> Impact[N]:
 
 @dataclass(frozen=True)
 class Approach(Generic[N]):
-    """A pitch, the height of the bat's axis, m, and how they meet."""
+    """A pitch, the bat, and how they meet."""
 
     pitch: Pitch[N]
-    height: N
+    bat: BatSection[N]
     touch: Touch[N]
+
+    @property
+    def height(self) -> N:
+        """Height of the bat's axis, m."""
+        return self.bat.height
 
 
 @dataclass(frozen=True)
@@ -466,7 +624,7 @@ def approach_bat(cases: Cases[N]) -> tuple[Cases[N], Approach[N] | None]:
     bat = BatSection(pitch.frame, height, reach)
     law = cases.law(pitch.frame)
     touch = cases.either(_is_always_up(cases, law), _find_upwards, _find, pitch, bat, law)
-    return cases, Approach(pitch, height, touch)
+    return cases, Approach(pitch, bat, touch)
 
 
 def _find(
@@ -497,8 +655,8 @@ def meet_bat(cases: Cases[N]) -> tuple[Cases[N], Meeting[N] | None]:
     ball = Ball(
         frame.position(touch.state),
         frame.velocity(touch.state),
-        frame.position(touch.detected)[1],
-        touch.leaving,
+        aside=frame.position(touch.detected)[1],
+        leaving=touch.leaving,
     )
     cases.record("contact.time", touch.time)
     cases.record("contact.position", ball.position)
@@ -511,9 +669,12 @@ def finish(cases: Cases[N], meeting: Meeting[N] | None) -> None:
     """Solve at-bats from the impulse on."""
     if meeting is None or cases.empty:
         return
+    error = 0.0 if cases.scene.bat.friction is None else _contact_error(cases, meeting)
+    cases, impact, meeting = strike(cases, meeting.contact, error, meeting)
+    if cases.empty:
+        return
     contact, engine = meeting.contact, cases.engine
     touch, pitch = meeting.approach.touch, meeting.approach.pitch
-    impact = strike(cases, contact)
     if isinstance(engine, Stepped):
         before, after = contact.velocity, impact.velocity
         delta_v = (after[0] - before[0], after[1] - before[1], after[2] - before[2])
@@ -521,8 +682,24 @@ def finish(cases: Cases[N], meeting: Meeting[N] | None) -> None:
         launch = engine.rebound(pitch.frame, touch, delta_v, cases.law, surface)
     else:
         time = cast(N, touch.time)
-        launch = Launch(contact.position, impact.velocity, time, time * 0)
+        # An impulse along the normal leaves the spin as it is.
+        spin = cases.spin_at(pitch.frame, cast(State[N], touch.state))
+        launch = Launch(contact.position, impact.velocity, time, time * 0, spin=spin)
     land(cases, launch, "batted")
+
+
+def _contact_error(cases: Cases[N], meeting: Meeting[N]) -> N:
+    """Return the relative error of velocities and directions at the contact.
+
+    Where the ball all but grazes the bat, an error of its way moves the contact around the bat by
+    as much more as it is slower towards the bat than past it.
+    """
+    contact, approach, engine = meeting.contact, meeting.approach, cases.engine
+    bat, pitch = approach.bat, approach.pitch
+    moved = margin_error(bat, pitch.flight.state.z, engine.flight_error, cases.numbers) / bat.reach
+    speed = cases.numbers.sqrt(_dot(contact.velocity, contact.velocity))
+    towards = absolute(_dot(contact.velocity, contact.normal))
+    return engine.flight_error + moved * (1 + speed / towards)
 
 
 def solve_at_bats(cases: Cases[N]) -> None:
@@ -561,6 +738,10 @@ class OneCase(Cases[N]):
         positive = self.numbers.positive(x, error, question)
         return positive, not positive
 
+    def refuse(self, reason: str) -> None:
+        """See `Cases`."""
+        raise CannotSolve(reason)
+
     def touched(self, touch: Touch[N]) -> tuple[bool, bool]:
         """See `Cases`."""
         if touch.touched is None:
@@ -595,11 +776,7 @@ class OneCase(Cases[N]):
         for name, value in self.answer.items():
             block, _, key = name.partition(".")
             if key:
-                blocks.setdefault(block, {})[key] = (
-                    tuple(map(self.numbers.report, value))
-                    if isinstance(value, tuple)
-                    else self.numbers.report(value)
-                )
+                blocks.setdefault(block, {})[key] = self._reported(value)
         return Result(
             id=self.scene.id,
             engine=self.engine.description,
@@ -608,6 +785,11 @@ class OneCase(Cases[N]):
             code=None if error is None else error.code,
             **{name: BLOCKS[name](**values) for name, values in blocks.items()},
         )
+
+    def _reported(self, value: Any) -> Any:
+        if isinstance(value, tuple):
+            return tuple(map(self.numbers.report, value))
+        return value if isinstance(value, str) else self.numbers.report(value)
 
 
 class _Nobody(OneCase[N]):
@@ -626,6 +808,9 @@ class _Nobody(OneCase[N]):
     def conclude(self, outcome: Outcome) -> None:
         pass
 
+    def refuse(self, reason: str) -> None:
+        pass
+
 
 BLOCKS: dict[str, type[Any]] = {
     "plate": written.Plate,
@@ -641,10 +826,12 @@ def solve(scene: Scene, engine: Engine[N], model: Model = MODEL) -> Result:
     return _answer(case, CHAINS[scene.kind])
 
 
-def solve_each(scenes: Sequence[Scene], engine: Engine[N] | ManyAtOnce) -> Iterable[Result]:
+def solve_each(
+    scenes: Sequence[Scene], engine: Engine[N] | ManyAtOnce, threads: int = 1
+) -> Iterable[Result]:
     """Return the results of scenes, in order; of most engines each when it is asked for."""
     if isinstance(engine, ManyAtOnce):
-        return engine.solve_all(scenes)
+        return engine.solve_all(scenes, threads)
     return (solve(scene, engine) for scene in scenes)
 
 

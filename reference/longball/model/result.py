@@ -6,7 +6,7 @@ The keys are fixed: other implementations write them, and the judge reads them.
 from __future__ import annotations
 
 import json
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, model_serializer
 
@@ -99,9 +99,20 @@ class Impact(_Strict):
     """The impulse and what it does."""
 
     restitution: Number = Field(description="ẽ, between ball and bat")
-    impulse: Number = Field(description="N s, along the normal")
+    impulse: Number = Field(description="N s, the normal part")
     velocity: Triple = Field(description="m/s, of the ball, after")
-    energy_change: Number = Field(description="J, of ball and bat together")
+    energy_change: Number = Field(
+        description="J, of ball and bat together; positive: the collision creates energy"
+    )
+    spin: Triple | None = Field(default=None, description="rad/s, of the ball, after")
+    mode: Literal["grip", "slide", "frictionless"] | None = Field(
+        default=None, description="what the ball does on the bat; absent without friction and spin"
+    )
+    friction_margin: Number | None = Field(
+        default=None,
+        description="1 - |P_t|/(μ_f P_n) of the impulse that would make the ball grip; negative: "
+        "it slides",
+    )
 
 
 class Landing(_Strict):
@@ -112,6 +123,10 @@ class Landing(_Strict):
     position: Triple = Field(description="m")
     velocity: Triple = Field(description="m/s")
     distance: Number = Field(description="m, horizontal, from the plate")
+    spin: Triple | None = Field(default=None, description="rad/s, if the scene names a spin")
+    path: Number | None = Field(
+        default=None, description="m, through the air since contact or launch, if spin decays"
+    )
 
 
 class Result(_Strict):
@@ -141,7 +156,10 @@ class Result(_Strict):
         description="with --certify: why outcome and numbers are not proven; absent if they are",
     )
 
+    def data(self) -> dict[str, Any]:
+        """Return the result as plain data, without the quantities it does not have."""
+        return {"id": self.id} | self.model_dump(exclude_none=True)
+
     def line(self) -> str:
         """Return the result as one line of JSON, without the quantities it does not have."""
-        known = self.model_dump(mode="json", exclude_none=True)
-        return json.dumps({"id": self.id} | known, ensure_ascii=False, allow_nan=False)
+        return json.dumps(self.data(), ensure_ascii=False, allow_nan=False)
