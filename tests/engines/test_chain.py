@@ -161,6 +161,48 @@ def push_left(motion, p):
     return ZERO, p.push, ZERO
 
 
+RECONTACT = (
+    '{"id":"x","kind":"at-bat","ball":{"mass":%r,"restitution":%r},"bat":{"mass":0.5},'
+    '"reading":{"bat_ball_restitution":"plain","reduced_mass":"bat_mass"}}'
+)
+
+
+@pytest.mark.parametrize("engine", ["ivp", "batch", "enclosure", "multiprecision"])
+@pytest.mark.parametrize(
+    ("mass", "restitution", "said"),
+    [
+        (0.25, 0.6, None),
+        # Of ẽ M / m = 1 the ball leaves with the bat's own speed: by the impulse's definition.
+        (0.25, 0.5, "possible"),
+        (0.25, 0.4, "certain"),
+        (0.25, 0.0, "certain"),
+        (0.125, 0.4, None),
+        (2.0, 0.4, "certain"),
+    ],
+)
+def test_a_ball_that_stays_slower_than_the_bat_is_told(engine, mass, restitution, said):
+    scene = parse_scene(RECONTACT % (mass, restitution))
+    found = solve(scene, engines.create(engine))
+    assert found.outcome == "batted"
+    assert found.impact.recontact == said
+    if engine == "batch":
+        many = engines.create(engine).solve_all([scene, parse_scene('{"kind":"at-bat"}')] * 20)
+        assert [result.impact.recontact for result in many] == [said, None] * 20
+    if said is None:
+        assert "recontact" not in found.line()
+
+
+def test_a_ball_that_comes_from_behind_the_bat_is_told_too():
+    """It overtakes the bat, is struck by its back, and is faster still."""
+    line = (
+        '{"id":"x","kind":"impact","ball":{"mass":%r},"swing":{"angular_speed":20},"reading":'
+        '{"bat_ball_restitution":"plain","reduced_mass":"bat_mass"},'
+        '"incoming":{"position":[-0.0696,0,1],"velocity":[40,0,0],"bat_height":1}}'
+    )
+    assert solved(line % 0.145).impact.recontact is None
+    assert solved(line % 5.0).impact.recontact == "certain"
+
+
 def test_a_graze_below_rounding_is_not_decided():
     scene = '{"id":"x","kind":"at-bat","swing":{"height_offset":%r}}'
     reach = 0.0366 + 0.033

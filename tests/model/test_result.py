@@ -34,6 +34,7 @@ def test_the_keys_are_the_contracts():
     ]  # fmt: skip
     assert list(Impact.model_fields) == [
         "restitution", "impulse", "velocity", "energy_change", "spin", "mode", "friction_margin",
+        "recontact",
     ]  # fmt: skip
     assert list(Landing.model_fields) == [
         "time", "hang_time", "position", "velocity", "distance", "spin", "path",

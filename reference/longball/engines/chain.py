@@ -580,11 +580,40 @@ def strike(
     cases: Cases[N], contact: ContactState[N], error: N | float, *carried: Any
 ) -> tuple[Any, ...]:
     """Apply the impulses; see `collide`."""
-    cases, impact, *rest = cases.model.collide(cases, contact, error, *carried)
-    for quantity in fields(Impact):
-        if (value := getattr(impact, quantity.name)) is not None:
-            cases.record(f"impact.{quantity.name}", value)
+    cases, impact, contact, *rest = cases.model.collide(cases, contact, error, contact, *carried)
+    if not cases.empty:
+        for quantity in fields(Impact):
+            if (value := getattr(impact, quantity.name)) is not None:
+                cases.record(f"impact.{quantity.name}", value)
+        _tell_recontact(cases, contact, impact)
     return cases, impact, *rest
+
+
+# Of the speeds. No engine's error at a contact is as large, but in a graze of 1e-7 m and less.
+_TOLD_APART = 1e-6
+
+
+def _tell_recontact(cases: Cases[N], contact: ContactState[N], impact: Impact[N]) -> None:
+    """Record where a bat that swings on as before the impulse would strike the ball again.
+
+    The impulse of the model makes ball and bat part, since the bat gives way by J/M. A batter does
+    not: his bat goes on at ω', and if the ball is slower along the normal than that, so that
+    ``(V⁺ - V_b)·n`` still has the sign of ``Ṽ·n``, they meet again at once. The model has one
+    impulse; what it says of the flight is then not what such a bat would do. Of a ball that parts,
+    and falls back on the bat later, nothing is said: where the bat is then, is not in the model.
+    """
+    numbers = cases.numbers
+    after = tuple(v - b for v, b in zip(impact.velocity, contact.bat_velocity, strict=True))
+    terms = [v * n for v, n in zip(after, contact.normal, strict=True)]
+    rate = terms[0] + terms[1] + terms[2]
+    parting = numbers.where(contact.normal_speed < 0, rate, -rate)
+    speeds = sum(map(absolute, (*contact.velocity, *contact.bat_velocity)), rate * 0)
+    doubt = speeds * numbers.exact(_TOLD_APART)
+    again, parted = parting < -doubt, parting > doubt
+    for condition, said in ((again, "certain"), ((again | parted) ^ True, "possible")):
+        (some,) = cases.take(condition)
+        if not some.empty:
+            some.record("impact.recontact", said)
 
 
 # --- the whole at-bat -----------------------------------------------------------------------------
