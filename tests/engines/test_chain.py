@@ -16,8 +16,10 @@ from longball.engines.chain import (
     solve_with_path,
     solve_with_restitutions,
 )
+from longball.engines.enclosure import Enclosure
 from longball.engines.ivp import Ivp
 from longball.model.law import DRAG, GRAVITY, Force
+from longball.model.quantities import replaced
 from longball.model.scene import parse_scene
 from longball.model.trace import ZERO
 
@@ -201,6 +203,32 @@ def test_a_ball_that_comes_from_behind_the_bat_is_told_too():
     )
     assert solved(line % 0.145).impact.recontact is None
     assert solved(line % 5.0).impact.recontact == "certain"
+
+
+@pytest.mark.parametrize("engine", ["ivp", "batch", "multiprecision"])
+@pytest.mark.parametrize(
+    "line",
+    [
+        '{"id":"x","kind":"flight","launch":{"position":[0,0,0],'
+        '"velocity":[20.395979199258313,-0.651281012443394,31.6328971210868]}}',
+        '{"id":"x","kind":"flight","launch":{"position":[0,0,1],"velocity":[0,0,35]}}',
+        # A hop, whose hang time has the error of the contact.
+        '{"id":"x","kind":"at-bat","swing":{"height_offset":-0.0006930463748685695,'
+        '"tilt":0.10641549767016717}}',
+    ],
+)
+def test_a_tie_with_the_time_limit_is_declined_or_right(engine, line):
+    scene = parse_scene(line)
+    landing = solve(scene, Enclosure()).landing
+    time = float(landing.hang_time)
+    outcomes = set()
+    for ulps in (-60, -3, -1, 0, 1, 2, 8, 30):
+        limited = replaced(scene, {"time_limit": time + ulps * math.ulp(time)})
+        truth, found = solve(limited, Enclosure()), solve(limited, engines.create(engine))
+        assert found.outcome == truth.outcome or found.code == "undecided", ulps
+        outcomes.add(found.outcome)
+    if engine != "multiprecision":
+        assert None in outcomes
 
 
 def test_a_graze_below_rounding_is_not_decided():

@@ -419,6 +419,7 @@ def land(cases: Cases[N], launch: Launch[N], outcome: Outcome) -> None:
     landed = launch.landed
     flight = _landed(start, cases.numbers) if landed else fly(cases, frame, start, _ground)
     cases.follow(frame, flight, launch.time)
+    cases, launch, frame, flight = _in_time(cases, launch, frame, flight)
     (airborne,) = cases.take(flight.stopped("time"))
     airborne.conclude("airborne")
     cases, flight, frame, launch = cases.take(flight.stopped("ground"), flight, frame, launch)
@@ -435,6 +436,24 @@ def land(cases: Cases[N], launch: Launch[N], outcome: Outcome) -> None:
     if hasattr(flight.state, "path") and cases.scene.reading.spin_decay == "path":
         cases.record("landing.path", flight.state.path)
     cases.conclude(outcome)
+
+
+def _in_time(
+    cases: Cases[N], launch: Launch[N], frame: Frame[N], flight: Flight[N]
+) -> tuple[Any, ...]:
+    """Return those of which it is certain whether the ball lands in the time limit.
+
+    The engine knows of the errors of its flight, but not of that of the launch.
+    """
+    if launch.error is None:
+        return cases, launch, frame, flight
+    state = flight.state
+    left = (cases.time_limit - flight.time) * absolute(state.w)
+    above = state.z - cases.numbers.exact(landing_height(cases.scene))
+    margin = cases.numbers.where(flight.stopped("time"), above, left)
+    question = "whether the ball touches the ground in the time limit"
+    certain, never = cases.decide(margin, launch.error * flight.time, question)
+    return cases.take(certain | never, launch, frame, flight)
 
 
 def _landed(state: State[N], numbers: Numbers[N]) -> Flight[N]:
@@ -713,7 +732,8 @@ def finish(cases: Cases[N], meeting: Meeting[N] | None) -> None:
         time = cast(N, touch.time)
         # An impulse along the normal leaves the spin as it is.
         spin = cases.spin_at(pitch.frame, cast(State[N], touch.state))
-        launch = Launch(contact.position, impact.velocity, time, time * 0, spin=spin)
+        off = _launch_error(cases, meeting) if cases.numbers.rounding else None
+        launch = Launch(contact.position, impact.velocity, time, time * 0, spin=spin, error=off)
     land(cases, launch, "batted")
 
 
@@ -721,14 +741,30 @@ def _contact_error(cases: Cases[N], meeting: Meeting[N]) -> N:
     """Return the relative error of velocities and directions at the contact.
 
     Where the ball all but grazes the bat, an error of its way moves the contact around the bat by
-    as much more as it is slower towards the bat than past it.
+    as much more as it is slower towards the bat than past it; but an error δ of the margin moves it
+    by √(2 δ/reach) at most, which is the angle between a graze and a touching δ deep.
     """
     contact, approach, engine = meeting.contact, meeting.approach, cases.engine
+    numbers = cases.numbers
     bat, pitch = approach.bat, approach.pitch
-    moved = margin_error(bat, pitch.flight.state.z, engine.flight_error, cases.numbers) / bat.reach
-    speed = cases.numbers.sqrt(_dot(contact.velocity, contact.velocity))
+    moved = margin_error(bat, pitch.flight.state.z, engine.flight_error, numbers) / bat.reach
+    speed = numbers.sqrt(_dot(contact.velocity, contact.velocity))
     towards = absolute(_dot(contact.velocity, contact.normal))
-    return engine.flight_error + moved * (1 + speed / towards)
+    most = numbers.sqrt(2 * moved)
+    steep = moved * speed > most * towards
+    turned = numbers.where(steep, most, moved * speed / numbers.where(steep, speed, towards))
+    return engine.flight_error + moved + turned
+
+
+def _launch_error(cases: Cases[N], meeting: Meeting[N]) -> N:
+    """Return a bound on the error of the velocity after the impulse, m/s.
+
+    The ball's own, and that of ``(1 + ẽ) (μ/m) (Ṽ·n) n``: n comes in twice, and the factors before
+    are at most two, but under readings that create energy.
+    """
+    contact, sqrt = meeting.contact, cases.numbers.sqrt
+    ball, bat = contact.velocity, contact.bat_velocity
+    return 5 * _contact_error(cases, meeting) * (sqrt(_dot(ball, ball)) + sqrt(_dot(bat, bat)))
 
 
 def solve_at_bats(cases: Cases[N]) -> None:
