@@ -37,7 +37,7 @@ def test_scenes_and_results_obey_the_schemas(line: bytes):
     schema = schemas()
     if line.startswith(b"{"):
         jsonschema.validate(json.loads(line), schema["scene.schema.json"])
-    written = json.loads(solve_line(1, line, Ivp()).line())
+    written = json.loads(solve_line(1, line, Ivp()).text)
     jsonschema.validate(written, schema["result.schema.json"])
 
 
@@ -102,7 +102,7 @@ ERRORS = [
 )
 def test_an_error_has_a_code_of_its_sort(code: str, engine: str, line: str):
     result = solve_line(1, line.encode(), create(engine))
-    assert result.code == code
+    assert json.loads(result.text)["code"] == code
     assert result.error.startswith("line 1: ")
 
 

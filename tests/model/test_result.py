@@ -40,7 +40,7 @@ def test_the_keys_are_the_contracts():
         "time", "position", "velocity", "clearance", "segment", "margin",
     ]  # fmt: skip
     assert list(Landing.model_fields) == [
-        "time", "hang_time", "position", "velocity", "distance", "fair",
+        "time", "hang_time", "position", "velocity", "distance", "spin", "path", "fair",
     ]  # fmt: skip
 
 

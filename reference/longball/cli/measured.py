@@ -61,18 +61,17 @@ def measured(
     with refusing():
         solver = engines.create(engine)
     try:
-        rows = read_measured(
-            EXAMPLE if example else sys.stdin if table == "-" else table, kind, games
-        )
+        source = EXAMPLE if example else sys.stdin if table == "-" else table
+        rows = read_measured(source, kind, games)
+        if scenes_file:
+            lines = [scene.line() + "\n" for scene in scenes(rows, law)]
+            scenes_file.write_text("".join(lines), encoding="utf-8")
+        prediction = predict(rows, law, solver)
     except TableError as error:
         if isinstance(error.__cause__, OSError):  # there is no such file: the call is wrong
             wrong_call(str(error))
         tell(str(error))
         raise typer.Exit(1) from None
-    if scenes_file:
-        with open(scenes_file, "w", encoding="utf-8") as file:
-            file.writelines(scene.line() + "\n" for scene in scenes(rows, law))
-    prediction = predict(rows, law, solver)
     if csv_file:
         as_frame(prediction).to_csv(csv_file, index=False, lineterminator="\n")
     if figure:

@@ -43,6 +43,10 @@ class Certifying(ManyAtOnce):
         results = solve_each(scenes, self.engine, threads)
         return [certify(scene, result) for scene, result in zip(scenes, results, strict=True)]
 
+    def solve_as_data(self, scenes: Sequence[Scene], threads: int = 1) -> list[dict[str, Any]]:
+        """Return the same as plain data."""
+        return [result.data() for result in self.solve_all(scenes, threads)]
+
 
 def certified(scene: Scene, engine: Engine[Any] | ManyAtOnce) -> Result:
     """Return an engine's result of a scene, each number with a proven error; see `certify`."""

@@ -29,6 +29,7 @@ from longball.engines.event import Event, ground, plate, vertical
 from longball.engines.fence import Place, Stop, at_stop, first_crossing, stop_at
 from longball.engines.path import Flight, Leg, Path, Trajectory
 from longball.model import result as written
+from longball.model.aerodynamics import LIFT
 from longball.model.bat import (
     CollisionParameters,
     bat_rotation,
@@ -39,6 +40,7 @@ from longball.model.bat import (
     lever_arm,
     tangential_restitution,
 )
+from longball.model.force import Term
 from longball.model.frame import Frame, launch_frame
 from longball.model.impact import (
     energy_change,
@@ -52,7 +54,7 @@ from longball.model.impact import (
     velocity_after,
     velocity_after_push,
 )
-from longball.model.law import FORCES, LIFT, Force, Law, PlaneState, State, law_of
+from longball.model.law import FORCES, Law, PlaneState, State, law_of
 from longball.model.numbers import N, Numbers, Undecided, Vector, absolute
 from longball.model.quantities import replaced
 from longball.model.result import Outcome, Result
@@ -215,7 +217,7 @@ class Model:
         From a `ContactState` to the `Impact`; see `collide`.
     """
 
-    forces: tuple[Force, ...] = FORCES
+    forces: tuple[Term, ...] = FORCES
     collide: Callable[..., tuple[Any, ...]] = collide
 
 
@@ -306,9 +308,20 @@ class Cases(ABC, Generic[N]):
         x, y, z = map(self.numbers.exact, values)
         return x, y, z
 
+    def spin(self, values: Sequence[float] | None) -> Vector[N] | None:
+        """Return the spin that a scene gives a ball, if it does."""
+        return None if values is None else self.vector(values)
+
     def law(self, frame: Frame[N]) -> Law[N]:
         """Return the law of motion of a flight in a frame."""
         return law_of(self.scene, frame, self.numbers, self.model.forces)
+
+    def spin_at(self, frame: Frame[N], state: State[N]) -> Vector[N] | None:
+        """Return the spin of the ball in a state of a flight, rad/s."""
+        if frame.spin is None:
+            return None
+        left = self.law(frame).spin_left(state, self.numbers)
+        return frame.spin[0] * left, frame.spin[1] * left, frame.spin[2] * left
 
     def ground(self, start: State[N]) -> Event[N]:
         """Return the landing of a flight from a state."""
@@ -353,8 +366,8 @@ def fly(
     rest, or straight up or down, it is there already.
     """
     law = cases.law(frame)
-    state = law.state_of(start) if isinstance(start, PlaneState) else start
-    leg = law, state, cases.time_limit if limit is None else limit, frame, surfaces
+    limit = cases.time_limit if limit is None else limit
+    leg = law, law.state_of(start), limit, frame, surfaces
     flight: Flight[N] = cases.either(_is_always_up(cases, law), _fly_upwards, _fly, *leg)
     return flight
 
@@ -410,8 +423,8 @@ def solve_flights(cases: Cases[N]) -> None:
     """Solve launches and landings."""
     position = cases.vector(cases.scene.launch.position)
     velocity = cases.vector(cases.scene.launch.velocity)
-    nothing = cases.numbers.exact(0.0)
-    land(cases, Launch(position, velocity, nothing, nothing), "landed")
+    nothing, spin = cases.numbers.exact(0.0), cases.spin(cases.scene.launch.spin)
+    land(cases, Launch(position, velocity, nothing, nothing, spin=spin), "landed")
 
 
 @dataclass(frozen=True)
@@ -425,12 +438,12 @@ class Batted(Generic[N]):
 
 def land(cases: Cases[N], launch: Launch[N], outcome: Outcome) -> None:
     """Fly from launches to the ground, or to a fence; the `outcome` if the ball lands."""
-    frame, start = launch_frame(launch.position, launch.velocity, cases.numbers)
+    frame, start = launch_frame(launch.position, launch.velocity, cases.numbers, launch.spin)
     if launch.landed:
         _come_down(cases, Batted(launch, frame, _landed(start, cases.numbers)), outcome)
     elif cases.scene.fence is None:
         _come_down(cases, Batted(launch, frame, fly(cases, frame, start, _ground)), outcome)
-    elif cases.law(frame).state is PlaneState and not isinstance(cases.engine, Stepped):
+    elif "v" not in cases.law(frame).program.variables and not isinstance(cases.engine, Stepped):
         flight = fly(cases, frame, start, _ground, _fence, _fence_behind)
         ahead, behind = flight.stopped("fence"), flight.stopped("fence_behind")
         ball = Batted(launch, frame, flight)
@@ -467,6 +480,10 @@ def _come_down(
     if cases.scene.reading.distance_origin == "launch":
         x, y = x - launch.position[0], y - launch.position[1]
     cases.record("landing.distance", cases.numbers.sqrt(x * x + y * y))
+    if frame.spin is not None:
+        cases.record("landing.spin", cases.spin_at(frame, flight.state))
+    if hasattr(flight.state, "path") and cases.scene.reading.spin_decay == "path":
+        cases.record("landing.path", flight.state.path)
     if fair is not None:
         cases.record("landing.fair", fair)
     elif cases.scene.fence is not None:
@@ -566,11 +583,14 @@ def throw(cases: Cases[N]) -> Pitch[N]:
     """Throw from the release toward the point aimed at, and fly to the plane x = 0."""
     numbers, pitch = cases.numbers, cases.scene.pitch
     x, y, z = release = cases.vector(pitch.release)
-    aim_y, aim_z = (numbers.exact(value) for value in pitch.aim)
-    toward = (-x, aim_y - y, aim_z - z)
-    scale = numbers.exact(pitch.speed) / numbers.sqrt(_dot(toward, toward))
-    velocity = (toward[0] * scale, toward[1] * scale, toward[2] * scale)
-    frame, start = launch_frame(release, velocity, numbers)
+    if pitch.velocity is None:
+        aim_y, aim_z = (numbers.exact(value) for value in pitch.aim)
+        toward = (-x, aim_y - y, aim_z - z)
+        scale = numbers.exact(pitch.speed) / numbers.sqrt(_dot(toward, toward))
+        velocity = (toward[0] * scale, toward[1] * scale, toward[2] * scale)
+    else:
+        velocity = cases.vector(pitch.velocity)
+    frame, start = launch_frame(release, velocity, numbers, cases.spin(pitch.spin))
     return Pitch(frame, start, fly(cases, frame, start, _ground, _plate))
 
 
@@ -602,8 +622,8 @@ def solve_pitches(cases: Cases[N]) -> None:
 def solve_impacts(cases: Cases[N]) -> None:
     """Solve touchings that are given."""
     incoming = cases.scene.incoming
-    spin = None if incoming.spin is None else cases.vector(incoming.spin)
-    ball = Ball(cases.vector(incoming.position), cases.vector(incoming.velocity), spin)
+    position, velocity = cases.vector(incoming.position), cases.vector(incoming.velocity)
+    ball = Ball(position, velocity, cases.spin(incoming.spin))
     height = cases.numbers.exact(incoming.bat_height)
     # Nothing has flown: the position is exact, and only roundings here are in doubt.
     cases, contact = meet(cases, ball, height, 0.0)
@@ -761,6 +781,7 @@ def meet_bat(cases: Cases[N]) -> tuple[Cases[N], Meeting[N] | None]:
     ball = Ball(
         frame.position(touch.state),
         frame.velocity(touch.state),
+        cases.spin_at(frame, cast(State[N], touch.state)),
         aside=frame.position(touch.detected)[1],
         leaving=touch.leaving,
     )
@@ -788,7 +809,7 @@ def finish(cases: Cases[N], meeting: Meeting[N] | None) -> None:
         launch = engine.rebound(pitch.frame, touch, delta_v, cases.law, surface)
     else:
         time = cast(N, touch.time)
-        launch = Launch(contact.position, impact.velocity, time, time * 0)
+        launch = Launch(contact.position, impact.velocity, time, time * 0, spin=impact.spin)
     land(cases, launch, "batted")
 
 

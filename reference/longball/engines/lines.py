@@ -5,8 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from io import BufferedIOBase
 from itertools import islice
+from typing import Any, NamedTuple
 
-from longball.engines.chain import solve_each
+from pydantic_core import to_json
+
+from longball import __version__
+from longball.engines.chain import solve
 from longball.engines.engine import Engine, ManyAtOnce
 from longball.model.numbers import N
 from longball.model.result import Result
@@ -19,10 +23,18 @@ _BYTES = 1 << 17  # read at a time at most: some hundreds of lines, and twice wh
 Line = tuple[int, bytes]
 
 
+class Answer(NamedTuple):
+    """The result of a line: its id, why it failed if it did, and the whole as JSON."""
+
+    id: str | None
+    failure: str | None
+    text: bytes
+
+
 def solve_lines(
     lines: Iterable[bytes], engine: Engine[N] | ManyAtOnce, workers: int = 1
-) -> Iterator[Result]:
-    """Yield the result of each line that is not blank, in order.
+) -> Iterator[Answer]:
+    """Yield the answer to each line that is not blank, in order.
 
     With one worker no line waits for another one that is not there yet, so that two programs can
     talk through pipes: of a file or a pipe, what is there is taken at once; of anything else a line
@@ -66,23 +78,28 @@ def _numbered(chunks: Iterable[list[bytes]]) -> Iterator[list[Line]]:
         yield [(n, line) for n, line in numbered if line.strip()]
 
 
-def solve_line(number: int, line: bytes, engine: Engine[N] | ManyAtOnce) -> Result:
-    """Return the result of a line, which is an error that names the line if it is no scene."""
-    (result,) = _solve_chunk([(number, line)], engine)
-    return result
+def solve_line(number: int, line: bytes, engine: Engine[N] | ManyAtOnce) -> Answer:
+    """Return the answer to a line, which is an error that names the line if it is no scene."""
+    (answer,) = _solve_chunk([(number, line)], engine)
+    return answer
 
 
-def _solve_chunk(chunk: list[Line], engine: Engine[N] | ManyAtOnce) -> list[Result]:
+def _solve_chunk(chunk: list[Line], engine: Engine[N] | ManyAtOnce) -> list[Answer]:
     return list(_solve_in_turn(chunk, engine))
 
 
-def _solve_in_turn(chunk: list[Line], engine: Engine[N] | ManyAtOnce) -> Iterator[Result]:
-    """Yield the results of lines, each as soon as the engine has it."""
+def _solve_in_turn(chunk: list[Line], engine: Engine[N] | ManyAtOnce) -> Iterator[Answer]:
+    """Yield the answers to lines, each as soon as the engine has it."""
     read = [_read(line) for _, line in chunk]
     scenes = [scene for scene in read if not isinstance(scene, InvalidScene)]
-    solved = iter(solve_each(scenes, engine))
+    solved = iter(
+        engine.solve_as_data(scenes)
+        if isinstance(engine, ManyAtOnce)
+        else (solve(scene, engine).data() for scene in scenes)
+    )
     for (number, _), scene in zip(chunk, read, strict=True):
-        yield _of_line(number, scene if isinstance(scene, InvalidScene) else next(solved))
+        data = _refused(scene) if isinstance(scene, InvalidScene) else next(solved)
+        yield _answer(number, scene, data)
 
 
 def _read(line: bytes) -> Scene | InvalidScene:
@@ -92,9 +109,16 @@ def _read(line: bytes) -> Scene | InvalidScene:
         return error
 
 
-def _of_line(number: int, answer: Result | InvalidScene) -> Result:
-    """Return the result of a line: its error, if it has one, names the line."""
-    if isinstance(answer, InvalidScene):
-        return Result(id=answer.scene_id, error=f"line {number}: {answer}", code=answer.code)
-    error = answer.error and f"line {number}: {answer.error}"
-    return answer.model_copy(update={"id": answer.id or str(number), "error": error})
+def _refused(error: InvalidScene) -> dict[str, Any]:
+    return Result(id=error.scene_id, error=str(error), code=error.code).data()
+
+
+def _answer(number: int, scene: Scene | InvalidScene, data: dict[str, Any]) -> Answer:
+    """Return a result as the answer to a line."""
+    if data["id"] is None and not isinstance(scene, InvalidScene):
+        data["id"] = str(number)
+    if "engine" in data:
+        data["engine"] = f"longball {__version__} {data['engine']}"
+    if "error" in data:
+        data["error"] = f"line {number}: {data['error']}"
+    return Answer(data["id"], data.get("error") or data.get("certificate"), to_json(data))

@@ -6,9 +6,9 @@ The keys are fixed: other implementations write them, and the judge reads them.
 from __future__ import annotations
 
 import json
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_serializer
+from pydantic import BaseModel, ConfigDict, Field, model_serializer
 
 Outcome = Literal[
     "batted",
@@ -125,7 +125,11 @@ class Landing(_Strict):
     position: Triple = Field(description="m")
     velocity: Triple = Field(description="m/s")
     distance: Number = Field(description="m, horizontal, from the plate")
-    fair: Annotated[bool, BeforeValidator(bool)] | None = Field(
+    spin: Triple | None = Field(default=None, description="rad/s, if the scene names a spin")
+    path: Number | None = Field(
+        default=None, description="m, through the air since contact or launch, if spin decays"
+    )
+    fair: bool | None = Field(
         default=None,
         description="whether |y| <= x where the ball leaves the field or lands; with a fence only",
     )
@@ -138,9 +142,7 @@ class Fence(_Strict):
     position: Triple = Field(description="m")
     velocity: Triple = Field(description="m/s")
     clearance: Number = Field(description="m, height above the top; a wall if not positive")
-    segment: Annotated[int, BeforeValidator(int)] = Field(
-        description="number of the chord between two vertices, the first being 0"
-    )
+    segment: int = Field(description="number of the chord between two vertices, the first being 0")
     margin: Number | None = Field(
         default=None, description="m, along the chord to the next vertex; none on a circle"
     )
@@ -174,7 +176,10 @@ class Result(_Strict):
         description="with --certify: why outcome and numbers are not proven; absent if they are",
     )
 
+    def data(self) -> dict[str, Any]:
+        """Return the result as plain data, without the quantities it does not have."""
+        return {"id": self.id} | self.model_dump(exclude_none=True)
+
     def line(self) -> str:
         """Return the result as one line of JSON, without the quantities it does not have."""
-        known = self.model_dump(mode="json", exclude_none=True)
-        return json.dumps({"id": self.id} | known, ensure_ascii=False, allow_nan=False)
+        return json.dumps(self.data(), ensure_ascii=False, allow_nan=False)

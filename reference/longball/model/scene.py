@@ -9,20 +9,19 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Sequence
+import re
+from collections.abc import Iterator, Sequence
 from itertools import pairwise
-from typing import Annotated, Any, Literal, NoReturn, Self, get_args
+from typing import Annotated, Any, Literal, Self, get_args, get_origin
 
-from pydantic import (
-    BaseModel,
-    ConfigDict,
-    Field,
-    SerializerFunctionWrapHandler,
-    ValidationError,
-    model_serializer,
-    model_validator,
-)
+from pydantic import BaseModel, Field, Tag, ValidationError, model_validator
 
+from longball.model.air import Air as Air
+from longball.model.air import WindProfile
+from longball.model.block import SMALLEST, NotNegative, Point, Positive, Quantity
+from longball.model.block import Block as _Block
+from longball.model.block import refuse as _refuse
+from longball.model.force import cross, plus, scaled
 from longball.model.readings import Reading
 from longball.model.result import ErrorCode
 
@@ -35,28 +34,6 @@ class InvalidScene(ValueError):
     def __init__(self, message: str, scene_id: str | None = None) -> None:
         super().__init__(message)
         self.scene_id = scene_id
-
-
-class _Block(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
-
-    @model_serializer(mode="wrap")
-    def _without_what_is_not_named(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        fields = type(self).model_fields
-        return {
-            name: value
-            for name, value in handler(self).items()
-            if value is not None or fields[name].default is not None
-        }
-
-
-# Sizes within which no product of the model's formulas overflows or underflows a double.
-LARGEST, SMALLEST = 1e30, 1e-30
-
-Quantity = Annotated[float, Field(ge=-LARGEST, le=LARGEST)]
-NotNegative = Annotated[float, Field(ge=0.0, le=LARGEST)]
-Positive = Annotated[float, Field(ge=SMALLEST, le=LARGEST)]
-Point = tuple[Quantity, Quantity, Quantity]
 
 
 class Ball(_Block):
@@ -75,12 +52,7 @@ class Ball(_Block):
     )
 
 
-class Air(_Block):
-    """What acts on the ball in flight (paper, Sec. III.B)."""
-
-    density: NotNegative = Field(default=1.29, description="kg/m³")
-    drag_coefficient: NotNegative = Field(default=0.4, description="C_D")
-    lift_coefficient: Quantity = Field(default=0.2, description="C_L; negative for topspin")
+Spin = Annotated[Point | None, Field(description="rad/s, ω; left out: none is computed")]
 
 
 class Launch(_Block):
@@ -88,10 +60,16 @@ class Launch(_Block):
 
     position: Point = Field(description="m, of the ball's centre")
     velocity: Point = Field(description="m/s")
+    spin: Spin = None
+
+    @property
+    def way(self) -> Point:
+        """A vector along the velocity."""
+        return self.velocity
 
 
 class Pitch(_Block):
-    """A throw toward a point of the plane x = 0 (paper, Sec. III)."""
+    """A throw toward a point of the plane x = 0 (paper, Sec. III), or with a velocity."""
 
     speed: Positive = Field(
         default=36.9125,
@@ -101,6 +79,26 @@ class Pitch(_Block):
     aim: tuple[Quantity, Quantity] = Field(
         default=(0.0, 1.8), description="m, [y, z] of the point aimed at; default: the middle cell"
     )
+    velocity: Point | None = Field(default=None, description="m/s, instead of speed and aim")
+    spin: Spin = None
+
+    def named(self) -> Iterator[str]:
+        """Yield the keys that it is written with: speed and aim, or the velocity."""
+        instead = () if self.velocity is None else ("speed", "aim")
+        yield from (key for key in super().named() if key not in instead)
+
+    @property
+    def way(self) -> Point:
+        """A vector along the velocity."""
+        x, y, z = self.release
+        return self.velocity or (-x, self.aim[0] - y, self.aim[1] - z)
+
+    @model_validator(mode="after")
+    def _thrown_one_way(self) -> Self:
+        both = sorted(self.model_fields_set & {"speed", "aim"})
+        if self.velocity is not None and both:
+            _refuse(f"velocity stands instead of speed and aim; leave out {' and '.join(both)}")
+        return self
 
     @model_validator(mode="after")
     def _in_front_of_the_plate(self) -> Self:
@@ -172,6 +170,17 @@ class Ground(_Block):
     """The surface that the ball lands on."""
 
     height: Quantity = Field(default=0.0, description="m")
+
+
+class Earth(_Block):
+    """Where the park is on the rotating Earth."""
+
+    latitude: float = Field(
+        ge=-math.pi / 2, le=math.pi / 2, description="rad, positive in the north"
+    )
+    azimuth: Quantity = Field(
+        default=0.0, description="rad, of +x (from the plate to the pitcher), from north to east"
+    )
 
 
 class Fence(_Block):
@@ -259,6 +268,39 @@ class _FlyingScene(_Scene):
     time_limit: Positive = Field(
         default=60.0, description="s of flight, after which the ball is reported airborne"
     )
+    earth: Earth | None = Field(default=None, description="left out: it does not rotate")
+
+    @model_validator(mode="after")
+    def _air_and_spin_agree(self) -> Self:
+        block = "launch" if isinstance(self, FlightScene) else "pitch"
+        spin, way = getattr(self, block).spin, getattr(self, block).way
+        if self.air is None:
+            return self
+        if spin is None and (key := self.air.needs_spin):
+            _refuse(f"{key} needs a spin; give {block}.spin, in rad/s")
+        if spin is not None and self.air.lift_is_constant and any(spin):
+            wind = self.air.wind if isinstance(self.air.wind, tuple) else (0.0, 0.0, 0.0)
+            if not any(cross(spin, plus(way, scaled(-1.0, wind)))):
+                _refuse(
+                    f"air.lift_coefficient: the lift of a constant has no direction where "
+                    f"{block}.spin is parallel to the velocity; take the law rational or linear, "
+                    "or the number 0"
+                )
+        if self.reading.lift_direction == "always_up" and (spin or self.air.wind) is not None:
+            _refuse("reading.lift_direction = always_up takes neither spin nor wind")
+        return self
+
+    @model_validator(mode="after")
+    def _stays_above_the_roughness(self) -> Self:
+        wind = None if self.air is None else self.air.wind
+        if isinstance(wind, WindProfile):
+            floor = landing_height(self)
+            if floor <= -wind.roughness:
+                _refuse(
+                    f"the ball lands at {floor}, which must be above -air.wind.roughness = "
+                    f"{-wind.roughness}: heights of the wind are those of z"
+                )
+        return self
 
     def _refuse_underground(self, key: str, z: float, floor: float) -> None:
         if z < floor:
@@ -416,8 +458,7 @@ def _text(line: str | bytes) -> str:
 
 def _json(text: str) -> Any:
     try:
-        # Python refuses to convert whole numbers of thousands of digits, as a protection.
-        return json.loads(text, object_pairs_hook=_each_key_once, parse_int=float)
+        return _DECODER.decode(text)
     except json.JSONDecodeError as error:
         raise InvalidScene(f"not JSON: {error.msg} at character {error.pos + 1}") from None
     except RecursionError:
@@ -438,10 +479,17 @@ def _each_key_once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     return block
 
 
+# Python refuses to convert whole numbers of thousands of digits, as a protection.
+_DECODER = json.JSONDecoder(object_pairs_hook=_each_key_once, parse_int=float)
+
+
 def _explain_fault(fault: dict[str, Any], model: type[BaseModel]) -> str:
     location = fault["loc"]
-    where = "".join(f"[{step}]" if isinstance(step, int) else f".{step}" for step in location)
-    where = where.removeprefix(".")
+    where = "".join(
+        f"[{step}]" if isinstance(step, int) else f".{step}"
+        for step in location
+        if not _is_form(step)
+    ).removeprefix(".")
     match fault["type"]:
         case "extra_forbidden":
             block = _block(model, location[:-1])
@@ -451,25 +499,50 @@ def _explain_fault(fault: dict[str, Any], model: type[BaseModel]) -> str:
         case "value_error":
             sentence = str(fault["ctx"]["error"])
             return f"{where}: {sentence}" if where else sentence
+        case "union_tag_invalid":
+            forms = re.findall(r"<(\w+)>", fault["ctx"]["expected_tags"])
+            laws = ", ".join(name for name in forms if name != "number")
+            given = fault["input"].get("law")
+            what = "is missing" if given is None else f"{_short(given)} is not a law here"
+            return f"{where}.law: {what}; the laws are {laws}"
         case "json_invalid":  # pydantic's parser is stricter than Python's
             return f"not JSON: {fault['ctx']['error']}"
     sentence = fault["msg"].removeprefix("Input ").replace("should", "must")
     return f"{where}: {sentence} (got {_short(fault['input'])})"
 
 
+def _is_form(step: str | int) -> bool:
+    """Tell whether a step of a location says which of several forms a value has."""
+    return isinstance(step, str) and step.startswith("<")
+
+
 def _block(model: type[BaseModel], location: tuple[str | int, ...]) -> type[BaseModel]:
     """Return the model of the block at a location inside a model."""
+    annotation: Any = model
     for step in location:
-        annotation = model.model_fields[str(step)].annotation
-        options = (annotation, *get_args(annotation))
-        model = next(o for o in options if isinstance(o, type) and issubclass(o, BaseModel))
-    return model
+        if _is_form(step):
+            forms = [o for o in _within(annotation) if get_origin(o) is Annotated]
+            annotation = next(o for o in forms if step in [_tag(part) for part in get_args(o)])
+        else:
+            (model, *_) = filter(_is_model, _within(annotation))
+            annotation = model.model_fields[str(step)].annotation
+    found: type[BaseModel] = next(filter(_is_model, _within(annotation)))
+    return found
+
+
+def _within(annotation: Any) -> list[Any]:
+    """Return an annotation and all that it is made of."""
+    return [annotation, *(x for part in get_args(annotation) for x in _within(part))]
+
+
+def _tag(part: Any) -> str | None:
+    return part.tag if isinstance(part, Tag) else None
+
+
+def _is_model(option: Any) -> bool:
+    return isinstance(option, type) and issubclass(option, BaseModel)
 
 
 def _short(value: Any) -> str:
     text = repr(value)
     return text if len(text) <= 40 else text[:37] + "..."
-
-
-def _refuse(sentence: str) -> NoReturn:
-    raise ValueError(sentence)

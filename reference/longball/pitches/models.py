@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from longball.model.scene import Air, Ball
+from longball.model.scene import Ball
 from longball.pitches.statcast import RPM, MeasuredFlies, MeasuredPitches
 from longball.pitches.table import Floats
 
@@ -81,7 +81,7 @@ MODELS = {
     "vacuum": FlightModel("no air", None, None, spin=False),
     "paper": FlightModel(
         "Kuninaka, Kosaka and Mizutani, Sec. III.B: C_D 0.4, C_L 0.2 upwards, 1.29 kg/m³",
-        Air().drag_coefficient, Air().lift_coefficient, Air().density, spin=False, gravity=9.8,
+        0.4, 0.2, 1.29, spin=False, gravity=9.8,
     ),
     "constants": FlightModel(
         "constant C_D 0.385 and C_L 0.088: the best for the flies of the day that longball ships",

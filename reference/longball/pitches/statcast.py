@@ -121,6 +121,8 @@ class MeasuredPitches(Rows):
         Statcast's types.
     release, velocity
         Shape (n, 3), at the release.
+    acceleration
+        Shape (n, 3): of the fit that is recorded.
     spin_rate
         rad/s.
     axis
@@ -134,6 +136,7 @@ class MeasuredPitches(Rows):
     labels: Any
     release: Floats
     velocity: Floats
+    acceleration: Floats
     spin_rate: Floats
     axis: Floats
     hand: Floats
@@ -274,6 +277,7 @@ def _pitches(table: Any, games: Any) -> MeasuredPitches:
         labels=kind[keep].to_numpy(dtype=str),
         release=_in_our_frame(release) - [PLATE_FRONT, 0.0, 0.0],
         velocity=at_release,
+        acceleration=_in_our_frame(acceleration),
         spin_rate=kept["release_spin_rate"] * RPM,
         axis=_across(axis, at_release),
         hand=hand[keep],

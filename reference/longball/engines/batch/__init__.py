@@ -8,9 +8,8 @@ their ends, whose events `falls` finds on a step's polynomials; `jit` and `cache
 
 from longball.engines.batch.engine import Batch
 from longball.engines.batch.many import (
-    solve_all,
     solve_columns,
     solve_columns_with_restitutions,
 )
 
-__all__ = ["Batch", "solve_all", "solve_columns", "solve_columns_with_restitutions"]
+__all__ = ["Batch", "solve_columns", "solve_columns_with_restitutions"]

@@ -12,13 +12,14 @@ import numpy as np
 from longball.engines.batch import flights
 from longball.engines.batch.expansion import kernel
 from longball.engines.batch.flights import Records
-from longball.engines.batch.many import solve_all
+from longball.engines.batch.many import solve_as_data
 from longball.engines.batch.records import (
     STOPS,
     Bat,
     Start,
     approach_is_clear,
     general,
+    is_of_paper,
     noted,
     placed,
     records_of,
@@ -34,16 +35,19 @@ from longball.engines.contact import (
 )
 from longball.engines.engine import CannotSolve, ManyAtOnce, OutOfRange, TooLong, Touch
 from longball.engines.event import Event, Piece, past
+from longball.engines.ivp import Ivp
 from longball.engines.path import Flight, Path
 from longball.engines.polynomial import PolynomialPiece
 from longball.engines.series import recurrence
 from longball.model.law import Law, State
 from longball.model.numbers import DOUBLES, Doubles, Undecided, doubt
-from longball.model.result import Result
 from longball.model.scene import Scene
 from longball.model.trace import Program
 
 LOOSEST, TIGHTEST = 1e-4, 1e-14  # m
+
+# Who flies under the extended model, one flight at a time.
+SCALAR = Ivp()
 
 
 @dataclass(frozen=True)
@@ -58,8 +62,7 @@ class OneFlight(Flight[float]):
 class Batch(ManyAtOnce):
     """Flights by Taylor series, compiled; many scenes go sixteen at a time.
 
-    `longball.engines.chain.solve` takes one scene; `longball.engines.batch.solve_all` takes many,
-    and gives the same bits.
+    `longball.engines.chain.solve` takes one scene; `solve_all` takes many, and gives the same bits.
 
     Attributes
     ----------
@@ -118,6 +121,8 @@ class Batch(ManyAtOnce):
         self, law: Law[float], start: State[float], events: Sequence[Event[float]], limit: float
     ) -> Flight[float]:
         """Fly until the first of several events; see `longball.engines.engine.Engine.fly`."""
+        if not is_of_paper(law):
+            return SCALAR.fly(law, start, events, limit)
         launch = Start(0.0, start)
         flight = records_of(law, launch, events, limit, self.flight_error)
         end = self.fly_all(flight, general(law).program)
@@ -140,7 +145,8 @@ class Batch(ManyAtOnce):
         limit: float,
     ) -> Touch[float]:
         """Find how a pitch meets the bat; see `longball.engines.engine.Engine.touch`."""
-        assert isinstance(pitch, OneFlight)
+        if not isinstance(pitch, OneFlight):
+            return SCALAR.touch(pitch, law, bat, events, limit)
         start = pitch.approach if approach_is_clear(bat, pitch.state.z) else pitch.launch
         error = margin_error(bat, pitch.state.z, self.flight_error, DOUBLES)
         ends = [past(bat.frame, bat.reach, DOUBLES), *events]
@@ -157,9 +163,9 @@ class Batch(ManyAtOnce):
             raise CannotSolve(TURNS_VERTICAL)
         return Touch(margin, False)
 
-    def solve_all(self, scenes: Sequence[Scene], threads: int = 1) -> list[Result]:
-        """Solve scenes of any kinds; see `longball.engines.batch.solve_all`."""
-        return solve_all(scenes, self, threads)
+    def solve_as_data(self, scenes: Sequence[Scene], threads: int = 1) -> list[dict[str, Any]]:
+        """Solve scenes of any kinds; see `longball.engines.batch.solve_as_data`."""
+        return solve_as_data(scenes, self, threads)
 
     def fly_all(self, starts: Records, program: Program) -> Records:
         """Fly records of `flights.flight_dtype`; return their arrivals, in order."""

@@ -176,18 +176,22 @@ def _length(
         if missed * h <= tolerance * (size + change * h):
             return h, missed
         h = (h * _SHORTER).mid()
-    raise OutOfRange("the forces are so strong that no step can be proven")
+    raise OutOfRange(
+        "no step can be proven: the forces are too strong; or the ball is all but at rest in the "
+        "air, or its spin all but parallel to its velocity, so that lift or drag have a corner"
+    )
 
 
 def _series(system: System, core: Start, order: int) -> dict[Node, list[arb]]:
     """Return the Taylor coefficients; of a ball that stays at rest, only the first."""
-    structure = system.structure
-    at_rest = bool(structure.resting) and _speed(core, structure) == 0
-    if at_rest:
-        few = system.series(core.state, 1, at_rest)
-        rates = (few[variable(structure.core.variables[n])][1] for n in structure.resting)
+    if not system.roots:
+        return system.series(core.state, order, at_rest=False)
+    few = system.series(core.state, 1, at_rest=True)
+    if any(few[root][0] == 0 and few[root][1] == 0 for root in system.roots):
+        rates = (few[variable(name)][1] for name in system.structure.core.variables)
         if all(rate == 0 for rate in rates):
             return few
+    at_rest = any(few[root][0] == 0 for root in system.roots)
     return system.series(core.state, order, at_rest)
 
 
