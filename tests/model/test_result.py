@@ -26,8 +26,8 @@ def read(**values):
 def test_the_keys_are_the_contracts():
     """Other implementations write them: a renamed key would break them all."""
     assert list(Result.model_fields) == [
-        "id", "outcome", "plate", "contact", "impact", "fence", "landing", "engine", "error",
-        "code", "certificate",
+        "id", "outcome", "plate", "contact", "impact", "fence", "landing", "path", "engine",
+        "error", "code", "certificate",
     ]  # fmt: skip
     assert list(Plate.model_fields) == ["time", "position", "velocity"]
     assert list(Contact.model_fields) == [

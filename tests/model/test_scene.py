@@ -66,8 +66,8 @@ def test_each_kind_takes_only_the_blocks_it_needs(kind, model, keys):
     scene = parsed(kind)
     assert type(scene) is model is KINDS[kind]
     assert set(model.model_fields) == keys
-    named = {"earth", "fence"}  # where there is one
-    assert set(json.loads(scene.line())) == keys - named
+    # Named only where there is one.
+    assert set(json.loads(scene.line())) == keys - {"earth", "fence"}
 
 
 def test_what_is_left_out_is_the_papers():

@@ -15,6 +15,7 @@ from longball import engines
 from longball.cli.cluster import Scheduler, on_cluster
 from longball.cli.common import (
     Json,
+    Quiet,
     Seed,
     Workers,
     option_value,
@@ -96,6 +97,7 @@ def homerun(
             help="What home runs fly over, instead of 150 m: a scene's fence block, or m.",
         ),
     ] = None,
+    quiet: Quiet = False,
 ) -> None:
     """Compute the probability of a home run P(e), from sampled at-bats or by quadrature.
 

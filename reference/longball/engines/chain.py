@@ -781,7 +781,7 @@ def meet_bat(cases: Cases[N]) -> tuple[Cases[N], Meeting[N] | None]:
     ball = Ball(
         frame.position(touch.state),
         frame.velocity(touch.state),
-        cases.spin_at(frame, cast(State[N], touch.state)),
+        cases.spin_at(frame, touch.state),
         aside=frame.position(touch.detected)[1],
         leaving=touch.leaving,
     )
@@ -806,7 +806,12 @@ def finish(cases: Cases[N], meeting: Meeting[N] | None) -> None:
         before, after = contact.velocity, impact.velocity
         delta_v = (after[0] - before[0], after[1] - before[1], after[2] - before[2])
         surface = cases.ground(pitch.start)
-        launch = engine.rebound(pitch.frame, touch, delta_v, cases.law, surface)
+
+        def law_in(frame: Frame[N]) -> Law[N]:
+            return cases.law(replace(frame, spin=impact.spin))
+
+        launch = engine.rebound(pitch.frame, touch, delta_v, law_in, surface)
+        launch = replace(launch, spin=impact.spin)
     else:
         time = cast(N, touch.time)
         launch = Launch(contact.position, impact.velocity, time, time * 0, spin=impact.spin)
@@ -986,6 +991,17 @@ def solve_with_path(
     case = OneCase(scene, engine, model)
     result = _answer(case, CHAINS[scene.kind])
     return result, Trajectory(tuple(case.legs))
+
+
+def solve_with_points(scene: Scene, engine: Engine[N], points: int) -> Result:
+    """Return the result of a scene with so many points of its path, if it has any."""
+    result, way = solve_with_path(scene, engine)
+    if result.error is not None or not way.legs:
+        return result
+    with engine.numbers.arithmetic():
+        rows = way.evenly(points, engine.numbers)
+        path = tuple(tuple(map(engine.numbers.report, row)) for row in rows)
+    return result.model_copy(update={"path": path})
 
 
 def solve_with_restitutions(

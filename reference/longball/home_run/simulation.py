@@ -15,6 +15,8 @@ from numpy.typing import NDArray
 
 from longball.engines.chain import solve_with_restitutions
 from longball.engines.engine import Engine
+from longball.engines.parallel import in_parallel
+from longball.extras import naming_extras
 from longball.home_run.at_bats import BLOCK, AtBats, draw, scenes
 from longball.model.scene import AtBatScene
 
@@ -113,24 +115,19 @@ def monte_carlo(
     progress
         Called with the number of samples done.
     """
-    from joblib import Parallel, delayed  # slow to import, and not needed for --help
-
-    from longball.engines.batch import Batch  # so is numba
+    with naming_extras():
+        from longball.engines.batch import Batch  # slow to import, and not needed for --help
 
     solver = engine or Batch()
-    if isinstance(solver, Batch):
-        strike, size, prefer = _strike_columns, COLUMNS, "threads"
-    else:
-        strike, size, prefer = _strike_scenes, BLOCK, "processes"
-    tasks = (
-        delayed(strike)(
-            base, at_bats, tuple(restitutions), first, min(size, count - first), seed, solver
-        )
+    threads = isinstance(solver, Batch)
+    strike, size = (_strike_columns, COLUMNS) if threads else (_strike_scenes, BLOCK)
+    calls = (
+        (base, at_bats, tuple(restitutions), first, min(size, count - first), seed, solver)
         for first in range(0, count, size)
     )
     landed = np.empty((len(restitutions), 4, count))
     done = 0
-    for part in Parallel(n_jobs=workers, return_as="generator", prefer=prefer)(tasks):
+    for part in in_parallel(strike, calls, workers, threads):
         landed[:, :, done : done + part.shape[2]] = part
         done += part.shape[2]
         progress(done)

@@ -5,10 +5,12 @@ The keys are fixed: other implementations write them, and the judge reads them.
 
 from __future__ import annotations
 
-import json
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, model_serializer
+
+from longball import __version__
+from longball.model.jsonl import json_line
 
 Outcome = Literal[
     "batted",
@@ -148,6 +150,11 @@ class Fence(_Strict):
     )
 
 
+def signed(engine: str) -> str:
+    """Return the description of an engine with longball's version."""
+    return f"longball {__version__} {engine}"
+
+
 class Result(_Strict):
     """What an engine answers to one scene."""
 
@@ -158,6 +165,13 @@ class Result(_Strict):
     impact: Impact | None = None
     fence: Fence | None = None
     landing: Landing | None = None
+    path: tuple[Annotated[tuple[Number, ...], Field(min_length=4, max_length=7)], ...] | None = (
+        Field(
+            default=None,
+            description="[t, x, y, z, vx, vy, vz] at times from the start of the scene to its end, "
+            "s, m and m/s, if it is asked for; velocities may be left out",
+        )
+    )
     engine: str | None = Field(default=None, description="who computed it, and how")
     error: str | None = Field(
         default=None, description="what could not be solved, where, and how to mend it"
@@ -182,4 +196,4 @@ class Result(_Strict):
 
     def line(self) -> str:
         """Return the result as one line of JSON, without the quantities it does not have."""
-        return json.dumps(self.data(), ensure_ascii=False, allow_nan=False)
+        return json_line(self.data())

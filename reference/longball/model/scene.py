@@ -22,6 +22,7 @@ from longball.model.block import SMALLEST, NotNegative, Point, Positive, Quantit
 from longball.model.block import Block as _Block
 from longball.model.block import refuse as _refuse
 from longball.model.force import cross, plus, scaled
+from longball.model.jsonl import LONGEST_LINE, json_line
 from longball.model.readings import Reading
 from longball.model.result import ErrorCode
 
@@ -258,8 +259,8 @@ class _Scene(_Block):
     def line(self) -> str:
         """Return the scene as one line of JSON with every default but the reading's written out."""
         blocks = self.model_dump(mode="json")
-        head = {key: value for key in ("id", "kind") if (value := blocks.pop(key))}
-        return json.dumps(head | blocks, ensure_ascii=False, allow_nan=False)
+        head = {key: value for key in ("id", "kind") if (value := blocks.pop(key, None))}
+        return json_line(head | blocks)
 
 
 class _FlyingScene(_Scene):
@@ -444,6 +445,8 @@ def explain(error: ValidationError, model: type[BaseModel]) -> str:
 
 
 def _text(line: str | bytes) -> str:
+    if len(line) > LONGEST_LINE:
+        raise InvalidScene(f"longer than {LONGEST_LINE:,} bytes")
     if isinstance(line, str):
         if not _is_text(line):
             raise InvalidScene("not Unicode text: it holds half of a surrogate pair")
