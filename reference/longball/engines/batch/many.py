@@ -111,11 +111,17 @@ def solve_columns_with_restitutions(
 
 
 def _is_extended(scene: Scene) -> bool:
-    """Tell whether a scene names more than the paper's forces: then it is solved alone."""
+    """Tell whether a ball flies under more than the paper's forces: then it is solved alone.
+
+    Friction gives a batted ball a spin.
+    """
     if isinstance(scene, ImpactScene) or scene.air is None:
         return False
     thrown: Any = scene.launch if isinstance(scene, FlightScene) else scene.pitch
+    named: tuple[Any, ...]
     named = thrown.spin, getattr(thrown, "velocity", None) if scene.kind != "flight" else None
+    if isinstance(scene, AtBatScene):
+        named = *named, scene.bat.friction
     air = scene.air
     further = (*named, scene.earth, air.wind, air.spin_decay_length, air.density_scale_height)
     laws = air.drag_coefficient, air.lift_coefficient, air.density
