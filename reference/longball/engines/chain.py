@@ -366,8 +366,8 @@ def fly(
     rest, or straight up or down, it is there already.
     """
     law = cases.law(frame)
-    state = law.state_of(start) if isinstance(start, PlaneState) else start
-    leg = law, state, cases.time_limit if limit is None else limit, frame, surfaces
+    limit = cases.time_limit if limit is None else limit
+    leg = law, law.state_of(start), limit, frame, surfaces
     flight: Flight[N] = cases.either(_is_always_up(cases, law), _fly_upwards, _fly, *leg)
     return flight
 
@@ -443,7 +443,7 @@ def land(cases: Cases[N], launch: Launch[N], outcome: Outcome) -> None:
         _come_down(cases, Batted(launch, frame, _landed(start, cases.numbers)), outcome)
     elif cases.scene.fence is None:
         _come_down(cases, Batted(launch, frame, fly(cases, frame, start, _ground)), outcome)
-    elif cases.law(frame).state is PlaneState and not isinstance(cases.engine, Stepped):
+    elif "v" not in cases.law(frame).program.variables and not isinstance(cases.engine, Stepped):
         flight = fly(cases, frame, start, _ground, _fence, _fence_behind)
         ahead, behind = flight.stopped("fence"), flight.stopped("fence_behind")
         ball = Batted(launch, frame, flight)
@@ -641,8 +641,8 @@ def solve_pitches(cases: Cases[N]) -> None:
 def solve_impacts(cases: Cases[N]) -> None:
     """Solve touchings that are given."""
     incoming = cases.scene.incoming
-    spin = None if incoming.spin is None else cases.vector(incoming.spin)
-    ball = Ball(cases.vector(incoming.position), cases.vector(incoming.velocity), spin)
+    position, velocity = cases.vector(incoming.position), cases.vector(incoming.velocity)
+    ball = Ball(position, velocity, cases.spin(incoming.spin))
     height = cases.numbers.exact(incoming.bat_height)
     # Nothing has flown: the position is exact, and only roundings here are in doubt.
     cases, contact = meet(cases, ball, height, 0.0)

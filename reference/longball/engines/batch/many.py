@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -129,9 +130,11 @@ def solve_columns_with_restitutions(
 
 
 def _is_extended(scene: Scene) -> bool:
-    """Tell whether a scene names more than the paper's forces."""
+    """Tell whether a ball flies under more than the paper's forces."""
     if isinstance(scene, ImpactScene) or scene.air is None:
         return False
+    if _has_friction(scene):
+        return True
     thrown: Any = scene.launch if isinstance(scene, FlightScene) else scene.pitch
     air = scene.air
     further = (
@@ -142,6 +145,11 @@ def _is_extended(scene: Scene) -> bool:
     return any(x is not None for x in further) or any(isinstance(x, BaseModel) for x in laws)
 
 
+def _has_friction(scene: Scene) -> bool:
+    """Tell whether a batted ball has the spin that friction gave it."""
+    return isinstance(scene, AtBatScene) and scene.bat.friction is not None
+
+
 def _flies_in_lanes(scene: Scene) -> bool:
     """Tell whether the compiled code flies the balls of an extended scene."""
     if isinstance(scene, ImpactScene) or scene.air is None:
@@ -149,6 +157,7 @@ def _flies_in_lanes(scene: Scene) -> bool:
     air = scene.air
     pieces = (air.drag_coefficient, air.lift_coefficient, air.wind)
     smooth = not any(isinstance(x, AirTable | BilinearLift | WindAbove) for x in pieces)
+    smooth = smooth and not _has_friction(scene)
     return smooth and air.spin_decay_length is None and scene.gravity > 0.0
 
 
@@ -339,6 +348,17 @@ def _known(column: NDArray[Any]) -> NDArray[np.bool_]:
     return found
 
 
+# What is held as a number in columns, and is none in a result.
+_PLAIN: dict[str, Callable[[float], Any]] = {"segment": int, "fair": bool}
+
+
+def _plain(name: str, column: NDArray[Any]) -> list[Any]:
+    values: list[Any] = column.tolist()
+    if name not in _PLAIN:
+        return values
+    return [x if math.isnan(x) else _PLAIN[name](x) for x in values]
+
+
 def _part(columns_of: dict[str, list[Array]]) -> list[dict[str, Any]]:
     """Return a part of each row's result: what it has of its quantities."""
     known = zip(*(_known(columns[0]).tolist() for columns in columns_of.values()), strict=True)
@@ -346,8 +366,8 @@ def _part(columns_of: dict[str, list[Array]]) -> list[dict[str, Any]]:
         *(
             zip(*(column.tolist() for column in columns), strict=True)
             if len(columns) > 1
-            else columns[0].tolist()
-            for columns in columns_of.values()
+            else _plain(name, columns[0])
+            for name, columns in columns_of.items()
         ),
         strict=True,
     )
