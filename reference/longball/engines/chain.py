@@ -9,7 +9,7 @@ collision, are handed in: a known mistake is the same chain with another part.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Generic, cast
 
@@ -17,13 +17,13 @@ from pydantic import ValidationError
 
 from longball.engines.contact import BatSection
 from longball.engines.engine import CannotSolve, Engine, Launch, Stepped, Touch
-from longball.engines.event import Event, ground, plate, vertical
+from longball.engines.event import Event, Piece, ground, plate, vertical
 from longball.engines.path import Flight, Leg, Path, Trajectory
 from longball.model import result as written
 from longball.model.bat import bat_velocity, collision_parameters, lever_arm
 from longball.model.frame import Frame, launch_frame
 from longball.model.impact import energy_change, impulse, velocity_after
-from longball.model.law import FORCES, LIFT, Force, Law, PlaneState, State, law_of
+from longball.model.law import DRAG, FORCES, GRAVITY, LIFT, Force, Law, PlaneState, State, law_of
 from longball.model.numbers import N, Numbers, Undecided, Vector, absolute
 from longball.model.quantities import replaced
 from longball.model.result import Outcome, Result
@@ -265,6 +265,16 @@ def solve_flights(cases: Cases[N]) -> None:
 def land(cases: Cases[N], launch: Launch[N], outcome: Outcome) -> None:
     """Fly from launches to the ground; the `outcome` if the ball lands."""
     frame, start = launch_frame(launch.position, launch.velocity, cases.numbers)
+    law = cases.law(frame)
+    if _may_loop(cases, law):
+        aloft, others = _stays_aloft(cases, law, start, _ground(cases, frame, start))
+        (looping,) = cases.take(aloft)
+        path = Path(_when_asked(cases.engine, law, law.state_of(start), cases.time_limit))
+        looping.follow(frame, Flight(path, "time", cases.time_limit, start), launch.time)
+        looping.conclude("airborne")
+        cases, frame, start, launch = cases.take(others, frame, start, launch)
+        if cases.empty:
+            return
     landed = launch.landed
     flight = _landed(start, cases.numbers) if landed else fly(cases, frame, start, _ground)
     cases.follow(frame, flight, launch.time)
@@ -280,6 +290,52 @@ def land(cases: Cases[N], launch: Launch[N], outcome: Outcome) -> None:
     cases.record("landing.velocity", frame.velocity(flight.state))
     cases.record("landing.distance", cases.numbers.sqrt(x * x + y * y))
     cases.conclude(outcome)
+
+
+def _may_loop(cases: Cases[N], law: Law[N]) -> bool:
+    """Tell whether nothing but lift about a fixed axis and gravity acts, in some of the cases."""
+    return (
+        LIFT in law.forces
+        and {DRAG, LIFT, GRAVITY}.issuperset(law.forces)
+        and cases.numbers.absent(cast(Any, law.strengths.get("drag", 0.0)))
+        and cases.scene.reading.lift_direction == "fixed_spin_axis"
+        and not isinstance(cases.engine, Stepped)  # whose scheme may well come down
+    )
+
+
+def _stays_aloft(
+    cases: Cases[N], law: Law[N], start: State[N], surface: Event[N]
+) -> tuple[Any, Any]:
+    """Return the conditions that a ball without drag never comes down to the ground, or does.
+
+    It loops, for ever, and an engine would fly every turn. But ``V² + 2 g z`` stays the same, and
+    so does ``u - k ∫ V² dV / g``, with the lift k: at the height of the ground, H below the start,
+    the speed would be ``V_H = √(V² + 2 g H)``, and its horizontal part
+
+        u + (2/3) k H (V_H² + V_H V + V²) / (V_H + V),
+
+    also where g = 0. A ball for which that is more than the speed cannot come there; and as speed
+    less horizontal speed is concave in V, any other ball can.
+    """
+    numbers, height = cases.numbers, surface.value(start)
+    slow2 = start.u * start.u + start.w * start.w
+    gravity = law.gravity
+    fast2 = slow2 if gravity is None else slow2 + 2 * gravity * height
+    slow, fast = numbers.sqrt(slow2), numbers.sqrt(fast2)
+    total, lift = fast + slow, law.strengths["lift"]
+    level = start.u * total + 2 * lift * height * (fast2 + fast * slow + slow2) / 3
+    # A ball that only just touches the ground is left to the search for that event.
+    beyond = absolute(level) - fast * total * (1 + _TOUCHING)
+    return cases.decide(beyond, fast * 0, "whether the ball stays above the ground")
+
+
+# Far more than the roundings of a flight.
+_TOUCHING = 1e-9
+
+
+def _when_asked(engine: Engine[N], law: Law[N], start: State[N], limit: N) -> Iterator[Piece[N]]:
+    """Yield the pieces of a flight that is only flown if somebody wants to know its way."""
+    yield from engine.fly(law, start, (), limit).path.pieces()
 
 
 def _landed(state: State[N], numbers: Numbers[N]) -> Flight[N]:
