@@ -17,11 +17,11 @@ import pandas as pd
 from joblib import Parallel, delayed
 
 from analysis.writing import table
+from longball.engines.chain import solve
 from longball.engines.ivp import Ivp
-from longball.engines.lines import solve_line
 from longball.model.readings import Reading
 from longball.model.result import Result
-from longball.model.scene import KINDS
+from longball.model.scene import KINDS, parse_scene
 
 SCENES, FULL_SCENES = 5_000, 100_000
 BLOCK = 100
@@ -57,7 +57,7 @@ def survive(block: int) -> list[dict[str, object]]:
         kind = list(KINDS)[i % len(KINDS)]
         line = json.dumps(random_scene(kind, generator)).encode()
         start = time.process_time()  # a scene's own work, whatever else the machine does
-        result = solve_line(1, line, Ivp())
+        result = solve(parse_scene(line), Ivp())
         seconds = time.process_time() - start
         rows.append({"kind": kind, "answer": answer(result), "seconds": seconds})
     return rows

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import math
-import shutil
 from itertools import pairwise
-from pathlib import Path
 from typing import Any
 
 import mpmath
@@ -17,7 +15,6 @@ from hypothesis import strategies as st
 
 from longball.engines.batch import (
     Batch,
-    cache,
     expansion,
     roots,
     solve_all,
@@ -27,7 +24,7 @@ from longball.engines.batch import (
 from longball.engines.batch.expansion import WIDTH, aligned, kernel
 from longball.engines.batch.jit import call, unowned_view
 from longball.engines.batch.roots import NEVER
-from longball.engines.chain import solve
+from longball.engines.chain import solve, solve_with_path
 from longball.engines.enclosure import Enclosure
 from longball.engines.event import ground
 from longball.engines.ivp import Ivp
@@ -439,73 +436,6 @@ def test_the_path_has_the_states_of_the_flight(w: float) -> None:
             assert list(before.at(before.length)) == pytest.approx(list(after.at(0.0)), abs=1e-13)
 
 
-# --- compiled code that is kept -------------------------------------------------------------------
-
-
-def test_a_change_of_any_source_changes_the_key(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    package = tmp_path / "longball"
-    shutil.copytree(cache.PACKAGE, package, ignore=shutil.ignore_patterns("data", "__pycache__"))
-    monkeypatch.setattr(cache, "PACKAGE", package)
-    read = cache.sources.__wrapped__
-    before = read()
-    files = [*map(str, cache.MODULES), *(f"engines/batch/{n}.py" for n in ("flights", "expansion"))]
-    for name in files:
-        file = package / name
-        text = file.read_text()
-        file.write_text(text + "#\n")
-        assert read() != before, name
-        file.write_text(text)
-    assert read() == before
-
-
-def test_code_is_kept_and_made_anew_when_its_file_is_not_what_was_written(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
-    made: list[int] = []
-
-    def make() -> bytes:
-        made.append(1)
-        return b"code" * 100
-
-    assert cache.stored("law", ["a"], make) == cache.stored("law", ["a"], make) == b"code" * 100
-    assert len(made) == 1
-    (file,) = tmp_path.iterdir()
-    for damage in (file.read_bytes()[:50], b"", b"\0" * 432):
-        file.write_bytes(damage)
-        assert cache.stored("law", ["a"], make) == b"code" * 100
-    assert len(made) == 4
-    cache.stored("law", ["b"], make)
-    assert len(made) == 5
-
-
-def test_where_no_code_can_be_kept_it_is_made_in_each_process(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    (tmp_path / "file").touch()
-    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "file"))
-    assert cache.stored("law", ["a"], lambda: b"code") == b"code"
-
-
-def test_a_compiled_function_is_kept(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
-    for turn in range(3):
-
-        def twice(x: float) -> float:
-            return 2.0 * x
-
-        cache.tell.cache_clear()
-        assert cache.compile_cached(twice)(3.0) == 6.0
-        (file,) = tmp_path.iterdir()
-        assert ("compiling" in capsys.readouterr().err) == (turn != 1)
-        if turn == 1:
-            file.write_bytes(file.read_bytes()[:-1])
-
-
 # --- roots ----------------------------------------------------------------------------------------
 
 
@@ -683,6 +613,29 @@ def test_a_ball_released_inside_the_bat_is_an_error() -> None:
     (result,) = solve_all([scene])
     assert result.error is not None
     assert "starts inside the bat" in result.error
+
+
+@pytest.mark.parametrize("sideways", [1e-10, 1e-15, 1e-20, 1e-30])
+@pytest.mark.parametrize("up", [40.0, 0.0])
+@pytest.mark.parametrize("lift", [0.0, 0.2])
+def test_a_ball_that_is_all_but_vertical(sideways: float, up: float, lift: float) -> None:
+    """cos(π/2) is 6e-17: at the apex the ball has that part of its speed."""
+    scene = FlightScene(
+        id="pop-up",
+        air=Air(lift_coefficient=lift),
+        launch=Launch(position=(0.0, 0.0, 50.0), velocity=(sideways, 0.0, up)),
+    )
+    truth = solve(scene, Enclosure()).landing
+    assert truth is not None
+    heights = []
+    for engine in (Batch(), Ivp()):
+        result, way = solve_with_path(scene, engine)
+        assert result.landing is not None
+        assert result.landing.time == pytest.approx(float(truth.time), rel=3e-15)
+        assert result.landing.distance == pytest.approx(float(truth.distance), rel=1e-14)
+        heights.append([way.at(part * float(truth.time))[0][2] for part in (0.2, 0.5, 0.9)])
+    assert heights[0] == pytest.approx(heights[1], rel=1e-13)
+    assert solve_all([scene] * 20) == [solve(scene, Batch())] * 20
 
 
 def test_a_ball_that_all_but_rests_in_the_air_is_solved_or_refused_never_wrong() -> None:

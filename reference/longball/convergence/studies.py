@@ -16,8 +16,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from longball.convergence.family import PHASES, Expected, Observed, observe, step_family
 from longball.convergence.report import ConvergenceReport, Lost
-from longball.model.result import Bounded, Number, Result
-from longball.model.scene import Scene
+from longball.model.result import Number, Result
+from longball.model.scene import Scene, ids_of
 
 Array = NDArray[np.float64]
 
@@ -109,11 +109,7 @@ class Observable:
     def of(self, result: Result) -> list[float] | None:
         """Return its components as doubles; None if the result does not have it."""
         values = self.take(result)
-        return None if values is None else list(map(_double, values))
-
-
-def _double(number: Number) -> float:
-    return float(number.value) if isinstance(number, Bounded) else number
+        return None if values is None else list(map(float, values))
 
 
 def _plate_height(result: Result) -> Sequence[Number] | None:
@@ -173,7 +169,7 @@ def converge(
     if not scenes:
         raise ValueError("there is no scene to converge in")
     family = step_family(steps)
-    ids = [scene.id for scene in scenes]
+    ids = ids_of(scenes)
     finest = _in_order(run(float(family[-1])), ids)
     should = finest if truth is None else _in_order(truth, ids)
     lost = {float(family[-1]): _lost(finest, should)}
@@ -228,7 +224,7 @@ def _lost(results: Sequence[Result], should: Sequence[Result]) -> int:
 def _first_and_last_event(results: Sequence[Result]) -> tuple[float, float]:
     """Return when the first and the last thing happens in any scene, s; 1 s if nothing does."""
     parts = [part for r in results for part in (r.plate, r.contact, r.landing)]
-    times = [_double(part.time) for part in parts if part is not None and part.time is not None]
+    times = [float(part.time) for part in parts if part is not None and part.time is not None]
     later = [time for time in times if time > 0] or [1.0]
     return min(later), max(later)
 

@@ -9,25 +9,56 @@ collision, are handed in: a known mistake is the same chain with another part.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, fields, replace
 from typing import Any, Generic, cast
 
 from pydantic import ValidationError
 
-from longball.engines.contact import BatSection
-from longball.engines.engine import CannotSolve, Engine, Launch, Stepped, Touch
+from longball.engines.contact import BatSection, margin_error
+from longball.engines.engine import (
+    CannotSolve,
+    Engine,
+    Launch,
+    ManyAtOnce,
+    OutOfRange,
+    Stepped,
+    Touch,
+)
 from longball.engines.event import Event, Piece, ground, plate, vertical
+from longball.engines.fence import Place, Stop, at_stop, first_crossing, stop_at
 from longball.engines.path import Flight, Leg, Path, Trajectory
 from longball.model import result as written
-from longball.model.bat import bat_velocity, collision_parameters, lever_arm
+from longball.model.aerodynamics import DRAG, LIFT
+from longball.model.bat import (
+    CollisionParameters,
+    bat_rotation,
+    bat_velocity,
+    collision_parameters,
+    inertia_factor,
+    inverse_masses,
+    lever_arm,
+    tangential_restitution,
+)
+from longball.model.force import Term
 from longball.model.frame import Frame, launch_frame
-from longball.model.impact import energy_change, impulse, velocity_after
-from longball.model.law import DRAG, FORCES, GRAVITY, LIFT, Force, Law, PlaneState, State, law_of
+from longball.model.impact import (
+    energy_change,
+    gripping_impulse,
+    impulse,
+    push_energy,
+    sliding_impulse,
+    sliding_resistance,
+    slip,
+    spin_after_push,
+    velocity_after,
+    velocity_after_push,
+)
+from longball.model.law import FORCES, GRAVITY, Law, PlaneState, State, law_of
 from longball.model.numbers import N, Numbers, Undecided, Vector, absolute
 from longball.model.quantities import replaced
 from longball.model.result import Outcome, Result
-from longball.model.scene import AtBatScene, Scene, landing_height
+from longball.model.scene import AtBatScene, InvalidScene, Scene, landing_height
 
 # --- the collision --------------------------------------------------------------------------------
 
@@ -38,10 +69,12 @@ class ContactState(Generic[N]):
 
     Attributes
     ----------
-    position, velocity
-        Of the ball, m and m/s.
+    position, velocity, spin
+        Of the ball, m, m/s and rad/s; no spin if the scene has none.
     normal
         Unit vector from the bat's axis to the ball.
+    bat_velocity
+        Of the bat on its axis, m/s.
     lever_arm
         r̃, m.
     normal_speed
@@ -50,7 +83,9 @@ class ContactState(Generic[N]):
 
     position: Vector[N]
     velocity: Vector[N]
+    spin: Vector[N] | None
     normal: Vector[N]
+    bat_velocity: Vector[N]
     lever_arm: N
     normal_speed: N
 
@@ -63,16 +98,111 @@ class Impact(Generic[N]):
     impulse: N
     velocity: Vector[N]
     energy_change: N
+    spin: Vector[N] | None = None
+    mode: Any = None
+    friction_margin: N | None = None
 
 
-def collide(scene: Any, contact: ContactState[N], numbers: Numbers[N]) -> Impact[N]:
-    """Apply the impulse of Appendix A."""
+def collide(
+    cases: Cases[N], contact: ContactState[N], error: N | float, *carried: Any
+) -> tuple[Any, ...]:
+    """Apply the impulse of Appendix A; on a bat with friction, the oblique one.
+
+    Parameters
+    ----------
+    error
+        Of velocities and directions, relative, before any rounding here.
+    carried
+        Other values of theirs.
+
+    Returns
+    -------
+    tuple
+        Those that part, their `Impact`, and the other values.
+    """
+    scene, numbers = cases.scene, cases.numbers
     pair = collision_parameters(scene.ball, scene.bat, contact.lever_arm, scene.reading, numbers)
+    if scene.bat.friction is not None:
+        return _rub(cases, contact, pair, error, *carried)
     parts = pair.reduced_mass, pair.restitution, contact.normal_speed
     push = impulse(*parts)
     mass = numbers.exact(scene.ball.mass)
     after = velocity_after(contact.velocity, contact.normal, mass, push)
-    return Impact(pair.restitution, push, after, energy_change(*parts))
+    mode = None if contact.spin is None else "frictionless"
+    impact = Impact(pair.restitution, push, after, energy_change(*parts), contact.spin, mode)
+    return cases, impact, *carried
+
+
+# Between the velocities and the decisions below stand fewer operations, each on terms that are no
+# larger than those of the bounds.
+_OPERATIONS = 40
+
+
+def _rub(
+    cases: Cases[N],
+    contact: ContactState[N],
+    pair: CollisionParameters[N],
+    error: N | float,
+    *carried: Any,
+) -> tuple[Any, ...]:
+    """Let the ball grip the bat, or slide on it; see `longball.model.derivation`."""
+    scene, numbers = cases.scene, cases.numbers
+    ball, bat, normal = scene.ball, scene.bat, contact.normal
+    mass, radius = numbers.exact(ball.mass), numbers.exact(ball.radius)
+    bat_radius, friction = numbers.exact(bat.radius), numbers.exact(bat.friction)
+    e, e_t = pair.restitution, tangential_restitution(bat, numbers)
+    zero, one = numbers.exact(0.0), numbers.exact(1.0)
+    spin = (zero, zero, zero) if contact.spin is None else contact.spin
+    rotation = bat_rotation(scene.swing, numbers)
+    motion = contact.velocity, spin, contact.bat_velocity, rotation
+    _, g_y, g_t = slip(*motion, normal, radius, bat_radius)
+    g = contact.normal_speed, g_y, g_t
+    k = inverse_masses(ball, bat, contact.lever_arm, pair, scene.reading, numbers)
+
+    # No element of K is below 1/m but that which couples, so that an impulse is at most m times
+    # what it does to the slip; doubled for the coupling.
+    lengths = one, radius, one, bat_radius
+    sizes = (absolute(x) * a for v, a in zip(motion, lengths, strict=True) for x in v)
+    off = (error + _OPERATIONS * numbers.rounding) * sum(sizes, zero)
+    wanted = gripping_impulse(k, e, e_t, g)
+    rubbed = numbers.sqrt(wanted[1] * wanted[1] + wanted[2] * wanted[2])
+    doubt = 2 * (1 + friction) * mass * (2 + e + absolute(e_t)) * off
+    question = "whether the ball grips the bat or slides on it"
+    room = friction * wanted[0] - rubbed
+    grips, slides = cases.decide(room, doubt, question)
+
+    if scene.reading.slide_direction == "initial":
+        way, speed, off_way = (g_y, g_t), numbers.sqrt(g_y * g_y + g_t * g_t), off
+    else:
+        way, speed, off_way = (-wanted[1], -wanted[2]), rubbed, doubt
+    speed = numbers.where(grips, one, speed)
+    question = "in which direction the ball slides on the bat"
+    known, unknown = cases.decide(speed, numbers.where(grips, zero, off_way), question)
+    (ended,) = cases.take(unknown)
+    reason = f"{question} cannot be said: it has no slip; use the reading slide_direction = final"
+    ended.refuse(Undecided(reason))
+    direction = way[0] / speed, way[1] / speed
+    resistance = numbers.where(grips, one, sliding_resistance(k, friction, direction))
+    coupled = friction * absolute(k[1])
+    doubt = _OPERATIONS * numbers.rounding * (k[0] + coupled) + coupled * off_way / speed
+    parts, jammed = cases.decide(resistance, doubt, "whether ball and bat jam")
+    (ended,) = cases.take(jammed)
+    reason = "ball and bat jam: at so high a bat.friction no impulse parts them; take a lower one"
+    ended.refuse(CannotSolve(reason))
+    slid = sliding_impulse(resistance, e, friction, g, direction)
+    x, y, z = (numbers.where(grips, a, b) for a, b in zip(wanted, slid, strict=True))
+    push = x, y, z
+    modes: Any = "grip", "slide"
+    impact = Impact(
+        e,
+        x,
+        velocity_after_push(contact.velocity, push, normal, mass),
+        push_energy(push, g, k),
+        spin_after_push(spin, push, normal, mass, radius, inertia_factor(ball, numbers)),
+        numbers.where(grips, *modes),
+        room / (friction * absolute(wanted[0])),
+    )
+    return cases.take((grips | slides) & known & parts, impact, *carried)
 
 
 @dataclass(frozen=True)
@@ -84,11 +214,11 @@ class Model:
     forces
         What may act on a ball in flight.
     collide
-        From a scene and a `ContactState` to the `Impact`.
+        From a `ContactState` to the `Impact`; see `collide`.
     """
 
-    forces: tuple[Force, ...] = FORCES
-    collide: Callable[[Any, ContactState[Any], Numbers[Any]], Impact[Any]] = collide
+    forces: tuple[Term, ...] = FORCES
+    collide: Callable[..., tuple[Any, ...]] = collide
 
 
 MODEL = Model()
@@ -147,9 +277,18 @@ class Cases(ABC, Generic[N]):
     def conclude(self, outcome: Outcome) -> None:
         """Write the outcome."""
 
+    def refuse(self, reason: CannotSolve | Undecided) -> None:
+        """Give no answer: to one scene, raise the reason."""
+
     @abstractmethod
     def touched(self, touch: Touch[N]) -> tuple[Any, Any]:
         """Return the conditions that ball and bat touch, and that they miss; see `decide`."""
+
+    @abstractmethod
+    def land_in_space(
+        self, launch: Launch[N], frame: Frame[N], start: PlaneState[N], outcome: Outcome
+    ) -> None:
+        """Do what `land` does, of flights that a fence may end and that leave their plane."""
 
     def follow(self, frame: Frame[N], flight: Flight[N], begin: N) -> None:
         """Take note of a flight that begins at a time, s since the start of the scene."""
@@ -169,9 +308,20 @@ class Cases(ABC, Generic[N]):
         x, y, z = map(self.numbers.exact, values)
         return x, y, z
 
+    def spin(self, values: Sequence[float] | None) -> Vector[N] | None:
+        """Return the spin that a scene gives a ball, if it does."""
+        return None if values is None else self.vector(values)
+
     def law(self, frame: Frame[N]) -> Law[N]:
         """Return the law of motion of a flight in a frame."""
         return law_of(self.scene, frame, self.numbers, self.model.forces)
+
+    def spin_at(self, frame: Frame[N], state: State[N]) -> Vector[N] | None:
+        """Return the spin of the ball in a state of a flight, rad/s."""
+        if frame.spin is None:
+            return None
+        left = self.law(frame).spin_left(state, self.numbers)
+        return frame.spin[0] * left, frame.spin[1] * left, frame.spin[2] * left
 
     def ground(self, start: State[N]) -> Event[N]:
         """Return the landing of a flight from a state."""
@@ -193,7 +343,21 @@ def _plate(cases: Cases[N], frame: Frame[N], start: State[N]) -> Event[N]:
     return plate(frame, cases.numbers)
 
 
-def fly(cases: Cases[N], frame: Frame[N], start: PlaneState[N], *surfaces: Surface[N]) -> Flight[N]:
+def _fence(cases: Cases[N], frame: Frame[N], start: State[N]) -> Event[N]:
+    return at_stop("fence", _stop(cases, frame, start, 1), 1, cases.numbers)
+
+
+def _fence_behind(cases: Cases[N], frame: Frame[N], start: State[N]) -> Event[N]:
+    return at_stop("fence_behind", _stop(cases, frame, start, -1), -1, cases.numbers)
+
+
+def fly(
+    cases: Cases[N],
+    frame: Frame[N],
+    start: State[N],
+    *surfaces: Surface[N],
+    limit: N | None = None,
+) -> Flight[N]:
     """Fly to a surface or the time limit, through the vertical if need be.
 
     With lift that is always up, a ball that reaches the vertical cannot leave it: on either side
@@ -202,7 +366,8 @@ def fly(cases: Cases[N], frame: Frame[N], start: PlaneState[N], *surfaces: Surfa
     rest, or straight up or down, it is there already.
     """
     law = cases.law(frame)
-    leg = law, law.state_of(start), cases.time_limit, frame, surfaces
+    state = law.state_of(start) if isinstance(start, PlaneState) else start
+    leg = law, state, cases.time_limit if limit is None else limit, frame, surfaces
     flight: Flight[N] = cases.either(_is_always_up(cases, law), _fly_upwards, _fly, *leg)
     return flight
 
@@ -258,13 +423,45 @@ def solve_flights(cases: Cases[N]) -> None:
     """Solve launches and landings."""
     position = cases.vector(cases.scene.launch.position)
     velocity = cases.vector(cases.scene.launch.velocity)
-    nothing = cases.numbers.exact(0.0)
-    land(cases, Launch(position, velocity, nothing, nothing), "landed")
+    nothing, spin = cases.numbers.exact(0.0), cases.spin(cases.scene.launch.spin)
+    land(cases, Launch(position, velocity, nothing, nothing, spin=spin), "landed")
+
+
+@dataclass(frozen=True)
+class Batted(Generic[N]):
+    """A ball in the air: its launch, its frame, and its flight as far as it is known."""
+
+    launch: Launch[N]
+    frame: Frame[N]
+    flight: Flight[N]
 
 
 def land(cases: Cases[N], launch: Launch[N], outcome: Outcome) -> None:
-    """Fly from launches to the ground; the `outcome` if the ball lands."""
-    frame, start = launch_frame(launch.position, launch.velocity, cases.numbers)
+    """Fly from launches to the ground, or to a fence; the `outcome` if the ball lands."""
+    frame, start = launch_frame(launch.position, launch.velocity, cases.numbers, launch.spin)
+    if launch.landed:
+        _come_down(cases, Batted(launch, frame, _landed(start, cases.numbers)), outcome)
+    elif cases.scene.fence is None:
+        _land(cases, launch, frame, start, outcome)
+    elif cases.law(frame).state is PlaneState and not isinstance(cases.engine, Stepped):
+        flight = fly(cases, frame, start, _ground, _fence, _fence_behind)
+        ahead, behind = flight.stopped("fence"), flight.stopped("fence_behind")
+        ball = Batted(launch, frame, flight)
+        inside, stayed = cases.take((ahead | behind) ^ True, ball)
+        _come_down(inside, stayed, outcome)
+        for sense, there in ((1, ahead), (-1, behind)):
+            some, out, begun = cases.take(there, ball, start)
+            if not some.empty:
+                place = _stop(some, out.frame, begun, sense).place
+                _meet_fence(some, out, place, outcome)
+    else:
+        cases.land_in_space(launch, frame, start, outcome)
+
+
+def _land(
+    cases: Cases[N], launch: Launch[N], frame: Frame[N], start: PlaneState[N], outcome: Outcome
+) -> None:
+    """Fly from launches to the ground, but for balls that loop above it for ever."""
     law = cases.law(frame)
     if _may_loop(cases, law):
         aloft, others = _stays_aloft(cases, law, start, _ground(cases, frame, start))
@@ -275,11 +472,20 @@ def land(cases: Cases[N], launch: Launch[N], outcome: Outcome) -> None:
         cases, frame, start, launch = cases.take(others, frame, start, launch)
         if cases.empty:
             return
-    landed = launch.landed
-    flight = _landed(start, cases.numbers) if landed else fly(cases, frame, start, _ground)
+    _come_down(cases, Batted(launch, frame, fly(cases, frame, start, _ground)), outcome)
+
+
+def _come_down(
+    cases: Cases[N], ball: Batted[N], outcome: Outcome, fair: bool | None = None
+) -> None:
+    """Conclude flights that end on the ground, or with the time limit.
+
+    `fair` is known where the ball has left the field.
+    """
+    launch, frame, flight = ball.launch, ball.frame, ball.flight
     cases.follow(frame, flight, launch.time)
     (airborne,) = cases.take(flight.stopped("time"))
-    airborne.conclude("airborne")
+    airborne.conclude("home_run" if outcome == "home_run" else "airborne")
     cases, flight, frame, launch = cases.take(flight.stopped("ground"), flight, frame, launch)
     if cases.empty:
         return
@@ -288,7 +494,19 @@ def land(cases: Cases[N], launch: Launch[N], outcome: Outcome) -> None:
     cases.record("landing.hang_time", launch.delay + flight.time)
     cases.record("landing.position", (x, y, z))
     cases.record("landing.velocity", frame.velocity(flight.state))
+    if cases.scene.reading.distance_origin == "launch":
+        x, y = x - launch.position[0], y - launch.position[1]
     cases.record("landing.distance", cases.numbers.sqrt(x * x + y * y))
+    if frame.spin is not None:
+        cases.record("landing.spin", cases.spin_at(frame, flight.state))
+    if hasattr(flight.state, "path") and cases.scene.reading.spin_decay == "path":
+        cases.record("landing.path", flight.state.path)
+    if fair is not None:
+        cases.record("landing.fair", fair)
+    elif cases.scene.fence is not None:
+        lands_foul, lands_fair = _foul(cases, frame.position(flight.state), "lands fair")
+        cases.record("landing.fair", lands_fair)
+        (cases,) = cases.take(lands_foul | lands_fair)
     cases.conclude(outcome)
 
 
@@ -338,6 +556,76 @@ def _when_asked(engine: Engine[N], law: Law[N], start: State[N], limit: N) -> It
     yield from engine.fly(law, start, (), limit).path.pieces()
 
 
+# --- the fence ------------------------------------------------------------------------------------
+
+
+def _flight_error(cases: Cases[N]) -> float:
+    """Return the relative error of a state of a flight and of a few roundings of it."""
+    return cases.engine.flight_error + 8 * cases.numbers.rounding
+
+
+def _stop(cases: Cases[N], frame: Frame[N], start: State[N], sense: int) -> Stop[N]:
+    error = cases.numbers.exact(_flight_error(cases))
+    return stop_at(cases.scene.fence, frame, start.s, sense, error, cases.numbers)
+
+
+def _foul(cases: Cases[N], position: Vector[N], what: str) -> tuple[Any, Any]:
+    """Return the conditions that a ball is foul, and that it is fair: the foul line is."""
+    x, y, _ = position
+    error = _flight_error(cases) * (absolute(x) + absolute(y))
+    return cases.decide(absolute(y) - x, error, f"whether the ball {what}")
+
+
+def _meet_fence(
+    cases: Cases[N],
+    ball: Batted[N],
+    place: Place[N],
+    outcome: Outcome,
+    landing: Flight[N] | None = None,
+) -> None:
+    """Conclude flights that are at the fence; `landing` has where they land if they go on."""
+    numbers, frame, flight = cases.numbers, ball.frame, ball.flight
+    x, y, z = frame.position(flight.state)
+    u, v, w = frame.velocity(flight.state)
+    clearance = z - place.height
+    if cases.scene.reading.fence_clearance == "surface":
+        clearance = clearance - numbers.exact(cases.scene.ball.radius)
+    cases.record("fence.time", ball.launch.time + flight.time)
+    cases.record("fence.position", (x, y, z))
+    cases.record("fence.velocity", (u, v, w))
+    cases.record("fence.clearance", clearance)
+    cases.record("fence.segment", place.segment)
+    if place.margin is not None:
+        cases.record("fence.margin", place.margin)
+    error = _flight_error(cases) * (1 + absolute(x) + absolute(y) + absolute(z))
+    question = "on which side the ball passes a vertex where the fence ends or has two heights"
+    known, at_vertex = cases.decide(place.room, error, question)
+    (ended,) = cases.take(at_vertex)
+    ended.refuse(Undecided(f"{question} cannot be said: it passes over the vertex itself"))
+    # What the place is off, the ball's way makes of it by its steepness, and the top by its own.
+    steepness = absolute(w) / numbers.sqrt(u * u + v * v) + absolute(place.slope)
+    over, into = cases.decide(
+        clearance, error * (1 + steepness), "whether the ball clears the fence"
+    )
+    wall, stopped = cases.take(known & into, ball)
+    wall.follow(stopped.frame, stopped.flight, stopped.launch.time)
+    wall.conclude("wall")
+    cases, ball = cases.take(known & over, ball)
+    if cases.empty:
+        return
+    frame, flight = ball.frame, ball.flight
+    if landing is None:
+        left = cases.time_limit - flight.time
+        landing = flight.then(fly(cases, frame, flight.state, _ground, limit=left))
+    conditions = _foul(cases, frame.position(flight.state), "leaves the field fair")
+    around = cases.scene.fence.polyline is None
+    for fair, condition in zip((False, True), conditions, strict=True):
+        some, gone, way = cases.take(condition, ball, landing)
+        if not some.empty:
+            beyond: Outcome = "home_run" if fair or around else outcome
+            _come_down(some, replace(gone, flight=way), beyond, fair)
+
+
 def _landed(state: State[N], numbers: Numbers[N]) -> Flight[N]:
     return Flight(Path(()), "ground", numbers.exact(0.0), state)
 
@@ -358,11 +646,14 @@ def throw(cases: Cases[N]) -> Pitch[N]:
     """Throw from the release toward the point aimed at, and fly to the plane x = 0."""
     numbers, pitch = cases.numbers, cases.scene.pitch
     x, y, z = release = cases.vector(pitch.release)
-    aim_y, aim_z = (numbers.exact(value) for value in pitch.aim)
-    toward = (-x, aim_y - y, aim_z - z)
-    scale = numbers.exact(pitch.speed) / numbers.sqrt(_dot(toward, toward))
-    velocity = (toward[0] * scale, toward[1] * scale, toward[2] * scale)
-    frame, start = launch_frame(release, velocity, numbers)
+    if pitch.velocity is None:
+        aim_y, aim_z = (numbers.exact(value) for value in pitch.aim)
+        toward = (-x, aim_y - y, aim_z - z)
+        scale = numbers.exact(pitch.speed) / numbers.sqrt(_dot(toward, toward))
+        velocity = (toward[0] * scale, toward[1] * scale, toward[2] * scale)
+    else:
+        velocity = cases.vector(pitch.velocity)
+    frame, start = launch_frame(release, velocity, numbers, cases.spin(pitch.spin))
     return Pitch(frame, start, fly(cases, frame, start, _ground, _plate))
 
 
@@ -394,12 +685,13 @@ def solve_pitches(cases: Cases[N]) -> None:
 def solve_impacts(cases: Cases[N]) -> None:
     """Solve touchings that are given."""
     incoming = cases.scene.incoming
-    ball = Ball(cases.vector(incoming.position), cases.vector(incoming.velocity))
+    spin = None if incoming.spin is None else cases.vector(incoming.spin)
+    ball = Ball(cases.vector(incoming.position), cases.vector(incoming.velocity), spin)
     height = cases.numbers.exact(incoming.bat_height)
     # Nothing has flown: the position is exact, and only roundings here are in doubt.
     cases, contact = meet(cases, ball, height, 0.0)
     if not cases.empty:
-        strike(cases, contact)
+        cases, _ = strike(cases, contact, 0.0)
         cases.conclude("struck")
 
 
@@ -409,8 +701,8 @@ class Ball(Generic[N]):
 
     Attributes
     ----------
-    position, velocity
-        m and m/s.
+    position, velocity, spin
+        m, m/s and rad/s; None: the scene has no spin.
     aside
         Where it was along the bat, m, when that was looked at; None: as in `position`.
     leaving
@@ -419,6 +711,7 @@ class Ball(Generic[N]):
 
     position: Vector[N]
     velocity: Vector[N]
+    spin: Vector[N] | None = None
     aside: N | None = None
     leaving: bool = False
 
@@ -462,7 +755,7 @@ def meet(
     approach = normal_speed if ball.leaving else -normal_speed
     question = "whether ball and bat approach or separate"
     closing, separating = cases.decide(approach, doubt, question)
-    contact = ContactState(ball.position, velocity, normal, arm, normal_speed)
+    contact = ContactState(ball.position, velocity, ball.spin, normal, moving, arm, normal_speed)
     cases.record("contact.position", ball.position)
     cases.record("contact.normal", normal)
     cases.record("contact.bat_velocity", moving)
@@ -472,14 +765,15 @@ def meet(
     return cases.take(closing, contact, *rest)
 
 
-def strike(cases: Cases[N], contact: ContactState[N]) -> Impact[N]:
-    """Apply the impulses."""
-    impact = cases.model.collide(cases.scene, contact, cases.numbers)
-    cases.record("impact.restitution", impact.restitution)
-    cases.record("impact.impulse", impact.impulse)
-    cases.record("impact.velocity", impact.velocity)
-    cases.record("impact.energy_change", impact.energy_change)
-    return impact
+def strike(
+    cases: Cases[N], contact: ContactState[N], error: N | float, *carried: Any
+) -> tuple[Any, ...]:
+    """Apply the impulses; see `collide`."""
+    cases, impact, *rest = cases.model.collide(cases, contact, error, *carried)
+    for quantity in fields(Impact):
+        if (value := getattr(impact, quantity.name)) is not None:
+            cases.record(f"impact.{quantity.name}", value)
+    return cases, impact, *rest
 
 
 # --- the whole at-bat -----------------------------------------------------------------------------
@@ -487,11 +781,16 @@ def strike(cases: Cases[N], contact: ContactState[N]) -> Impact[N]:
 
 @dataclass(frozen=True)
 class Approach(Generic[N]):
-    """A pitch, the height of the bat's axis, m, and how they meet."""
+    """A pitch, the bat, and how they meet."""
 
     pitch: Pitch[N]
-    height: N
+    bat: BatSection[N]
     touch: Touch[N]
+
+    @property
+    def height(self) -> N:
+        """Height of the bat's axis, m."""
+        return self.bat.height
 
 
 @dataclass(frozen=True)
@@ -514,7 +813,7 @@ def approach_bat(cases: Cases[N]) -> tuple[Cases[N], Approach[N] | None]:
     bat = BatSection(pitch.frame, height, reach)
     law = cases.law(pitch.frame)
     touch = cases.either(_is_always_up(cases, law), _find_upwards, _find, pitch, bat, law)
-    return cases, Approach(pitch, height, touch)
+    return cases, Approach(pitch, bat, touch)
 
 
 def _find(
@@ -545,8 +844,9 @@ def meet_bat(cases: Cases[N]) -> tuple[Cases[N], Meeting[N] | None]:
     ball = Ball(
         frame.position(touch.state),
         frame.velocity(touch.state),
-        frame.position(touch.detected)[1],
-        touch.leaving,
+        cases.spin_at(frame, touch.state),
+        aside=frame.position(touch.detected)[1],
+        leaving=touch.leaving,
     )
     cases.record("contact.time", touch.time)
     cases.record("contact.position", ball.position)
@@ -559,18 +859,40 @@ def finish(cases: Cases[N], meeting: Meeting[N] | None) -> None:
     """Solve at-bats from the impulse on."""
     if meeting is None or cases.empty:
         return
+    error = 0.0 if cases.scene.bat.friction is None else _contact_error(cases, meeting)
+    cases, impact, meeting = strike(cases, meeting.contact, error, meeting)
+    if cases.empty:
+        return
     contact, engine = meeting.contact, cases.engine
     touch, pitch = meeting.approach.touch, meeting.approach.pitch
-    impact = strike(cases, contact)
     if isinstance(engine, Stepped):
         before, after = contact.velocity, impact.velocity
         delta_v = (after[0] - before[0], after[1] - before[1], after[2] - before[2])
         surface = cases.ground(pitch.start)
-        launch = engine.rebound(pitch.frame, touch, delta_v, cases.law, surface)
+
+        def law_in(frame: Frame[N]) -> Law[N]:
+            return cases.law(replace(frame, spin=impact.spin))
+
+        launch = engine.rebound(pitch.frame, touch, delta_v, law_in, surface)
+        launch = replace(launch, spin=impact.spin)
     else:
         time = cast(N, touch.time)
-        launch = Launch(contact.position, impact.velocity, time, time * 0)
+        launch = Launch(contact.position, impact.velocity, time, time * 0, spin=impact.spin)
     land(cases, launch, "batted")
+
+
+def _contact_error(cases: Cases[N], meeting: Meeting[N]) -> N:
+    """Return the relative error of velocities and directions at the contact.
+
+    Where the ball all but grazes the bat, an error of its way moves the contact around the bat by
+    as much more as it is slower towards the bat than past it.
+    """
+    contact, approach, engine = meeting.contact, meeting.approach, cases.engine
+    bat, pitch = approach.bat, approach.pitch
+    moved = margin_error(bat, pitch.flight.state.z, engine.flight_error, cases.numbers) / bat.reach
+    speed = cases.numbers.sqrt(_dot(contact.velocity, contact.velocity))
+    towards = absolute(_dot(contact.velocity, contact.normal))
+    return engine.flight_error + moved * (1 + speed / towards)
 
 
 def solve_at_bats(cases: Cases[N]) -> None:
@@ -609,6 +931,10 @@ class OneCase(Cases[N]):
         positive = self.numbers.positive(x, error, question)
         return positive, not positive
 
+    def refuse(self, reason: CannotSolve | Undecided) -> None:
+        """See `Cases`."""
+        raise reason
+
     def touched(self, touch: Touch[N]) -> tuple[bool, bool]:
         """See `Cases`."""
         if touch.touched is None:
@@ -625,6 +951,24 @@ class OneCase(Cases[N]):
         """See `Cases`."""
         return (yes if condition else no)(self, *values)
 
+    def land_in_space(
+        self, launch: Launch[N], frame: Frame[N], start: PlaneState[N], outcome: Outcome
+    ) -> None:
+        """See `Cases`."""
+        flight = fly(self, frame, start, _ground)
+        ball, error = Batted(launch, frame, flight), self.numbers.exact(_flight_error(self))
+        fence, pieces = cast(Any, self.scene).fence, flight.path.pieces()
+        met = first_crossing(fence, frame, pieces, flight.time, error, self.numbers)
+        if met is None:
+            _come_down(self, ball, outcome)
+            return
+        x, y, z = frame.position(met.state)
+        above = z - self.numbers.exact(landing_height(self.scene))
+        question = "whether the ball reaches the fence before it touches the ground"
+        self.decide(above, error * (1 + absolute(x) + absolute(y) + absolute(z)), question)
+        stopped = replace(ball, flight=Flight(flight.path, "fence", met.time, met.state))
+        _meet_fence(self, stopped, met.place, outcome, flight)
+
     def follow(self, frame: Frame[N], flight: Flight[N], begin: N) -> None:
         """See `Cases`."""
         self.legs.append(Leg(begin, frame, flight))
@@ -637,24 +981,26 @@ class OneCase(Cases[N]):
         """See `Cases`."""
         self.answer["outcome"] = outcome
 
-    def result(self, error: str | None = None) -> Result:
+    def result(self, error: InvalidScene | Undecided | CannotSolve | None = None) -> Result:
         """Return what has been written, as a result; with an error, if there is one."""
         blocks: dict[str, dict[str, Any]] = {}
         for name, value in self.answer.items():
             block, _, key = name.partition(".")
             if key:
-                blocks.setdefault(block, {})[key] = (
-                    tuple(map(self.numbers.report, value))
-                    if isinstance(value, tuple)
-                    else self.numbers.report(value)
-                )
+                blocks.setdefault(block, {})[key] = self._reported(value)
         return Result(
             id=self.scene.id,
             engine=self.engine.description,
             outcome=None if error else self.answer["outcome"],
-            error=error,
+            error=None if error is None else str(error),
+            code=None if error is None else error.code,
             **{name: BLOCKS[name](**values) for name, values in blocks.items()},
         )
+
+    def _reported(self, value: Any) -> Any:
+        if isinstance(value, tuple):
+            return tuple(map(self.numbers.report, value))
+        return value if isinstance(value, str | int) else self.numbers.report(value)
 
 
 class _Nobody(OneCase[N]):
@@ -673,11 +1019,15 @@ class _Nobody(OneCase[N]):
     def conclude(self, outcome: Outcome) -> None:
         pass
 
+    def refuse(self, reason: CannotSolve | Undecided) -> None:
+        pass
+
 
 BLOCKS: dict[str, type[Any]] = {
     "plate": written.Plate,
     "contact": written.Contact,
     "impact": written.Impact,
+    "fence": written.Fence,
     "landing": written.Landing,
 }
 
@@ -688,6 +1038,15 @@ def solve(scene: Scene, engine: Engine[N], model: Model = MODEL) -> Result:
     return _answer(case, CHAINS[scene.kind])
 
 
+def solve_each(
+    scenes: Sequence[Scene], engine: Engine[N] | ManyAtOnce, threads: int = 1
+) -> Iterable[Result]:
+    """Return the results of scenes, in order; of most engines each when it is asked for."""
+    if isinstance(engine, ManyAtOnce):
+        return engine.solve_all(scenes, threads)
+    return (solve(scene, engine) for scene in scenes)
+
+
 def solve_with_path(
     scene: Scene, engine: Engine[N], model: Model = MODEL
 ) -> tuple[Result, Trajectory[N]]:
@@ -695,6 +1054,17 @@ def solve_with_path(
     case = OneCase(scene, engine, model)
     result = _answer(case, CHAINS[scene.kind])
     return result, Trajectory(tuple(case.legs))
+
+
+def solve_with_points(scene: Scene, engine: Engine[N], points: int) -> Result:
+    """Return the result of a scene with so many points of its path, if it has any."""
+    result, way = solve_with_path(scene, engine)
+    if result.error is not None or not way.legs:
+        return result
+    with engine.numbers.arithmetic():
+        rows = way.evenly(points, engine.numbers)
+        path = tuple(tuple(map(engine.numbers.report, row)) for row in rows)
+    return result.model_copy(update={"path": path})
 
 
 def solve_with_restitutions(
@@ -719,12 +1089,26 @@ def solve_with_restitutions(
     ]
 
 
+def quantities_of(scene: Scene, engine: Engine[N]) -> dict[str, Any]:
+    """Return what a result holds by its names, the outcome too, in the engine's own numbers.
+
+    Raises
+    ------
+    ArithmeticError, ValueError
+        If there is no result: `CannotSolve`, `InvalidScene`, `Undecided`, or what `_follow` words.
+    """
+    case = OneCase(scene, engine, MODEL)
+    with engine.numbers.arithmetic():
+        CHAINS[scene.kind](case)
+    return case.answer
+
+
 def approach_of(scene: AtBatScene, engine: Engine[N]) -> Approach[N] | None:
     """Return how pitch and bat of a scene meet; None if the pitch does not reach the plate.
 
     Raises
     ------
-    CannotSolve, Undecided
+    CannotSolve, InvalidScene, Undecided
     """
     with engine.numbers.arithmetic():
         return approach_bat(OneCase(scene, engine, MODEL))[1]
@@ -741,15 +1125,15 @@ def _follow(case: OneCase[N], chain: Callable[[], None]) -> Result | None:
     """Go through a chain; return the result, or an error; None if it is not concluded."""
     with case.numbers.arithmetic():
         try:
-            chain()
+            try:
+                chain()
+            except (InvalidScene, Undecided, CannotSolve) as error:
+                return case.result(error)
             return case.result() if "outcome" in case.answer else None
-        except (Undecided, CannotSolve) as error:
-            return case.result(str(error))
         except (ArithmeticError, ValueError) as error:
             what = "a quantity is not finite" if isinstance(error, ValidationError) else str(error)
-            return OneCase(case.scene, case.engine, case.model).result(
-                f"the numbers leave the range of the engine: {what}"
-            )
+            reason = OutOfRange(f"the numbers leave the range of the engine: {what}")
+            return replace(case, answer={}).result(reason)
 
 
 def _dot(a: Vector[N], b: Vector[N]) -> N:

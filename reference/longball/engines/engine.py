@@ -13,12 +13,26 @@ from longball.engines.path import Flight
 from longball.model.frame import Frame
 from longball.model.law import Law, State
 from longball.model.numbers import N, Numbers, Vector
-from longball.model.result import Result
+from longball.model.result import ErrorCode, Result
 from longball.model.scene import Scene
 
 
 class CannotSolve(ArithmeticError):
     """An engine's reason for giving no answer to a scene."""
+
+    code: ErrorCode = "unsupported"
+
+
+class TooLong(CannotSolve):
+    """A flight takes more steps than the engine is ready to take."""
+
+    code = "too_long"
+
+
+class OutOfRange(CannotSolve):
+    """Numbers or forces are beyond what the engine can represent or resolve."""
+
+    code = "out_of_range"
 
 
 @dataclass(frozen=True)
@@ -60,6 +74,8 @@ class Launch(Generic[N]):
 
     Attributes
     ----------
+    spin
+        rad/s; None if the scene says nothing of it.
     delay
         s, from the contact to the time at which the ball is free.
     landed
@@ -71,6 +87,7 @@ class Launch(Generic[N]):
     time: N
     delay: N
     landed: bool = False
+    spin: Vector[N] | None = None
 
 
 class Engine(Protocol[N]):
@@ -149,6 +166,10 @@ class Stepped(ABC, Generic[N]):
 class ManyAtOnce(ABC):
     """What an engine offers besides if many scenes take it less time together than one by one."""
 
-    @abstractmethod
-    def solve_all(self, scenes: Sequence[Scene]) -> list[Result]:
+    def solve_all(self, scenes: Sequence[Scene], threads: int = 1) -> list[Result]:
         """Return what `longball.engines.chain.solve` returns for each scene, in order."""
+        return [Result.model_validate(data) for data in self.solve_as_data(scenes, threads)]
+
+    @abstractmethod
+    def solve_as_data(self, scenes: Sequence[Scene], threads: int = 1) -> list[dict[str, Any]]:
+        """Return the same as plain data; see `longball.model.result.Result.data`."""

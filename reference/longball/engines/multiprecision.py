@@ -17,7 +17,7 @@ from functools import lru_cache
 from mpmath import MPContext
 
 from longball.engines.collocation import Collocation, Mpf, Segment, gauss_legendre
-from longball.engines.engine import CannotSolve
+from longball.engines.engine import TooLong
 from longball.engines.event import Event
 from longball.engines.path_engine import PathEngine
 from longball.model.law import Law, State
@@ -150,13 +150,13 @@ class Multiprecision(PathEngine[Mpf]):
 
         Raises
         ------
-        CannotSolve
+        TooLong
             If the flight takes too many steps.
         """
         segments = _collocation(self.digits).segments(law, begin, start, limit)
         for number, segment in enumerate(segments):
             if number == _MOST_STEPS:
-                raise CannotSolve(
+                raise TooLong(
                     f"the flight takes more than {_MOST_STEPS} steps; the first "
                     f"{float(segment.begin):.3g} s of it can be had by a lower time_limit"
                 )

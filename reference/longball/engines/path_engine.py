@@ -77,28 +77,36 @@ class PathEngine(ABC, Generic[N]):
     ) -> Iterator[Piece[N]]:
         """Yield the pieces of a flight: one of a ball at rest, two of one that flies vertically.
 
-        At its apex it is at rest, and the drag of V² has a kink.
+        That is, through the air. At its apex it is at rest there, and the drag of V² has a kink.
         """
         begin = self.numbers.exact(0.0)
-        if all(cast(Any, rate) == 0 for rate in law.rates(self.numbers)(*start)):
+        try:
+            rates = law.rates(self.numbers)(*start)
+        except ZeroDivisionError:
+            raise CannotSolve(RESTS_WITH_SPIN) from None
+        if all(cast(Any, rate) == 0 for rate in rates):
             yield Rest(begin, limit, start)
             return
         up = down = None
-        if cast(Any, start.u) == 0 and (start.w > 0 or start.w <= 0):  # for certain
+        drift = [law.strengths.get(name, begin) for name in ("wind_s", "wind_y")]
+        wind: Any = law.strengths.get("wind_z", begin)
+        level = [start.u, getattr(start, "v", begin)]
+        if level == drift and (start.w > wind or start.w <= wind):  # for certain
             up, down = (law.straight(self.numbers.exact(sense)) for sense in (1.0, -1.0))
         if up is None or down is None:
             yield from self.steps(law, start, begin, limit, events)
             return
-        if start.w > 0:
-            for piece in self.steps(up, start, begin, limit, [APEX, *events]):
+        if start.w > wind:
+            apex = _apex(wind)
+            for piece in self.steps(up, start, begin, limit, [apex, *events]):
                 top = first_fall(
-                    piece.curve(APEX.value), piece.length, begin, APEX.question, self.numbers
+                    piece.curve(apex.value), piece.length, begin, apex.question, self.numbers
                 )
                 if top is None:
                     yield piece
                     continue
                 yield Part(piece, top)
-                begin, start = piece.begin + top, APEX.place(piece.at(top))
+                begin, start = piece.begin + top, apex.place(piece.at(top))
                 break
             else:
                 return
@@ -141,7 +149,7 @@ class PathEngine(ABC, Generic[N]):
         launch = pitch.path.at(numbers.exact(0.0))
         gap = bat.distance(launch, numbers) - bat.reach
         if gap < -error:
-            raise CannotSolve(inside_bat(bat.distance(launch, numbers), bat.reach))
+            raise inside_bat(bat.distance(launch, numbers), bat.reach)
         if not (cast(Any, gap) == 0 or gap > error):
             numbers.positive(gap, error, STARTS_INSIDE)
         first: tuple[N, State[N]] | None = None
@@ -204,13 +212,22 @@ class PathEngine(ABC, Generic[N]):
             raise CannotSolve(TURNS_VERTICAL)
 
 
-APEX: Event[Any] = Event(
-    "apex",
-    "the ball comes to rest",
-    lambda state: state.w,
-    lambda state: state._replace(w=state.w * 0),
-    1.0,
+RESTS_WITH_SPIN = (
+    "the ball starts at rest in the air, or along its spin, where the part of the spin across the "
+    "velocity has no size or no direction; take the reading spin_parameter = total, a lift that is "
+    "linear in the spin, or another velocity"
 )
+
+
+def _apex(wind: Any) -> Event[Any]:
+    """Return where a ball that flies vertically comes to rest in an air that rises by `wind`."""
+    return Event(
+        "apex",
+        "the ball comes to rest",
+        lambda state: state.w - wind,
+        lambda state: state._replace(w=wind),
+        1.0,
+    )
 
 
 @dataclass(frozen=True)

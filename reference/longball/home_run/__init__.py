@@ -19,12 +19,12 @@ from longball.home_run.at_bats import (
     with_restitution,
 )
 from longball.home_run.estimation import (
-    HOME_RUN_DISTANCE,
     PAPER_CURVES,
     RESTITUTIONS,
     Curve,
     Estimate,
     Fit,
+    columns,
     estimate,
     fit,
     fit_form,
@@ -32,7 +32,7 @@ from longball.home_run.estimation import (
 )
 from longball.home_run.quadrature import Integral, integrals
 from longball.home_run.randomised import Randomised, scrambled
-from longball.home_run.simulation import Struck, monte_carlo
+from longball.home_run.simulation import HOME_RUN_DISTANCE, Struck, monte_carlo
 
 __all__ = [
     "BLOCK",
@@ -49,6 +49,7 @@ __all__ = [
     "Randomised",
     "Samples",
     "Struck",
+    "columns",
     "draw",
     "draw_block",
     "estimate",

@@ -25,6 +25,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from longball.engines.parallel import in_parallel
 from longball.home_run.at_bats import AtBats, Mixture, Samples
 from longball.home_run.clearance import Clearance
 from longball.home_run.crossings import Crossings, Places, crossings, probability, sampled
@@ -297,14 +298,12 @@ def _over_speeds(
         return speed, width * density(speed) * tilt_weight[ranges.line[number]], number
 
     def in_blocks(function: Any, speed: Array, line: Places, *others: Array) -> list[Any]:
-        from joblib import Parallel, delayed  # slow to import
-
         each = speed, tilt[line], *others
-        tasks = (
-            delayed(function)(clearance, at_bats, *(x[first : first + _PAIRS] for x in each))
+        calls = (
+            (clearance, at_bats, *(x[first : first + _PAIRS] for x in each))
             for first in range(0, len(speed), _PAIRS)
         )
-        return list(Parallel(n_jobs=workers, prefer="threads")(tasks))
+        return list(in_parallel(function, calls, workers, threads=True))
 
     def pattern(speed: Array, line: Places) -> Places:
         return np.concatenate(in_blocks(_patterns, speed, line))

@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import IO, cast
 
 from longball.judge.answers import LONGEST_LINE, Collector
-from longball.model.scene import Scene
+from longball.model.scene import Scene, ids_of
 
 CHUNK = 1 << 16  # bytes read or written at a time
 
@@ -120,7 +120,7 @@ class _Session:
         progress: Callable[[int], None],
     ) -> None:
         self.limits, self.progress = limits, progress
-        self.collected = Collector([scene.id for scene in scenes])
+        self.collected = Collector(ids_of(scenes))
         if len(self.collected.asked) < len(scenes):
             raise ValueError("two scenes have the same id")
         self.unsent = (scene.line().encode() + b"\n" for scene in scenes)

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import shlex
+import time
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from longball.convergence import ConvergenceReport
 from longball.judge.answers import Collector, read_results
@@ -15,7 +17,9 @@ from longball.judge.fingerprints import Fingerprints
 from longball.judge.sampling import Sampling
 from longball.judge.search import diagnose
 from longball.judge.step_sweep import FAMILIES, StepSweep, sample, with_step
+from longball.judge.testing import line_of
 from longball.judge.verdict import Comparison, Submission, Verdict, compare_all, verdict
+from longball.model.scene import Scene
 
 
 @dataclass(frozen=True)
@@ -108,6 +112,19 @@ class Judge:
         for issue in issues:
             collected.report("process", issue)
         return report
+
+    def evaluate_function(self, solve: Callable[[Scene], Any]) -> Evaluation:
+        """Judge a function from a scene to its result; see `longball.judge.judge`."""
+        start = time.monotonic()
+        collected = Collector([case.id for case in self.cases])
+        for number, case in enumerate(self.cases, 1):
+            try:
+                line = line_of(case.id, solve(case.scene))
+            except Exception as error:  # whatever it is, the candidate has no answer
+                line = line_of(case.id, {"error": f"{type(error).__name__}: {error}"})
+            collected.take_line(number, line)
+        name = getattr(solve, "__name__", type(solve).__name__)
+        return self.evaluate(Submission(name, collected, seconds=time.monotonic() - start))
 
     def evaluate_file(
         self,

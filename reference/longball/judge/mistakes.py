@@ -14,8 +14,10 @@ from typing import Any
 
 from longball.engines.ivp import Ivp
 from longball.model import trace
+from longball.model.aerodynamics import DRAG, LIFT
+from longball.model.force import Drag, Force, Motion, Term
 from longball.model.frame import launch_frame
-from longball.model.law import DRAG, FORCES, GRAVITY, LIFT, Force, Motion, law_of
+from longball.model.law import FORCES, GRAVITY, law_of
 from longball.model.numbers import DOUBLES, Numbers, Vector
 from longball.model.readings import Reading
 from longball.model.result import Contact, Landing, Result
@@ -45,7 +47,7 @@ class Solver:
     """
 
     solve: Callable[[Scene], Result]
-    forces: tuple[Force, ...] = FORCES
+    forces: tuple[Term, ...] = FORCES
     dt: float = 0.0
 
     def making(self, variant: Variant) -> Solver:
@@ -93,7 +95,7 @@ class Variant:
     """
 
     wrapper: Callable[[Scene, Solver], Result] = _unchanged
-    forces: tuple[Force, ...] | None = None
+    forces: tuple[Term, ...] | None = None
     scheme: Mapping[str, str] | None = None
     steps: bool = False
     instant: bool = False
@@ -124,13 +126,8 @@ class Mistake:
 # --- changed forces -------------------------------------------------------------------------------
 
 
-def _drag_with_v(motion: Motion, p: Any) -> Vector[Any]:
-    """Return ``-k v``."""
-    u, v, w = (-p.drag * component for component in motion.velocity)
-    return u, v, w
-
-
-DRAG_WITH_V = replace(DRAG, acceleration=_drag_with_v)
+# ``-k v``
+DRAG_WITH_V = Drag(("drag",), DRAG.strengths, lambda motion, p: p.drag)
 
 
 # m/s. A series in time cannot go through the kink of |c| at c = 0. What stands for it has none, and

@@ -25,7 +25,7 @@ from longball.model.result import Result
 
 def assert_case(
     case: Case,
-    obtained: Result | Mapping[str, Any],
+    obtained: Any,
     profile: Profile | None = None,
     require: tuple[str, ...] = (),
 ) -> None:
@@ -36,8 +36,8 @@ def assert_case(
     case
         From `cases`.
     obtained
-        The result, or a mapping with the keys of one; the id may be left out, and so may
-        whatever the implementation does not compute.
+        The result: a mapping with the keys of one, or what `longball.solve` returns. The id may be
+        left out, and so may whatever the implementation does not compute.
     profile
         How near is near enough; as near as double precision can come if not given.
     require
@@ -50,6 +50,8 @@ def assert_case(
         error and what is allowed; and the scene.
     ValueError
         If something required cannot be.
+    TypeError
+        If `obtained` is no result.
     """
     __tracebackhide__ = True  # pytest shows the caller's line
     check_requirable(require)
@@ -72,16 +74,24 @@ def assert_case(
         raise AssertionError(f"{case.id}{flags}\n{lines}\n  scene: {case.scene.line()}")
 
 
-def _answer(case: Case, obtained: Result | Mapping[str, Any]) -> tuple[Answer | None, list[str]]:
+def _answer(case: Case, obtained: Any) -> tuple[Answer | None, list[str]]:
     if isinstance(obtained, Result):
         answer = Answer(case.id, obtained.outcome, values_of(obtained), error=obtained.error)
         return answer, []
-    # Through JSON, as another implementation's line would come.
     collector = Collector([case.id])
-    line = json.dumps({**obtained, "id": case.id}, default=_plain)
-    collector.take_line(1, line.encode())
+    collector.take_line(1, line_of(case.id, obtained))
     faults = [issue.sentence.removeprefix(f"{case.id}: ") for issue in collector.issues]
     return collector.answers.get(case.id), faults
+
+
+def line_of(scene_id: str, obtained: Any) -> bytes:
+    """Return a result under an id as JSON, as another implementation's line would come."""
+    obtained = getattr(obtained, "result", obtained)  # of a `longball.Solution`
+    if isinstance(obtained, Result):
+        obtained = json.loads(obtained.line())
+    if not isinstance(obtained, Mapping):
+        raise TypeError(f"a result is a mapping; not an object of type {type(obtained).__name__}")
+    return json.dumps({**obtained, "id": scene_id}, default=_plain).encode()
 
 
 def _plain(value: Any) -> Any:

@@ -5,10 +5,12 @@ The keys are fixed: other implementations write them, and the judge reads them.
 
 from __future__ import annotations
 
-import json
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, model_serializer
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_serializer
+
+from longball import __version__
+from longball.model.jsonl import json_line
 
 Outcome = Literal[
     "batted",
@@ -20,11 +22,19 @@ Outcome = Literal[
     "struck",
     "grounded",
     "airborne",
+    "home_run",
+    "wall",
 ]
+
+
+ErrorCode = Literal["invalid", "undecided", "too_long", "out_of_range", "unsupported"]
 
 
 class _Strict(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+
+
+_RADIUS = r"^[0-9]+(\.[0-9]+)?([eE][+-]?[0-9]+)?$"
 
 
 class Bounded(_Strict):
@@ -36,7 +46,7 @@ class Bounded(_Strict):
     )
     radius: str | None = Field(
         default=None,
-        pattern=r"^[0-9]+(\.[0-9]+)?([eE][+-]?[0-9]+)?$",
+        pattern=_RADIUS,
         description="proven bound on the error; null where none is proven",
     )
 
@@ -49,7 +59,18 @@ class Bounded(_Strict):
         return {"value": self.value, "radius": self.radius}
 
 
-Number = Annotated[float, Field(description="a double")] | Bounded
+class Certified(_Strict):
+    """A double, with the radius that the enclosure engine proves for it."""
+
+    value: float = Field(description="the engine's double")
+    radius: str = Field(pattern=_RADIUS, description="proven bound on its error, rounded up")
+
+    def __float__(self) -> float:
+        """Return the double."""
+        return self.value
+
+
+Number = Annotated[float, Field(description="a double")] | Bounded | Certified
 Triple = tuple[Number, Number, Number]
 
 
@@ -82,9 +103,20 @@ class Impact(_Strict):
     """The impulse and what it does."""
 
     restitution: Number = Field(description="ẽ, between ball and bat")
-    impulse: Number = Field(description="N s, along the normal")
+    impulse: Number = Field(description="N s, the normal part")
     velocity: Triple = Field(description="m/s, of the ball, after")
-    energy_change: Number = Field(description="J, of ball and bat together")
+    energy_change: Number = Field(
+        description="J, of ball and bat together; positive: the collision creates energy"
+    )
+    spin: Triple | None = Field(default=None, description="rad/s, of the ball, after")
+    mode: Literal["grip", "slide", "frictionless"] | None = Field(
+        default=None, description="what the ball does on the bat; absent without friction and spin"
+    )
+    friction_margin: Number | None = Field(
+        default=None,
+        description="1 - |P_t|/(μ_f P_n) of the impulse that would make the ball grip; negative: "
+        "it slides",
+    )
 
 
 class Landing(_Strict):
@@ -95,6 +127,34 @@ class Landing(_Strict):
     position: Triple = Field(description="m")
     velocity: Triple = Field(description="m/s")
     distance: Number = Field(description="m, horizontal, from the plate")
+    spin: Triple | None = Field(default=None, description="rad/s, if the scene names a spin")
+    path: Number | None = Field(
+        default=None, description="m, through the air since contact or launch, if spin decays"
+    )
+    fair: Annotated[bool, BeforeValidator(bool)] | None = Field(
+        default=None,
+        description="whether |y| <= x where the ball leaves the field or lands; with a fence only",
+    )
+
+
+class Fence(_Strict):
+    """Where the ball first leaves the field over the fence, or meets it."""
+
+    time: Number = Field(description="s, since the start of the scene")
+    position: Triple = Field(description="m")
+    velocity: Triple = Field(description="m/s")
+    clearance: Number = Field(description="m, height above the top; a wall if not positive")
+    segment: Annotated[int, BeforeValidator(int)] = Field(
+        description="number of the chord between two vertices, the first being 0"
+    )
+    margin: Number | None = Field(
+        default=None, description="m, along the chord to the next vertex; none on a circle"
+    )
+
+
+def signed(engine: str) -> str:
+    """Return the description of an engine with longball's version."""
+    return f"longball {__version__} {engine}"
 
 
 class Result(_Strict):
@@ -105,13 +165,37 @@ class Result(_Strict):
     plate: Plate | None = None
     contact: Contact | None = None
     impact: Impact | None = None
+    fence: Fence | None = None
     landing: Landing | None = None
+    path: tuple[Annotated[tuple[Number, ...], Field(min_length=4, max_length=7)], ...] | None = (
+        Field(
+            default=None,
+            description="[t, x, y, z, vx, vy, vz] at times from the start of the scene to its end, "
+            "s, m and m/s, if it is asked for; velocities may be left out",
+        )
+    )
     engine: str | None = Field(default=None, description="who computed it, and how")
     error: str | None = Field(
         default=None, description="what could not be solved, where, and how to mend it"
     )
+    code: ErrorCode | None = Field(
+        default=None,
+        description="the sort of error. invalid: not a scene, or one that contradicts itself; "
+        "undecided: the errors of the numbers leave open what happens, and more digits may tell; "
+        "too_long: the flight takes too many steps, and a lower time_limit may help; "
+        "out_of_range: numbers or forces are beyond what the engine can represent or resolve; "
+        "unsupported: the model or the engine has no answer to such a scene",
+    )
+
+    certificate: str | None = Field(
+        default=None,
+        description="with --certify: why outcome and numbers are not proven; absent if they are",
+    )
+
+    def data(self) -> dict[str, Any]:
+        """Return the result as plain data, without the quantities it does not have."""
+        return {"id": self.id} | self.model_dump(exclude_none=True)
 
     def line(self) -> str:
         """Return the result as one line of JSON, without the quantities it does not have."""
-        known = self.model_dump(mode="json", exclude_none=True)
-        return json.dumps({"id": self.id} | known, ensure_ascii=False, allow_nan=False)
+        return json_line(self.data())

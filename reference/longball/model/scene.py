@@ -9,32 +9,32 @@ from __future__ import annotations
 
 import json
 import math
-from typing import Annotated, Any, Literal, NoReturn, Self, get_args
+import re
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+from typing import Annotated, Any, Literal, Self, get_args, get_origin
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import BaseModel, Field, Tag, ValidationError, model_validator
 
+from longball.model.air import Air as Air
+from longball.model.air import WindProfile
+from longball.model.block import SMALLEST, NotNegative, Point, Positive, Quantity
+from longball.model.block import Block as _Block
+from longball.model.block import refuse as _refuse
+from longball.model.force import cross, plus, scaled
+from longball.model.jsonl import LONGEST_LINE, json_line
 from longball.model.readings import Reading
+from longball.model.result import ErrorCode
 
 
-class SceneError(ValueError):
-    """A line that is not a scene; the message says what is wrong, and where."""
+class InvalidScene(ValueError):
+    """What is not a scene, or contradicts itself; the message says what is wrong, and where."""
+
+    code: ErrorCode = "invalid"
 
     def __init__(self, message: str, scene_id: str | None = None) -> None:
         super().__init__(message)
         self.scene_id = scene_id
-
-
-class _Block(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
-
-
-# Sizes within which no product of the model's formulas overflows or underflows a double.
-LARGEST, SMALLEST = 1e30, 1e-30
-
-Quantity = Annotated[float, Field(ge=-LARGEST, le=LARGEST)]
-NotNegative = Annotated[float, Field(ge=0.0, le=LARGEST)]
-Positive = Annotated[float, Field(ge=SMALLEST, le=LARGEST)]
-Point = tuple[Quantity, Quantity, Quantity]
 
 
 class Ball(_Block):
@@ -45,14 +45,15 @@ class Ball(_Block):
     restitution: float = Field(
         default=0.42, ge=0.0, le=1.0, description="e; the paper's runs from 0.41 to 0.45"
     )
+    inertia_factor: float | None = Field(
+        default=None,
+        ge=SMALLEST,
+        le=1.0,
+        description="I/(m R²), which friction needs; 0.4 if left out, as of a solid sphere",
+    )
 
 
-class Air(_Block):
-    """What acts on the ball in flight (paper, Sec. III.B)."""
-
-    density: NotNegative = Field(default=1.29, description="kg/m³")
-    drag_coefficient: NotNegative = Field(default=0.4, description="C_D")
-    lift_coefficient: Quantity = Field(default=0.2, description="C_L; negative for topspin")
+Spin = Annotated[Point | None, Field(description="rad/s, ω; left out: none is computed")]
 
 
 class Launch(_Block):
@@ -60,10 +61,16 @@ class Launch(_Block):
 
     position: Point = Field(description="m, of the ball's centre")
     velocity: Point = Field(description="m/s")
+    spin: Spin = None
+
+    @property
+    def way(self) -> Point:
+        """A vector along the velocity."""
+        return self.velocity
 
 
 class Pitch(_Block):
-    """A throw toward a point of the plane x = 0 (paper, Sec. III)."""
+    """A throw toward a point of the plane x = 0 (paper, Sec. III), or with a velocity."""
 
     speed: Positive = Field(
         default=36.9125,
@@ -73,6 +80,26 @@ class Pitch(_Block):
     aim: tuple[Quantity, Quantity] = Field(
         default=(0.0, 1.8), description="m, [y, z] of the point aimed at; default: the middle cell"
     )
+    velocity: Point | None = Field(default=None, description="m/s, instead of speed and aim")
+    spin: Spin = None
+
+    def named(self) -> Iterator[str]:
+        """Yield the keys that it is written with: speed and aim, or the velocity."""
+        instead = () if self.velocity is None else ("speed", "aim")
+        yield from (key for key in super().named() if key not in instead)
+
+    @property
+    def way(self) -> Point:
+        """A vector along the velocity."""
+        x, y, z = self.release
+        return self.velocity or (-x, self.aim[0] - y, self.aim[1] - z)
+
+    @model_validator(mode="after")
+    def _thrown_one_way(self) -> Self:
+        both = sorted(self.model_fields_set & {"speed", "aim"})
+        if self.velocity is not None and both:
+            _refuse(f"velocity stands instead of speed and aim; leave out {' and '.join(both)}")
+        return self
 
     @model_validator(mode="after")
     def _in_front_of_the_plate(self) -> Self:
@@ -87,6 +114,26 @@ class Bat(_Block):
     mass: Positive = Field(default=0.9, description="kg; not printed in the paper")
     length: Positive = Field(default=1.0, description="m")
     radius: Positive = Field(default=0.033, description="m")
+    support: Literal["pivot", "free"] | None = Field(
+        default=None,
+        description="what holds the bat in the impact: it turns about its end B (pivot, also if "
+        "left out), or nothing does (free)",
+    )
+    friction: Positive | None = Field(
+        default=None, description="μ_f, between ball and bat; none if left out"
+    )
+    tangential_restitution: float | None = Field(
+        default=None,
+        ge=-1.0,
+        le=1.0,
+        description="e_T of a ball that grips the bat; needs friction; 0.3 if left out",
+    )
+
+    @model_validator(mode="after")
+    def _with_friction(self) -> Self:
+        if self.tangential_restitution is not None and self.friction is None:
+            _refuse("tangential_restitution needs friction: give the bat a friction, such as 0.5")
+        return self
 
 
 class Rotation(_Block):
@@ -117,6 +164,7 @@ class Incoming(_Block):
     position: Point = Field(description="m, of the ball's centre, R + r_b from the bat's axis")
     velocity: Point = Field(description="m/s")
     bat_height: Quantity = Field(description="m, z_b of the bat's axis")
+    spin: Point | None = Field(default=None, description="rad/s, of the ball")
 
 
 class Ground(_Block):
@@ -125,16 +173,94 @@ class Ground(_Block):
     height: Quantity = Field(default=0.0, description="m")
 
 
+class Earth(_Block):
+    """Where the park is on the rotating Earth."""
+
+    latitude: float = Field(
+        ge=-math.pi / 2, le=math.pi / 2, description="rad, positive in the north"
+    )
+    azimuth: Quantity = Field(
+        default=0.0, description="rad, of +x (from the plate to the pitcher), from north to east"
+    )
+
+
+class Fence(_Block):
+    """What a batted ball flies over or hits: a circle on the ground, or a line of straight chords.
+
+    A chord's left side, seen from its first vertex, is outside; where the height steps, a vertex is
+    given twice.
+    """
+
+    radius: Positive | None = Field(
+        default=None, description="m, of a fence of height 0 all around the plate"
+    )
+    polyline: tuple[tuple[Quantity, Quantity, Quantity], ...] | None = Field(
+        default=None,
+        description="m, [x, y, height of the top] from the left pole (y > 0) to the right one",
+    )
+
+    @model_validator(mode="after")
+    def _is_a_fence(self) -> Self:
+        if (self.radius is None) == (self.polyline is None):
+            _refuse("a fence has a radius or a polyline, one of the two")
+        if self.polyline is not None:
+            _require_polyline([(x, y) for x, y, _ in self.polyline])
+        return self
+
+
+def _require_polyline(vertices: list[tuple[float, float]]) -> None:
+    """Require a line from left to right that does not meet itself."""
+    corners = [v for i, v in enumerate(vertices) if i == 0 or v != vertices[i - 1]]
+    if len(corners) < 2:
+        _refuse("polyline needs at least two vertices [x, y, height] at different places")
+    chords = list(pairwise(corners))
+    for i, (a, b) in enumerate(chords):
+        for j, (c, d) in enumerate(chords[i + 1 :], i + 1):
+            if (j == i + 1 and _folds(a, b, d)) or (j > i + 1 and _meet(a, b, c, d)):
+                _refuse(f"polyline crosses itself: between {a}, {b} and between {c}, {d}")
+    if sum(math.atan2(_turn((0.0, 0.0), a, b), a[0] * b[0] + a[1] * b[1]) for a, b in chords) > 0:
+        _refuse(
+            "polyline goes the wrong way round the plate: it runs from the left pole (y > 0) to "
+            "the right one; turn the order of its vertices round"
+        )
+
+
+def _turn(a: tuple[float, float], b: tuple[float, float], c: tuple[float, float]) -> float:
+    """Return (b - a) × (c - a): positive if c is to the left of the way from a to b."""
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+
+
+def _folds(a: tuple[float, float], b: tuple[float, float], d: tuple[float, float]) -> bool:
+    """Tell whether the way from a to b goes back on itself to d."""
+    back = (a[0] - b[0]) * (d[0] - b[0]) + (a[1] - b[1]) * (d[1] - b[1])
+    return _turn(a, b, d) == 0 and back > 0
+
+
+def _meet(
+    a: tuple[float, float], b: tuple[float, float], c: tuple[float, float], d: tuple[float, float]
+) -> bool:
+    """Tell whether two chords have a point in common."""
+    if max(min(a[0], b[0]), min(c[0], d[0])) > min(max(a[0], b[0]), max(c[0], d[0])):
+        return False
+    if max(min(a[1], b[1]), min(c[1], d[1])) > min(max(a[1], b[1]), max(c[1], d[1])):
+        return False
+    return _turn(a, b, c) * _turn(a, b, d) <= 0 and _turn(c, d, a) * _turn(c, d, b) <= 0
+
+
 class _Scene(_Block):
-    id: str = Field(min_length=1, description="returned with the result")
+    id: str | None = Field(
+        default=None,
+        min_length=1,
+        description="returned with the result; if left out, that bears the number of the line",
+    )
     ball: Ball = Ball()
     reading: Reading = Reading()
 
     def line(self) -> str:
         """Return the scene as one line of JSON with every default but the reading's written out."""
         blocks = self.model_dump(mode="json")
-        head = {key: blocks.pop(key) for key in ("id", "kind")}
-        return json.dumps(head | blocks, ensure_ascii=False, allow_nan=False)
+        head = {key: value for key in ("id", "kind") if (value := blocks.pop(key, None))}
+        return json_line(head | blocks)
 
 
 class _FlyingScene(_Scene):
@@ -143,6 +269,39 @@ class _FlyingScene(_Scene):
     time_limit: Positive = Field(
         default=60.0, description="s of flight, after which the ball is reported airborne"
     )
+    earth: Earth | None = Field(default=None, description="left out: it does not rotate")
+
+    @model_validator(mode="after")
+    def _air_and_spin_agree(self) -> Self:
+        block = "launch" if isinstance(self, FlightScene) else "pitch"
+        spin, way = getattr(self, block).spin, getattr(self, block).way
+        if self.air is None:
+            return self
+        if spin is None and (key := self.air.needs_spin):
+            _refuse(f"{key} needs a spin; give {block}.spin, in rad/s")
+        if spin is not None and self.air.lift_is_constant and any(spin):
+            wind = self.air.wind if isinstance(self.air.wind, tuple) else (0.0, 0.0, 0.0)
+            if not any(cross(spin, plus(way, scaled(-1.0, wind)))):
+                _refuse(
+                    f"air.lift_coefficient: the lift of a constant has no direction where "
+                    f"{block}.spin is parallel to the velocity; take the law rational or linear, "
+                    "or the number 0"
+                )
+        if self.reading.lift_direction == "always_up" and (spin or self.air.wind) is not None:
+            _refuse("reading.lift_direction = always_up takes neither spin nor wind")
+        return self
+
+    @model_validator(mode="after")
+    def _stays_above_the_roughness(self) -> Self:
+        wind = None if self.air is None else self.air.wind
+        if isinstance(wind, WindProfile):
+            floor = landing_height(self)
+            if floor <= -wind.roughness:
+                _refuse(
+                    f"the ball lands at {floor}, which must be above -air.wind.roughness = "
+                    f"{-wind.roughness}: heights of the wind are those of z"
+                )
+        return self
 
     def _refuse_underground(self, key: str, z: float, floor: float) -> None:
         if z < floor:
@@ -161,12 +320,13 @@ class FlightScene(_FlyingScene):
     kind: Literal["flight"] = "flight"
     launch: Launch
     ground: Ground = Ground()
+    fence: Fence | None = None
 
     @model_validator(mode="after")
     def _above_ground(self) -> Self:
-        self._refuse_underground(
-            "launch.position[2]", self.launch.position[2], landing_height(self)
-        )
+        x, y, z = self.launch.position
+        self._refuse_underground("launch.position[2]", z, landing_height(self))
+        _require_inside(self.fence, "launch.position", math.hypot(x, y))
         return self
 
 
@@ -206,6 +366,7 @@ class ImpactScene(_Scene):
                 f"incoming.position is {where}: its distance from the bat's axis is "
                 f"{distance} m, and the two touch at R + r_b = {reach} m"
             )
+        _require_support(self)
         return self
 
 
@@ -217,11 +378,28 @@ class AtBatScene(_FlyingScene):
     bat: Bat = Bat()
     swing: Swing = Swing()
     ground: Ground = Ground()
+    fence: Fence | None = None
 
     @model_validator(mode="after")
     def _above_ground(self) -> Self:
         self._refuse_underground("pitch.release[2]", self.pitch.release[2], landing_height(self))
+        _require_support(self)
+        farthest = math.hypot(self.ball.radius + self.bat.radius, self.bat.length / 2)
+        _require_inside(self.fence, "the bat's reach", farthest)
         return self
+
+
+def _require_inside(fence: Fence | None, what: str, distance: float) -> None:
+    if fence is not None and fence.radius is not None and not distance < fence.radius:
+        _refuse(f"fence.radius = {fence.radius} m: {what} is outside, {distance} m from the plate")
+
+
+def _require_support(scene: ImpactScene | AtBatScene) -> None:
+    if scene.bat.support == "free" and scene.reading.effective_mass == "as_printed":
+        _refuse(
+            "bat.support = free has no distance from a pivot, which the reading effective_mass = "
+            "as_printed asks for; take effective_mass = inertia_over_r_squared, or support = pivot"
+        )
 
 
 Scene = FlightScene | PitchScene | ImpactScene | AtBatScene
@@ -233,27 +411,32 @@ KINDS: dict[str, type[Scene]] = {
 }
 
 
+def ids_of(scenes: Sequence[Scene]) -> list[str]:
+    """Return the ids that results of scenes bear: the scene's, or else the number of the line."""
+    return [scene.id or str(number) for number, scene in enumerate(scenes, 1)]
+
+
 def parse_scene(line: str | bytes) -> Scene:
     """Return the scene written on a line of JSON.
 
     Raises
     ------
-    SceneError
+    InvalidScene
         With a sentence that names the key at fault and says what it takes.
     """
     text = _text(line)
     data = _json(text)
     if not isinstance(data, dict):
-        raise SceneError(f"not a scene: a JSON object is needed, this is {_short(data)}")
+        raise InvalidScene(f"not a scene: a JSON object is needed, this is {_short(data)}")
     scene_id = data["id"] if _is_text(data.get("id")) else None
     kind = data.get("kind")
     if not isinstance(kind, str) or kind not in KINDS:
         given = f"{_short(kind)} is not a kind of scene" if "kind" in data else "is missing"
-        raise SceneError(f"kind: {given}; it is one of {', '.join(KINDS)}", scene_id)
+        raise InvalidScene(f"kind: {given}; it is one of {', '.join(KINDS)}", scene_id)
     try:
         return KINDS[kind].model_validate_json(text)
     except ValidationError as error:
-        raise SceneError(explain(error, KINDS[kind]), scene_id) from None
+        raise InvalidScene(explain(error, KINDS[kind]), scene_id) from None
 
 
 def explain(error: ValidationError, model: type[BaseModel]) -> str:
@@ -262,26 +445,27 @@ def explain(error: ValidationError, model: type[BaseModel]) -> str:
 
 
 def _text(line: str | bytes) -> str:
+    if len(line) > LONGEST_LINE:
+        raise InvalidScene(f"longer than {LONGEST_LINE:,} bytes")
     if isinstance(line, str):
         if not _is_text(line):
-            raise SceneError("not Unicode text: it holds half of a surrogate pair")
+            raise InvalidScene("not Unicode text: it holds half of a surrogate pair")
         return line
     try:
         return line.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise SceneError(
+        raise InvalidScene(
             f"not UTF-8 text: byte {error.start + 1} is 0x{line[error.start]:02x}"
         ) from None
 
 
 def _json(text: str) -> Any:
     try:
-        # Python refuses to convert whole numbers of thousands of digits, as a protection.
-        return json.loads(text, object_pairs_hook=_each_key_once, parse_int=float)
+        return _DECODER.decode(text)
     except json.JSONDecodeError as error:
-        raise SceneError(f"not JSON: {error.msg} at character {error.pos + 1}") from None
+        raise InvalidScene(f"not JSON: {error.msg} at character {error.pos + 1}") from None
     except RecursionError:
-        raise SceneError("not a scene: its brackets are nested too deeply") from None
+        raise InvalidScene("not a scene: its brackets are nested too deeply") from None
 
 
 def _is_text(value: Any) -> bool:
@@ -294,14 +478,21 @@ def _each_key_once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     if len(block) < len(pairs):
         keys = [key for key, _ in pairs]
         twice = next(key for key in keys if keys.count(key) > 1)
-        raise SceneError(f"{twice}: the key is given twice in one block")
+        raise InvalidScene(f"{twice}: the key is given twice in one block")
     return block
+
+
+# Python refuses to convert whole numbers of thousands of digits, as a protection.
+_DECODER = json.JSONDecoder(object_pairs_hook=_each_key_once, parse_int=float)
 
 
 def _explain_fault(fault: dict[str, Any], model: type[BaseModel]) -> str:
     location = fault["loc"]
-    where = "".join(f"[{step}]" if isinstance(step, int) else f".{step}" for step in location)
-    where = where.removeprefix(".")
+    where = "".join(
+        f"[{step}]" if isinstance(step, int) else f".{step}"
+        for step in location
+        if not _is_form(step)
+    ).removeprefix(".")
     match fault["type"]:
         case "extra_forbidden":
             block = _block(model, location[:-1])
@@ -311,25 +502,50 @@ def _explain_fault(fault: dict[str, Any], model: type[BaseModel]) -> str:
         case "value_error":
             sentence = str(fault["ctx"]["error"])
             return f"{where}: {sentence}" if where else sentence
+        case "union_tag_invalid":
+            forms = re.findall(r"<(\w+)>", fault["ctx"]["expected_tags"])
+            laws = ", ".join(name for name in forms if name != "number")
+            given = fault["input"].get("law")
+            what = "is missing" if given is None else f"{_short(given)} is not a law here"
+            return f"{where}.law: {what}; the laws are {laws}"
         case "json_invalid":  # pydantic's parser is stricter than Python's
             return f"not JSON: {fault['ctx']['error']}"
     sentence = fault["msg"].removeprefix("Input ").replace("should", "must")
     return f"{where}: {sentence} (got {_short(fault['input'])})"
 
 
+def _is_form(step: str | int) -> bool:
+    """Tell whether a step of a location says which of several forms a value has."""
+    return isinstance(step, str) and step.startswith("<")
+
+
 def _block(model: type[BaseModel], location: tuple[str | int, ...]) -> type[BaseModel]:
     """Return the model of the block at a location inside a model."""
+    annotation: Any = model
     for step in location:
-        annotation = model.model_fields[str(step)].annotation
-        options = (annotation, *get_args(annotation))
-        model = next(o for o in options if isinstance(o, type) and issubclass(o, BaseModel))
-    return model
+        if _is_form(step):
+            forms = [o for o in _within(annotation) if get_origin(o) is Annotated]
+            annotation = next(o for o in forms if step in [_tag(part) for part in get_args(o)])
+        else:
+            (model, *_) = filter(_is_model, _within(annotation))
+            annotation = model.model_fields[str(step)].annotation
+    found: type[BaseModel] = next(filter(_is_model, _within(annotation)))
+    return found
+
+
+def _within(annotation: Any) -> list[Any]:
+    """Return an annotation and all that it is made of."""
+    return [annotation, *(x for part in get_args(annotation) for x in _within(part))]
+
+
+def _tag(part: Any) -> str | None:
+    return part.tag if isinstance(part, Tag) else None
+
+
+def _is_model(option: Any) -> bool:
+    return isinstance(option, type) and issubclass(option, BaseModel)
 
 
 def _short(value: Any) -> str:
     text = repr(value)
     return text if len(text) <= 40 else text[:37] + "..."
-
-
-def _refuse(sentence: str) -> NoReturn:
-    raise ValueError(sentence)

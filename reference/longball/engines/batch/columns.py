@@ -7,6 +7,7 @@ solved alone it has a reason.
 
 from __future__ import annotations
 
+import contextlib
 import math
 from collections.abc import Callable, Mapping
 from copy import copy
@@ -30,7 +31,7 @@ from longball.engines.batch.records import (
     records_of,
     stops,
 )
-from longball.engines.chain import Cases, Model
+from longball.engines.chain import Cases, Model, OneCase, land
 from longball.engines.contact import BatSection, margin_error
 from longball.engines.engine import Touch
 from longball.engines.event import past
@@ -104,6 +105,8 @@ _LAST = {
     "batted": "landing.distance",
     "crossed": "plate.velocity[2]",
     "struck": "impact.velocity[2]",
+    "home_run": "fence.clearance",
+    "wall": "fence.clearance",
 }
 
 
@@ -142,7 +145,8 @@ class Table:
         """Leave rows without an answer if a quantity of theirs has overflowed."""
         overflown = np.zeros(len(self), bool)
         for column in self.columns.values():
-            overflown |= np.isinf(column[self.rows])
+            if column.dtype == float:
+                overflown |= np.isinf(column[self.rows])
         for outcome, quantity in _LAST.items():
             if quantity in self.columns:
                 reached = self.outcome == OUTCOMES.index(outcome)
@@ -150,13 +154,15 @@ class Table:
         self.outcome[overflown] = UNSOLVED
 
     def put(self, name: str, rows: Any, values: Any) -> None:
-        """Write a quantity into rows: an array, or a vector of three."""
+        """Write a quantity into rows: an array of numbers or texts, or a vector of three."""
         if isinstance(values, tuple):
             for i, value in enumerate(values):
                 self.put(f"{name}[{i}]", rows, value)
             return
         if name not in self.columns:
-            self.columns.setdefault(name, np.full(len(self.whole), np.nan))
+            empty = "" if np.asarray(values).dtype.kind == "U" else np.nan
+            kind = "U16" if empty == "" else float
+            self.columns.setdefault(name, np.full(len(self.whole), empty, kind))
         self.columns[name][self.rows][rows] = values
 
 
@@ -299,6 +305,21 @@ class ManyCases(Cases[Any]):
     def conclude(self, outcome: Outcome) -> None:
         """See `Cases`."""
         self.table.outcome[self.rows] = OUTCOMES.index(outcome)
+
+    def land_in_space(self, launch: Any, frame: Any, start: Any, outcome: Outcome) -> None:
+        """See `Cases`. Each alone: what it may cross depends on where it curves to."""
+        for i, row in enumerate(self.rows):
+
+            def one(column: Array, i: int = i) -> Any:
+                return column[i].item()
+
+            case = OneCase(_mapped(one, self.scene), self.engine.flyer, self.model)
+            with contextlib.suppress(ArithmeticError):
+                land(case, _mapped(one, launch), outcome)
+                for name, value in case.answer.items():
+                    if name != "outcome":
+                        self.table.put(name, row, value)
+                self.table.outcome[row] = OUTCOMES.index(case.answer["outcome"])
 
     def with_restitution(self, restitution: float, table: Table) -> ManyCases:
         """Return the same cases with other balls, writing into another table."""

@@ -23,7 +23,7 @@ import numpy as np
 from llvmlite import binding, ir
 from numpy.typing import NDArray
 
-from longball.engines.batch.cache import machine, sources, stored
+from longball.engines.compiled import stored
 from longball.engines.series import recurrence, row_of
 from longball.model.trace import Node, Program, squares, variable
 
@@ -36,9 +36,9 @@ Values = dict[Node, Value]
 WIDTH = 16
 
 # Rows of the block `step`, after those of the state at the end of the step: how long it is, s; when
-# it begins, s; 1 where nothing can happen on the way, else -1; how far each position can get from
-# where it was.
-LENGTH, TIME, CLEARANCE, RANGES = range(4)
+# it begins, s; how much later, s, by steps too short to be seen in that time; 1 where nothing can
+# happen on the way, else -1; how far each position can get from where it was.
+LENGTH, TIME, WAITED, CLEARANCE, RANGES = range(5)
 
 NO_LIMIT = 1e300  # s, of a step
 
@@ -56,7 +56,7 @@ class Layout:
 
     @property
     def step(self) -> int:
-        """Block of the step: the state at its end, then LENGTH, TIME, CLEARANCE and RANGES."""
+        """Block of the step: the state at its end, then LENGTH, TIME, WAITED, CLEARANCE, RANGES."""
         return self.parameters + 1
 
     @property
@@ -725,7 +725,7 @@ def _kernel(program: Program) -> Kernel:
         codemodel="jitdefault",
         jit=True,
     )
-    code = stored("law", [program.source("rates"), *sources(), *machine()], compiled)
+    code = stored("law", [program.source("rates")], compiled)
     engine = binding.create_mcjit_compiler(binding.parse_assembly(""), target)
     engine.add_object_file(binding.ObjectFileRef.from_data(code))
     engine.finalize_object()

@@ -16,17 +16,17 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from longball.engines.batch.cache import compile_cached
 from longball.engines.batch.expansion import (
     CLEARANCE,
     LENGTH,
     RANGES,
     TIME,
+    WAITED,
     WIDTH,
     Kernel,
     aligned,
 )
-from longball.engines.batch.jit import call, compiled, fma, shifted, unowned_view
+from longball.engines.batch.jit import call, fma, inner, shifted, unowned_view
 from longball.engines.batch.roots import (
     NEVER,
     curvature,
@@ -36,6 +36,7 @@ from longball.engines.batch.roots import (
     first_zero,
     two_values,
 )
+from longball.engines.compiled import compiled
 from longball.model.trace import Program
 
 Array = NDArray[np.float64]
@@ -192,6 +193,7 @@ def _flown(
             lanes.ravel(),
             rest.ravel(),
             aligned(functions * (variables + 2) * WIDTH),
+            aligned(rows * WIDTH),
             np.zeros((variables + _SCRATCH) * width),
         ),
         np.zeros(WIDTH, np.int64),
@@ -231,6 +233,8 @@ class _Setup(NamedTuple):
         The same for one flight at rest.
     linear
         Linear functions of the flights in the lanes: waypoint and events, with absolute errors.
+    kept
+        The block of the step, while a lane of it is made anew.
     work
         Polynomials of the state of one flight in its step, and of the bat's distance after them.
     p, slope, bend
@@ -256,6 +260,7 @@ class _Setup(NamedTuple):
     rest_strengths: Any
     rest_block: int
     linear: Any
+    kept: Any
     work: Any
     p: Any
     slope: Any
@@ -277,14 +282,14 @@ class _Slot(NamedTuple):
     lane: int
 
 
-@compile_cached
+@compiled
 def _fly_all(
     code: tuple[int, int, int, int],
     sizes: tuple[int, int, int, int, int, int],
     truncation: float,
     records: tuple[Array, Array, NDArray[np.int64]],
     record_sizes: tuple[int, int, int],
-    memory: tuple[Array, Array, Array, Array],
+    memory: tuple[Array, Array, Array, Array, Array],
     numbers: NDArray[np.int64],
     steps: Array,
     recorded: int,
@@ -292,7 +297,7 @@ def _fly_all(
     variables, parameters, functions, order, rows, width = sizes
     flight_size, arrival_size, count = record_sizes
     x, rest = unowned_view(memory[0]), unowned_view(memory[1])
-    work = unowned_view(memory[3])
+    work = unowned_view(memory[4])
     scratch = shifted(work, variables * width)
     s = _Setup(
         variables // 2,
@@ -312,6 +317,7 @@ def _fly_all(
         shifted(rest, code[2]),
         rows,
         unowned_view(memory[2]),
+        unowned_view(memory[3]),
         work,
         scratch,
         shifted(scratch, width),
@@ -323,6 +329,7 @@ def _fly_all(
     starts, ends = unowned_view(records[0]), unowned_view(records[1])
     marks, active, way = unowned_view(records[2]), unowned_view(numbers), unowned_view(steps)
     time_row, length_row = (variables + TIME) * WIDTH, (variables + LENGTH) * WIDTH
+    waited_row = (variables + WAITED) * WIDTH
     clearance_row = (variables + CLEARANCE) * WIDTH
     for lane in range(WIDTH):
         active[lane] = _NONE
@@ -345,6 +352,9 @@ def _fly_all(
             return
         call(code[0], (x, s.linear, order, rows, functions, truncation))
         for lane in range(WIDTH):
+            if active[lane] != _NONE and _overflows(s, lane, order):
+                _expand_shorter(s, code[0], rows, lane)
+        for lane in range(WIDTH):
             i = active[lane]
             if i == _NONE:
                 continue
@@ -354,6 +364,9 @@ def _fly_all(
                 shifted(marks, i * arrival_size),
                 lane,
             )
+            if _overflows(s, lane, order):
+                slot.mark[_STOP], active[lane] = OUT_OF_RANGE, _NONE
+                continue
             time, length = s.step[time_row + lane], s.step[length_row + lane]
             if slot.mark[_STEPS] < recorded:
                 row = shifted(way, slot.mark[_STEPS] * (variables + 1))
@@ -373,7 +386,10 @@ def _fly_all(
                 if slot.mark[_STOP] < 0:
                     for k in range(variables):
                         x[k * s.block + lane] = s.state[k]
-            s.step[time_row + lane] = time + length
+            # Where a ball all but rests its steps are shorter than the spacing of times.
+            waited = s.step[waited_row + lane] + length
+            s.step[time_row + lane] = time + waited
+            s.step[waited_row + lane] = waited if time + waited == time else 0.0
             total = 0.0
             for k in range(variables):
                 total += x[k * s.block + lane]
@@ -381,11 +397,11 @@ def _fly_all(
                 active[lane] = _NONE
             elif not math.isfinite(total):
                 slot.mark[_STOP], active[lane] = OUT_OF_RANGE, _NONE
-            elif time + length == time or slot.mark[_STEPS] >= MOST_STEPS:
+            elif length == 0.0 or slot.mark[_STEPS] >= MOST_STEPS:
                 slot.mark[_STOP], active[lane] = TOO_LONG, _NONE
 
 
-@compiled
+@inner
 def _launch(s: _Setup, slot: _Slot) -> None:
     """Put a flight into its lane."""
     flight, arrival, mark, lane = slot
@@ -396,6 +412,7 @@ def _launch(s: _Setup, slot: _Slot) -> None:
     arrival[_DOUBT] = 0.0
     arrival[_END] = marked[0] = flight[_TIME]
     s.step[(s.variables + TIME) * WIDTH + lane] = flight[_TIME]
+    s.step[(s.variables + WAITED) * WIDTH + lane] = 0.0
     source = shifted(flight, _STATE)
     for k in range(s.variables):
         s.x[k * s.block + lane] = arrival[_END + 1 + k] = marked[1 + k] = source[k]
@@ -416,7 +433,40 @@ def _launch(s: _Setup, slot: _Slot) -> None:
         s.linear[s.variables * WIDTH + lane] = math.inf
 
 
-@compiled
+@inner
+def _overflows(s: _Setup, lane: int, order: Integer) -> bool:
+    """Tell whether the expansion of a moving ball to an order leaves the range of doubles."""
+    total, moves = 0.0, False
+    for i in range(s.half, s.variables):
+        row = shifted(s.x, i * s.block + lane)
+        total += abs(row[order * WIDTH]) + abs(row[(order - 1) * WIDTH])
+        moves = moves or row[0] != 0.0
+    return moves and not math.isfinite(total)
+
+
+@inner
+def _expand_shorter(s: _Setup, step: int, rows: int, lane: int) -> None:
+    """Make the step of a lane anew, of an order at which its coefficients do not overflow.
+
+    Close to rest they grow like the powers of 1/V. Of the other lanes the same coefficients come
+    out, as many as are computed, but the block of the step is of the lower order.
+    """
+    for k in range(rows * WIDTH):
+        s.kept[k] = s.step[k]
+    order = s.order
+    while order > 4 and _overflows(s, lane, order):
+        order //= 2
+        call(step, (s.x, s.linear, order, rows, s.functions, s.truncation))
+    for k in range(rows * WIDTH):
+        if k % WIDTH != lane:
+            s.step[k] = s.kept[k]
+    if not _overflows(s, lane, order):
+        for i in range(s.variables):
+            for k in range(order + 1 + (i < s.half), s.degree + 1):
+                s.x[i * s.block + k * WIDTH + lane] = 0.0
+
+
+@inner
 def _height(s: _Setup, number: Integer, lane: int, state: Any) -> float:
     """Return the value of a linear function."""
     function = shifted(s.linear, number * (s.variables + 2) * WIDTH + lane)
@@ -426,7 +476,7 @@ def _height(s: _Setup, number: Integer, lane: int, state: Any) -> float:
     return total
 
 
-@compiled
+@inner
 def _take_out(s: _Setup, slot: _Slot, length: float) -> float:
     """Put the polynomials of a flight's step on the workspace; return the length of the step."""
     moves = False
@@ -469,7 +519,7 @@ def _take_out(s: _Setup, slot: _Slot, length: float) -> float:
 # --- the end of a step ----------------------------------------------------------------------------
 
 
-@compiled
+@inner
 def _settle(s: _Setup, slot: _Slot, time: float, length: float) -> float:
     """Note what ends a flight within a step, if anything does; return how far the step goes.
 
@@ -539,7 +589,7 @@ def _settle(s: _Setup, slot: _Slot, time: float, length: float) -> float:
     return end
 
 
-@compiled
+@inner
 def _evaluate(s: _Setup, t: float) -> None:
     """Find the state at t on the step."""
     for i in range(s.half):
@@ -548,7 +598,7 @@ def _evaluate(s: _Setup, t: float) -> None:
         s.state[i], s.state[j] = two_values(p, q, s.degree, t)
 
 
-@compiled
+@inner
 def _note(s: _Setup, row: Any, time: float) -> None:
     """Write a time and the state."""
     row[0] = time
@@ -556,7 +606,7 @@ def _note(s: _Setup, row: Any, time: float) -> None:
         row[1 + k] = s.state[k]
 
 
-@compiled
+@inner
 def _put_speed(s: _Setup) -> bool:
     """Put the speed on the workspace if it may fall through zero, where the drag of V² has a kink.
 
@@ -583,7 +633,7 @@ def _put_speed(s: _Setup) -> bool:
     return accelerates
 
 
-@compiled
+@inner
 def _put_function(
     s: _Setup, function: Any, stride: Integer, p: Any, lane: Integer, part: float
 ) -> bool:
@@ -616,7 +666,7 @@ def _put_function(
     return True
 
 
-@compiled
+@inner
 def _rises(p: Any, degree: int) -> bool:
     """Tell whether a polynomial rises at 0."""
     for k in range(1, degree + 1):
@@ -625,7 +675,7 @@ def _rises(p: Any, degree: int) -> bool:
     return False
 
 
-@compiled
+@inner
 def _decide(s: _Setup, slot: _Slot, stop: int) -> None:
     """Mark an end as undecided if another event, or the time limit, may be as early."""
     flight, arrival, mark, lane = slot
@@ -651,7 +701,7 @@ def _decide(s: _Setup, slot: _Slot, stop: int) -> None:
 _FAR = 16.0
 
 
-@compiled
+@inner
 def _search_length(s: _Setup, flight: Any, end: float) -> float:
     """Return how far, s, a step that may touch the bat is to be searched: not from afar.
 
@@ -674,14 +724,14 @@ def _search_length(s: _Setup, flight: Any, end: float) -> float:
     return float(end * (distance - 0.5 * _FAR * reach) / farthest)
 
 
-@compiled
+@inner
 def _distance(s: _Setup, t: float) -> float:
     """Return the distance of the ball's centre from the bat's axis, m."""
     across, above = two_values(s.across, s.above, s.degree, t)
     return math.sqrt(across * across + above * above)
 
 
-@compiled
+@inner
 def _meets_bat(s: _Setup, slot: _Slot, time: float, end: float, last: bool) -> bool:
     """Follow the distance to the bat through a step; tell whether that settles how they meet.
 
@@ -740,7 +790,7 @@ def _meets_bat(s: _Setup, slot: _Slot, time: float, end: float, last: bool) -> b
         approaching = not approaching
 
 
-@compiled
+@inner
 def _put_depth(s: _Setup, reach: float, end: float) -> int:
     """Put the polynomial ``(d² - reach²)/2`` on the workspace; return its degree.
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from itertools import compress
 from operator import attrgetter
@@ -27,8 +27,8 @@ from longball.engines.batch.columns import (
 from longball.engines.chain import BLOCKS, MODEL, Model
 from longball.model import quantities
 from longball.model.readings import Reading
-from longball.model.result import Outcome, Result
-from longball.model.scene import AtBatScene, Scene
+from longball.model.result import Outcome
+from longball.model.scene import AtBatScene, FlightScene, ImpactScene, Scene
 
 Array = NDArray[np.float64]
 
@@ -75,6 +75,8 @@ def solve_columns(
     refuse is not found out.
     """
     n, view = _view(scene, columns)
+    if _is_extended(scene):
+        return _one_by_one(scene, n, columns, engine or _batch(), model)
     return _named(_solve(scene.kind, n, view, engine or _batch(), threads, model))
 
 
@@ -105,6 +107,34 @@ def solve_columns_with_restitutions(
 
     _in_blocks(solve_block, n, threads)
     return [_named(table) for table in tables]
+
+
+def _is_extended(scene: Scene) -> bool:
+    """Tell whether a scene names more than the paper's forces: then it is solved alone."""
+    if isinstance(scene, ImpactScene) or scene.air is None:
+        return False
+    thrown: Any = scene.launch if isinstance(scene, FlightScene) else scene.pitch
+    named = thrown.spin, getattr(thrown, "velocity", None) if scene.kind != "flight" else None
+    air = scene.air
+    further = (*named, scene.earth, air.wind, air.spin_decay_length, air.density_scale_height)
+    laws = air.drag_coefficient, air.lift_coefficient, air.density
+    return any(x is not None for x in further) or any(isinstance(x, BaseModel) for x in laws)
+
+
+def _one_by_one(
+    scene: Scene, n: int, columns: Mapping[str, ArrayLike], flyer: Any, model: Model
+) -> dict[str, NDArray[Any]]:
+    """Solve the scenes of columns one at a time."""
+    table = Table(n)
+    rows = zip(*(np.asarray(column).tolist() for column in columns.values()), strict=True)
+    for i, row in enumerate(rows):
+        one = quantities.replaced(scene, dict(zip(columns, row, strict=True)))
+        result = chain.solve(one, flyer, model)
+        if result.outcome is not None:
+            table.outcome[i] = OUTCOMES.index(result.outcome)
+        for name, value in quantities.numbers(result):
+            table.put(name, i, value)
+    return _named(table)
 
 
 def _batch() -> BatchFlyer:
@@ -158,37 +188,50 @@ def _named(table: Table) -> dict[str, NDArray[Any]]:
     return {"outcome": names[table.outcome]} | table.columns
 
 
-def solve_all(
-    scenes: Iterable[Scene], engine: BatchFlyer | None = None, threads: int = 1
-) -> list[Result]:
-    """Return the results of scenes of any kinds, in order, as `longball.engines.chain.solve`."""
-    solver: Any = engine or _batch()
-    scenes = list(scenes)
+def solve_as_data(scenes: Sequence[Scene], solver: Any, threads: int = 1) -> list[dict[str, Any]]:
+    """Return the results of scenes of any kinds, in order, as plain data."""
     alike: defaultdict[tuple[Any, ...], list[int]] = defaultdict(list)
     for i, scene in enumerate(scenes):
-        alike[type(scene), scene.reading, getattr(scene, "air", None) is None].append(i)
-    results: dict[int, Result] = {}
+        alone = i if _is_extended(scene) else None
+        alike[*_structure(scene), alone].append(i)
+    results: dict[int, dict[str, Any]] = {}
     for places in alike.values():
         if len(places) < FEW:
-            results |= {i: chain.solve(scenes[i], solver) for i in places}
+            results |= {i: chain.solve(scenes[i], solver).data() for i in places}
             continue
         same = [scenes[i] for i in places]
         _, view = _view(same[0], _columns_of(same))
         table = _solve(same[0].kind, len(places), view, solver, threads)
         for i, (outcome, parts) in zip(places, _rows(table), strict=True):
             if outcome is None:
-                results[i] = chain.solve(scenes[i], solver)  # for the reason
+                results[i] = chain.solve(scenes[i], solver).data()  # for the reason
             else:
-                results[i] = Result(
-                    id=scenes[i].id, outcome=outcome, engine=solver.description, **parts
-                )
+                head = {"id": scenes[i].id, "outcome": outcome}
+                results[i] = {**head, **parts, "engine": solver.description}
     return [results[i] for i in range(len(scenes))]
 
 
+def _structure(scene: Any) -> tuple[Any, ...]:
+    """Return what scenes have in common that differ in nothing but their numbers."""
+    bat, incoming = getattr(scene, "bat", None), getattr(scene, "incoming", None)
+    named = (
+        (scene.ball, "inertia_factor"),
+        (scene, "air"),
+        (bat, "friction"),
+        (bat, "tangential_restitution"),
+        (incoming, "spin"),
+    )
+    absent = tuple(getattr(block, key, None) is None for block, key in named)
+    kind, fence = type(scene), getattr(scene, "fence", None)
+    return kind, scene.reading, getattr(bat, "support", None), fence, absent
+
+
 def _columns_of(scenes: list[Scene]) -> dict[str, Array]:
-    """Return the numbers of scenes of one kind, all of them with air or all without."""
+    """Return the numbers of scenes of one structure."""
     columns: dict[str, Array] = {}
     for way in dict.fromkeys(name.partition("[")[0] for name, _ in quantities.numbers(scenes[0])):
+        if way.startswith("fence."):
+            continue  # the same in all
         values = np.array([*map(attrgetter(way), scenes)], np.float64)
         if values.ndim == 1:
             columns[way] = values
@@ -230,19 +273,30 @@ def _in_blocks(solve_block: Callable[[slice], None], count: int, threads: int) -
 
 def _rows(table: Table) -> Iterator[tuple[Outcome | None, dict[str, Any]]]:
     """Yield the table's rows as outcomes (None: no answer) and parts of results."""
-    found: dict[str, dict[str, list[Array]]] = {block: {} for block in BLOCKS}
+    found: dict[str, dict[str, list[Array]]] = {
+        name: {key: [] for key in block.model_fields} for name, block in BLOCKS.items()
+    }
     for name, column in table.columns.items():
         part, quantity = name.partition("[")[0].split(".")
-        found[part].setdefault(quantity, []).append(column)
-    parts = {name: _part(name, columns) for name, columns in found.items() if columns}
+        found[part][quantity].append(column)
+    parts = {
+        name: _part({key: columns for key, columns in block.items() if columns})
+        for name, block in found.items()
+        if any(block.values())
+    }
     for i, outcome in enumerate(table.outcome.tolist()):
-        known = {name: rows[i] for name, rows in parts.items()}
+        known = {name: row for name, rows in parts.items() if (row := rows[i])}
         yield None if outcome == UNSOLVED else OUTCOMES[outcome], known
 
 
-def _part(name: str, columns_of: dict[str, list[Array]]) -> list[Any]:
-    """Return a part of each row's result, or None where the row has none of its columns_of."""
-    known = zip(*(np.isfinite(columns[0]).tolist() for columns in columns_of.values()), strict=True)
+def _known(column: NDArray[Any]) -> NDArray[np.bool_]:
+    found: NDArray[np.bool_] = np.isfinite(column) if column.dtype == float else column != ""
+    return found
+
+
+def _part(columns_of: dict[str, list[Array]]) -> list[dict[str, Any]]:
+    """Return a part of each row's result: what it has of its quantities."""
+    known = zip(*(_known(columns[0]).tolist() for columns in columns_of.values()), strict=True)
     values = zip(
         *(
             zip(*(column.tolist() for column in columns), strict=True)
@@ -253,8 +307,6 @@ def _part(name: str, columns_of: dict[str, list[Array]]) -> list[Any]:
         strict=True,
     )
     return [
-        BLOCKS[name](**dict(compress(zip(columns_of, row, strict=True), there)))
-        if any(there)
-        else None
+        dict(compress(zip(columns_of, row, strict=True), there))
         for row, there in zip(values, known, strict=True)
     ]

@@ -15,7 +15,7 @@ from longball.engines.batch import flights
 from longball.engines.batch.flights import Records, new_flights
 from longball.engines.contact import BatSection
 from longball.engines.event import Event
-from longball.model.law import FORCES, Law, State, law_with
+from longball.model.law import FORCES, PAPER, Law, State, law_with
 
 # m before the plate: a pitch is expanded anew there, and the search for the bat starts there. A
 # pitch crosses that distance in 8 ms, well within one step, and the square of the distance to the
@@ -28,6 +28,8 @@ STOPS: Mapping[str, int] = {
     "plate": 1,
     "vertical": 2,
     "past": 3,
+    "fence": 4,
+    "fence_behind": 5,
     "time": flights.TIME_LIMIT,
 }
 
@@ -39,16 +41,21 @@ class Start(NamedTuple):
     state: State[Any]
 
 
+def is_of_paper(law: Law[Any]) -> bool:
+    """Tell whether no term of the extended model is in a law: then its flights go in lanes."""
+    return not set(law.forces) & set(FORCES[len(PAPER) :])
+
+
 def general(law: Law[Any]) -> Law[Any]:
     """Return a law with all of the paper's forces, those that do not act with strength 0.
 
     So that the same compiled code serves all of the paper's scenes.
     """
-    paper = {name: 0.0 for force in FORCES for name in force.parameters}
-    absent = [f for f in FORCES if not any(name in law.strengths for name in f.parameters)]
+    paper = {name: 0.0 for force in PAPER for name in force.parameters}
+    absent = [f for f in PAPER if not any(name in law.strengths for name in f.parameters)]
     forces = [*law.forces, *absent]
-    order = {force: place for place, force in enumerate(FORCES)}
-    forces.sort(key=lambda force: order.get(force, len(FORCES)))
+    order = {force: place for place, force in enumerate(PAPER)}
+    forces.sort(key=lambda force: order.get(force, len(PAPER)))
     return law_with({**paper, **law.strengths}, tuple(forces))
 
 

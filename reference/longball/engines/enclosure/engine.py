@@ -15,7 +15,7 @@ from longball.engines.enclosure.balls import Balls
 from longball.engines.enclosure.curve import EnclosedPiece
 from longball.engines.enclosure.defect import Defect, leading
 from longball.engines.enclosure.system import Structure, System
-from longball.engines.engine import CannotSolve
+from longball.engines.engine import OutOfRange, TooLong
 from longball.engines.event import Event
 from longball.engines.path_engine import PathEngine
 from longball.model.law import Law, State
@@ -181,18 +181,22 @@ def _length(
         if missed * h <= tolerance * (size + change * h):
             return h, missed
         h = (h * _SHORTER).mid()
-    raise CannotSolve("the forces are so strong that no step can be proven")
+    raise OutOfRange(
+        "no step can be proven: the forces are too strong; or the ball is all but at rest in the "
+        "air, or its spin all but parallel to its velocity, so that lift or drag have a corner"
+    )
 
 
 def _series(system: System, core: Start, order: int) -> dict[Node, list[arb]]:
     """Return the Taylor coefficients; of a ball that stays at rest, only the first."""
-    structure = system.structure
-    at_rest = bool(structure.resting) and _speed(core, structure) == 0
-    if at_rest:
-        few = system.series(core.state, 1, at_rest)
-        rates = (few[variable(structure.core.variables[n])][1] for n in structure.resting)
+    if not system.roots:
+        return system.series(core.state, order, at_rest=False)
+    few = system.series(core.state, 1, at_rest=True)
+    if any(few[root][0] == 0 and few[root][1] == 0 for root in system.roots):
+        rates = (few[variable(name)][1] for name in system.structure.core.variables)
         if all(rate == 0 for rate in rates):
             return few
+    at_rest = any(few[root][0] == 0 for root in system.roots)
     return system.series(core.state, order, at_rest)
 
 
@@ -207,7 +211,7 @@ def _error(
         if bound < tube:
             return early, late
         tube = 2 * bound
-    raise CannotSolve(
+    raise OutOfRange(
         "the bound on the velocity's error has grown as large as the speed, as it does under a "
         "strong lift in the long run; take more digits, or a lower time_limit"
     )
@@ -307,7 +311,7 @@ class Enclosure(PathEngine[arb]):
             yield piece
             if not begin < limit:
                 return
-        raise CannotSolve(
+        raise TooLong(
             f"the flight takes more than {most} steps; the first {float(begin):.3g} s of it "
             "can be had by a lower time_limit"
         )
