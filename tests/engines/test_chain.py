@@ -259,3 +259,17 @@ def test_a_flight_of_too_many_steps_is_an_error_that_says_so(engine, monkeypatch
         '"launch":{"position":[0,0,1],"velocity":[30,0,30]}}'
     )
     assert "steps" in solve(scene, engines.create(engine)).error
+
+
+@pytest.mark.parametrize("engine", ["ivp", "batch"])
+@pytest.mark.parametrize("spin", ["", ',"spin":[10,-150,30]'])
+def test_the_distance_from_a_launch_does_not_hang_on_its_place(engine, spin):
+    scene = (
+        '{"id":"x","kind":"flight","reading":{"distance_origin":"launch"},'
+        '"launch":{"position":[%r,0,1],"velocity":[-3,-20,5]%s}}'
+    )
+    near, far = (
+        solve(parse_scene(scene % (x, spin)), engines.create(engine)).landing.distance
+        for x in (0.0, 1e15)
+    )
+    assert far == near

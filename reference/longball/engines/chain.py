@@ -54,7 +54,7 @@ from longball.model.impact import (
     velocity_after,
     velocity_after_push,
 )
-from longball.model.law import FORCES, GRAVITY, Law, PlaneState, State, law_of
+from longball.model.law import FORCES, GRAVITY, Law, PlaneState, State, in_plane, law_of
 from longball.model.numbers import N, Numbers, Undecided, Vector, absolute
 from longball.model.quantities import replaced
 from longball.model.result import Outcome, Result
@@ -495,7 +495,9 @@ def _come_down(
     cases.record("landing.position", (x, y, z))
     cases.record("landing.velocity", frame.velocity(flight.state))
     if cases.scene.reading.distance_origin == "launch":
-        x, y = x - launch.position[0], y - launch.position[1]
+        # Of the frame, which begins at the launch: no difference of places that are far away.
+        x = flight.state.s
+        y = x * 0 if in_plane(flight.state) else flight.state.y
     cases.record("landing.distance", cases.numbers.sqrt(x * x + y * y))
     if frame.spin is not None:
         cases.record("landing.spin", cases.spin_at(frame, flight.state))
