@@ -36,8 +36,9 @@ _MOST_TRIALS = 1000
 # Of a step: at its beginning the series is exact, and only uncertain parameters make a defect.
 _INSTANT = 2.0**-20
 
-# A flight of a minute has a hundred steps, one that loops with strong lift some thousand.
-_MOST_STEPS = 10_000
+# Work of a flight: steps, each of which costs as the square of its order. A flight of a minute has
+# a hundred steps; the limit is 3,600 of 30 digits, 700 of 90: at some 3 and 10 ms, ten seconds.
+_MOST_WORK = 12_000_000
 
 # Bounds need few digits, unlike what they are bounds of.
 _BITS_OF_BOUNDS = 64
@@ -152,7 +153,7 @@ def proven(system: System, core: Start, left: arb, bits: int, has_floor: bool = 
         Whether parameters are so uncertain that no step, however short, is that good.
     """
     structure = system.structure
-    order = math.ceil(_ORDER_PER_BIT * bits)
+    order = _order(bits)
     series = _series(system, core, order)
     polynomials = {node: arb_poly([arb(c).mid() for c in row]) for node, row in series.items()}
     motion = tuple(polynomials[variable(name)] for name in structure.core.variables)
@@ -168,6 +169,10 @@ def proven(system: System, core: Start, left: arb, bits: int, has_floor: bool = 
             floor = 2 * lemmas.norm(defect.bounds(first * _INSTANT), structure.weights)
         h, missed = _length(motion, defect, structure.weights, first, tolerance, floor)
         return Motion(motion, h, *_error(system, motion, core.error, missed, h))
+
+
+def _order(bits: int) -> int:
+    return math.ceil(_ORDER_PER_BIT * bits)
 
 
 def _length(
@@ -319,7 +324,8 @@ class Enclosure(PathEngine[arb]):
         balls = self.numbers
         with balls.arithmetic():
             steps = _Steps(System(law, balls), start, limit, balls.bits)
-        for _ in range(_MOST_STEPS):
+        most = _MOST_WORK // _order(balls.bits) ** 2
+        for _ in range(most):
             with balls.arithmetic():
                 piece = steps.next(begin, start)
                 begin, start = begin + piece.length, piece.at(piece.length)
@@ -327,6 +333,6 @@ class Enclosure(PathEngine[arb]):
             if not begin < limit:
                 return
         raise TooLong(
-            f"the flight takes more than {_MOST_STEPS} steps; the first {float(begin):.3g} s of it "
+            f"the flight takes more than {most} steps; the first {float(begin):.3g} s of it "
             "can be had by a lower time_limit"
         )
