@@ -24,7 +24,7 @@ from longball.judge.cases import FRAGILE, Case, Profile, attainable, decidable
 from longball.judge.diagnosis import Diagnosis
 from longball.judge.quantities import QUANTITIES, Value, difference, length, radii_of, values_of
 from longball.judge.sampling import Sampling
-from longball.model.schema import DRAFT, FOLDER, text
+from longball.model.schema import FOLDER, published, text
 
 # What --require can name besides the quantities.
 REQUIRABLE = ("all", "answers", "outcome", *QUANTITIES)
@@ -309,7 +309,7 @@ SCHEMA_FILE = FOLDER / "verdict.schema.json"
 
 def schema() -> dict[str, Any]:
     """Return the JSON Schema of a verdict; ``python -m longball.judge.verdict`` writes its file."""
-    return {"$schema": DRAFT} | Verdict.model_json_schema(mode="serialization")
+    return published("verdict", Verdict.model_json_schema(mode="serialization"))
 
 
 def check_requirable(names: Iterable[str]) -> None:
