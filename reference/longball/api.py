@@ -21,6 +21,7 @@ from longball import engines
 from longball.engines import chain
 from longball.engines.engine import CannotSolve, Engine, OutOfRange, TooLong
 from longball.engines.path import Trajectory
+from longball.extras import naming_extras
 from longball.model import scene as models
 from longball.model.numbers import Undecided
 from longball.model.result import (
@@ -28,6 +29,7 @@ from longball.model.result import (
     Certified,
     Contact,
     ErrorCode,
+    Fence,
     Landing,
     Outcome,
     Plate,
@@ -200,6 +202,7 @@ class Path:
         found = np.array(states).reshape(*times.shape, 6)
         return State(times[()], found[..., :3], found[..., 3:])
 
+    @naming_extras()
     def sample(self, points: int = 200) -> pd.DataFrame:
         """Return states at evenly spaced times from start to end.
 
@@ -244,6 +247,7 @@ class Solution:
     plate: Plate | None
     contact: Contact | None
     impact: ImpactResult | None
+    fence: Fence | None
     landing: Landing | None
     engine: str | None
     error: str | None
@@ -409,6 +413,7 @@ _ERRORS: dict[ErrorCode, Callable[[str], Exception]] = {
 # --- the probability of a home run ----------------------------------------------------------------
 
 
+@naming_extras()
 def home_run_probability(
     e: float | Sequence[float] | Array,
     method: Literal["quadrature", "monte-carlo"] = "quadrature",

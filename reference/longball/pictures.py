@@ -13,9 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from longball.engines.path import Trajectory
+from longball.extras import naming_extras
 from longball.home_run import PAPER_CURVES, Estimate, Fit, Integral
 from longball.pitches.prediction import Prediction
 from longball.pitches.statcast import MeasuredPitches
+from longball.pitches.table import Floats
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -71,25 +73,37 @@ def draw_probability(
 
 
 def draw_errors(axes: Axes, prediction: Prediction) -> None:
-    """Draw the errors of predicted balls: pitches at the plate, flies by their angle of launch."""
+    """Draw the errors of predicted balls: pitches at the plate, flies by their angle of launch.
+
+    Of each type of pitch the mean is marked, with bars of a standard deviation either way.
+    """
     measured, solved, error = prediction.measured, prediction.solved, prediction.error
     if isinstance(measured, MeasuredPitches):
+        axes.plot(*_seen(error[solved]), ".", markersize=1.5, color="0.75")
         kinds, counts = np.unique(measured.labels[solved], return_counts=True)
         for i, kind in enumerate(kinds[np.argsort(-counts)]):
-            right, up = 100.0 * error[solved & (measured.labels == kind)].T * [[-1.0], [1.0]]
-            axes.plot(right, up, MARKERS[i % len(MARKERS)], markersize=2, alpha=0.4, label=kind)
+            right, up = _seen(error[solved & (measured.labels == kind)])
+            axes.errorbar(
+                right.mean(), up.mean(), up.std(), right.std(),
+                marker=MARKERS[i % len(MARKERS)], linewidth=0.8, label=f"{kind} ({len(up)})",
+            )  # fmt: skip
         axes.plot(0.0, 0.0, "k+", markersize=12)
         axes.set(
             xlabel="too far to the catcher's right, cm",
             ylabel="too high, cm",
             aspect="equal",
         )
-        axes.legend(markerscale=3, fontsize="small", frameon=False, bbox_to_anchor=(1.0, 1.0))
+        axes.legend(fontsize="small", frameon=False, bbox_to_anchor=(1.0, 1.0))
     else:
         angle = np.degrees(measured.angle[solved])
         axes.plot(angle, error[solved, 0], "o", markersize=3, alpha=0.6)
         axes.axhline(0.0, color="black", linewidth=0.8)
         axes.set(xlabel="angle of launch, °", ylabel="predicted too far by, m")
+
+
+def _seen(error: Floats) -> Floats:
+    """Return errors at the plate as a catcher sees them: to his right, and up, cm."""
+    return 100.0 * error.T * [[-1.0], [1.0]]
 
 
 def save_prediction(path: Path, prediction: Prediction) -> None:
@@ -109,7 +123,8 @@ def save_probability(
 @contextmanager
 def _saved(path: Path, size: tuple[float, float]) -> Iterator[Axes]:
     """Yield axes, and write what is drawn on them."""
-    import matplotlib
+    with naming_extras():
+        import matplotlib
 
     matplotlib.use("agg")
     import matplotlib.pyplot as plt

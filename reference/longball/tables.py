@@ -24,6 +24,8 @@ from longball.api import Solution, as_engine, as_scene
 from longball.engines import chain
 from longball.engines.chain import BLOCKS
 from longball.engines.engine import Engine, ManyAtOnce
+from longball.engines.parallel import in_parallel
+from longball.extras import naming_extras
 from longball.model.quantities import flat, nested, replaced
 from longball.model.result import Result
 from longball.model.scene import AtBatScene, ImpactScene, InvalidScene, PitchScene, Scene
@@ -153,10 +155,7 @@ def _solve_valid(
         return solver.solve_all(scenes, workers)
     if workers == 1 or len(scenes) < _FEW:
         return (chain.solve(scene, solver) for scene in scenes)
-    from joblib import Parallel, delayed  # slow to import
-
-    tasks = (delayed(chain.solve)(scene, solver) for scene in scenes)
-    return Parallel(n_jobs=workers, return_as="generator")(tasks)  # type: ignore[no-any-return]
+    return in_parallel(chain.solve, ((scene, solver) for scene in scenes), workers)
 
 
 # --- columns --------------------------------------------------------------------------------------
@@ -270,6 +269,7 @@ def _reasons(
         yield i, chain.solve(replaced(base, {n: float(c[i]) for n, c in columns.items()}), solver)
 
 
+@naming_extras()
 def _frame(
     table: Mapping[str, NDArray[Any]], ids: NDArray[Any] | None, reasons: Mapping[int, Result]
 ) -> pd.DataFrame:
@@ -283,6 +283,7 @@ def _frame(
     return frame
 
 
+@naming_extras()
 def results_table(results: Iterable[Mapping[str, Any]]) -> pd.DataFrame:
     """Return results, as plain data, as a table with the columns in the contract's order."""
     import pandas as pd

@@ -24,7 +24,7 @@ from longball.engines.batch import (
 from longball.engines.batch.expansion import WIDTH, aligned, kernel
 from longball.engines.batch.jit import call, unowned_view
 from longball.engines.batch.roots import NEVER
-from longball.engines.chain import solve
+from longball.engines.chain import solve, solve_with_path
 from longball.engines.enclosure import Enclosure
 from longball.engines.event import ground
 from longball.engines.ivp import Ivp
@@ -613,6 +613,29 @@ def test_a_ball_released_inside_the_bat_is_an_error() -> None:
     (result,) = solve_all([scene])
     assert result.error is not None
     assert "starts inside the bat" in result.error
+
+
+@pytest.mark.parametrize("sideways", [1e-10, 1e-15, 1e-20, 1e-30])
+@pytest.mark.parametrize("up", [40.0, 0.0])
+@pytest.mark.parametrize("lift", [0.0, 0.2])
+def test_a_ball_that_is_all_but_vertical(sideways: float, up: float, lift: float) -> None:
+    """cos(π/2) is 6e-17: at the apex the ball has that part of its speed."""
+    scene = FlightScene(
+        id="pop-up",
+        air=Air(lift_coefficient=lift),
+        launch=Launch(position=(0.0, 0.0, 50.0), velocity=(sideways, 0.0, up)),
+    )
+    truth = solve(scene, Enclosure()).landing
+    assert truth is not None
+    heights = []
+    for engine in (Batch(), Ivp()):
+        result, way = solve_with_path(scene, engine)
+        assert result.landing is not None
+        assert result.landing.time == pytest.approx(float(truth.time), rel=3e-15)
+        assert result.landing.distance == pytest.approx(float(truth.distance), rel=1e-14)
+        heights.append([way.at(part * float(truth.time))[0][2] for part in (0.2, 0.5, 0.9)])
+    assert heights[0] == pytest.approx(heights[1], rel=1e-13)
+    assert solve_all([scene] * 20) == [solve(scene, Batch())] * 20
 
 
 def test_a_ball_that_all_but_rests_in_the_air_is_solved_or_refused_never_wrong() -> None:

@@ -5,15 +5,12 @@ Exit status: 0 success, 1 a line or a verdict failed, 2 the call itself was wron
 
 from __future__ import annotations
 
-import os
-import sys
 from typing import Annotated
 
 import typer
 
 from longball import __version__
 from longball.cli import golden
-from longball.cli.common import tell
 from longball.cli.converge import converge
 from longball.cli.fit import fit
 from longball.cli.homerun import homerun
@@ -56,23 +53,3 @@ def _version(
     if version:
         print(f"longball {__version__}")
         raise typer.Exit
-
-
-def main() -> None:
-    """Run the command line; no traceback reaches a user."""
-    try:
-        app()
-    except KeyboardInterrupt:
-        tell("interrupted")
-        sys.exit(130)
-    except BrokenPipeError:
-        # The reader of our output has left. Python would raise again when it flushes.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        sys.exit(1)
-    except OSError as error:
-        tell(f"{error.filename or 'output'}: {error.strerror}")
-        sys.exit(2)
-    except Exception as error:
-        # A bug of longball. For its traceback call `app` from Python.
-        tell(f"unexpected {type(error).__name__}: {error}")
-        sys.exit(1)

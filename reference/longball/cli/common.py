@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import json
+import os
+import stat
 import sys
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Annotated, Any, BinaryIO, NoReturn, TypeVar
 
@@ -91,12 +93,14 @@ def reading_from(source: str) -> Iterator[BinaryIO]:
 
 
 @contextmanager
-def writing_to(output: Path | None, source: str) -> Iterator[BinaryIO]:
-    """Open the file that results go to; None is standard output."""
+def writing_to(output: Path | None, source: BinaryIO) -> Iterator[BinaryIO]:
+    """Open the file that results go to, if it is not the source; None is standard output."""
+    with suppress(OSError):  # a stream that is no file, an output that is not there yet
+        there = os.stat(output if output is not None else sys.stdout.fileno())
+        if stat.S_ISREG(there.st_mode) and os.path.samestat(there, os.fstat(source.fileno())):
+            wrong_call(f"{output or 'standard output'} is the file that the scenes are read from")
     if output is None:
         yield sys.stdout.buffer
-    elif source != "-" and output.exists() and output.samefile(source):
-        wrong_call(f"{output} is the file that the scenes are read from")
     else:
         with open(output, "wb") as file:
             yield file

@@ -16,6 +16,7 @@ from longball.cli.common import (
     progress_bar,
     refusing,
     show,
+    tell,
     wrong_call,
 )
 from longball.golden import Header, reader
@@ -130,6 +131,8 @@ def check(
         )
     for failure in report.failures:
         print(failure)
+    if report.left_out:
+        tell(report.left_out)
     found = f"{len(report.failures)} failures" if report.failures else "nothing is wrong"
     note(f"{report.cases} cases, {report.solved_again} solved again: {found}")
     if report.failures:

@@ -117,10 +117,12 @@ def solve(
     # What has been imported stays: looking at it again and again took a fourth of the time.
     gc.freeze()
     solved = failed = 0
+    ids: set[str | None] = set()
+    repeated: set[str] = set()
     with (
         on_cluster(scheduler),
         scenes_from(source) as lines,
-        results_to(output, source) as write,
+        results_to(output, source, lines) as write,
         progress_of(lines, output) as advance,
     ):
         for result in solve_lines(lines, solver, -1 if scheduler else workers, asked):
@@ -128,10 +130,15 @@ def solve(
             solved += 1
             advance(solved)
             failed += result.failure is not None
+            if result.id is not None and result.id in ids:
+                repeated.add(result.id)
+            ids.add(result.id)
     if solved == 0:
         tell(f"no scenes in {source}")
     elif failed:
         tell(f"{failed} of {solved} lines could not be solved{' and certified' * certify}")
+    if repeated:
+        tell(f"ids that more than one line has: {len(repeated)}, among them {min(repeated)!r}")
     if failed or not solved:
         raise typer.Exit(1)
 
@@ -169,10 +176,12 @@ def scenes_from(source: str) -> Iterator[BinaryIO]:
 
 
 @contextmanager
-def results_to(output: Path | None, source: str) -> Iterator[Callable[[bytes], object]]:
+def results_to(
+    output: Path | None, source: str, lines: BinaryIO
+) -> Iterator[Callable[[bytes], object]]:
     """Open the file that results go to; yield a function that takes a line of JSON."""
     if output is None or output.suffix not in TABLES:
-        with writing_to(output, source) as file:
+        with writing_to(output, lines) as file:
 
             def write(line: bytes) -> None:
                 file.write(line + b"\n")

@@ -7,10 +7,10 @@ from io import BufferedIOBase
 from itertools import islice
 from typing import Any, NamedTuple, cast
 
-from pydantic_core import to_json
-
 from longball.engines.chain import solve, solve_with_points
 from longball.engines.engine import Engine, ManyAtOnce
+from longball.engines.parallel import in_parallel
+from longball.model.jsonl import LONGEST_LINE, json_bytes
 from longball.model.numbers import N
 from longball.model.result import Result, signed
 from longball.model.scene import InvalidScene, Scene, parse_scene
@@ -48,29 +48,29 @@ def solve_lines(
         for chunk in _numbered(_as_they_come(lines)):
             yield from _solve_in_turn(chunk, engine, points)
         return
-    from joblib import Parallel, delayed  # slow to import, and not needed for one worker
-
     size = CHUNK_AT_ONCE if isinstance(engine, ManyAtOnce) else CHUNK
-    numbered = (line for chunk in _numbered([line] for line in lines) for line in chunk)
+    numbered = (line for chunk in _numbered(_as_they_come(lines)) for line in chunk)
     chunks = iter(lambda: list(islice(numbered, size)), [])
-    tasks = (delayed(_solve_chunk)(chunk, engine, points) for chunk in chunks)
-    for results in Parallel(n_jobs=workers, return_as="generator")(tasks):
+    tasks = ((chunk, engine, points) for chunk in chunks)
+    for results in in_parallel(_solve_chunk, tasks, workers):
         yield from results
 
 
 def _as_they_come(lines: Iterable[bytes]) -> Iterator[list[bytes]]:
-    """Yield the lines that can be had without waiting, but for the first of them."""
+    """Yield the lines that can be had without waiting, but for the first of them.
+
+    No more is kept of a line than shows that it is too long.
+    """
     if not isinstance(lines, BufferedIOBase):
         yield from ([line] for line in lines)
         return
-    unfinished: list[bytes] = []
+    unfinished = b""
     while data := lines.read1(_BYTES):
-        unfinished.append(data)
-        if b"\n" in data:
-            *whole, rest = b"".join(unfinished).split(b"\n")
-            unfinished = [rest]
+        *whole, rest = (unfinished + data).split(b"\n")
+        unfinished = rest[: LONGEST_LINE + 1]
+        if whole:
             yield whole
-    yield [b"".join(unfinished)]
+    yield [unfinished]
 
 
 def _numbered(chunks: Iterable[list[bytes]]) -> Iterator[list[Line]]:
@@ -131,4 +131,4 @@ def _answer(number: int, scene: Scene | InvalidScene, data: dict[str, Any]) -> A
         data["engine"] = signed(data["engine"])
     if "error" in data:
         data["error"] = f"line {number}: {data['error']}"
-    return Answer(data["id"], data.get("error") or data.get("certificate"), to_json(data))
+    return Answer(data["id"], data.get("error") or data.get("certificate"), json_bytes(data))

@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from longball.engines.parallel import in_parallel
 from longball.home_run.at_bats import AtBats, Mixture, Samples
 from longball.home_run.clearance import Clearance
 from longball.home_run.crossings import Places, crossings, probability, sampled
@@ -188,19 +189,14 @@ def _share(
     clearance: Clearance, at_bats: AtBats, nodes: Nodes, tolerance: float, workers: int
 ) -> Share:
     """Return the probability of what is counted among all pitches."""
-    from joblib import Parallel, delayed  # slow to import
-
     speed, speed_weight = _speeds(clearance, at_bats.speed, nodes.speed)
     tilt, tilt_weight = _rule(0.0, at_bats.largest_tilt, nodes.tilt)
     tilt_weight = tilt_weight / at_bats.largest_tilt
     speeds, tilts = (x.ravel() for x in np.meshgrid(speed, tilt, indexing="ij"))
     weights = np.outer(speed_weight, tilt_weight).ravel()
     blocks = [slice(first, first + _PAIRS) for first in range(0, len(speeds), _PAIRS)]
-    tasks = (
-        delayed(share_over_offsets)(clearance, at_bats, speeds[some], tilts[some], tolerance)
-        for some in blocks
-    )
-    shares: list[Share] = Parallel(n_jobs=workers, prefer="threads")(tasks)
+    calls = ((clearance, at_bats, speeds[some], tilts[some], tolerance) for some in blocks)
+    shares = in_parallel(share_over_offsets, calls, workers, threads=True)
     parts = zip(blocks, shares, strict=True)
     return Share(*sum((np.array(share) @ weights[some] for some, share in parts), np.zeros(4)))
 

@@ -188,6 +188,8 @@ class Batch(ManyAtOnce):
         ends = [*way[1:, 0].tolist(), arrival["time"].item()]
         strengths = [flight[name].item() for name in program.parameters]
         for (begin, *state), end in zip(way.tolist(), ends, strict=True):
+            if begin == end:  # a step too short to be seen in the time
+                continue
             rows = [[0.0] * (self.order + 2) for _ in series.rows]
             for row, x in zip(rows, state, strict=False):
                 row[0] = x
@@ -196,6 +198,9 @@ class Batch(ManyAtOnce):
                 expand = series.function(DOUBLES.functions, at_rest)
                 expand(rows, self.order, *strengths)
             coefficients = np.array(rows[: len(program.variables)])
+            overflown = ~np.isfinite(coefficients).all(axis=0)
+            if overflown.any():  # close to rest; the step is so short that they do not matter
+                coefficients[:, overflown.argmax() :] = 0.0
             yield PolynomialPiece(begin, end - begin, law.state, coefficients)
 
 
@@ -230,8 +235,7 @@ def _require_answer(end: Records, flight: Records, events: Sequence[Event[Any]])
             raise inside_bat(reach + value, reach)
         case flights.TOO_LONG, _, _:
             raise TooLong(
-                f"the flight takes more than {flights.MOST_STEPS} steps, its steps shrink to "
-                "nothing where the ball all but comes to rest in the air, or an event of it has "
+                f"the flight takes more than {flights.MOST_STEPS} steps, or an event of it has "
                 "three roots in one"
             )
         case _:
