@@ -38,6 +38,8 @@ EXTENDED = {
     "spin_decay",
     "wind_acts_on",
     "pressure",
+    "fence_clearance",
+    "distance_origin",
 }
 
 

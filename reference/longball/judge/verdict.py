@@ -6,6 +6,7 @@ written and read as JSON by a schema; `longball.judge.text` writes it for a pers
 
 from __future__ import annotations
 
+import html
 import json
 import math
 import sys
@@ -302,6 +303,14 @@ class Verdict(Frozen):
     def line(self) -> str:
         """Return the verdict as JSON."""
         return self.model_dump_json(indent=2)
+
+    def __str__(self) -> str:
+        from longball.judge.text import render  # which is made for verdicts
+
+        return render(self)
+
+    def _repr_html_(self) -> str:
+        return f"<pre>{html.escape(str(self))}</pre>"
 
 
 SCHEMA_FILE = FOLDER / "verdict.schema.json"
