@@ -24,7 +24,7 @@ from longball.engines.batch.columns import (
     Table,
     select,
 )
-from longball.engines.chain import BLOCKS, MODEL, Model
+from longball.engines.chain import BLOCKS, DISCRETE, MODEL, Model
 from longball.model import quantities
 from longball.model.readings import Reading
 from longball.model.result import Outcome
@@ -75,7 +75,7 @@ def solve_columns(
     refuse is not found out.
     """
     n, view = _view(scene, columns)
-    if _is_extended(scene):
+    if is_extended(scene):
         return _one_by_one(scene, n, columns, engine or _batch(), model)
     return _named(_solve(scene.kind, n, view, engine or _batch(), threads, model))
 
@@ -109,7 +109,7 @@ def solve_columns_with_restitutions(
     return [_named(table) for table in tables]
 
 
-def _is_extended(scene: Scene) -> bool:
+def is_extended(scene: Scene) -> bool:
     """Tell whether a scene names more than the paper's forces: then it is solved alone."""
     if isinstance(scene, ImpactScene) or scene.air is None:
         return False
@@ -192,7 +192,7 @@ def solve_as_data(scenes: Sequence[Scene], solver: Any, threads: int = 1) -> lis
     """Return the results of scenes of any kinds, in order, as plain data."""
     alike: defaultdict[tuple[Any, ...], list[int]] = defaultdict(list)
     for i, scene in enumerate(scenes):
-        alone = i if _is_extended(scene) else None
+        alone = i if is_extended(scene) else None
         alike[*_structure(scene), alone].append(i)
     results: dict[int, dict[str, Any]] = {}
     for places in alike.values():
@@ -280,7 +280,7 @@ def _rows(table: Table) -> Iterator[tuple[Outcome | None, dict[str, Any]]]:
         part, quantity = name.partition("[")[0].split(".")
         found[part][quantity].append(column)
     parts = {
-        name: _part({key: columns for key, columns in block.items() if columns})
+        name: _part(name, {key: columns for key, columns in block.items() if columns})
         for name, block in found.items()
         if any(block.values())
     }
@@ -294,15 +294,15 @@ def _known(column: NDArray[Any]) -> NDArray[np.bool_]:
     return found
 
 
-def _part(columns_of: dict[str, list[Array]]) -> list[dict[str, Any]]:
+def _part(name: str, columns_of: dict[str, list[Array]]) -> list[dict[str, Any]]:
     """Return a part of each row's result: what it has of its quantities."""
     known = zip(*(_known(columns[0]).tolist() for columns in columns_of.values()), strict=True)
     values = zip(
         *(
             zip(*(column.tolist() for column in columns), strict=True)
             if len(columns) > 1
-            else columns[0].tolist()
-            for columns in columns_of.values()
+            else _values(f"{name}.{key}", columns[0])
+            for key, columns in columns_of.items()
         ),
         strict=True,
     )
@@ -310,3 +310,10 @@ def _part(columns_of: dict[str, list[Array]]) -> list[dict[str, Any]]:
         dict(compress(zip(columns_of, row, strict=True), there))
         for row, there in zip(values, known, strict=True)
     ]
+
+
+def _values(name: str, column: NDArray[Any]) -> list[Any]:
+    """Return the values of a quantity, whose columns hold doubles even if it is none."""
+    values: list[Any] = column.tolist()
+    kind = DISCRETE.get(name)
+    return [x if x != x else kind(x) for x in values] if kind else values
