@@ -11,7 +11,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, fields, replace
-from typing import Any, Generic, cast
+from typing import Any, Generic, cast, get_args
 
 from pydantic import ValidationError
 
@@ -1098,6 +1098,16 @@ BLOCKS: dict[str, type[Any]] = {
     "impact": written.Impact,
     "fence": written.Fence,
     "landing": written.Landing,
+}
+
+# The quantities that are told, not measured: their types, by name.
+DISCRETE: dict[str, type[bool] | type[int]] = {
+    f"{name}.{key}": kind
+    for name, block in BLOCKS.items()
+    for key, field in block.model_fields.items()
+    for kind in (bool, int)
+    for parts in [(field.annotation, *get_args(field.annotation))]
+    if any(kind in (part, *get_args(part)) for part in parts)
 }
 
 
