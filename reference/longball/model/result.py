@@ -117,6 +117,12 @@ class Impact(_Strict):
         description="1 - |P_t|/(μ_f P_n) of the impulse that would make the ball grip; negative: "
         "it slides",
     )
+    recontact: Literal["certain", "possible"] | None = Field(
+        default=None,
+        description="certain: the ball leaves the contact more slowly along the normal than the "
+        "bat came, so that a bat that swings on would strike it again, which the model does not; "
+        "possible: the two speeds are the same to a millionth of the speeds; absent: it parts",
+    )
 
 
 class Landing(_Strict):
