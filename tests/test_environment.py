@@ -202,5 +202,6 @@ class TestSignals:
 
 def children(pid: int) -> bool:
     """Tell whether a process has started worker processes."""
-    found = subprocess.run(["ps", "-o", "args", "-g", str(pid)], capture_output=True, check=False)
-    return b"popen_loky" in found.stdout
+    found = subprocess.run(["ps", "-axo", "pgid,args"], capture_output=True, check=True).stdout
+    lines = (line.split(maxsplit=1) for line in found.decode().splitlines()[1:])
+    return any(int(group) == pid and "popen_loky" in args for group, args in lines)

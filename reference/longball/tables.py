@@ -187,10 +187,9 @@ def _solve_as_columns(
 ) -> pd.DataFrame | None:
     """Solve columns by the batch engine, without a scene for each; None if it needs the scenes."""
     from longball.engines.batch import solve_columns
-    from longball.engines.batch.many import is_extended
 
     base = _all_valid(fixed, varied)
-    if base is None or is_extended(base):
+    if base is None:
         return None
     ids = varied.pop("id", None)
     table = solve_columns(base, varied, solver, workers)
