@@ -129,7 +129,7 @@ def solve_columns_with_restitutions(
 
 
 def _is_extended(scene: Scene) -> bool:
-    """Tell whether a ball flies under more than the paper's forces."""
+    """Tell whether a scene names more than the paper's forces."""
     if isinstance(scene, ImpactScene) or scene.air is None:
         return False
     if _has_friction(scene):
@@ -172,8 +172,9 @@ def _solve_the_rest(
         result = chain.solve(one, flyer, model)
         if result.outcome is not None:
             table.outcome[i] = OUTCOMES.index(result.outcome)
-        for name, value in quantities.numbers(result):
-            table.put(name, i, value)
+        for name, value in quantities.flat(result.data()):
+            if "." in name:  # of a block
+                table.put(name, i, value)
 
 
 def _batch() -> BatchFlyer:
