@@ -25,7 +25,7 @@ from longball.model.scene import AtBatScene
 from longball.pitches import EXAMPLE
 from longball.pitches.models import MODELS, FlightModel
 from longball.pitches.prediction import predict
-from longball.pitches.statcast import FOOT, MPH, MeasuredFlies
+from longball.pitches.statcast import FOOT, MPH, MeasuredFlies, time_of_plane
 from longball.pitches.table import Booleans
 from longball.pitches.table import Floats as Array
 
@@ -96,8 +96,8 @@ def measured_hits(change: Callable[[MeasuredFlies], MeasuredFlies] = lambda x: x
     flies, pitches = measured_flies(), measured_pitches()
     flies = change(flies.chosen(np.isin(flies.rows, pitches.rows)))
     pitches = pitches.chosen(np.isin(pitches.rows, flies.rows))
-    v, a, x = pitches.velocity, pitches.acceleration, pitches.release[:, 0]
-    time = -2.0 * x / (v[:, 0] - np.sqrt(v[:, 0] ** 2 - 2.0 * a[:, 0] * x))
+    v, a = pitches.velocity, pitches.acceleration
+    time = time_of_plane(v[:, 0], a[:, 0], -pitches.release[:, 0])
     events = pd.read_csv(EXAMPLE)["events"].to_numpy()[flies.rows - 1]
     return Hits(flies, v + a * time[:, None], events == "home_run")
 
