@@ -17,9 +17,7 @@ from scipy.stats import norm
 from analysis.paper.printed import CARRIES, PAIRS, SEASONS, Season
 from analysis.reality import NATHAN, landings, launched, measured_flies, measured_pitches
 from analysis.writing import figure, filled, shown, table
-from longball import engines
 from longball.engines.batch.many import solve_columns_with_restitutions
-from longball.engines.engine import Engine
 from longball.home_run import PAPER_CURVES, Integral, draw, integrals, paper_at_bats
 from longball.model.readings import Reading, SamplingReading
 from longball.model.scene import AtBatScene
@@ -27,7 +25,7 @@ from longball.pitches import EXAMPLE
 from longball.pitches.models import MODELS, FlightModel
 from longball.pitches.prediction import predict
 from longball.pitches.statcast import FOOT, MPH, MeasuredFlies
-from longball.pitches.table import Booleans, Counts
+from longball.pitches.table import Booleans
 from longball.pitches.table import Floats as Array
 
 # The rule book (Official Baseball Rules, 2.01) asks for 325 ft along the lines and 400 ft to
@@ -42,7 +40,7 @@ DULL = SEASON_PAIRS[0][1]
 E_LOW = DULL.restitution
 
 GAMES = 864  # of a season in Japan, 2010 to 2013: 12 teams of 144 games
-REPLICATES, FULL_REPLICATES, SEED = 2_000, 20_000, 12
+REPLICATES, SEED = 10_000, 12
 STEP = 2e-3  # of e, over which home runs are differentiated: they are smooth over 20 times that
 
 
@@ -134,18 +132,25 @@ class Variant:
     by_place: bool = False
     restitution: float = E_LOW
 
-    def chances(self, hits: Hits, engine: Engine[Any], model: FlightModel | None = None) -> Array:
-        """Return the probability of a home run of each ball.
+    def margins(self, hits: Hits) -> Array:
+        """Return how much further than needed each ball carries, m, before the fence is moved.
 
         A ball clears the fence if it comes down far enough beyond it; over the last metres, from
         the height of the fence to the ground, its path is taken to be straight.
         """
-        place, velocity = landings(hits.flies, model or self.model, engine)
+        place, velocity = landings(hits.flies, self.model)
         level = np.hypot(velocity[:, 0], velocity[:, 1])
         carry = np.hypot(place[:, 0], place[:, 1]) + FENCE_HEIGHT * level / velocity[:, 2]
         bearing = np.arctan2(-place[:, 1], place[:, 0]) if self.by_place else hits.flies.bearing
-        margin = carry - fence_distance(bearing) - self.fence
-        chance: Array = norm.cdf(margin / self.scatter)
+        return carry - fence_distance(bearing)
+
+    def chances(self, hits: Hits) -> Array:
+        """Return the probability of a home run of each ball."""
+        return self.over(self.margins(hits))
+
+    def over(self, margins: Array) -> Array:
+        """Return the same of balls that carry further than needed by margins."""
+        chance: Array = norm.cdf((margins - self.fence) / self.scatter)
         return chance
 
     def livelier(self, change: float) -> Hits:
@@ -198,111 +203,97 @@ class Estimate:
         return Estimate(value, function(self.draws, *(other.draws for other in others)))
 
 
-def of_games(
-    function: Callable[..., Any], games: Counts, *chances: Array, replicates: int
-) -> Estimate:
+def of_games(function: Callable[..., Any], variant: Variant, *chances: Array) -> Estimate:
     """Return a function of sums of chances, with draws from a bootstrap over games."""
-    _, of_game = np.unique(games, return_inverse=True)
+    _, of_game = np.unique(variant.hits.flies.games, return_inverse=True)
     sums = [np.bincount(of_game, weights=each) for each in chances]
     count, generator = len(sums[0]), np.random.default_rng(SEED)
-    drawn = generator.multinomial(count, np.full(count, 1.0 / count), size=replicates)
+    drawn = generator.multinomial(count, np.full(count, 1.0 / count), size=REPLICATES)
     return Estimate(
         float(function(*(each.sum() for each in sums))), function(*(drawn @ each for each in sums))
     )
 
 
-@dataclass(frozen=True)
-class Study:
-    """Everything that a variant is asked with."""
+def slope(variant: Variant, step: float, below: Array, above: Array) -> Estimate:
+    """Return d ln(home runs) from the chances a step below and a step above."""
+    return of_games(lambda low, high: (high - low) / (high + low) / step, variant, below, above)
 
-    engine: Engine[Any]
-    replicates: int
 
-    def by_restitution(self, variant: Variant) -> Estimate:
-        """Return d ln(home runs)/de at the duller ball's restitution."""
-        chances = [self.of(variant, variant.livelier(step)) for step in (-STEP, STEP)]
-        return self.slope(variant, chances, STEP)
+def restitution_slope(variant: Variant) -> tuple[float, Estimate]:
+    """Return the home runs with the duller ball, and d ln(home runs)/de there."""
+    below, above = (variant.chances(variant.livelier(x)) for x in (-STEP, STEP))
+    return float((below + above).sum() / 2.0), slope(variant, STEP, below, above)
 
-    def by_speed(self, variant: Variant) -> Estimate:
-        """Return d ln(home runs) by the speed off the bat of all balls, s/m."""
-        chances = [self.of(variant, variant.hits.harder(step)) for step in (-0.1, 0.1)]
-        return self.slope(variant, chances, 0.1)
 
-    def by_drag(self, variant: Variant) -> Estimate:
-        """Return d ln(home runs) by the part of C_D that depends on nothing."""
-        assert isinstance(variant.model.drag, Mapping)
-        chances = []
-        for step in (-0.002, 0.002):
-            drag = {**variant.model.drag, "constant": variant.model.drag["constant"] + step}
-            model = replace(variant.model, drag=drag)
-            chances.append(variant.chances(variant.hits, self.engine, model))
-        return self.slope(variant, chances, 0.002)
+def speed_slope(variant: Variant) -> Estimate:
+    """Return d ln(home runs) by the speed off the bat of all balls, s/m."""
+    return slope(variant, 0.1, *(variant.chances(variant.hits.harder(x)) for x in (-0.1, 0.1)))
 
-    def ratio(self, variant: Variant, change: float) -> Estimate:
-        """Return what a larger restitution multiplies home runs by."""
-        chances = [self.of(variant, variant.livelier(x)) for x in (0.0, change)]
-        return of_games(
-            lambda dull, lively: lively / dull,
-            variant.hits.flies.games, *chances, replicates=self.replicates,
-        )  # fmt: skip
 
-    def of(self, variant: Variant, hits: Hits) -> Array:
-        """Return the chances of hits under a variant."""
-        return variant.chances(hits, self.engine)
+def drag_slope(variant: Variant) -> Estimate:
+    """Return d ln(home runs) by the part of C_D that depends on nothing."""
+    drag = variant.model.drag
+    assert isinstance(drag, Mapping)
+    others = (
+        replace(variant, model=replace(variant.model, drag={**drag, "constant": c}))
+        for c in (drag["constant"] - 0.002, drag["constant"] + 0.002)
+    )
+    return slope(variant, 0.002, *(other.chances(variant.hits) for other in others))
 
-    def slope(self, variant: Variant, chances: Sequence[Array], step: float) -> Estimate:
-        """Return d ln(home runs) from the chances a step below and a step above."""
-        return of_games(
-            lambda below, above: (above - below) / (above + below) / step,
-            variant.hits.flies.games, *chances, replicates=self.replicates,
-        )  # fmt: skip
 
-    def with_fence_for(self, variant: Variant, home_runs: float) -> Variant:
-        """Return a variant whose fence stands where it lets so many home runs over."""
-        place = brentq(
-            lambda x: self.of(replace(variant, fence=x), variant.hits).sum() - home_runs,
-            -20.0, 60.0, xtol=0.01,
-        )  # fmt: skip
-        return replace(variant, fence=place)
+def season_ratios(variant: Variant, changes: Sequence[float]) -> list[Estimate]:
+    """Return what larger restitutions multiply home runs by."""
+    dull, *lively = (variant.chances(variant.livelier(x)) for x in (0.0, *changes))
+    return [of_games(lambda before, after: after / before, variant, dull, x) for x in lively]
 
-    def with_speed_for(self, variant: Variant, home_runs: float) -> tuple[Variant, float]:
-        """Return a variant with all balls slower, so that it has so many home runs; and by what."""
-        change = brentq(
-            lambda x: self.of(variant, variant.hits.harder(x)).sum() - home_runs,
-            -8.0, 4.0, xtol=0.001,
-        )  # fmt: skip
-        return replace(variant, hits=variant.hits.harder(change)), float(change)
+
+def with_fence_for(variant: Variant, home_runs: float) -> Variant:
+    """Return a variant whose fence stands where it lets so many home runs over."""
+    margins = variant.margins(variant.hits)
+
+    def too_many(fence: float) -> float:
+        return float(replace(variant, fence=fence).over(margins).sum() - home_runs)
+
+    return replace(variant, fence=float(brentq(too_many, -20.0, 60.0)))
+
+
+def with_speed_for(variant: Variant, home_runs: float) -> tuple[Variant, float]:
+    """Return a variant with all balls slower, so that it has so many home runs; and by what."""
+
+    def too_many(change: float) -> float:
+        return float(variant.chances(variant.hits.harder(change)).sum() - home_runs)
+
+    change = float(brentq(too_many, -8.0, 4.0, xtol=0.001))
+    return replace(variant, hits=variant.hits.harder(change)), change
 
 
 def run(report: Path, full: bool) -> str:
     """Differentiate the home runs of a day by the restitution, and hold it against two seasons."""
-    study = Study(engines.create("batch"), FULL_REPLICATES if full else REPLICATES)
     hits = measured_hits()
     day, games = int(hits.home_run.sum()), len(np.unique(hits.flies.games))
     japan = games * DULL.home_runs / GAMES
-    scatter = float(np.std(predict(hits.flies, NATHAN, study.engine).error))
+    scatter = float(np.std(predict(hits.flies, NATHAN).error))
     plain = Variant("Nathan's laws, this fence", hits, NATHAN, scatter)
-    fitted = study.with_fence_for(replace(plain, name="the same, fence by the day's count"), day)
-    slower, change = study.with_speed_for(fitted, japan)
+    fitted = with_fence_for(replace(plain, name="the same, fence by the day's count"), day)
+    slower, change = with_speed_for(fitted, japan)
     slower = replace(slower, name="the same, balls slower by Japan's count of 2012")
-    further = study.with_fence_for(replace(plain, name="fence alone by Japan's count"), japan)
-    launch = measured_hits(lambda flies: launched(flies, study.engine))
+    further = with_fence_for(replace(plain, name="fence alone by Japan's count"), japan)
+    launch = measured_hits(launched)
     others = [
         replace(plain, name="launched to where it was fielded", hits=launch, by_place=True),
         replace(plain, name="drag crisis fitted to the day", model=MODELS["crisis"]),
         replace(plain, name="half the scatter", scatter=scatter / 2.0),
         replace(plain, name="e = 0.5 at the bat", restitution=0.5),
     ]
-    variants = [plain, fitted, *(study.with_fence_for(x, day) for x in others), further, slower]
-    slopes = {variant.name: study.by_restitution(variant) for variant in variants}
+    variants = [plain, fitted, *(with_fence_for(x, day) for x in others), further, slower]
+    slopes = {variant.name: restitution_slope(variant) for variant in variants}
     changes = [lively.restitution - E_LOW for lively, _ in SEASON_PAIRS]
     ratios = {
-        variant.name: [study.ratio(variant, change) for change in changes]
-        for variant in (fitted, further, slower)
+        variant.name: season_ratios(variant, changes) for variant in (fitted, further, slower)
     }
-    counted = [counted_ratio(*pair, study.replicates) for pair in SEASON_PAIRS]
+    counted = [counted_ratio(*pair) for pair in SEASON_PAIRS]
     seen, expected = counted[0], ratios[slower.name][0]
-    by_speed, by_drag = study.by_speed(slower), study.by_drag(slower)
+    by_speed, by_drag = speed_slope(slower), drag_slope(slower)
     per_e = float(np.linalg.norm(hits.per_restitution(E_LOW)[hits.home_run], axis=1).mean())
     gap = math.log(seen.value / expected.value)
     draw_ratios(report, counted, ratios[slower.name])
@@ -318,12 +309,12 @@ def run(report: Path, full: bool) -> str:
         proportional=proportionality(),
         per_e=per_e,
         speed_gain=changes[0] * per_e,
-        carry=carry_slope(plain, study.engine),
+        carry=carry_slope(plain),
         carries=", ".join(f"{x.slope:.0f} ± {x.slope_error:.0f} m ({x.who})" for x in CARRIES),
-        slopes=table(report, "seasons_slopes", slope_table(study, variants, slopes, counted)),
+        slopes=table(report, "seasons_slopes", slope_table(slopes, counted)),
         ratios=table(report, "seasons_ratios", ratio_table(counted, ratios)),
         figure=shown("seasons", CAPTION),
-        slope=slopes[slower.name],
+        slope=slopes[slower.name][1],
         counted_slope=math.log(seen.value) / changes[0],
         counted=seen,
         expected=expected,
@@ -332,15 +323,15 @@ def run(report: Path, full: bool) -> str:
         by_speed=by_speed.value * MPH,
         rest_speed=gap / (by_speed.value * MPH),
         rest_drag=-gap / by_drag.value,
-        rest_e=math.log(seen.value) / slopes[slower.name].value,
+        rest_e=math.log(seen.value) / slopes[slower.name][1].value,
         rounding=math.log(expected.value) * 0.001 / changes[0],
     )
 
 
-def counted_ratio(lively: Season, dull: Season, replicates: int) -> Estimate:
+def counted_ratio(lively: Season, dull: Season) -> Estimate:
     """Return the ratio of two seasons' home runs; its draws are of two Poisson counts."""
     generator = np.random.default_rng(SEED + 1)
-    drawn = (generator.poisson(season.home_runs, replicates) for season in (lively, dull))
+    drawn = (generator.poisson(season.home_runs, REPLICATES) for season in (lively, dull))
     return Estimate(lively.home_runs / dull.home_runs, np.divide(*drawn))
 
 
@@ -369,20 +360,17 @@ def proportionality() -> float:
     return worst
 
 
-def carry_slope(variant: Variant, engine: Engine[Any]) -> float:
+def carry_slope(variant: Variant) -> float:
     """Return dD/de of the day's home runs, m, on the average."""
     reach = [
-        np.hypot(*landings(hits.flies, variant.model, engine)[0][hits.home_run, :2].T)
+        np.hypot(*landings(hits.flies, variant.model)[0][hits.home_run, :2].T)
         for hits in (variant.livelier(-STEP), variant.livelier(STEP))
     ]
     return float((reach[1] - reach[0]).mean() / (2.0 * STEP))
 
 
 def slope_table(
-    study: Study,
-    variants: Sequence[Variant],
-    slopes: Mapping[str, Estimate],
-    counted: Sequence[Estimate],
+    slopes: Mapping[str, tuple[float, Estimate]], counted: Sequence[Estimate]
 ) -> pd.DataFrame:
     """Return d ln(home runs)/de by variant, of the paper's curves, and as counted."""
 
@@ -390,9 +378,8 @@ def slope_table(
         return [name, home_runs, f"{value:.1f}", " to ".join(f"{x:.1f}" for x in interval)]
 
     rows = []
-    for variant in variants:
-        slope, home_runs = slopes[variant.name], study.of(variant, variant.hits).sum()
-        rows.append(row(variant.name, f"{home_runs:.1f}", slope.value, slope.interval))
+    for name, (expected, slope) in slopes.items():
+        rows.append(row(name, f"{expected:.1f}", slope.value, slope.interval))
     rows += [row(name, "", value) for name, value in paper_slopes().items()]
     for (lively, dull), ratio in zip(SEASON_PAIRS, counted, strict=True):
         change = lively.restitution - dull.restitution

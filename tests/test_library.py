@@ -7,6 +7,7 @@ import json
 import pickle
 import subprocess
 import sys
+from decimal import Decimal
 
 import numpy as np
 import pandas as pd
@@ -138,6 +139,19 @@ class TestSolve:
                 attempt()
             assert raised.value.code == unsolved.code
             assert str(raised.value) == unsolved.error
+
+    def test_a_certified_answer_has_proven_errors(self):
+        scene = lb.AtBat(**AT_BAT)
+        result = lb.solve(scene, certify=True)
+        exact = lb.solve(scene, "enclosure", digits=25).landing.distance
+        distance = result.landing.distance
+        assert distance.value == lb.solve(scene).landing.distance
+        assert abs(Decimal(distance.value) - Decimal(exact.value)) <= Decimal(distance.radius)
+        assert f"landing.distance      {distance.value} ± {distance.radius} m" in repr(result)
+        table = lb.solve_many({"kind": "pitch", "pitch.speed": [30.0, 40.0]}, certify=True)
+        assert (table["plate.time.radius"].astype(float) < 1e-12).all()
+        with pytest.raises(lb.Undecided, match="proven to be"):
+            lb.solve(scene, "verlet", certify=True, dt=0.05)
 
     def test_a_result_shows_itself(self):
         shown = lb.solve(lb.AtBat(id="<b>", **AT_BAT))

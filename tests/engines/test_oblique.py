@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from longball.engines import create
 from longball.engines.batch import solve_columns
+from longball.engines.certify import certify
 from longball.engines.chain import solve
 from longball.model.readings import Reading
 from longball.model.scene import (
@@ -399,6 +400,15 @@ def test_the_enclosure_holds_the_others():
     for bounded, other in zip(proven.spin, second.spin, strict=True):
         assert abs(Decimal(bounded.value) - Decimal(other.value)) < Decimal("1e-25")
         assert float(bounded.radius) < 1e-25
+
+
+def test_oblique_impacts_are_certified():
+    for scene in many_impacts():
+        result = solve(scene, ENGINES["ivp"])
+        found = certify(scene, result)
+        assert found.certificate is None
+        assert found.impact.mode == result.impact.mode
+        assert all(float(x.radius) < 1e-10 for x in found.impact.spin)
 
 
 # --- at-bats, and columns -------------------------------------------------------------------------

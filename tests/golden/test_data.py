@@ -28,7 +28,14 @@ from longball.model.scene import parse_scene
 
 CASES = golden.load()
 # Switches of the extended model, which no family uses yet.
-EXTENDED = {"spin_parameter", "drag_spin", "spin_decay", "wind_acts_on", "pressure"}
+EXTENDED = {
+    "slide_direction",
+    "spin_parameter",
+    "drag_spin",
+    "spin_decay",
+    "wind_acts_on",
+    "pressure",
+}
 
 
 def test_the_set_is_what_its_files_say_and_a_sample_is_solved_again():

@@ -56,17 +56,18 @@ FLYING = COMMON | {"air", "gravity", "time_limit", "earth"}
 @pytest.mark.parametrize(
     ("kind", "model", "keys"),
     [
-        ("flight", FlightScene, FLYING | {"launch", "ground"}),
+        ("flight", FlightScene, FLYING | {"launch", "ground", "fence"}),
         ("pitch", PitchScene, FLYING | {"pitch"}),
         ("impact", ImpactScene, COMMON | {"bat", "swing", "incoming"}),
-        ("at-bat", AtBatScene, FLYING | {"pitch", "bat", "swing", "ground"}),
+        ("at-bat", AtBatScene, FLYING | {"pitch", "bat", "swing", "ground", "fence"}),
     ],
 )
 def test_each_kind_takes_only_the_blocks_it_needs(kind, model, keys):
     scene = parsed(kind)
     assert type(scene) is model is KINDS[kind]
     assert set(model.model_fields) == keys
-    assert set(json.loads(scene.line())) == keys - {"earth"}  # named only where there is one
+    # Named only where there is one.
+    assert set(json.loads(scene.line())) == keys - {"earth", "fence"}
 
 
 def test_what_is_left_out_is_the_papers():

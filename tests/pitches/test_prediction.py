@@ -14,6 +14,7 @@ from longball.cli import app
 from longball.engines import create
 from longball.engines.chain import solve
 from longball.model.scene import parse_scene
+from longball.pitches import EXAMPLE
 from longball.pitches.models import ACTIVE_SHARE, MODELS
 from longball.pitches.prediction import bands, predict, scenes, summaries
 from longball.pitches.statcast import read_measured
@@ -57,11 +58,11 @@ def batted_row(scene, model):
 def test_a_fly_comes_back(model):
     rows = [batted_row(ball, model) for ball in ((100, 30, 0), (80, 15, -20), (95, 55, 40))]
     flies = read_measured(io.StringIO(table(*rows)), "batted")
-    prediction = predict(flies, MODELS[model], ENGINE)
+    prediction = predict(flies, MODELS[model], engine=ENGINE)
     # Lost in feet and back, and in the degrees that a bearing is found from: some 1e-15 of 120 m.
     assert np.abs(prediction.error).max() < 1e-11
     assert not prediction.without
-    other = predict(flies, MODELS["vacuum" if model == "paper" else "paper"], ENGINE)
+    other = predict(flies, MODELS["vacuum" if model == "paper" else "paper"], engine=ENGINE)
     assert np.abs(other.error).min() > 1.0
 
 
@@ -87,9 +88,9 @@ def test_a_pitch_comes_back(hand, sign):
         "plate_x": repr(-y / FOOT), "plate_z": repr(z / FOOT),
     }  # fmt: skip
     pitches = read_measured(io.StringIO(table(row)), "pitch")
-    assert np.abs(predict(pitches, model, ENGINE).error).max() < 1e-12
+    assert np.abs(predict(pitches, model, engine=ENGINE).error).max() < 1e-12
     # Without its spin it drops by half a metre.
-    assert predict(pitches, replace(model, lift=0.0), ENGINE).error[0, 1] < -0.3
+    assert predict(pitches, replace(model, lift=0.0), engine=ENGINE).error[0, 1] < -0.3
 
 
 def test_groups():
@@ -193,3 +194,13 @@ def test_scenes_have_the_weather_of_the_game():
     (scene, _) = scenes(flies, MODELS["constants"])
     density = scene.air.density
     assert (density.temperature, density.elevation) == (293.15, 0.0)
+
+
+def test_published_laws_predict_the_flies_of_a_day_to_21_feet():
+    flies = read_measured(EXAMPLE, "batted")
+    *_, every = summaries(predict(flies, MODELS["nathan"]))
+    assert every.count == 385
+    assert every.rms < 21 * FOOT
+    *_, paper = summaries(predict(flies, MODELS["paper"]))
+    # The paper's model, which knows of no spin: 40 ft by every program that was asked.
+    assert paper.rms == pytest.approx(40 * FOOT, abs=0.5 * FOOT)

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from longball import engines
-from longball.cli.common import Json, progress_bar, reading_from, refusing, tell, wrong_call
+from longball.cli.common import Json, Quiet, progress_bar, reading_from, refusing, tell, wrong_call
 from longball.engines.chain import solve
 from longball.model.scene import Scene, parse_scene
 
@@ -41,6 +41,7 @@ def converge(
     as_json: Json = False,
     csv: Annotated[Path | None, typer.Option(help="Write the error at every step here.")] = None,
     figure: Annotated[Path | None, typer.Option(help="Draw error against step here.")] = None,
+    quiet: Quiet = False,
 ) -> None:
     """Run a family of time steps, and report observed orders against theory."""
     # The judge brings compiled code with it, and --help does not need it.

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from longball.cli.common import Workers, progress_bar, say, wrong_call
+from longball.cli.common import Quiet, Workers, note, progress_bar, tell, wrong_call
 
 app = typer.Typer(help="Generate the golden data, or verify them.", no_args_is_help=True)
 
@@ -20,6 +20,7 @@ def write(
     folder: Folder = None,
     part: Annotated[Part | None, typer.Option(help="Only that part of the set.")] = None,
     workers: Workers = -1,
+    quiet: Quiet = False,
 ) -> None:
     """Solve every case with proven bounds and write the set to DIR; by default the shipped set.
 
@@ -32,11 +33,11 @@ def write(
     if part != "probability":
         with progress_bar("cases", 1) as advance:
             count = writer.write(target, workers=workers, progress=advance)
-        say.print(f"{count} cases in {target}", markup=False)
+        note(f"{count} cases in {target}")
     if part != "cases":
         with progress_bar("probabilities", 1) as advance:
             count = home_runs.write_probabilities(target, workers=workers, progress=advance)
-        say.print(f"{count} readings' probabilities in {target}", markup=False)
+        note(f"{count} readings' probabilities in {target}")
 
 
 @app.command(epilog="Example: longball golden check --sample 50")
@@ -50,6 +51,7 @@ def check(
         bool, typer.Option(help="Also by the multiprecision engine, which shares no method.")
     ] = True,
     workers: Workers = -1,
+    quiet: Quiet = False,
 ) -> None:
     """Verify a set: checksums, schema, and the results by solving again."""
     from longball.golden import checker, reader  # with them come the engines that prove
@@ -68,7 +70,9 @@ def check(
         )
     for failure in report.failures:
         print(failure)
+    if report.left_out:
+        tell(report.left_out)
     found = f"{len(report.failures)} failures" if report.failures else "nothing is wrong"
-    say.print(f"{report.cases} cases, {report.solved_again} solved again: {found}")
+    note(f"{report.cases} cases, {report.solved_again} solved again: {found}")
     if report.failures:
         raise typer.Exit(1)

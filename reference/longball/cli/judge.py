@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from longball.cli.common import Json, progress_bar, refusing, split_assignment, wrong_call
+from longball.cli.common import Json, Quiet, progress_bar, refusing, split_assignment, wrong_call
 
 
 def judge(
@@ -75,6 +75,7 @@ def judge(
     as_json: Json = False,
     junit: Annotated[Path | None, typer.Option(help="Write JUnit XML here, for CI.")] = None,
     html: Annotated[Path | None, typer.Option(help="Write a page with pictures here.")] = None,
+    quiet: Quiet = False,
 ) -> None:
     """Compare another implementation with the truth, and tell what is wrong with it."""
     if command and results:

@@ -26,6 +26,7 @@ from longball.engines.engine import (
     Touch,
 )
 from longball.engines.event import Event, ground, plate, vertical
+from longball.engines.fence import Place, Stop, at_stop, first_crossing, stop_at
 from longball.engines.path import Flight, Leg, Path, Trajectory
 from longball.model import result as written
 from longball.model.aerodynamics import LIFT
@@ -178,18 +179,16 @@ def _rub(
     question = "in which direction the ball slides on the bat"
     known, unknown = cases.decide(speed, numbers.where(grips, zero, off_way), question)
     (ended,) = cases.take(unknown)
-    ended.refuse(
-        f"{question} cannot be said: it has no slip; use the reading slide_direction = final"
-    )
+    reason = f"{question} cannot be said: it has no slip; use the reading slide_direction = final"
+    ended.refuse(Undecided(reason))
     direction = way[0] / speed, way[1] / speed
     resistance = numbers.where(grips, one, sliding_resistance(k, friction, direction))
     coupled = friction * absolute(k[1])
     doubt = _OPERATIONS * numbers.rounding * (k[0] + coupled) + coupled * off_way / speed
     parts, jammed = cases.decide(resistance, doubt, "whether ball and bat jam")
     (ended,) = cases.take(jammed)
-    ended.refuse(
-        "ball and bat jam: with bat.friction so high no impulse parts them; take a lower one"
-    )
+    reason = "ball and bat jam: at so high a bat.friction no impulse parts them; take a lower one"
+    ended.refuse(CannotSolve(reason))
     slid = sliding_impulse(resistance, e, friction, g, direction)
     x, y, z = (numbers.where(grips, a, b) for a, b in zip(wanted, slid, strict=True))
     push = x, y, z
@@ -278,18 +277,18 @@ class Cases(ABC, Generic[N]):
     def conclude(self, outcome: Outcome) -> None:
         """Write the outcome."""
 
-    def refuse(self, reason: str) -> None:
-        """Give no answer, and to one scene the reason why.
-
-        Raises
-        ------
-        CannotSolve
-            For one scene.
-        """
+    def refuse(self, reason: CannotSolve | Undecided) -> None:
+        """Give no answer: to one scene, raise the reason."""
 
     @abstractmethod
     def touched(self, touch: Touch[N]) -> tuple[Any, Any]:
         """Return the conditions that ball and bat touch, and that they miss; see `decide`."""
+
+    @abstractmethod
+    def land_in_space(
+        self, launch: Launch[N], frame: Frame[N], start: PlaneState[N], outcome: Outcome
+    ) -> None:
+        """Do what `land` does, of flights that a fence may end and that leave their plane."""
 
     def follow(self, frame: Frame[N], flight: Flight[N], begin: N) -> None:
         """Take note of a flight that begins at a time, s since the start of the scene."""
@@ -344,7 +343,21 @@ def _plate(cases: Cases[N], frame: Frame[N], start: State[N]) -> Event[N]:
     return plate(frame, cases.numbers)
 
 
-def fly(cases: Cases[N], frame: Frame[N], start: PlaneState[N], *surfaces: Surface[N]) -> Flight[N]:
+def _fence(cases: Cases[N], frame: Frame[N], start: State[N]) -> Event[N]:
+    return at_stop("fence", _stop(cases, frame, start, 1), 1, cases.numbers)
+
+
+def _fence_behind(cases: Cases[N], frame: Frame[N], start: State[N]) -> Event[N]:
+    return at_stop("fence_behind", _stop(cases, frame, start, -1), -1, cases.numbers)
+
+
+def fly(
+    cases: Cases[N],
+    frame: Frame[N],
+    start: State[N],
+    *surfaces: Surface[N],
+    limit: N | None = None,
+) -> Flight[N]:
     """Fly to a surface or the time limit, through the vertical if need be.
 
     With lift that is always up, a ball that reaches the vertical cannot leave it: on either side
@@ -353,7 +366,8 @@ def fly(cases: Cases[N], frame: Frame[N], start: PlaneState[N], *surfaces: Surfa
     rest, or straight up or down, it is there already.
     """
     law = cases.law(frame)
-    leg = law, law.state_of(start), cases.time_limit, frame, surfaces
+    state = law.state_of(start) if isinstance(start, PlaneState) else start
+    leg = law, state, cases.time_limit if limit is None else limit, frame, surfaces
     flight: Flight[N] = cases.either(_is_always_up(cases, law), _fly_upwards, _fly, *leg)
     return flight
 
@@ -413,15 +427,49 @@ def solve_flights(cases: Cases[N]) -> None:
     land(cases, Launch(position, velocity, nothing, nothing, spin=spin), "landed")
 
 
+@dataclass(frozen=True)
+class Batted(Generic[N]):
+    """A ball in the air: its launch, its frame, and its flight as far as it is known."""
+
+    launch: Launch[N]
+    frame: Frame[N]
+    flight: Flight[N]
+
+
 def land(cases: Cases[N], launch: Launch[N], outcome: Outcome) -> None:
-    """Fly from launches to the ground; the `outcome` if the ball lands."""
+    """Fly from launches to the ground, or to a fence; the `outcome` if the ball lands."""
     frame, start = launch_frame(launch.position, launch.velocity, cases.numbers, launch.spin)
-    landed = launch.landed
-    flight = _landed(start, cases.numbers) if landed else fly(cases, frame, start, _ground)
+    if launch.landed:
+        _come_down(cases, Batted(launch, frame, _landed(start, cases.numbers)), outcome)
+    elif cases.scene.fence is None:
+        _come_down(cases, Batted(launch, frame, fly(cases, frame, start, _ground)), outcome)
+    elif cases.law(frame).state is PlaneState and not isinstance(cases.engine, Stepped):
+        flight = fly(cases, frame, start, _ground, _fence, _fence_behind)
+        ahead, behind = flight.stopped("fence"), flight.stopped("fence_behind")
+        ball = Batted(launch, frame, flight)
+        inside, stayed = cases.take((ahead | behind) ^ True, ball)
+        _come_down(inside, stayed, outcome)
+        for sense, there in ((1, ahead), (-1, behind)):
+            some, out, begun = cases.take(there, ball, start)
+            if not some.empty:
+                place = _stop(some, out.frame, begun, sense).place
+                _meet_fence(some, out, place, outcome)
+    else:
+        cases.land_in_space(launch, frame, start, outcome)
+
+
+def _come_down(
+    cases: Cases[N], ball: Batted[N], outcome: Outcome, fair: bool | None = None
+) -> None:
+    """Conclude flights that end on the ground, or with the time limit.
+
+    `fair` is known where the ball has left the field.
+    """
+    launch, frame, flight = ball.launch, ball.frame, ball.flight
     cases.follow(frame, flight, launch.time)
     cases, launch, frame, flight = _in_time(cases, launch, frame, flight)
     (airborne,) = cases.take(flight.stopped("time"))
-    airborne.conclude("airborne")
+    airborne.conclude("home_run" if outcome == "home_run" else "airborne")
     cases, flight, frame, launch = cases.take(flight.stopped("ground"), flight, frame, launch)
     if cases.empty:
         return
@@ -430,11 +478,19 @@ def land(cases: Cases[N], launch: Launch[N], outcome: Outcome) -> None:
     cases.record("landing.hang_time", launch.delay + flight.time)
     cases.record("landing.position", (x, y, z))
     cases.record("landing.velocity", frame.velocity(flight.state))
+    if cases.scene.reading.distance_origin == "launch":
+        x, y = x - launch.position[0], y - launch.position[1]
     cases.record("landing.distance", cases.numbers.sqrt(x * x + y * y))
     if frame.spin is not None:
         cases.record("landing.spin", cases.spin_at(frame, flight.state))
     if hasattr(flight.state, "path") and cases.scene.reading.spin_decay == "path":
         cases.record("landing.path", flight.state.path)
+    if fair is not None:
+        cases.record("landing.fair", fair)
+    elif cases.scene.fence is not None:
+        lands_foul, lands_fair = _foul(cases, frame.position(flight.state), "lands fair")
+        cases.record("landing.fair", lands_fair)
+        (cases,) = cases.take(lands_foul | lands_fair)
     cases.conclude(outcome)
 
 
@@ -454,6 +510,76 @@ def _in_time(
     question = "whether the ball touches the ground in the time limit"
     certain, never = cases.decide(margin, launch.error * flight.time, question)
     return cases.take(certain | never, launch, frame, flight)
+
+
+# --- the fence ------------------------------------------------------------------------------------
+
+
+def _flight_error(cases: Cases[N]) -> float:
+    """Return the relative error of a state of a flight and of a few roundings of it."""
+    return cases.engine.flight_error + 8 * cases.numbers.rounding
+
+
+def _stop(cases: Cases[N], frame: Frame[N], start: State[N], sense: int) -> Stop[N]:
+    error = cases.numbers.exact(_flight_error(cases))
+    return stop_at(cases.scene.fence, frame, start.s, sense, error, cases.numbers)
+
+
+def _foul(cases: Cases[N], position: Vector[N], what: str) -> tuple[Any, Any]:
+    """Return the conditions that a ball is foul, and that it is fair: the foul line is."""
+    x, y, _ = position
+    error = _flight_error(cases) * (absolute(x) + absolute(y))
+    return cases.decide(absolute(y) - x, error, f"whether the ball {what}")
+
+
+def _meet_fence(
+    cases: Cases[N],
+    ball: Batted[N],
+    place: Place[N],
+    outcome: Outcome,
+    landing: Flight[N] | None = None,
+) -> None:
+    """Conclude flights that are at the fence; `landing` has where they land if they go on."""
+    numbers, frame, flight = cases.numbers, ball.frame, ball.flight
+    x, y, z = frame.position(flight.state)
+    u, v, w = frame.velocity(flight.state)
+    clearance = z - place.height
+    if cases.scene.reading.fence_clearance == "surface":
+        clearance = clearance - numbers.exact(cases.scene.ball.radius)
+    cases.record("fence.time", ball.launch.time + flight.time)
+    cases.record("fence.position", (x, y, z))
+    cases.record("fence.velocity", (u, v, w))
+    cases.record("fence.clearance", clearance)
+    cases.record("fence.segment", place.segment)
+    if place.margin is not None:
+        cases.record("fence.margin", place.margin)
+    error = _flight_error(cases) * (1 + absolute(x) + absolute(y) + absolute(z))
+    question = "on which side the ball passes a vertex where the fence ends or has two heights"
+    known, at_vertex = cases.decide(place.room, error, question)
+    (ended,) = cases.take(at_vertex)
+    ended.refuse(Undecided(f"{question} cannot be said: it passes over the vertex itself"))
+    # What the place is off, the ball's way makes of it by its steepness, and the top by its own.
+    steepness = absolute(w) / numbers.sqrt(u * u + v * v) + absolute(place.slope)
+    over, into = cases.decide(
+        clearance, error * (1 + steepness), "whether the ball clears the fence"
+    )
+    wall, stopped = cases.take(known & into, ball)
+    wall.follow(stopped.frame, stopped.flight, stopped.launch.time)
+    wall.conclude("wall")
+    cases, ball = cases.take(known & over, ball)
+    if cases.empty:
+        return
+    frame, flight = ball.frame, ball.flight
+    if landing is None:
+        left = cases.time_limit - flight.time
+        landing = flight.then(fly(cases, frame, flight.state, _ground, limit=left))
+    conditions = _foul(cases, frame.position(flight.state), "leaves the field fair")
+    around = cases.scene.fence.polyline is None
+    for fair, condition in zip((False, True), conditions, strict=True):
+        some, gone, way = cases.take(condition, ball, landing)
+        if not some.empty:
+            beyond: Outcome = "home_run" if fair or around else outcome
+            _come_down(some, replace(gone, flight=way), beyond, fair)
 
 
 def _landed(state: State[N], numbers: Numbers[N]) -> Flight[N]:
@@ -703,6 +829,7 @@ def meet_bat(cases: Cases[N]) -> tuple[Cases[N], Meeting[N] | None]:
     ball = Ball(
         frame.position(touch.state),
         frame.velocity(touch.state),
+        cases.spin_at(frame, touch.state),
         aside=frame.position(touch.detected)[1],
         leaving=touch.leaving,
     )
@@ -727,12 +854,16 @@ def finish(cases: Cases[N], meeting: Meeting[N] | None) -> None:
         before, after = contact.velocity, impact.velocity
         delta_v = (after[0] - before[0], after[1] - before[1], after[2] - before[2])
         surface = cases.ground(pitch.start)
-        launch = engine.rebound(pitch.frame, touch, delta_v, cases.law, surface)
+
+        def law_in(frame: Frame[N]) -> Law[N]:
+            return cases.law(replace(frame, spin=impact.spin))
+
+        launch = engine.rebound(pitch.frame, touch, delta_v, law_in, surface)
+        launch = replace(launch, spin=impact.spin)
     else:
         time = cast(N, touch.time)
-        # An impulse along the normal leaves the spin as it is.
-        spin = cases.spin_at(pitch.frame, cast(State[N], touch.state))
         off = _launch_error(cases, meeting) if cases.numbers.rounding else None
+        spin = impact.spin
         launch = Launch(contact.position, impact.velocity, time, time * 0, spin=spin, error=off)
     land(cases, launch, "batted")
 
@@ -803,9 +934,9 @@ class OneCase(Cases[N]):
         positive = self.numbers.positive(x, error, question)
         return positive, not positive
 
-    def refuse(self, reason: str) -> None:
+    def refuse(self, reason: CannotSolve | Undecided) -> None:
         """See `Cases`."""
-        raise CannotSolve(reason)
+        raise reason
 
     def touched(self, touch: Touch[N]) -> tuple[bool, bool]:
         """See `Cases`."""
@@ -822,6 +953,24 @@ class OneCase(Cases[N]):
     ) -> Any:
         """See `Cases`."""
         return (yes if condition else no)(self, *values)
+
+    def land_in_space(
+        self, launch: Launch[N], frame: Frame[N], start: PlaneState[N], outcome: Outcome
+    ) -> None:
+        """See `Cases`."""
+        flight = fly(self, frame, start, _ground)
+        ball, error = Batted(launch, frame, flight), self.numbers.exact(_flight_error(self))
+        fence, pieces = cast(Any, self.scene).fence, flight.path.pieces()
+        met = first_crossing(fence, frame, pieces, flight.time, error, self.numbers)
+        if met is None:
+            _come_down(self, ball, outcome)
+            return
+        x, y, z = frame.position(met.state)
+        above = z - self.numbers.exact(landing_height(self.scene))
+        question = "whether the ball reaches the fence before it touches the ground"
+        self.decide(above, error * (1 + absolute(x) + absolute(y) + absolute(z)), question)
+        stopped = replace(ball, flight=Flight(flight.path, "fence", met.time, met.state))
+        _meet_fence(self, stopped, met.place, outcome, flight)
 
     def follow(self, frame: Frame[N], flight: Flight[N], begin: N) -> None:
         """See `Cases`."""
@@ -854,7 +1003,7 @@ class OneCase(Cases[N]):
     def _reported(self, value: Any) -> Any:
         if isinstance(value, tuple):
             return tuple(map(self.numbers.report, value))
-        return value if isinstance(value, str) else self.numbers.report(value)
+        return value if isinstance(value, str | int) else self.numbers.report(value)
 
 
 class _Nobody(OneCase[N]):
@@ -873,7 +1022,7 @@ class _Nobody(OneCase[N]):
     def conclude(self, outcome: Outcome) -> None:
         pass
 
-    def refuse(self, reason: str) -> None:
+    def refuse(self, reason: CannotSolve | Undecided) -> None:
         pass
 
 
@@ -881,6 +1030,7 @@ BLOCKS: dict[str, type[Any]] = {
     "plate": written.Plate,
     "contact": written.Contact,
     "impact": written.Impact,
+    "fence": written.Fence,
     "landing": written.Landing,
 }
 
@@ -907,6 +1057,17 @@ def solve_with_path(
     case = OneCase(scene, engine, model)
     result = _answer(case, CHAINS[scene.kind])
     return result, Trajectory(tuple(case.legs))
+
+
+def solve_with_points(scene: Scene, engine: Engine[N], points: int) -> Result:
+    """Return the result of a scene with so many points of its path, if it has any."""
+    result, way = solve_with_path(scene, engine)
+    if result.error is not None or not way.legs:
+        return result
+    with engine.numbers.arithmetic():
+        rows = way.evenly(points, engine.numbers)
+        path = tuple(tuple(map(engine.numbers.report, row)) for row in rows)
+    return result.model_copy(update={"path": path})
 
 
 def solve_with_restitutions(

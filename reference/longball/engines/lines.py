@@ -5,15 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from io import BufferedIOBase
 from itertools import islice
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
-from pydantic_core import to_json
-
-from longball import __version__
-from longball.engines.chain import solve
+from longball.engines.chain import solve, solve_with_points
 from longball.engines.engine import Engine, ManyAtOnce
+from longball.engines.parallel import in_parallel
+from longball.model.jsonl import LONGEST_LINE, json_bytes
 from longball.model.numbers import N
-from longball.model.result import Result
+from longball.model.result import Result, signed
 from longball.model.scene import InvalidScene, Scene, parse_scene
 
 # Lines that a worker process takes at a time: some hundredths of a second.
@@ -32,9 +31,14 @@ class Answer(NamedTuple):
 
 
 def solve_lines(
-    lines: Iterable[bytes], engine: Engine[N] | ManyAtOnce, workers: int = 1
+    lines: Iterable[bytes],
+    engine: Engine[N] | ManyAtOnce,
+    workers: int = 1,
+    points: int | None = None,
 ) -> Iterator[Answer]:
     """Yield the answer to each line that is not blank, in order.
+
+    With `points` each has so many points of its path.
 
     With one worker no line waits for another one that is not there yet, so that two programs can
     talk through pipes: of a file or a pipe, what is there is taken at once; of anything else a line
@@ -42,31 +46,31 @@ def solve_lines(
     """
     if workers == 1:
         for chunk in _numbered(_as_they_come(lines)):
-            yield from _solve_in_turn(chunk, engine)
+            yield from _solve_in_turn(chunk, engine, points)
         return
-    from joblib import Parallel, delayed  # slow to import, and not needed for one worker
-
     size = CHUNK_AT_ONCE if isinstance(engine, ManyAtOnce) else CHUNK
-    numbered = (line for chunk in _numbered([line] for line in lines) for line in chunk)
+    numbered = (line for chunk in _numbered(_as_they_come(lines)) for line in chunk)
     chunks = iter(lambda: list(islice(numbered, size)), [])
-    tasks = (delayed(_solve_chunk)(chunk, engine) for chunk in chunks)
-    for results in Parallel(n_jobs=workers, return_as="generator")(tasks):
+    tasks = ((chunk, engine, points) for chunk in chunks)
+    for results in in_parallel(_solve_chunk, tasks, workers):
         yield from results
 
 
 def _as_they_come(lines: Iterable[bytes]) -> Iterator[list[bytes]]:
-    """Yield the lines that can be had without waiting, but for the first of them."""
+    """Yield the lines that can be had without waiting, but for the first of them.
+
+    No more is kept of a line than shows that it is too long.
+    """
     if not isinstance(lines, BufferedIOBase):
         yield from ([line] for line in lines)
         return
-    unfinished: list[bytes] = []
+    unfinished = b""
     while data := lines.read1(_BYTES):
-        unfinished.append(data)
-        if b"\n" in data:
-            *whole, rest = b"".join(unfinished).split(b"\n")
-            unfinished = [rest]
+        *whole, rest = (unfinished + data).split(b"\n")
+        unfinished = rest[: LONGEST_LINE + 1]
+        if whole:
             yield whole
-    yield [b"".join(unfinished)]
+    yield [unfinished]
 
 
 def _numbered(chunks: Iterable[list[bytes]]) -> Iterator[list[Line]]:
@@ -84,16 +88,22 @@ def solve_line(number: int, line: bytes, engine: Engine[N] | ManyAtOnce) -> Answ
     return answer
 
 
-def _solve_chunk(chunk: list[Line], engine: Engine[N] | ManyAtOnce) -> list[Answer]:
-    return list(_solve_in_turn(chunk, engine))
+def _solve_chunk(
+    chunk: list[Line], engine: Engine[N] | ManyAtOnce, points: int | None = None
+) -> list[Answer]:
+    return list(_solve_in_turn(chunk, engine, points))
 
 
-def _solve_in_turn(chunk: list[Line], engine: Engine[N] | ManyAtOnce) -> Iterator[Answer]:
+def _solve_in_turn(
+    chunk: list[Line], engine: Engine[N] | ManyAtOnce, points: int | None = None
+) -> Iterator[Answer]:
     """Yield the answers to lines, each as soon as the engine has it."""
     read = [_read(line) for _, line in chunk]
     scenes = [scene for scene in read if not isinstance(scene, InvalidScene)]
     solved = iter(
-        engine.solve_as_data(scenes)
+        (solve_with_points(scene, cast(Engine[N], engine), points).data() for scene in scenes)
+        if points
+        else engine.solve_as_data(scenes)
         if isinstance(engine, ManyAtOnce)
         else (solve(scene, engine).data() for scene in scenes)
     )
@@ -118,7 +128,7 @@ def _answer(number: int, scene: Scene | InvalidScene, data: dict[str, Any]) -> A
     if data["id"] is None and not isinstance(scene, InvalidScene):
         data["id"] = str(number)
     if "engine" in data:
-        data["engine"] = f"longball {__version__} {data['engine']}"
+        data["engine"] = signed(data["engine"])
     if "error" in data:
         data["error"] = f"line {number}: {data['error']}"
-    return Answer(data["id"], data.get("error") or data.get("certificate"), to_json(data))
+    return Answer(data["id"], data.get("error") or data.get("certificate"), json_bytes(data))

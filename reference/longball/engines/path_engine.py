@@ -80,7 +80,11 @@ class PathEngine(ABC, Generic[N]):
         That is, through the air. At its apex it is at rest there, and the drag of V² has a kink.
         """
         begin = self.numbers.exact(0.0)
-        if all(cast(Any, rate) == 0 for rate in law.rates(self.numbers)(*start)):
+        try:
+            rates = law.rates(self.numbers)(*start)
+        except ZeroDivisionError:
+            raise CannotSolve(RESTS_WITH_SPIN) from None
+        if all(cast(Any, rate) == 0 for rate in rates):
             yield Rest(begin, limit, start)
             return
         up = down = None
@@ -206,6 +210,13 @@ class PathEngine(ABC, Generic[N]):
                 break
         if met is not None and met.event.name == "vertical":
             raise CannotSolve(TURNS_VERTICAL)
+
+
+RESTS_WITH_SPIN = (
+    "the ball starts at rest in the air, or along its spin, where the part of the spin across the "
+    "velocity has no size or no direction; take the reading spin_parameter = total, a lift that is "
+    "linear in the spin, or another velocity"
+)
 
 
 def _apex(wind: Any) -> Event[Any]:

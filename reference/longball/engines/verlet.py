@@ -50,7 +50,7 @@ from longball.engines.engine import CannotSolve, Launch, OutOfRange, Stepped, To
 from longball.engines.event import Event
 from longball.engines.path import Flight, Path
 from longball.model.frame import Frame, launch_frame
-from longball.model.law import Law, SpaceState, State
+from longball.model.law import Law, PlaneState, SpaceState, State
 from longball.model.numbers import DOUBLES, Doubles, Vector
 from longball.model.readings import AppendixBRoot, VerletForces, VerletLanding
 from longball.model.trace import Names, Program
@@ -452,9 +452,13 @@ def _rests_on(event: Event[float], start: State[float], law: Law[float]) -> bool
 
 
 def _halves(state: Sequence[T]) -> tuple[tuple[T, ...], tuple[T, ...]]:
-    """Return positions and velocities of a state, or velocities and accelerations of its rates."""
+    """Return positions and velocities of a state, or velocities and accelerations of its rates.
+
+    The path through the air, which a state may end with, goes with the positions.
+    """
     dimensions = len(state) // 2
-    return tuple(state[:dimensions]), tuple(state[dimensions:])
+    split = 2 * dimensions
+    return (*state[:dimensions], *state[split:]), tuple(state[dimensions:split])
 
 
 def _moved(a: Components, factor: float, b: Components) -> Components:
@@ -481,7 +485,7 @@ def steps_of(program: Program) -> ModuleType:
 def print_law(program: Program) -> str:
     """Print the functions that the steps under a law call, in as many dimensions as it has."""
     positions, velocities = _halves(program.variables)
-    dimensions = range(len(positions))
+    dimensions = range(len(velocities))
     names = Names()
     lines = [line for node in program.nodes if (line := names.define(node))]
     unpack = [
@@ -495,20 +499,32 @@ def print_law(program: Program) -> str:
     def each(text: str) -> str:
         return "".join(text.format(i=i) + ", " for i in dimensions)
 
-    both = len(positions)
-    outputs = ", ".join(names[output] for output in program.outputs[both:])
+    both = len(velocities)
+    outputs = ", ".join(names[output] for output in program.outputs[both : 2 * both])
+    path = [2 * both] * (len(positions) - both)
+    further = "".join(
+        f"{name} + dt * {names[rate]}, "
+        for name, rate in zip(program.variables, program.outputs, strict=True)
+        if name in positions[both:]
+    )
     functions = {
         "accelerate(position, velocity, parameters)": [*unpack, *lines, f"return {outputs}"],
         "plus(a, factor, b)": [f"return ({each('a[{i}] + factor * b[{i}]')})"],
+        "moved(position, dt, velocity, parameters)": [
+            *(unpack + lines if further else []),
+            f"return ({each('position[{i}] + dt * velocity[{i}]')}{further})",
+        ],
         "largest(a)": [f"return max({each('abs(a[{i}])')})"],
         "read(states, k)": [
-            f"return ({each('states[{i}, k]')}), ({each(f'states[{{i}} + {both}, k]')})"
+            f"return ({each('states[{i}, k]')}{''.join(f'states[{i}, k], ' for i in path)}), "
+            f"({each(f'states[{{i}} + {both}, k]')})"
         ],
         "write(states, k, position, velocity)": [
             f"states[{i + shift}, k] = {name}[{i}]"
             for name, shift in (("position", 0), ("velocity", both))
             for i in dimensions
-        ],
+        ]
+        + [f"states[{i}, k] = position[{both}]" for i in path],
     }
     written = "".join(
         f"\n\ndef {head}:\n" + "".join(f"    {line}\n" for line in body)
@@ -531,6 +547,7 @@ def _plain_step() -> Callable[..., Any]:
     space: dict[str, Any] = {
         "accelerate": lambda position, velocity, air: air(position, velocity),
         "plus": _moved,
+        "moved": lambda position, dt, velocity, _: _moved(position, dt, velocity),
         "largest": lambda a: max(map(abs, a)),
     }
     exec(compile(_SOURCE, "verlet_steps", "exec"), space)
@@ -551,7 +568,8 @@ def air_in_space(law_in: Callable[[Frame[float]], Law[float]]) -> Callable[..., 
         frame, launch = launch_frame(position, velocity, DOUBLES)
         law = law_in(frame)
         acceleration = _acceleration(law)(*_halves(law.state_of(launch)), _parameters(law))
-        return frame.velocity(law.state(*(0.0 for _ in acceleration), *acceleration))
+        state = PlaneState if len(acceleration) == 2 else SpaceState
+        return frame.velocity(state(*(0.0 for _ in acceleration), *acceleration))
 
     return air
 

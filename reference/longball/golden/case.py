@@ -10,6 +10,7 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from longball.model.jsonl import json_line
 from longball.model.quantities import numbers
 from longball.model.result import Bounded, Result
 from longball.model.scene import Scene
@@ -117,7 +118,7 @@ class Case(Strict):
             "scene": json.loads(self.scene.line()),
             "expected": json.loads(self.expected.line()),
         }
-        return json.dumps(whole, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+        return json_line(whole, separators=(",", ":"))
 
 
 class Family(Strict):

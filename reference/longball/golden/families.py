@@ -274,7 +274,8 @@ def _drawn(name: str, sampling: SamplingReading, count: int, base: AtBatScene) -
 
 # --- all ------------------------------------------------------------------------------------------
 
-FAMILIES: dict[str, Callable[[], Iterator[Draft]]] = {
+Family = Callable[[], Iterator[Draft]]
+FAMILIES: dict[str, Family] = {
     "flight-vacuum": flight_vacuum,
     "flight-drag": flight_drag,
     "flight-lift": flight_lift,

@@ -41,13 +41,18 @@ def write_whole(path: Path, content: str) -> None:
     os.replace(unfinished, path)
 
 
+def inside(folder: Path, name: str) -> bool:
+    """Tell whether a name is that of a file in a folder or below it."""
+    return (folder / name).resolve().is_relative_to(folder.resolve())
+
+
 def write_files(folder: Path, files: Mapping[str, str]) -> None:
     """Write files of a set, and their checksums among those of the set's other files."""
     for name, content in files.items():
         write_whole(folder / name, content)
     sums = {name: checksum(folder / name) for name in files}
     for name, digest in listed(folder).items():
-        if (folder / name).is_file():
+        if inside(folder, name) and (folder / name).is_file():
             sums.setdefault(name, digest)
     lines = (f"{sums[name]}  {name}\n" for name in sorted(sums))
     write_whole(folder / CHECKSUMS, "".join(lines))

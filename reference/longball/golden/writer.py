@@ -13,16 +13,16 @@ from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 
 import longball
+from longball.engines.parallel import in_parallel
+from longball.extras import naming_extras
 from longball.golden.case import Case
 from longball.golden.case_builder import Draft
-from longball.golden.families import FAMILIES
+from longball.golden.families import FAMILIES, Family
 from longball.golden.files import HEADER, HISTORIES, PARTIAL, schemas, write_files
 from longball.golden.headers import header, made_by
 from longball.golden.history import ABOUT, history
 from longball.golden.truth import make
 from longball.model.scene import FlightScene
-
-Family = Callable[[], Iterator[Draft]]
 
 # Flights that are tabulated: one of every kind, all of which land.
 TABULATED = (
@@ -91,12 +91,13 @@ def _histories(made: Mapping[str, list[Case]]) -> Iterator[tuple[str, str]]:
 
 def _cases(folder: Path, family: str, drafts: list[Draft], workers: int) -> Iterator[Case]:
     """Yield the cases of a family in order; those that an earlier run has finished are kept."""
-    from joblib import Memory, Parallel, delayed  # slow to import
+    with naming_extras():
+        from joblib import Memory  # slow to import
 
     finished = Memory(folder / PARTIAL, verbose=0).cache(_line)
     stamp = fingerprint()
-    tasks = (delayed(finished)(stamp, family, draft) for draft in drafts)
-    for line in Parallel(n_jobs=workers, return_as="generator")(tasks):
+    calls = ((stamp, family, draft) for draft in drafts)
+    for line in in_parallel(finished, calls, workers):
         yield Case.model_validate_json(line)
 
 
@@ -109,7 +110,7 @@ def fingerprint() -> str:
     """Return a text that changes with the code that takes part and with its libraries."""
     package = Path(longball.__file__).parent
     parts = ("model", "engines", "home_run", "golden")
-    sources = sorted(path for part in parts for path in (package / part).glob("*.py"))
+    sources = sorted(path for part in parts for path in (package / part).rglob("*.py"))
     digest = hashlib.sha256(repr(sorted(made_by().items())).encode())
     for path in sources:
         digest.update(path.read_bytes())

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from longball.convergence.figure import draw_convergence
 from longball.engines.chain import solve_with_path
 from longball.engines.ivp import Ivp
+from longball.extras import naming_extras
 from longball.judge.answers import quoted
 from longball.judge.evaluation import Evaluation
 from longball.judge.quantities import Value, values_of
@@ -189,6 +190,7 @@ def _pictures(evaluation: Evaluation) -> Iterator[str]:
         yield _image(lambda figure: draw_flight(figure, worst), (10, 4.6), "the worst flight")
 
 
+@naming_extras()
 def _image(draw: Callable[[Figure], None], size: tuple[float, float], what: str) -> str:
     # A figure of its own, without pyplot: no display is asked for, and no state is left.
     from matplotlib.backends.backend_agg import FigureCanvasAgg

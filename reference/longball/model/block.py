@@ -28,7 +28,7 @@ class Block(BaseModel):
     @model_serializer(mode="wrap")
     def _written(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
         written = handler(self)
-        return {key: written[key] for key in self.named()}
+        return {key: written[key] for key in self.named() if key in written}
 
 
 # Sizes within which no product of the model's formulas overflows or underflows a double.

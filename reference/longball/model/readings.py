@@ -35,6 +35,8 @@ WindActsOn = Literal["both", "drag"]
 Pressure = Literal["sea_level", "station"]
 GroundContact = Literal["centre", "surface"]
 SlideDirection = Literal["initial", "final"]
+FenceClearance = Literal["centre", "surface"]
+DistanceOrigin = Literal["plate", "launch"]
 SampleSpace = Literal["pitches", "batted", "fair"]
 Fig7Parameters = Literal["caption", "text"]
 VerletForces = Literal[
@@ -81,6 +83,8 @@ class Reading(_Switches):
     spin_decay: SpinDecay = "path"
     wind_acts_on: WindActsOn = "both"
     pressure: Pressure = "sea_level"
+    fence_clearance: FenceClearance = "centre"
+    distance_origin: DistanceOrigin = "plate"
 
     @model_validator(mode="after")
     def _no_contradiction(self) -> Self:
@@ -304,6 +308,20 @@ LEDGER: tuple[Entry, ...] = (
         "yield more in one direction than in another, so that the slip turns during the impact. "
         "initial: against the slip as it begins. final: along the friction that would end it, so "
         "that a ball that all but grips leaves as one that grips.",
+    ),
+    Entry(
+        "fence_clearance",
+        ("centre", "surface"),
+        "not in the paper",
+        "Does a ball clear a fence when its centre or when its whole surface is above the top?",
+    ),
+    Entry(
+        "distance_origin",
+        ("plate", "launch"),
+        "Sec. IV",
+        "Distances are said to be from the plate, of which x = y = 0 is the tip; trackers and many "
+        "simulators measure from where the ball is launched or hit. "
+        "P(e) counts D >= 150 m from the plate.",
     ),
     Entry(
         "friction",

@@ -5,10 +5,12 @@ The keys are fixed: other implementations write them, and the judge reads them.
 
 from __future__ import annotations
 
-import json
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, model_serializer
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_serializer
+
+from longball import __version__
+from longball.model.jsonl import json_line
 
 Outcome = Literal[
     "batted",
@@ -20,6 +22,8 @@ Outcome = Literal[
     "struck",
     "grounded",
     "airborne",
+    "home_run",
+    "wall",
 ]
 
 
@@ -133,6 +137,30 @@ class Landing(_Strict):
     path: Number | None = Field(
         default=None, description="m, through the air since contact or launch, if spin decays"
     )
+    fair: Annotated[bool, BeforeValidator(bool)] | None = Field(
+        default=None,
+        description="whether |y| <= x where the ball leaves the field or lands; with a fence only",
+    )
+
+
+class Fence(_Strict):
+    """Where the ball first leaves the field over the fence, or meets it."""
+
+    time: Number = Field(description="s, since the start of the scene")
+    position: Triple = Field(description="m")
+    velocity: Triple = Field(description="m/s")
+    clearance: Number = Field(description="m, height above the top; a wall if not positive")
+    segment: Annotated[int, BeforeValidator(int)] = Field(
+        description="number of the chord between two vertices, the first being 0"
+    )
+    margin: Number | None = Field(
+        default=None, description="m, along the chord to the next vertex; none on a circle"
+    )
+
+
+def signed(engine: str) -> str:
+    """Return the description of an engine with longball's version."""
+    return f"longball {__version__} {engine}"
 
 
 class Result(_Strict):
@@ -143,7 +171,15 @@ class Result(_Strict):
     plate: Plate | None = None
     contact: Contact | None = None
     impact: Impact | None = None
+    fence: Fence | None = None
     landing: Landing | None = None
+    path: tuple[Annotated[tuple[Number, ...], Field(min_length=4, max_length=7)], ...] | None = (
+        Field(
+            default=None,
+            description="[t, x, y, z, vx, vy, vz] at times from the start of the scene to its end, "
+            "s, m and m/s, if it is asked for; velocities may be left out",
+        )
+    )
     engine: str | None = Field(default=None, description="who computed it, and how")
     error: str | None = Field(
         default=None, description="what could not be solved, where, and how to mend it"
@@ -168,4 +204,4 @@ class Result(_Strict):
 
     def line(self) -> str:
         """Return the result as one line of JSON, without the quantities it does not have."""
-        return json.dumps(self.data(), ensure_ascii=False, allow_nan=False)
+        return json_line(self.data())

@@ -11,6 +11,7 @@ import json
 import math
 import re
 from collections.abc import Iterator, Sequence
+from itertools import pairwise
 from typing import Annotated, Any, Literal, Self, get_args, get_origin
 
 from pydantic import BaseModel, Field, Tag, ValidationError, model_validator
@@ -21,6 +22,7 @@ from longball.model.block import SMALLEST, NotNegative, Point, Positive, Quantit
 from longball.model.block import Block as _Block
 from longball.model.block import refuse as _refuse
 from longball.model.force import cross, plus, scaled
+from longball.model.jsonl import LONGEST_LINE, json_line
 from longball.model.readings import Reading
 from longball.model.result import ErrorCode
 
@@ -182,6 +184,69 @@ class Earth(_Block):
     )
 
 
+class Fence(_Block):
+    """What a batted ball flies over or hits: a circle on the ground, or a line of straight chords.
+
+    A chord's left side, seen from its first vertex, is outside; where the height steps, a vertex is
+    given twice.
+    """
+
+    radius: Positive | None = Field(
+        default=None, description="m, of a fence of height 0 all around the plate"
+    )
+    polyline: tuple[tuple[Quantity, Quantity, Quantity], ...] | None = Field(
+        default=None,
+        description="m, [x, y, height of the top] from the left pole (y > 0) to the right one",
+    )
+
+    @model_validator(mode="after")
+    def _is_a_fence(self) -> Self:
+        if (self.radius is None) == (self.polyline is None):
+            _refuse("a fence has a radius or a polyline, one of the two")
+        if self.polyline is not None:
+            _require_polyline([(x, y) for x, y, _ in self.polyline])
+        return self
+
+
+def _require_polyline(vertices: list[tuple[float, float]]) -> None:
+    """Require a line from left to right that does not meet itself."""
+    corners = [v for i, v in enumerate(vertices) if i == 0 or v != vertices[i - 1]]
+    if len(corners) < 2:
+        _refuse("polyline needs at least two vertices [x, y, height] at different places")
+    chords = list(pairwise(corners))
+    for i, (a, b) in enumerate(chords):
+        for j, (c, d) in enumerate(chords[i + 1 :], i + 1):
+            if (j == i + 1 and _folds(a, b, d)) or (j > i + 1 and _meet(a, b, c, d)):
+                _refuse(f"polyline crosses itself: between {a}, {b} and between {c}, {d}")
+    if sum(math.atan2(_turn((0.0, 0.0), a, b), a[0] * b[0] + a[1] * b[1]) for a, b in chords) > 0:
+        _refuse(
+            "polyline goes the wrong way round the plate: it runs from the left pole (y > 0) to "
+            "the right one; turn the order of its vertices round"
+        )
+
+
+def _turn(a: tuple[float, float], b: tuple[float, float], c: tuple[float, float]) -> float:
+    """Return (b - a) × (c - a): positive if c is to the left of the way from a to b."""
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+
+
+def _folds(a: tuple[float, float], b: tuple[float, float], d: tuple[float, float]) -> bool:
+    """Tell whether the way from a to b goes back on itself to d."""
+    back = (a[0] - b[0]) * (d[0] - b[0]) + (a[1] - b[1]) * (d[1] - b[1])
+    return _turn(a, b, d) == 0 and back > 0
+
+
+def _meet(
+    a: tuple[float, float], b: tuple[float, float], c: tuple[float, float], d: tuple[float, float]
+) -> bool:
+    """Tell whether two chords have a point in common."""
+    if max(min(a[0], b[0]), min(c[0], d[0])) > min(max(a[0], b[0]), max(c[0], d[0])):
+        return False
+    if max(min(a[1], b[1]), min(c[1], d[1])) > min(max(a[1], b[1]), max(c[1], d[1])):
+        return False
+    return _turn(a, b, c) * _turn(a, b, d) <= 0 and _turn(c, d, a) * _turn(c, d, b) <= 0
+
+
 class _Scene(_Block):
     id: str | None = Field(
         default=None,
@@ -194,8 +259,8 @@ class _Scene(_Block):
     def line(self) -> str:
         """Return the scene as one line of JSON with every default but the reading's written out."""
         blocks = self.model_dump(mode="json")
-        head = {key: value for key in ("id", "kind") if (value := blocks.pop(key))}
-        return json.dumps(head | blocks, ensure_ascii=False, allow_nan=False)
+        head = {key: value for key in ("id", "kind") if (value := blocks.pop(key, None))}
+        return json_line(head | blocks)
 
 
 class _FlyingScene(_Scene):
@@ -255,12 +320,13 @@ class FlightScene(_FlyingScene):
     kind: Literal["flight"] = "flight"
     launch: Launch
     ground: Ground = Ground()
+    fence: Fence | None = None
 
     @model_validator(mode="after")
     def _above_ground(self) -> Self:
-        self._refuse_underground(
-            "launch.position[2]", self.launch.position[2], landing_height(self)
-        )
+        x, y, z = self.launch.position
+        self._refuse_underground("launch.position[2]", z, landing_height(self))
+        _require_inside(self.fence, "launch.position", math.hypot(x, y))
         return self
 
 
@@ -312,12 +378,20 @@ class AtBatScene(_FlyingScene):
     bat: Bat = Bat()
     swing: Swing = Swing()
     ground: Ground = Ground()
+    fence: Fence | None = None
 
     @model_validator(mode="after")
     def _above_ground(self) -> Self:
         self._refuse_underground("pitch.release[2]", self.pitch.release[2], landing_height(self))
         _require_support(self)
+        farthest = math.hypot(self.ball.radius + self.bat.radius, self.bat.length / 2)
+        _require_inside(self.fence, "the bat's reach", farthest)
         return self
+
+
+def _require_inside(fence: Fence | None, what: str, distance: float) -> None:
+    if fence is not None and fence.radius is not None and not distance < fence.radius:
+        _refuse(f"fence.radius = {fence.radius} m: {what} is outside, {distance} m from the plate")
 
 
 def _require_support(scene: ImpactScene | AtBatScene) -> None:
@@ -371,6 +445,8 @@ def explain(error: ValidationError, model: type[BaseModel]) -> str:
 
 
 def _text(line: str | bytes) -> str:
+    if len(line) > LONGEST_LINE:
+        raise InvalidScene(f"longer than {LONGEST_LINE:,} bytes")
     if isinstance(line, str):
         if not _is_text(line):
             raise InvalidScene("not Unicode text: it holds half of a surrogate pair")

@@ -31,7 +31,7 @@ class FlightModel:
     density
         kg/m³; None: of the weather of the game.
     spin
-        Whether the ball has its spin; without it the scene has today's lift of a fixed axis.
+        Whether the ball has its spin; without it lift is upwards, as in the paper.
     ball
         Mass and radius, where they are not the paper's.
     gravity

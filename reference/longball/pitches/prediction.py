@@ -11,8 +11,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from longball import engines
 from longball.engines import chain
 from longball.engines.engine import Engine, ManyAtOnce
+from longball.extras import naming_extras
 from longball.model.result import Result
 from longball.model.scene import InvalidScene, Scene, parse_scene
 from longball.pitches.models import FlightModel, expected_spin
@@ -118,24 +120,25 @@ def scenes(
 def solve(
     measured: Measured,
     model: FlightModel | Sequence[FlightModel],
-    engine: Engine[Any],
     spin: Floats | None = None,
+    engine: Engine[Any] | None = None,
 ) -> list[Result]:
-    """Return the result of each measured ball; arguments as of `scenes`."""
+    """Return the result of each measured ball, by default of the batch engine; see `scenes`."""
+    solver = engine or engines.create("batch")
     every = list(scenes(measured, model, spin))
-    if isinstance(engine, ManyAtOnce):
-        return engine.solve_all(every)
-    return [chain.solve(scene, engine) for scene in every]
+    if isinstance(solver, ManyAtOnce):
+        return solver.solve_all(every)
+    return [chain.solve(scene, solver) for scene in every]
 
 
 def predict(
     measured: Measured,
     model: FlightModel | Sequence[FlightModel],
-    engine: Engine[Any],
     spin: Floats | None = None,
+    engine: Engine[Any] | None = None,
 ) -> Prediction:
-    """Predict measured balls; arguments as of `scenes`."""
-    results = solve(measured, model, engine, spin)
+    """Predict measured balls; arguments as of `solve`."""
+    results = solve(measured, model, spin, engine)
     predicted = np.full(measured.measured.shape, np.nan)
     without: Counter[str] = Counter()
     for i, result in enumerate(results):
@@ -197,6 +200,7 @@ def _summary(group: str, which: Booleans, error: Floats) -> Summary:
     )
 
 
+@naming_extras()
 def as_frame(prediction: Prediction) -> pd.DataFrame:
     """Return a row for each ball, in SI units and the frame of scenes."""
     import pandas as pd

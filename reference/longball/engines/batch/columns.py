@@ -7,6 +7,7 @@ solved alone it has a reason.
 
 from __future__ import annotations
 
+import contextlib
 import math
 from collections.abc import Callable, Mapping
 from copy import copy
@@ -30,7 +31,7 @@ from longball.engines.batch.records import (
     records_of,
     stops,
 )
-from longball.engines.chain import Cases, Model
+from longball.engines.chain import Cases, Model, OneCase, land
 from longball.engines.contact import BatSection, margin_error
 from longball.engines.engine import Touch
 from longball.engines.event import past
@@ -104,6 +105,8 @@ _LAST = {
     "batted": "landing.distance",
     "crossed": "plate.velocity[2]",
     "struck": "impact.velocity[2]",
+    "home_run": "fence.clearance",
+    "wall": "fence.clearance",
 }
 
 
@@ -302,6 +305,21 @@ class ManyCases(Cases[Any]):
     def conclude(self, outcome: Outcome) -> None:
         """See `Cases`."""
         self.table.outcome[self.rows] = OUTCOMES.index(outcome)
+
+    def land_in_space(self, launch: Any, frame: Any, start: Any, outcome: Outcome) -> None:
+        """See `Cases`. Each alone: what it may cross depends on where it curves to."""
+        for i, row in enumerate(self.rows):
+
+            def one(column: Array, i: int = i) -> Any:
+                return column[i].item()
+
+            case = OneCase(_mapped(one, self.scene), self.engine.flyer, self.model)
+            with contextlib.suppress(ArithmeticError):
+                land(case, _mapped(one, launch), outcome)
+                for name, value in case.answer.items():
+                    if name != "outcome":
+                        self.table.put(name, row, value)
+                self.table.outcome[row] = OUTCOMES.index(case.answer["outcome"])
 
     def with_restitution(self, restitution: float, table: Table) -> ManyCases:
         """Return the same cases with other balls, writing into another table."""

@@ -222,13 +222,16 @@ def _structure(scene: Any) -> tuple[Any, ...]:
         (incoming, "spin"),
     )
     absent = tuple(getattr(block, key, None) is None for block, key in named)
-    return type(scene), scene.reading, getattr(bat, "support", None), absent
+    kind, fence = type(scene), getattr(scene, "fence", None)
+    return kind, scene.reading, getattr(bat, "support", None), fence, absent
 
 
 def _columns_of(scenes: list[Scene]) -> dict[str, Array]:
     """Return the numbers of scenes of one structure."""
     columns: dict[str, Array] = {}
     for way in dict.fromkeys(name.partition("[")[0] for name, _ in quantities.numbers(scenes[0])):
+        if way.startswith("fence."):
+            continue  # the same in all
         values = np.array([*map(attrgetter(way), scenes)], np.float64)
         if values.ndim == 1:
             columns[way] = values

@@ -28,6 +28,8 @@ STOPS: Mapping[str, int] = {
     "plate": 1,
     "vertical": 2,
     "past": 3,
+    "fence": 4,
+    "fence_behind": 5,
     "time": flights.TIME_LIMIT,
 }
 
