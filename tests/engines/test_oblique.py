@@ -457,9 +457,7 @@ def test_columns_have_the_bits_of_single_scenes():
             pitch=Pitch(aim=(0.1, 1.8)),
             swing=Swing(height_offset=offset),
         )
-        for i, (friction, offset) in enumerate(
-            (f, z) for f in (0.01, 0.1, 0.5, 0.6) for z in (-0.05, -0.02, 0.0, 0.01, 0.07)
-        )
+        for i, (friction, offset) in enumerate([(0.01, -0.05), (0.5, -0.02), (0.5, 0.07)])
     ]
     batch = ENGINES["batch"]
     for alike in (scenes, at_bats):
