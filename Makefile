@@ -5,7 +5,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 INSTALLED := $(VENV)/.installed
 
-.PHONY: report paper docs test lint bench clean
+.PHONY: report paper docs test coverage lint bench clean
 
 report: $(INSTALLED)  ## write report/README.md with its tables and figures
 	$(BIN)/python -m analysis
@@ -18,6 +18,9 @@ docs: $(VENV)/.documented  ## write the documentation to docs/_build/html; no ne
 
 test: $(INSTALLED)  ## run the tests on all cores
 	$(BIN)/python -m pytest -n auto
+
+coverage: $(INSTALLED)  ## run the tests, and print what they do not reach
+	$(BIN)/python -m pytest -n auto --cov --cov-report=term
 
 lint: $(INSTALLED)  ## run the linters
 	$(BIN)/ruff check

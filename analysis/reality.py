@@ -34,8 +34,9 @@ from longball.pitches.table import Floats as Array
 
 NATHAN = MODELS["nathan"]
 ONE_SPIN = 2000.0 * RPM  # rad/s, where every batted ball is given the same backspin
-SHARES = np.linspace(0.0, 1.0, 1001)  # of active spin, that are tried
-SOLVED_SHARES = np.linspace(0.0, 1.0, 9)  # of them; places at the plate are smooth in between
+# Shares of active spin that are tried, and those of them that are solved: places at the plate are
+# smooth in between. Spin all along the velocity would be a singular point of its direction.
+SHARES, SOLVED_SHARES = np.linspace(0.05, 1.0, 951), np.linspace(0.05, 1.0, 7)
 REPLICATES, SEED = 999, 11
 CATCH = 1.5  # m, a height at which flies are caught
 CAUGHT = ("field_out", "sac_fly", "double_play", "field_error")
@@ -355,19 +356,19 @@ def held_out_shares(
     # Predictions at every share: a hundredth of an inch from those solved.
     predicted = CubicSpline(SOLVED_SHARES, np.array(tried))(SHARES)
     squares = np.sum((predicted - pitches.measured) ** 2, axis=2)
+    usual = int(np.argmin(squares.sum(axis=1)))
     shares, spread = {}, {}
-    found = np.full(pitches.measured.shape, np.nan)
-    usual = int(np.argmin(np.nansum(squares, axis=1)))
+    found = np.empty(pitches.measured.shape)
     for kind in np.unique(pitches.labels):
         of_kind = pitches.labels == kind
-        shares[str(kind)] = float(SHARES[np.argmin(np.nansum(squares[:, of_kind], axis=1))])
-        fitted = []
-        for game in np.unique(pitches.games[of_kind]):
-            others, here = of_kind & (pitches.games != game), of_kind & (pitches.games == game)
-            best = int(np.argmin(np.nansum(squares[:, others], axis=1))) if others.any() else usual
-            found[here] = predicted[best, here]
-            fitted.append(float(SHARES[best]))
-        spread[str(kind)] = min(fitted), max(fitted)
+        here = {game: of_kind & (pitches.games == game) for game in set(pitches.games[of_kind])}
+        sums = {game: squares[:, which].sum(axis=1) for game, which in here.items()}
+        total = np.sum(list(sums.values()), axis=0)
+        shares[str(kind)] = float(SHARES[np.argmin(total)])
+        fitted = [int(np.argmin(total - own)) if len(sums) > 1 else usual for own in sums.values()]
+        for which, best in zip(here.values(), fitted, strict=True):
+            found[which] = predicted[best, which]
+        spread[str(kind)] = float(SHARES[min(fitted)]), float(SHARES[max(fitted)])
     return shares, Prediction(pitches, found, {}, 0), spread
 
 

@@ -13,6 +13,8 @@ import sys
 from types import FrameType
 from typing import NoReturn
 
+from longball.extras import MissingExtra, naming_extras
+
 STOPPED = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated"}
 
 
@@ -48,12 +50,6 @@ def _prepare_streams() -> None:
         sys.stdout = io.TextIOWrapper(_Closed("standard output"), write_through=True)
 
 
-def _stop(number: int, frame: FrameType | None) -> NoReturn:
-    """End by an exception, so that worker processes end, too; a second signal ends at once."""
-    signal.signal(number, signal.SIG_DFL)
-    raise SystemExit(128 + number)
-
-
 def main() -> None:
     """Run the command line."""
     heard = [number for number in STOPPED if signal.getsignal(number) is not signal.SIG_IGN]
@@ -63,32 +59,42 @@ def main() -> None:
 
     from longball.cli import app
     from longball.cli.common import tell
-    from longball.extras import MissingExtra, naming_extras
+
+    stopped_by: list[int] = []
+
+    def stop(number: int, frame: FrameType | None) -> NoReturn:
+        # An exception, so that worker processes end, too; a second signal ends at once.
+        signal.signal(number, signal.SIG_DFL)
+        stopped_by.append(number)
+        raise SystemExit
 
     for number in heard:
-        signal.signal(number, _stop)
+        signal.signal(number, stop)
     try:
         with naming_extras():
             app()
-    except MissingExtra as error:
-        tell(str(error))
-        sys.exit(2)
-    except BrokenPipeError:
-        # The reader of our output has left. Python would raise again when it flushes.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        sys.exit(1)
-    except OSError as error:
-        tell(f"{error.filename or 'output'}: {error.strerror}")
-        sys.exit(2)
-    except SystemExit as end:
-        for number in heard:
-            if end.code == 128 + number:
-                tell(STOPPED[number])
-        raise
-    except Exception as error:
-        # A bug of longball. For its traceback call `longball.cli.app` from Python.
-        tell(f"unexpected {type(error).__name__}: {error}")
-        sys.exit(1)
+    except BaseException as error:
+        # After a signal it may be another one: workers that have been stopped are missed.
+        if stopped_by:
+            tell(STOPPED[signal.Signals(stopped_by[0])])
+            sys.exit(128 + stopped_by[0])
+        if isinstance(error, BrokenPipeError):
+            # The reader of our output has left. Python would raise again when it flushes.
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            sys.exit(1)
+        if not isinstance(error, Exception):
+            raise
+        tell(_sentence(error))
+        sys.exit(2 if isinstance(error, OSError | MissingExtra) else 1)
+
+
+def _sentence(error: Exception) -> str:
+    if isinstance(error, MissingExtra):
+        return str(error)
+    if isinstance(error, OSError):
+        return f"{error.filename or 'output'}: {error.strerror}"
+    # A bug of longball. For its traceback call `longball.cli.app` from Python.
+    return f"unexpected {type(error).__name__}: {error}"
 
 
 if __name__ == "__main__":

@@ -17,8 +17,10 @@ from longball.engines.chain import (
     solve_with_path,
     solve_with_restitutions,
 )
+from longball.engines.enclosure import Enclosure
 from longball.engines.ivp import Ivp
 from longball.model.law import DRAG, GRAVITY, LIFT, Force
+from longball.model.quantities import replaced
 from longball.model.scene import parse_scene
 from longball.model.trace import ZERO
 
@@ -160,6 +162,74 @@ def test_a_sideways_force_goes_through_the_whole_chain():
 
 def push_left(motion, p):
     return ZERO, p.push, ZERO
+
+
+RECONTACT = (
+    '{"id":"x","kind":"at-bat","ball":{"mass":%r,"restitution":%r},"bat":{"mass":0.5},'
+    '"reading":{"bat_ball_restitution":"plain","reduced_mass":"bat_mass"}}'
+)
+
+
+@pytest.mark.parametrize("engine", ["ivp", "batch", "enclosure", "multiprecision"])
+@pytest.mark.parametrize(
+    ("mass", "restitution", "said"),
+    [
+        (0.25, 0.6, None),
+        # Of ẽ M / m = 1 the ball leaves with the bat's own speed: by the impulse's definition.
+        (0.25, 0.5, "possible"),
+        (0.25, 0.4, "certain"),
+        (0.25, 0.0, "certain"),
+        (0.125, 0.4, None),
+        (2.0, 0.4, "certain"),
+    ],
+)
+def test_a_ball_that_stays_slower_than_the_bat_is_told(engine, mass, restitution, said):
+    scene = parse_scene(RECONTACT % (mass, restitution))
+    found = solve(scene, engines.create(engine))
+    assert found.outcome == "batted"
+    assert found.impact.recontact == said
+    if engine == "batch":
+        many = engines.create(engine).solve_all([scene, parse_scene('{"kind":"at-bat"}')] * 20)
+        assert [result.impact.recontact for result in many] == [said, None] * 20
+    if said is None:
+        assert "recontact" not in found.line()
+
+
+def test_a_ball_that_comes_from_behind_the_bat_is_told_too():
+    """It overtakes the bat, is struck by its back, and is faster still."""
+    line = (
+        '{"id":"x","kind":"impact","ball":{"mass":%r},"swing":{"angular_speed":20},"reading":'
+        '{"bat_ball_restitution":"plain","reduced_mass":"bat_mass"},'
+        '"incoming":{"position":[-0.0696,0,1],"velocity":[40,0,0],"bat_height":1}}'
+    )
+    assert solved(line % 0.145).impact.recontact is None
+    assert solved(line % 5.0).impact.recontact == "certain"
+
+
+@pytest.mark.parametrize("engine", ["ivp", "batch", "multiprecision"])
+@pytest.mark.parametrize(
+    "line",
+    [
+        '{"id":"x","kind":"flight","launch":{"position":[0,0,0],'
+        '"velocity":[20.395979199258313,-0.651281012443394,31.6328971210868]}}',
+        '{"id":"x","kind":"flight","launch":{"position":[0,0,1],"velocity":[0,0,35]}}',
+        # A hop, whose hang time has the error of the contact.
+        '{"id":"x","kind":"at-bat","swing":{"height_offset":-0.0006930463748685695,'
+        '"tilt":0.10641549767016717}}',
+    ],
+)
+def test_a_tie_with_the_time_limit_is_declined_or_right(engine, line):
+    scene = parse_scene(line)
+    landing = solve(scene, Enclosure()).landing
+    time = float(landing.hang_time)
+    outcomes = set()
+    for ulps in (-60, -3, -1, 0, 1, 2, 8, 30):
+        limited = replaced(scene, {"time_limit": time + ulps * math.ulp(time)})
+        truth, found = solve(limited, Enclosure()), solve(limited, engines.create(engine))
+        assert found.outcome == truth.outcome or found.code == "undecided", ulps
+        outcomes.add(found.outcome)
+    if engine != "multiprecision":
+        assert None in outcomes
 
 
 def test_a_graze_below_rounding_is_not_decided():

@@ -19,6 +19,10 @@ Part = Literal["cases", "probability"]
 def write(
     folder: Folder = None,
     part: Annotated[Part | None, typer.Option(help="Only that part of the set.")] = None,
+    family: Annotated[
+        list[str] | None,
+        typer.Option(help="Only that family of cases, the others as DIR has them; repeatable."),
+    ] = None,
     workers: Workers = -1,
     quiet: Quiet = False,
 ) -> None:
@@ -28,13 +32,17 @@ def write(
     probabilities P(e) somewhat longer.
     """
     from longball.golden import home_runs, reader, writer  # with them come the engines
+    from longball.golden.families import FAMILIES
 
     target = folder or reader.DATA
+    if unknown := set(family or []) - FAMILIES.keys():
+        known = ", ".join(FAMILIES)
+        wrong_call(f"--family {unknown.pop()}: there is none; the families are {known}")
     if part != "probability":
         with progress_bar("cases", 1) as advance:
-            count = writer.write(target, workers=workers, progress=advance)
+            count = writer.write(target, only=family or None, workers=workers, progress=advance)
         note(f"{count} cases in {target}")
-    if part != "cases":
+    if part != "cases" and not family:
         with progress_bar("probabilities", 1) as advance:
             count = home_runs.write_probabilities(target, workers=workers, progress=advance)
         note(f"{count} readings' probabilities in {target}")

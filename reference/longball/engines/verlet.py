@@ -37,7 +37,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path as File
-from types import ModuleType
+from types import ModuleType, SimpleNamespace
 from typing import Any, NamedTuple, TypeVar, get_args
 
 import numpy as np
@@ -310,15 +310,32 @@ class Verlet(Stepped[float]):
         Each has a row for each component of the state. It comes with the number of the step in its
         first column, the last one of the array before.
         """
-        march, parameters = steps_of(law.program).march, _parameters(law)
         treatment = TREATMENTS[self.forces]
         last, done, length = np.array(start, dtype=float), 0, _FIRST_STEPS
-        force = _acceleration(law)(*_halves(last.tolist()), parameters)
+        branches = law.branches(start, DOUBLES)
+        form = law.on(branches) if law.bends else law
+        force = _acceleration(form)(*_halves(last.tolist()), _parameters(form))
         steps = math.ceil(min(limit / self.dt, 2.0**53))
         while done < steps:
             states = np.empty((len(start), 1 + min(length, steps - done)))
             states[:, 0] = last
-            force = march(states, force, self.dt, *treatment, parameters)
+            march = steps_of(form.program).march
+            force = march(states, force, self.dt, *treatment, _parameters(form))
+            passed = np.any(
+                [
+                    there != now
+                    for there, now in zip(
+                        law.branches(states[:, 1:], _ARRAYS), branches, strict=True
+                    )
+                ],
+                axis=0,
+            )
+            if np.any(passed):
+                # The next step begins in another form of the law.
+                states = states[:, : 2 + int(np.argmax(passed))]
+                branches = law.branches(states[:, -1], DOUBLES)
+                form = law.on(branches)
+                force = _acceleration(form)(*_halves(states[:, -1].tolist()), _parameters(form))
             yield done, states
             last, done, length = (
                 states[:, -1],
@@ -342,6 +359,9 @@ class Verlet(Stepped[float]):
                 "implicit step does not settle: the step is too long for these forces"
             )
 
+
+# As much of a number system as a traced law asks for, over arrays.
+_ARRAYS: Any = SimpleNamespace(functions={"sqrt": np.sqrt, "exp": np.exp, "log": np.log})
 
 # Steps that are taken at a time: some more than a flight of the paper's steps has, so that it takes
 # one array; and what a processor's cache holds.

@@ -162,6 +162,13 @@ def as_double(number: Bounded) -> float:
     return float(Decimal(number.value)) + 0.0
 
 
+def decisions(result: Result) -> tuple[object, ...]:
+    """Return what a result says besides numbers: the outcome, and what else is one or the other."""
+    mode = result.impact and result.impact.mode
+    fair = result.landing and result.landing.fair
+    return result.outcome, mode, result.fence and result.fence.segment, fair
+
+
 def decisive(result: Result) -> tuple[str, ...]:
     """Return the paths of the quantities that an outcome is mainly asked for."""
     wanted: tuple[str, ...] = ()
@@ -170,8 +177,12 @@ def decisive(result: Result) -> tuple[str, ...]:
             wanted = "landing.distance", "landing.time"
         case "missed" | "beyond_bat":
             wanted = ("contact.margin",)
+        case "home_run":
+            wanted = "fence.clearance", "landing.distance"
+        case "wall":
+            wanted = ("fence.clearance",)
         case "struck":
-            wanted = ("impact.impulse",)
+            wanted = "impact.impulse", "impact.friction_margin"
         case "separating":
             wanted = ("contact.normal_speed",)
         case "crossed":

@@ -10,23 +10,28 @@ lift, whose axis is fixed at launch. Sources: paper, Sec. III.B; A. M. Nathan, A
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from itertools import pairwise
 from typing import Any
 
 from longball.model import trace
-from longball.model.atmosphere import density
+from longball.model.atmosphere import density, speed_of_sound
 from longball.model.force import (
+    Branches,
     Decay,
     Drag,
     Flow,
     Force,
     Lift,
     Motion,
+    Piecewise,
     Term,
     cross,
+    piecewise,
     present,
     size,
     square,
+    switched,
 )
 from longball.model.numbers import N, Numbers, Vector
 from longball.model.trace import ZERO
@@ -242,6 +247,154 @@ SPIN_TERMS: tuple[Term, ...] = (
         for whole in (False, True)
     ),
 )
+
+
+# --- tables ---------------------------------------------------------------------------------------
+
+# Sawicki, Hubbard and Stronge, Am. J. Phys. 71 (2003) 1152: C_L = 1.5 S, from S = 0.1 on
+# 0.09 + 0.6 S.
+_BILINEAR = ((0.1,), ((0.0, 1.5), (0.09, 0.6)))
+
+
+def _lines(law: Any, numbers: Numbers[N]) -> tuple[tuple[N, ...], list[tuple[N, N]]]:
+    """Return where the lines of a law meet, and the value at 0 and the slope of each line."""
+    exact = numbers.exact
+    if law.law == "bilinear":
+        nodes, lines = _BILINEAR
+        return tuple(map(exact, nodes)), [(exact(a), exact(b)) for a, b in lines]
+    at, values = [*map(exact, law.at)], [*map(exact, law.values)]
+    nothing = exact(0.0)
+    found = [(values[0], nothing)]
+    for (x, y), (right, above) in pairwise(zip(at, values, strict=True)):
+        slope = (above - y) / (right - x)
+        found.append((y - slope * x, slope))
+    found.append((values[-1], nothing))
+    first = 1 if law.at[0] == 0.0 else 0  # nothing is below 0
+    return tuple(at[first:]), found[first:]
+
+
+def _table(
+    coefficient: str, of: str, whole: bool | None
+) -> Callable[[Any, Any, Numbers[N]], Branches | None]:
+    """Return the branches of a table of the speed or the spin parameter."""
+
+    def branches(scene: Any, frame: Any, numbers: Numbers[N]) -> Branches | None:
+        law = None if scene.air is None else getattr(scene.air, coefficient)
+        known = getattr(law, "of", "spin_parameter" if law_name(law) == "bilinear" else "")
+        if known != of:
+            return None
+        spins = frame.spin is not None and not all(map(numbers.absent, frame.spin))
+        if whole is None:
+            if coefficient == "lift_coefficient" and frame.spin is not None:
+                return None
+        elif whole != (scene.reading.spin_parameter == "total") or (
+            not spins and coefficient == "lift_coefficient"
+        ):
+            return None
+        unit = per_metre(scene, 1.0, numbers)
+        if unit is None:
+            return None
+        nodes, lines = _lines(law, numbers)
+        # What the slope is multiplied by is U, and R times a spin.
+        scale = numbers.exact(1.0)
+        if of == "mach":
+            scale = 1 / speed_of_sound(scene, numbers)
+            nodes = tuple(node / scale for node in nodes)
+        elif of == "spin_parameter":
+            scale = numbers.exact(scene.ball.radius)
+            nodes = tuple(node / scale for node in nodes)
+        strengths = tuple(
+            present((unit * at_0, unit * slope * scale), numbers) or (None, None)
+            for at_0, slope in lines
+        )
+        if of == "spin_parameter" and not spins:
+            return Branches((), strengths[:1])
+        return Branches(tuple(node * node for node in nodes), strengths)
+
+    return branches
+
+
+def _speed_squared(of_lift: bool) -> Callable[[Motion, Any], tuple[Any, Any]]:
+    def argument(motion: Motion, p: Any) -> tuple[Any, Any]:
+        return square((motion.lift if of_lift else motion.air).velocity), 1.0
+
+    return argument
+
+
+def _spin_parameter_squared(of_lift: bool, whole: bool) -> Callable[[Motion, Any], tuple[Any, Any]]:
+    """Return S² = (R f)² (b/a)² without R²."""
+
+    def argument(motion: Motion, p: Any) -> tuple[Any, Any]:
+        flow = motion.lift if of_lift else motion.air
+        left, speed = motion.spin_left * motion.spin_left, square(flow.velocity)
+        if whole or _is_level(flow, p):
+            return left * (p.spin * p.spin), speed
+        return left * square(spin_across(flow, p)), speed * speed
+
+    return argument
+
+
+def _over_speed(flow: Flow, p: Any, whole: bool) -> Any:
+    """Return ω_T at the spin of the launch."""
+    if whole or _is_level(flow, p):
+        return p.spin
+    return size(spin_across(flow, p)) / flow.speed
+
+
+def _tables() -> Iterator[Piecewise]:
+    """Yield the tables of drag and lift."""
+    passes_speed = "the airspeed passes a node of a table"
+    passes_spin = "the spin parameter passes a node of a table"
+    drag, lift = ("drag_table", "drag_slope"), ("lift_table", "lift_slope")
+    for of in ("speed", "mach"):
+
+        def drag_rate(motion: Motion, p: Any) -> Any:
+            speed = motion.air.speed
+            return p.drag_table * speed + p.drag_slope * (speed * speed)
+
+        def fixed_axis(motion: Motion, p: Any) -> Vector[Any]:
+            (u, _, w), speed = motion.lift
+            rate = motion.density * (p.lift_table * speed + p.lift_slope * (speed * speed))
+            return -rate * w, ZERO, rate * u
+
+        branches = _table("drag_coefficient", of, None)
+        yield piecewise(
+            Drag(drag, switched, drag_rate), branches, _speed_squared(False), passes_speed
+        )
+        branches = _table("lift_coefficient", of, None)
+        yield piecewise(
+            Force(lift, switched, fixed_axis), branches, _speed_squared(True), passes_speed
+        )
+    for whole in (False, True):
+
+        def drag_by_spin(motion: Motion, p: Any, whole: bool = whole) -> Any:
+            across = motion.spin_left * _over_speed(motion.air, p, whole)
+            return p.drag_table * motion.air.speed + p.drag_slope * across
+
+        def lift_by_speed(motion: Motion, p: Any, whole: bool = whole) -> Any:
+            a, b = spin_ratio(motion.lift, p, whole)
+            value = p.lift_table + p.lift_slope * motion.lift.speed
+            return ZERO if b is ZERO or value is ZERO else value * (a / b)
+
+        def lift_by_spin(motion: Motion, p: Any, whole: bool = whole) -> Any:
+            a, b = spin_ratio(motion.lift, p, whole)
+            linear = p.lift_slope * motion.spin_left
+            return linear if p.lift_table is ZERO else p.lift_table * (a / b) + linear
+
+        branches = _table("drag_coefficient", "spin_parameter", whole)
+        argument = _spin_parameter_squared(False, whole)
+        yield piecewise(Drag(drag, switched, drag_by_spin), branches, argument, passes_spin)
+        for of in ("speed", "mach"):
+            branches = _table("lift_coefficient", of, whole)
+            yield piecewise(
+                Lift(lift, switched, lift_by_speed), branches, _speed_squared(True), passes_speed
+            )
+        branches = _table("lift_coefficient", "spin_parameter", whole)
+        argument = _spin_parameter_squared(True, whole)
+        yield piecewise(Lift(lift, switched, lift_by_spin), branches, argument, passes_spin)
+
+
+TABLES = tuple(_tables())
 
 
 # --- the decay of spin ----------------------------------------------------------------------------

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, Discriminator, Field, Tag, field_validator, model_validator
@@ -77,6 +78,32 @@ class LinearLift(Block):
 # a fault is.
 
 
+class BilinearLift(Block):
+    """``C_L = 1.5 S`` below ``S = 0.1``, ``0.09 + 0.6 S`` above (Sawicki et al. 2003)."""
+
+    law: Literal["bilinear"]
+
+
+class Table(Block):
+    """A coefficient that is linear between nodes and constant outside."""
+
+    law: Literal["table"]
+    of: Literal["speed", "mach", "spin_parameter"] = Field(
+        description="what it depends on: the airspeed, m/s; the Mach number; S = R ω_T / U"
+    )
+    at: tuple[NotNegative, ...] = Field(min_length=2, max_length=100, description="the nodes")
+    values: tuple[Quantity, ...] = Field(description="of the coefficient, at the nodes")
+
+    @model_validator(mode="after")
+    def _is_a_table(self) -> Self:
+        if len(self.values) != len(self.at):
+            refuse(f"at has {len(self.at)} nodes and values has {len(self.values)} numbers")
+        for i, (x, y) in enumerate(pairwise(self.at)):
+            if not x < y:
+                refuse(f"at must increase, but at[{i + 1}] = {y} follows {x}")
+        return self
+
+
 def _law(value: Any) -> str:
     """Return the name of a law's form, or of a number's."""
     if isinstance(value, BaseModel):
@@ -88,14 +115,17 @@ DragCoefficient = Annotated[
     Annotated[NotNegative, Tag("<number>")]
     | Annotated[ConstantDrag, Tag("<constant>")]
     | Annotated[SpinDrag, Tag("<spin>")]
-    | Annotated[CrisisDrag, Tag("<crisis>")],
+    | Annotated[CrisisDrag, Tag("<crisis>")]
+    | Annotated[Table, Tag("<table>")],
     Discriminator(_law),
 ]
 LiftCoefficient = Annotated[
     Annotated[Quantity, Tag("<number>")]
     | Annotated[ConstantLift, Tag("<constant>")]
     | Annotated[RationalLift, Tag("<rational>")]
-    | Annotated[LinearLift, Tag("<linear>")],
+    | Annotated[LinearLift, Tag("<linear>")]
+    | Annotated[BilinearLift, Tag("<bilinear>")]
+    | Annotated[Table, Tag("<table>")],
     Discriminator(_law),
 ]
 
@@ -180,6 +210,9 @@ class Air(Block):
 
     @model_validator(mode="after")
     def _table_has_what_it_needs(self) -> Self:
+        drag = self.drag_coefficient
+        if isinstance(drag, Table) and min(drag.values) < 0.0:
+            refuse(f"drag_coefficient.values: {min(drag.values)} is negative")
         for key in ("drag_coefficient", "lift_coefficient"):
             of = getattr(getattr(self, key), "of", "")
             if of == "mach" and not isinstance(self.density, Weather):
@@ -193,6 +226,8 @@ class Air(Block):
     def lift_is_constant(self) -> bool:
         """Whether C_L does not fall with the spin parameter, to zero."""
         law = self.lift_coefficient
+        if isinstance(law, Table):
+            return law.of != "spin_parameter" or law.at[0] > 0.0 or law.values[0] != 0.0
         value = getattr(law, "value", 0.0) if isinstance(law, Block) else law
         return value != 0.0
 

@@ -138,6 +138,58 @@ class Decay(Term):
     left: Callable[[Any, Any, Any], Any]
 
 
+class Branches(NamedTuple):
+    """The forms that a term takes, one after the other, as what it depends on grows.
+
+    Attributes
+    ----------
+    levels
+        Where one form ends and the next begins, in rising order.
+    strengths
+        For each form, as a term has them; one more than levels.
+    """
+
+    levels: tuple[Any, ...]
+    strengths: tuple[tuple[Any, ...], ...]
+
+
+@dataclass(frozen=True)
+class Piecewise(Term):
+    """A term whose parameters change where something passes a level.
+
+    Attributes
+    ----------
+    term
+        The term itself.
+    branches
+        From a scene, a frame and a number system; None if the scene does not name the term.
+    argument
+        What passes the levels, as top and bottom of a fraction that are built of + - * alone, the
+        bottom positive.
+    question
+        That it does, as a clause.
+    """
+
+    term: Term
+    branches: Callable[[Any, Any, Numbers[Any]], Branches | None]
+    argument: Callable[[Motion, Any], tuple[Any, Any]]
+    question: str
+
+
+def piecewise(
+    term: Term,
+    branches: Callable[[Any, Any, Numbers[Any]], Branches | None],
+    argument: Callable[[Motion, Any], tuple[Any, Any]],
+    question: str,
+) -> Piecewise:
+    """Return a term with several forms; see `Piecewise`."""
+    return Piecewise(term.parameters, term.strengths, term, branches, argument, question)
+
+
+def switched(scene: Any, frame: Any, numbers: Numbers[Any]) -> None:
+    """Return no strengths: those of a `Piecewise` term are its branches'."""
+
+
 def present(values: tuple[Any, ...], numbers: Numbers[Any]) -> tuple[Any, ...] | None:
     """Return strengths with None for those that are zero; None if all are."""
     known = tuple(None if numbers.absent(value) else value for value in values)

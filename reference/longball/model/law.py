@@ -11,23 +11,33 @@ decays, there is one more: what it decays along.
 from __future__ import annotations
 
 from collections import namedtuple
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from types import SimpleNamespace
 from typing import Any, Generic, NamedTuple
 
 from longball.model import trace
-from longball.model.aerodynamics import CRISIS, DECAYS, DRAG, LIFT, SPIN_TERMS, spin_across
+from longball.model.aerodynamics import (
+    CRISIS,
+    DECAYS,
+    DRAG,
+    LIFT,
+    SPIN_TERMS,
+    TABLES,
+    spin_across,
+)
 from longball.model.atmosphere import THINNING
 from longball.model.earth import CORIOLIS
 from longball.model.force import (
+    Branches,
     Decay,
     Drag,
     Flow,
     Force,
     Lift,
     Motion,
+    Piecewise,
     Term,
     Thinning,
     Wind,
@@ -37,7 +47,7 @@ from longball.model.force import (
 )
 from longball.model.numbers import N, Numbers, Vector
 from longball.model.trace import ZERO, Node, Program
-from longball.model.wind import WINDS
+from longball.model.wind import WINDS, WINDS_ABOVE
 
 
 class PlaneState(NamedTuple, Generic[N]):
@@ -95,7 +105,7 @@ GRAVITY = Force(("gravity",), _weight, _gravity)
 PAPER: tuple[Term, ...] = (DRAG, LIFT, GRAVITY)
 FORCES: tuple[Term, ...] = (
     *PAPER,
-    *(CRISIS, *SPIN_TERMS, *DECAYS, *WINDS, THINNING, CORIOLIS),
+    *(CRISIS, *SPIN_TERMS, *DECAYS, *WINDS, THINNING, CORIOLIS, *TABLES, *WINDS_ABOVE),
 )
 
 
@@ -114,18 +124,21 @@ class Law(Generic[N]):
         Values of the program's parameters, by name.
     forces
         What the program was traced from.
+    bends
+        The terms that have several forms; the program has one form of each.
     """
 
     program: Program
     strengths: Mapping[str, N]
     forces: tuple[Term, ...]
+    bends: tuple[Bend[N], ...] = ()
 
     @property
     def state(self) -> Callable[..., Any]:
         """The class of the states: `PlaneState`, `SpaceState`, or one with more components."""
         return state_of_variables(self.program.variables)
 
-    def state_of(self, start: PlaneState[N]) -> State[N]:
+    def state_of(self, start: State[N]) -> State[N]:
         """Return a launch as a state of this law."""
         nothing = start.s * 0
         state: State[N] = self.state(
@@ -154,6 +167,42 @@ class Law(Generic[N]):
         """Return the function from the components of a state to the rates' partial derivatives."""
         return _jacobian(self.program).bind(self.strengths, numbers.functions)
 
+    def on(self, branches: Sequence[int]) -> Law[N]:
+        """Return the law with these forms of the terms that have several."""
+        switched = {name for bend in self.bends for name in bend.piecewise.term.parameters}
+        strengths = {n: x for n, x in self.strengths.items() if n not in switched}
+        terms = [f for f in self.forces if switched.isdisjoint(f.parameters)]
+        for bend, branch in zip(self.bends, branches, strict=True):
+            term = bend.piecewise.term
+            strengths |= _named(term, bend.branches.strengths[branch])
+            terms.append(term)
+        law = law_with(strengths, tuple(terms), in_space="y" in self.program.variables)
+        return replace(law, bends=self.bends)
+
+    def passage(self, bend: Bend[N]) -> Program:
+        """Return a program that is positive where a bend's argument is beyond a level.
+
+        It has the law's variables and parameters, and the parameter `level`.
+        """
+        motion = "space" if "y" in self.program.variables else "plane"
+        traced = _traced(self.forces, tuple(self.strengths), motion)
+        top, bottom = bend.piecewise.argument(traced.motion, traced.parameters)
+        value = trace.as_node(top) - trace.parameter("level") * bottom
+        return replace(self.program, outputs=(value,), parameters=(*self.strengths, "level"))
+
+    def beyond(self, bend: Bend[N], level: N, numbers: Numbers[N]) -> Callable[[Any], Any]:
+        """Return a function of the state that is positive where an argument is beyond a level."""
+        known = {**self.strengths, "level": level}
+        bound = self.passage(bend).bind(known, numbers.functions)
+        return lambda state: bound(*state)[0]
+
+    def branches(self, state: Any, numbers: Numbers[N]) -> list[Any]:
+        """Return which forms the terms have in a state, or in many: by the levels passed."""
+        return [
+            sum((self.beyond(bend, x, numbers)(state) > 0 for x in bend.branches.levels), start=0)
+            for bend in self.bends
+        ]
+
     def without(self, force: Term) -> Law[N]:
         """Return the law without one of its forces."""
         strengths = {n: x for n, x in self.strengths.items() if n not in force.parameters}
@@ -173,29 +222,62 @@ class Law(Generic[N]):
         return replace(self, program=vertical, strengths={**self.strengths, "sense": sense})
 
 
+@dataclass(frozen=True)
+class Bend(Generic[N]):
+    """A term that has several forms, with its branches in a scene."""
+
+    piecewise: Piecewise
+    branches: Branches
+
+
 def law_of(
     scene: Any, frame: Any, numbers: Numbers[N], forces: tuple[Term, ...] = FORCES
 ) -> Law[N]:
     """Return the law of motion of a flight in a frame, of a scene with ball, air and gravity."""
     strengths: dict[str, N] = {}
-    acting = []
+    acting: list[Term] = []
+    bends: list[Bend[N]] = []
     for force in forces:
+        if isinstance(force, Piecewise):
+            branches = force.branches(scene, frame, numbers)
+            if branches is not None:
+                bends.append(Bend(force, branches))
+            continue
         values = force.strengths(scene, frame, numbers)
         if values is not None:
             acting.append(force)
-            known = zip(force.parameters, values, strict=True)
-            strengths |= {name: value for name, value in known if value is not None}
-    return law_with(strengths, tuple(acting))
+            strengths |= _named(force, values)
+    law = law_with(strengths, tuple(acting))
+    if not bends:
+        return law
+    # The variables are the same on all branches: those of space, if one of them needs those.
+    of_all = dict(strengths)
+    for bend in bends:
+        acting.append(bend.piecewise.term)
+        for values in bend.branches.strengths:
+            of_all |= _named(bend.piecewise.term, values)
+    law = replace(law_with(of_all, tuple(acting)), bends=tuple(bends))
+    return law.on([0] * len(bends))
 
 
-def law_with(strengths: Mapping[str, N], forces: tuple[Term, ...] = FORCES) -> Law[N]:
-    """Return the law of those forces whose parameters have values; in the plane, if it holds.
+def _named(term: Term, values: tuple[Any, ...]) -> dict[str, Any]:
+    """Return the strengths of a term by name, without those that are zero."""
+    known = zip(term.parameters, values, strict=True)
+    return {name: value for name, value in known if value is not None}
 
-    A parameter without a value, beside others that have one, is zero.
+
+def law_with(
+    strengths: Mapping[str, N], forces: tuple[Term, ...] = FORCES, in_space: bool = False
+) -> Law[N]:
+    """Return the law of those forces whose parameters have values.
+
+    It is that in the plane, if it holds there and is not to be that `in_space`. A parameter without
+    a value, beside others that have one, is zero.
     """
     acting = tuple(f for f in forces if any(name in strengths for name in f.parameters))
     names = tuple(strengths)
-    program = _program(acting, names, "plane") or _program(acting, names, "space")
+    program = None if in_space else _program(acting, names, "plane")
+    program = program or _program(acting, names, "space")
     assert program is not None
     return Law(program, strengths, acting)
 
@@ -212,11 +294,15 @@ class _Traced:
         The variables besides positions and velocities.
     spin_left
         The size of the spin, relative to that at launch.
+    motion, parameters
+        What it was traced with.
     """
 
     rates: Mapping[str, Node]
     further: tuple[str, ...]
     spin_left: Any
+    motion: Motion
+    parameters: Any
 
 
 @cache
@@ -267,7 +353,7 @@ def _traced(forces: tuple[Term, ...], names: tuple[str, ...], motion: str) -> _T
         if isinstance(term, Force):
             total = plus(total, term.acceleration(moving, p))
     rates = dict(zip("syzuvw", (*velocity, *total), strict=True)) | further
-    return _Traced(rates, tuple(further), trace.as_node(spin_left))
+    return _Traced(rates, tuple(further), trace.as_node(spin_left), moving, p)
 
 
 # What must not change.

@@ -287,8 +287,9 @@ class _FlyingScene(_Scene):
                     f"{block}.spin is parallel to the velocity; take the law rational or linear, "
                     "or the number 0"
                 )
-        if self.reading.lift_direction == "always_up" and (spin or self.air.wind) is not None:
-            _refuse("reading.lift_direction = always_up takes neither spin nor wind")
+        beyond = (spin, self.air.wind, getattr(self.air.lift_coefficient, "of", None))
+        if self.reading.lift_direction == "always_up" and any(x is not None for x in beyond):
+            _refuse("reading.lift_direction = always_up takes neither spin nor wind nor a table")
         return self
 
     @model_validator(mode="after")

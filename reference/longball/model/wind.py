@@ -5,10 +5,11 @@ Heights are those of the scene's z, above the plane z = 0.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 from longball.model import trace
-from longball.model.force import Strengths, Wind, present, scaled
+from longball.model.force import Branches, Strengths, Wind, piecewise, present, scaled, switched
 from longball.model.numbers import N, Numbers, Vector
 from longball.model.trace import ZERO
 
@@ -41,6 +42,10 @@ def _same_everywhere(position: Vector[Any], p: Any) -> Vector[Any]:
     return p.wind_s, p.wind_y, p.wind_z
 
 
+def _aloft(position: Vector[Any], p: Any) -> Vector[Any]:
+    return p.above_s, p.above_y, p.above_z
+
+
 def _logarithmic(on: str) -> Strengths:
     """Return the function from a scene to a wind's ``W_h / ln((h + z_0)/z_0)``, and z_0."""
 
@@ -63,6 +68,29 @@ def _higher_faster(position: Vector[Any], p: Any) -> Vector[Any]:
     return scaled(rise, (p.log_wind_s, p.log_wind_y, ZERO))
 
 
+def _blows_above(on: str) -> Callable[[Any, Any, Numbers[N]], Branches | None]:
+    """Return the branches of a wind that blows above a height alone."""
+
+    def branches(scene: Any, frame: Any, numbers: Numbers[N]) -> Branches | None:
+        wind = _acts(scene, on, "above")
+        if wind is None:
+            return None
+        found = present(frame.components(wind.velocity, numbers), numbers)
+        none = None, None, None
+        return None if found is None else Branches((numbers.exact(wind.above),), (none, found))
+
+    return branches
+
+
+WINDS_ABOVE = tuple(
+    piecewise(
+        Wind(("above_s", "above_y", "above_z"), switched, _aloft, on == "both"),
+        _blows_above(on),
+        lambda motion, p: (motion.position[2], 1.0),
+        "the ball passes the height above which the wind blows",
+    )
+    for on in ("both", "drag")
+)
 WINDS = tuple(
     wind
     for on in ("both", "drag")

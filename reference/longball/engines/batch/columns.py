@@ -29,6 +29,7 @@ from longball.engines.batch.records import (
     noted,
     placed,
     records_of,
+    starts_at_corner,
     stops,
 )
 from longball.engines.chain import Cases, Model, OneCase, land
@@ -51,6 +52,12 @@ UNSOLVED = -1  # stands in a column of outcomes where a scene has no answer
 # --- arrays as numbers ----------------------------------------------------------------------------
 
 
+def _one_by_one(function: Callable[[float], float]) -> Callable[[Any], Any]:
+    """Return a function over arrays that has the bits of a function of one number."""
+    over_arrays = np.vectorize(function, otypes=[np.float64])
+    return lambda x: over_arrays(x)[()]
+
+
 class Elementwise:
     """Arrays of doubles as the numbers of the model's formulas (`longball.model.numbers`)."""
 
@@ -58,8 +65,8 @@ class Elementwise:
     rounding = DOUBLES.rounding
     functions: Mapping[str, Callable[..., Any]] = {
         "sqrt": np.sqrt,
-        "exp": np.exp,
-        "log": np.log,
+        "exp": _one_by_one(math.exp),
+        "log": _one_by_one(math.log),
         "unit": np.vectorize(ratio),
     }
 
@@ -226,6 +233,10 @@ class Columns:
         launch = Start(0.0, start)
         records = records_of(law, launch, events, limit, self.flight_error)
         ends = self.flyer.fly_all(records, general(law).program)
+        # Those are solved alone.
+        ends["stop"][...] = np.where(
+            starts_at_corner(law, start), flights.OUT_OF_RANGE, ends["stop"]
+        )
         return Flights(
             Path(()),
             stops(ends, events),

@@ -18,11 +18,12 @@ from longball.engines.batch.records import (
     Bat,
     Start,
     approach_is_clear,
+    flies_in_lanes,
     general,
-    is_of_paper,
     noted,
     placed,
     records_of,
+    starts_at_corner,
     stops,
 )
 from longball.engines.contact import (
@@ -46,7 +47,7 @@ from longball.model.trace import Program
 
 LOOSEST, TIGHTEST = 1e-4, 1e-14  # m
 
-# Who flies under the extended model, one flight at a time.
+# Who flies where the compiled code does not, one flight at a time.
 SCALAR = Ivp()
 
 
@@ -121,7 +122,7 @@ class Batch(ManyAtOnce):
         self, law: Law[float], start: State[float], events: Sequence[Event[float]], limit: float
     ) -> Flight[float]:
         """Fly until the first of several events; see `longball.engines.engine.Engine.fly`."""
-        if not is_of_paper(law):
+        if not flies_in_lanes(law) or starts_at_corner(law, start):
             return SCALAR.fly(law, start, events, limit)
         launch = Start(0.0, start)
         flight = records_of(law, launch, events, limit, self.flight_error)

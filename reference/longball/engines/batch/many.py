@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -26,6 +27,8 @@ from longball.engines.batch.columns import (
 )
 from longball.engines.chain import BLOCKS, MODEL, Model
 from longball.model import quantities
+from longball.model.air import BilinearLift, WindAbove
+from longball.model.air import Table as AirTable
 from longball.model.readings import Reading
 from longball.model.result import Outcome
 from longball.model.scene import AtBatScene, FlightScene, ImpactScene, Scene
@@ -75,9 +78,23 @@ def solve_columns(
     refuse is not found out.
     """
     n, view = _view(scene, columns)
-    if _is_extended(scene):
-        return _one_by_one(scene, n, columns, engine or _batch(), model)
-    return _named(_solve(scene.kind, n, view, engine or _batch(), threads, model))
+    flyer = engine or _batch()
+    if not _is_extended(scene):
+        return _named(_solve(scene.kind, n, view, flyer, threads, model))
+    table = Table(n)
+    if _flies_in_lanes(scene):
+        # What is zero is not computed: the rows of a law are those with the same zeros.
+        zeros = np.array([np.asarray(column) == 0.0 for column in columns.values()])
+        _, kinds = np.unique(zeros.reshape(len(columns), n), axis=1, return_inverse=True)
+        for kind in np.unique(kinds):
+            some = kinds == kind
+            rows = np.flatnonzero(some)
+            part = _solve(scene.kind, len(rows), select(view, some), flyer, threads, model)
+            table.outcome[rows] = part.outcome
+            for name, column in part.columns.items():
+                table.put(name, rows, column)
+    _solve_the_rest(table, scene, columns, flyer, model)
+    return _named(table)
 
 
 def solve_columns_with_restitutions(
@@ -93,6 +110,9 @@ def solve_columns_with_restitutions(
     """
     n, view = _view(scene, columns)
     flyer = engine or _batch()
+    if _is_extended(scene):
+        balls = [quantities.replaced(scene, {"ball.restitution": e}) for e in restitutions]
+        return [solve_columns(ball, columns, flyer, threads) for ball in balls]
     tables = [Table(n) for _ in restitutions]
 
     def solve_block(rows: slice) -> None:
@@ -110,31 +130,51 @@ def solve_columns_with_restitutions(
 
 
 def _is_extended(scene: Scene) -> bool:
-    """Tell whether a scene names more than the paper's forces: then it is solved alone."""
+    """Tell whether a ball flies under more than the paper's forces."""
     if isinstance(scene, ImpactScene) or scene.air is None:
         return False
+    if _has_friction(scene):
+        return True
     thrown: Any = scene.launch if isinstance(scene, FlightScene) else scene.pitch
-    named = thrown.spin, getattr(thrown, "velocity", None) if scene.kind != "flight" else None
     air = scene.air
-    further = (*named, scene.earth, air.wind, air.spin_decay_length, air.density_scale_height)
+    further = (
+        *(thrown.spin, getattr(thrown, "speed", 0.0) and getattr(thrown, "velocity", None)),
+        *(scene.earth, air.wind, air.spin_decay_length, air.density_scale_height),
+    )
     laws = air.drag_coefficient, air.lift_coefficient, air.density
     return any(x is not None for x in further) or any(isinstance(x, BaseModel) for x in laws)
 
 
-def _one_by_one(
-    scene: Scene, n: int, columns: Mapping[str, ArrayLike], flyer: Any, model: Model
-) -> dict[str, NDArray[Any]]:
-    """Solve the scenes of columns one at a time."""
-    table = Table(n)
-    rows = zip(*(np.asarray(column).tolist() for column in columns.values()), strict=True)
-    for i, row in enumerate(rows):
-        one = quantities.replaced(scene, dict(zip(columns, row, strict=True)))
+def _has_friction(scene: Scene) -> bool:
+    """Tell whether a batted ball has the spin that friction gave it."""
+    return isinstance(scene, AtBatScene) and scene.bat.friction is not None
+
+
+def _flies_in_lanes(scene: Scene) -> bool:
+    """Tell whether the compiled code flies the balls of an extended scene."""
+    if isinstance(scene, ImpactScene) or scene.air is None:
+        return True
+    air = scene.air
+    pieces = (air.drag_coefficient, air.lift_coefficient, air.wind)
+    smooth = not any(isinstance(x, AirTable | BilinearLift | WindAbove) for x in pieces)
+    smooth = smooth and not _has_friction(scene)
+    return smooth and air.spin_decay_length is None and scene.gravity > 0.0
+
+
+def _solve_the_rest(
+    table: Table, scene: Scene, columns: Mapping[str, ArrayLike], flyer: Any, model: Model
+) -> None:
+    """Solve the scenes that have no answer one at a time."""
+    values = [np.asarray(column).tolist() for column in columns.values()]
+    for i in np.flatnonzero(table.outcome == UNSOLVED).tolist():
+        one = quantities.replaced(
+            scene, {name: column[i] for name, column in zip(columns, values, strict=True)}
+        )
         result = chain.solve(one, flyer, model)
         if result.outcome is not None:
             table.outcome[i] = OUTCOMES.index(result.outcome)
         for name, value in quantities.numbers(result):
             table.put(name, i, value)
-    return _named(table)
 
 
 def _batch() -> BatchFlyer:
@@ -192,8 +232,7 @@ def solve_as_data(scenes: Sequence[Scene], solver: Any, threads: int = 1) -> lis
     """Return the results of scenes of any kinds, in order, as plain data."""
     alike: defaultdict[tuple[Any, ...], list[int]] = defaultdict(list)
     for i, scene in enumerate(scenes):
-        alone = i if _is_extended(scene) else None
-        alike[*_structure(scene), alone].append(i)
+        alike[*_structure(scene), *_zeros(scene, i)].append(i)
     results: dict[int, dict[str, Any]] = {}
     for places in alike.values():
         if len(places) < FEW:
@@ -224,6 +263,21 @@ def _structure(scene: Any) -> tuple[Any, ...]:
     absent = tuple(getattr(block, key, None) is None for block, key in named)
     kind, fence = type(scene), getattr(scene, "fence", None)
     return kind, scene.reading, getattr(bat, "support", None), fence, absent
+
+
+def _zeros(scene: Scene, place: int) -> tuple[Any, ...]:
+    """Return which laws an extended scene names, and which of its numbers are zero.
+
+    What is zero is not computed. A scene that the compiled code does not fly is alike no other.
+    """
+    if not _is_extended(scene):
+        return ()
+    if not _flies_in_lanes(scene):
+        return (place,)
+    air: Any = getattr(scene, "air", None)
+    laws = (getattr(air, key, None) for key in ("drag_coefficient", "lift_coefficient"))
+    zeros = ((name, value == 0.0) for name, value in quantities.numbers(scene))
+    return *(getattr(law, "law", "") for law in laws), *zeros
 
 
 def _columns_of(scenes: list[Scene]) -> dict[str, Array]:
@@ -294,6 +348,17 @@ def _known(column: NDArray[Any]) -> NDArray[np.bool_]:
     return found
 
 
+# What is held as a number in columns, and is none in a result.
+_PLAIN: dict[str, Callable[[float], Any]] = {"segment": int, "fair": bool}
+
+
+def _plain(name: str, column: NDArray[Any]) -> list[Any]:
+    values: list[Any] = column.tolist()
+    if name not in _PLAIN:
+        return values
+    return [x if math.isnan(x) else _PLAIN[name](x) for x in values]
+
+
 def _part(columns_of: dict[str, list[Array]]) -> list[dict[str, Any]]:
     """Return a part of each row's result: what it has of its quantities."""
     known = zip(*(_known(columns[0]).tolist() for columns in columns_of.values()), strict=True)
@@ -301,8 +366,8 @@ def _part(columns_of: dict[str, list[Array]]) -> list[dict[str, Any]]:
         *(
             zip(*(column.tolist() for column in columns), strict=True)
             if len(columns) > 1
-            else columns[0].tolist()
-            for columns in columns_of.values()
+            else _plain(name, columns[0])
+            for name, columns in columns_of.items()
         ),
         strict=True,
     )
