@@ -9,7 +9,7 @@ from flint import arb
 from hypothesis import given, settings
 
 from longball.engines import create
-from longball.engines.batch import solve_all, solve_columns
+from longball.engines.batch import solve_columns
 from longball.engines.certify import certify
 from longball.engines.chain import MODEL, Model, solve, solve_with_path
 from longball.engines.event import ground
@@ -357,7 +357,7 @@ def test_columns_have_the_bits_of_single_scenes():
         velocity = (speed * math.cos(heading), speed * math.sin(heading), float(rng.uniform(5, 30)))
         scenes.append(flight(velocity, [[20, 80, 9], *PARK] if i % 2 else {"radius": 90.0}))
     batch = ENGINES["batch"]
-    together = solve_all(scenes, batch)
+    together = batch.solve_all(scenes)
     assert {r.outcome for r in together} == {"home_run", "wall", "landed"}
     assert {r.landing.fair for r in together if r.landing} == {True, False}
     for scene, result in zip(scenes, together, strict=True):

@@ -35,6 +35,7 @@ def test_the_keys_are_the_contracts():
     ]  # fmt: skip
     assert list(Impact.model_fields) == [
         "restitution", "impulse", "velocity", "energy_change", "spin", "mode", "friction_margin",
+        "recontact",
     ]  # fmt: skip
     assert list(Fence.model_fields) == [
         "time", "position", "velocity", "clearance", "segment", "margin",

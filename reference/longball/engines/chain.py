@@ -9,9 +9,9 @@ collision, are handed in: a known mistake is the same chain with another part.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, fields, replace
-from typing import Any, Generic, cast
+from typing import Any, Generic, cast, get_args
 
 from pydantic import ValidationError
 
@@ -25,11 +25,11 @@ from longball.engines.engine import (
     Stepped,
     Touch,
 )
-from longball.engines.event import Event, ground, plate, vertical
+from longball.engines.event import Event, Piece, ground, plate, vertical
 from longball.engines.fence import Place, Stop, at_stop, first_crossing, stop_at
 from longball.engines.path import Flight, Leg, Path, Trajectory
 from longball.model import result as written
-from longball.model.aerodynamics import LIFT
+from longball.model.aerodynamics import DRAG, LIFT
 from longball.model.bat import (
     CollisionParameters,
     bat_rotation,
@@ -54,7 +54,7 @@ from longball.model.impact import (
     velocity_after,
     velocity_after_push,
 )
-from longball.model.law import FORCES, Law, PlaneState, State, law_of
+from longball.model.law import FORCES, GRAVITY, Law, PlaneState, State, in_plane, law_of
 from longball.model.numbers import N, Numbers, Undecided, Vector, absolute
 from longball.model.quantities import replaced
 from longball.model.result import Outcome, Result
@@ -366,8 +366,8 @@ def fly(
     rest, or straight up or down, it is there already.
     """
     law = cases.law(frame)
-    state = law.state_of(start) if isinstance(start, PlaneState) else start
-    leg = law, state, cases.time_limit if limit is None else limit, frame, surfaces
+    limit = cases.time_limit if limit is None else limit
+    leg = law, law.state_of(start), limit, frame, surfaces
     flight: Flight[N] = cases.either(_is_always_up(cases, law), _fly_upwards, _fly, *leg)
     return flight
 
@@ -442,8 +442,8 @@ def land(cases: Cases[N], launch: Launch[N], outcome: Outcome) -> None:
     if launch.landed:
         _come_down(cases, Batted(launch, frame, _landed(start, cases.numbers)), outcome)
     elif cases.scene.fence is None:
-        _come_down(cases, Batted(launch, frame, fly(cases, frame, start, _ground)), outcome)
-    elif cases.law(frame).state is PlaneState and not isinstance(cases.engine, Stepped):
+        _land(cases, launch, frame, start, outcome)
+    elif "v" not in cases.law(frame).program.variables and not isinstance(cases.engine, Stepped):
         flight = fly(cases, frame, start, _ground, _fence, _fence_behind)
         ahead, behind = flight.stopped("fence"), flight.stopped("fence_behind")
         ball = Batted(launch, frame, flight)
@@ -458,6 +458,23 @@ def land(cases: Cases[N], launch: Launch[N], outcome: Outcome) -> None:
         cases.land_in_space(launch, frame, start, outcome)
 
 
+def _land(
+    cases: Cases[N], launch: Launch[N], frame: Frame[N], start: PlaneState[N], outcome: Outcome
+) -> None:
+    """Fly from launches to the ground, but for balls that loop above it for ever."""
+    law = cases.law(frame)
+    if _may_loop(cases, law):
+        aloft, others = _stays_aloft(cases, law, start, _ground(cases, frame, start))
+        (looping,) = cases.take(aloft)
+        path = Path(_when_asked(cases.engine, law, law.state_of(start), cases.time_limit))
+        looping.follow(frame, Flight(path, "time", cases.time_limit, start), launch.time)
+        looping.conclude("airborne")
+        cases, frame, start, launch = cases.take(others, frame, start, launch)
+        if cases.empty:
+            return
+    _come_down(cases, Batted(launch, frame, fly(cases, frame, start, _ground)), outcome)
+
+
 def _come_down(
     cases: Cases[N], ball: Batted[N], outcome: Outcome, fair: bool | None = None
 ) -> None:
@@ -467,6 +484,7 @@ def _come_down(
     """
     launch, frame, flight = ball.launch, ball.frame, ball.flight
     cases.follow(frame, flight, launch.time)
+    cases, launch, frame, flight = _in_time(cases, launch, frame, flight)
     (airborne,) = cases.take(flight.stopped("time"))
     airborne.conclude("home_run" if outcome == "home_run" else "airborne")
     cases, flight, frame, launch = cases.take(flight.stopped("ground"), flight, frame, launch)
@@ -478,7 +496,9 @@ def _come_down(
     cases.record("landing.position", (x, y, z))
     cases.record("landing.velocity", frame.velocity(flight.state))
     if cases.scene.reading.distance_origin == "launch":
-        x, y = x - launch.position[0], y - launch.position[1]
+        # Of the frame, which begins at the launch: no difference of places that are far away.
+        x = flight.state.s
+        y = x * 0 if in_plane(flight.state) else flight.state.y
     cases.record("landing.distance", cases.numbers.sqrt(x * x + y * y))
     if frame.spin is not None:
         cases.record("landing.spin", cases.spin_at(frame, flight.state))
@@ -491,6 +511,70 @@ def _come_down(
         cases.record("landing.fair", lands_fair)
         (cases,) = cases.take(lands_foul | lands_fair)
     cases.conclude(outcome)
+
+
+def _in_time(
+    cases: Cases[N], launch: Launch[N], frame: Frame[N], flight: Flight[N]
+) -> tuple[Any, ...]:
+    """Return those of which it is certain whether the ball lands in the time limit.
+
+    The engine knows of the errors of its flight, but not of that of the launch.
+    """
+    if launch.error is None:
+        return cases, launch, frame, flight
+    state = flight.state
+    left = (cases.time_limit - flight.time) * absolute(state.w)
+    above = state.z - cases.numbers.exact(landing_height(cases.scene))
+    margin = cases.numbers.where(flight.stopped("time"), above, left)
+    question = "whether the ball touches the ground in the time limit"
+    certain, never = cases.decide(margin, launch.error * flight.time, question)
+    return cases.take(certain | never, launch, frame, flight)
+
+
+def _may_loop(cases: Cases[N], law: Law[N]) -> bool:
+    """Tell whether nothing but lift about a fixed axis and gravity acts, in some of the cases."""
+    return (
+        LIFT in law.forces
+        and {DRAG, LIFT, GRAVITY}.issuperset(law.forces)
+        and cases.numbers.absent(cast(Any, law.strengths.get("drag", 0.0)))
+        and cases.scene.reading.lift_direction == "fixed_spin_axis"
+        and not isinstance(cases.engine, Stepped)  # whose scheme may well come down
+    )
+
+
+def _stays_aloft(
+    cases: Cases[N], law: Law[N], start: State[N], surface: Event[N]
+) -> tuple[Any, Any]:
+    """Return the conditions that a ball without drag never comes down to the ground, or does.
+
+    It loops, for ever, and an engine would fly every turn. But ``V² + 2 g z`` stays the same, and
+    so does ``u - k ∫ V² dV / g``, with the lift k: at the height of the ground, H below the start,
+    the speed would be ``V_H = √(V² + 2 g H)``, and its horizontal part
+
+        u + (2/3) k H (V_H² + V_H V + V²) / (V_H + V),
+
+    also where g = 0. A ball for which that is more than the speed cannot come there; and as speed
+    less horizontal speed is concave in V, any other ball can.
+    """
+    numbers, height = cases.numbers, surface.value(start)
+    slow2 = start.u * start.u + start.w * start.w
+    gravity = law.gravity
+    fast2 = slow2 if gravity is None else slow2 + 2 * gravity * height
+    slow, fast = numbers.sqrt(slow2), numbers.sqrt(fast2)
+    total, lift = fast + slow, law.strengths["lift"]
+    level = start.u * total + 2 * lift * height * (fast2 + fast * slow + slow2) / 3
+    # A ball that only just touches the ground is left to the search for that event.
+    beyond = absolute(level) - fast * total * (1 + _TOUCHING)
+    return cases.decide(beyond, fast * 0, "whether the ball stays above the ground")
+
+
+# Far more than the roundings of a flight.
+_TOUCHING = 1e-9
+
+
+def _when_asked(engine: Engine[N], law: Law[N], start: State[N], limit: N) -> Iterator[Piece[N]]:
+    """Yield the pieces of a flight that is only flown if somebody wants to know its way."""
+    yield from engine.fly(law, start, (), limit).path.pieces()
 
 
 # --- the fence ------------------------------------------------------------------------------------
@@ -622,8 +706,8 @@ def solve_pitches(cases: Cases[N]) -> None:
 def solve_impacts(cases: Cases[N]) -> None:
     """Solve touchings that are given."""
     incoming = cases.scene.incoming
-    spin = None if incoming.spin is None else cases.vector(incoming.spin)
-    ball = Ball(cases.vector(incoming.position), cases.vector(incoming.velocity), spin)
+    position, velocity = cases.vector(incoming.position), cases.vector(incoming.velocity)
+    ball = Ball(position, velocity, cases.spin(incoming.spin))
     height = cases.numbers.exact(incoming.bat_height)
     # Nothing has flown: the position is exact, and only roundings here are in doubt.
     cases, contact = meet(cases, ball, height, 0.0)
@@ -706,11 +790,40 @@ def strike(
     cases: Cases[N], contact: ContactState[N], error: N | float, *carried: Any
 ) -> tuple[Any, ...]:
     """Apply the impulses; see `collide`."""
-    cases, impact, *rest = cases.model.collide(cases, contact, error, *carried)
-    for quantity in fields(Impact):
-        if (value := getattr(impact, quantity.name)) is not None:
-            cases.record(f"impact.{quantity.name}", value)
+    cases, impact, contact, *rest = cases.model.collide(cases, contact, error, contact, *carried)
+    if not cases.empty:
+        for quantity in fields(Impact):
+            if (value := getattr(impact, quantity.name)) is not None:
+                cases.record(f"impact.{quantity.name}", value)
+        _tell_recontact(cases, contact, impact)
     return cases, impact, *rest
+
+
+# Of the speeds. No engine's error at a contact is as large, but in a graze of 1e-7 m and less.
+_TOLD_APART = 1e-6
+
+
+def _tell_recontact(cases: Cases[N], contact: ContactState[N], impact: Impact[N]) -> None:
+    """Record where a bat that swings on as before the impulse would strike the ball again.
+
+    The impulse of the model makes ball and bat part, since the bat gives way by J/M. A batter does
+    not: his bat goes on at ω', and if the ball is slower along the normal than that, so that
+    ``(V⁺ - V_b)·n`` still has the sign of ``Ṽ·n``, they meet again at once. The model has one
+    impulse; what it says of the flight is then not what such a bat would do. Of a ball that parts,
+    and falls back on the bat later, nothing is said: where the bat is then, is not in the model.
+    """
+    numbers = cases.numbers
+    after = tuple(v - b for v, b in zip(impact.velocity, contact.bat_velocity, strict=True))
+    terms = [v * n for v, n in zip(after, contact.normal, strict=True)]
+    rate = terms[0] + terms[1] + terms[2]
+    parting = numbers.where(contact.normal_speed < 0, rate, -rate)
+    speeds = sum(map(absolute, (*contact.velocity, *contact.bat_velocity)), rate * 0)
+    doubt = speeds * numbers.exact(_TOLD_APART)
+    again, parted = parting < -doubt, parting > doubt
+    for condition, said in ((again, "certain"), ((again | parted) ^ True, "possible")):
+        (some,) = cases.take(condition)
+        if not some.empty:
+            some.record("impact.recontact", said)
 
 
 # --- the whole at-bat -----------------------------------------------------------------------------
@@ -814,7 +927,10 @@ def finish(cases: Cases[N], meeting: Meeting[N] | None) -> None:
         launch = replace(launch, spin=impact.spin)
     else:
         time = cast(N, touch.time)
-        launch = Launch(contact.position, impact.velocity, time, time * 0, spin=impact.spin)
+        off = _launch_error(cases, meeting) if cases.numbers.rounding else None
+        launch = Launch(
+            contact.position, impact.velocity, time, time * 0, spin=impact.spin, error=off
+        )
     land(cases, launch, "batted")
 
 
@@ -822,14 +938,30 @@ def _contact_error(cases: Cases[N], meeting: Meeting[N]) -> N:
     """Return the relative error of velocities and directions at the contact.
 
     Where the ball all but grazes the bat, an error of its way moves the contact around the bat by
-    as much more as it is slower towards the bat than past it.
+    as much more as it is slower towards the bat than past it; but an error δ of the margin moves it
+    by √(2 δ/reach) at most, which is the angle between a graze and a touching δ deep.
     """
     contact, approach, engine = meeting.contact, meeting.approach, cases.engine
+    numbers = cases.numbers
     bat, pitch = approach.bat, approach.pitch
-    moved = margin_error(bat, pitch.flight.state.z, engine.flight_error, cases.numbers) / bat.reach
-    speed = cases.numbers.sqrt(_dot(contact.velocity, contact.velocity))
+    moved = margin_error(bat, pitch.flight.state.z, engine.flight_error, numbers) / bat.reach
+    speed = numbers.sqrt(_dot(contact.velocity, contact.velocity))
     towards = absolute(_dot(contact.velocity, contact.normal))
-    return engine.flight_error + moved * (1 + speed / towards)
+    most = numbers.sqrt(2 * moved)
+    steep = moved * speed > most * towards
+    turned = numbers.where(steep, most, moved * speed / numbers.where(steep, speed, towards))
+    return engine.flight_error + moved + turned
+
+
+def _launch_error(cases: Cases[N], meeting: Meeting[N]) -> N:
+    """Return a bound on the error of the velocity after the impulse, m/s.
+
+    The ball's own, and that of ``(1 + ẽ) (μ/m) (Ṽ·n) n``: n comes in twice, and the factors before
+    are at most two, but under readings that create energy.
+    """
+    contact, sqrt = meeting.contact, cases.numbers.sqrt
+    ball, bat = contact.velocity, contact.bat_velocity
+    return 5 * _contact_error(cases, meeting) * (sqrt(_dot(ball, ball)) + sqrt(_dot(bat, bat)))
 
 
 def solve_at_bats(cases: Cases[N]) -> None:
@@ -966,6 +1098,16 @@ BLOCKS: dict[str, type[Any]] = {
     "impact": written.Impact,
     "fence": written.Fence,
     "landing": written.Landing,
+}
+
+# The quantities that are told, not measured: their types, by name.
+DISCRETE: dict[str, type[bool] | type[int]] = {
+    f"{name}.{key}": kind
+    for name, block in BLOCKS.items()
+    for key, field in block.model_fields.items()
+    for kind in (bool, int)
+    for parts in [(field.annotation, *get_args(field.annotation))]
+    if any(kind in (part, *get_args(part)) for part in parts)
 }
 
 

@@ -80,6 +80,8 @@ class Launch(Generic[N]):
         s, from the contact to the time at which the ball is free.
     landed
         Whether the ball has come down before it was free; then this is the landing.
+    error
+        Of the velocity, m/s; None if it is exact, or carries its own.
     """
 
     position: Vector[N]
@@ -88,6 +90,7 @@ class Launch(Generic[N]):
     delay: N
     landed: bool = False
     spin: Vector[N] | None = None
+    error: N | None = None
 
 
 class Engine(Protocol[N]):

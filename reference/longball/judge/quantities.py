@@ -65,11 +65,20 @@ QUANTITIES: dict[str, QuantitySpec] = {
         QuantitySpec("impact.impulse", "N s"),
         QuantitySpec("impact.velocity", "m/s", 3),
         QuantitySpec("impact.energy_change", "J"),
+        QuantitySpec("impact.spin", "rad/s", 3),
+        QuantitySpec("impact.friction_margin", ""),
+        QuantitySpec("fence.time", "s"),
+        QuantitySpec("fence.position", "m", 3),
+        QuantitySpec("fence.velocity", "m/s", 3),
+        QuantitySpec("fence.clearance", "m"),
+        QuantitySpec("fence.margin", "m"),
         QuantitySpec("landing.time", "s"),
         QuantitySpec("landing.hang_time", "s"),
         QuantitySpec("landing.position", "m", 3),
         QuantitySpec("landing.velocity", "m/s", 3),
         QuantitySpec("landing.distance", "m"),
+        QuantitySpec("landing.spin", "rad/s", 3),
+        QuantitySpec("landing.path", "m"),
     )
 }
 
@@ -94,6 +103,8 @@ T = TypeVar("T")
 def _quantities(result: Result, read: Callable[..., T]) -> dict[str, tuple[T, ...]]:
     found: dict[str, tuple[T, ...]] = {}
     for name, x in numbers(result):
+        if isinstance(x, int):  # the number of a chord
+            continue
         quantity = name.partition("[")[0]
         found[quantity] = (*found.get(quantity, ()), read(x))
     return found

@@ -138,7 +138,7 @@ class Law(Generic[N]):
         """The class of the states: `PlaneState`, `SpaceState`, or one with more components."""
         return state_of_variables(self.program.variables)
 
-    def state_of(self, start: PlaneState[N]) -> State[N]:
+    def state_of(self, start: State[N]) -> State[N]:
         """Return a launch as a state of this law."""
         nothing = start.s * 0
         state: State[N] = self.state(

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_serializer
+from pydantic import BaseModel, ConfigDict, Field, model_serializer
 
 from longball import __version__
 from longball.model.jsonl import json_line
@@ -117,6 +117,12 @@ class Impact(_Strict):
         description="1 - |P_t|/(μ_f P_n) of the impulse that would make the ball grip; negative: "
         "it slides",
     )
+    recontact: Literal["certain", "possible"] | None = Field(
+        default=None,
+        description="certain: the ball leaves the contact more slowly along the normal than the "
+        "bat came, so that a bat that swings on would strike it again, which the model does not; "
+        "possible: the two speeds are the same to a millionth of the speeds; absent: it parts",
+    )
 
 
 class Landing(_Strict):
@@ -131,7 +137,7 @@ class Landing(_Strict):
     path: Number | None = Field(
         default=None, description="m, through the air since contact or launch, if spin decays"
     )
-    fair: Annotated[bool, BeforeValidator(bool)] | None = Field(
+    fair: bool | None = Field(
         default=None,
         description="whether |y| <= x where the ball leaves the field or lands; with a fence only",
     )
@@ -144,9 +150,7 @@ class Fence(_Strict):
     position: Triple = Field(description="m")
     velocity: Triple = Field(description="m/s")
     clearance: Number = Field(description="m, height above the top; a wall if not positive")
-    segment: Annotated[int, BeforeValidator(int)] = Field(
-        description="number of the chord between two vertices, the first being 0"
-    )
+    segment: int = Field(description="number of the chord between two vertices, the first being 0")
     margin: Number | None = Field(
         default=None, description="m, along the chord to the next vertex; none on a circle"
     )

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from longball.engines.batch.expansion import (
     CLEARANCE,
+    FARTHEST,
     LENGTH,
     RANGES,
     TIME,
@@ -329,7 +330,7 @@ def _fly_all(
     starts, ends = unowned_view(records[0]), unowned_view(records[1])
     marks, active, way = unowned_view(records[2]), unowned_view(numbers), unowned_view(steps)
     time_row, length_row = (variables + TIME) * WIDTH, (variables + LENGTH) * WIDTH
-    waited_row = (variables + WAITED) * WIDTH
+    waited_row, farthest_row = (variables + WAITED) * WIDTH, (variables + FARTHEST) * WIDTH
     clearance_row = (variables + CLEARANCE) * WIDTH
     for lane in range(WIDTH):
         active[lane] = _NONE
@@ -374,6 +375,10 @@ def _fly_all(
                 for k in range(variables):
                     row[1 + k] = x[k * s.block + lane]
             slot.mark[_STEPS] += 1
+            for k in range(s.half):
+                coordinate = abs(x[k * s.block + lane])
+                if coordinate > s.step[farthest_row + lane]:
+                    s.step[farthest_row + lane] = coordinate
             if (
                 s.step[clearance_row + lane] > 0.0
                 and time + length < slot.flight[_LIMIT]
@@ -413,6 +418,7 @@ def _launch(s: _Setup, slot: _Slot) -> None:
     arrival[_END] = marked[0] = flight[_TIME]
     s.step[(s.variables + TIME) * WIDTH + lane] = flight[_TIME]
     s.step[(s.variables + WAITED) * WIDTH + lane] = 0.0
+    s.step[(s.variables + FARTHEST) * WIDTH + lane] = 0.0
     source = shifted(flight, _STATE)
     for k in range(s.variables):
         s.x[k * s.block + lane] = arrival[_END + 1 + k] = marked[1 + k] = source[k]
@@ -675,12 +681,40 @@ def _rises(p: Any, degree: int) -> bool:
     return False
 
 
+# Relative, of the largest coordinate: a flight that comes back to the ground from a height keeps
+# that height's roundings, as in `longball.engines.event`; of sums in another order, twice as many.
+_ROUNDING = 8 * 2.0**-53
+# Of the time limit: where an event is fallen through so slowly that this matters, it is undecided.
+_SOON = 1e-9
+
+
+@inner
+def _rounding(s: _Setup, number: Integer, lane: int) -> float:
+    """Return what the value of a linear function keeps of the roundings of coordinates."""
+    function = shifted(s.linear, number * (s.variables + 2) * WIDTH + lane)
+    total = 0.0
+    for k in range(s.half):
+        total += abs(function[k * WIDTH])
+    return float(_ROUNDING * total * s.step[(s.variables + FARTHEST) * WIDTH + lane])
+
+
+@inner
+def _rate(s: _Setup, number: Integer, lane: int) -> float:
+    """Return how fast coordinates change the value of a linear function."""
+    function = shifted(s.linear, number * (s.variables + 2) * WIDTH + lane)
+    total = 0.0
+    for k in range(s.half):
+        total += function[k * WIDTH] * s.state[s.half + k]
+    return abs(total)
+
+
 @inner
 def _decide(s: _Setup, slot: _Slot, stop: int) -> None:
     """Mark an end as undecided if another event, or the time limit, may be as early."""
     flight, arrival, mark, lane = slot
     for number in range(s.functions - 1):
         error = s.linear[((number + 2) * (s.variables + 2) - 1) * WIDTH + lane]
+        error = max(error, _rounding(s, number + 1, lane))
         height = _height(s, number + 1, lane, s.state)
         if number != stop and abs(height) <= error:
             arrival[_DOUBT] = height
@@ -689,8 +723,11 @@ def _decide(s: _Setup, slot: _Slot, stop: int) -> None:
             else:
                 mark[_STOP], mark[_EVENT], mark[_RIVAL] = UNDECIDED_FIRST, stop, number
             return
-    left = flight[_LIMIT] - arrival[_END]
-    if stop != TIME_LIMIT and left <= flight[_ERROR] * flight[_LIMIT]:
+    if stop == TIME_LIMIT:
+        return
+    left, late = flight[_LIMIT] - arrival[_END], flight[_ERROR] * flight[_LIMIT]
+    rate, rounding = _rate(s, stop + 1, lane), _rounding(s, stop + 1, lane)
+    if left <= late or (left <= _SOON * flight[_LIMIT] and left * rate < rounding):
         mark[_STOP], mark[_EVENT], arrival[_DOUBT] = UNDECIDED_IN_TIME, stop, left
 
 

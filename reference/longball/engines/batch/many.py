@@ -24,7 +24,7 @@ from longball.engines.batch.columns import (
     Table,
     select,
 )
-from longball.engines.chain import BLOCKS, MODEL, Model
+from longball.engines.chain import BLOCKS, DISCRETE, MODEL, Model
 from longball.model import quantities
 from longball.model.air import BilinearLift, WindAbove
 from longball.model.air import Table as AirTable
@@ -132,6 +132,8 @@ def _is_extended(scene: Scene) -> bool:
     """Tell whether a scene names more than the paper's forces."""
     if isinstance(scene, ImpactScene) or scene.air is None:
         return False
+    if _has_friction(scene):
+        return True
     thrown: Any = scene.launch if isinstance(scene, FlightScene) else scene.pitch
     air = scene.air
     further = (
@@ -142,6 +144,11 @@ def _is_extended(scene: Scene) -> bool:
     return any(x is not None for x in further) or any(isinstance(x, BaseModel) for x in laws)
 
 
+def _has_friction(scene: Scene) -> bool:
+    """Tell whether a batted ball has the spin that friction gave it."""
+    return isinstance(scene, AtBatScene) and scene.bat.friction is not None
+
+
 def _flies_in_lanes(scene: Scene) -> bool:
     """Tell whether the compiled code flies the balls of an extended scene."""
     if isinstance(scene, ImpactScene) or scene.air is None:
@@ -149,6 +156,7 @@ def _flies_in_lanes(scene: Scene) -> bool:
     air = scene.air
     pieces = (air.drag_coefficient, air.lift_coefficient, air.wind)
     smooth = not any(isinstance(x, AirTable | BilinearLift | WindAbove) for x in pieces)
+    smooth = smooth and not _has_friction(scene)
     return smooth and air.spin_decay_length is None and scene.gravity > 0.0
 
 
@@ -164,8 +172,9 @@ def _solve_the_rest(
         result = chain.solve(one, flyer, model)
         if result.outcome is not None:
             table.outcome[i] = OUTCOMES.index(result.outcome)
-        for name, value in quantities.numbers(result):
-            table.put(name, i, value)
+        for name, value in quantities.flat(result.data()):
+            if "." in name:  # of a block
+                table.put(name, i, value)
 
 
 def _batch() -> BatchFlyer:
@@ -325,7 +334,7 @@ def _rows(table: Table) -> Iterator[tuple[Outcome | None, dict[str, Any]]]:
         part, quantity = name.partition("[")[0].split(".")
         found[part][quantity].append(column)
     parts = {
-        name: _part({key: columns for key, columns in block.items() if columns})
+        name: _part(name, {key: columns for key, columns in block.items() if columns})
         for name, block in found.items()
         if any(block.values())
     }
@@ -339,15 +348,15 @@ def _known(column: NDArray[Any]) -> NDArray[np.bool_]:
     return found
 
 
-def _part(columns_of: dict[str, list[Array]]) -> list[dict[str, Any]]:
+def _part(name: str, columns_of: dict[str, list[Array]]) -> list[dict[str, Any]]:
     """Return a part of each row's result: what it has of its quantities."""
     known = zip(*(_known(columns[0]).tolist() for columns in columns_of.values()), strict=True)
     values = zip(
         *(
             zip(*(column.tolist() for column in columns), strict=True)
             if len(columns) > 1
-            else columns[0].tolist()
-            for columns in columns_of.values()
+            else _values(f"{name}.{key}", columns[0])
+            for key, columns in columns_of.items()
         ),
         strict=True,
     )
@@ -355,3 +364,10 @@ def _part(columns_of: dict[str, list[Array]]) -> list[dict[str, Any]]:
         dict(compress(zip(columns_of, row, strict=True), there))
         for row, there in zip(values, known, strict=True)
     ]
+
+
+def _values(name: str, column: NDArray[Any]) -> list[Any]:
+    """Return the values of a quantity, whose columns hold doubles even if it is none."""
+    values: list[Any] = column.tolist()
+    kind = DISCRETE.get(name)
+    return [x if x != x else kind(x) for x in values] if kind else values
