@@ -327,7 +327,7 @@ def _shown(value: Any) -> str:
         return f"({', '.join(map(_shown, value))})"
     if isinstance(value, Bounded | Certified):
         return value.value if value.radius is None else f"{value.value} ± {value.radius}"
-    return f"{value:.7g}"
+    return f"{value:.7g}" if isinstance(value, float) else str(value)
 
 
 def solve(

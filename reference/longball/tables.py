@@ -22,7 +22,7 @@ from pydantic_core import to_json
 
 from longball.api import Solution, as_engine, as_scene
 from longball.engines import chain
-from longball.engines.chain import BLOCKS
+from longball.engines.chain import BLOCKS, DISCRETE
 from longball.engines.engine import Engine, ManyAtOnce
 from longball.engines.parallel import in_parallel
 from longball.extras import naming_extras
@@ -168,13 +168,11 @@ def _solve_table(
     columns: Mapping[str, Any], solver: Engine[Any] | ManyAtOnce, workers: int
 ) -> pd.DataFrame:
     """Solve the scenes of columns; see `solve_many`."""
-    from longball.engines.batch import Batch, solve_columns
-
     fixed, varied = _split(columns)
-    if isinstance(solver, Batch) and (base := _all_valid(fixed, varied)) is not None:
-        ids = varied.pop("id", None)
-        table = solve_columns(base, varied, solver, workers)
-        return _frame(table, ids, dict(_reasons(base, varied, table["outcome"], solver)))
+    if isinstance(solver, ManyAtOnce) and hasattr(solver, "fly_all"):
+        frame = _solve_as_columns(fixed, varied, solver, workers)
+        if frame is not None:
+            return frame
     rows = [*_rows(fixed, varied)]
     solved = [*solve_each((_scene_of(row) for row in rows), solver, workers)]
     errors = [asked for asked, _ in solved if isinstance(asked, InvalidScene)]
@@ -182,6 +180,20 @@ def _solve_table(
         raise errors[0]
     frame = results_table(result.data() for _, result in solved)
     return frame.drop(columns=[name for name in ("engine", "id") if name not in columns])
+
+
+def _solve_as_columns(
+    fixed: Mapping[str, Any], varied: dict[str, NDArray[Any]], solver: Any, workers: int
+) -> pd.DataFrame | None:
+    """Solve columns by the batch engine, without a scene for each; None if some row is no scene."""
+    from longball.engines.batch import solve_columns
+
+    base = _all_valid(fixed, varied)
+    if base is None:
+        return None
+    ids = varied.pop("id", None)
+    table = solve_columns(base, varied, solver, workers)
+    return _frame(table, ids, dict(_reasons(base, varied, table["outcome"], solver)))
 
 
 def _split(columns: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
@@ -280,7 +292,7 @@ def _frame(
     frame["error"] = frame["code"] = pd.Series(None, frame.index, "str")
     for i, result in reasons.items():
         frame.loc[i, ["outcome", "error", "code"]] = None, result.error, result.code
-    return frame
+    return _typed(frame)
 
 
 @naming_extras()
@@ -293,13 +305,22 @@ def results_table(results: Iterable[Mapping[str, Any]]) -> pd.DataFrame:
     blocks = [pd.DataFrame(block) for block in iter(lambda: [*islice(rows, _ROWS)], [])]
     frame = pd.concat(blocks) if blocks else pd.DataFrame()
     names = sorted({*frame.columns, *_TEXTS}, key=_place)
-    return frame.reset_index(drop=True).reindex(columns=names).astype(_TEXTS)
+    return _typed(frame.reset_index(drop=True).reindex(columns=names))
 
 
 _ROWS = 10_000
 
 
 _TEXTS = {"outcome": "str", "error": "str", "code": "str"}  # columns that are always there
+
+
+_DISCRETE = {name: "boolean" if kind is bool else "Int64" for name, kind in DISCRETE.items()}
+
+
+def _typed(frame: pd.DataFrame) -> pd.DataFrame:
+    """Return a table of results with the types of its columns, whatever is missing in them."""
+    types = _TEXTS | _DISCRETE
+    return frame.astype({name: types[name] for name in frame.columns if name in types})
 
 
 def _place(name: str) -> tuple[int, int, str]:

@@ -139,6 +139,17 @@ def test_lines_at_once_have_the_answers_of_one_by_one():
     assert list(solve_lines(MANY, engine)) == alone
 
 
+def test_what_is_told_and_not_measured_is_no_double():
+    scene = {"kind": "flight", "fence": {"radius": 100}}
+    scene |= {"launch": {"position": [0, 0, 1], "velocity": [40, 0, 21]}}
+    lines = [json.dumps(scene).encode()] * 20
+    for engine in (Batch(), Ivp()):
+        (result, *_) = solve_lines(BytesIO(b"\n".join(lines)), engine)
+        data = json.loads(result.text)
+        assert data["landing"]["fair"] is True
+        assert isinstance(data["fence"]["segment"], int)
+
+
 class Pipe(BufferedIOBase):
     """Gives what was written piece by piece, and remembers how many pieces were asked for."""
 

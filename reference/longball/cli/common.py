@@ -6,6 +6,7 @@ import json
 import os
 import stat
 import sys
+import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -152,8 +153,12 @@ def progress_bar(what: str, total: int) -> Iterator[Callable[..., None]]:
     )
     with bar:
         task = bar.add_task(what, total=total)
+        shown = 0.0
 
         def advance(done: int, of: int = total) -> None:
-            bar.update(task, completed=done, total=of)
+            nonlocal shown
+            if done >= of or time.monotonic() > shown + 0.1:
+                bar.update(task, completed=done, total=of)
+                shown = time.monotonic()
 
         yield advance

@@ -25,7 +25,10 @@ def converge(
         str | None, typer.Option(help="JSON Lines; by default golden flights and at-bats.")
     ] = None,
     golden: Annotated[
-        str | None, typer.Option(metavar="SET", help="Cases of one golden family instead.")
+        str | None,
+        typer.Option(
+            metavar="SET", help="Cases of one golden family instead; see longball golden list."
+        ),
     ] = None,
     steps: Annotated[
         str, typer.Option(metavar="FROM:TO:COUNT", help="s; evenly spaced in their logarithm.")

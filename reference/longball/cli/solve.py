@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import gc
+import os
+import stat
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from importlib.util import find_spec
 from io import BytesIO
 from pathlib import Path
@@ -182,10 +184,15 @@ def results_to(
     """Open the file that results go to; yield a function that takes a line of JSON."""
     if output is None or output.suffix not in TABLES:
         with writing_to(output, lines) as file:
+            # Somebody may wait for an answer at the end of a pipe, but not of a file.
+            awaited = True
+            with suppress(OSError):  # a stream that is no file
+                awaited = not stat.S_ISREG(os.fstat(file.fileno()).st_mode)
 
             def write(line: bytes) -> None:
                 file.write(line + b"\n")
-                file.flush()
+                if awaited:
+                    file.flush()
 
             yield write
         return

@@ -11,7 +11,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, fields, replace
-from typing import Any, Generic, cast
+from typing import Any, Generic, cast, get_args
 
 from pydantic import ValidationError
 
@@ -585,8 +585,17 @@ def _flight_error(cases: Cases[N]) -> float:
     return cases.engine.flight_error + 8 * cases.numbers.rounding
 
 
+def _heading_error(cases: Cases[N]) -> float:
+    """Return the relative error of where a flight in its plane heads for.
+
+    The flight itself adds none; the heading of a batted ball has its pitch's error.
+    """
+    rounded = 8 * cases.numbers.rounding
+    return rounded if hasattr(cases.scene, "launch") else _flight_error(cases)
+
+
 def _stop(cases: Cases[N], frame: Frame[N], start: State[N], sense: int) -> Stop[N]:
-    error = cases.numbers.exact(_flight_error(cases))
+    error = cases.numbers.exact(_heading_error(cases))
     return stop_at(cases.scene.fence, frame, start.s, sense, error, cases.numbers)
 
 
@@ -619,8 +628,10 @@ def _meet_fence(
     if place.margin is not None:
         cases.record("fence.margin", place.margin)
     error = _flight_error(cases) * (1 + absolute(x) + absolute(y) + absolute(z))
+    heading = _heading_error(cases) if landing is None else _flight_error(cases)
     question = "on which side the ball passes a vertex where the fence ends or has two heights"
-    known, at_vertex = cases.decide(place.room, error, question)
+    aside = heading * (1 + absolute(x) + absolute(y))
+    known, at_vertex = cases.decide(place.room, aside, question)
     (ended,) = cases.take(at_vertex)
     ended.refuse(Undecided(f"{question} cannot be said: it passes over the vertex itself"))
     # What the place is off, the ball's way makes of it by its steepness, and the top by its own.
@@ -1098,6 +1109,16 @@ BLOCKS: dict[str, type[Any]] = {
     "impact": written.Impact,
     "fence": written.Fence,
     "landing": written.Landing,
+}
+
+# The quantities that are told, not measured: their types, by name.
+DISCRETE: dict[str, type[bool] | type[int]] = {
+    f"{name}.{key}": kind
+    for name, block in BLOCKS.items()
+    for key, field in block.model_fields.items()
+    for kind in (bool, int)
+    for parts in [(field.annotation, *get_args(field.annotation))]
+    if any(kind in (part, *get_args(part)) for part in parts)
 }
 
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import signal
 from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from itertools import starmap
 from typing import Any, TypeVar
 
@@ -43,5 +45,22 @@ def in_parallel(
             raise
     tasks = (delayed(function)(*arguments) for arguments in calls)
     prefer = "threads" if threads else "processes"
-    found: Iterator[T] = Parallel(n_jobs=workers, return_as="generator", prefer=prefer)(tasks)
+    with _interrupts_held():
+        found: Iterator[T] = Parallel(n_jobs=workers, return_as="generator", prefer=prefer)(tasks)
     return found
+
+
+@contextmanager
+def _interrupts_held() -> Iterator[None]:
+    """Hold back Ctrl-C: a process that is started here never hears it, and this one does later.
+
+    A terminal interrupts workers, too, and they would complain; it is for this process to end them.
+    """
+    if not hasattr(signal, "pthread_sigmask"):  # not POSIX
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)

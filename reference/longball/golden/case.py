@@ -133,6 +133,8 @@ class Header(Strict):
     """What one has to know to use the set."""
 
     title: str
+    format: str = Field(description="version of the form of the files; see README.md")
+    licence: str
     numbers: dict[str, str] = Field(description="the number contract: what each form means")
     levels: dict[str, str]
     flags: dict[str, str] = Field(description="every flag in use, and what it says")

@@ -11,8 +11,13 @@ from pydantic import BaseModel
 
 from longball.golden.case import Case, Header
 from longball.golden.probability import Probabilities
-from longball.model.schema import DRAFT, text
+from longball.model.schema import published, text
 
+# The version of the form of the files; README.md in their folder says when it changes.
+FORMAT = "1.0"
+
+# Files that come with every set, written by hand.
+DOCUMENTS = ("README.md", "LICENSE")
 CHECKSUMS = "SHA256SUMS"  # as sha256sum writes and reads it
 HEADER = "header.json"
 HISTORIES = "histories"
@@ -25,7 +30,7 @@ def schemas() -> dict[str, str]:
     models: dict[str, type[BaseModel]]
     models = {"case": Case, "header": Header, "probability": Probabilities}
     return {
-        f"{name}.schema.json": text({"$schema": DRAFT} | model.model_json_schema())
+        f"{name}.schema.json": text(published(f"golden-{name}", model.model_json_schema()))
         for name, model in models.items()
     }
 

@@ -11,6 +11,7 @@ from longball import __version__
 from longball.engines.enclosure import Enclosure
 from longball.engines.multiprecision import Multiprecision
 from longball.golden.case import Case, Family, Header
+from longball.golden.files import FORMAT
 from longball.golden.truth import CONFIRMING, DIGITS, WORK
 
 NUMBERS = {
@@ -87,6 +88,8 @@ def header(
     used = {flag for family in cases.values() for case in family for flag in case.flags}
     return Header(
         title="Longball's golden data: scenes of baseball at-bats with proven results",
+        format=FORMAT,
+        licence="CC0-1.0",
         numbers=NUMBERS,
         levels=LEVELS,
         flags={flag: FLAGS[flag] for flag in sorted(used)},

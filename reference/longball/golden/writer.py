@@ -18,10 +18,10 @@ from longball.extras import naming_extras
 from longball.golden.case import Case
 from longball.golden.case_builder import Draft
 from longball.golden.families import FAMILIES, Family
-from longball.golden.files import HEADER, HISTORIES, PARTIAL, schemas, write_files
+from longball.golden.files import DOCUMENTS, HEADER, HISTORIES, PARTIAL, schemas, write_files
 from longball.golden.headers import header, made_by
 from longball.golden.history import ABOUT, history
-from longball.golden.reader import load
+from longball.golden.reader import DATA, load
 from longball.golden.truth import make
 from longball.model.scene import FlightScene
 
@@ -81,6 +81,7 @@ def write(
     tables = dict(_histories(made))
     about = {name: inspect.getdoc(family) or "" for name, family in families.items()}
     top = header(made, about, dict.fromkeys(tables, ABOUT))
+    files |= {name: (DATA / name).read_text(encoding="utf-8") for name in DOCUMENTS}
     files |= tables | schemas() | {HEADER: top.model_dump_json(indent=2) + "\n"}
     write_files(folder, files)
     shutil.rmtree(folder / PARTIAL, ignore_errors=True)

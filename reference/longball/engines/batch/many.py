@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -25,7 +24,7 @@ from longball.engines.batch.columns import (
     Table,
     select,
 )
-from longball.engines.chain import BLOCKS, MODEL, Model
+from longball.engines.chain import BLOCKS, DISCRETE, MODEL, Model
 from longball.model import quantities
 from longball.model.air import BilinearLift, WindAbove
 from longball.model.air import Table as AirTable
@@ -130,10 +129,13 @@ def solve_columns_with_restitutions(
 
 
 def _is_extended(scene: Scene) -> bool:
-    """Tell whether a ball flies under more than the paper's forces."""
+    """Tell whether a ball flies under more than the paper's forces.
+
+    Friction gives a batted ball a spin.
+    """
     if isinstance(scene, ImpactScene) or scene.air is None:
         return False
-    if _has_friction(scene):
+    if isinstance(scene, AtBatScene) and scene.bat.friction is not None:
         return True
     thrown: Any = scene.launch if isinstance(scene, FlightScene) else scene.pitch
     air = scene.air
@@ -145,11 +147,6 @@ def _is_extended(scene: Scene) -> bool:
     return any(x is not None for x in further) or any(isinstance(x, BaseModel) for x in laws)
 
 
-def _has_friction(scene: Scene) -> bool:
-    """Tell whether a batted ball has the spin that friction gave it."""
-    return isinstance(scene, AtBatScene) and scene.bat.friction is not None
-
-
 def _flies_in_lanes(scene: Scene) -> bool:
     """Tell whether the compiled code flies the balls of an extended scene."""
     if isinstance(scene, ImpactScene) or scene.air is None:
@@ -157,7 +154,6 @@ def _flies_in_lanes(scene: Scene) -> bool:
     air = scene.air
     pieces = (air.drag_coefficient, air.lift_coefficient, air.wind)
     smooth = not any(isinstance(x, AirTable | BilinearLift | WindAbove) for x in pieces)
-    smooth = smooth and not _has_friction(scene)
     return smooth and air.spin_decay_length is None and scene.gravity > 0.0
 
 
@@ -173,8 +169,9 @@ def _solve_the_rest(
         result = chain.solve(one, flyer, model)
         if result.outcome is not None:
             table.outcome[i] = OUTCOMES.index(result.outcome)
-        for name, value in quantities.numbers(result):
-            table.put(name, i, value)
+        for name, value in quantities.flat(result.data()):
+            if "." in name:  # of a block
+                table.put(name, i, value)
 
 
 def _batch() -> BatchFlyer:
@@ -334,7 +331,7 @@ def _rows(table: Table) -> Iterator[tuple[Outcome | None, dict[str, Any]]]:
         part, quantity = name.partition("[")[0].split(".")
         found[part][quantity].append(column)
     parts = {
-        name: _part({key: columns for key, columns in block.items() if columns})
+        name: _part(name, {key: columns for key, columns in block.items() if columns})
         for name, block in found.items()
         if any(block.values())
     }
@@ -348,26 +345,15 @@ def _known(column: NDArray[Any]) -> NDArray[np.bool_]:
     return found
 
 
-# What is held as a number in columns, and is none in a result.
-_PLAIN: dict[str, Callable[[float], Any]] = {"segment": int, "fair": bool}
-
-
-def _plain(name: str, column: NDArray[Any]) -> list[Any]:
-    values: list[Any] = column.tolist()
-    if name not in _PLAIN:
-        return values
-    return [x if math.isnan(x) else _PLAIN[name](x) for x in values]
-
-
-def _part(columns_of: dict[str, list[Array]]) -> list[dict[str, Any]]:
+def _part(name: str, columns_of: dict[str, list[Array]]) -> list[dict[str, Any]]:
     """Return a part of each row's result: what it has of its quantities."""
     known = zip(*(_known(columns[0]).tolist() for columns in columns_of.values()), strict=True)
     values = zip(
         *(
             zip(*(column.tolist() for column in columns), strict=True)
             if len(columns) > 1
-            else _plain(name, columns[0])
-            for name, columns in columns_of.items()
+            else _values(f"{name}.{key}", columns[0])
+            for key, columns in columns_of.items()
         ),
         strict=True,
     )
@@ -375,3 +361,10 @@ def _part(columns_of: dict[str, list[Array]]) -> list[dict[str, Any]]:
         dict(compress(zip(columns_of, row, strict=True), there))
         for row, there in zip(values, known, strict=True)
     ]
+
+
+def _values(name: str, column: NDArray[Any]) -> list[Any]:
+    """Return the values of a quantity, whose columns hold doubles even if it is none."""
+    values: list[Any] = column.tolist()
+    kind = DISCRETE.get(name)
+    return [x if x != x else kind(x) for x in values] if kind else values
