@@ -11,7 +11,7 @@ from typing import Any
 
 import pandas as pd
 
-from analysis.speed_error import contenders, measuring, pictures
+from analysis.speed_error import contenders, laws, measuring, pictures
 from analysis.speed_error.peers import HeyokaBatch
 from analysis.speed_error.work import SEED, TRUE_DIGITS, Known, at_bats, flights, known
 from analysis.writing import shown, table
@@ -52,7 +52,8 @@ def run(report: Path, full: bool) -> str:
     whole = pd.concat([rows for _, rows in measured], ignore_index=True)
     rounded = whole.map(lambda value: float(f"{value:.3g}") if isinstance(value, float) else value)
     table(report, "speed_error", rounded)
-    return section(report, rounded, rounds, count, full)
+    of_laws = laws.section(report, rounds, count // 4)
+    return section(report, rounded, rounds, count, full) + of_laws
 
 
 def section(report: Path, whole: pd.DataFrame, rounds: int, count: int, full: bool) -> str:
