@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import jinja2
 import matplotlib
@@ -17,6 +18,28 @@ from matplotlib.axes import Axes
 
 # Told apart without colour too, for a print in black and white.
 LINES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)))
+
+
+def _style(color: str, marker: str, line: object = "-", *, filled: bool = True) -> dict[str, Any]:
+    face = color if filled else "white"
+    return {"color": color, "marker": marker, "linestyle": line, "markerfacecolor": face}
+
+
+# A method, an engine or a reading of the paper looks the same in every figure. The colours are
+# those of Okabe and Ito, which colour-blind readers tell apart; the marks do it in grey.
+STYLES = {
+    "longball": _style("#0072B2", "o"),
+    "batch": _style("#009E73", "s"),
+    "ivp": _style("#0072B2", "o"),
+    "enclosure": _style("black", "*"),
+    "Monte Carlo": _style("#D55E00", "^", "--", filled=False),
+    "scrambled points": _style("#E69F00", "D", "-.", filled=False),
+    "quadrature": _style("#0072B2", "o"),
+    "default": _style("#0072B2", "o", "-", filled=False),
+    "nearest": _style("#D55E00", "s", "--"),
+    "paper's caption": _style("0.35", "*", ":"),
+    "paper's text": _style("0.35", "X", (0, (5, 1, 1, 1, 1, 1)), filled=False),
+}
 
 plt.rcParams.update(
     {
