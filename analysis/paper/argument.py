@@ -295,7 +295,7 @@ class Tested:
     def bent(self) -> float:
         """How far the flights are off their lines at most, as a share of the change of D."""
         rise = SPEEDS[-1] - SPEEDS[0]
-        return max(laid.off / (laid.slope * rise) for laid in self.flights.values())
+        return max(laid.off / (laid.slope * float(rise)) for laid in self.flights.values())
 
     @property
     def powers(self) -> list[float]:
@@ -387,7 +387,9 @@ def draw_argument(report: Path, found: Sequence[Tested]) -> None:
             for marker, (angle, laid) in zip("v^s", one.flights.items(), strict=True):
                 flown = ranges(one.base, angle)
                 label = f"{one.name}, {angle:g}°"
-                right.plot(SPEEDS, flown, **line, marker=marker, markevery=5, label=label)
+                right.plot(
+                    SPEEDS, flown, **line, marker=marker, markersize=4, markevery=5, label=label
+                )
                 right.plot(SPEEDS, laid.slope * SPEEDS + laid.intercept, ":", color="0.5")
         left.axvline(HOME_RUN_DISTANCE, color="black", linewidth=0.8, linestyle=":")
         left.set(xlabel="distance D, m", ylabel="probability density, 1/km", xlim=(0.0, 250.0))
