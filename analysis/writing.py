@@ -26,19 +26,37 @@ def _style(color: str, marker: str, line: object = "-", *, filled: bool = True) 
 
 
 # A method, an engine or a reading of the paper looks the same in every figure. The colours are
-# those of Okabe and Ito, which colour-blind readers tell apart; the marks do it in grey.
+# those of Okabe and Ito, which colour-blind readers tell apart; marks and lines do it in grey.
 STYLES = {
-    "longball": _style("#0072B2", "o"),
-    "batch": _style("#009E73", "s"),
-    "ivp": _style("#0072B2", "o"),
-    "enclosure": _style("black", "*"),
+    "batch": _style("black", "o"),
+    "ivp Taylor": _style("#0072B2", "s"),
+    "ivp DOP853": _style("#0072B2", "^", "--"),
+    "ivp RK45": _style("#0072B2", "v", "-.", filled=False),
+    "ivp LSODA": _style("#0072B2", "D", ":", filled=False),
+    "ivp Radau": _style("#0072B2", "P", ":"),
+    "verlet old_carried": _style("black", "o"),
+    "verlet old_recomputed": _style("#E69F00", "s", filled=False),
+    "verlet half_step": _style("#CC79A7", "<", "--"),
+    "verlet predicted_carried": _style("#D55E00", "D", "-."),
+    "verlet predicted_recomputed": _style("#0072B2", "v", ":"),
+    "verlet implicit": _style("#CC79A7", ">"),
+    "enclosure": _style("#009E73", "*"),
+    "multiprecision": _style("#009E73", "X", "--"),
+    "heyoka scalar": _style("#D55E00", "s", "--"),
+    "heyoka batch": _style("#D55E00", "D"),
+    "diffrax Tsit5": _style("#E69F00", "v", ":", filled=False),
+    "diffrax Dopri8": _style("#E69F00", "^", "-."),
+    "CVODE Adams": _style("0.45", "P", "--"),
+    "scipy DOP853": _style("#56B4E9", "^", "--"),
+    "scipy RK45": _style("#56B4E9", "v", "-.", filled=False),
+    "scipy LSODA": _style("#56B4E9", "D", ":", filled=False),
     "Monte Carlo": _style("#D55E00", "^", "--", filled=False),
     "scrambled points": _style("#E69F00", "D", "-.", filled=False),
     "quadrature": _style("#0072B2", "o"),
     "default": _style("#0072B2", "o", "-", filled=False),
-    "nearest": _style("#D55E00", "s", "--"),
-    "paper's caption": _style("0.35", "*", ":"),
-    "paper's text": _style("0.35", "X", (0, (5, 1, 1, 1, 1, 1)), filled=False),
+    "nearest": _style("#D55E00", "s", "-."),
+    "paper's caption": _style("0.45", "*", "--"),
+    "paper's text": _style("0.45", "X", ":", filled=False),
 }
 
 plt.rcParams.update(

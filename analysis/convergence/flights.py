@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from analysis.convergence.pieces import each
-from analysis.writing import figure, render
+from analysis.writing import STYLES, figure, render
 from longball.convergence import converge
 from longball.convergence.report import Order
 from longball.engines import create
@@ -145,12 +145,16 @@ def best(found: Order) -> tuple[float, float]:
 def draw(report: Path, orders: dict[VerletForces, Order]) -> None:
     """Draw the errors against the step."""
     with figure(report, "convergence_flights", size=(6.4, 4.6)) as (axes,):
-        for (name, found), marker in zip(orders.items(), "os^Dv*", strict=True):
-            x, y = [e[0] for e in found.errors], [e[1] for e in found.errors]
-            (line,) = axes.plot(x, y, marker, markersize=5, markerfacecolor="none")
+        for name, found in orders.items():
+            style = STYLES[f"verlet {name}"]
+            # Two of the treatments coincide: one is seen round the other.
+            style = style | {"markersize": 9 if name == "old_recomputed" else 5}
             fitted = [(h, e) for h, e, use in found.errors if use == "fitted"]
-            x, y = [h for h, _ in fitted], [e for _, e in fitted]
             label = f"{name}: order {found.order:.2f}"
-            axes.plot(x, y, marker + "-", color=line.get_color(), markersize=5, label=label)
+            axes.plot(*np.transpose(fitted), **style, label=label)
+            left = [(h, e) for h, e, use in found.errors if use != "fitted"]
+            if left:
+                hollow = {"linestyle": "none", "markerfacecolor": "none", "alpha": 0.5}
+                axes.plot(*np.transpose(left), **style | hollow)
         axes.set(xscale="log", yscale="log", xlabel="step Δt, s", ylabel="error of D, m")
         axes.legend(fontsize="small")
