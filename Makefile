@@ -5,7 +5,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 INSTALLED := $(VENV)/.installed
 
-.PHONY: report paper docs test coverage lint bench clean
+.PHONY: report paper docs test coverage lint bench mutants clean
 
 report: $(INSTALLED)  ## write report/README.md with its tables and figures
 	$(BIN)/python -m analysis
@@ -28,6 +28,9 @@ lint: $(INSTALLED)  ## run the linters
 	$(BIN)/mypy reference analysis
 	$(BIN)/lint-imports
 	$(BIN)/python -m longball.model.derivation --check
+
+mutants: $(INSTALLED)  ## plant small faults and count those that the tests notice; takes hours
+	$(BIN)/python tests/mutants.py --jobs 2
 
 bench: $(INSTALLED)  ## time the engines side by side, with the peers that are installed
 	$(BIN)/python -m analysis.bench

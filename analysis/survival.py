@@ -4,9 +4,8 @@ Scenes of all kinds and of the families of `analysis.random_scenes` go through `
 and some of them through `enclosure`, whose outcomes and numbers are proven. None may raise an
 exception. Outcomes that are given have to be the same. A number may be off by `ALLOWED` times what
 doubles can attain, which is estimated here: the scene is solved again, proven, with all of its
-inputs moved at once by a few roundings, up and down at random. And by some roundings of the way of
-a pitch as a part of the reach of the bat: places near the plate are known that well to those who
-count from the release.
+inputs moved at once by a few roundings, up and down at random. And by some roundings of the place
+where the flight begins: those who count from there know no other place better.
 """
 
 from __future__ import annotations
@@ -30,7 +29,7 @@ from longball.golden.case import ROUNDING, vector_of
 from longball.golden.condition import STEP, inputs
 from longball.model.quantities import numbers, replaced
 from longball.model.result import Result
-from longball.model.scene import AtBatScene, Scene
+from longball.model.scene import AtBatScene, FlightScene, PitchScene, Scene
 
 SCENES, FULL_SCENES = 2_000, 1_000_000
 # Of the full number, those that the enclosure solves, too: every so many; of others all.
@@ -42,7 +41,8 @@ DIGITS = 20  # of the truth
 _MOVES = 4  # of all inputs at once
 # An error below so many roundings of its vector's length needs no estimate.
 _FINE = 64
-_ROUNDINGS = 4  # of the way of a pitch
+# Of the start of the flight, as a search for events has it.
+_ROUNDINGS = 4
 
 # The last three are faults.
 VERDICTS = ("right", "declined", "not compared", "wrong outcome", "number off", "exception")
@@ -132,14 +132,24 @@ def verdict_of(scene: Scene, result: Result, truth: Result | None) -> str:
     attainable = moved_errors(scene, truth)
     if attainable is None:
         return "not compared"
-    way = 0.0
-    if isinstance(scene, AtBatScene):
-        way = scene.pitch.release[0] / (scene.ball.radius + scene.bat.radius)
+    start = _start(scene)
+    reach = scene.ball.radius + scene.bat.radius if isinstance(scene, AtBatScene) else np.inf
     for name, error in doubtful.items():
         fine = excess[name][1]
-        if error > ALLOWED * (attainable[name] + fine) + _ROUNDINGS * fine * way:
+        rounded = ROUNDING * start if ".position" in name else fine * start / reach
+        if error > ALLOWED * (attainable[name] + fine) + _ROUNDINGS * rounded:
             return "number off"
     return "right"
+
+
+def _start(scene: Scene) -> float:
+    """Return the largest coordinate of the release or launch, m; 0 where nothing flies."""
+    match scene:
+        case FlightScene():
+            return max(map(abs, scene.launch.position))
+        case PitchScene() | AtBatScene():
+            return max(map(abs, scene.pitch.release))
+    return 0.0
 
 
 def errors(result: Result, truth: Result) -> dict[str, tuple[float, float]]:

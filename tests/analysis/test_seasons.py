@@ -1,11 +1,14 @@
 """The parts of the study of the seasons that can be worked by hand."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from analysis.reality import landings
 from analysis.seasons import (
+    FENCE,
     Estimate,
     Variant,
     fence_distance,
@@ -13,7 +16,10 @@ from analysis.seasons import (
     of_games,
     proportionality,
 )
+from longball.engines import create
+from longball.model.scene import Fence
 from longball.pitches.models import MODELS
+from longball.pitches.prediction import scenes
 from longball.pitches.statcast import FOOT
 
 
@@ -76,3 +82,29 @@ def test_functions_of_estimates():
     both = one.map(lambda x, y: x * y, two)
     assert (both.value, both.draws.tolist()) == (8.0, [4.0, 12.0])
     assert f"{two:.1f}" == "4.0 (4.0 to 4.0)"
+
+
+def test_margins_say_what_the_fence_of_a_scene_says():
+    hits = measured_hits()
+    long = replace(hits, flies=hits.flies.chosen(hits.flies.measured[:, 0] > 100.0))
+    variant = Variant("", long, MODELS["nathan"], 1.0, by_place=True)
+    margins = variant.margins(long)
+    place, _ = landings(long.flies, variant.model)
+    polyline = [
+        (FOOT * far * math.cos(math.radians(a)), -FOOT * far * math.sin(math.radians(a)), 8 * FOOT)
+        for a, far in FENCE
+    ]
+    batch = create("batch")
+    fenced = [
+        scene.model_copy(update={"fence": Fence(polyline=tuple(polyline))})
+        for scene in scenes(long.flies, variant.model)
+    ]
+    over = np.array([result.outcome == "home_run" for result in batch.solve_all(fenced)])
+    # Well between the poles, and further from the top of the fence than a path from there to the
+    # ground bends: 0.2 m were seen.
+    bearing = np.degrees(np.arctan2(-place[:, 1], place[:, 0]))
+    clear = (np.abs(bearing) < 42.0) & (np.abs(margins) > 0.5)
+    assert clear.sum() > 80
+    assert (over[clear] == (margins[clear] > 0.0)).all()
+    assert over[clear].any()
+    assert not over[clear].all()

@@ -13,6 +13,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from longball.engines import create
 from longball.engines.batch import (
     Batch,
     expansion,
@@ -48,6 +49,7 @@ from longball.model.scene import (
     Rotation,
     Scene,
     Swing,
+    parse_scene,
 )
 
 # What only compiled functions can call, for Python to call.
@@ -658,3 +660,14 @@ def test_a_ball_that_all_but_rests_in_the_air_is_solved_or_refused_never_wrong()
 def test_columns_that_are_none_are_refused(columns: Any, message: str) -> None:
     with pytest.raises(ValueError, match=message):
         solve_columns(AtBatScene(id="any"), columns)
+
+
+def test_a_flight_that_ends_nowhere_is_not_airborne():
+    # Thrown into air as dense as a star, straight up by the lift: at last the series overflow.
+    scene = parse_scene(
+        '{"id":"x","kind":"pitch","reading":{"lift_direction":"always_up"},"gravity":7.8e25,'
+        '"ball":{"mass":2.4e-6,"radius":0.0062},"pitch":{"speed":9.4e13,'
+        '"release":[3e-8,0.14,0.0063],"aim":[2e19,217506]},'
+        '"air":{"density":3.8e6,"drag_coefficient":0.033,"lift_coefficient":0.51}}'
+    )
+    assert solve(scene, create("batch")).outcome != "airborne"

@@ -585,8 +585,17 @@ def _flight_error(cases: Cases[N]) -> float:
     return cases.engine.flight_error + 8 * cases.numbers.rounding
 
 
+def _heading_error(cases: Cases[N]) -> float:
+    """Return the relative error of where a flight in its plane heads for.
+
+    The flight itself adds none; the heading of a batted ball has its pitch's error.
+    """
+    rounded = 8 * cases.numbers.rounding
+    return rounded if hasattr(cases.scene, "launch") else _flight_error(cases)
+
+
 def _stop(cases: Cases[N], frame: Frame[N], start: State[N], sense: int) -> Stop[N]:
-    error = cases.numbers.exact(_flight_error(cases))
+    error = cases.numbers.exact(_heading_error(cases))
     return stop_at(cases.scene.fence, frame, start.s, sense, error, cases.numbers)
 
 
@@ -619,8 +628,10 @@ def _meet_fence(
     if place.margin is not None:
         cases.record("fence.margin", place.margin)
     error = _flight_error(cases) * (1 + absolute(x) + absolute(y) + absolute(z))
+    heading = _heading_error(cases) if landing is None else _flight_error(cases)
     question = "on which side the ball passes a vertex where the fence ends or has two heights"
-    known, at_vertex = cases.decide(place.room, error, question)
+    aside = heading * (1 + absolute(x) + absolute(y))
+    known, at_vertex = cases.decide(place.room, aside, question)
     (ended,) = cases.take(at_vertex)
     ended.refuse(Undecided(f"{question} cannot be said: it passes over the vertex itself"))
     # What the place is off, the ball's way makes of it by its steepness, and the top by its own.

@@ -58,11 +58,10 @@ class Chord(Generic[N]):
     open_a: bool
     open_b: bool
 
-    def place(self, share: N, room: N, numbers: Numbers[N]) -> Place[N]:
-        """Return the place at a share of the way from a to b."""
+    def place(self, share: N, to_end: N, room: N, numbers: Numbers[N]) -> Place[N]:
+        """Return the place at a share of the way from a to b; `to_end` is the other share."""
         x, y, rise = (b - a for a, b in zip(self.a, self.b, strict=True))
         length = numbers.sqrt(x * x + y * y)
-        to_end = 1 - share
         shorter = numbers.where(to_end < share, to_end, share)
         height = self.a[2] + share * rise
         return Place(height, self.segment, shorter * length, room, rise / length)
@@ -111,7 +110,7 @@ def stop_at(
     error
         Of directions, relative.
     """
-    zero, far = numbers.exact(0.0), numbers.exact(_FAR)
+    zero, one, far = numbers.exact(0.0), numbers.exact(1.0), numbers.exact(_FAR)
     nowhere = Place(zero, 0, None if fence.polyline is None else zero, far, zero)
     if fence.polyline is None:
         radius = numbers.exact(fence.radius)
@@ -125,15 +124,14 @@ def stop_at(
             for vertex, is_open in ((chord.a, chord.open_a), (chord.b, chord.open_b))
         )
         hit = left_a & (left_b ^ True)
-        share = numbers.where(
-            hit,
-            aside_a / numbers.where(hit, aside_a - aside_b, numbers.exact(1.0)),
-            numbers.where(near_b, numbers.exact(1.0), zero),
-        )
-        there = _along(frame, chord.a) * (1 - share) + _along(frame, chord.b) * share
+        at_b = numbers.where(near_b, one, zero)
+        apart = numbers.where(hit, aside_a - aside_b, one)
+        share = numbers.where(hit, aside_a / apart, at_b)
+        to_end = numbers.where(hit, -aside_b / apart, 1 - at_b)
+        there = _along(frame, chord.a) * to_end + _along(frame, chord.b) * share
         open_a = absolute(aside_a) if chord.open_a else far
         open_b = absolute(aside_b) if chord.open_b else far
-        place = chord.place(share, numbers.where(open_b < open_a, open_b, open_a), numbers)
+        place = chord.place(share, to_end, numbers.where(open_b < open_a, open_b, open_a), numbers)
         nearer = (hit | near_a | near_b) & (sense * (there - s) > 0)
         nearer = nearer & (sense * (there - first.s) < 0)
         first = Stop(
@@ -275,7 +273,8 @@ def _on_piece(
         room_a = absolute(ahead) if chord.open_a else far
         room_b = absolute(length - ahead) if chord.open_b else far
         room = zero if doubtful else room_b if room_b < room_a else room_a
-        yield Crossing(piece.begin + t, state, chord.place(ahead / length, room, numbers))
+        share, to_end = ahead / length, (length - ahead) / length
+        yield Crossing(piece.begin + t, state, chord.place(share, to_end, room, numbers))
 
 
 def falls(curve: Curve[N], end: N, error: N) -> Iterator[tuple[N, bool]]:

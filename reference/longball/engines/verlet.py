@@ -262,7 +262,9 @@ class Verlet(Stepped[float]):
                 f"{self.dt!r} s, but the straight line from the step before does not meet it",
             )
         position, velocity = _halves(before)
-        touching = law.state(*_moved(position, ahead, velocity), *velocity)
+        place, split = position[: len(velocity)], 2 * len(velocity)
+        along = _moved(before[split:], ahead, law.rates(DOUBLES)(*before)[split:])
+        touching = law.state(*_moved(place, ahead, velocity), *velocity, *along)
         return SteppedTouch(
             margin,
             True,

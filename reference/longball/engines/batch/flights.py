@@ -581,7 +581,12 @@ def _settle(s: _Setup, slot: _Slot, time: float, length: float) -> float:
     if near_bat and doubtful == _NONE and _meets_bat(s, slot, time, end, stop >= 0):
         return end
     _evaluate(s, end)
-    if stop >= 0:
+    total = 0.0
+    for k in range(s.variables):
+        total += s.state[k]
+    if stop >= 0 and not math.isfinite(total):
+        mark[_STOP] = OUT_OF_RANGE
+    elif stop >= 0:
         _note(s, shifted(arrival, _END), flight[_LIMIT] if stop == TIME_LIMIT else time + end)
         mark[_EVENT], arrival[_DOUBT] = doubtful, doubt
         if not near_bat and doubtful == _NONE and end > 0.0:

@@ -129,10 +129,13 @@ def solve_columns_with_restitutions(
 
 
 def _is_extended(scene: Scene) -> bool:
-    """Tell whether a ball flies under more than the paper's forces."""
+    """Tell whether a ball flies under more than the paper's forces.
+
+    Friction gives a batted ball a spin.
+    """
     if isinstance(scene, ImpactScene) or scene.air is None:
         return False
-    if _has_friction(scene):
+    if isinstance(scene, AtBatScene) and scene.bat.friction is not None:
         return True
     thrown: Any = scene.launch if isinstance(scene, FlightScene) else scene.pitch
     air = scene.air
@@ -144,11 +147,6 @@ def _is_extended(scene: Scene) -> bool:
     return any(x is not None for x in further) or any(isinstance(x, BaseModel) for x in laws)
 
 
-def _has_friction(scene: Scene) -> bool:
-    """Tell whether a batted ball has the spin that friction gave it."""
-    return isinstance(scene, AtBatScene) and scene.bat.friction is not None
-
-
 def _flies_in_lanes(scene: Scene) -> bool:
     """Tell whether the compiled code flies the balls of an extended scene."""
     if isinstance(scene, ImpactScene) or scene.air is None:
@@ -156,7 +154,6 @@ def _flies_in_lanes(scene: Scene) -> bool:
     air = scene.air
     pieces = (air.drag_coefficient, air.lift_coefficient, air.wind)
     smooth = not any(isinstance(x, AirTable | BilinearLift | WindAbove) for x in pieces)
-    smooth = smooth and not _has_friction(scene)
     return smooth and air.spin_decay_length is None and scene.gravity > 0.0
 
 
@@ -172,8 +169,9 @@ def _solve_the_rest(
         result = chain.solve(one, flyer, model)
         if result.outcome is not None:
             table.outcome[i] = OUTCOMES.index(result.outcome)
-        for name, value in quantities.numbers(result):
-            table.put(name, i, value)
+        for name, value in quantities.flat(result.data()):
+            if "." in name:  # of a block
+                table.put(name, i, value)
 
 
 def _batch() -> BatchFlyer:
