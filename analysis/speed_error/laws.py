@@ -13,7 +13,7 @@ from analysis.speed_error import contenders
 from analysis.speed_error.contenders import Answers, Contender
 from analysis.speed_error.measuring import Measured, measure, ratio
 from analysis.speed_error.work import Work, flights, known
-from analysis.writing import filled, table
+from analysis.writing import render, table
 from longball.engines.batch import Batch, solve_columns
 from longball.engines.batch.flights import Records
 from longball.engines.batch.many import BLOCK
@@ -132,4 +132,4 @@ def row(found: dict[tuple[str, str], Measured], law: str) -> dict[str, str]:
 def section(report: Path, rounds: int, count: int) -> str:
     """Measure, and write the table and the Markdown about it."""
     rows = table(report, "speed_error_laws", compared(rounds, count))
-    return filled("speed_error_laws", table=rows, count=count)
+    return render(report, "speed_error_laws", rows=rows, count=count)
