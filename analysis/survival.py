@@ -4,8 +4,8 @@ Scenes of all kinds and of the families of `analysis.random_scenes` go through `
 and some of them through `enclosure`, whose outcomes and numbers are proven. None may raise an
 exception. Outcomes that are given have to be the same. A number may be off by `ALLOWED` times what
 doubles can attain, which is estimated here: the scene is solved again, proven, with all of its
-inputs moved at once by a few roundings, up and down at random. And by some roundings of the place
-where the flight begins: those who count from there know no other place better.
+inputs moved at once by a few roundings, up and down at random, and the bat by some of the place
+where the flight begins. A place may at least be off by `_ROUNDINGS` of the latter.
 """
 
 from __future__ import annotations
@@ -41,7 +41,8 @@ DIGITS = 20  # of the truth
 _MOVES = 4  # of all inputs at once
 # An error below so many roundings of its vector's length needs no estimate.
 _FINE = 64
-# Of the start of the flight, as a search for events has it.
+# Half ulps of the start of a flight by which a place w t further on is off where they cancel: of w,
+# of t, of their product, and of the sum. With baseball's sizes this is less than `ALLOWED` grants.
 _ROUNDINGS = 4
 
 # The last three are faults.
@@ -132,12 +133,9 @@ def verdict_of(scene: Scene, result: Result, truth: Result | None) -> str:
     attainable = moved_errors(scene, truth)
     if attainable is None:
         return "not compared"
-    start = _start(scene)
-    reach = scene.ball.radius + scene.bat.radius if isinstance(scene, AtBatScene) else np.inf
     for name, error in doubtful.items():
-        fine = excess[name][1]
-        rounded = ROUNDING * start if ".position" in name else fine * start / reach
-        if error > ALLOWED * (attainable[name] + fine) + _ROUNDINGS * rounded:
+        least = _ROUNDINGS * ROUNDING * _start(scene) if ".position" in name else 0.0
+        if error > max(ALLOWED * (attainable[name] + excess[name][1]), least):
             return "number off"
     return "right"
 
@@ -170,8 +168,9 @@ def moved_errors(scene: Scene, truth: Result) -> dict[str, float] | None:
     generator = np.random.default_rng(SEED)
     sizes = {name: abs(x) for name, x in inputs(scene).items()}
     if isinstance(scene, AtBatScene) and truth.plate is not None:
-        # A double holds z_b no better than this, however small the offset is.
-        sizes["swing.height_offset"] += abs(float(exactly(truth.plate.position[2])))
+        # A double holds z_b, and the way of the ball, no better, however small the offset is.
+        height = abs(float(exactly(truth.plate.position[2])))
+        sizes["swing.height_offset"] += max(height, _start(scene))
     largest: dict[str, float] = {}
     for _ in range(_MOVES):
         moves = dict(zip(sizes, generator.choice([-STEP, STEP], len(sizes)), strict=True))

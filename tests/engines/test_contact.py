@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from flint import arb
 
-from longball.engines import contact
+from longball.engines import contact, create
 from longball.engines.chain import approach_of, solve
 from longball.engines.contact import BatSection
 from longball.engines.enclosure import Enclosure
@@ -327,3 +327,38 @@ def test_the_margin_of_a_wide_miss_is_that_of_the_whole_pitch(offset):
     assert found.outcome == true.outcome == "missed"
     # The state at the closest approach has a flight's error, relative to its distance from home.
     assert found.contact.margin == pytest.approx(float(true.contact.margin), abs=1e-11)
+
+
+@pytest.mark.parametrize("name", ["ivp", "batch"])
+def test_a_thin_bat_touched_far_above_the_release(name):
+    """Heights are rounded to a ten-millionth of the reach; the place across the bat is not."""
+    scene = parse_scene(
+        json.dumps(
+            {
+                "id": "far",
+                "kind": "at-bat",
+                "ball": {"mass": 2.75e-27, "radius": 9.17e-6, "restitution": 0.73},
+                "bat": {"mass": 2.2e8, "length": 17787.4, "radius": 1.5e-5},
+                "reading": {"lift_direction": "always_up"},
+                "air": {
+                    "density": 7.25e-29,
+                    "drag_coefficient": 5.5e-11,
+                    "lift_coefficient": -1947,
+                },
+                "gravity": 1.09e22,
+                "pitch": {
+                    "speed": 5.0e13,
+                    "release": [0.003, -1.56, 0.2545],
+                    "aim": [-0.078, 4.1e9],
+                },
+                "swing": {"angular_speed": -16.65, "tilt": 1.75, "height_offset": 0.03887},
+            }
+        )
+    )
+    result, truth = solve(scene, create(name)), solve(scene, Enclosure(20))
+    assert result.outcome == truth.outcome == "batted"
+    height, normal = (float(truth.contact.position[2]), [float(n) for n in truth.contact.normal])
+    assert result.contact.position[2] == pytest.approx(height, abs=4 * np.spacing(height))
+    # What a move of the bat by a rounding of its height does to the normal, some times over.
+    assert result.contact.normal == pytest.approx(normal, abs=1e-13)
+    assert result.landing.distance == pytest.approx(float(truth.landing.distance), abs=1e-8)

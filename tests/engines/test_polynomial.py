@@ -92,3 +92,26 @@ def test_the_value_of_an_event_where_large_terms_cancel():
     (nearest,) = curve.turns(0.0, 1.0)
     assert nearest == pytest.approx(0.45, abs=1e-14)
     assert curve(nearest) == pytest.approx(1e-6, rel=1e-9)
+
+
+def test_a_touching_far_away_is_found_to_the_rounding_of_the_place():
+    """Of reach 2e-5 m, 2e4 m away: the square of the way is rounded to more than reach²."""
+    height, reach, speed = 20581.5, 2.4e-5, 4.5e13
+    coefficients = np.array([[0.0, 0.0], [0.0, speed], [0.0, 0.0], [speed, 0.0]])
+    piece = PolynomialPiece(0.0, 1e-9, PlaneState, coefficients)
+    curve = piece.curve(lambda y: (y.z - height) * (y.z - height) - reach * reach)
+    (nearest,) = curve.turns(0.0, 1e-9)
+    touching = piece.at(curve.zero(0.0, nearest)).z
+    assert touching == pytest.approx(height - reach, abs=2 * np.spacing(height))
+
+
+def test_values_do_not_overflow_where_the_states_do_not():
+    """In seconds, a coefficient of 1e200 times a number, or squared, is beyond the range."""
+    coefficients = np.array([[0.0, 1e100, 1e200], [3.0, 0.0, 0.0], [0.0] * 3, [0.0] * 3])
+    piece = PolynomialPiece(0.0, 1e-99, PlaneState, coefficients)
+    curve = piece.curve(lambda y: y.z - (1e110 * y.s) * (1e-110 * y.s))
+    assert curve(0.0) == 3.0
+    assert not curve.positive(0.0, 1e-99)
+    assert list(curve.turns(0.0, 1e-99)) == []
+    x = (np.sqrt(1 + 4 * np.sqrt(3)) - 1) / 2  # of x + x² = √3
+    assert curve.zero(0.0, 1e-99) == pytest.approx(x * 1e-100, rel=1e-14, abs=0)

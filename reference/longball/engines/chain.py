@@ -719,9 +719,9 @@ def solve_impacts(cases: Cases[N]) -> None:
     incoming = cases.scene.incoming
     position, velocity = cases.vector(incoming.position), cases.vector(incoming.velocity)
     ball = Ball(position, velocity, cases.spin(incoming.spin))
-    height = cases.numbers.exact(incoming.bat_height)
+    offset = position[0], position[2] - cases.numbers.exact(incoming.bat_height)
     # Nothing has flown: the position is exact, and only roundings here are in doubt.
-    cases, contact = meet(cases, ball, height, 0.0)
+    cases, contact = meet(cases, ball, offset, 0.0)
     if not cases.empty:
         cases, _ = strike(cases, contact, 0.0)
         cases.conclude("struck")
@@ -749,14 +749,14 @@ class Ball(Generic[N]):
 
 
 def meet(
-    cases: Cases[N], ball: Ball[N], height: N, inherited: float, *carried: Any
+    cases: Cases[N], ball: Ball[N], offset: tuple[N, N], inherited: float, *carried: Any
 ) -> tuple[Any, ...]:
     """Look at balls and bats that touch; return those that approach each other.
 
     Parameters
     ----------
-    height
-        Of the bat's axis, m.
+    offset
+        The way from the bat's axis to the ball's centre, m: in x, and up.
     inherited
         Relative error of position and velocity before any rounding here.
     carried
@@ -770,19 +770,21 @@ def meet(
     on_bat, beyond = cases.decide(half - absolute(aside), slack, question)
     (ended,) = cases.take(beyond)
     ended.conclude("beyond_bat")
-    cases, ball, height, *rest = cases.take(on_bat, ball, height, *carried)
+    cases, ball, (across, above), *rest = cases.take(on_bat, ball, offset, *carried)
     if cases.empty:
         return cases, None, *rest
-    (x, y, z), velocity = ball.position, ball.velocity
-    distance = numbers.sqrt(x * x + (z - height) * (z - height))
-    normal = (x / distance, numbers.exact(0.0), (z - height) / distance)
-    arm = lever_arm(y, cases.scene.bat, numbers)
+    velocity = ball.velocity
+    distance = numbers.sqrt(across * across + above * above)
+    normal = (across / distance, numbers.exact(0.0), above / distance)
+    arm = lever_arm(ball.position[1], cases.scene.bat, numbers)
     moving = bat_velocity(arm, cases.scene.swing, numbers)
     relative = (velocity[0] - moving[0], velocity[1] - moving[1], velocity[2] - moving[2])
     normal_speed = _dot(relative, normal)
     # Six operations stand between the velocities and their normal part.
     terms = [(v[i], normal[i]) for v in (velocity, moving) for i in (0, 2)]
-    doubt = sum((absolute(a * b) * (inherited + 6 * numbers.rounding) for a, b in terms), x * 0)
+    doubt = sum(
+        (absolute(a * b) * (inherited + 6 * numbers.rounding) for a, b in terms), across * 0
+    )
     # The force is the same for n and -n; a ball that would leave the bat approaches its back.
     approach = normal_speed if ball.leaving else -normal_speed
     question = "whether ball and bat approach or separate"
@@ -912,7 +914,8 @@ def meet_bat(cases: Cases[N]) -> tuple[Cases[N], Meeting[N] | None]:
     cases.record("contact.time", touch.time)
     cases.record("contact.position", ball.position)
     error = cases.engine.flight_error
-    cases, contact, approach = meet(cases, ball, approach.height, error, approach)
+    offset = approach.bat.offset(touch.state, cases.numbers)
+    cases, contact, approach = meet(cases, ball, offset, error, approach)
     return cases, None if contact is None else Meeting(approach, contact)
 
 

@@ -38,6 +38,21 @@ class BatSection(Generic[N]):
         across, above = self.frame.towards_x(state), state.z - self.height
         return numbers.sqrt(across * across + above * above)
 
+    def offset(self, state: State[N], numbers: Numbers[N]) -> tuple[N, N]:
+        """Return the way from the bat's axis to a ball that touches it: across, above, m.
+
+        Where its height, of which nothing but the rounding tells the ball from touching, is known
+        less well than its place across, it follows from that and from `reach`.
+        """
+        across, above = self.frame.towards_x(state), state.z - self.height
+        rounding = 8 * numbers.rounding * absolute(self.height)
+        off = absolute(self.distance(state, numbers) - self.reach)
+        high = (absolute(self.height) > abs(self.frame.x)) & (absolute(above) > absolute(across))
+        squared = (self.reach - across) * (self.reach + across)
+        told = high & (off <= rounding) & (squared > 0)
+        follows = numbers.sqrt(numbers.where(told, squared, self.reach))
+        return across, numbers.where(told, numbers.where(above > 0, follows, -follows), above)
+
     def depth(self, state: Any) -> Any:
         """Return ``d² - reach²``, m², of a state or of polynomials: negative in the bat."""
         return self.beyond(self.reach, state)

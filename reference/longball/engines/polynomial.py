@@ -100,11 +100,19 @@ class PolynomialCurve(NamedTuple):
         p = self._from(a)
         if not p[0] > 0:
             return a  # where the piece before ended, to rounding
-        t = zero(p, 0.0, (b - a) / self.unit)
-        slope = rate(p, t) / self.unit
-        t *= self.unit
-        if slope < 0:  # to the zero of single values
-            t -= self(a + t) / slope
+        t = zero(p, 0.0, (b - a) / self.unit) * self.unit
+        # On to the zero of single values, which may be far where large coefficients cancel.
+        left, right, close = 0.0, b - a, _CLOSE_TIMES * max(abs(a), abs(b))
+        for _ in range(_MOST_NEWTON_STEPS):
+            height, slope = self(a + t), rate(p, t / self.unit) / self.unit
+            if height == 0:
+                break
+            left, right = (t, right) if height > 0 else (left, t)
+            following = t - height / slope if slope < 0 else math.nan
+            if abs(following - t) <= close:
+                t = following
+                break
+            t = following if left < following < right else 0.5 * (left + right)
         return min(max(a + t, a), b)
 
 
@@ -236,6 +244,9 @@ def zero(p: Array, left: float, right: float) -> float:
 _ROUNDING = 2.0**-53
 # Six are enough at a simple zero; rounding could lead Newton's method on without end.
 _MOST_NEWTON_STEPS = 50
+# Of the times on a piece: hundreds of roundings. Newton's method doubles the digits, so that what
+# moves by less is there.
+_CLOSE_TIMES = 2.0**-44
 # Between turning points that are this close, relative to the step, a polynomial changes by less
 # than its rounding: by the cube of it.
 _CLOSE = 1e-6
