@@ -533,7 +533,8 @@ def test_a_wrong_recurrence_is_not_believed(monkeypatch):
         return series
 
     monkeypatch.setattr(System, "series", wrong)
-    with pytest.raises(CannotSolve, match="no step can be proven"):
+    # Steps so short that the wrong term does no harm take the flight nowhere.
+    with pytest.raises(CannotSolve, match="more than"):
         landing()
     allow(monkeypatch, 1e-9)
     found = landing()

@@ -196,10 +196,6 @@ def _length(
     """
     size = lemmas.norm([p[0] for p in motion], weights)
     change = lemmas.norm([p[1] for p in motion], weights)
-    # What parameters that are not exact do, such as the spin of a batted ball, no step avoids.
-    floor = 2 * lemmas.norm(defect.bounds(arb(0)), weights)
-    if not floor * first > tolerance * size:
-        floor = arb(0)
     h = first
     for trial in range(_MOST_TRIALS):
         missed = lemmas.norm(defect.bounds(h), weights)
