@@ -9,12 +9,13 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from longball.judge.serve import serve
 from longball.judge.testing import assert_case
 
 if TYPE_CHECKING:
     from longball.judge.cases import Case
 
-__all__ = ["assert_case", "cases"]
+__all__ = ["assert_case", "cases", "serve"]
 
 
 def cases(family: str | None = None, folder: Path | None = None) -> Sequence[Case]:

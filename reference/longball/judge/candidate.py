@@ -21,6 +21,7 @@ from pathlib import Path
 from typing import IO, cast
 
 from longball.judge.answers import LONGEST_LINE, Collector
+from longball.judge.fresh import as_csv
 from longball.model.scene import Scene
 
 CHUNK = 1 << 16  # bytes read or written at a time
@@ -77,6 +78,7 @@ def run(
     scenes: Sequence[Scene],
     limits: Limits | None = None,
     progress: Callable[[int], None] = lambda answered: None,
+    table: bool = False,
 ) -> Run:
     """Let a candidate answer scenes.
 
@@ -90,13 +92,15 @@ def run(
         What it may take; `Limits()` if not given.
     progress
         Called with the number of scenes answered whenever that grows.
+    table
+        Whether scenes are written and results read as CSV, with a header.
 
     Raises
     ------
     OSError
         If the program cannot be started.
     """
-    session = _Session(command, scenes, limits or Limits(), progress)
+    session = _Session(command, scenes, limits or Limits(), progress, table)
     try:
         session.exchange()
         session.finish()
@@ -118,12 +122,14 @@ class _Session:
         scenes: Sequence[Scene],
         limits: Limits,
         progress: Callable[[int], None],
+        table: bool,
     ) -> None:
         self.limits, self.progress = limits, progress
-        self.collected = Collector([scene.id for scene in scenes])
+        self.collected = Collector([scene.id for scene in scenes], table)
         if len(self.collected.asked) < len(scenes):
             raise ValueError("two scenes have the same id")
-        self.unsent = (scene.line().encode() + b"\n" for scene in scenes)
+        lines = (scene.line().encode() + b"\n" for scene in scenes)
+        self.unsent = as_csv(scenes) if table else lines
         self.sending = next(self.unsent, b"")
         self.input_closed = False
         self.splitter = Splitter()

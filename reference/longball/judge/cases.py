@@ -142,6 +142,11 @@ class Exact(Profile):
 
     name = "exact"
 
+    @staticmethod
+    def of(size: float) -> float:
+        """Return what passes for a number of that size whose sensitivity is not known."""
+        return SLACK * UNKNOWN_SENSITIVITY * max(1.0, size)
+
     def __str__(self) -> str:
         return f"exact: within {SLACK:g} times the error that double precision cannot avoid"
 

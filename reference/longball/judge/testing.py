@@ -18,16 +18,16 @@ from longball.judge.answers import Answer, Collector
 from longball.judge.cases import Case, Exact, Profile
 from longball.judge.quantities import values_of
 from longball.judge.text import describe
-from longball.judge.verdict import check_requirable, compare
+from longball.judge.verdict import compare
 from longball.judge.verdict import failure as failure_of
 from longball.model.result import Result
 
 
 def assert_case(
     case: Case,
-    obtained: Result | Mapping[str, Any],
+    obtained: Any,
     profile: Profile | None = None,
-    require: tuple[str, ...] = (),
+    partial: bool = False,
 ) -> None:
     """Assert that a result is right, to the case's own tolerance.
 
@@ -36,23 +36,20 @@ def assert_case(
     case
         From `cases`.
     obtained
-        The result, or a mapping with the keys of one; the id may be left out, and so may
-        whatever the implementation does not compute.
+        The result: a mapping with the keys of one, or what `longball.solve` returns. The id may be
+        left out.
     profile
         How near is near enough; as near as double precision can come if not given.
-    require
-        Names of `longball.judge.verdict.REQUIRABLE` that must not be left out.
+    partial
+        Whether quantities may be left out that the implementation does not compute; not all.
 
     Raises
     ------
     AssertionError
         With a line for each quantity that is wrong: expected with its radius, obtained, the
         error and what is allowed; and the scene.
-    ValueError
-        If something required cannot be.
     """
     __tracebackhide__ = True  # pytest shows the caller's line
-    check_requirable(require)
     profile = profile or Exact()
     (truth,) = profile.truths([case])
     answer, faults = _answer(case, obtained)
@@ -61,27 +58,34 @@ def assert_case(
         if answer is not None and answer.error is not None:
             faults.append(f"no answer: {answer.error}")
         faults += [describe(fault) for fault in failure_of(comparison).faults]
-        faults += [
-            f"{name}: is missing"
-            for name in comparison.missing
-            if name in require or "all" in require
-        ]
+        if not partial:
+            faults += [f"{name}: is missing" for name in comparison.missing]
+        elif not comparison.measured and "outcome" in comparison.missing:
+            faults.append("nothing that could be judged")
     if faults:
         lines = "\n".join(f"  {fault}" for fault in dict.fromkeys(faults))
         flags = f" [{', '.join(case.flags)}]" if case.flags else ""
         raise AssertionError(f"{case.id}{flags}\n{lines}\n  scene: {case.scene.line()}")
 
 
-def _answer(case: Case, obtained: Result | Mapping[str, Any]) -> tuple[Answer | None, list[str]]:
+def _answer(case: Case, obtained: Any) -> tuple[Answer | None, list[str]]:
     if isinstance(obtained, Result):
         answer = Answer(case.id, obtained.outcome, values_of(obtained), error=obtained.error)
         return answer, []
-    # Through JSON, as another implementation's line would come.
     collector = Collector([case.id])
-    line = json.dumps({**obtained, "id": case.id}, default=_plain)
-    collector.take_line(1, line.encode())
+    collector.take_line(1, line_of(case.id, obtained))
     faults = [issue.sentence.removeprefix(f"{case.id}: ") for issue in collector.issues]
     return collector.answers.get(case.id), faults
+
+
+def line_of(scene_id: str, obtained: Any) -> bytes:
+    """Return a result under an id as JSON, as another implementation's line would come."""
+    obtained = getattr(obtained, "result", obtained)  # of a `longball.Solution`
+    if isinstance(obtained, Result):
+        obtained = json.loads(obtained.line())
+    if not isinstance(obtained, Mapping):
+        raise TypeError(f"a result is a mapping; not an object of type {type(obtained).__name__}")
+    return json.dumps({**obtained, "id": scene_id}, default=_plain).encode()
 
 
 def _plain(value: Any) -> Any:
