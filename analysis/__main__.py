@@ -71,6 +71,7 @@ counterparts, and which reading of it comes nearest to its numbers.
             "convergence": False,
             "stability": False,
             "survival": False,
+            "certificates": False,
         },
     ),
     "paper": Page(

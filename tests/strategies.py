@@ -128,8 +128,11 @@ def scenes():
 
 decimals = st.from_regex(r"[+-]?[0-9]{1,40}(\.[0-9]{1,40})?([eE][+-]?[0-9]{1,3})?", fullmatch=True)
 radii = st.from_regex(r"[0-9](\.[0-9]{1,8})?[eE]-[0-9]{1,3}", fullmatch=True)
-numbers = st.floats(allow_nan=False, allow_infinity=False) | st.builds(
-    result.Bounded, value=decimals, radius=st.none() | radii
+finite = st.floats(allow_nan=False, allow_infinity=False)
+numbers = (
+    finite
+    | st.builds(result.Bounded, value=decimals, radius=st.none() | radii)
+    | st.builds(result.Certified, value=finite, radius=radii)
 )
 triples = points(numbers, numbers, numbers)
 

@@ -27,10 +27,10 @@ from longball.model.scene import (
     AtBatScene,
     Ball,
     Bat,
+    InvalidScene,
     Launch,
     Pitch,
     Rotation,
-    SceneError,
     Swing,
     parse_scene,
 )
@@ -511,7 +511,7 @@ def test_whatever_the_scene_there_is_an_answer(scene):
         else scene
     )
     solved = chain.solve(short, Ivp("DOP853", 1e-6, 1e-6))
-    assert (solved.outcome is None) == (solved.error is not None)
+    assert (solved.outcome is None) == (solved.error is not None) == (solved.code is not None)
 
 
 # ---- refusals ------------------------------------------------------------------------------------
@@ -547,7 +547,7 @@ def name_of(path):
 
 
 def refusal(text):
-    with pytest.raises(SceneError) as refused:
+    with pytest.raises(InvalidScene) as refused:
         parse_scene(text)
     return str(refused.value)
 

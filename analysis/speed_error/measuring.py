@@ -18,7 +18,7 @@ import numpy as np
 
 from analysis.speed_error.contenders import Answers, Contender
 from analysis.speed_error.work import Known
-from longball.model.result import Bounded, Number, Result
+from longball.model.result import Bounded, Certified, Number, Result
 
 VERSIONS = ("numpy", "scipy", "numba", "python-flint", "heyoka", "diffrax", "jax", "scikit-sundae")
 
@@ -140,7 +140,7 @@ def difference(found: Number, true: Number) -> float:
 
 
 def _decimal(number: Number) -> Decimal:
-    return Decimal(number.value if isinstance(number, Bounded) else number)
+    return Decimal(number.value if isinstance(number, Bounded | Certified) else number)
 
 
 def machine() -> str:

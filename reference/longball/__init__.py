@@ -1,3 +1,72 @@
-"""Longball: the precision reference for a simulator of baseball at-bats."""
+"""Longball: the precision reference for baseball in flight.
+
+>>> import longball as lb
+>>> pitch = {"speed": 38.64, "aim": [-0.144, 1.8]}
+>>> scene = lb.AtBat(pitch=pitch, swing={"height_offset": -0.03, "tilt": 0.14})
+>>> result = lb.solve(scene)
+>>> print(result.outcome, f"{result.landing.distance:.3f} m")
+batted 101.406 m
+
+SI units and radians throughout; omitted values are the paper's.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from longball import convergence, golden, judge
+    from longball.api import (
+        AtBat,
+        CannotSolve,
+        Flight,
+        Impact,
+        InvalidScene,
+        Path,
+        Pitch,
+        Solution,
+        State,
+        Undecided,
+        home_run_probability,
+        solve,
+    )
+    from longball.tables import solve_many
 
 __version__ = "0.1.0"
+
+__all__ = [
+    "AtBat",
+    "CannotSolve",
+    "Flight",
+    "Impact",
+    "InvalidScene",
+    "Path",
+    "Pitch",
+    "Solution",
+    "State",
+    "Undecided",
+    "__version__",
+    "convergence",
+    "golden",
+    "home_run_probability",
+    "judge",
+    "solve",
+    "solve_many",
+]
+
+_PACKAGES = ("convergence", "golden", "judge")
+
+
+def __getattr__(name: str) -> Any:
+    # Imported when first asked for: `import longball` alone loads no library.
+    if name in _PACKAGES:
+        return import_module(f"longball.{name}")
+    if name in __all__:
+        module = import_module("longball.tables" if name == "solve_many" else "longball.api")
+        return getattr(module, name)
+    raise AttributeError(f"module 'longball' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return __all__

@@ -1,15 +1,22 @@
-"""Pictures of P(e), drawn the same way by the command line and by the report."""
+"""Pictures, drawn the same way by the command line and by the report."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from longball.home_run import PAPER_CURVES, Estimate, Fit, Integral
+from longball.pitches.prediction import Prediction
+from longball.pitches.statcast import MeasuredPitches
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+MARKERS = "osD^v<>ph8*"
 
 
 def draw_probability(
@@ -59,16 +66,51 @@ def draw_probability(
     )
 
 
+def draw_errors(axes: Axes, prediction: Prediction) -> None:
+    """Draw the errors of predicted balls: pitches at the plate, flies by their angle of launch."""
+    measured, solved, error = prediction.measured, prediction.solved, prediction.error
+    if isinstance(measured, MeasuredPitches):
+        kinds, counts = np.unique(measured.labels[solved], return_counts=True)
+        for i, kind in enumerate(kinds[np.argsort(-counts)]):
+            right, up = 100.0 * error[solved & (measured.labels == kind)].T * [[-1.0], [1.0]]
+            axes.plot(right, up, MARKERS[i % len(MARKERS)], markersize=2, alpha=0.4, label=kind)
+        axes.plot(0.0, 0.0, "k+", markersize=12)
+        axes.set(
+            xlabel="too far to the catcher's right, cm",
+            ylabel="too high, cm",
+            aspect="equal",
+        )
+        axes.legend(markerscale=3, fontsize="small", frameon=False, bbox_to_anchor=(1.0, 1.0))
+    else:
+        angle = np.degrees(measured.angle[solved])
+        axes.plot(angle, error[solved, 0], "o", markersize=3, alpha=0.6)
+        axes.axhline(0.0, color="black", linewidth=0.8)
+        axes.set(xlabel="angle of launch, °", ylabel="predicted too far by, m")
+
+
+def save_prediction(path: Path, prediction: Prediction) -> None:
+    """Write the picture of a prediction's errors, in the format that the file's ending names."""
+    with _saved(path, (5.6, 4.2)) as axes:
+        draw_errors(axes, prediction)
+
+
 def save_probability(
     path: Path, estimates: Sequence[Estimate] | Sequence[Integral], fit: Fit | None
 ) -> None:
     """Write the picture of P(e) to a file, in the format that its ending names."""
+    with _saved(path, (6.4, 4.2)) as axes:
+        draw_probability(axes, estimates, fit)
+
+
+@contextmanager
+def _saved(path: Path, size: tuple[float, float]) -> Iterator[Axes]:
+    """Yield axes, and write what is drawn on them."""
     import matplotlib
 
     matplotlib.use("agg")
     import matplotlib.pyplot as plt
 
-    figure, axes = plt.subplots(figsize=(6.4, 4.2), layout="constrained")
-    draw_probability(axes, estimates, fit)
+    figure, axes = plt.subplots(figsize=size, layout="constrained")
+    yield axes
     figure.savefig(path, dpi=150)
     plt.close(figure)

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import math
-import shutil
 from itertools import pairwise
-from pathlib import Path
 from typing import Any
 
 import mpmath
@@ -17,7 +15,6 @@ from hypothesis import strategies as st
 
 from longball.engines.batch import (
     Batch,
-    cache,
     expansion,
     roots,
     solve_all,
@@ -437,73 +434,6 @@ def test_the_path_has_the_states_of_the_flight(w: float) -> None:
         pieces = list(flight.path.pieces())
         for before, after in pairwise(pieces):
             assert list(before.at(before.length)) == pytest.approx(list(after.at(0.0)), abs=1e-13)
-
-
-# --- compiled code that is kept -------------------------------------------------------------------
-
-
-def test_a_change_of_any_source_changes_the_key(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    package = tmp_path / "longball"
-    shutil.copytree(cache.PACKAGE, package, ignore=shutil.ignore_patterns("data", "__pycache__"))
-    monkeypatch.setattr(cache, "PACKAGE", package)
-    read = cache.sources.__wrapped__
-    before = read()
-    files = [*map(str, cache.MODULES), *(f"engines/batch/{n}.py" for n in ("flights", "expansion"))]
-    for name in files:
-        file = package / name
-        text = file.read_text()
-        file.write_text(text + "#\n")
-        assert read() != before, name
-        file.write_text(text)
-    assert read() == before
-
-
-def test_code_is_kept_and_made_anew_when_its_file_is_not_what_was_written(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
-    made: list[int] = []
-
-    def make() -> bytes:
-        made.append(1)
-        return b"code" * 100
-
-    assert cache.stored("law", ["a"], make) == cache.stored("law", ["a"], make) == b"code" * 100
-    assert len(made) == 1
-    (file,) = tmp_path.iterdir()
-    for damage in (file.read_bytes()[:50], b"", b"\0" * 432):
-        file.write_bytes(damage)
-        assert cache.stored("law", ["a"], make) == b"code" * 100
-    assert len(made) == 4
-    cache.stored("law", ["b"], make)
-    assert len(made) == 5
-
-
-def test_where_no_code_can_be_kept_it_is_made_in_each_process(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    (tmp_path / "file").touch()
-    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "file"))
-    assert cache.stored("law", ["a"], lambda: b"code") == b"code"
-
-
-def test_a_compiled_function_is_kept(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
-    for turn in range(3):
-
-        def twice(x: float) -> float:
-            return 2.0 * x
-
-        cache.tell.cache_clear()
-        assert cache.compile_cached(twice)(3.0) == 6.0
-        (file,) = tmp_path.iterdir()
-        assert ("compiling" in capsys.readouterr().err) == (turn != 1)
-        if turn == 1:
-            file.write_bytes(file.read_bytes()[:-1])
 
 
 # --- roots ----------------------------------------------------------------------------------------

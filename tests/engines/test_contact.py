@@ -18,12 +18,11 @@ from longball.engines import contact
 from longball.engines.chain import approach_of, solve
 from longball.engines.contact import BatSection
 from longball.engines.enclosure import Enclosure
-from longball.engines.engine import CannotSolve
 from longball.engines.ivp import Ivp
 from longball.model.frame import Frame
 from longball.model.law import PlaneState, law_of, law_with
 from longball.model.numbers import DOUBLES
-from longball.model.scene import Air, AtBatScene, Pitch, Swing, parse_scene
+from longball.model.scene import Air, AtBatScene, InvalidScene, Pitch, Swing, parse_scene
 from tests import oracle
 
 ENGINE = Ivp()
@@ -196,7 +195,7 @@ def test_the_plain_event_would_have_missed():
 
 
 def test_a_ball_released_inside_the_bat_is_an_error():
-    with pytest.raises(CannotSolve, match="starts inside the bat"):
+    with pytest.raises(InvalidScene, match="starts inside the bat"):
         approach_of(scene_of(pitch={"release": [0.05, 0, 1.8]}), ENGINE)
 
 

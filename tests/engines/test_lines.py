@@ -9,9 +9,11 @@ from io import BufferedIOBase, BytesIO
 import jsonschema
 import pytest
 
+from longball.engines import ENGINES, create
 from longball.engines.batch import Batch
 from longball.engines.ivp import Ivp
 from longball.engines.lines import solve_line, solve_lines
+from longball.model.scene import parse_scene
 from longball.model.schema import FOLDER, schemas, text
 
 SCENES = [
@@ -58,6 +60,55 @@ def test_the_schema_refuses_what_the_code_refuses(scene: dict):
 def test_lines_are_numbered_as_in_the_file():
     results = list(solve_lines([b"\n", b"junk\n", b"  \n", b"junk"], Ivp()))
     assert [r.error.split(":")[0] for r in results] == ["line 2", "line 4"]
+
+
+# A scene for each sort of error; and the engines that have it.
+SMOOTH = ("ivp", "batch", "enclosure", "multiprecision")
+ERRORS = [
+    ("invalid", (*ENGINES,), "junk"),
+    ("invalid", (*ENGINES,), '{"id":"x","kind":"at-bat","pitch":{"release":[0.05,0,1.8]}}'),
+    (
+        "undecided",
+        SMOOTH,  # the paper's scheme does not know of doubt
+        '{"id":"x","kind":"flight","air":null,"gravity":10,"time_limit":10,'
+        '"launch":{"position":[0,0,0],"velocity":[1,0,50]}}',
+    ),
+    (
+        "too_long",
+        ("ivp", "batch"),
+        '{"id":"x","kind":"flight","air":{"density":1e9,"drag_coefficient":0},'
+        '"launch":{"position":[0,0,1000],"velocity":[40,0,1]}}',
+    ),
+    (
+        "out_of_range",
+        ("ivp", "enclosure", "multiprecision", "verlet"),
+        '{"id":"x","kind":"flight","ball":{"radius":1e30,"mass":1e-30},'
+        '"air":{"density":1e30,"drag_coefficient":1e30},'
+        '"launch":{"position":[0,0,1e30],"velocity":[1e30,0,0]}}',
+    ),
+    (
+        "unsupported",
+        SMOOTH,
+        '{"id":"x","kind":"at-bat","reading":{"lift_direction":"always_up"},'
+        '"air":{"drag_coefficient":0,"lift_coefficient":200},'
+        '"pitch":{"release":[0.2,0,1.8],"aim":[0,1.8],"speed":30},"swing":{"height_offset":1}}',
+    ),
+]
+
+
+@pytest.mark.parametrize(
+    ("code", "engine", "line"),
+    [(code, name, line) for code, names, line in ERRORS for name in names],
+)
+def test_an_error_has_a_code_of_its_sort(code: str, engine: str, line: str):
+    result = solve_line(1, line.encode(), create(engine))
+    assert result.code == code
+    assert result.error.startswith("line 1: ")
+
+
+def test_scenes_at_once_have_codes_too():
+    results = Batch().solve_all([parse_scene(ERRORS[2][2])] * 20)
+    assert {result.code for result in results} == {"undecided"}
 
 
 # --- many lines at once ---------------------------------------------------------------------------
@@ -108,3 +159,10 @@ def test_no_line_waits_for_one_that_is_not_there(engine):
     answered = [(result.id, pipe.asked) for result in results]
     # The last line has no end of its own: the end of the pipe is it.
     assert answered == [("f", 1), ("i", 1), ("f", 3), ("i", 5)]
+
+
+@pytest.mark.parametrize("engine", [Ivp(), Batch()])
+def test_a_result_without_an_id_bears_the_number_of_its_line(engine):
+    lines = [b"\n", b'{"kind":"pitch"}\n', b'{"kind":"pitch","id":"p"}\n', b"junk"]
+    results = list(solve_lines(lines, engine))
+    assert [r.id for r in results] == ["2", "p", None]

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from longball.engines import compiled
 from longball.engines.taylor import Expander, Taylor, right_hand_side
 from longball.model import trace
 from longball.model.law import Law, law_with
@@ -116,22 +115,10 @@ def test_a_ball_that_all_but_rests(speed):
     assert np.isfinite(x).all()
 
 
-def test_printed_modules_are_the_same_wherever_they_can_be_kept(tmp_path, monkeypatch):
-    nowhere = tmp_path / "file"
-    nowhere.write_text("")
-    for folders in ([tmp_path / "new"], [nowhere / "below", tmp_path / "next"], [nowhere]):
-        monkeypatch.setattr(compiled, "folders", lambda folders=folders: iter(folders))
-        source = (
-            "from longball.engines.compiled import compiled\n"
-            f"@compiled\ndef double(x):  # {folders}\n    return 2.0 * x\n"
-        )
-        assert compiled.module_of(source).double(1.5) == 3.0
-    assert len(list(tmp_path.glob("*/printed_*.py"))) == 2
-
-
 def test_without_numba_it_is_the_same():
     code = (
         "import sys; sys.modules['numba'] = None\n"
+        "from longball.engines import compiled\n"
         "from tests.engines.test_taylor import *\n"
         "assert not compiled.COMPILES\n"
         "print(float(by_taylor(BALL, (0, 60), START, events=height).y[0, -1]))\n"

@@ -166,6 +166,7 @@ def test_what_cannot_be_told_says_why():
         no_answer = {"undecided", "refused"} & set(case.flags)
         assert bool(no_answer) == (case.expected.outcome is None)
         assert bool(no_answer) == (case.expected.error is not None)
+        assert bool(no_answer) == (case.expected.code is not None)
 
 
 # --- conditions -----------------------------------------------------------------------------------

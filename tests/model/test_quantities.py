@@ -7,7 +7,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from longball.model.quantities import at, number, numbers, replaced
+from longball.model.quantities import at, flat, nested, number, numbers, replaced
 from longball.model.result import Landing, Result
 from longball.model.scene import AtBatScene, FlightScene, Launch, PitchScene
 from tests.strategies import results, scenes
@@ -140,3 +140,24 @@ def test_names_as_they_are_written():
     names = [name for name, _ in numbers(PitchScene(id="p"))]
     assert names[:2] == ["ball.mass", "ball.radius"]
     assert "pitch.aim[1]" in names
+
+
+@given(blocks)
+def test_flat_data_are_nested_again(block):
+    data = json.loads(block.model_dump_json(exclude_none=True, exclude_defaults=True))
+    assume(data)
+    assert nested(dict(flat(data))) == data
+
+
+def test_vectors_named_in_part_are_completed():
+    pitch = PitchScene()
+    assert nested({"pitch.aim[1]": 1.5}, pitch) == {"pitch": {"aim": [0.0, 1.5]}}
+    assert nested({"launch.position[1]": 1.5}, pitch) == {"launch": {"position": [None, 1.5]}}
+
+
+@pytest.mark.parametrize(
+    "names", [("pitch speed",), ("pitch", "pitch.speed"), ("a[0].b", "a[0]", "a[0].c")]
+)
+def test_names_that_contradict_each_other(names):
+    with pytest.raises(ValueError, match=r"is not the name|already"):
+        nested(dict.fromkeys(names, 1.0))

@@ -29,8 +29,8 @@ def test_every_switch_has_its_entry():
     assert set(SWITCHES) == {
         *Reading.model_fields, *SamplingReading.model_fields, *SCHEME_OPTIONS, FIGURE_SWITCH,
     }  # fmt: skip
-    # The masses are no switch but values of a scene.
-    assert {entry.switch for entry in LEDGER} - set(SWITCHES) == {"masses"}
+    # The masses and the friction are no switches but values of a scene.
+    assert {entry.switch for entry in LEDGER} - set(SWITCHES) == {"masses", "friction"}
 
 
 @pytest.mark.parametrize("switch", OF_MODELS)

@@ -6,7 +6,16 @@ from typing import get_args
 import pytest
 from pydantic import ValidationError
 
-from longball.model.result import Bounded, Contact, Impact, Landing, Outcome, Plate, Result
+from longball.model.result import (
+    Bounded,
+    Certified,
+    Contact,
+    Impact,
+    Landing,
+    Outcome,
+    Plate,
+    Result,
+)
 
 
 def read(**values):
@@ -16,13 +25,16 @@ def read(**values):
 def test_the_keys_are_the_contracts():
     """Other implementations write them: a renamed key would break them all."""
     assert list(Result.model_fields) == [
-        "id", "outcome", "plate", "contact", "impact", "landing", "engine", "error",
+        "id", "outcome", "plate", "contact", "impact", "landing", "engine", "error", "code",
+        "certificate",
     ]  # fmt: skip
     assert list(Plate.model_fields) == ["time", "position", "velocity"]
     assert list(Contact.model_fields) == [
         "time", "position", "normal", "bat_velocity", "normal_speed", "margin",
     ]  # fmt: skip
-    assert list(Impact.model_fields) == ["restitution", "impulse", "velocity", "energy_change"]
+    assert list(Impact.model_fields) == [
+        "restitution", "impulse", "velocity", "energy_change", "spin", "mode", "friction_margin",
+    ]  # fmt: skip
     assert list(Landing.model_fields) == ["time", "hang_time", "position", "velocity", "distance"]
 
 
@@ -60,6 +72,13 @@ def test_numbers_with_digits_and_radius(value, radius):
     assert json.loads(result.line())["contact"]["margin"] == {"value": value, "radius": radius}
 
 
+def test_a_double_with_a_radius():
+    result = read(contact={"margin": {"value": 0.1, "radius": "2.3e-17"}})
+    assert result.contact.margin == Certified(value=0.1, radius="2.3e-17")
+    assert float(result.contact.margin) == 0.1
+    assert result.line().endswith('{"margin": {"value": 0.1, "radius": "2.3e-17"}}}')
+
+
 @pytest.mark.parametrize(
     "number",
     [
@@ -67,6 +86,8 @@ def test_numbers_with_digits_and_radius(value, radius):
         {"value": "nan"}, {"value": "1,5"}, {"value": "0x1p3"}, {"value": ".5"}, {"value": ""},
         {"value": "1\n"}, {"value": "\u0663"}, {"value": "1", "radius": "-1"},
         {"value": "1", "radius": 0.5}, {"value": "1", "digits": 3},
+        {"value": 1.0, "radius": None}, {"value": float("inf"), "radius": "1"},
+        {"value": 1.0, "radius": "inf"}, {"value": 1.0, "radius": 1.0},
     ],
 )  # fmt: skip
 def test_what_is_no_number(number):
@@ -84,6 +105,7 @@ def test_what_is_no_number(number):
         {"extra": 1},
         {"id": 1},
         {"error": 1},
+        {"error": "odd", "code": "odd"},
     ],
 )
 def test_what_is_no_result(values):

@@ -19,9 +19,9 @@ from longball.model.scene import (
     FlightScene,
     Ground,
     ImpactScene,
+    InvalidScene,
     PitchScene,
     Rotation,
-    SceneError,
     Swing,
     landing_height,
     parse_scene,
@@ -42,7 +42,7 @@ def parsed(kind="pitch", **values):
 
 
 def refused(text):
-    with pytest.raises(SceneError) as error:
+    with pytest.raises(InvalidScene) as error:
         parse_scene(text)
     return error.value
 
@@ -161,8 +161,7 @@ def test_a_byte_order_mark_is_no_part_of_the_line():
         ),
         (
             {"reading": {"cell_width": 0.2}},
-            "reading.cell_width: unknown key; the keys here are effective_mass, "
-            "bat_ball_restitution, reduced_mass, inertia, lift_direction, ground_contact",
+            "reading.cell_width: unknown key; the keys here are " + ", ".join(Reading.model_fields),
         ),
         (
             {"reading": {"inertia": "rod"}},

@@ -10,13 +10,13 @@ import pytest
 from longball.pitches import (
     EXAMPLE,
     Columns,
-    PitchesError,
     PitchTypes,
+    TableError,
     as_text,
     fit_pitches,
     load_fitted,
 )
-from longball.pitches.fitting import AS_PRINTED, DENSITY, r_squared
+from longball.pitches.fitting import AS_PRINTED, DENSITY, _OnePeak, r_squared
 
 # Table II with its headings exchanged, p, and Fig. 3; km/h and cells.
 PRINTED = {
@@ -223,16 +223,71 @@ def test_one_normal_across_the_plate_is_told_from_two():
     ).aim
     assert one.maximum_likelihood.peaks == 1
     assert one.gain_over_one_normal < 10.0
+    assert one.gain_over_one_peak == 0.0
+    assert not one.two_peaks_supported
     two = fit_pitches(table, METRES, KINDS, replicates=2).aim
     assert two.maximum_likelihood.peaks == 2
     assert two.gain_over_one_normal > 100.0
+    assert two.gain_over_one_peak > 20.0
+    assert two.two_peaks_supported
+
+
+@pytest.mark.parametrize("half", [1.0, 1.2, 1.6, 2.0])
+@pytest.mark.parametrize("side", [-1, 1])
+def test_the_edge_between_one_and_two_peaks(half, side):
+    edge = _OnePeak(3.0, half, 0.5).aim(side)
+    y = np.linspace(-2.0, 8.0, 100_001)
+
+    def maxima(weight):
+        falls = np.diff(edge._replace(weight=weight).density(y)) < 0.0
+        return np.sum(~falls[:-1] & falls[1:])
+
+    lesser = 1.0 - edge.weight
+    assert maxima(1.0 - 0.98 * lesser) == 1
+    # At d = 1 every weight gives one peak; the lesser part's share is the edge beyond.
+    assert maxima(1.0 - 1.02 * lesser) == (1 if half == 1.0 else 2)
+
+
+def test_few_samples_with_one_peak_support_two():
+    random = np.random.default_rng(2)
+    edge = _OnePeak(2.0, 1.6, 0.6).aim(1)  # the worst case: a second peak is about to come
+    samples = 40
+    fitted = supported = 0
+    for _ in range(samples):
+        place = np.where(random.random(1548) < edge.weight, edge.left, edge.right)
+        table = draw(1548, 1, METRES)
+        table["cell"] = (place + random.normal(0.0, edge.spread, 1548) - 3.0) * 0.144
+        aim = fit_pitches(table, METRES, KINDS, replicates=2).aim
+        fitted += aim.maximum_likelihood.peaks == 2
+        supported += aim.two_peaks_supported
+    assert fitted > samples / 4  # the fit alone finds two peaks in every other sample
+    assert supported <= 6  # 40 samples at 5 % have more in 1.4 of 100 cases
 
 
 def test_a_number_at_the_end_of_its_range_has_no_error():
-    aim = fit_pitches(EXAMPLE, replicates=2).aim.maximum_likelihood
+    aims = fit_pitches(EXAMPLE, replicates=2).aim
+    aim = aims.maximum_likelihood
     assert aim.right_mean.value == pytest.approx(5.5, abs=1e-3)
     assert aim.right_mean.standard_error is None
+    assert aim.right_mean.status == "at_bound"
     assert aim.left_mean.standard_error > 0.0
+    assert aim.left_mean.status == "fitted"
+    assert aims.least_squares_at_edges.left_mean.status == "held"
+
+
+def test_a_weight_at_the_end_of_its_range_has_no_error():
+    # Few straight balls, and a gap in the speeds of the others where they lie.
+    speed = {
+        "straight": [138.0, 139.0, 140.0] * 10,
+        "breaking": [*range(120, 135), *range(144, 159)] * 12,
+    }
+    rows = [
+        (kind, kmh, 0.05 * (i % 5)) for kind, each in speed.items() for i, kmh in enumerate(each)
+    ]
+    table = pd.DataFrame(rows, columns=["kind", "kmh", "cell"])
+    weight = fit_pitches(table, METRES, KINDS, replicates=2).speed.least_squares.weight
+    assert weight.value in (0.0, 1.0)
+    assert (weight.status, weight.standard_error) == ("at_bound", None)
 
 
 def test_heights_by_hand():
@@ -300,12 +355,12 @@ def test_a_fit_that_is_none_is_refused_by_key(example, tmp_path):
     data = json.loads(example.model_dump_json())
     data["speed"]["maximum_likelihood"]["weight"]["value"] = "half"
     path.write_text(json.dumps(data), encoding="utf-8")
-    with pytest.raises(PitchesError, match=r"speed\.maximum_likelihood\.weight\.value"):
+    with pytest.raises(TableError, match=r"speed\.maximum_likelihood\.weight\.value"):
         load_fitted(path)
     path.write_text(json.dumps(data | {"extra": 1}), encoding="utf-8")
-    with pytest.raises(PitchesError, match="extra: unknown key"):
+    with pytest.raises(TableError, match="extra: unknown key"):
         load_fitted(path)
-    with pytest.raises(PitchesError, match="cannot be read"):
+    with pytest.raises(TableError, match="cannot be read"):
         load_fitted(tmp_path / "nothing.json")
 
 
@@ -317,8 +372,10 @@ def test_the_text_says_what_was_used_and_what_was_not():
     assert "left out: 2, plate_x is missing (row 7, 10)" in text
     assert "straight: 1448 (FF 1443, FA 5)" in text or "straight: 14" in text
     assert "straight: 1448 (FF 1443, FA 5)" in text
-    assert "(held)" in text
-    assert "± ?" in text
+    assert "4.000 (held)" in text
+    assert "5.500 (at bound)" in text
+    assert "2, unsupported" in text
+    assert "The data do not support two peaks" in text
     assert all(len(line) <= 100 for line in text.splitlines())
 
 
@@ -332,12 +389,12 @@ def test_the_text_says_what_was_used_and_what_was_not():
     ],
 )
 def test_bins_that_are_none(width, sentence):
-    with pytest.raises(PitchesError, match=sentence):
+    with pytest.raises(TableError, match=sentence):
         fit_pitches(draw(1548, 0, METRES), METRES, KINDS, bin_width=width)
 
 
 def test_a_bootstrap_of_one_is_none():
-    with pytest.raises(PitchesError, match="replicates = 1"):
+    with pytest.raises(TableError, match="replicates = 1"):
         fit_pitches(EXAMPLE, replicates=1)
 
 
@@ -353,8 +410,8 @@ def test_what_equal_and_empty_cells_leave_undetermined():
 
 def test_a_handful_of_pitches_is_not_fitted():
     table = pd.DataFrame({"kind": ["straight"] * 5 + ["breaking"] * 30, "kmh": 140.0, "cell": 3})
-    with pytest.raises(PitchesError, match="kind: only 5 straight balls"):
+    with pytest.raises(TableError, match="kind: only 5 straight balls"):
         fit_pitches(table, CELLS, KINDS)
     table = pd.DataFrame({"kind": ["straight", "breaking"] * 30, "kmh": 140.0, "cell": 3})
-    with pytest.raises(PitchesError, match="kmh: the 30 straight balls differ no more than"):
+    with pytest.raises(TableError, match="kmh: the 30 straight balls differ no more than"):
         fit_pitches(table, CELLS, KINDS)

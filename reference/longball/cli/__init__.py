@@ -18,6 +18,7 @@ from longball.cli.converge import converge
 from longball.cli.fit import fit
 from longball.cli.homerun import homerun
 from longball.cli.judge import judge
+from longball.cli.measured import measured
 from longball.cli.readings import readings
 from longball.cli.solve import solve
 
@@ -40,6 +41,9 @@ app.command(epilog="Example: longball homerun --samples 1000 --e 0.41:0.45:0.01 
     homerun
 )
 app.command(epilog="Example: longball fit pitches.csv --json > fitted.json")(fit)
+app.command(epilog="Example: longball measured statcast.csv --kind batted --figure errors.png")(
+    measured
+)
 app.command(epilog="Example: longball readings --samples 1000")(readings)
 
 

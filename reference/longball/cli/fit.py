@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from longball.cli.common import Json, Seed, option_value, parsed, split_assignment, tell, wrong_call
-from longball.pitches import EXAMPLE, Columns, PitchesError, PitchTypes, as_text, fit_pitches
+from longball.pitches import EXAMPLE, Columns, PitchTypes, TableError, as_text, fit_pitches
 from longball.pitches.fitted import Method
 from longball.pitches.fitting import BIN_WIDTH
 
@@ -57,7 +57,7 @@ def fit(
         fitted = fit_pitches(
             table, columns, types, bin_width=bin_width, draw_from=draw_from, seed=seed
         )
-    except PitchesError as error:
+    except TableError as error:
         if isinstance(error.__cause__, OSError):  # there is no such file: the call is wrong
             wrong_call(str(error))
         tell(str(error))

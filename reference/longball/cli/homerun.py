@@ -33,6 +33,7 @@ from longball.home_run import (
     Estimate,
     Fit,
     Integral,
+    columns,
     draw,
     estimate,
     fit,
@@ -235,13 +236,6 @@ def write_scenes(
             file.writelines(with_restitution(scene, x).line() + "\n" for x in restitutions)
     if omitted := len(sampled) - len(pitched):
         tell(f"{omitted} samples drew a speed that is not positive; not in {path}")
-
-
-def columns(row: Estimate | Integral) -> dict[str, float]:
-    """Return the columns of a row, in the order in which they are written."""
-    held = asdict(row)
-    first = {name: held[name] for name in ("e", "p", "low", "high") if name in held}
-    return first | held
 
 
 def as_data(rows: Rows, fitted: Fit | None, reading: Mapping[str, Any]) -> dict[str, Any]:

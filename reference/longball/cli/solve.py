@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from longball import engines
 from longball.cli.cluster import Scheduler, on_cluster
 from longball.cli.common import Workers, reading_from, refusing, tell, writing_to
+from longball.engines.engine import Engine, ManyAtOnce
 from longball.engines.lines import solve_lines
 
 
@@ -48,6 +49,9 @@ def solve(
     root: Annotated[
         str | None, typer.Option(help="verlet: Appendix B's root, first (default) or larger.")
     ] = None,
+    certify: Annotated[
+        bool, typer.Option("--certify", help="Give every number with a proven error.")
+    ] = False,
     workers: Workers = 1,
     scheduler: Scheduler = None,
 ) -> None:
@@ -59,7 +63,13 @@ def solve(
     }
     # fmt: on
     with refusing():
-        solver = engines.create(engine, **{k: v for k, v in options.items() if v is not None})
+        solver: Engine[Any] | ManyAtOnce = engines.create(
+            engine, **{k: v for k, v in options.items() if v is not None}
+        )
+    if certify:
+        from longball.engines.certify import Certifying  # brings ball arithmetic
+
+        solver = Certifying(solver)
     solved = failed = 0
     scenes, results = reading_from(source), writing_to(output, source)
     with on_cluster(scheduler), scenes as lines, results as file:
@@ -67,10 +77,10 @@ def solve(
             file.write(result.line().encode() + b"\n")
             file.flush()
             solved += 1
-            failed += result.error is not None
+            failed += (result.error or result.certificate) is not None
     if solved == 0:
         tell(f"no scenes in {source}")
     elif failed:
-        tell(f"{failed} of {solved} lines could not be solved")
+        tell(f"{failed} of {solved} lines could not be solved{' and certified' * certify}")
     if failed or not solved:
         raise typer.Exit(1)

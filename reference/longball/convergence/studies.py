@@ -19,7 +19,7 @@ from longball.convergence.family import PHASES, Expected, Observed, observe, ste
 from longball.convergence.report import ConvergenceReport, Lost
 from longball.model.quantities import numbers
 from longball.model.result import Result
-from longball.model.scene import Scene
+from longball.model.scene import Scene, ids_of
 
 Array = NDArray[np.float64]
 
@@ -194,7 +194,7 @@ def converge(
     if not scenes:
         raise ValueError("there is no scene to converge in")
     family = step_family(steps)
-    ids = [scene.id for scene in scenes]
+    ids = ids_of(scenes)
     finest = _in_order(run(float(family[-1])), ids)
     should = finest if truth is None else _in_order(truth, ids)
     lost = {float(family[-1]): _lost(finest, should)}

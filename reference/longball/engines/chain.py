@@ -9,25 +9,53 @@ collision, are handed in: a known mistake is the same chain with another part.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field, fields, replace
 from typing import Any, Generic, cast
 
 from pydantic import ValidationError
 
-from longball.engines.contact import BatSection
-from longball.engines.engine import CannotSolve, Engine, Launch, Stepped, Touch
+from longball.engines.contact import BatSection, margin_error
+from longball.engines.engine import (
+    CannotSolve,
+    Engine,
+    Launch,
+    ManyAtOnce,
+    OutOfRange,
+    Stepped,
+    Touch,
+)
 from longball.engines.event import Event, ground, plate, vertical
 from longball.engines.path import Flight, Leg, Path, Trajectory
 from longball.model import result as written
-from longball.model.bat import bat_velocity, collision_parameters, lever_arm
+from longball.model.bat import (
+    CollisionParameters,
+    bat_rotation,
+    bat_velocity,
+    collision_parameters,
+    inertia_factor,
+    inverse_masses,
+    lever_arm,
+    tangential_restitution,
+)
 from longball.model.frame import Frame, launch_frame
-from longball.model.impact import energy_change, impulse, velocity_after
+from longball.model.impact import (
+    energy_change,
+    gripping_impulse,
+    impulse,
+    push_energy,
+    sliding_impulse,
+    sliding_resistance,
+    slip,
+    spin_after_push,
+    velocity_after,
+    velocity_after_push,
+)
 from longball.model.law import FORCES, LIFT, Force, Law, PlaneState, State, law_of
 from longball.model.numbers import N, Numbers, Undecided, Vector, absolute
 from longball.model.quantities import replaced
 from longball.model.result import Outcome, Result
-from longball.model.scene import AtBatScene, Scene, landing_height
+from longball.model.scene import AtBatScene, InvalidScene, Scene, landing_height
 
 # --- the collision --------------------------------------------------------------------------------
 
@@ -38,10 +66,12 @@ class ContactState(Generic[N]):
 
     Attributes
     ----------
-    position, velocity
-        Of the ball, m and m/s.
+    position, velocity, spin
+        Of the ball, m, m/s and rad/s; no spin if the scene has none.
     normal
         Unit vector from the bat's axis to the ball.
+    bat_velocity
+        Of the bat on its axis, m/s.
     lever_arm
         r̃, m.
     normal_speed
@@ -50,7 +80,9 @@ class ContactState(Generic[N]):
 
     position: Vector[N]
     velocity: Vector[N]
+    spin: Vector[N] | None
     normal: Vector[N]
+    bat_velocity: Vector[N]
     lever_arm: N
     normal_speed: N
 
@@ -63,16 +95,113 @@ class Impact(Generic[N]):
     impulse: N
     velocity: Vector[N]
     energy_change: N
+    spin: Vector[N] | None = None
+    mode: Any = None
+    friction_margin: N | None = None
 
 
-def collide(scene: Any, contact: ContactState[N], numbers: Numbers[N]) -> Impact[N]:
-    """Apply the impulse of Appendix A."""
+def collide(
+    cases: Cases[N], contact: ContactState[N], error: N | float, *carried: Any
+) -> tuple[Any, ...]:
+    """Apply the impulse of Appendix A; on a bat with friction, the oblique one.
+
+    Parameters
+    ----------
+    error
+        Of velocities and directions, relative, before any rounding here.
+    carried
+        Other values of theirs.
+
+    Returns
+    -------
+    tuple
+        Those that part, their `Impact`, and the other values.
+    """
+    scene, numbers = cases.scene, cases.numbers
     pair = collision_parameters(scene.ball, scene.bat, contact.lever_arm, scene.reading, numbers)
+    if scene.bat.friction is not None:
+        return _rub(cases, contact, pair, error, *carried)
     parts = pair.reduced_mass, pair.restitution, contact.normal_speed
     push = impulse(*parts)
     mass = numbers.exact(scene.ball.mass)
     after = velocity_after(contact.velocity, contact.normal, mass, push)
-    return Impact(pair.restitution, push, after, energy_change(*parts))
+    mode = None if contact.spin is None else "frictionless"
+    impact = Impact(pair.restitution, push, after, energy_change(*parts), contact.spin, mode)
+    return cases, impact, *carried
+
+
+# Between the velocities and the decisions below stand fewer operations, each on terms that are no
+# larger than those of the bounds.
+_OPERATIONS = 40
+
+
+def _rub(
+    cases: Cases[N],
+    contact: ContactState[N],
+    pair: CollisionParameters[N],
+    error: N | float,
+    *carried: Any,
+) -> tuple[Any, ...]:
+    """Let the ball grip the bat, or slide on it; see `longball.model.derivation`."""
+    scene, numbers = cases.scene, cases.numbers
+    ball, bat, normal = scene.ball, scene.bat, contact.normal
+    mass, radius = numbers.exact(ball.mass), numbers.exact(ball.radius)
+    bat_radius, friction = numbers.exact(bat.radius), numbers.exact(bat.friction)
+    e, e_t = pair.restitution, tangential_restitution(bat, numbers)
+    zero, one = numbers.exact(0.0), numbers.exact(1.0)
+    spin = (zero, zero, zero) if contact.spin is None else contact.spin
+    rotation = bat_rotation(scene.swing, numbers)
+    motion = contact.velocity, spin, contact.bat_velocity, rotation
+    _, g_y, g_t = slip(*motion, normal, radius, bat_radius)
+    g = contact.normal_speed, g_y, g_t
+    k = inverse_masses(ball, bat, contact.lever_arm, pair, scene.reading, numbers)
+
+    # No element of K is below 1/m but that which couples, so that an impulse is at most m times
+    # what it does to the slip; doubled for the coupling.
+    lengths = one, radius, one, bat_radius
+    sizes = (absolute(x) * a for v, a in zip(motion, lengths, strict=True) for x in v)
+    off = (error + _OPERATIONS * numbers.rounding) * sum(sizes, zero)
+    wanted = gripping_impulse(k, e, e_t, g)
+    rubbed = numbers.sqrt(wanted[1] * wanted[1] + wanted[2] * wanted[2])
+    doubt = 2 * (1 + friction) * mass * (2 + e + absolute(e_t)) * off
+    question = "whether the ball grips the bat or slides on it"
+    room = friction * wanted[0] - rubbed
+    grips, slides = cases.decide(room, doubt, question)
+
+    if scene.reading.slide_direction == "initial":
+        way, speed, off_way = (g_y, g_t), numbers.sqrt(g_y * g_y + g_t * g_t), off
+    else:
+        way, speed, off_way = (-wanted[1], -wanted[2]), rubbed, doubt
+    speed = numbers.where(grips, one, speed)
+    question = "in which direction the ball slides on the bat"
+    known, unknown = cases.decide(speed, numbers.where(grips, zero, off_way), question)
+    (ended,) = cases.take(unknown)
+    ended.refuse(
+        f"{question} cannot be said: it has no slip; use the reading slide_direction = final"
+    )
+    direction = way[0] / speed, way[1] / speed
+    resistance = numbers.where(grips, one, sliding_resistance(k, friction, direction))
+    coupled = friction * absolute(k[1])
+    doubt = _OPERATIONS * numbers.rounding * (k[0] + coupled) + coupled * off_way / speed
+    parts, jammed = cases.decide(resistance, doubt, "whether ball and bat jam")
+    (ended,) = cases.take(jammed)
+    ended.refuse(
+        "ball and bat jam: with bat.friction so high no impulse parts them; take a lower one"
+    )
+    slid = sliding_impulse(resistance, e, friction, g, direction)
+    x, y, z = (numbers.where(grips, a, b) for a, b in zip(wanted, slid, strict=True))
+    push = x, y, z
+    modes: Any = "grip", "slide"
+    impact = Impact(
+        e,
+        x,
+        velocity_after_push(contact.velocity, push, normal, mass),
+        push_energy(push, g, k),
+        spin_after_push(spin, push, normal, mass, radius, inertia_factor(ball, numbers)),
+        numbers.where(grips, *modes),
+        room / (friction * absolute(wanted[0])),
+    )
+    return cases.take((grips | slides) & known & parts, impact, *carried)
 
 
 @dataclass(frozen=True)
@@ -84,11 +213,11 @@ class Model:
     forces
         What may act on a ball in flight.
     collide
-        From a scene and a `ContactState` to the `Impact`.
+        From a `ContactState` to the `Impact`; see `collide`.
     """
 
     forces: tuple[Force, ...] = FORCES
-    collide: Callable[[Any, ContactState[Any], Numbers[Any]], Impact[Any]] = collide
+    collide: Callable[..., tuple[Any, ...]] = collide
 
 
 MODEL = Model()
@@ -146,6 +275,15 @@ class Cases(ABC, Generic[N]):
     @abstractmethod
     def conclude(self, outcome: Outcome) -> None:
         """Write the outcome."""
+
+    def refuse(self, reason: str) -> None:
+        """Give no answer, and to one scene the reason why.
+
+        Raises
+        ------
+        CannotSolve
+            For one scene.
+        """
 
     @abstractmethod
     def touched(self, touch: Touch[N]) -> tuple[Any, Any]:
@@ -338,12 +476,13 @@ def solve_pitches(cases: Cases[N]) -> None:
 def solve_impacts(cases: Cases[N]) -> None:
     """Solve touchings that are given."""
     incoming = cases.scene.incoming
-    ball = Ball(cases.vector(incoming.position), cases.vector(incoming.velocity))
+    spin = None if incoming.spin is None else cases.vector(incoming.spin)
+    ball = Ball(cases.vector(incoming.position), cases.vector(incoming.velocity), spin)
     height = cases.numbers.exact(incoming.bat_height)
     # Nothing has flown: the position is exact, and only roundings here are in doubt.
     cases, contact = meet(cases, ball, height, 0.0)
     if not cases.empty:
-        strike(cases, contact)
+        cases, _ = strike(cases, contact, 0.0)
         cases.conclude("struck")
 
 
@@ -353,8 +492,8 @@ class Ball(Generic[N]):
 
     Attributes
     ----------
-    position, velocity
-        m and m/s.
+    position, velocity, spin
+        m, m/s and rad/s; None: the scene has no spin.
     aside
         Where it was along the bat, m, when that was looked at; None: as in `position`.
     leaving
@@ -363,6 +502,7 @@ class Ball(Generic[N]):
 
     position: Vector[N]
     velocity: Vector[N]
+    spin: Vector[N] | None = None
     aside: N | None = None
     leaving: bool = False
 
@@ -406,7 +546,7 @@ def meet(
     approach = normal_speed if ball.leaving else -normal_speed
     question = "whether ball and bat approach or separate"
     closing, separating = cases.decide(approach, doubt, question)
-    contact = ContactState(ball.position, velocity, normal, arm, normal_speed)
+    contact = ContactState(ball.position, velocity, ball.spin, normal, moving, arm, normal_speed)
     cases.record("contact.position", ball.position)
     cases.record("contact.normal", normal)
     cases.record("contact.bat_velocity", moving)
@@ -416,14 +556,15 @@ def meet(
     return cases.take(closing, contact, *rest)
 
 
-def strike(cases: Cases[N], contact: ContactState[N]) -> Impact[N]:
-    """Apply the impulses."""
-    impact = cases.model.collide(cases.scene, contact, cases.numbers)
-    cases.record("impact.restitution", impact.restitution)
-    cases.record("impact.impulse", impact.impulse)
-    cases.record("impact.velocity", impact.velocity)
-    cases.record("impact.energy_change", impact.energy_change)
-    return impact
+def strike(
+    cases: Cases[N], contact: ContactState[N], error: N | float, *carried: Any
+) -> tuple[Any, ...]:
+    """Apply the impulses; see `collide`."""
+    cases, impact, *rest = cases.model.collide(cases, contact, error, *carried)
+    for quantity in fields(Impact):
+        if (value := getattr(impact, quantity.name)) is not None:
+            cases.record(f"impact.{quantity.name}", value)
+    return cases, impact, *rest
 
 
 # --- the whole at-bat -----------------------------------------------------------------------------
@@ -431,11 +572,16 @@ def strike(cases: Cases[N], contact: ContactState[N]) -> Impact[N]:
 
 @dataclass(frozen=True)
 class Approach(Generic[N]):
-    """A pitch, the height of the bat's axis, m, and how they meet."""
+    """A pitch, the bat, and how they meet."""
 
     pitch: Pitch[N]
-    height: N
+    bat: BatSection[N]
     touch: Touch[N]
+
+    @property
+    def height(self) -> N:
+        """Height of the bat's axis, m."""
+        return self.bat.height
 
 
 @dataclass(frozen=True)
@@ -458,7 +604,7 @@ def approach_bat(cases: Cases[N]) -> tuple[Cases[N], Approach[N] | None]:
     bat = BatSection(pitch.frame, height, reach)
     law = cases.law(pitch.frame)
     touch = cases.either(_is_always_up(cases, law), _find_upwards, _find, pitch, bat, law)
-    return cases, Approach(pitch, height, touch)
+    return cases, Approach(pitch, bat, touch)
 
 
 def _find(
@@ -489,8 +635,8 @@ def meet_bat(cases: Cases[N]) -> tuple[Cases[N], Meeting[N] | None]:
     ball = Ball(
         frame.position(touch.state),
         frame.velocity(touch.state),
-        frame.position(touch.detected)[1],
-        touch.leaving,
+        aside=frame.position(touch.detected)[1],
+        leaving=touch.leaving,
     )
     cases.record("contact.time", touch.time)
     cases.record("contact.position", ball.position)
@@ -503,9 +649,12 @@ def finish(cases: Cases[N], meeting: Meeting[N] | None) -> None:
     """Solve at-bats from the impulse on."""
     if meeting is None or cases.empty:
         return
+    error = 0.0 if cases.scene.bat.friction is None else _contact_error(cases, meeting)
+    cases, impact, meeting = strike(cases, meeting.contact, error, meeting)
+    if cases.empty:
+        return
     contact, engine = meeting.contact, cases.engine
     touch, pitch = meeting.approach.touch, meeting.approach.pitch
-    impact = strike(cases, contact)
     if isinstance(engine, Stepped):
         before, after = contact.velocity, impact.velocity
         delta_v = (after[0] - before[0], after[1] - before[1], after[2] - before[2])
@@ -515,6 +664,20 @@ def finish(cases: Cases[N], meeting: Meeting[N] | None) -> None:
         time = cast(N, touch.time)
         launch = Launch(contact.position, impact.velocity, time, time * 0)
     land(cases, launch, "batted")
+
+
+def _contact_error(cases: Cases[N], meeting: Meeting[N]) -> N:
+    """Return the relative error of velocities and directions at the contact.
+
+    Where the ball all but grazes the bat, an error of its way moves the contact around the bat by
+    as much more as it is slower towards the bat than past it.
+    """
+    contact, approach, engine = meeting.contact, meeting.approach, cases.engine
+    bat, pitch = approach.bat, approach.pitch
+    moved = margin_error(bat, pitch.flight.state.z, engine.flight_error, cases.numbers) / bat.reach
+    speed = cases.numbers.sqrt(_dot(contact.velocity, contact.velocity))
+    towards = absolute(_dot(contact.velocity, contact.normal))
+    return engine.flight_error + moved * (1 + speed / towards)
 
 
 def solve_at_bats(cases: Cases[N]) -> None:
@@ -553,6 +716,10 @@ class OneCase(Cases[N]):
         positive = self.numbers.positive(x, error, question)
         return positive, not positive
 
+    def refuse(self, reason: str) -> None:
+        """See `Cases`."""
+        raise CannotSolve(reason)
+
     def touched(self, touch: Touch[N]) -> tuple[bool, bool]:
         """See `Cases`."""
         if touch.touched is None:
@@ -581,24 +748,26 @@ class OneCase(Cases[N]):
         """See `Cases`."""
         self.answer["outcome"] = outcome
 
-    def result(self, error: str | None = None) -> Result:
+    def result(self, error: InvalidScene | Undecided | CannotSolve | None = None) -> Result:
         """Return what has been written, as a result; with an error, if there is one."""
         blocks: dict[str, dict[str, Any]] = {}
         for name, value in self.answer.items():
             block, _, key = name.partition(".")
             if key:
-                blocks.setdefault(block, {})[key] = (
-                    tuple(map(self.numbers.report, value))
-                    if isinstance(value, tuple)
-                    else self.numbers.report(value)
-                )
+                blocks.setdefault(block, {})[key] = self._reported(value)
         return Result(
             id=self.scene.id,
             engine=self.engine.description,
             outcome=None if error else self.answer["outcome"],
-            error=error,
+            error=None if error is None else str(error),
+            code=None if error is None else error.code,
             **{name: BLOCKS[name](**values) for name, values in blocks.items()},
         )
+
+    def _reported(self, value: Any) -> Any:
+        if isinstance(value, tuple):
+            return tuple(map(self.numbers.report, value))
+        return value if isinstance(value, str) else self.numbers.report(value)
 
 
 class _Nobody(OneCase[N]):
@@ -617,6 +786,9 @@ class _Nobody(OneCase[N]):
     def conclude(self, outcome: Outcome) -> None:
         pass
 
+    def refuse(self, reason: str) -> None:
+        pass
+
 
 BLOCKS: dict[str, type[Any]] = {
     "plate": written.Plate,
@@ -630,6 +802,15 @@ def solve(scene: Scene, engine: Engine[N], model: Model = MODEL) -> Result:
     """Return the result of a scene; what cannot be solved is a result with an error."""
     case = OneCase(scene, engine, model)
     return _answer(case, CHAINS[scene.kind])
+
+
+def solve_each(
+    scenes: Sequence[Scene], engine: Engine[N] | ManyAtOnce, threads: int = 1
+) -> Iterable[Result]:
+    """Return the results of scenes, in order; of most engines each when it is asked for."""
+    if isinstance(engine, ManyAtOnce):
+        return engine.solve_all(scenes, threads)
+    return (solve(scene, engine) for scene in scenes)
 
 
 def solve_with_path(
@@ -663,12 +844,26 @@ def solve_with_restitutions(
     ]
 
 
+def quantities_of(scene: Scene, engine: Engine[N]) -> dict[str, Any]:
+    """Return what a result holds by its names, the outcome too, in the engine's own numbers.
+
+    Raises
+    ------
+    ArithmeticError, ValueError
+        If there is no result: `CannotSolve`, `InvalidScene`, `Undecided`, or what `_follow` words.
+    """
+    case = OneCase(scene, engine, MODEL)
+    with engine.numbers.arithmetic():
+        CHAINS[scene.kind](case)
+    return case.answer
+
+
 def approach_of(scene: AtBatScene, engine: Engine[N]) -> Approach[N] | None:
     """Return how pitch and bat of a scene meet; None if the pitch does not reach the plate.
 
     Raises
     ------
-    CannotSolve, Undecided
+    CannotSolve, InvalidScene, Undecided
     """
     with engine.numbers.arithmetic():
         return approach_bat(OneCase(scene, engine, MODEL))[1]
@@ -685,15 +880,15 @@ def _follow(case: OneCase[N], chain: Callable[[], None]) -> Result | None:
     """Go through a chain; return the result, or an error; None if it is not concluded."""
     with case.numbers.arithmetic():
         try:
-            chain()
+            try:
+                chain()
+            except (InvalidScene, Undecided, CannotSolve) as error:
+                return case.result(error)
             return case.result() if "outcome" in case.answer else None
-        except (Undecided, CannotSolve) as error:
-            return case.result(str(error))
         except (ArithmeticError, ValueError) as error:
             what = "a quantity is not finite" if isinstance(error, ValidationError) else str(error)
-            return OneCase(case.scene, case.engine, case.model).result(
-                f"the numbers leave the range of the engine: {what}"
-            )
+            reason = OutOfRange(f"the numbers leave the range of the engine: {what}")
+            return replace(case, answer={}).result(reason)
 
 
 def _dot(a: Vector[N], b: Vector[N]) -> N:

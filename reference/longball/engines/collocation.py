@@ -33,7 +33,7 @@ from mpmath import MPContext
 from numpy.typing import NDArray
 
 from longball.engines.dual import Dual
-from longball.engines.engine import CannotSolve
+from longball.engines.engine import OutOfRange
 from longball.model.law import Law, State
 from longball.model.numbers import Numbers
 from longball.model.trace import ZERO
@@ -295,7 +295,7 @@ class Collocation:
 
         Raises
         ------
-        CannotSolve
+        OutOfRange
             If no step is short enough.
         """
         dynamics = Dynamics(law, self.numbers)
@@ -318,7 +318,7 @@ class Collocation:
                 length *= change
                 failed = True
             else:
-                raise CannotSolve(
+                raise OutOfRange(
                     f"no step from t = {float(begin):.6g} s on is short enough to satisfy the "
                     f"equations of motion to {self.context.dps} digits"
                 )

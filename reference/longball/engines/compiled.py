@@ -1,22 +1,28 @@
 """Compiled functions, by numba where it is installed; without it they run as they are, slowly.
 
-Compiled code is kept on disk for later processes: beside the module, or where that cannot be
-written to in the user's cache, or in the folder that NUMBA_CACHE_DIR names.
+Compiled code is kept on disk for later processes: in the folder that NUMBA_CACHE_DIR names, else
+beside this module, or where that cannot be written to in the user's cache; where there is no such
+place, each process compiles for itself. A file's name is a hash of all that the code is made of:
+sources, versions of the compilers, processor. Changed sources lead to another file, so none is ever
+out of date. A file that is not what was written is made anew.
 """
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import importlib
-import importlib.util
 import os
+import pickle
 import sys
-import tempfile
-from collections.abc import Callable, Iterator
+import threading
+from collections.abc import Callable, Iterable, Iterator
 from functools import cache
 from pathlib import Path
 from types import ModuleType
 from typing import Any, TypeVar, cast
+
+import longball
 
 numba: Any
 try:
@@ -28,54 +34,95 @@ COMPILES = numba is not None
 
 F = TypeVar("F", bound=Callable[..., Any])
 
+PACKAGE = Path(longball.__file__).parent
+# What compiled code is made of, but for printed modules, whose names are hashes of their text.
+SOURCES = (
+    "engines/batch/*.py",
+    "engines/compiled.py",
+    "engines/polynomial.py",
+    "engines/series.py",
+    "model/law.py",
+    "model/trace.py",
+)
+
 
 def compiled(function: F) -> F:
-    """Compile a function at its first call, and keep the code if there is a place for it.
+    """Compile a function at its first call, with all that it calls, for later processes too.
 
-    The code is made anew when the function's own file changes, and so that file defines or prints
-    all that the function calls. Division by zero gives inf or nan where it is compiled.
+    Division by zero gives inf or nan where it is compiled.
     """
     if not COMPILES:
         return function
-    settings = {"nogil": True, "error_model": "numpy"}
-    try:
-        return cast(F, numba.njit(cache=True, **settings)(function))
-    except (OSError, RuntimeError):  # no file, or no place to write: compile in each process
-        return cast(F, numba.njit(**settings)(function))
+    dispatcher = numba.njit(nogil=True, error_model="numpy")(function)
+    dispatcher._cache = _Cache(function)
+    return cast(F, dispatcher)
 
 
 @cache
 def module_of(source: str) -> ModuleType:
-    """Return printed code as a module.
-
-    numba keeps code by the file that it comes from. A printed module is written into one that has
-    the hash of its text in its name, so that other text is never taken for it.
-    """
+    """Return printed code as a module, whose name has a hash of its text."""
     name = f"printed_{hashlib.sha256(source.encode()).hexdigest()[:16]}"
-    file = _written(name, source) if COMPILES else None
     module = ModuleType(name)
-    if file is not None:
-        spec = importlib.util.spec_from_file_location(name, file)
-        assert spec is not None
-        module = importlib.util.module_from_spec(spec)
     sys.modules[name] = module  # where numba looks for the globals of code that was kept
-    exec(compile(source, str(file or "<printed>"), "exec"), module.__dict__)
+    exec(compile(source, f"<{name}>", "exec"), module.__dict__)
     return module
 
 
-def _written(name: str, source: str) -> Path | None:
-    for folder in folders():
-        file = folder / f"{name}.py"
-        try:
-            if not file.exists() or file.read_text() != source:
-                folder.mkdir(parents=True, exist_ok=True)
-                with tempfile.NamedTemporaryFile("w", dir=folder, delete=False) as draft:
-                    draft.write(source)
-                os.replace(draft.name, file)
-        except OSError:
-            continue
-        return file
-    return None
+class _Cache:
+    """What numba asks about the compiled code of a function."""
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        code = function.__code__
+        self._name = code.co_name.strip("_")
+        self._made_of = f"{function.__module__} {code.co_qualname} {code.co_firstlineno}"
+
+    def _file(self, signature: Any) -> str:
+        return _file_name(self._name, [self._made_of, str(signature)])
+
+    def load_overload(self, signature: Any, target_context: Any) -> Any:
+        content = _read(self._file(signature))
+        if content is None:
+            return None
+        target_context.refresh()
+        rebuild = numba.core.compiler.CompileResult._rebuild
+        return rebuild(target_context, *pickle.loads(content))
+
+    def save_overload(self, signature: Any, result: Any) -> None:
+        _write(self._file(signature), numba.core.serialize.dumps(result._reduce()))
+
+
+def stored(name: str, made_of: Iterable[str], make: Callable[[], bytes]) -> bytes:
+    """Return code that was kept under a name and what else it is made of, or make and keep it."""
+    file = _file_name(name, made_of)
+    kept = _read(file)
+    if kept is None:
+        kept = make()
+        _write(file, kept)
+    return kept
+
+
+def _file_name(name: str, made_of: Iterable[str]) -> str:
+    key = "\0".join([*made_of, *sources(), *machine()])
+    return f"{name}-{hashlib.sha256(key.encode()).hexdigest()[:24]}.bin"
+
+
+@cache
+def sources() -> tuple[str, ...]:
+    """Return the sources of all modules that compiled code is made of."""
+    files = (file for pattern in SOURCES for file in sorted(PACKAGE.glob(pattern)))
+    return tuple(file.read_text(encoding="utf-8") for file in files)
+
+
+@cache
+def machine() -> tuple[str, ...]:
+    """Return the versions of Python and the compilers, and the processor that they compile for."""
+    from llvmlite import __version__, binding
+
+    features = binding.get_host_cpu_features().flatten()
+    return sys.version, numba.__version__, __version__, binding.get_host_cpu_name(), features
+
+
+# --- files ----------------------------------------------------------------------------------------
 
 
 def folders() -> Iterator[Path]:
@@ -88,3 +135,38 @@ def folders() -> Iterator[Path]:
     user = user or os.path.expanduser("~/.cache")
     if os.path.isabs(user):  # there are users without a home
         yield Path(user, "longball")
+
+
+def _read(name: str) -> bytes | None:
+    """Return what was written, or say that code is being compiled, and return None."""
+    for folder in folders():
+        try:
+            whole = (folder / name).read_bytes()
+        except OSError:
+            continue
+        checksum, content = whole[:32], whole[32:]
+        if hashlib.sha256(content).digest() == checksum:
+            return content
+    _tell()
+    return None
+
+
+def _write(name: str, content: bytes) -> None:
+    """Write a file at the first place that takes it, whole or not at all; maybe nowhere."""
+    for folder in folders():
+        draft = folder / f"{name}.{os.getpid()}.{threading.get_ident()}"
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            draft.write_bytes(hashlib.sha256(content).digest() + content)
+            os.replace(draft, folder / name)
+            return
+        except OSError:
+            with contextlib.suppress(OSError):
+                draft.unlink()
+
+
+@cache
+def _tell() -> None:
+    """Say on a terminal, once, why nothing happens."""
+    if sys.stderr is not None and sys.stderr.isatty():
+        print("longball: compiling (a few seconds, once per machine)", file=sys.stderr, flush=True)

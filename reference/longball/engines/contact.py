@@ -12,6 +12,7 @@ from typing import Any, Generic
 from longball.model.frame import Frame
 from longball.model.law import State
 from longball.model.numbers import N, Numbers, absolute
+from longball.model.scene import InvalidScene
 
 
 @dataclass(frozen=True)
@@ -78,9 +79,9 @@ def margin_error(
     return 2 * way * flight_error + rounding
 
 
-def inside_bat(distance: Any, reach: Any) -> str:
-    """Say that a pitch cannot be released there."""
-    return (
+def inside_bat(distance: Any, reach: Any) -> InvalidScene:
+    """Return the error that a pitch cannot be released there."""
+    return InvalidScene(
         f"the ball starts inside the bat: {float(distance):.6g} m from its axis, "
         f"where the two touch at {float(reach):.6g} m; release it farther from the plate"
     )

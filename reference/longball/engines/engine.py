@@ -13,12 +13,26 @@ from longball.engines.path import Flight
 from longball.model.frame import Frame
 from longball.model.law import Law, State
 from longball.model.numbers import N, Numbers, Vector
-from longball.model.result import Result
+from longball.model.result import ErrorCode, Result
 from longball.model.scene import Scene
 
 
 class CannotSolve(ArithmeticError):
     """An engine's reason for giving no answer to a scene."""
+
+    code: ErrorCode = "unsupported"
+
+
+class TooLong(CannotSolve):
+    """A flight takes more steps than the engine is ready to take."""
+
+    code = "too_long"
+
+
+class OutOfRange(CannotSolve):
+    """Numbers or forces are beyond what the engine can represent or resolve."""
+
+    code = "out_of_range"
 
 
 @dataclass(frozen=True)
@@ -150,5 +164,5 @@ class ManyAtOnce(ABC):
     """What an engine offers besides if many scenes take it less time together than one by one."""
 
     @abstractmethod
-    def solve_all(self, scenes: Sequence[Scene]) -> list[Result]:
+    def solve_all(self, scenes: Sequence[Scene], threads: int = 1) -> list[Result]:
         """Return what `longball.engines.chain.solve` returns for each scene, in order."""

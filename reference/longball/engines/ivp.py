@@ -19,7 +19,7 @@ import scipy.integrate
 from numpy.typing import NDArray
 
 from longball.engines.contact import BatSection
-from longball.engines.engine import CannotSolve
+from longball.engines.engine import OutOfRange, TooLong
 from longball.engines.event import Event
 from longball.engines.path import Flight
 from longball.engines.path_engine import PathEngine, View
@@ -121,7 +121,7 @@ class Ivp(PathEngine[float]):
 
         Raises
         ------
-        CannotSolve
+        OutOfRange, TooLong
             If solve_ivp gives up, or the flight takes too many steps.
         """
         time, state = begin, np.array(start, dtype=float)
@@ -134,12 +134,12 @@ class Ivp(PathEngine[float]):
             for piece in pieces:
                 taken += 1
                 if taken > _MOST_STEPS:
-                    raise CannotSolve(
+                    raise TooLong(
                         f"the flight takes over {_MOST_STEPS} steps; try a shorter time_limit"
                     )
                 yield piece
             if solution.status < 0:
-                raise CannotSolve(
+                raise OutOfRange(
                     f"solve_ivp gave up at t = {solution.t[-1]:.6g} s: {solution.message}"
                 )
             time, state = float(solution.t[-1]), solution.y[:, -1]
@@ -163,7 +163,7 @@ class Ivp(PathEngine[float]):
             return solution, pieces
         rates = right_hand_side(law)
         if not np.isfinite(rates(time, state)).all():
-            raise CannotSolve(_BEYOND)
+            raise OutOfRange(_BEYOND)
         # A trial step may overflow; the step control then takes a shorter one or gives up.
         with np.errstate(all="ignore"):
             solution = scipy.integrate.solve_ivp(
@@ -202,7 +202,7 @@ class Ivp(PathEngine[float]):
         """
         series, reach = Expander(law)(np.array(state, dtype=float))
         if not reach > 0:
-            raise CannotSolve(_BEYOND)
+            raise OutOfRange(_BEYOND)
         return PolynomialPiece(time, reach, law.state, series)
 
 
@@ -237,7 +237,7 @@ def _expanded(
         while time < end:
             series, reach = expand(state)
             if not reach > 0:
-                raise CannotSolve(_BEYOND)
+                raise OutOfRange(_BEYOND)
             until = min(time + reach, end)
             piece = PolynomialPiece(time, _length(time, until), make, series)
             yield piece

@@ -6,11 +6,11 @@ from collections.abc import Iterable, Iterator
 from io import BufferedIOBase
 from itertools import islice
 
-from longball.engines.chain import solve
+from longball.engines.chain import solve_each
 from longball.engines.engine import Engine, ManyAtOnce
 from longball.model.numbers import N
 from longball.model.result import Result
-from longball.model.scene import Scene, SceneError, parse_scene
+from longball.model.scene import InvalidScene, Scene, parse_scene
 
 # Lines that a worker process takes at a time: some hundredths of a second.
 CHUNK, CHUNK_AT_ONCE = 32, 1024
@@ -19,7 +19,9 @@ _BYTES = 1 << 17  # read at a time at most: some hundreds of lines, and twice wh
 Line = tuple[int, bytes]
 
 
-def solve_lines(lines: Iterable[bytes], engine: Engine[N], workers: int = 1) -> Iterator[Result]:
+def solve_lines(
+    lines: Iterable[bytes], engine: Engine[N] | ManyAtOnce, workers: int = 1
+) -> Iterator[Result]:
     """Yield the result of each line that is not blank, in order.
 
     With one worker no line waits for another one that is not there yet, so that two programs can
@@ -64,42 +66,35 @@ def _numbered(chunks: Iterable[list[bytes]]) -> Iterator[list[Line]]:
         yield [(n, line) for n, line in numbered if line.strip()]
 
 
-def solve_line(number: int, line: bytes, engine: Engine[N]) -> Result:
+def solve_line(number: int, line: bytes, engine: Engine[N] | ManyAtOnce) -> Result:
     """Return the result of a line, which is an error that names the line if it is no scene."""
     (result,) = _solve_chunk([(number, line)], engine)
     return result
 
 
-def _solve_chunk(chunk: list[Line], engine: Engine[N]) -> list[Result]:
+def _solve_chunk(chunk: list[Line], engine: Engine[N] | ManyAtOnce) -> list[Result]:
     return list(_solve_in_turn(chunk, engine))
 
 
-def _solve_in_turn(chunk: list[Line], engine: Engine[N]) -> Iterator[Result]:
+def _solve_in_turn(chunk: list[Line], engine: Engine[N] | ManyAtOnce) -> Iterator[Result]:
     """Yield the results of lines, each as soon as the engine has it."""
-    if isinstance(engine, ManyAtOnce):
-        read = [_read(line) for _, line in chunk]
-        solved = iter(
-            engine.solve_all([scene for scene in read if not isinstance(scene, SceneError)])
-        )
-        for (number, _), scene in zip(chunk, read, strict=True):
-            yield _of_line(number, scene if isinstance(scene, SceneError) else next(solved))
-    else:
-        for number, line in chunk:
-            scene = _read(line)
-            yield _of_line(number, scene if isinstance(scene, SceneError) else solve(scene, engine))
+    read = [_read(line) for _, line in chunk]
+    scenes = [scene for scene in read if not isinstance(scene, InvalidScene)]
+    solved = iter(solve_each(scenes, engine))
+    for (number, _), scene in zip(chunk, read, strict=True):
+        yield _of_line(number, scene if isinstance(scene, InvalidScene) else next(solved))
 
 
-def _read(line: bytes) -> Scene | SceneError:
+def _read(line: bytes) -> Scene | InvalidScene:
     try:
         return parse_scene(line)
-    except SceneError as error:
+    except InvalidScene as error:
         return error
 
 
-def _of_line(number: int, answer: Result | SceneError) -> Result:
+def _of_line(number: int, answer: Result | InvalidScene) -> Result:
     """Return the result of a line: its error, if it has one, names the line."""
-    if isinstance(answer, SceneError):
-        return Result(id=answer.scene_id, error=f"line {number}: {answer}")
-    if answer.error is None:
-        return answer
-    return answer.model_copy(update={"error": f"line {number}: {answer.error}"})
+    if isinstance(answer, InvalidScene):
+        return Result(id=answer.scene_id, error=f"line {number}: {answer}", code=answer.code)
+    error = answer.error and f"line {number}: {answer.error}"
+    return answer.model_copy(update={"id": answer.id or str(number), "error": error})

@@ -141,7 +141,7 @@ class PathEngine(ABC, Generic[N]):
         launch = pitch.path.at(numbers.exact(0.0))
         gap = bat.distance(launch, numbers) - bat.reach
         if gap < -error:
-            raise CannotSolve(inside_bat(bat.distance(launch, numbers), bat.reach))
+            raise inside_bat(bat.distance(launch, numbers), bat.reach)
         if not (cast(Any, gap) == 0 or gap > error):
             numbers.positive(gap, error, STARTS_INSIDE)
         first: tuple[N, State[N]] | None = None

@@ -90,7 +90,7 @@ class Recurrence:
         `x` has a sequence for each of `rows`; those of the variables hold the state at 0. It
         fills in the coefficients up to `order`, and one more of a variable whose rate is another.
         """
-        return _Printer(self, at_rest).text()
+        return _source(self, at_rest)
 
     def function(
         self, functions: Mapping[str, Callable[..., Any]], at_rest: bool = False
@@ -104,6 +104,11 @@ class Recurrence:
 def recurrence(program: Program) -> Recurrence:
     """Return the recurrence of a program."""
     return Recurrence(program)
+
+
+@cache
+def _source(recurrence: Recurrence, at_rest: bool) -> str:
+    return _Printer(recurrence, at_rest).text()
 
 
 def row_of(node: Node) -> Node:

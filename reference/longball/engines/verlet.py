@@ -46,7 +46,7 @@ from numpy.typing import NDArray
 from longball.engines.compiled import module_of
 from longball.engines.contact import TURNS_VERTICAL, BatSection, inside_bat
 from longball.engines.dual import Dual
-from longball.engines.engine import CannotSolve, Launch, Stepped, Touch
+from longball.engines.engine import CannotSolve, Launch, OutOfRange, Stepped, Touch
 from longball.engines.event import Event
 from longball.engines.path import Flight, Path
 from longball.model.frame import Frame, launch_frame
@@ -226,7 +226,7 @@ class Verlet(Stepped[float]):
         start = pitch.path.at(0.0)
         closest = _distance(bat, start)
         if closest < bat.reach:
-            raise CannotSolve(inside_bat(closest, bat.reach))
+            raise inside_bat(closest, bat.reach)
         step, hit = 0, None
         for done, states in self._march(law, start, limit):
             columns = law.state(*states)
@@ -337,7 +337,7 @@ class Verlet(Stepped[float]):
 
     def _require_finite(self, numbers: Sequence[float], count: int) -> None:
         if not all(map(math.isfinite, numbers)):
-            raise CannotSolve(
+            raise OutOfRange(
                 f"the numbers do not stay finite within {count} steps of {self.dt!r} s, or an "
                 "implicit step does not settle: the step is too long for these forces"
             )

@@ -22,7 +22,7 @@ from longball.engines.enclosure import Enclosure
 from longball.golden.case_builder import Draft, between_powers, five_digits, shares, solve_for
 from longball.home_run import HOME_RUN_DISTANCE
 from longball.model.readings import Reading
-from longball.model.result import Bounded
+from longball.model.result import Bounded, Number
 from longball.model.scene import (
     Air,
     AtBatScene,
@@ -489,7 +489,7 @@ def _distance(scene: FlightScene | AtBatScene) -> Decimal:
     return _decimal(landing.distance)
 
 
-def _decimal(number: float | Bounded) -> Decimal:
+def _decimal(number: Number) -> Decimal:
     assert isinstance(number, Bounded)
     return Decimal(number.value)
 

@@ -180,6 +180,7 @@ def make(family: str, draft: Draft) -> Case:
         flags.append("unconfirmed")
     if result.outcome is not None and not _good_enough(scene, result):
         flags.append("wide")
+    assert scene.id
     return Case(
         id=scene.id,
         family=family,

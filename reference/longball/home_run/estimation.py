@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from statistics import NormalDist
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from longball.home_run.simulation import Struck
 from longball.model.readings import SampleSpace
+
+if TYPE_CHECKING:
+    from longball.home_run.quadrature import Integral
 
 Array = NDArray[np.float64]
 
@@ -63,6 +67,13 @@ def wilson(successes: int, trials: int) -> tuple[float, float]:
         return math.nan, math.nan
     low, high = binomtest(successes, trials).proportion_ci(method="wilson")
     return float(low), float(high)
+
+
+def columns(row: Estimate | Integral) -> dict[str, float]:
+    """Return the columns of a row of a table of P(e), in the order in which they are written."""
+    held = asdict(row)
+    first = {name: held[name] for name in ("e", "p", "low", "high") if name in held}
+    return first | held
 
 
 @dataclass(frozen=True)

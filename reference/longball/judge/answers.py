@@ -255,7 +255,7 @@ class Collector:
             self.report("unknown key", f"{quoted(key)} is no key of a result{near}", number)
 
 
-_TOP = {*Result.model_fields, "path", "code"}
+_TOP = {*Result.model_fields, "path"}
 
 
 def _nearest(name: str, known: Iterable[str]) -> str:
@@ -285,9 +285,9 @@ def _value(given: Any, size: int) -> Value | None:
         return None
     numbers = []
     for item in given:
-        if isinstance(item, dict):  # {"value": "decimal string", "radius": ...}
-            text = item.get("value")
-            item = _decimal(text) if isinstance(text, str) else None
+        if isinstance(item, dict):  # {"value": "decimal string" or a number, "radius": ...}
+            item = item.get("value")
+            item = _decimal(item) if isinstance(item, str) else item
         if not isinstance(item, Decimal) or not _ordinary(item):
             return None
         numbers.append(item)

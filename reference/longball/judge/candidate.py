@@ -22,7 +22,7 @@ from typing import IO, cast
 
 from longball.judge.answers import LONGEST_LINE, Collector
 from longball.judge.fresh import as_csv
-from longball.model.scene import Scene
+from longball.model.scene import Scene, ids_of
 
 CHUNK = 1 << 16  # bytes read or written at a time
 
@@ -125,7 +125,7 @@ class _Session:
         table: bool,
     ) -> None:
         self.limits, self.progress = limits, progress
-        self.collected = Collector([scene.id for scene in scenes], table)
+        self.collected = Collector(ids_of(scenes), table)
         if len(self.collected.asked) < len(scenes):
             raise ValueError("two scenes have the same id")
         lines = (scene.line().encode() + b"\n" for scene in scenes)

@@ -74,7 +74,7 @@ class Known:
     @property
     def id(self) -> str:
         """The scene's id."""
-        return self.scene.id
+        return self.scene.id or ""
 
     def attainable(self, quantity: str) -> float:
         """Return the error that double precision may need, in the quantity's unit."""

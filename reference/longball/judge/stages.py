@@ -350,7 +350,9 @@ class _Following:
     def _collision(self, only: frozenset[str]) -> Iterable[Check]:
         position = self._contact_position()
         case, before = self._case(), self.before
-        ball = chain.Ball(_three(position), _three(before))
+        incoming = getattr(self.scene, "incoming", None)
+        spin = None if incoming is None or incoming.spin is None else _three(incoming.spin)
+        ball = chain.Ball(_three(position), _three(before), spin)
         _, contact = chain.meet(case, ball, self.height, 0.0)[:2]
         for key in ("normal", "bat_velocity"):
             self.own[f"contact.{key}"] = _tuple(case.answer[f"contact.{key}"])
@@ -368,11 +370,17 @@ class _Following:
         arm = lever_arm(position[1], self.scene.bat, DOUBLES)
         if contact is None or closing >= 0:
             return
-        contact = replace(contact, normal=_three(normal), lever_arm=arm, normal_speed=closing)
+        contact = replace(
+            contact,
+            normal=_three(normal),
+            bat_velocity=_three(bat),
+            lever_arm=arm,
+            normal_speed=closing,
+        )
         yield from self._impact(contact)
 
     def _impact(self, contact: ContactState[float]) -> Iterable[Check]:
-        struck = self.change.model.collide(self.scene, contact, DOUBLES)
+        struck = self.change.model.collide(self._case(), contact, 0.0)[1]
         yield from self._maybe("restitution", "impact.restitution", (struck.restitution,))
         e = (self.given.get("impact.restitution") or (struck.restitution,))[0]
         push = struck.impulse * (1 + e) / (1 + struck.restitution)
@@ -385,10 +393,13 @@ class _Following:
         )
         self.own["impact.velocity"] = after
         yield from self._maybe("velocity after", "impact.velocity", after)
-        reduced = -struck.impulse / ((1 + struck.restitution) * contact.normal_speed)
-        yield from self._maybe(
-            "energy", "impact.energy_change", (energy_change(reduced, e, contact.normal_speed),)
-        )
+        if struck.spin is not None:
+            yield from self._maybe("velocity after", "impact.spin", struck.spin)
+        energy = struck.energy_change
+        if self.scene.bat.friction is None:
+            reduced = -struck.impulse / ((1 + struck.restitution) * contact.normal_speed)
+            energy = energy_change(reduced, e, contact.normal_speed)
+        yield from self._maybe("energy", "impact.energy_change", (energy,))
 
     def _contact_position(self) -> Numbers:
         if isinstance(self.scene, ImpactScene):

@@ -1,7 +1,8 @@
 """The bat where it meets the ball: its velocity, its effective mass, its restitution.
 
-The bat is a cylinder of length L along y whose end B, at y = +L/2, is the pivot of the swing.
-Source: paper, Sec. III.A and III.C; the readings are those of the ledger.
+The bat is a cylinder of length L along y whose end B, at y = +L/2, is the pivot of the swing. In
+the impact it turns about B still, or is free. Source: paper, Sec. III.A and III.C; the readings are
+those of the ledger.
 """
 
 from __future__ import annotations
@@ -9,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Generic
 
-from longball.model.impact import reduced_mass
+from longball.model.impact import inverse_mass, reduced_mass
 from longball.model.numbers import N, Numbers, Vector
 from longball.model.readings import Reading
 from longball.model.scene import Ball, Bat, Rotation
@@ -20,6 +21,13 @@ def lever_arm(y: N, bat: Bat, numbers: Numbers[N]) -> N:
     return numbers.exact(bat.length) / 2 - y
 
 
+def bat_rotation(swing: Rotation, numbers: Numbers[N]) -> Vector[N]:
+    """Return ω' = ω(-sin θ, 0, cos θ), rad/s."""
+    cos, sin = numbers.cos_sin(numbers.exact(swing.tilt))
+    speed = numbers.exact(swing.angular_speed)
+    return -(speed * sin), numbers.exact(0.0), speed * cos
+
+
 def bat_velocity(lever_arm: N, swing: Rotation, numbers: Numbers[N]) -> Vector[N]:
     """Return V_b = ω' × r̃, m/s, with ω' = ω(-sin θ, 0, cos θ) and r̃ = (0, -lever_arm, 0)."""
     cos, sin = numbers.cos_sin(numbers.exact(swing.tilt))
@@ -28,8 +36,14 @@ def bat_velocity(lever_arm: N, swing: Rotation, numbers: Numbers[N]) -> Vector[N
 
 
 def moment_of_inertia(bat: Bat, reading: Reading, numbers: Numbers[N]) -> N:
-    """Return the bat's moment of inertia I, kg m², about its end B (or as the reading slips)."""
+    """Return the bat's moment of inertia across its axis, kg m².
+
+    About its end B (or as the reading slips); of a free bat, about its centre.
+    """
     mass, length, radius = (numbers.exact(v) for v in (bat.mass, bat.length, bat.radius))
+    if bat.support == "free":
+        slender = mass * length * length / 12
+        return slender if reading.inertia == "thin_rod" else slender + mass * radius * radius / 4
     match reading.inertia:
         case "solid_cylinder":
             return mass * (length * length / 3 + radius * radius / 4)
@@ -64,9 +78,13 @@ def collision_parameters(
         numbers.exact(ball.restitution),
         moment_of_inertia(bat, reading, numbers),
     )
-    arm = lever_arm if reading.effective_mass == "as_printed" else lever_arm * lever_arm
-    effective_mass = inertia / arm
     whole_mass = numbers.exact(bat.mass)
+    if bat.support == "free":
+        y = numbers.exact(bat.length) / 2 - lever_arm
+        effective_mass = whole_mass * inertia / (inertia + whole_mass * y * y)
+    else:
+        arm = lever_arm if reading.effective_mass == "as_printed" else lever_arm * lever_arm
+        effective_mass = inertia / arm
     match reading.bat_ball_restitution:
         case "nathan":
             return CollisionParameters(e, reduced_mass(m, effective_mass))
@@ -76,3 +94,41 @@ def collision_parameters(
             ratio = m / effective_mass
             struck = effective_mass if reading.reduced_mass == "effective_mass" else whole_mass
             return CollisionParameters(e * (1 + ratio) + ratio, reduced_mass(m, struck))
+
+
+def inverse_masses(
+    ball: Ball,
+    bat: Bat,
+    lever_arm: N,
+    pair: CollisionParameters[N],
+    reading: Reading,
+    numbers: Numbers[N],
+) -> tuple[N, ...]:
+    """Return K_nn, K_ny, K_yy, K_tt, 1/kg, of `longball.model.impact.inverse_mass`.
+
+    K_nn is 1/μ as the reading has it; the others are those of a uniform cylinder.
+    """  # fmt: skip
+    mass, radius = numbers.exact(bat.mass), numbers.exact(bat.radius)
+    half = numbers.exact(bat.length) / 2
+    free = bat.support == "free"
+    _, *others = inverse_mass(
+        numbers.exact(ball.mass),
+        inertia_factor(ball, numbers),
+        1 / mass if free else numbers.exact(0.0),
+        moment_of_inertia(bat, reading, numbers),
+        mass * radius * radius / 2,
+        half - lever_arm if free else -lever_arm,
+        radius,
+    )
+    return 1 / pair.reduced_mass, *others
+
+
+def inertia_factor(ball: Ball, numbers: Numbers[N]) -> N:
+    """Return I/(m R²); the double 0.4 if the scene does not name it."""
+    return numbers.exact(0.4 if ball.inertia_factor is None else ball.inertia_factor)
+
+
+def tangential_restitution(bat: Bat, numbers: Numbers[N]) -> N:
+    """Return e_T; the double 0.3 if the scene does not name it."""
+    given = bat.tangential_restitution
+    return numbers.exact(0.3 if given is None else given)

@@ -4,8 +4,9 @@ The module reads from top to bottom like the paper's Appendix A, whose equations
 (A1) to (A10); equations of the main text are cited by their printed number. Rotation of the two
 bodies is left out, as it is there. After the derivation come the laws that the result obeys, each
 proved in the components of three-dimensional vectors with a general unit normal, then what the
-paper's coefficient of restitution (Eq. 10) means, and last the printer that writes
-:mod:`longball.model.impact` from the derived expressions::
+paper's coefficient of restitution (Eq. 10) means. The impact of bodies that turn and rub follows,
+with the paper's as its limit, and last the printer that writes :mod:`longball.model.impact` from
+the derived expressions::
 
     python -m longball.model.derivation            # write impact.py
     python -m longball.model.derivation --check    # fail if impact.py is not what would be written
@@ -48,6 +49,23 @@ NORMAL = sp.Matrix(sp.symbols("n_x n_y n_z", real=True))
 MASS_RATIO = sp.Symbol("r", positive=True)
 PRINTED_E = sp.Symbol("e", nonnegative=True)
 APPARENT_RESTITUTION = sp.Symbol("e_A", real=True)
+
+# Oblique impact: ball and bat turn, and rub. Components of three are along the normal, along the
+# bat's axis and across both, a right-handed basis; the normal is perpendicular to the axis.
+RADIUS, BAT_RADIUS = sp.symbols("R r_b", positive=True)
+INERTIA_FACTOR = sp.Symbol("beta_I", positive=True)  # I = β m R²; 2/5 for a solid sphere
+INERTIA, AXIAL_INERTIA = sp.symbols("J J_a", positive=True)  # of the bat: across and along its axis
+INVERSE_BAT_MASS = sp.Symbol("w", nonnegative=True)  # 1/M of a free bat, 0 at a pivot
+ARM = sp.Symbol("d", real=True)  # along the bat, from the pivot or the bat's centre to the contact
+TANGENTIAL_RESTITUTION = sp.Symbol("e_T", real=True)
+FRICTION = sp.Symbol("mu_f", positive=True)
+PUSH = sp.Matrix(sp.symbols("P_n P_y P_t", real=True))
+SLIP = sp.Matrix(sp.symbols("g_n g_y g_t", real=True))
+DIRECTION = sp.symbols("t_y t_t", real=True)
+INVERSE_MASS = sp.symbols("K_nn K_ny K_yy K_tt", real=True)
+RESISTANCE = sp.Symbol("D", positive=True)
+SPIN = sp.Matrix(sp.symbols("omega_x omega_y omega_z", real=True))
+ROTATION = sp.Matrix(sp.symbols("Omega_x Omega_y Omega_z", real=True))
 
 # The same vectors as letters, for equations that are meant to be read.
 _V, _V_BAT, _V_RELATIVE = sp.symbols(r"\mathbf{V} \mathbf{V}_{b} \tilde{\mathbf{V}}")
@@ -358,6 +376,179 @@ def energy_creating_mass_ratios() -> sp.Rel:
 
 
 # --------------------------------------------------------------------------------------------------
+# Oblique impact: bodies that turn, and Coulomb friction
+# --------------------------------------------------------------------------------------------------
+
+_FROM_BALL = sp.Matrix([-RADIUS, 0, 0])  # to the contact
+_FROM_BAT = sp.Matrix([BAT_RADIUS, ARM, 0])
+
+
+class Bodies(NamedTuple):
+    """Motion of ball and bat: of the ball's centre, and of the bat's pivot or centre."""
+
+    velocity: sp.Matrix
+    spin: sp.Matrix
+    bat_velocity: sp.Matrix
+    rotation: sp.Matrix
+
+
+BODIES = Bodies(VELOCITY, SPIN, BAT_VELOCITY, ROTATION)
+
+
+def pushed(before: Bodies, push: sp.Matrix = PUSH) -> Bodies:
+    """Return the motion after the ball is pushed at the contact, and the bat back.
+
+    Momentum and angular momentum of each body: V' = V + P/m, I ω' = I ω - R n × P, and the like
+    for the bat about its pivot, or with 1/M about its centre.
+    """
+    inertia = INERTIA_FACTOR * BALL_MASS * RADIUS**2
+    turned = sp.diag(1 / INERTIA, 1 / AXIAL_INERTIA, 1 / INERTIA) * _FROM_BAT.cross(push)
+    return Bodies(
+        before.velocity + push / BALL_MASS,
+        before.spin + _FROM_BALL.cross(push) / inertia,
+        before.bat_velocity - INVERSE_BAT_MASS * push,
+        before.rotation - turned,
+    )
+
+
+def slip(bodies: Bodies = BODIES) -> sp.Matrix:
+    """Return the velocity of the ball relative to the bat at the contact."""
+    ball = bodies.velocity + bodies.spin.cross(_FROM_BALL)
+    return ball - bodies.bat_velocity - bodies.rotation.cross(_FROM_BAT)
+
+
+@cache
+def inverse_mass() -> sp.Matrix:
+    """Return K, by which an impulse at the contact changes the relative velocity there.
+
+    Returns
+    -------
+    sympy.Matrix, shape (3, 3)
+        Symmetric; nothing couples to the direction across normal and bat.
+
+    Raises
+    ------
+    ValueError
+        If it is not so: then no impulse follows component by component.
+    """
+    found = (slip(pushed(BODIES)) - slip(BODIES)).jacobian(PUSH).applyfunc(sp.expand)
+    if found != found.T or found[0, 2] != 0 or found[1, 2] != 0:
+        raise ValueError(f"the impulse across normal and bat is coupled: {found}")
+    return found
+
+
+def _change(push: sp.Matrix) -> sp.Matrix:
+    """Return K P, in terms of the elements of K."""
+    k_nn, k_ny, k_yy, k_tt = INVERSE_MASS
+    return sp.Matrix([[k_nn, k_ny, 0], [k_ny, k_yy, 0], [0, 0, k_tt]]) * push
+
+
+@cache
+def gripping_impulse() -> sp.Matrix:
+    """Return the impulse that leaves -ẽ of the normal part of the slip, and -e_T of the rest.
+
+    That is friction's, if it can be had: if its tangential part is at most μ_f times its normal
+    part. e_T = 0 lets the ball roll, 1 is a superball, -1 rubs nothing.
+    """
+    e, e_t = RESTITUTION, TANGENTIAL_RESTITUTION
+    wanted = [-(1 + e) * SLIP[0], -(1 + e_t) * SLIP[1], -(1 + e_t) * SLIP[2]]
+    solution = sp.solve(_change(PUSH) - sp.Matrix(wanted), list(PUSH), dict=True)[0]
+    return PUSH.subs(solution).applyfunc(sp.factor)
+
+
+@cache
+def sliding_impulse() -> tuple[sp.Expr, sp.Matrix]:
+    """Return the impulse of a ball that slides: P = P_n (n - μ_f t), P_n from the restitution.
+
+    Returns
+    -------
+    resistance : sympy.Expr
+        D = n·K(n - μ_f t). Where it is not positive the bodies jam: no impulse parts them.
+    impulse : sympy.Matrix, shape (3, 1)
+        In terms of D.
+    """
+    along = sp.Matrix([1, *(-FRICTION * t for t in DIRECTION)])
+    resistance = _change(along)[0]
+    normal = -(1 + RESTITUTION) * SLIP[0] / RESISTANCE
+    return resistance, normal * along
+
+
+def kinetic_energy(bodies: Bodies) -> sp.Expr:
+    """Return the kinetic energy of ball and free bat, w = 1/M."""
+    spin, rotation = bodies.spin, bodies.rotation
+    ball = bodies.velocity.dot(bodies.velocity) + INERTIA_FACTOR * RADIUS**2 * spin.dot(spin)
+    inertia = sp.diag(INERTIA, AXIAL_INERTIA, INERTIA)
+    bat = bodies.bat_velocity.dot(bodies.bat_velocity) / INVERSE_BAT_MASS
+    return (BALL_MASS * ball + bat + rotation.dot(inertia * rotation)) / 2
+
+
+def work(slip: sp.Matrix = SLIP) -> sp.Expr:
+    """Return the change of the kinetic energy that an impulse makes: P·(g + K P/2)."""
+    return PUSH.dot(slip + _change(PUSH) / 2)
+
+
+def elements() -> dict[sp.Symbol, sp.Expr]:
+    """Return the elements of K in terms of masses and inertias."""
+    k = inverse_mass()
+    return dict(zip(INVERSE_MASS, (k[0, 0], k[0, 1], k[1, 1], k[2, 2]), strict=True))
+
+
+def energy_residual() -> sp.Expr:
+    """Return kinetic energy after less before less `work`: zero, for any impulse."""
+    change = kinetic_energy(pushed(BODIES)) - kinetic_energy(BODIES)
+    return sp.expand(change - work(slip(BODIES)).subs(elements()))
+
+
+def contact_momentum_residual() -> sp.Matrix:
+    """Return the change of β R ω + n × V, the ball's angular momentum about the contact: zero.
+
+    Its normal part says that the spin about the normal stays as it is. Any friction obeys it.
+    """
+    normal, after = sp.Matrix([1, 0, 0]), pushed(BODIES)
+    turned = INERTIA_FACTOR * RADIUS * (after.spin - SPIN)
+    return (turned + normal.cross(after.velocity - VELOCITY)).applyfunc(sp.cancel)
+
+
+def total_momentum_residual() -> sp.Matrix:
+    """Return the changes of momentum and angular momentum of ball and free bat: zero.
+
+    Angular momentum is about the bat's centre; two columns.
+    """
+    after = pushed(BODIES)
+    moved = BALL_MASS * (after.velocity - VELOCITY)
+    momentum = moved + (after.bat_velocity - BAT_VELOCITY) / INVERSE_BAT_MASS
+    spin = INERTIA_FACTOR * BALL_MASS * RADIUS**2 * (after.spin - SPIN)
+    bat = sp.diag(INERTIA, AXIAL_INERTIA, INERTIA) * (after.rotation - ROTATION)
+    angular = (_FROM_BAT - _FROM_BALL).cross(moved) + spin + bat
+    return sp.Matrix.hstack(momentum, angular).applyfunc(sp.cancel)
+
+
+def frictionless_residual() -> sp.Expr:
+    """Return the sliding impulse without friction less the paper's (A10), 1/μ = K_nn: zero."""
+    resistance, found = sliding_impulse()
+    push = found.subs(RESISTANCE, resistance).subs(FRICTION, 0)
+    paper = impulse().subs({REDUCED_MASS: 1 / INVERSE_MASS[0], NORMAL_SPEED: SLIP[0]})
+    return sp.cancel(push[0] - paper) + abs(push[1]) + abs(push[2])
+
+
+@cache
+def gripping_threshold() -> sp.Expr:
+    """Return |g_t|/|g_n| at which a ball on a body that nothing moves begins to slide.
+
+    Returns
+    -------
+    sympy.Expr
+        μ_f (1 + ẽ)(1 + 1/β)/(1 + e_T); for a solid sphere, β = 2/5, 7/2 μ_f (1 + ẽ)/(1 + e_T).
+    """
+    fixed = {x: sp.limit(sp.limit(k, INERTIA, sp.oo), AXIAL_INERTIA, sp.oo).subs(
+        INVERSE_BAT_MASS, 0) for x, k in elements().items()}  # fmt: skip
+    # Sliding across the bat with -g_n = 1: the friction that is needed equals what there is.
+    push = gripping_impulse().subs(fixed).subs({SLIP[0]: -1, SLIP[1]: 0})
+    (threshold,) = sp.solve(-push[2] - FRICTION * push[0], SLIP[2])
+    return sp.factor(threshold)
+
+
+# --------------------------------------------------------------------------------------------------
 # The derivation as one reads it
 # --------------------------------------------------------------------------------------------------
 
@@ -466,6 +657,30 @@ def steps() -> list[Step]:
             "of the ball's mass to the effective mass of the bat.",
             energy_creating_mass_ratios(),
         ),
+        Step(
+            "Inverse mass at the contact",
+            "If ball and bat turn, an impulse P at the contact changes their relative velocity g "
+            "there by K P; along the normal, along the bat (of inertia J across and J_a along its "
+            "axis, w = 1/M or 0 at a pivot, a distance d away), and across both.",
+            sp.Eq(sp.Symbol("K"), inverse_mass()),
+        ),
+        Step(
+            "Grip",
+            "With a tangential restitution, the ball grips the bat by this impulse, if friction "
+            "allows its tangential part.",
+            sp.Eq(sp.Symbol("P"), gripping_impulse()),
+        ),
+        Step(
+            "Slide",
+            "If not, Coulomb's friction acts against the slip, in the direction t.",
+            sp.Eq(sp.Symbol("P"), sliding_impulse()[1].subs(RESISTANCE, sliding_impulse()[0])),
+        ),
+        Step(
+            "Threshold",
+            "On a body that nothing moves, the ball slides beyond this ratio of slip to normal "
+            "speed.",
+            sp.Eq(sp.Symbol("|g_t|") / sp.Symbol("|g_n|"), gripping_threshold()),
+        ),
     ]
 
 
@@ -473,7 +688,7 @@ def steps() -> list[Step]:
 # From expressions to impact.py
 # --------------------------------------------------------------------------------------------------
 
-_TEMPLATE = '''\
+_HEADER = '''\
 """The impulse between ball and bat, as executed.
 
 Generated from the expressions of :mod:`longball.model.derivation`; do not edit. To regenerate::
@@ -481,104 +696,54 @@ Generated from the expressions of :mod:`longball.model.derivation`; do not edit.
     python -m longball.model.derivation
 
 Only + - * / and whole numbers occur, so the functions serve every kind of number alike: float,
-Fraction, mpf, arb, and arrays, elementwise.
+Fraction, mpf, arb, and arrays, elementwise. Components of three are along the normal, along the
+bat, and across both; all others are in space.
 """
 
 from typing import Any
 
 Number = Any  # float, mpf, arb or array: whatever adds, multiplies and divides
-
-
-def reduced_mass(m: Number, M: Number) -> Number:  # noqa: N803  (the paper's letters)
-    """Mass that the impulse between two free bodies meets: 1/μ = 1/m + 1/M.
-
-    Parameters
-    ----------
-    m, M : number
-        Masses of ball and bat, in kg.
-
-    Returns
-    -------
-    number
-        μ, in kg. The paper's Appendix A, below Eq. (A2).
-    """
-    return {reduced_mass}
-
-
-def impulse(reduced_mass: Number, restitution: Number, normal_speed: Number) -> Number:
-    """Impulse that the ball receives along the normal; the bat receives the opposite.
-
-    Parameters
-    ----------
-    reduced_mass : number
-        μ, in kg.
-    restitution : number
-        ẽ, dimensionless.
-    normal_speed : number
-        Ṽ·n, velocity of the ball relative to the bat along the normal from bat to ball, in m/s.
-        Negative for a ball that approaches.
-
-    Returns
-    -------
-    number
-        -μ (1 + ẽ) (Ṽ·n), in N·s. The paper's Eq. (A10) times Δt, which is its Eq. (9).
-    """
-    return {impulse}
-
-
-def velocity_after(
-    velocity: tuple[Number, Number, Number],
-    normal: tuple[Number, Number, Number],
-    mass: Number,
-    impulse: Number,
-) -> tuple[Number, Number, Number]:
-    """Velocity of the ball after the impulse.
-
-    Parameters
-    ----------
-    velocity : three numbers
-        Velocity of the ball before, in m/s.
-    normal : three numbers
-        Unit normal, from bat to ball.
-    mass : number
-        Mass of the ball, in kg.
-    impulse : number
-        Impulse along the normal, in N·s.
-
-    Returns
-    -------
-    tuple of three numbers
-        V + (J/m) n, in m/s. The paper's Eq. (A1).
-    """
-    vx, vy, vz = velocity
-    nx, ny, nz = normal
-    return (
-        {velocity_x},
-        {velocity_y},
-        {velocity_z},
-    )
-
-
-def energy_change(reduced_mass: Number, restitution: Number, normal_speed: Number) -> Number:
-    """Change of the kinetic energy of ball and bat together.
-
-    Parameters
-    ----------
-    reduced_mass : number
-        μ, in kg.
-    restitution : number
-        ẽ, dimensionless.
-    normal_speed : number
-        Ṽ·n before the collision, in m/s.
-
-    Returns
-    -------
-    number
-        -½ μ (1 - ẽ²) (Ṽ·n)², in J; positive if ẽ > 1. Not in the paper: it follows from the
-        energies of both bodies, and is factored so as not to cancel near ẽ = 1.
-    """
-    return {energy_change}
+Vector = tuple[Number, Number, Number]
 '''
+
+
+class Argument(NamedTuple):
+    """An argument of a generated function: a number, or several, and what it is."""
+
+    name: str
+    symbols: Sequence[sp.Symbol]
+    text: str
+
+
+_COMPONENTS = "along the normal, along the bat, and across both"
+_ARGUMENTS = (
+    Argument("m", [BALL_MASS], "Mass of the ball, in kg."),
+    Argument("M", [BAT_MASS], "Mass of the bat, in kg."),
+    Argument("mass", [BALL_MASS], "Of the ball, in kg."),
+    Argument("reduced_mass", [REDUCED_MASS], "μ, in kg."),
+    Argument("restitution", [RESTITUTION], "ẽ, dimensionless."),
+    Argument("normal_speed", [NORMAL_SPEED], "Ṽ·n, negative if they approach, in m/s."),
+    Argument("impulse", [IMPULSE], "Along the normal, in N·s."),
+    Argument("velocity", VELOCITY, "Of the ball, in m/s."),
+    Argument("normal", NORMAL, "Unit normal, from bat to ball."),
+    Argument("spin", SPIN, "Of the ball, in rad/s."),
+    Argument("bat_velocity", BAT_VELOCITY, "Of the bat on its axis, in m/s."),
+    Argument("rotation", ROTATION, "Angular velocity of the bat, in rad/s."),
+    Argument("radius", [RADIUS], "R, of the ball, in m."),
+    Argument("bat_radius", [BAT_RADIUS], "r_b, in m."),
+    Argument("inertia_factor", [INERTIA_FACTOR], "β = I/(m R²) of the ball, dimensionless."),
+    Argument("inverse_bat_mass", [INVERSE_BAT_MASS], "1/M of a free bat, 0 at a pivot, in 1/kg."),
+    Argument("inertia", [INERTIA], "Of the bat, about an axis across it, in kg·m²."),
+    Argument("axial_inertia", [AXIAL_INERTIA], "Of the bat, about its own axis, in kg·m²."),
+    Argument("arm", [ARM], "y of the contact, from the pivot or the bat's centre, in m."),
+    Argument("inverse_mass", INVERSE_MASS, "K_nn, K_ny, K_yy, K_tt of `inverse_mass`, in 1/kg."),
+    Argument("slip", SLIP, f"Relative velocity at the contact, {_COMPONENTS}, in m/s."),
+    Argument("tangential_restitution", [TANGENTIAL_RESTITUTION], "e_T, from -1 to 1."),
+    Argument("friction", [FRICTION], "μ_f, dimensionless."),
+    Argument("direction", DIRECTION, "Unit vector of the sliding: along the bat, and across."),
+    Argument("resistance", [RESISTANCE], "Of `sliding_resistance`, in 1/kg."),
+    Argument("push", PUSH, f"The impulse: {_COMPONENTS}, in N·s."),
+)
 
 
 class _ProductsForPowers(ast.NodeTransformer):
@@ -630,25 +795,136 @@ def plain_arithmetic(expression: sp.Expr, names: dict[sp.Symbol, str]) -> str:
     return ast.unparse(tree)
 
 
+def _function(
+    name: str, summary: str, arguments: str, results: Sequence[sp.Expr] | sp.Expr, returned: str
+) -> str:
+    """Return the source of a function of some arguments that returns some expressions."""
+    chosen = [next(a for a in _ARGUMENTS if a.name == word) for word in arguments.split()]
+    names: dict[sp.Symbol, str] = {}
+    signature, explained, unpacking = [], [], []
+    for argument in chosen:
+        parts = list(argument.symbols)
+        short = [part.name for part in parts] if len(parts) > 1 else [argument.name]
+        names |= zip(parts, short, strict=True)
+        kind = {1: "Number", 3: "Vector"}.get(len(parts), "tuple[Number, ...]")
+        signature.append(f"    {argument.name}: {kind},\n")
+        shape = "number" if len(parts) == 1 else f"{len(parts)} numbers"
+        explained.append(f"    {argument.name} : {shape}\n        {argument.text}\n")
+        if len(parts) > 1:
+            unpacking.append(f"    {', '.join(short)} = {argument.name}\n")
+    several = not isinstance(results, sp.Expr)
+    printed = [plain_arithmetic(x, names) for x in (results if several else [results])]
+    body = "".join(f"        {text},\n" for text in printed)
+    value = f"(\n{body}    )" if several else printed[0]
+    kind = {1: "Number", 3: "Vector"}.get(len(printed), "tuple[Number, ...]")
+    noqa = "  # noqa: N803  (the paper's letters)" if "M" in arguments.split() else ""
+    return (
+        f"\n\ndef {name}(\n{''.join(signature)}) -> {kind}:{noqa}\n"
+        f'    """{summary}\n\n    Parameters\n    ----------\n{"".join(explained)}\n'
+        f"    Returns\n    -------\n    {kind}\n        {returned}\n"
+        f'    """\n{"".join(unpacking)}    return {value}\n'
+    )
+
+
+def _in_space(components: sp.Matrix) -> sp.Matrix:
+    """Return a vector of components along the normal, along the bat, and across both in space."""
+    n_x, _, n_z = NORMAL
+    return sp.Matrix([[n_x, 0, -n_z], [0, 1, 0], [n_z, 0, n_x]]) * components
+
+
 def generate() -> str:
     """Source text of impact.py, from the derived expressions."""
-    scalars = {
-        REDUCED_MASS: "reduced_mass",
-        RESTITUTION: "restitution",
-        NORMAL_SPEED: "normal_speed",
-    }
-    vectors = {BALL_MASS: "mass", IMPULSE: "impulse"}
-    vectors |= dict(zip(VELOCITY, ("vx", "vy", "vz"), strict=True))
-    vectors |= dict(zip(NORMAL, ("nx", "ny", "nz"), strict=True))
-    x, y, z = ball_velocity_after(VELOCITY, NORMAL, IMPULSE)
-    return _TEMPLATE.format(
-        reduced_mass=plain_arithmetic(reduced_mass(), {BALL_MASS: "m", BAT_MASS: "M"}),
-        impulse=plain_arithmetic(impulse(), scalars),
-        velocity_x=plain_arithmetic(x, vectors),
-        velocity_y=plain_arithmetic(y, vectors),
-        velocity_z=plain_arithmetic(z, vectors),
-        energy_change=plain_arithmetic(energy_change(), scalars),
-    )
+    to_components = _in_space(sp.eye(3)).T
+    on_axis = Bodies(*(to_components * vector for vector in BODIES))
+    moved = pushed(Bodies(*(sp.zeros(3, 1) for _ in BODIES)))
+    resistance, sliding = sliding_impulse()
+    functions = [
+        _function(
+            "reduced_mass",
+            "Mass that the impulse between two free bodies meets: 1/μ = 1/m + 1/M.",
+            "m M",
+            reduced_mass(),
+            "μ, in kg. The paper's Appendix A, below Eq. (A2).",
+        ),
+        _function(
+            "impulse",
+            "Impulse that the ball receives along the normal; the bat receives the opposite.",
+            "reduced_mass restitution normal_speed",
+            impulse(),
+            "-μ (1 + ẽ) (Ṽ·n), in N·s. The paper's Eq. (A10) times Δt, which is its Eq. (9).",
+        ),
+        _function(
+            "velocity_after",
+            "Velocity of the ball after the impulse.",
+            "velocity normal mass impulse",
+            list(ball_velocity_after(VELOCITY, NORMAL, IMPULSE)),
+            "V + (J/m) n, in m/s. The paper's Eq. (A1).",
+        ),
+        _function(
+            "energy_change",
+            "Change of the kinetic energy of ball and bat, factored so as not to cancel at ẽ = 1.",
+            "reduced_mass restitution normal_speed",
+            energy_change(),
+            "-½ μ (1 - ẽ²) (Ṽ·n)², in J; positive if ẽ > 1. Not in the paper.",
+        ),
+        _function(
+            "slip",
+            "Velocity of the ball relative to the bat at the contact, where both turn.",
+            "velocity spin bat_velocity rotation normal radius bat_radius",
+            list(slip(on_axis).subs(ARM, 0)),
+            f"g, {_COMPONENTS}, in m/s; g_n is Ṽ·n.",
+        ),
+        _function(
+            "inverse_mass",
+            "Change of the relative velocity at the contact for an impulse there: g' = g + K P.",
+            "mass inertia_factor inverse_bat_mass inertia axial_inertia arm bat_radius",
+            list(elements().values()),
+            "K_nn, K_ny, K_yy, K_tt, in 1/kg; n: normal, y: along the bat, t: across both.",
+        ),
+        _function(
+            "gripping_impulse",
+            "Impulse after which the ball does not slide: g' = -ẽ g_n n - e_T g_t.",
+            "inverse_mass restitution tangential_restitution slip",
+            list(gripping_impulse()),
+            f"P, {_COMPONENTS}, in N·s.",
+        ),
+        _function(
+            "sliding_resistance",
+            "What resists the impulse of a ball that slides; not positive: the two jam.",
+            "inverse_mass friction direction",
+            resistance,
+            "D = n·K(n - μ_f t), in 1/kg.",
+        ),
+        _function(
+            "sliding_impulse",
+            "Impulse of Coulomb's friction on a ball that slides.",
+            "resistance restitution friction slip direction",
+            list(sliding),
+            f"P = P_n (n - μ_f t), {_COMPONENTS}, in N·s.",
+        ),
+        _function(
+            "velocity_after_push",
+            "Velocity of the ball after an impulse that is not along the normal.",
+            "velocity push normal mass",
+            list(VELOCITY + _in_space(moved.velocity)),
+            "V + P/m, in m/s.",
+        ),
+        _function(
+            "spin_after_push",
+            "Spin of the ball after an impulse at the contact.",
+            "spin push normal mass radius inertia_factor",
+            list(SPIN + _in_space(moved.spin)),
+            "ω - (R/I) n × P, in rad/s.",
+        ),
+        _function(
+            "push_energy",
+            "Change of the kinetic energy of ball and bat by an impulse at the contact.",
+            "push slip inverse_mass",
+            work(),
+            "P·(g + K P/2), in J; positive if the collision creates energy.",
+        ),
+    ]
+    return _HEADER + "".join(functions)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -12,7 +12,7 @@ from contextlib import AbstractContextManager, nullcontext
 from types import MappingProxyType
 from typing import Any, Generic, Protocol, Self, TypeVar, cast
 
-from longball.model.result import Number
+from longball.model.result import ErrorCode, Number
 
 
 class Real(Protocol):
@@ -47,6 +47,8 @@ def absolute(x: N) -> N:
 
 class Undecided(ArithmeticError):
     """A question whose answer lies within the error of the numbers at hand."""
+
+    code: ErrorCode = "undecided"
 
 
 class Numbers(Protocol[N]):

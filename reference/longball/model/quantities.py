@@ -14,7 +14,7 @@ from typing import Any, TypeVar
 
 from pydantic import BaseModel
 
-from longball.model.result import Bounded
+from longball.model.result import Bounded, Certified
 
 B = TypeVar("B", bound=BaseModel)
 
@@ -33,7 +33,7 @@ def numbers(block: Any) -> Iterator[tuple[str, Any]]:
 
     Yields
     ------
-    tuple of str and float, int or `Bounded`
+    tuple of str and float, int, `Bounded` or `Certified`
         Values as they are held.
     """
     if _is_number(block):
@@ -112,6 +112,59 @@ def replaced(block: B, values: Mapping[str, object]) -> B:
     return type(block).model_validate(data)
 
 
+def flat(data: Any) -> Iterator[tuple[str, Any]]:
+    """Yield the name and the value of everything in plain data that has no parts."""
+    parts = list(_parts(data))
+    if not parts:
+        yield "", data
+    for key, inner in parts:
+        for way, value in flat(inner):
+            yield key + (f".{way}" if way and way[0] != "[" else way), value
+
+
+def nested(values: Mapping[str, object], default: Any = None) -> dict[str, Any]:
+    """Return plain data that hold values under their names.
+
+    Parameters
+    ----------
+    default
+        A block that the rest of a vector is taken from if only some of its components are named.
+
+    Raises
+    ------
+    ValueError
+        If something is no name, or names contradict each other.
+    """
+    data: dict[str, Any] = {}
+    for name, value in values.items():
+        if not _NAME.fullmatch(name):
+            raise ValueError(f"{name!r} is not the name of a number, such as pitch.aim[0]")
+        *way, (last, _) = _STEP.findall(name)
+        block = data
+        for step, _ in way:
+            block = block.setdefault(step, {})
+            if not isinstance(block, dict):
+                raise ValueError(f"{name}: {step} is given as {reprlib.repr(block)} already")
+        block[last] = value
+    return {key: _with_lists(value, default, key) for key, value in data.items()}
+
+
+def _with_lists(data: Any, default: Any, name: str) -> Any:
+    """Return data with lists for mappings from places."""
+    if not isinstance(data, dict):
+        return data
+    if not data or not all(key.isdigit() for key in data):
+        return {key: _with_lists(x, default, f"{name}.{key}") for key, x in data.items()}
+    rest = [] if default is None else at(default, name) or []
+    places = range(max(len(rest), *(int(key) + 1 for key in data)))
+    return [
+        _with_lists(data[key], default, f"{name}[{key}]")
+        if (key := str(i)) in data
+        else (rest[i] if i < len(rest) else None)
+        for i in places
+    ]
+
+
 def _put(data: Any, steps: list[tuple[str, str]], value: object) -> Any:
     if not steps:
         return value
@@ -132,4 +185,4 @@ def _parts(block: Any) -> Iterator[tuple[str, Any]]:
 
 
 def _is_number(value: Any) -> bool:
-    return isinstance(value, float | int | Bounded) and not isinstance(value, bool)
+    return isinstance(value, float | int | Bounded | Certified) and not isinstance(value, bool)

@@ -23,8 +23,14 @@ Outcome = Literal[
 ]
 
 
+ErrorCode = Literal["invalid", "undecided", "too_long", "out_of_range", "unsupported"]
+
+
 class _Strict(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+
+
+_RADIUS = r"^[0-9]+(\.[0-9]+)?([eE][+-]?[0-9]+)?$"
 
 
 class Bounded(_Strict):
@@ -36,7 +42,7 @@ class Bounded(_Strict):
     )
     radius: str | None = Field(
         default=None,
-        pattern=r"^[0-9]+(\.[0-9]+)?([eE][+-]?[0-9]+)?$",
+        pattern=_RADIUS,
         description="proven bound on the error; null where none is proven",
     )
 
@@ -49,7 +55,18 @@ class Bounded(_Strict):
         return {"value": self.value, "radius": self.radius}
 
 
-Number = Annotated[float, Field(description="a double")] | Bounded
+class Certified(_Strict):
+    """A double, with the radius that the enclosure engine proves for it."""
+
+    value: float = Field(description="the engine's double")
+    radius: str = Field(pattern=_RADIUS, description="proven bound on its error, rounded up")
+
+    def __float__(self) -> float:
+        """Return the double."""
+        return self.value
+
+
+Number = Annotated[float, Field(description="a double")] | Bounded | Certified
 Triple = tuple[Number, Number, Number]
 
 
@@ -82,9 +99,20 @@ class Impact(_Strict):
     """The impulse and what it does."""
 
     restitution: Number = Field(description="ẽ, between ball and bat")
-    impulse: Number = Field(description="N s, along the normal")
+    impulse: Number = Field(description="N s, the normal part")
     velocity: Triple = Field(description="m/s, of the ball, after")
-    energy_change: Number = Field(description="J, of ball and bat together")
+    energy_change: Number = Field(
+        description="J, of ball and bat together; positive: the collision creates energy"
+    )
+    spin: Triple | None = Field(default=None, description="rad/s, of the ball, after")
+    mode: Literal["grip", "slide", "frictionless"] | None = Field(
+        default=None, description="what the ball does on the bat; absent without friction and spin"
+    )
+    friction_margin: Number | None = Field(
+        default=None,
+        description="1 - |P_t|/(μ_f P_n) of the impulse that would make the ball grip; negative: "
+        "it slides",
+    )
 
 
 class Landing(_Strict):
@@ -109,6 +137,19 @@ class Result(_Strict):
     engine: str | None = Field(default=None, description="who computed it, and how")
     error: str | None = Field(
         default=None, description="what could not be solved, where, and how to mend it"
+    )
+    code: ErrorCode | None = Field(
+        default=None,
+        description="the sort of error. invalid: not a scene, or one that contradicts itself; "
+        "undecided: the errors of the numbers leave open what happens, and more digits may tell; "
+        "too_long: the flight takes too many steps, and a lower time_limit may help; "
+        "out_of_range: numbers or forces are beyond what the engine can represent or resolve; "
+        "unsupported: the model or the engine has no answer to such a scene",
+    )
+
+    certificate: str | None = Field(
+        default=None,
+        description="with --certify: why outcome and numbers are not proven; absent if they are",
     )
 
     def line(self) -> str:

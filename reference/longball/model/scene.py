@@ -9,15 +9,27 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Sequence
 from typing import Annotated, Any, Literal, NoReturn, Self, get_args
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    SerializerFunctionWrapHandler,
+    ValidationError,
+    model_serializer,
+    model_validator,
+)
 
 from longball.model.readings import Reading
+from longball.model.result import ErrorCode
 
 
-class SceneError(ValueError):
-    """A line that is not a scene; the message says what is wrong, and where."""
+class InvalidScene(ValueError):
+    """What is not a scene, or contradicts itself; the message says what is wrong, and where."""
+
+    code: ErrorCode = "invalid"
 
     def __init__(self, message: str, scene_id: str | None = None) -> None:
         super().__init__(message)
@@ -26,6 +38,15 @@ class SceneError(ValueError):
 
 class _Block(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+
+    @model_serializer(mode="wrap")
+    def _without_what_is_not_named(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        fields = type(self).model_fields
+        return {
+            name: value
+            for name, value in handler(self).items()
+            if value is not None or fields[name].default is not None
+        }
 
 
 # Sizes within which no product of the model's formulas overflows or underflows a double.
@@ -44,6 +65,12 @@ class Ball(_Block):
     radius: Positive = Field(default=0.0366, description="m; paper, Sec. III.A")
     restitution: float = Field(
         default=0.42, ge=0.0, le=1.0, description="e; the paper's runs from 0.41 to 0.45"
+    )
+    inertia_factor: float | None = Field(
+        default=None,
+        ge=SMALLEST,
+        le=1.0,
+        description="I/(m R²), which friction needs; 0.4 if left out, as of a solid sphere",
     )
 
 
@@ -87,6 +114,26 @@ class Bat(_Block):
     mass: Positive = Field(default=0.9, description="kg; not printed in the paper")
     length: Positive = Field(default=1.0, description="m")
     radius: Positive = Field(default=0.033, description="m")
+    support: Literal["pivot", "free"] | None = Field(
+        default=None,
+        description="what holds the bat in the impact: it turns about its end B (pivot, also if "
+        "left out), or nothing does (free)",
+    )
+    friction: Positive | None = Field(
+        default=None, description="μ_f, between ball and bat; none if left out"
+    )
+    tangential_restitution: float | None = Field(
+        default=None,
+        ge=-1.0,
+        le=1.0,
+        description="e_T of a ball that grips the bat; needs friction; 0.3 if left out",
+    )
+
+    @model_validator(mode="after")
+    def _with_friction(self) -> Self:
+        if self.tangential_restitution is not None and self.friction is None:
+            _refuse("tangential_restitution needs friction: give the bat a friction, such as 0.5")
+        return self
 
 
 class Rotation(_Block):
@@ -117,6 +164,7 @@ class Incoming(_Block):
     position: Point = Field(description="m, of the ball's centre, R + r_b from the bat's axis")
     velocity: Point = Field(description="m/s")
     bat_height: Quantity = Field(description="m, z_b of the bat's axis")
+    spin: Point | None = Field(default=None, description="rad/s, of the ball")
 
 
 class Ground(_Block):
@@ -126,14 +174,18 @@ class Ground(_Block):
 
 
 class _Scene(_Block):
-    id: str = Field(min_length=1, description="returned with the result")
+    id: str | None = Field(
+        default=None,
+        min_length=1,
+        description="returned with the result; if left out, that bears the number of the line",
+    )
     ball: Ball = Ball()
     reading: Reading = Reading()
 
     def line(self) -> str:
         """Return the scene as one line of JSON with every default but the reading's written out."""
         blocks = self.model_dump(mode="json")
-        head = {key: blocks.pop(key) for key in ("id", "kind")}
+        head = {key: value for key in ("id", "kind") if (value := blocks.pop(key))}
         return json.dumps(head | blocks, ensure_ascii=False, allow_nan=False)
 
 
@@ -206,6 +258,7 @@ class ImpactScene(_Scene):
                 f"incoming.position is {where}: its distance from the bat's axis is "
                 f"{distance} m, and the two touch at R + r_b = {reach} m"
             )
+        _require_support(self)
         return self
 
 
@@ -221,7 +274,16 @@ class AtBatScene(_FlyingScene):
     @model_validator(mode="after")
     def _above_ground(self) -> Self:
         self._refuse_underground("pitch.release[2]", self.pitch.release[2], landing_height(self))
+        _require_support(self)
         return self
+
+
+def _require_support(scene: ImpactScene | AtBatScene) -> None:
+    if scene.bat.support == "free" and scene.reading.effective_mass == "as_printed":
+        _refuse(
+            "bat.support = free has no distance from a pivot, which the reading effective_mass = "
+            "as_printed asks for; take effective_mass = inertia_over_r_squared, or support = pivot"
+        )
 
 
 Scene = FlightScene | PitchScene | ImpactScene | AtBatScene
@@ -233,27 +295,32 @@ KINDS: dict[str, type[Scene]] = {
 }
 
 
+def ids_of(scenes: Sequence[Scene]) -> list[str]:
+    """Return the ids that results of scenes bear: the scene's, or else the number of the line."""
+    return [scene.id or str(number) for number, scene in enumerate(scenes, 1)]
+
+
 def parse_scene(line: str | bytes) -> Scene:
     """Return the scene written on a line of JSON.
 
     Raises
     ------
-    SceneError
+    InvalidScene
         With a sentence that names the key at fault and says what it takes.
     """
     text = _text(line)
     data = _json(text)
     if not isinstance(data, dict):
-        raise SceneError(f"not a scene: a JSON object is needed, this is {_short(data)}")
+        raise InvalidScene(f"not a scene: a JSON object is needed, this is {_short(data)}")
     scene_id = data["id"] if _is_text(data.get("id")) else None
     kind = data.get("kind")
     if not isinstance(kind, str) or kind not in KINDS:
         given = f"{_short(kind)} is not a kind of scene" if "kind" in data else "is missing"
-        raise SceneError(f"kind: {given}; it is one of {', '.join(KINDS)}", scene_id)
+        raise InvalidScene(f"kind: {given}; it is one of {', '.join(KINDS)}", scene_id)
     try:
         return KINDS[kind].model_validate_json(text)
     except ValidationError as error:
-        raise SceneError(explain(error, KINDS[kind]), scene_id) from None
+        raise InvalidScene(explain(error, KINDS[kind]), scene_id) from None
 
 
 def explain(error: ValidationError, model: type[BaseModel]) -> str:
@@ -264,12 +331,12 @@ def explain(error: ValidationError, model: type[BaseModel]) -> str:
 def _text(line: str | bytes) -> str:
     if isinstance(line, str):
         if not _is_text(line):
-            raise SceneError("not Unicode text: it holds half of a surrogate pair")
+            raise InvalidScene("not Unicode text: it holds half of a surrogate pair")
         return line
     try:
         return line.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise SceneError(
+        raise InvalidScene(
             f"not UTF-8 text: byte {error.start + 1} is 0x{line[error.start]:02x}"
         ) from None
 
@@ -279,9 +346,9 @@ def _json(text: str) -> Any:
         # Python refuses to convert whole numbers of thousands of digits, as a protection.
         return json.loads(text, object_pairs_hook=_each_key_once, parse_int=float)
     except json.JSONDecodeError as error:
-        raise SceneError(f"not JSON: {error.msg} at character {error.pos + 1}") from None
+        raise InvalidScene(f"not JSON: {error.msg} at character {error.pos + 1}") from None
     except RecursionError:
-        raise SceneError("not a scene: its brackets are nested too deeply") from None
+        raise InvalidScene("not a scene: its brackets are nested too deeply") from None
 
 
 def _is_text(value: Any) -> bool:
@@ -294,7 +361,7 @@ def _each_key_once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     if len(block) < len(pairs):
         keys = [key for key, _ in pairs]
         twice = next(key for key in keys if keys.count(key) > 1)
-        raise SceneError(f"{twice}: the key is given twice in one block")
+        raise InvalidScene(f"{twice}: the key is given twice in one block")
     return block
 
 

@@ -1,19 +1,16 @@
-"""The paper's data analysis (Sec. II) on any table of pitches."""
+"""Tables of measured pitches and batted balls: the paper's analysis, and predictions."""
 
-from longball.pitches.fitted import (
-    FittedPitches,
-    as_text,
-    load_fitted,
-)
+from longball.pitches.chart import Columns, PitchTypes, read_pitches
+from longball.pitches.fitted import FittedPitches, as_text, load_fitted
 from longball.pitches.fitting import fit_pitches
-from longball.pitches.table import EXAMPLE, Columns, PitchesError, PitchTypes, read_pitches
+from longball.pitches.table import EXAMPLE, TableError
 
 __all__ = [
     "EXAMPLE",
     "Columns",
     "FittedPitches",
     "PitchTypes",
-    "PitchesError",
+    "TableError",
     "as_text",
     "fit_pitches",
     "load_fitted",

@@ -17,19 +17,27 @@ from pydantic import AfterValidator, Field, ValidationError
 
 from longball.home_run import MIDDLE_CELL, Mixture
 from longball.model.scene import explain
-from longball.pitches.table import Columns, Omission, PitchesError, PitchTypes, Strict
+from longball.pitches.chart import Columns, PitchTypes
+from longball.pitches.table import Omission, Strict, TableError
 
 Method = Literal["maximum_likelihood", "least_squares"]
+Status = Literal["fitted", "held", "at_bound"]
 Share = Annotated[float, Field(ge=0.0, le=1.0)]
+
+# The 95 % point of (χ²₀ + χ²₁)/2, the distribution of a likelihood ratio where the truth lies on
+# the boundary between the two hypotheses (Self and Liang, J. Am. Stat. Assoc. 82, 605 (1987)).
+PEAK_GAIN = 2.71
 
 
 class Estimate(Strict):
     """A fitted number."""
 
     value: float
-    standard_error: float | None = Field(
-        description="0 where the number was held; null where the data do not determine it, "
-        "or leave it at the end of the range that was searched"
+    standard_error: float | None = Field(description="null where the data do not determine it")
+    status: Status = Field(
+        default="fitted",
+        description="held: not fitted, its error is 0; at_bound: the search ended at the end of "
+        "its range, so that the value is no maximum and has no error",
     )
 
 
@@ -122,7 +130,16 @@ class Aims(Strict):
     )
     gain_over_one_normal: float = Field(
         description="twice the logarithm of how much likelier that mixture is than one normal "
-        "distribution, with its two parameters less; 4 is nothing (Akaike)"
+        "distribution, which has two parameters less"
+    )
+    gain_over_one_peak: float = Field(
+        description="the same over the likeliest mixture of Eq. 4 that has a single maximum; 0 if "
+        "the likeliest of all has"
+    )
+    two_peaks_supported: bool = Field(
+        description="whether the first gain exceeds 2 ln n, which is what two more parameters "
+        f"cost (BIC), and the second {PEAK_GAIN}, which 5 % of samples from a density with one "
+        "peak exceed at most; both compare with densities of Eq. 4 only"
     )
     least_squares: AimFit = Field(
         description="the density at a cell's number laid through the cell's share, as in Fig. 3"
@@ -174,19 +191,19 @@ def load_fitted(path: str | Path) -> FittedPitches:
 
     Raises
     ------
-    PitchesError
+    TableError
         With a sentence that names the key at fault.
     """
     try:
         text = Path(path).read_text(encoding="utf-8")
     except OSError as error:
-        raise PitchesError(f"{path}: cannot be read: {error.strerror}") from None
+        raise TableError(f"{path}: cannot be read: {error.strerror}") from None
     except UnicodeDecodeError as error:
-        raise PitchesError(f"{path}: not UTF-8 text: byte {error.start + 1}") from None
+        raise TableError(f"{path}: not UTF-8 text: byte {error.start + 1}") from None
     try:
         return FittedPitches.model_validate_json(text)
     except ValidationError as error:
-        raise PitchesError(
+        raise TableError(
             f"{path}: not the result of longball fit: {explain(error, FittedPitches)}"
         ) from None
 
@@ -202,9 +219,7 @@ def as_text(fitted: FittedPitches) -> str:
 def _lines(fitted: FittedPitches) -> Iterator[str]:
     yield f"{fitted.source}: {fitted.rows_used} pitches used of {fitted.rows_read} rows"
     for each in fitted.left_out:
-        rows = ", ".join(map(str, each.first_rows))
-        more = ", …" if each.count > len(each.first_rows) else ""
-        yield f"  left out: {each.count}, {each.reason} (row {rows}{more})"
+        yield f"  {each}"
     for name, types in (("straight", fitted.straight), ("breaking", fitted.breaking)):
         found = ", ".join(f"{kind} {count}" for kind, count in types.items())
         yield f"  {name}: {sum(types.values())} ({found})"
@@ -234,9 +249,14 @@ def _lines(fitted: FittedPitches) -> Iterator[str]:
         ("q, weight of left", "weight"),
     ):
         yield _row(label, *(_number(getattr(fit, key), 1.0, 3) for fit in aims))
-    yield _row("peaks", *(str(fit.peaks) for fit in aims))
+    unsupported = "" if aim.two_peaks_supported else ", unsupported"
+    yield _row("peaks", *(f"{fit.peaks}{unsupported * (fit.peaks == 2)}" for fit in aims))
     yield _row("R²", *(_determination(fit.r_squared) for fit in aims))
-    yield _row("2 Δ ln L over one normal", f"{aim.gain_over_one_normal:.1f}")
+    needed = 2.0 * math.log(sum(aim.cells))
+    yield _row("2 Δ ln L over one normal", f"{aim.gain_over_one_normal:.1f} (BIC: {needed:.1f})")
+    yield _row("2 Δ ln L over one peak", f"{aim.gain_over_one_peak:.1f} (5 %: {PEAK_GAIN})")
+    if not aim.two_peaks_supported:
+        yield "The data do not support two peaks: one of these gains is below what it has to be."
     yield _row("pitches in cells 1 to 5", ", ".join(map(str, aim.cells)))
 
     if fitted.height is not None:
@@ -250,7 +270,8 @@ def _lines(fitted: FittedPitches) -> Iterator[str]:
             f"p = {fitted.height.p_value_of_lower_four:.2g}",
         )
     yield ""
-    yield "± is one standard error, ? where there is none to give."
+    yield "± is one standard error, ? where there is none to give. At bound: where the range of the"
+    yield "search ends; the likelihood, or the sum of squares, has no extremum there."
     yield (
         f"A cell across is {fitted.columns.cell_width:g} m wide, numbered from the pitcher's left. "
         f"To draw from: {fitted.draw_from.replace('_', ' ')}."
@@ -263,10 +284,10 @@ def _row(label: str, *values: str) -> str:
 
 def _number(estimate: Estimate, scale: float, digits: int) -> str:
     value = f"{scale * estimate.value:.{digits}f}"
+    if estimate.status != "fitted":
+        return f"{value} ({estimate.status.replace('_', ' ')})"
     if estimate.standard_error is None:
         return f"{value} ± ?"
-    if estimate.standard_error == 0.0:
-        return f"{value} (held)"
     return f"{value} ± {scale * estimate.standard_error:.{digits}f}"
 
 

@@ -13,12 +13,15 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple, TextIO
 
 import numpy as np
 
+from longball.pitches.chart import Columns, Pitches, PitchTypes, cell, read_pitches
 from longball.pitches.fitted import (
+    PEAK_GAIN,
     AimFit,
     Aims,
     Estimate,
@@ -28,24 +31,14 @@ from longball.pitches.fitted import (
     SpeedFit,
     SpeedHistogram,
     Speeds,
+    Status,
 )
-from longball.pitches.table import (
-    SPEED_UNITS,
-    Booleans,
-    Columns,
-    Counts,
-    Floats,
-    Pitches,
-    PitchesError,
-    PitchTypes,
-    cell,
-    read_pitches,
-)
+from longball.pitches.table import SPEED_UNITS, Booleans, Counts, Floats, TableError
 
 if TYPE_CHECKING:
     import pandas as pd
 
-Errors = tuple[float | None, ...]
+Errors = Sequence[float | None]
 
 # Relative error of a standard error from so many replicates: 1/√(2 · 200) = 5 %.
 REPLICATES = 200
@@ -98,7 +91,7 @@ def fit_pitches(
 
     Raises
     ------
-    PitchesError
+    TableError
         If the table cannot be used, a class has too few pitches or all of one speed, or the
         bins are too few or too many.
     """
@@ -106,7 +99,7 @@ def fit_pitches(
     pitches = read_pitches(table, columns, types)
     _enough(pitches)
     if replicates < 2:
-        raise PitchesError(f"replicates = {replicates}: a bootstrap takes at least 2")
+        raise TableError(f"replicates = {replicates}: a bootstrap takes at least 2")
     generator = np.random.default_rng(seed)
     straight = Counter(np.array(pitches.types)[pitches.straight].tolist())
     breaking = Counter(np.array(pitches.types)[~pitches.straight].tolist())
@@ -140,12 +133,12 @@ def _enough(pitches: Pitches) -> None:
     for name, chosen in (("straight", pitches.straight), ("breaking", ~pitches.straight)):
         speeds = pitches.speed[chosen]
         if len(speeds) < FEWEST_PITCHES:
-            raise PitchesError(
+            raise TableError(
                 f"{pitches.columns.pitch_type}: only {len(speeds)} {name} balls; a fit with its "
                 f"errors needs at least {FEWEST_PITCHES}"
             )
         if np.ptp(speeds) == 0.0 or speeds.var() <= _variance_of_rounding(pitches.columns):
-            raise PitchesError(
+            raise TableError(
                 f"{pitches.columns.speed}: the {len(speeds)} {name} balls differ no more than by "
                 "the step in which their speeds are written, which no normal curve describes"
             )
@@ -217,14 +210,14 @@ def _bins(speed: Floats, bin_width: float, columns: Columns) -> Floats:
     step = columns.speed_resolution * unit
     width = bin_width / 3.6
     if not width > 0.0:
-        raise PitchesError(f"bin_width = {bin_width:g} km/h: a bin has a positive width")
+        raise TableError(f"bin_width = {bin_width:g} km/h: a bin has a positive width")
     if step > 0.0:
         width = max(1, round(width / step)) * step
     # A speed that is written v is between v - step/2 and v + step/2, and bins end there too.
     first = math.floor((speed.min() - step / 2) / width)
     last = math.ceil((speed.max() - step / 2) / width)
     if not FEWEST_BINS <= last - first <= MOST_BINS:
-        raise PitchesError(
+        raise TableError(
             f"bin_width = {bin_width:g} km/h puts these speeds into {last - first} bins; "
             f"it takes {FEWEST_BINS} to {MOST_BINS} of them"
         )
@@ -300,7 +293,9 @@ def _speeds_through(
         replicates,
         generator,
     )
-    return _speed_fit(curve, edges, counts, _estimates(fitted, errors))
+    statuses: list[Status] = ["fitted"] * 4
+    statuses.append("at_bound" if fitted[-1] in (0.0, 1.0) else "fitted")
+    return _speed_fit(curve, edges, counts, _estimates(fitted, errors, statuses))
 
 
 def _least_squares_speeds(
@@ -335,11 +330,16 @@ def _middles(edges: Floats) -> tuple[Floats, float]:
 def _fit_aims(pitches: Pitches, replicates: int, generator: np.random.Generator) -> Aims:
     cells = _count_cells(pitches.across)
     edges = CELL_EDGES if pitches.columns.place_unit == "cell" else FINE_EDGES
-    likeliest, errors, gain = _likeliest_aim(np.histogram(pitches.across, edges)[0], edges)
+    counts = np.histogram(pitches.across, edges)[0]
+    likeliest, over_one_normal, over_one_peak = _likeliest_aim(counts, edges)
+    errors = _fisher_errors(likeliest, edges, len(pitches.across))
+    cost_of_two = 2.0 * math.log(len(pitches.across))  # parameters, by Schwarz's criterion
     return Aims(
         cells=_five(cells),
         maximum_likelihood=_aim_fit(likeliest, errors, cells, likeliest.shares(CELL_EDGES)),
-        gain_over_one_normal=gain,
+        gain_over_one_normal=over_one_normal,
+        gain_over_one_peak=over_one_peak,
+        two_peaks_supported=over_one_normal > cost_of_two and over_one_peak > PEAK_GAIN,
         least_squares=_aim_through(cells, None, replicates, generator),
         least_squares_at_edges=_aim_through(cells, EDGES_OF_THE_ZONE, replicates, generator),
     )
@@ -391,14 +391,37 @@ _MEANS_HELD = (True, False, False, True)
 _LEFT_ALONE = (False, True, False, True)
 
 
-def _likeliest_aim(counts: Counts, edges: Floats) -> tuple[_Aim, Errors, float]:
+class _OnePeak(NamedTuple):
+    """A density of Eq. 4 that is about to have a second maximum, on the side of its lesser part.
+
+    With the means 2dσ apart, d >= 1, there is one maximum if the odds of the two parts are at least
+    (d - √(d² - 1))² exp(2d√(d² - 1)) (Robertson and Fryer, Skand. Aktuarietidskr. 52, 137 (1969)).
+    """
+
+    main: float  # mean of the greater part, cells
+    half: float  # d
+    spread: float
+
+    def aim(self, side: int) -> _Aim:
+        root = math.sqrt(self.half**2 - 1.0)
+        log_odds = 2.0 * (self.half * root - math.asinh(root))
+        weight = 1.0 / (1.0 + math.exp(-log_odds))
+        apart = 2.0 * self.half * self.spread
+        return _Aim(weight, self.main, self.main + side * apart, self.spread)
+
+
+_NARROWEST, _WIDEST = _OnePeak(0.5, 1.0, 0.05), _OnePeak(5.5, 5.0, 5.0)
+_EVEN, _UNEVEN = _OnePeak(3.0, 1.05, 1.0), _OnePeak(3.0, 1.6, 1.0)
+
+
+def _likeliest_aim(counts: Counts, edges: Floats) -> tuple[_Aim, float, float]:
     """Fit Eq. 4 to counts in cells with these boundaries.
 
     Returns
     -------
     tuple
-        The likeliest mixture, its errors by Fisher's information, and twice the logarithm of how
-        much more likely it is than the likeliest single normal distribution.
+        The likeliest mixture, and twice the logarithm of how much likelier it is than the likeliest
+        normal distribution, and than the likeliest mixture with one maximum.
     """
     total = int(counts.sum())
     shares = counts / total
@@ -412,9 +435,21 @@ def _likeliest_aim(counts: Counts, edges: Floats) -> tuple[_Aim, Errors, float]:
         residuals: Floats = np.sign(shares - expected) * np.sqrt(np.maximum(deviance, 0.0))
         return residuals
 
+    def residuals_of_one(side: int, x: Floats) -> Floats:
+        return deviance_residuals(_OnePeak(*x).aim(side))
+
     found, cost = _nearest(deviance_residuals, _STARTS, _EVERYTHING)
-    _, cost_of_one = _nearest(deviance_residuals, (_ONE_NORMAL,), _LEFT_ALONE)
-    return found, _fisher_errors(found, edges, total), 2.0 * total * (cost_of_one - cost)
+    _, cost_of_normal = _nearest(deviance_residuals, (_ONE_NORMAL,), _LEFT_ALONE)
+    cost_of_peak = cost
+    if found.peaks() == 2:
+        # Of densities with one peak the likeliest is then one that is about to have a second.
+        costs = [
+            _least(partial(residuals_of_one, side), start, _NARROWEST, _WIDEST)[1]
+            for side in (-1, 1)
+            for start in (_EVEN, _UNEVEN)
+        ]
+        cost_of_peak = min(cost_of_normal, *costs)
+    return found, 2.0 * total * (cost_of_normal - cost), 2.0 * total * (cost_of_peak - cost)
 
 
 def _fisher_errors(aim: _Aim, edges: Floats, total: int) -> Errors:
@@ -434,9 +469,9 @@ def _fisher_errors(aim: _Aim, edges: Floats, total: int) -> Errors:
     information = (slopes / np.maximum(aim.shares(edges), 1e-300)) @ slopes.T * total
     # Singular to 8 digits: the differences cannot tell such a matrix from a singular one.
     if not np.linalg.cond(information) < 1e8:
-        return (None,) * 4
+        return [None] * 4
     errors = iter(np.sqrt(np.diag(np.linalg.inv(information))).tolist())
-    return tuple(next(errors) if determined else None for determined in free)
+    return [next(errors) if determined else None for determined in free]
 
 
 def _within(aim: _Aim) -> Booleans:
@@ -464,12 +499,8 @@ def _aim_through(
         return _nearest(lambda aim: aim.density(y) - shares, starts, free)[0]
 
     found = fit(counts, starts)
-    spreads = _bootstrap(counts, lambda drawn: fit(drawn, (found,)), replicates, generator)
-    errors = tuple(
-        spread if determined else None
-        for spread, determined in zip(spreads, _within(found), strict=True)
-    )
-    return _aim_fit(found, errors, counts, found.density(y))
+    errors = _bootstrap(counts, lambda drawn: fit(drawn, (found,)), replicates, generator)
+    return _aim_fit(found, errors, counts, found.density(y), free)
 
 
 def _nearest(
@@ -479,36 +510,62 @@ def _nearest(
 
     Only the `free` ones move from where they start.
     """
-    from scipy.optimize import least_squares
-
     moving = np.array(free)
-    low, high = np.array(_LOWEST)[moving], np.array(_HIGHEST)[moving]
 
     def whole(start: _Aim, part: Floats) -> _Aim:
         theta = np.array(start)
         theta[moving] = part
         return _Aim(*theta.tolist())
 
+    def residuals_of_part(start: _Aim, part: Floats) -> Floats:
+        return residuals(whole(start, part))
+
     ends = []
     for start in starts:
-        # least_squares wants to start inside; a thousandth is far from any end that it may seek.
-        inside = np.clip(np.array(start)[moving], low + 1e-3, high - 1e-3)
-        found = least_squares(
-            lambda part, start=start: residuals(whole(start, part)),
-            inside,
-            bounds=(low, high),
-            # A step or a gain this small is far below every error bar.
-            xtol=1e-10,
-            ftol=1e-12,
-            gtol=1e-12,
+        x, cost = _least(
+            partial(residuals_of_part, start),
+            *(np.array(each)[moving] for each in (start, _LOWEST, _HIGHEST)),
         )
-        ends.append((float(found.cost), whole(start, found.x)))
+        ends.append((cost, whole(start, x)))
     cost, best = min(ends, key=lambda end: end[0])
     return best.sorted(), cost
 
 
-def _aim_fit(aim: _Aim, errors: Errors, counts: Counts, fitted: Floats) -> AimFit:
-    weight, left, right, spread = _estimates(aim, errors)
+def _least(
+    residuals: Callable[[Floats], Floats],
+    start: Sequence[float] | Floats,
+    low: Sequence[float] | Floats,
+    high: Sequence[float] | Floats,
+) -> tuple[Floats, float]:
+    """Return where between the bounds the sum of squares is least, and half that sum."""
+    from scipy.optimize import least_squares
+
+    low, high = np.array(low), np.array(high)
+    found = least_squares(
+        residuals,
+        # It wants to start inside; a thousandth is far from any end that it may seek.
+        np.clip(start, low + 1e-3, high - 1e-3),
+        bounds=(low, high),
+        # A step or a gain this small is far below every error bar.
+        xtol=1e-10,
+        ftol=1e-12,
+        gtol=1e-12,
+    )
+    return found.x, float(found.cost)
+
+
+def _aim_fit(
+    aim: _Aim,
+    errors: Errors,
+    counts: Counts,
+    fitted: Floats,
+    free: tuple[bool, ...] = _EVERYTHING,
+) -> AimFit:
+    statuses: list[Status] = [
+        "held" if not moved else "fitted" if inside else "at_bound"
+        for moved, inside in zip(free, _within(aim), strict=True)
+    ]
+    weight, left, right, spread = _estimates(aim, errors, statuses)
     return AimFit(
         left_mean=left,
         right_mean=right,
@@ -553,9 +610,17 @@ def _five(counts: Counts) -> tuple[int, int, int, int, int]:
 # --- uncertainty ----------------------------------------------------------------------------------
 
 
-def _estimates(values: Sequence[float], errors: Errors) -> list[Estimate]:
-    pairs = zip(values, errors, strict=True)
-    return [Estimate(value=value, standard_error=error) for value, error in pairs]
+def _estimates(
+    values: Sequence[float], errors: Errors, statuses: Sequence[Status]
+) -> list[Estimate]:
+    return [
+        Estimate(
+            value=value,
+            standard_error={"fitted": error, "held": 0.0, "at_bound": None}[status],
+            status=status,
+        )
+        for value, error, status in zip(values, errors, statuses, strict=True)
+    ]
 
 
 def _bootstrap(

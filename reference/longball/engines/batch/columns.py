@@ -142,7 +142,8 @@ class Table:
         """Leave rows without an answer if a quantity of theirs has overflowed."""
         overflown = np.zeros(len(self), bool)
         for column in self.columns.values():
-            overflown |= np.isinf(column[self.rows])
+            if column.dtype == float:
+                overflown |= np.isinf(column[self.rows])
         for outcome, quantity in _LAST.items():
             if quantity in self.columns:
                 reached = self.outcome == OUTCOMES.index(outcome)
@@ -150,13 +151,15 @@ class Table:
         self.outcome[overflown] = UNSOLVED
 
     def put(self, name: str, rows: Any, values: Any) -> None:
-        """Write a quantity into rows: an array, or a vector of three."""
+        """Write a quantity into rows: an array of numbers or texts, or a vector of three."""
         if isinstance(values, tuple):
             for i, value in enumerate(values):
                 self.put(f"{name}[{i}]", rows, value)
             return
         if name not in self.columns:
-            self.columns.setdefault(name, np.full(len(self.whole), np.nan))
+            empty = "" if np.asarray(values).dtype.kind == "U" else np.nan
+            kind = "U16" if empty == "" else float
+            self.columns.setdefault(name, np.full(len(self.whole), empty, kind))
         self.columns[name][self.rows][rows] = values
 
 

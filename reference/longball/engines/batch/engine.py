@@ -32,7 +32,7 @@ from longball.engines.contact import (
     inside_bat,
     margin_error,
 )
-from longball.engines.engine import CannotSolve, ManyAtOnce, Touch
+from longball.engines.engine import CannotSolve, ManyAtOnce, OutOfRange, TooLong, Touch
 from longball.engines.event import Event, Piece, past
 from longball.engines.path import Flight, Path
 from longball.engines.polynomial import PolynomialPiece
@@ -157,9 +157,9 @@ class Batch(ManyAtOnce):
             raise CannotSolve(TURNS_VERTICAL)
         return Touch(margin, False)
 
-    def solve_all(self, scenes: Sequence[Scene]) -> list[Result]:
+    def solve_all(self, scenes: Sequence[Scene], threads: int = 1) -> list[Result]:
         """Solve scenes of any kinds; see `longball.engines.batch.solve_all`."""
-        return solve_all(scenes, self)
+        return solve_all(scenes, self, threads)
 
     def fly_all(self, starts: Records, program: Program) -> Records:
         """Fly records of `flights.flight_dtype`; return their arrivals, in order."""
@@ -221,13 +221,13 @@ def _require_answer(end: Records, flight: Records, events: Sequence[Event[Any]])
             question, error = STARTS_INSIDE, flight["margin_error"].item()
         case flights.INSIDE_BAT, _, _:
             reach = flight["reach"].item()
-            raise CannotSolve(inside_bat(reach + value, reach))
+            raise inside_bat(reach + value, reach)
         case flights.TOO_LONG, _, _:
-            raise CannotSolve(
+            raise TooLong(
                 f"the flight takes more than {flights.MOST_STEPS} steps, its steps shrink to "
                 "nothing where the ball all but comes to rest in the air, or an event of it has "
                 "three roots in one"
             )
         case _:
-            raise CannotSolve("a quantity of the flight leaves the range of double precision")
+            raise OutOfRange("a quantity of the flight leaves the range of double precision")
     raise Undecided(doubt(value, error, question, DOUBLES))

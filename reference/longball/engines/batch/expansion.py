@@ -23,7 +23,7 @@ import numpy as np
 from llvmlite import binding, ir
 from numpy.typing import NDArray
 
-from longball.engines.batch.cache import machine, sources, stored
+from longball.engines.compiled import stored
 from longball.engines.series import recurrence, row_of
 from longball.model.trace import Node, Program, squares, variable
 
@@ -725,7 +725,7 @@ def _kernel(program: Program) -> Kernel:
         codemodel="jitdefault",
         jit=True,
     )
-    code = stored("law", [program.source("rates"), *sources(), *machine()], compiled)
+    code = stored("law", [program.source("rates")], compiled)
     engine = binding.create_mcjit_compiler(binding.parse_assembly(""), target)
     engine.add_object_file(binding.ObjectFileRef.from_data(code))
     engine.finalize_object()

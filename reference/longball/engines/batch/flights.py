@@ -16,7 +16,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from longball.engines.batch.cache import compile_cached
 from longball.engines.batch.expansion import (
     CLEARANCE,
     LENGTH,
@@ -26,7 +25,7 @@ from longball.engines.batch.expansion import (
     Kernel,
     aligned,
 )
-from longball.engines.batch.jit import call, compiled, fma, shifted, unowned_view
+from longball.engines.batch.jit import call, fma, inner, shifted, unowned_view
 from longball.engines.batch.roots import (
     NEVER,
     curvature,
@@ -36,6 +35,7 @@ from longball.engines.batch.roots import (
     first_zero,
     two_values,
 )
+from longball.engines.compiled import compiled
 from longball.model.trace import Program
 
 Array = NDArray[np.float64]
@@ -277,7 +277,7 @@ class _Slot(NamedTuple):
     lane: int
 
 
-@compile_cached
+@compiled
 def _fly_all(
     code: tuple[int, int, int, int],
     sizes: tuple[int, int, int, int, int, int],
@@ -385,7 +385,7 @@ def _fly_all(
                 slot.mark[_STOP], active[lane] = TOO_LONG, _NONE
 
 
-@compiled
+@inner
 def _launch(s: _Setup, slot: _Slot) -> None:
     """Put a flight into its lane."""
     flight, arrival, mark, lane = slot
@@ -416,7 +416,7 @@ def _launch(s: _Setup, slot: _Slot) -> None:
         s.linear[s.variables * WIDTH + lane] = math.inf
 
 
-@compiled
+@inner
 def _height(s: _Setup, number: Integer, lane: int, state: Any) -> float:
     """Return the value of a linear function."""
     function = shifted(s.linear, number * (s.variables + 2) * WIDTH + lane)
@@ -426,7 +426,7 @@ def _height(s: _Setup, number: Integer, lane: int, state: Any) -> float:
     return total
 
 
-@compiled
+@inner
 def _take_out(s: _Setup, slot: _Slot, length: float) -> float:
     """Put the polynomials of a flight's step on the workspace; return the length of the step."""
     moves = False
@@ -469,7 +469,7 @@ def _take_out(s: _Setup, slot: _Slot, length: float) -> float:
 # --- the end of a step ----------------------------------------------------------------------------
 
 
-@compiled
+@inner
 def _settle(s: _Setup, slot: _Slot, time: float, length: float) -> float:
     """Note what ends a flight within a step, if anything does; return how far the step goes.
 
@@ -539,7 +539,7 @@ def _settle(s: _Setup, slot: _Slot, time: float, length: float) -> float:
     return end
 
 
-@compiled
+@inner
 def _evaluate(s: _Setup, t: float) -> None:
     """Find the state at t on the step."""
     for i in range(s.half):
@@ -548,7 +548,7 @@ def _evaluate(s: _Setup, t: float) -> None:
         s.state[i], s.state[j] = two_values(p, q, s.degree, t)
 
 
-@compiled
+@inner
 def _note(s: _Setup, row: Any, time: float) -> None:
     """Write a time and the state."""
     row[0] = time
@@ -556,7 +556,7 @@ def _note(s: _Setup, row: Any, time: float) -> None:
         row[1 + k] = s.state[k]
 
 
-@compiled
+@inner
 def _put_speed(s: _Setup) -> bool:
     """Put the speed on the workspace if it may fall through zero, where the drag of V² has a kink.
 
@@ -583,7 +583,7 @@ def _put_speed(s: _Setup) -> bool:
     return accelerates
 
 
-@compiled
+@inner
 def _put_function(
     s: _Setup, function: Any, stride: Integer, p: Any, lane: Integer, part: float
 ) -> bool:
@@ -616,7 +616,7 @@ def _put_function(
     return True
 
 
-@compiled
+@inner
 def _rises(p: Any, degree: int) -> bool:
     """Tell whether a polynomial rises at 0."""
     for k in range(1, degree + 1):
@@ -625,7 +625,7 @@ def _rises(p: Any, degree: int) -> bool:
     return False
 
 
-@compiled
+@inner
 def _decide(s: _Setup, slot: _Slot, stop: int) -> None:
     """Mark an end as undecided if another event, or the time limit, may be as early."""
     flight, arrival, mark, lane = slot
@@ -651,7 +651,7 @@ def _decide(s: _Setup, slot: _Slot, stop: int) -> None:
 _FAR = 16.0
 
 
-@compiled
+@inner
 def _search_length(s: _Setup, flight: Any, end: float) -> float:
     """Return how far, s, a step that may touch the bat is to be searched: not from afar.
 
@@ -674,14 +674,14 @@ def _search_length(s: _Setup, flight: Any, end: float) -> float:
     return float(end * (distance - 0.5 * _FAR * reach) / farthest)
 
 
-@compiled
+@inner
 def _distance(s: _Setup, t: float) -> float:
     """Return the distance of the ball's centre from the bat's axis, m."""
     across, above = two_values(s.across, s.above, s.degree, t)
     return math.sqrt(across * across + above * above)
 
 
-@compiled
+@inner
 def _meets_bat(s: _Setup, slot: _Slot, time: float, end: float, last: bool) -> bool:
     """Follow the distance to the bat through a step; tell whether that settles how they meet.
 
@@ -740,7 +740,7 @@ def _meets_bat(s: _Setup, slot: _Slot, time: float, end: float, last: bool) -> b
         approaching = not approaching
 
 
-@compiled
+@inner
 def _put_depth(s: _Setup, reach: float, end: float) -> int:
     """Put the polynomial ``(d² - reach²)/2`` on the workspace; return its degree.
 

@@ -19,7 +19,7 @@ types: Any = untyped_types
 F = TypeVar("F", bound=Callable[..., Any])
 
 
-def compiled(function: F) -> F:
+def inner(function: F) -> F:
     """Compile a function for compiled functions to call, not for Python.
 
     Division follows IEEE 754.

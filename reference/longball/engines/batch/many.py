@@ -166,7 +166,7 @@ def solve_all(
     scenes = list(scenes)
     alike: defaultdict[tuple[Any, ...], list[int]] = defaultdict(list)
     for i, scene in enumerate(scenes):
-        alike[type(scene), scene.reading, getattr(scene, "air", None) is None].append(i)
+        alike[_structure(scene)].append(i)
     results: dict[int, Result] = {}
     for places in alike.values():
         if len(places) < FEW:
@@ -185,8 +185,22 @@ def solve_all(
     return [results[i] for i in range(len(scenes))]
 
 
+def _structure(scene: Any) -> tuple[Any, ...]:
+    """Return what scenes have in common that differ in nothing but their numbers."""
+    bat, incoming = getattr(scene, "bat", None), getattr(scene, "incoming", None)
+    named = (
+        (scene.ball, "inertia_factor"),
+        (scene, "air"),
+        (bat, "friction"),
+        (bat, "tangential_restitution"),
+        (incoming, "spin"),
+    )
+    absent = tuple(getattr(block, key, None) is None for block, key in named)
+    return type(scene), scene.reading, getattr(bat, "support", None), absent
+
+
 def _columns_of(scenes: list[Scene]) -> dict[str, Array]:
-    """Return the numbers of scenes of one kind, all of them with air or all without."""
+    """Return the numbers of scenes of one structure."""
     columns: dict[str, Array] = {}
     for way in dict.fromkeys(name.partition("[")[0] for name, _ in quantities.numbers(scenes[0])):
         values = np.array([*map(attrgetter(way), scenes)], np.float64)
@@ -240,9 +254,14 @@ def _rows(table: Table) -> Iterator[tuple[Outcome | None, dict[str, Any]]]:
         yield None if outcome == UNSOLVED else OUTCOMES[outcome], known
 
 
+def _known(column: NDArray[Any]) -> NDArray[np.bool_]:
+    found: NDArray[np.bool_] = np.isfinite(column) if column.dtype == float else column != ""
+    return found
+
+
 def _part(name: str, columns_of: dict[str, list[Array]]) -> list[Any]:
     """Return a part of each row's result, or None where the row has none of its columns_of."""
-    known = zip(*(np.isfinite(columns[0]).tolist() for columns in columns_of.values()), strict=True)
+    known = zip(*(_known(columns[0]).tolist() for columns in columns_of.values()), strict=True)
     values = zip(
         *(
             zip(*(column.tolist() for column in columns), strict=True)

@@ -13,7 +13,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from longball.engines.batch.jit import compiled, fma
+from longball.engines.batch.jit import fma, inner
 
 Array = NDArray[np.float64]
 
@@ -23,7 +23,7 @@ _LONGEST_WALK = 1000
 _NOTHING = 1e-17  # of a time: a tenth of its rounding
 
 
-@compiled
+@inner
 def value(p: Array, degree: int, t: float) -> float:
     """Return p(t)."""
     total: float = p[degree]
@@ -32,7 +32,7 @@ def value(p: Array, degree: int, t: float) -> float:
     return total
 
 
-@compiled
+@inner
 def _height_and_rate(p: Array, slope: Array, degree: int, t: float) -> tuple[float, float]:
     """Return p(t) and p'(t): even and odd powers apart, which halves the wait for each sum."""
     square = t * t
@@ -54,14 +54,14 @@ def _height_and_rate(p: Array, slope: Array, degree: int, t: float) -> tuple[flo
     return fma(odd, t, even), fma(odd_rate, t, even_rate)
 
 
-@compiled
+@inner
 def differentiate(p: Array, degree: int, derivative: Array) -> None:
     """Write the coefficients of p' into `derivative`."""
     for k in range(degree):
         derivative[k] = (k + 1) * p[k + 1]
 
 
-@compiled
+@inner
 def curvature(slope: Array, degree: int, end: float) -> float:
     """Return a bound on |p''| over [0, end], from the coefficients of p'."""
     total = 0.0
@@ -70,7 +70,7 @@ def curvature(slope: Array, degree: int, end: float) -> float:
     return total
 
 
-@compiled
+@inner
 def downward(slope: Array, degree: int, end: float) -> float:
     """Return an upper bound on -p'' over [0, end], from the coefficients of p'."""
     total = 0.0
@@ -79,7 +79,7 @@ def downward(slope: Array, degree: int, end: float) -> float:
     return float(fma(total, end, -slope[1])) if degree > 0 else 0.0
 
 
-@compiled
+@inner
 def first_zero(
     p: Array,
     slope: Array,
@@ -132,7 +132,7 @@ def first_zero(
 _STEEP = 1e6
 
 
-@compiled
+@inner
 def two_values(p: Array, q: Array, degree: int, t: float) -> tuple[float, float]:
     """Return p(t) and q(t): even and odd powers apart, which halves the wait for each sum."""
     square = t * t
@@ -150,7 +150,7 @@ def two_values(p: Array, q: Array, degree: int, t: float) -> tuple[float, float]
     return fma(odd, t, even), fma(odd_too, t, even_too)
 
 
-@compiled
+@inner
 def first_fall(
     p: Array, slope: Array, scratch: Array, degree: int, end: float, error: float
 ) -> tuple[float, float]:
@@ -174,7 +174,7 @@ def first_fall(
     return _fall_by_pieces(p, slope, scratch, degree, end, error, sag)
 
 
-@compiled
+@inner
 def _fall_by_pieces(
     p: Array, slope: Array, scratch: Array, degree: int, end: float, error: float, sag: float
 ) -> tuple[float, float]:

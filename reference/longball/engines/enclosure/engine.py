@@ -15,7 +15,7 @@ from longball.engines.enclosure.balls import Balls
 from longball.engines.enclosure.curve import EnclosedPiece
 from longball.engines.enclosure.defect import Defect, leading
 from longball.engines.enclosure.system import Structure, System
-from longball.engines.engine import CannotSolve
+from longball.engines.engine import OutOfRange, TooLong
 from longball.engines.event import Event
 from longball.engines.path_engine import PathEngine
 from longball.model.law import Law, State
@@ -176,7 +176,7 @@ def _length(
         if missed * h <= tolerance * (size + change * h):
             return h, missed
         h = (h * _SHORTER).mid()
-    raise CannotSolve("the forces are so strong that no step can be proven")
+    raise OutOfRange("the forces are so strong that no step can be proven")
 
 
 def _series(system: System, core: Start, order: int) -> dict[Node, list[arb]]:
@@ -202,7 +202,7 @@ def _error(
         if bound < tube:
             return early, late
         tube = 2 * bound
-    raise CannotSolve(
+    raise OutOfRange(
         "the bound on the velocity's error has grown as large as the speed, as it does under a "
         "strong lift in the long run; take more digits, or a lower time_limit"
     )
@@ -301,7 +301,7 @@ class Enclosure(PathEngine[arb]):
             yield piece
             if not begin < limit:
                 return
-        raise CannotSolve(
+        raise TooLong(
             f"the flight takes more than {_MOST_STEPS} steps; the first {float(begin):.3g} s of it "
             "can be had by a lower time_limit"
         )

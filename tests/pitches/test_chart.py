@@ -8,8 +8,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from longball.pitches import EXAMPLE, Columns, PitchesError, PitchTypes, read_pitches
-from longball.pitches.table import cell
+from longball.pitches import EXAMPLE, Columns, PitchTypes, TableError, read_pitches
+from longball.pitches.chart import cell
 
 STATCAST = "pitch_type,release_speed,plate_x,plate_z,sz_top,sz_bot\n"
 
@@ -130,8 +130,14 @@ def test_a_byte_order_mark_and_spaces_in_the_header(tmp_path):
 
 WRONG_TABLES = {
     "no such column": (
+        statcast("FF,90,0,2,3", header=STATCAST.strip().removesuffix(",sz_bot") + "\n"),
+        "sz_bot: the table has no such column; "
+        "its columns are pitch_type, release_speed, plate_x, plate_z, sz_top",
+    ),
+    "no such columns": (
         statcast("FF,90", header="pitch_type,speed\n"),
-        "release_speed: the table has no such column; its columns are pitch_type, speed",
+        "release_speed, plate_x, plate_z, sz_top, sz_bot: the table has no such columns; "
+        "its columns are pitch_type, speed",
     ),
     "twice": (
         statcast("FF,90,0,2,3,1,0", header=STATCAST.strip() + ",plate_x\n"),
@@ -173,10 +179,10 @@ WRONG_TABLES = {
     ),
     "nothing left": (
         statcast("FF,,0,2,3,1", ",90,0,2,3,1"),
-        "no pitch of the table says all that is asked "
+        "no row of the table says all that is asked "
         "(1 rows: pitch_type is missing; 1 rows: release_speed is missing)",
     ),
-    "header only": (statcast(), "table: the table has a header, and no pitches below it"),
+    "header only": (statcast(), "table: the table has a header, and nothing below it"),
     "empty": (io.StringIO(""), "table: the table is empty"),
     "ragged": (
         statcast("FF,90,0,2,3,1,7"),
@@ -189,30 +195,30 @@ WRONG_TABLES = {
 @pytest.mark.parametrize("fault", WRONG_TABLES)
 def test_wrong_tables(fault):
     table, sentence = WRONG_TABLES[fault]
-    with pytest.raises(PitchesError) as caught:
+    with pytest.raises(TableError) as caught:
         read_pitches(table)
     assert str(caught.value) == sentence
 
 
 def test_a_row_is_named_by_its_place_below_the_header_though_rows_before_it_are_left_out():
     table = statcast("FF,,0,2,3,1", "FF,,0,2,3,1", *GOOD, "FF,90,0,2,1,3")
-    with pytest.raises(PitchesError, match="row 5 below the header"):
+    with pytest.raises(TableError, match="row 5 below the header"):
         read_pitches(table)
 
 
 @pytest.mark.parametrize("index", [0, 6, 2.5])
 def test_a_cell_is_one_of_five(index):
     table = statcast(*(f"{kind},90,{index},2,3,1" for kind in ("FF", "SL")))
-    with pytest.raises(PitchesError, match="a cell is 1, 2, 3, 4 or 5"):
+    with pytest.raises(TableError, match="a cell is 1, 2, 3, 4 or 5"):
         read_pitches(table, Columns(place_unit="cell"))
 
 
 def test_files_that_cannot_be_read(tmp_path):
-    with pytest.raises(PitchesError, match=r"/nowhere\.csv: cannot be read: No such file"):
+    with pytest.raises(TableError, match=r"/nowhere\.csv: cannot be read: No such file"):
         read_pitches(tmp_path / "nowhere.csv")
     path = tmp_path / "shift-jis.csv"
     path.write_bytes("球種,球速\n".encode("shift-jis"))
-    with pytest.raises(PitchesError, match=r"^shift-jis\.csv: not UTF-8 text"):
+    with pytest.raises(TableError, match=r"^shift-jis\.csv: not UTF-8 text"):
         read_pitches(path)
 
 

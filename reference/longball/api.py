@@ -1,0 +1,470 @@
+"""Scenes, solutions and P(e) for Python: what `import longball as lb` offers.
+
+Scenes may be written as models, as mappings, or as lines of JSON. What is found is held as the
+contract names it. Many scenes at once are in `longball.tables`.
+"""
+
+from __future__ import annotations
+
+import html
+import json
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, cast, get_args
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from pydantic import BaseModel
+
+from longball import engines
+from longball.engines import chain
+from longball.engines.engine import CannotSolve, Engine, OutOfRange, TooLong
+from longball.engines.path import Trajectory
+from longball.model import scene as models
+from longball.model.numbers import Undecided
+from longball.model.result import (
+    Bounded,
+    Contact,
+    ErrorCode,
+    Landing,
+    Outcome,
+    Plate,
+    Result,
+)
+from longball.model.result import Impact as ImpactResult
+from longball.model.scene import AtBatScene, InvalidScene, Scene, parse_scene
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+__all__ = [
+    "AtBat",
+    "CannotSolve",
+    "Flight",
+    "Impact",
+    "InvalidScene",
+    "Path",
+    "Pitch",
+    "Solution",
+    "State",
+    "Undecided",
+    "home_run_probability",
+    "solve",
+]
+
+Array = NDArray[np.float64]
+
+
+# --- scenes ---------------------------------------------------------------------------------------
+
+
+class _Written:
+    """A scene as a caller writes it: blocks are mappings, vectors any sequence or array."""
+
+    def __init__(self, **blocks: Any) -> None:
+        kind = type(self).model_fields["kind"].default  # type: ignore[attr-defined]
+        if blocks.setdefault("kind", kind) != kind:
+            raise InvalidScene(f"kind: must be {kind!r} here, and is {blocks['kind']!r}")
+        super().__init__(**dict(as_scene(blocks)))
+
+
+class Flight(_Written, models.FlightScene):
+    """A ball from launch to landing.
+
+    Parameters are the blocks of the scene, by keyword; `launch` is needed. Raises `InvalidScene`.
+    """
+
+
+class Pitch(_Written, models.PitchScene):
+    """A pitch from the release to the plane x = 0.
+
+    Parameters are the blocks of the scene, by keyword. Raises `InvalidScene`.
+    """
+
+
+class Impact(_Written, models.ImpactScene):
+    """Ball and bat at the moment of touching.
+
+    Parameters are the blocks of the scene, by keyword; `incoming` is needed. Raises `InvalidScene`.
+    """
+
+
+class AtBat(_Written, models.AtBatScene):
+    """Pitch, swing, contact, impact and flight.
+
+    Parameters are the blocks of the scene, by keyword. Raises `InvalidScene`.
+    """
+
+
+def as_scene(written: object) -> Scene:
+    """Return the scene that a model, a mapping or a line of JSON describes.
+
+    Raises
+    ------
+    InvalidScene
+        If it describes none; the message names the key at fault.
+    TypeError
+        If it is something else, or holds something that JSON has no form for.
+    """
+    if isinstance(written, get_args(Scene)):
+        return cast(Scene, written)
+    if isinstance(written, str | bytes):
+        return parse_scene(written)
+    if isinstance(written, Mapping):
+        return parse_scene(json.dumps(dict(written), default=_plain))
+    raise TypeError(
+        "a scene is an lb.AtBat, lb.Flight, lb.Pitch or lb.Impact, a mapping or a line of JSON; "
+        f"not {_of_type(written)}"
+    )
+
+
+def _plain(value: object) -> Any:
+    """Return arrays, numbers of NumPy, mappings and blocks of scenes as JSON has them."""
+    if isinstance(value, BaseModel):
+        return value.model_dump(mode="json")
+    if isinstance(value, Mapping):
+        return dict(value)
+    if hasattr(value, "tolist"):
+        return value.tolist()
+    raise TypeError(f"a scene cannot hold {_of_type(value)}")
+
+
+def _of_type(value: object) -> str:
+    return f"an object of type {type(value).__name__}"
+
+
+# --- one scene ------------------------------------------------------------------------------------
+
+
+class State(NamedTuple):
+    """Where the ball is and how fast.
+
+    Attributes
+    ----------
+    time
+        s since the start of the scene: a float, or an array of shape (…).
+    position
+        m; array of shape (…, 3).
+    velocity
+        m/s; array of shape (…, 3).
+    """
+
+    time: Any
+    position: Array
+    velocity: Array
+
+
+class Path:
+    """The way of the ball from the start of a scene to its end.
+
+    At the contact the velocity jumps; there it is the one after the impulse.
+
+    Attributes
+    ----------
+    start, end
+        s since the start of the scene: a path begins at 0.
+    """
+
+    def __init__(self, trajectory: Trajectory[Any], engine: Engine[Any]) -> None:
+        self._trajectory, self._numbers = trajectory, engine.numbers
+        self.start = self._double(trajectory.legs[0].begin)
+        self.end = self._double(trajectory.end)
+
+    def __repr__(self) -> str:
+        return f"Path from {self.start:g} s to {self.end:.7g} s"
+
+    def at(self, time: ArrayLike) -> State:
+        """Return the state at one or more times.
+
+        Parameters
+        ----------
+        time
+            s since the start of the scene; a number or an array of any shape.
+
+        Raises
+        ------
+        ValueError
+            If a time lies outside the path.
+        """
+        times = np.asarray(time, float)
+        outside = times[~((times >= self.start) & (times <= self.end))]
+        if outside.size:
+            raise ValueError(
+                f"t = {outside[0]} s is outside the path, from {self.start} s to {self.end} s"
+            )
+        with self._numbers.arithmetic():
+            states = [self._state(t) for t in times.ravel().tolist()]
+        found = np.array(states).reshape(*times.shape, 6)
+        return State(times[()], found[..., :3], found[..., 3:])
+
+    def sample(self, points: int = 200) -> pd.DataFrame:
+        """Return states at evenly spaced times from start to end.
+
+        Returns
+        -------
+        pandas.DataFrame
+            With columns ``t`` (s), ``x``, ``y``, ``z`` (m), ``vx``, ``vy``, ``vz`` (m/s).
+        """
+        import pandas as pd
+
+        time, position, velocity = self.at(np.linspace(self.start, self.end, points))
+        table = np.column_stack([time, position, velocity])
+        return pd.DataFrame(table, columns=["t", "x", "y", "z", "vx", "vy", "vz"])
+
+    def _state(self, time: float) -> list[float]:
+        exact = self._numbers.exact(time)
+        end = self._trajectory.end
+        # The end may lie between two doubles.
+        (row,) = self._trajectory.sample([end if time == self.end and exact > end else exact])
+        return [self._double(x) for x in row]
+
+    def _double(self, x: Any) -> float:
+        return float(self._numbers.report(x))
+
+
+class Solution:
+    """The result of a scene.
+
+    Its attributes are the blocks of the result in the contract; a block that the scene does not
+    come to is None. A number is a float, or with `digits` a `Bounded`, which `float` takes.
+
+    Attributes
+    ----------
+    scene
+        What was solved.
+    result
+        All of it as a model; ``result.line()`` is its line of JSON.
+    """
+
+    id: str | None
+    outcome: Outcome | None
+    plate: Plate | None
+    contact: Contact | None
+    impact: ImpactResult | None
+    landing: Landing | None
+    engine: str | None
+    error: str | None
+    code: ErrorCode | None
+
+    def __init__(
+        self,
+        scene: Scene | None,
+        result: Result,
+        solver: Engine[Any],
+        trajectory: Trajectory[Any] | None = None,
+    ) -> None:
+        self.scene, self.result = scene, result
+        self._solver, self._trajectory = solver, trajectory
+
+    def __getattr__(self, name: str) -> Any:
+        if name in Result.model_fields:
+            return getattr(self.result, name)
+        raise AttributeError(f"a solution has no attribute {name!r}")
+
+    def __dir__(self) -> list[str]:
+        return [*super().__dir__(), *Result.model_fields]
+
+    @cached_property
+    def path(self) -> Path:
+        """The way of the ball.
+
+        Raises
+        ------
+        ValueError
+            If nothing flies in the scene.
+        InvalidScene, Undecided, CannotSolve
+            If it has no result.
+        """
+        if self.scene is None or self.result.error is not None:
+            raise error_of(self.result)
+        way = self._trajectory
+        if way is None:
+            _, way = chain.solve_with_path(self.scene, self._solver)
+        if not way.legs:
+            raise ValueError("an impact has no path: nothing flies in it")
+        return Path(way, self._solver)
+
+    def __repr__(self) -> str:
+        rows = [f"  {name:<22}{value} {unit}".rstrip() for name, value, unit in self._rows()]
+        return "\n".join([self._title, *rows])
+
+    def _repr_html_(self) -> str:
+        rows = "".join(
+            f"<tr><td>{name}</td><td>{html.escape(value)}</td><td>{unit}</td></tr>"
+            for name, value, unit in self._rows()
+        )
+        return f"<table><caption>{html.escape(self._title)}</caption>{rows}</table>"
+
+    @property
+    def _title(self) -> str:
+        named = "" if self.id is None else f"{self.id}: "
+        return f"{named}{self.outcome or self.error} ({self.engine or 'not solved'})"
+
+    def _rows(self) -> Iterator[tuple[str, str, str]]:
+        """Yield name, value and unit of every quantity."""
+        for name in chain.BLOCKS:
+            block = getattr(self.result, name)
+            for key, field in type(block).model_fields.items() if block else ():
+                if (value := getattr(block, key)) is not None:
+                    unit = _UNIT.match(field.description or "")
+                    yield f"{name}.{key}", _shown(value), unit[0] if unit else ""
+
+
+# Descriptions of the result's quantities begin with the unit.
+_UNIT = re.compile(r"(s|m|m/s|rad/s|J|N s)(?=[,;]|$)")
+
+
+def _shown(value: Any) -> str:
+    if isinstance(value, tuple):
+        return f"({', '.join(map(_shown, value))})"
+    if isinstance(value, Bounded):
+        return value.value if value.radius is None else f"{value.value} ± {value.radius}"
+    return f"{value:.7g}"
+
+
+def solve(scene: object, engine: str | Engine[Any] = "ivp", **options: Any) -> Solution:
+    """Solve a scene.
+
+    Parameters
+    ----------
+    scene
+        An `AtBat`, `Flight`, `Pitch` or `Impact`, a mapping like one, or a line of JSON.
+    engine
+        ``"ivp"``, ``"batch"``, ``"enclosure"``, ``"multiprecision"``, ``"verlet"``, or an engine.
+    options
+        Of an engine given by name: ``digits=30`` of enclosure and multiprecision, ``dt=1e-3`` of
+        verlet, and so on.
+
+    Raises
+    ------
+    InvalidScene
+        If `scene` describes none; the message names the key at fault.
+    Undecided
+        If the engine cannot tell what happens: its error is larger than what decides.
+    CannotSolve
+        If it has no answer for another reason.
+    ValueError
+        If there is no such engine, or it does not take an option.
+    TypeError
+        If `scene` or `engine` is of another type.
+
+    Examples
+    --------
+    >>> import longball as lb
+    >>> ball = lb.Flight(launch={"position": [0, 0, 1], "velocity": [30, 0, 25]})
+    >>> result = lb.solve(ball)
+    >>> f"{result.landing.distance:.6f} m"
+    '92.847616 m'
+    >>> result.path.at(1.0).position.round(3)
+    array([25.243,  0.   , 20.103])
+    """
+    asked, solver = as_scene(scene), as_engine(engine, options)
+    result, trajectory = chain.solve_with_path(asked, solver)
+    if result.error is not None:
+        raise error_of(result)
+    return Solution(asked, result, solver, trajectory)
+
+
+def as_engine(engine: str | Engine[Any], options: Mapping[str, Any]) -> Engine[Any]:
+    """Return an engine by name with options, or the one that is given."""
+    if isinstance(engine, str):
+        return engines.create(engine, **options)
+    if not hasattr(engine, "fly"):
+        raise TypeError(
+            f"engine must be a name ({', '.join(engines.ENGINES)}) or an engine; "
+            f"not {_of_type(engine)}"
+        )
+    if options:
+        raise TypeError(f"{', '.join(options)}: options go with the name of an engine")
+    return engine
+
+
+def error_of(result: Result) -> Exception:
+    """Return the exception that says why a result has no outcome."""
+    assert result.error is not None
+    assert result.code is not None
+    return _ERRORS[result.code](result.error)
+
+
+_ERRORS: dict[ErrorCode, Callable[[str], Exception]] = {
+    error.code: error for error in (InvalidScene, Undecided, CannotSolve, TooLong, OutOfRange)
+}
+
+
+# --- the probability of a home run ----------------------------------------------------------------
+
+
+def home_run_probability(
+    e: float | Sequence[float] | Array,
+    method: Literal["quadrature", "monte-carlo"] = "quadrature",
+    *,
+    samples: int = 10_000,
+    seed: int = 1,
+    reading: Mapping[str, object] | None = None,
+    scene: object = None,
+    workers: int = -1,
+) -> pd.DataFrame:
+    """Compute the probability of a home run P(e) of the paper's at-bats.
+
+    Parameters
+    ----------
+    e
+        Coefficients of restitution of the ball, 0 to 1.
+    method
+        ``"quadrature"`` integrates over the distributions; ``"monte-carlo"`` counts samples.
+    samples, seed
+        Of Monte Carlo: at-bats drawn, and where they come from.
+    reading
+        Switches of the ledger (``longball readings``), of the scene and of the sampling.
+    scene
+        An at-bat with all that is not drawn at random, as `solve` takes it; the paper's if left
+        out.
+    workers
+        Threads; -1: one per core. The answer does not depend on it.
+
+    Returns
+    -------
+    pandas.DataFrame
+        A row for each e. Quadrature: ``e``, ``p``, ``error``, ``slope`` (dP/de), ``slope_error``.
+        Monte Carlo: ``e``, ``p``, ``low``, ``high`` (95 %), ``home_runs``, ``trials``, ``failed``.
+
+    Raises
+    ------
+    ValueError
+        If an e is not between 0 and 1, a reading or the method is unknown, or `scene` is no at-bat.
+
+    Examples
+    --------
+    >>> import longball as lb
+    >>> lb.home_run_probability([0.41, 0.45], "monte-carlo", samples=1000).p.tolist()
+    [0.008, 0.015]
+    """
+    import pandas as pd
+
+    from longball import home_run
+    from longball.model.readings import readings_of
+
+    restitutions = np.atleast_1d(np.asarray(e, float)).tolist()
+    if not restitutions or not all(0 <= x <= 1 for x in restitutions):
+        raise ValueError(f"e = {e}: coefficients of restitution lie between 0 and 1")
+    physics, sampling = readings_of(reading or {})
+    base = as_scene({"kind": "at-bat"} if scene is None else scene)
+    if not isinstance(base, AtBatScene):
+        raise ValueError(f"scene: an at-bat is needed, and this is a {base.kind}")
+    if reading:
+        base = base.model_copy(update={"reading": physics})
+    problem = base, home_run.paper_at_bats(sampling), restitutions
+    rows: Sequence[home_run.Estimate | home_run.Integral]
+    if method == "quadrature":
+        space = sampling.sample_space
+        rows = home_run.integrals(*problem, sample_space=space, workers=workers)
+    elif method == "monte-carlo":
+        struck = home_run.monte_carlo(*problem, samples, seed, workers=workers)
+        rows = [
+            home_run.estimate(x, one, sampling.sample_space)
+            for x, one in zip(restitutions, struck, strict=True)
+        ]
+    else:
+        raise ValueError(f"method {method!r} is not one of quadrature, monte-carlo")
+    return pd.DataFrame([home_run.columns(row) for row in rows])

@@ -1,0 +1,89 @@
+"""``longball measured``."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from longball import engines
+from longball.cli.common import Json, refusing, tell, wrong_call
+from longball.pitches import EXAMPLE, TableError
+from longball.pitches.models import MODELS
+from longball.pitches.prediction import as_data, as_frame, as_text, predict, scenes
+from longball.pitches.statcast import GAMES, Kind, read_measured
+
+
+def measured(
+    table: Annotated[
+        str, typer.Argument(metavar="[TABLE.csv|-]", help="In Statcast's columns; - reads stdin.")
+    ] = "-",
+    kind: Annotated[Kind, typer.Option(help="What of the table is predicted.")] = "pitch",
+    example: Annotated[
+        bool, typer.Option("--example", help="Take the day of pitches that comes with longball.")
+    ] = False,
+    model: Annotated[
+        str, typer.Option(metavar="NAME", help=f"Of flight: {', '.join(MODELS)}.")
+    ] = "nathan",
+    games: Annotated[
+        Path,
+        typer.Option(
+            metavar="GAMES.csv",
+            help="game_pk, temperature (°F) and park of each game; by default those of the "
+            "example. Other games are played at 20 °C at sea level.",
+        ),
+    ] = GAMES,
+    engine: Annotated[str, typer.Option(metavar="NAME", help="What solves the scenes.")] = "batch",
+    scenes_file: Annotated[
+        Path | None, typer.Option("--scenes", metavar="FILE", help="Write the scenes here.")
+    ] = None,
+    csv_file: Annotated[
+        Path | None,
+        typer.Option("--csv", metavar="FILE", help="Write each prediction here, in SI units."),
+    ] = None,
+    figure: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Draw the errors here: .png, .svg, .pdf")
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """Predict measured pitches or batted balls, and compare.
+
+    Each row becomes a scene, in the weather of its game. A pitch begins at its release, with the
+    spin that was measured, and is compared where it crosses the front of the plate. A batted ball
+    has the spin that a published regression expects of it, and is compared in its distance.
+    """
+    if model not in MODELS:
+        wrong_call(f"--model {model}: the models are {', '.join(MODELS)}")
+    law = MODELS[model]
+    with refusing():
+        solver = engines.create(engine)
+    try:
+        rows = read_measured(
+            EXAMPLE if example else sys.stdin if table == "-" else table, kind, games
+        )
+    except TableError as error:
+        if isinstance(error.__cause__, OSError):  # there is no such file: the call is wrong
+            wrong_call(str(error))
+        tell(str(error))
+        raise typer.Exit(1) from None
+    if scenes_file:
+        with open(scenes_file, "w", encoding="utf-8") as file:
+            file.writelines(scene.line() + "\n" for scene in scenes(rows, law))
+    prediction = predict(rows, law, solver)
+    if csv_file:
+        as_frame(prediction).to_csv(csv_file, index=False, lineterminator="\n")
+    if figure:
+        from longball.pictures import save_prediction
+
+        with refusing(f"--figure {figure}: "):  # an ending that matplotlib does not know
+            save_prediction(figure, prediction)
+    if as_json:
+        print(json.dumps({"model": model} | as_data(prediction), ensure_ascii=False))
+    else:
+        print(as_text(prediction, model, law).rstrip())
+    if prediction.failed:
+        tell(f"{prediction.failed} of {len(rows)} scenes could not be solved")
+        raise typer.Exit(1)

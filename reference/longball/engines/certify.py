@@ -1,0 +1,127 @@
+"""Answers with proven errors: an engine's doubles, and how far each is off at most.
+
+The enclosure engine solves the scene again in balls that hold the truth. A double's error is at
+most the distance to the far side of the ball, whatever engine the double is from. So a ball need
+not be small next to the double: it is enough that it is small next to the double's error, for which
+some 84 bits mostly do.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from decimal import ROUND_CEILING, Context
+from typing import Any
+
+from flint import arb
+
+from longball.engines.chain import BLOCKS, quantities_of, solve_each
+from longball.engines.enclosure import Enclosure
+from longball.engines.engine import Engine, ManyAtOnce, TooLong
+from longball.model import quantities
+from longball.model.result import Certified, Result
+from longball.model.scene import InvalidScene, Scene
+
+# Digits of the enclosure, tried in turn; it works with 64 bits more (`enclosure.balls`).
+DIGITS = (6, 20, 40, 60)
+
+# A ball does not matter if it is less than half an ulp, relative to the length of a vector.
+_NOTHING = 2.0**-53
+
+_RADIUS = Context(prec=2, rounding=ROUND_CEILING)
+
+
+@dataclass(frozen=True)
+class Certifying(ManyAtOnce):
+    """An engine whose answers are certified."""
+
+    engine: Engine[Any] | ManyAtOnce
+
+    def solve_all(self, scenes: Sequence[Scene], threads: int = 1) -> list[Result]:
+        """Return what `certify` returns for each scene's result, in order."""
+        results = solve_each(scenes, self.engine, threads)
+        return [certify(scene, result) for scene, result in zip(scenes, results, strict=True)]
+
+
+def certified(scene: Scene, engine: Engine[Any] | ManyAtOnce) -> Result:
+    """Return an engine's result of a scene, each number with a proven error; see `certify`."""
+    (result,) = Certifying(engine).solve_all([scene])
+    return result
+
+
+def certify(scene: Scene, result: Result) -> Result:
+    """Return a result with a proven error for each of its numbers.
+
+    Parameters
+    ----------
+    scene
+        What was solved.
+    result
+        By any engine. One with an error is returned as it is.
+
+    Returns
+    -------
+    Result
+        Its outcome is proven, and its numbers are `longball.model.result.Certified`. If that cannot
+        be had, the result as it is, with the reason as its `certificate`.
+    """
+    if result.error is not None:
+        return result
+    reason = ""
+    found: Result | None = None
+    for digits in DIGITS:
+        engine = Enclosure(digits)
+        try:
+            with engine.numbers.arithmetic():
+                found, tight = _with_errors(result, quantities_of(scene, engine))
+        except _Refuted as refuted:
+            reason = str(refuted)
+            break
+        except (ArithmeticError, ValueError) as error:
+            reason = f"the enclosure with {digits} digits proves nothing: {error}"
+            if isinstance(error, InvalidScene | TooLong):
+                break
+        else:
+            if tight:
+                break
+    return found or result.model_copy(update={"certificate": reason})
+
+
+class _Refuted(Exception):
+    """What a result says is proven to be otherwise, or is not what there is a proof of."""
+
+
+def _with_errors(result: Result, truth: dict[str, Any]) -> tuple[Result, bool]:
+    """Return a result with its proven errors, and whether smaller balls would hardly lower them."""
+    if result.outcome != truth["outcome"]:
+        raise _Refuted(f"the outcome is proven to be {truth['outcome']}, not {result.outcome}")
+    blocks = {name: dict(block) for name in BLOCKS if (block := getattr(result, name)) is not None}
+    tight = True
+    for name, proven in truth.items():
+        block, _, key = name.partition(".")
+        given = blocks.get(block, {}).get(key)
+        if given is None:
+            continue
+        one = not isinstance(proven, tuple)
+        pairs = [*zip([given] if one else given, [proven] if one else proven, strict=True)]
+        numbers = tuple(Certified(value=float(x), radius=_radius(float(x), b)) for x, b in pairs)
+        blocks[block][key] = numbers[0] if one else numbers
+        small = _NOTHING * math.hypot(*map(float, numbers))
+        tight &= all(b.rad() <= max(small, float(abs(b.mid() - float(x)))) for x, b in pairs)
+    certified = Result(**dict(result) | {name: BLOCKS[name](**b) for name, b in blocks.items()})
+    for name, number in quantities.numbers(certified):
+        if not isinstance(number, Certified):
+            raise _Refuted(f"there is no proof of {name} where the outcome is {result.outcome}")
+    return certified, tight
+
+
+def _radius(value: float, ball: arb) -> str:
+    """Return a decimal number that is at least the distance of all of a ball from a value."""
+    bound = abs(ball - value).upper()
+    if bound == 0:
+        return "0"
+    if not bound.is_finite():
+        raise OverflowError("a number is not finite")
+    above = math.nextafter(float(bound), math.inf)  # float() rounds to nearest
+    return f"{_RADIUS.create_decimal_from_float(above):e}"

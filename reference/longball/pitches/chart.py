@@ -1,0 +1,267 @@
+"""A table of pitches, read: what every row says, in the paper's terms.
+
+The paper knows four things of a pitch (Sec. II): its speed, whether it is straight or breaking,
+and in which cell of a 5 × 5 grid it crosses the plate. A table says the same in units and from a
+point of view of its own, which are declared here and never guessed.
+
+The grid. The middle 3 × 3 cells are the strike zone. Across, a cell is a third of home plate, the
+ledger's ``cell_width`` (0.144 m), the cells are numbered from left to right as the pitcher sees
+them, and the middle of the plate is the middle of cell 3. In height, the three cells between the
+batter's own ``bottom`` and ``top`` are equal, and cell 1 is the lowest. Cells 1 and 5 are the ring:
+open to the outside, so that every pitch is in some cell, as in a chart that shows every pitch.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal, Self, TextIO
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from longball.model.readings import SamplingReading
+from longball.pitches.table import (
+    LENGTH_UNITS,
+    SPEED_UNITS,
+    Booleans,
+    Counts,
+    Floats,
+    Omission,
+    Strict,
+    TableError,
+    and_more,
+    numbers,
+    read_table,
+    refuse_rows,
+    select_rows,
+    texts,
+)
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+# m/s: no pitch was ever measured faster than 47.4 (105.8 mph); far above it a unit is wrong.
+IMPOSSIBLE_SPEED = 60.0
+
+
+class Columns(Strict):
+    """Which column says what, in which unit, seen from where. The defaults are Statcast's."""
+
+    pitch_type: str = "pitch_type"
+    speed: str = Field(default="release_speed", description="speed at release")
+    speed_unit: Literal["mph", "km/h", "m/s"] = "mph"
+    speed_resolution: float = Field(
+        default=0.1,
+        ge=0.0,
+        description="step in which speeds are written, in their unit; 0: to many digits",
+    )
+    across: str = Field(default="plate_x", description="horizontal place at the plate")
+    height: str | None = Field(default="plate_z", description="height there; null: not recorded")
+    top: str = Field(default="sz_top", description="top of the strike zone, if height is a length")
+    bottom: str = Field(default="sz_bot", description="its bottom, if height is a length")
+    place_unit: Literal["ft", "in", "m", "cm", "cell"] = Field(
+        default="ft", description="of across, height, top and bottom; cell: indices from 1 to 5"
+    )
+    view: Literal["catcher", "pitcher"] = Field(
+        default="catcher", description="whose right is positive (or has the high cells)"
+    )
+    cell_width: float = Field(
+        default=SamplingReading().cell_width,
+        gt=0.0,
+        description="m, of a cell across; paper: not given",
+    )
+
+
+class PitchTypes(Strict):
+    """Which types of pitch are straight, which break. The defaults are for Statcast's codes.
+
+    The paper counts curves and two-seam fastballs among the breaking balls, so that straight is
+    the four-seam fastball alone, and with it the fastball that Statcast does not specify (FA).
+    """
+
+    straight: tuple[str, ...] = ("FF", "FA")
+    # fmt: off
+    breaking: tuple[str, ...] | None = Field(
+        default=(
+            "SI", "FT", "FC", "CH", "FS", "FO", "SC", "SL", "ST", "SV", "CU", "KC", "CS", "KN",
+            "EP", "GY",
+        ),
+        description="null: every type that is neither straight nor left out",
+    )
+    # fmt: on
+    left_out: tuple[str, ...] = Field(
+        default=("PO", "IN", "AB", "AS", "NP", "UN"),
+        description="pitchouts, balls and strikes that nobody threw, unknown pitches",
+    )
+
+    @model_validator(mode="after")
+    def _each_once(self) -> Self:
+        every = [*self.straight, *(self.breaking or ()), *self.left_out]
+        twice = sorted({name for name in every if every.count(name) > 1})
+        if twice:
+            raise ValueError(f"{', '.join(twice)}: a type of pitch can be in one class only")
+        return self
+
+
+@dataclass(frozen=True)
+class Pitches:
+    """The pitches of a table that say everything the analysis asks.
+
+    Attributes
+    ----------
+    source
+        Where they come from.
+    rows_read
+        How many rows the table has.
+    left_out
+        Which of them are not here. A row is listed under the first thing it lacks.
+    types
+        Type of each pitch, shape (n,).
+    straight
+        Whether it is a straight ball, shape (n,).
+    speed
+        m/s, shape (n,).
+    across
+        Where it crosses the plate, in cells: 3 is the middle, to the right of the pitcher is more.
+        Shape (n,).
+    height
+        In cells: 1.5 is the bottom of the strike zone, 4.5 its top. Shape (n,), or None.
+    columns
+        How the table was read.
+    """
+
+    source: str
+    rows_read: int
+    left_out: tuple[Omission, ...]
+    types: tuple[str, ...]
+    straight: Booleans
+    speed: Floats
+    across: Floats
+    height: Floats | None
+    columns: Columns
+
+
+def cell(place: Floats) -> Counts:
+    """Return the cell from 1 to 5 of a place measured in cells; the outer cells are open."""
+    return np.clip(np.floor(place + 0.5), 1, 5).astype(np.int64)
+
+
+def read_pitches(
+    table: str | Path | TextIO | pd.DataFrame,
+    columns: Columns | None = None,
+    types: PitchTypes | None = None,
+) -> Pitches:
+    """Read a table of pitches.
+
+    Parameters
+    ----------
+    table
+        A CSV file with a header, by its path or open; or a pandas DataFrame.
+    columns
+        Which column says what; default: Statcast's.
+    types
+        Which types of pitch are straight; default: for Statcast's codes.
+
+    Returns
+    -------
+    Pitches
+        Those of the rows that lack nothing; the others are listed with what they lack.
+
+    Raises
+    ------
+    TableError
+        If the table cannot be read, lacks a column, is empty, or holds something that is neither
+        a value nor missing.
+    """
+    columns, types = columns or Columns(), types or PitchTypes()
+    source, frame = read_table(table, _needed(columns))
+    kind = texts(frame[columns.pitch_type])
+    values = {str(name): numbers(frame[name]) for name in frame if name != columns.pitch_type}
+    lacks = [(f"{columns.pitch_type} is missing", kind.isna().to_numpy(dtype=bool))]
+    lacks += [
+        (f"{columns.pitch_type} is {name}", (kind == name).fillna(False).to_numpy(dtype=bool))
+        for name in types.left_out
+    ]
+    lacks += [(f"{name} is missing", np.isnan(column)) for name, column in values.items()]
+    left_out, keep = select_rows(lacks, len(frame))
+
+    names = tuple(str(name) for name in kind[keep])
+    rows = np.flatnonzero(keep) + 1
+    straight = _straight(names, rows, types, columns.pitch_type)
+    kept = {name: column[keep] for name, column in values.items()}
+    return Pitches(
+        source=source,
+        rows_read=len(frame),
+        left_out=left_out,
+        types=names,
+        straight=straight,
+        speed=_speed(kept[columns.speed], rows, columns),
+        across=_across(kept[columns.across], rows, columns),
+        height=_height(kept, rows, columns),
+        columns=columns,
+    )
+
+
+def _needed(columns: Columns) -> tuple[str, ...]:
+    needed = [columns.pitch_type, columns.speed, columns.across]
+    if columns.height is not None:
+        needed.append(columns.height)
+        if columns.place_unit != "cell":
+            needed += [columns.top, columns.bottom]
+    return tuple(needed)
+
+
+# --- its columns, in the paper's terms ------------------------------------------------------------
+
+
+def _straight(names: tuple[str, ...], rows: Counts, types: PitchTypes, column: str) -> Booleans:
+    if types.breaking is not None:
+        known = {*types.straight, *types.breaking}
+        strange = [row for row, name in zip(rows, names, strict=True) if name not in known]
+        if strange:
+            name = names[int(np.searchsorted(rows, strange[0]))]
+            raise TableError(
+                f"{column}: row {strange[0]} below the header has {name!r}, which is named neither "
+                f"as straight, nor as breaking, nor to be left out{and_more(len(strange))}"
+            )
+    straight = np.isin(names, types.straight)
+    for found, kind in ((straight, "straight"), (~straight, "breaking")):
+        if not found.any():
+            seen = ", ".join(sorted(set(names)))
+            raise TableError(f"{column}: no {kind} ball among the types of pitch here: {seen}")
+    return straight
+
+
+def _speed(speed: Floats, rows: Counts, columns: Columns) -> Floats:
+    metres_per_second = speed * SPEED_UNITS[columns.speed_unit]
+    too_fast = f"faster in {columns.speed_unit} than any pitch: is it the right unit?"
+    refuse_rows(speed <= 0.0, speed, rows, columns.speed, "a speed is positive")
+    refuse_rows(metres_per_second > IMPOSSIBLE_SPEED, speed, rows, columns.speed, too_fast)
+    return metres_per_second
+
+
+def _across(across: Floats, rows: Counts, columns: Columns) -> Floats:
+    if columns.place_unit == "cell":
+        _refuse_no_cell(across, rows, columns.across)
+        from_middle = across - 3.0
+    else:
+        from_middle = across * LENGTH_UNITS[columns.place_unit] / columns.cell_width
+    # Pitcher and catcher face each other: one's right is the other's left.
+    return 3.0 + (from_middle if columns.view == "pitcher" else -from_middle)
+
+
+def _height(kept: dict[str, Floats], rows: Counts, columns: Columns) -> Floats | None:
+    if columns.height is None:
+        return None
+    height = kept[columns.height]
+    if columns.place_unit == "cell":
+        _refuse_no_cell(height, rows, columns.height)
+        return height
+    top, bottom = kept[columns.top], kept[columns.bottom]
+    refuse_rows(top <= bottom, top, rows, columns.top, f"that is not above {columns.bottom}")
+    return 1.5 + 3.0 * (height - bottom) / (top - bottom)
+
+
+def _refuse_no_cell(values: Floats, rows: Counts, column: str) -> None:
+    refuse_rows(~np.isin(values, range(1, 6)), values, rows, column, "a cell is 1, 2, 3, 4 or 5")

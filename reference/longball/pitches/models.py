@@ -1,0 +1,154 @@
+"""Models of flight by name: values of a scene that a source gives together."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from longball.model.scene import Air, Ball
+from longball.pitches.statcast import RPM, MeasuredFlies, MeasuredPitches
+from longball.pitches.table import Floats
+
+Coefficient = float | Mapping[str, Any]
+
+STANDARD_GRAVITY = 9.80665  # m/s²
+
+
+@dataclass(frozen=True)
+class FlightModel:
+    """What acts on a measured ball.
+
+    Attributes
+    ----------
+    source
+        Whose it is, and what it was fitted to.
+    drag, lift
+        As ``drag_coefficient`` and ``lift_coefficient`` of a scene; None for both: no air.
+    density
+        kg/m³; None: of the weather of the game.
+    spin
+        Whether the ball has its spin; without it the scene has today's lift of a fixed axis.
+    ball
+        Mass and radius, where they are not the paper's.
+    gravity
+        m/s².
+    """
+
+    source: str
+    drag: Coefficient | None
+    lift: Coefficient | None
+    density: float | None = None
+    spin: bool = True
+    ball: Mapping[str, float] = field(default_factory=dict)
+    gravity: float = STANDARD_GRAVITY
+
+    def blocks(self, temperature: float, elevation: float) -> dict[str, Any]:
+        """Return the blocks of a scene in the weather of a game, K and m."""
+        air: dict[str, Any] | None = None
+        if self.drag is not None:
+            density: Any = self.density
+            if density is None:
+                density = {
+                    "temperature": temperature,
+                    "pressure": 101325.0,
+                    "humidity": 0.5,
+                    "elevation": elevation,
+                }
+            air = {
+                "density": density,
+                "drag_coefficient": self.drag,
+                "lift_coefficient": self.lift,
+            }
+        return {"air": air, "gravity": self.gravity, "ball": dict(self.ball)}
+
+
+def _of_unit_length(per_metre: float, density: float) -> float:
+    """Return the coefficient C whose ρ A C / (2 m) is a number of 1/m, for the paper's ball."""
+    ball = Ball()
+    return 2.0 * ball.mass * per_metre / (density * math.pi * ball.radius**2)
+
+
+_SEA_LEVEL_DENSITY = 1.2  # kg/m³; only the products that Giordano gives count
+_NATHAN_LIFT = {"law": "rational", "numerator": 1.12, "constant": 0.583, "slope": 2.333}
+# 5.125 oz, and 9.125 inches around: the middle of what the rules allow.
+_RULE_BALL = {"mass": 5.125 * 0.028349523125, "radius": 9.125 * 0.0254 / (2.0 * math.pi)}
+
+MODELS = {
+    "vacuum": FlightModel("no air", None, None, spin=False),
+    "paper": FlightModel(
+        "Kuninaka, Kosaka and Mizutani, Sec. III.B: C_D 0.4, C_L 0.2 upwards, 1.29 kg/m³",
+        Air().drag_coefficient, Air().lift_coefficient, Air().density, spin=False, gravity=9.8,
+    ),
+    "constants": FlightModel(
+        "constant C_D 0.385 and C_L 0.088: the best for the flies of the day that longball ships",
+        0.385, 0.088, spin=False,
+    ),
+    "giordano": FlightModel(
+        "N. J. Giordano and H. Nakanishi, Computational Physics (2nd ed. 2006), Sec. 2.3: drag "
+        "0.0039 + 0.0058/(1 + exp((v - 35)/5)) 1/m, Magnus force 4.1e-4 ω × v",
+        {
+            "law": "crisis",
+            "high_speed": _of_unit_length(0.0039, _SEA_LEVEL_DENSITY),
+            "low_speed": _of_unit_length(0.0039 + 0.0058, _SEA_LEVEL_DENSITY),
+            "speed": 35.0,
+            "width": 5.0,
+        },
+        {"law": "linear", "slope": _of_unit_length(4.1e-4, _SEA_LEVEL_DENSITY) / Ball().radius},
+        _SEA_LEVEL_DENSITY,
+    ),
+    "nathan": FlightModel(
+        "A. M. Nathan, Trajectory Calculator (2016; fitted to the batted balls of 2015), as in "
+        "pybaseball and gist.github.com/bdilday/8ed04a935b26a1a0291c82d9b3fd01e0",
+        {"law": "spin", "constant": 0.3008, "per_spin": 0.0292 / (1000.0 * RPM)},
+        _NATHAN_LIFT, ball=_RULE_BALL,
+    ),
+    "crisis": FlightModel(
+        "a drag crisis fitted to the pitches and flies of the day that longball ships, with "
+        "Nathan's lift",
+        {
+            "law": "crisis", "high_speed": 0.33, "low_speed": 0.50, "speed": 31.4, "width": 3.0,
+            "per_spin": 0.0078 / (1000.0 * RPM),
+        },
+        _NATHAN_LIFT,
+    ),
+}  # fmt: skip
+
+
+def regression_spin(flies: MeasuredFlies, side_spin: bool = True) -> Floats:
+    """Return the spin of batted balls that a published regression expects, rad/s, shape (n, 3).
+
+    In rpm and degrees, with s = 1 for a right-handed batter and -1 for a left-handed one, and the
+    direction φ of the launch positive to right field, backspin is -763 + 120 θ + 21 φ s, and side
+    spin -849 s - 94 φ. It was made for directions of launch, which a table does not have.
+    """
+    theta, phi = np.degrees(flies.angle), np.degrees(flies.bearing)
+    backspin = -763.0 + 120.0 * theta + 21.0 * phi * flies.side
+    side = -849.0 * flies.side - 94.0 * phi if side_spin else np.zeros_like(phi)
+    return flies.spin(backspin * RPM, side * RPM)
+
+
+# The share of a pitch's spin that is across its velocity at release, by Statcast's type: fitted
+# with the model "nathan" to all games of the day that longball ships (`python -m analysis
+# reality`, which also fits it to some of the games and predicts the others).
+ACTIVE_SHARE = {
+    "CH": 0.774, "CU": 0.439, "FA": 0.774, "FC": 0.19, "FF": 0.796, "FO": 0.57, "FS": 0.69,
+    "KC": 0.412, "SI": 0.78, "SL": 0.177, "ST": 0.418,
+}  # fmt: skip
+
+
+def expected_spin(
+    measured: MeasuredPitches | MeasuredFlies, active: Mapping[str, float] = ACTIVE_SHARE
+) -> Floats:
+    """Return the spin of measured balls, rad/s, shape (n, 3).
+
+    That of batted balls is `regression_spin`. Of a pitch's, rate and axis are measured, and the
+    share that is active is `active` of its type; the mean of all types where it has none.
+    """
+    if isinstance(measured, MeasuredFlies):
+        return regression_spin(measured)
+    usual = float(np.mean(list(active.values())))
+    return measured.spin(np.array([active.get(kind, usual) for kind in measured.labels]))

@@ -1,0 +1,236 @@
+"""Measured balls predicted: where an engine says they go, against where they went."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from longball.engines import chain
+from longball.engines.engine import Engine, ManyAtOnce
+from longball.model.result import Result
+from longball.model.scene import Scene, parse_scene
+from longball.pitches.models import FlightModel, expected_spin
+from longball.pitches.statcast import FOOT, MPH, MeasuredFlies, MeasuredPitches
+from longball.pitches.table import LENGTH_UNITS, Booleans, Floats
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+Measured = MeasuredPitches | MeasuredFlies
+
+INCH = LENGTH_UNITS["in"]
+
+# Bounds of the groups that flies are told by: degrees and mph.
+ANGLES = (10, 20, 25, 30, 35, 40, 60)
+SPEEDS = (60, 80, 90, 95, 100, 105, 125)
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """What a model says of measured balls.
+
+    Attributes
+    ----------
+    measured
+        The balls.
+    predicted
+        As ``measured.measured``, m: y and z at the plate, shape (n, 2), or the distance, (n, 1).
+        NaN where the ball does not get there.
+    without
+        Why other rows have no prediction, and how many each.
+    failed
+        How many of those the engine could not solve; the others do not get there.
+    """
+
+    measured: Measured
+    predicted: Floats
+    without: Mapping[str, int]
+    failed: int
+
+    @property
+    def error(self) -> Floats:
+        """Predicted minus measured, m."""
+        return self.predicted - self.measured.measured
+
+    @property
+    def solved(self) -> Booleans:
+        """Which rows have a prediction, shape (n,)."""
+        return ~np.isnan(self.predicted[:, 0])
+
+
+@dataclass(frozen=True)
+class Summary:
+    """Errors of a group of balls.
+
+    Attributes
+    ----------
+    group, count
+        What it is called, and how many.
+    bias
+        Mean error of each component, m.
+    rms
+        Root mean square of the length of the error, m.
+    """
+
+    group: str
+    count: int
+    bias: tuple[float, ...]
+    rms: float
+
+
+def scenes(measured: Measured, model: FlightModel, spin: Floats | None = None) -> Iterator[Scene]:
+    """Yield the scene of each measured ball.
+
+    Parameters
+    ----------
+    spin
+        rad/s, shape (n, 3); `longball.pitches.models.expected_spin` if it is left out. It counts
+        only if the model has spin.
+    """
+    if model.spin and spin is None:
+        spin = expected_spin(measured)
+    for i, row in enumerate(measured.rows.tolist()):
+        scene = {"id": f"row {row}"} | measured.scene(i)
+        if model.spin and spin is not None:
+            scene["pitch" if "pitch" in scene else "launch"]["spin"] = spin[i].tolist()
+        weather = float(measured.temperature[i]), float(measured.elevation[i])
+        yield parse_scene(json.dumps(scene | model.blocks(*weather)))
+
+
+def predict(
+    measured: Measured, model: FlightModel, engine: Engine[Any], spin: Floats | None = None
+) -> Prediction:
+    """Predict measured balls; arguments as of `scenes`."""
+    every = list(scenes(measured, model, spin))
+    if isinstance(engine, ManyAtOnce):
+        results = engine.solve_all(every)
+    else:
+        results = [chain.solve(scene, engine) for scene in every]
+    predicted = np.full(measured.measured.shape, np.nan)
+    without: Counter[str] = Counter()
+    for i, result in enumerate(results):
+        place = _place(result)
+        if place is None:
+            without[result.error or f"the ball is {result.outcome}"] += 1
+        else:
+            predicted[i] = place
+    return Prediction(measured, predicted, without, sum(r.error is not None for r in results))
+
+
+def _place(result: Result) -> tuple[float, ...] | None:
+    """Return y and z at the plate of a pitch, and the distance of a batted ball."""
+    if result.outcome == "crossed" and result.plate is not None:
+        return float(result.plate.position[1]), float(result.plate.position[2])
+    if result.outcome == "landed" and result.landing is not None:
+        return (float(result.landing.distance),)
+    return None
+
+
+def summaries(prediction: Prediction) -> list[Summary]:
+    """Return the errors of groups: pitches by type, flies by angle and speed; of all at the end."""
+    every = ("all", prediction.solved)
+    groups = [(name, which & prediction.solved) for name, which in _groups(prediction.measured)]
+    return [_summary(*group, prediction.error) for group in (*groups, every) if group[1].any()]
+
+
+def _groups(measured: Measured) -> Iterator[tuple[str, Booleans]]:
+    if isinstance(measured, MeasuredPitches):
+        kinds, counts = np.unique(measured.labels, return_counts=True)
+        for kind in kinds[np.argsort(-counts, kind="stable")]:
+            yield str(kind), measured.labels == kind
+        return
+    for what, unit, bounds, values in (
+        ("angle", "°", ANGLES, np.degrees(measured.angle)),
+        ("speed", " mph", SPEEDS, measured.speed / MPH),
+    ):
+        # Angles and speeds are written in whole or tenths of their units: a turn to radians and
+        # back must not move one over a bound.
+        rounded = np.round(values, 6)
+        for low, high in pairwise(bounds):
+            last = high == bounds[-1]
+            below = rounded <= high if last else rounded < high
+            yield f"{what} {low} to {high}{unit}", (rounded >= low) & below
+
+
+def _summary(group: str, which: Booleans, error: Floats) -> Summary:
+    chosen = error[which]
+    return Summary(
+        group,
+        len(chosen),
+        tuple(chosen.mean(axis=0).tolist()),
+        float(np.sqrt(np.mean(np.sum(chosen**2, axis=1)))),
+    )
+
+
+def as_frame(prediction: Prediction) -> pd.DataFrame:
+    """Return a row for each ball, in SI units and the frame of scenes."""
+    import pandas as pd
+
+    measured = prediction.measured
+    columns: dict[str, Any] = {"row": measured.rows}
+    if isinstance(measured, MeasuredPitches):
+        columns |= {"pitch_type": measured.labels, "spin_rate": measured.spin_rate}
+    else:
+        columns |= {"speed": measured.speed, "angle": measured.angle, "bearing": measured.bearing}
+    columns |= {"temperature": measured.temperature, "elevation": measured.elevation}
+    for what, values in (("measured", measured.measured), ("predicted", prediction.predicted)):
+        columns |= {f"{what}_{name}": values[:, i] for i, name in enumerate(components(measured))}
+    return pd.DataFrame(columns)
+
+
+def as_data(prediction: Prediction) -> dict[str, Any]:
+    """Return the summaries as plain data, in SI units and the frame of scenes."""
+    measured = prediction.measured
+    return {
+        "source": measured.source,
+        "rows_read": measured.rows_read,
+        "rows_used": len(measured),
+        "left_out": [each.model_dump() for each in measured.left_out],
+        "without_prediction": dict(prediction.without),
+        "components": list(components(measured)),
+        "groups": [asdict(each) for each in summaries(prediction)],
+    }
+
+
+def components(measured: Measured) -> tuple[str, ...]:
+    """Return the names of what is predicted of a ball."""
+    return ("y", "z") if isinstance(measured, MeasuredPitches) else ("distance",)
+
+
+def as_text(prediction: Prediction, name: str, model: FlightModel) -> str:
+    """Return the prediction as a table for people, in the units of the measurements."""
+    return "\n".join(_lines(prediction, name, model)) + "\n"
+
+
+def _lines(prediction: Prediction, name: str, model: FlightModel) -> Iterator[str]:
+    measured = prediction.measured
+    pitches = isinstance(measured, MeasuredPitches)
+    what = "pitches" if pitches else "batted balls"
+    yield f"{measured.source}: {len(measured)} {what} used of {measured.rows_read} rows"
+    yield from (f"  {each}" for each in measured.left_out)
+    yield from (f"  no prediction: {n}, {why}" for why, n in prediction.without.items())
+    if measured.weather_unknown:
+        yield f"  weather not known: {measured.weather_unknown}; taken as 20 °C at sea level"
+    yield f"model {name}: {model.source}"
+    yield ""
+    unit, label = (INCH, "in") if pitches else (FOOT, "ft")
+    # The catcher's right is where y is negative.
+    biases = ((f"right, {label}", -1.0), (f"up, {label}", 1.0)) if pitches else (
+        (f"bias, {label}", 1.0),
+    )  # fmt: skip
+    yield _row("", "n", *(title for title, _ in biases), f"RMS, {label}")
+    for each in summaries(prediction):
+        means = (
+            f"{sign * bias / unit:+.2f}" for bias, (_, sign) in zip(each.bias, biases, strict=True)
+        )
+        yield _row(each.group, str(each.count), *means, f"{each.rms / unit:.2f}")
+
+
+def _row(group: str, *values: str) -> str:
+    return f"{group:20}" + "".join(f"{value:>12}" for value in values)

@@ -1,0 +1,394 @@
+"""Rows of Statcast's tables as scenes: units, frames, spins, and the weather of a game.
+
+Statcast measures in feet, miles per hour, degrees and turns per minute, in a frame with x to the
+catcher's right, y from the tip of home plate to the pitcher, and z up. Scenes have x to the pitcher
+and y to the left of a catcher looking out, so that
+
+    (x, y, z) of a scene = (y, -x, z) of Statcast.
+
+A pitch is recorded as a fit of constant acceleration: `vx0`, …, `az` hold at y = 50 ft, and
+`plate_x` and `plate_z` where that fit crosses the front of the plate, 17 inches before its tip. The
+scene of a pitch begins at the release, with the velocity that the fit has there, and its plane
+x = 0 is the front of the plate. `spin_axis` is the axis projected on the plane of x and z: at 180°
+the ball has backspin, at 90° it breaks to the catcher's right.
+
+A batted ball is recorded with its speed and its angle of launch. Its direction is not: `hc_x` and
+`hc_y` say on a drawing of the field where a fielder took it, and the bearing of that place stands
+for the direction of the launch (Petti's transformation, baseballwithr.wordpress.com, 2018).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal, Self, TextIO
+
+import numpy as np
+
+from longball.pitches.table import (
+    DATA,
+    LENGTH_UNITS,
+    SPEED_UNITS,
+    Booleans,
+    Counts,
+    Floats,
+    Omission,
+    TableError,
+    numbers,
+    read_table,
+    refuse_rows,
+    select_rows,
+    texts,
+)
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+Kind = Literal["pitch", "batted"]
+
+FOOT = LENGTH_UNITS["ft"]
+MPH = SPEED_UNITS["mph"]
+RPM = 2.0 * np.pi / 60.0  # rad/s
+FAHRENHEIT = 1.0 / 1.8  # K of a degree
+
+GAMES = DATA / "games_2023-06-11.csv"
+PARKS = DATA / "parks.csv"
+
+# m: where the fit of a pitch holds, and the front of the plate, from its tip.
+FIT_PLANE = 50.0 * FOOT
+PLATE_FRONT = 17.0 / 12.0 * FOOT
+
+# The plate on the drawing that hc_x and hc_y are taken from.
+DRAWN_PLATE = (125.42, 198.27)
+
+# m: bat and ball meet some 2 ft before the plate's tip and 3 ft above the ground: Nathan's
+# Trajectory Calculator begins there.
+CONTACT = (2.0 * FOOT, 0.0, 3.0 * FOOT)
+
+# K and m, where nothing is known of a game: a mild day by the sea.
+USUAL_TEMPERATURE, SEA_LEVEL = 293.15, 0.0
+
+# Of the flies that are predicted: rad and m/s. A flatter ball is not measured where it lands but
+# where it bounces or is stopped, and a slower one hardly flies.
+LOWEST, HIGHEST, SLOWEST = np.radians(10.0), np.radians(60.0), 60.0 * MPH
+
+
+@dataclass(frozen=True)
+class Rows:
+    """Rows of a table that say all that is asked; arrays have a row for each, in SI units.
+
+    Attributes
+    ----------
+    source, rows_read, left_out
+        Where they come from, of how many, and which of those are not here.
+    rows
+        Their numbers, from 1 below the header.
+    games
+        Number of the game of each; 0 if the table does not say.
+    temperature, elevation
+        Of the air and the park, K and m.
+    weather_unknown
+        For how many the usual values stand there.
+    """
+
+    source: str
+    rows_read: int
+    left_out: tuple[Omission, ...]
+    rows: Counts
+    games: Counts
+    temperature: Floats
+    elevation: Floats
+    weather_unknown: int
+
+    def __len__(self) -> int:
+        """Return how many rows there are."""
+        return len(self.rows)
+
+    def chosen(self, which: Booleans) -> Self:
+        """Return some of the rows."""
+        parts = {each.name: getattr(self, each.name) for each in fields(self)}
+        arrays = {k: v[which] for k, v in parts.items() if isinstance(v, np.ndarray)}
+        return type(self)(**(parts | arrays))
+
+
+@dataclass(frozen=True)
+class MeasuredPitches(Rows):
+    """Pitches in the frame of scenes.
+
+    Attributes
+    ----------
+    labels
+        Statcast's types.
+    release, velocity
+        Shape (n, 3), at the release.
+    spin_rate
+        rad/s.
+    axis
+        Unit vectors, shape (n, 3): of the part of the spin across the velocity.
+    hand
+        1 for a right-handed pitcher, -1 for a left-handed one.
+    measured
+        Where the pitch crosses the front of the plate: y and z, shape (n, 2).
+    """
+
+    labels: Any
+    release: Floats
+    velocity: Floats
+    spin_rate: Floats
+    axis: Floats
+    hand: Floats
+    measured: Floats
+
+    def spin(self, active: Floats) -> Floats:
+        """Return the spin, rad/s, of which a share `active` is across the velocity at release.
+
+        The rest is along it. Its sign is that of a bullet's spin, which the fingers of a
+        right-handed pitcher give: clockwise as he sees it; a left-handed pitcher's is opposite.
+        """
+        along = self.velocity / np.linalg.norm(self.velocity, axis=1, keepdims=True)
+        gyro = (self.hand * np.sqrt(1.0 - active**2))[:, None] * along
+        spin: Floats = self.spin_rate[:, None] * (active[:, None] * self.axis + gyro)
+        return spin
+
+    def scene(self, i: int) -> dict[str, Any]:
+        """Return what a scene says of the i-th pitch, without its spin."""
+        pitch = {"release": self.release[i].tolist(), "velocity": self.velocity[i].tolist()}
+        return {"kind": "pitch", "pitch": pitch}
+
+
+@dataclass(frozen=True)
+class MeasuredFlies(Rows):
+    """Batted balls in the frame of scenes.
+
+    Attributes
+    ----------
+    speed
+        m/s, off the bat.
+    angle
+        rad, of the launch above the horizontal.
+    bearing
+        rad, positive to right field.
+    side
+        1 for a right-handed batter, -1 for a left-handed one.
+    measured
+        `hit_distance_sc`, m, shape (n, 1).
+    """
+
+    speed: Floats
+    angle: Floats
+    bearing: Floats
+    side: Floats
+    measured: Floats
+
+    @property
+    def velocity(self) -> Floats:
+        """At the launch, m/s, shape (n, 3)."""
+        return self.speed[:, None] * directions(self.angle, self.bearing)
+
+    def spin(self, backspin: Floats, side_spin: Floats) -> Floats:
+        """Return the spin, rad/s, shape (n, 3), from its two parts across the velocity.
+
+        Backspin turns about a horizontal axis and lifts; side spin about the axis across it, in
+        the vertical plane of the launch, and turns the ball to the left where it is positive.
+        """
+        ahead = self.bearing
+        lifts = np.stack([-np.sin(ahead), -np.cos(ahead), np.zeros_like(ahead)], axis=1)
+        turns = directions(self.angle + np.pi / 2, ahead)
+        spin: Floats = backspin[:, None] * lifts + side_spin[:, None] * turns
+        return spin
+
+    def scene(self, i: int) -> dict[str, Any]:
+        """Return what a scene says of the i-th ball, without its spin."""
+        launch = {"position": list(CONTACT), "velocity": self.velocity[i].tolist()}
+        return {"kind": "flight", "launch": launch}
+
+
+def directions(angle: Floats, bearing: Floats) -> Floats:
+    """Return unit vectors at an angle above the horizontal and a bearing to the right, rad."""
+    level = np.cos(angle)
+    parts = [level * np.cos(bearing), -level * np.sin(bearing), np.sin(angle)]
+    return np.stack(parts, axis=-1)
+
+
+def read_measured(
+    table: str | Path | TextIO | pd.DataFrame,
+    kind: Kind,
+    games: str | Path | pd.DataFrame = GAMES,
+) -> MeasuredPitches | MeasuredFlies:
+    """Read measured pitches or batted balls from a table in Statcast's columns.
+
+    Parameters
+    ----------
+    table
+        A CSV file with a header, by its path or open; or a pandas DataFrame.
+    kind
+        What of it: the pitches, or the flies among the batted balls.
+    games
+        A table of ``game_pk``, ``temperature`` (°F) and ``park``; the rows of other games get
+        the usual temperature, at sea level.
+
+    Raises
+    ------
+    TableError
+        If a table cannot be used; the message says which column or row, and why.
+    """
+    return _pitches(table, games) if kind == "pitch" else _flies(table, games)
+
+
+# --- pitches --------------------------------------------------------------------------------------
+
+_PITCH_NUMBERS = (
+    "release_spin_rate", "spin_axis", "release_pos_x", "release_pos_y", "release_pos_z",
+    "vx0", "vy0", "vz0", "ax", "ay", "az", "plate_x", "plate_z",
+)  # fmt: skip
+
+
+def _pitches(table: Any, games: Any) -> MeasuredPitches:
+    source, frame = read_table(table, ["game_pk", "pitch_type", "p_throws", *_PITCH_NUMBERS])
+    kind, hand = texts(frame["pitch_type"]), _side(frame["p_throws"])
+    values = {name: numbers(frame[name]) for name in _PITCH_NUMBERS}
+    lacks = [
+        ("pitch_type is missing", kind.isna().to_numpy(dtype=bool)),
+        ("p_throws is missing", np.isnan(hand)),
+        *((f"{name} is missing", np.isnan(column)) for name, column in values.items()),
+        ("plate_z is below the ground: it bounced first", values["plate_z"] < 0.0),
+    ]
+    left_out, keep = select_rows(lacks, len(frame))
+    kept = {name: column[keep] for name, column in values.items()}
+    rows = np.flatnonzero(keep) + 1
+    refuse_rows(kept["vy0"] >= 0.0, kept["vy0"], rows, "vy0", "a pitch flies towards the plate")
+    before = kept["release_pos_y"] * FOOT <= PLATE_FRONT
+    refuse_rows(before, kept["release_pos_y"], rows, "release_pos_y", "behind the plate's front")
+
+    def vector(*names: str) -> Floats:
+        return np.stack([kept[name] for name in names], axis=1) * FOOT
+
+    velocity, acceleration = vector("vx0", "vy0", "vz0"), vector("ax", "ay", "az")
+    release = vector("release_pos_x", "release_pos_y", "release_pos_z")
+    since = _time_of_plane(velocity[:, 1], acceleration[:, 1], release[:, 1] - FIT_PLANE)
+    at_release = _in_our_frame(velocity + acceleration * since[:, None])
+    angle = np.radians(kept["spin_axis"])
+    axis = _in_our_frame(np.stack([np.cos(angle), np.zeros_like(angle), np.sin(angle)], axis=1))
+    return MeasuredPitches(
+        **_common(source, frame, left_out, keep, games),
+        labels=kind[keep].to_numpy(dtype=str),
+        release=_in_our_frame(release) - [PLATE_FRONT, 0.0, 0.0],
+        velocity=at_release,
+        spin_rate=kept["release_spin_rate"] * RPM,
+        axis=_across(axis, at_release),
+        hand=hand[keep],
+        measured=np.stack([-kept["plate_x"], kept["plate_z"]], axis=1) * FOOT,
+    )
+
+
+def _in_our_frame(vectors: Floats) -> Floats:
+    x, y, z = vectors.T
+    return np.stack([y, -x, z], axis=1)
+
+
+def _time_of_plane(speed: Floats, acceleration: Floats, distance: Floats) -> Floats:
+    """Return the root nearest to 0 of speed · t + acceleration · t²/2 = distance."""
+    root = np.sqrt(np.maximum(speed**2 + 2.0 * acceleration * distance, 0.0))
+    time: Floats = 2.0 * distance / (speed - root)
+    return time
+
+
+def _across(axis: Floats, velocity: Floats) -> Floats:
+    """Return the unit vectors of what is across the velocity."""
+    along = velocity / np.linalg.norm(velocity, axis=1, keepdims=True)
+    across = axis - np.sum(axis * along, axis=1, keepdims=True) * along
+    unit: Floats = across / np.linalg.norm(across, axis=1, keepdims=True)
+    return unit
+
+
+# --- batted balls ---------------------------------------------------------------------------------
+
+_BATTED_NUMBERS = ("launch_speed", "launch_angle", "hit_distance_sc", "hc_x", "hc_y")
+
+
+def _flies(table: Any, games: Any) -> MeasuredFlies:
+    source, frame = read_table(table, ["game_pk", "stand", *_BATTED_NUMBERS])
+    side = _side(frame["stand"])
+    values = {name: numbers(frame[name]) for name in _BATTED_NUMBERS}
+    speed, angle = values["launch_speed"] * MPH, np.radians(values["launch_angle"])
+    lacks = [
+        *((f"{name} is missing", np.isnan(column)) for name, column in values.items()),
+        ("stand is missing", np.isnan(side)),
+        ("launch_angle is not between 10° and 60°", ~((angle >= LOWEST) & (angle <= HIGHEST))),
+        ("launch_speed is not above 60 mph", ~(speed > SLOWEST)),
+    ]
+    left_out, keep = select_rows(lacks, len(frame))
+    x, y = values["hc_x"][keep] - DRAWN_PLATE[0], DRAWN_PLATE[1] - values["hc_y"][keep]
+    return MeasuredFlies(
+        **_common(source, frame, left_out, keep, games),
+        speed=speed[keep],
+        angle=angle[keep],
+        bearing=np.arctan2(x, y),
+        side=side[keep],
+        measured=values["hit_distance_sc"][keep, None] * FOOT,
+    )
+
+
+# --- both -----------------------------------------------------------------------------------------
+
+
+def _side(column: pd.Series) -> Floats:
+    """Return 1 for R, -1 for L, NaN where there is neither.
+
+    Raises
+    ------
+    TableError
+        If something else stands there.
+    """
+    text = texts(column)
+    odd = text.notna() & ~text.isin(["R", "L"])
+    if odd.any():
+        raise TableError(
+            f"{column.name}: row {int(np.argmax(odd)) + 1} below the header has "
+            f"{text[odd].iloc[0]!r}, which is neither R nor L"
+        )
+    right, left = ((text == x).to_numpy(dtype=bool, na_value=False) for x in ("R", "L"))
+    side: Floats = np.select([right, left], [1.0, -1.0], np.nan)
+    return side
+
+
+def _common(
+    source: str, frame: pd.DataFrame, left_out: tuple[Omission, ...], keep: Booleans, games: Any
+) -> dict[str, Any]:
+    game = numbers(frame["game_pk"])[keep]
+    temperature, elevation = (
+        np.array([known.get(pk, np.nan) for pk in game.tolist()]) for known in _weather(games)
+    )
+    unknown = np.isnan(temperature)
+    return {
+        "source": source,
+        "rows_read": len(frame),
+        "left_out": left_out,
+        "rows": np.flatnonzero(keep) + 1,
+        "games": np.nan_to_num(game).astype(np.int64),
+        "temperature": np.where(unknown, USUAL_TEMPERATURE, temperature),
+        "elevation": np.where(unknown, SEA_LEVEL, elevation),
+        "weather_unknown": int(unknown.sum()),
+    }
+
+
+def _weather(games: Any) -> tuple[dict[float, float], dict[float, float]]:
+    """Return the temperature of each game, K, and the elevation of its park, m."""
+    _, parks = read_table(PARKS, ["park", "elevation"])
+    height = dict(zip(texts(parks["park"]), numbers(parks["elevation"]) * FOOT, strict=True))
+    source, frame = read_table(games, ["game_pk", "temperature", "park"])
+    game, park = numbers(frame["game_pk"]), texts(frame["park"])
+    celsius = (numbers(frame["temperature"]) - 32.0) * FAHRENHEIT
+    if np.isnan(game).any() or np.isnan(celsius).any():
+        raise TableError(f"{source}: a game has no game_pk or no temperature")
+    if strange := sorted(set(park.dropna()) - set(height)):
+        raise TableError(
+            f"{source}: park: {strange[0]!r} is not one whose elevation is known; they are "
+            f"{', '.join(height)}"
+        )
+    if park.isna().any():
+        raise TableError(f"{source}: a game has no park")
+    return (
+        dict(zip(game.tolist(), (celsius + 273.15).tolist(), strict=True)),
+        dict(zip(game.tolist(), [float(height[name]) for name in park], strict=True)),
+    )

@@ -1,0 +1,269 @@
+"""Scenes and results as tables: a row for each scene, a column for each number.
+
+Columns bear the names of the numbers (`longball.model.quantities`): ``pitch.aim[0]``,
+``landing.distance``. ``kind`` and ``id`` are columns as well. An empty cell is a value left out.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from itertools import product
+from typing import TYPE_CHECKING, Any, overload
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel
+
+from longball.api import Solution, as_engine, as_scene
+from longball.engines import chain
+from longball.engines.chain import BLOCKS
+from longball.engines.engine import Engine, ManyAtOnce
+from longball.model.quantities import flat, nested, replaced
+from longball.model.result import Result
+from longball.model.scene import AtBatScene, ImpactScene, InvalidScene, PitchScene, Scene
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+@overload
+def solve_many(
+    scenes: Mapping[str, Any] | pd.DataFrame,
+    engine: str | Engine[Any] = "batch",
+    *,
+    workers: int = -1,
+    **options: Any,
+) -> pd.DataFrame: ...
+
+
+@overload
+def solve_many(
+    scenes: Iterable[object],
+    engine: str | Engine[Any] = "batch",
+    *,
+    workers: int = -1,
+    **options: Any,
+) -> list[Solution]: ...
+
+
+def solve_many(
+    scenes: Any, engine: str | Engine[Any] = "batch", *, workers: int = -1, **options: Any
+) -> Any:
+    """Solve many scenes.
+
+    Parameters
+    ----------
+    scenes
+        Scenes as `solve` takes them; or columns: a mapping or a DataFrame from the names of
+        numbers (``pitch.speed``, ``pitch.aim[0]``, ``swing.tilt``, …), and from ``kind``, to arrays
+        of shape (n,) or to one value for all scenes.
+    engine, options
+        As in `solve`.
+    workers
+        Threads of the batch engine, processes of another; -1: one per core. The answers do not
+        depend on it.
+
+    Returns
+    -------
+    list of Solution or pandas.DataFrame
+        Solutions in the order of the scenes; one without an answer has an `error`. Of columns a
+        table with a row for each scene: ``outcome``, ``plate.time``, ``landing.distance``,
+        ``landing.position[0]``, …, NaN where there is none; ``error`` and ``code`` say why a row
+        has no outcome. ``id`` is there if the columns have it.
+
+    Raises
+    ------
+    InvalidScene
+        If no row of the columns is a scene.
+    ValueError, TypeError
+        As in `solve`; or if the columns differ in length.
+
+    Examples
+    --------
+    >>> import longball as lb
+    >>> speeds = [30.0, 35.0, 40.0]
+    >>> table = lb.solve_many({"kind": "pitch", "pitch.speed": speeds})
+    >>> table["plate.time"].round(4).tolist()
+    [0.6581, 0.5644, 0.494]
+    """
+    solver = as_engine(engine, options)
+    if workers == -1:
+        workers = os.cpu_count() or 1
+    if isinstance(scenes, Mapping) or hasattr(scenes, "columns"):
+        names = getattr(scenes, "columns", scenes)
+        return _solve_table({name: scenes[name] for name in names}, solver, workers)
+    if isinstance(scenes, str | bytes | BaseModel):
+        raise TypeError("solve_many takes a list of scenes or columns; lb.solve takes one scene")
+    return [
+        Solution(asked if isinstance(asked, BaseModel) else None, result, solver)
+        for asked, result in solve_each(scenes, solver, workers)
+    ]
+
+
+def solve_each(
+    written: Iterable[object], solver: Engine[Any], workers: int
+) -> Iterator[tuple[Scene | InvalidScene, Result]]:
+    """Yield scenes, or why they are none, with their results."""
+    asked = [*map(_as_scene_or_error, written)]
+    valid = [scene for scene in asked if not isinstance(scene, InvalidScene)]
+    results = iter(_solve_valid(valid, solver, workers))
+    for scene in asked:
+        if isinstance(scene, InvalidScene):
+            yield scene, Result(id=scene.scene_id, error=str(scene), code=scene.code)
+        else:
+            yield scene, next(results)
+
+
+def _as_scene_or_error(written: object) -> Scene | InvalidScene:
+    try:
+        return as_scene(written)
+    except InvalidScene as error:
+        return error
+
+
+# Starting processes takes a second or two: as long as so many scenes take some engines.
+_FEW = 100
+
+
+def _solve_valid(scenes: list[Scene], solver: Engine[Any], workers: int) -> Iterable[Result]:
+    if isinstance(solver, ManyAtOnce):
+        return solver.solve_all(scenes, workers)
+    if workers == 1 or len(scenes) < _FEW:
+        return (chain.solve(scene, solver) for scene in scenes)
+    from joblib import Parallel, delayed  # slow to import
+
+    tasks = (delayed(chain.solve)(scene, solver) for scene in scenes)
+    return Parallel(n_jobs=workers, return_as="generator")(tasks)  # type: ignore[no-any-return]
+
+
+# --- columns --------------------------------------------------------------------------------------
+
+# Corners of the box that columns span: with more columns there are too many to try.
+_MOST_COLUMNS = 12
+
+
+def _solve_table(columns: Mapping[str, Any], solver: Engine[Any], workers: int) -> pd.DataFrame:
+    """Solve the scenes of columns; see `solve_many`."""
+    from longball.engines.batch import Batch, solve_columns
+
+    fixed, varied = _split(columns)
+    if isinstance(solver, Batch) and (base := _all_valid(fixed, varied)) is not None:
+        ids = varied.pop("id", None)
+        table = solve_columns(base, varied, solver, workers)
+        return _frame(table, ids, dict(_reasons(base, varied, table["outcome"], solver)))
+    rows = [*_rows(fixed, varied)]
+    solved = [*solve_each((_scene_of(row) for row in rows), solver, workers)]
+    errors = [asked for asked, _ in solved if isinstance(asked, InvalidScene)]
+    if errors and len(errors) == len(rows):
+        raise errors[0]
+    frame = results_table(result for _, result in solved)
+    return frame.drop(columns=[name for name in ("engine", "id") if name not in columns])
+
+
+def _split(columns: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
+    """Return what all scenes have in common, and columns, by name."""
+    fixed: dict[str, Any] = {}
+    varied: dict[str, NDArray[Any]] = {}
+    for name, value in columns.items():
+        if isinstance(value, Mapping):
+            fixed |= flat({name: value})
+        elif isinstance(value, str | bytes) or np.ndim(value) == 0:
+            fixed[name] = value
+        else:
+            varied[name] = np.asarray(value)
+    shapes = {name: column.shape for name, column in varied.items()}
+    if len({*shapes.values()}) > 1 or any(len(shape) != 1 for shape in shapes.values()):
+        told = ", ".join(f"{name} {shape}" for name, shape in shapes.items())
+        raise ValueError(f"columns must be one-dimensional and equally long; these are {told}")
+    texts = [name for name, column in varied.items() if column.dtype.kind in "OUT"]
+    if len(texts) < len(varied):  # there is a column of numbers that tells how many scenes
+        for name in texts:
+            values = varied[name].tolist()
+            if name != "id" and all(value == values[0] for value in values):
+                del varied[name]
+                fixed |= dict.fromkeys([name], *values[:1])
+    return fixed, varied
+
+
+def _all_valid(fixed: Mapping[str, Any], varied: Mapping[str, NDArray[Any]]) -> Scene | None:
+    """Return one of the scenes if it is certain that all of them are valid.
+
+    Every condition on a scene, but for that of an impact, holds in a convex set of its numbers:
+    what holds at all corners of the box that the columns span holds in the box.
+    """
+    columns = {name: column for name, column in varied.items() if name != "id"}
+    numeric = all(np.issubdtype(c.dtype, np.number) and c.size for c in columns.values())
+    if not numeric or len(columns) > _MOST_COLUMNS:
+        return None
+    ends = [{float(column.min()), float(column.max())} for column in columns.values()]
+    corners = [dict(zip(columns, corner, strict=True)) for corner in product(*ends)]
+    try:
+        base = as_scene(_scene_of({**fixed, **corners[0]}))
+        if isinstance(base, ImpactScene):
+            return None
+        for corner in corners[1:]:
+            replaced(base, corner)
+    except ValueError:
+        return None
+    return base
+
+
+def _rows(fixed: Mapping[str, Any], varied: Mapping[str, NDArray[Any]]) -> Iterator[dict[str, Any]]:
+    for values in zip(*(column.tolist() for column in varied.values()), strict=True):
+        yield {**fixed, **dict(zip(varied, values, strict=True))}
+    if not varied:
+        yield dict(fixed)
+
+
+def _scene_of(row: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the scene of a row as plain data; without what is left out."""
+    given = {name: value for name, value in row.items() if value is not None and value == value}
+    return nested(given, _DEFAULTS.get(given.get("kind")))
+
+
+# Of kinds that need no block, to complete vectors from.
+_DEFAULTS: dict[Any, Scene] = {scene.kind: scene for scene in (PitchScene(), AtBatScene())}
+
+
+def _reasons(
+    base: Scene, columns: Mapping[str, NDArray[Any]], outcomes: NDArray[Any], solver: Engine[Any]
+) -> Iterator[tuple[int, Result]]:
+    """Yield the numbers of rows without an outcome, with results that say why."""
+    for i in np.flatnonzero(outcomes == "").tolist():
+        yield i, chain.solve(replaced(base, {n: float(c[i]) for n, c in columns.items()}), solver)
+
+
+def _frame(
+    table: Mapping[str, NDArray[Any]], ids: NDArray[Any] | None, reasons: Mapping[int, Result]
+) -> pd.DataFrame:
+    import pandas as pd
+
+    named = {} if ids is None else {"id": ids}
+    frame = pd.DataFrame({**named, **table})
+    frame["error"] = frame["code"] = pd.Series(None, frame.index, "str")
+    for i, result in reasons.items():
+        frame.loc[i, ["outcome", "error", "code"]] = None, result.error, result.code
+    return frame
+
+
+def results_table(results: Iterable[Result]) -> pd.DataFrame:
+    """Return results as a table, with the columns in the contract's order."""
+    import pandas as pd
+
+    rows = [dict(flat(json.loads(result.line()))) for result in results]
+    names = {name: None for row in rows for name in row}
+    names |= dict.fromkeys(_TEXTS)
+    return pd.DataFrame(rows, columns=sorted(names, key=_place)).astype(_TEXTS)
+
+
+_TEXTS = {"outcome": "str", "error": "str", "code": "str"}  # columns that are always there
+
+
+def _place(name: str) -> tuple[int, int, str]:
+    """Return where a column of results stands among others."""
+    block, key, rest = re.split(r"\W", f"{name}..", maxsplit=2)
+    keys = [*BLOCKS[block].model_fields] if block in BLOCKS else [""]
+    return [*Result.model_fields].index(block), keys.index(key), rest

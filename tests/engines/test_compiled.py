@@ -1,0 +1,161 @@
+"""Compiled code that is kept for later processes: never out of date, never trusted when damaged."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from longball.engines import compiled
+
+DAMAGES: list[Callable[[bytes], bytes]] = [
+    lambda whole: b"",
+    lambda whole: whole[:50],
+    lambda whole: whole[:-1],
+    lambda whole: whole[:40] + bytes([whole[40] ^ 1]) + whole[41:],
+    lambda whole: bytes(len(whole)),
+]
+
+
+def test_a_change_of_any_source_changes_the_key(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    package = tmp_path / "longball"
+    shutil.copytree(compiled.PACKAGE, package, ignore=shutil.ignore_patterns("data", "__pycache__"))
+    monkeypatch.setattr(compiled, "PACKAGE", package)
+    read = compiled.sources.__wrapped__
+    before = read()
+    files = [file for pattern in compiled.SOURCES for file in package.glob(pattern)]
+    assert len(files) > len(compiled.SOURCES)
+    for file in files:
+        text = file.read_text()
+        file.write_text(text + "#\n")
+        assert read() != before, file
+        file.write_text(text)
+    assert read() == before
+
+
+def test_every_module_with_compiled_functions_is_among_the_sources() -> None:
+    sources = {file for pattern in compiled.SOURCES for file in compiled.PACKAGE.glob(pattern)}
+    decorated = {
+        file
+        for file in compiled.PACKAGE.rglob("*.py")
+        if "\n@compiled\n" in file.read_text() or "\n@inner\n" in file.read_text()
+    }
+    assert decorated
+    assert decorated <= sources
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    return tmp_path
+
+
+def test_code_is_kept_and_made_anew_when_its_file_is_not_what_was_written(folder: Path) -> None:
+    made: list[int] = []
+
+    def make() -> bytes:
+        made.append(1)
+        return b"code" * 100
+
+    assert compiled.stored("law", ["a"], make) == compiled.stored("law", ["a"], make)
+    assert len(made) == 1
+    (file,) = folder.iterdir()
+    for count, damage in enumerate(DAMAGES, 2):
+        file.write_bytes(damage(file.read_bytes()))
+        assert compiled.stored("law", ["a"], make) == b"code" * 100
+        assert len(made) == count
+    compiled.stored("law", ["b"], make)
+    assert len(made) == len(DAMAGES) + 2
+
+
+def test_a_compiled_function_is_kept(folder: Path) -> None:
+    def fresh() -> Callable[[float], float]:
+        def twice(x: float) -> float:
+            return 2.0 * x
+
+        return compiled.compiled(twice)
+
+    def hits(function: Callable[[float], float]) -> int:
+        assert function(3.0) == 6.0
+        return sum(function._cache_hits.values())  # type: ignore[attr-defined]
+
+    assert [hits(fresh()), hits(fresh())] == [0, 1]
+    (file,) = folder.iterdir()
+    for damage in DAMAGES:
+        file.write_bytes(damage(file.read_bytes()))
+        assert [hits(fresh()), hits(fresh())] == [0, 1]
+
+
+def test_so_is_one_of_a_printed_module(folder: Path) -> None:
+    source = (
+        "from longball.engines.compiled import compiled\n"
+        "@compiled\ndef twice(x):\n    return 2.0 * x\n"
+    )
+    for hits in (0, 1):
+        module = compiled.module_of.__wrapped__(source)
+        assert module.twice(3.0) == 6.0
+        assert sum(module.twice._cache_hits.values()) == hits
+    other = compiled.module_of(source.replace("2.0", "3.0"))
+    assert other.twice(3.0) == 9.0
+    assert len(list(folder.iterdir())) == 2
+
+
+def test_a_folder_that_is_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "file").touch()
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "file"))
+    assert compiled.stored("law", ["a"], lambda: b"code") == b"code"
+    assert compiled.compiled(lambda x: x + 1.0)(1.0) == 2.0
+
+
+def test_a_disk_that_is_full_leaves_no_halves(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(*arguments: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "replace", full)
+    assert compiled.stored("law", ["a"], lambda: b"code") == b"code"
+    assert list(folder.iterdir()) == []
+
+
+def test_neither_package_nor_home_can_be_written_to(tmp_path: Path) -> None:
+    """What files are in the way of is closed to all users, to root too."""
+    package = tmp_path / "longball"
+    package.mkdir()
+    for part in compiled.PACKAGE.iterdir():
+        if part.name not in ("engines", "__pycache__"):
+            (package / part.name).symlink_to(part)
+    ignored = shutil.ignore_patterns("__pycache__")
+    shutil.copytree(compiled.PACKAGE / "engines", package / "engines", ignore=ignored)
+    (package / "engines" / "__pycache__").touch()
+    (tmp_path / "home").touch()
+    code = """
+import sys
+from longball.cli import app
+from longball.engines import compiled
+from longball.judge import assert_case, cases
+assert compiled.__file__.startswith(sys.argv[1]), compiled.__file__
+assert_case(cases("flight-vacuum")[0], cases("flight-vacuum")[0].expected)
+open(sys.argv[2], "w").write('{"id": "a", "kind": "at-bat"}')
+app(["solve", "--engine", "verlet", sys.argv[2]], standalone_mode=False)
+"""
+    environment = {**os.environ, "HOME": str(tmp_path / "home"), "PYTHONPATH": str(tmp_path)}
+    for name in ("NUMBA_CACHE_DIR", "XDG_CACHE_HOME"):
+        environment.pop(name, None)
+    run = subprocess.run(
+        [sys.executable, "-B", "-c", code, str(tmp_path), str(tmp_path / "scene.jsonl")],
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert run.returncode == 0, run.stderr
+    assert '"outcome": "missed"' in run.stdout
+    assert run.stderr == ""

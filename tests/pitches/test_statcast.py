@@ -1,0 +1,255 @@
+"""Statcast's rows as scenes: units and frames against numbers worked by hand."""
+
+import io
+import math
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from longball.pitches import EXAMPLE, TableError
+from longball.pitches.models import regression_spin
+from longball.pitches.statcast import read_measured
+
+PITCH = {
+    "game_pk": 717798, "pitch_type": "FF", "p_throws": "R", "release_spin_rate": 2400,
+    "spin_axis": 180, "release_pos_x": -2, "release_pos_y": 55, "release_pos_z": 6,
+    "vx0": 6, "vy0": -130, "vz0": -4, "ax": -12, "ay": 30, "az": -15,
+    "plate_x": 0.5, "plate_z": 2.5,
+}  # fmt: skip
+BATTED = {
+    "game_pk": 717798, "stand": "R", "launch_speed": 100, "launch_angle": 30,
+    "hit_distance_sc": 400, "hc_x": 125.42, "hc_y": 48.27,
+}  # fmt: skip
+
+# A few roundings of numbers of this size.
+close = pytest.approx
+
+
+def table(*rows):
+    lines = [",".join(rows[0]), *(",".join(map(str, row.values())) for row in rows)]
+    return io.StringIO("\n".join(lines) + "\n")
+
+
+def pitches(**changes):
+    return read_measured(table(PITCH | changes), "pitch")
+
+
+def flies(**changes):
+    return read_measured(table(BATTED | changes), "batted")
+
+
+def unit(vector):
+    return vector / np.linalg.norm(vector)
+
+
+# ---- pitches -------------------------------------------------------------------------------------
+
+
+def test_places_of_a_pitch():
+    pitch = pitches()
+    # 55 ft from the plate's tip, which is 17 inches behind its front; 2 ft to the catcher's left.
+    assert pitch.release[0] == close([(55 - 17 / 12) * 0.3048, 2 * 0.3048, 6 * 0.3048])
+    assert pitch.measured[0] == close([-0.5 * 0.3048, 2.5 * 0.3048])
+
+
+def test_the_velocity_is_that_of_the_fit_at_release():
+    # 5 ft before the plane of the fit: v² = 130² + 2 · 30 · 5, and the time there from its speeds.
+    speed = math.sqrt(17200)
+    since = (130 - speed) / 30
+    expected = np.array([-speed, -(6 - 12 * since), -4 - 15 * since]) * 0.3048
+    assert pitches().velocity[0] == close(expected, rel=1e-14)
+
+
+def test_a_release_in_the_plane_of_the_fit_has_its_velocity():
+    pitch = pitches(release_pos_y=50)
+    assert pitch.velocity[0] == close([-130 * 0.3048, -6 * 0.3048, -4 * 0.3048])
+
+
+@pytest.mark.parametrize(
+    ("angle", "push"),  # where ω × v pushes a ball that flies to -x
+    [(180, [0, 0, 1]), (0, [0, 0, -1]), (90, [0, -1, 0]), (270, [0, 1, 0])],
+)
+def test_the_spin_axis_pushes_where_statcast_says(angle, push):
+    pitch = pitches(spin_axis=angle, vx0=0, vz0=0, ax=0, az=0)
+    assert np.cross(pitch.axis[0], [-1.0, 0.0, 0.0]) == close(push, abs=1e-15)
+
+
+@pytest.mark.parametrize(("hand", "sign"), [("R", 1), ("L", -1)])
+def test_the_rest_of_the_spin_is_along_the_flight_with_the_sign_of_the_hand(hand, sign):
+    pitch = pitches(p_throws=hand)
+    spin, along = pitch.spin(np.array([0.6]))[0], unit(pitch.velocity[0])
+    rate = 2400 * 2 * math.pi / 60
+    assert np.linalg.norm(spin) == close(rate)
+    assert np.linalg.norm(np.cross(spin, along)) == close(0.6 * rate)
+    assert spin @ along == close(sign * 0.8 * rate)
+
+
+def test_the_axis_seen_by_the_catcher_is_the_one_measured():
+    pitch = pitches(spin_axis=210)
+    along = unit(pitch.velocity[0])
+    # In our frame (y, -x, z) of (cos α, 0, sin α); what is left of it across the velocity.
+    seen = np.array([0.0, -math.cos(math.radians(210)), math.sin(math.radians(210))])
+    assert pitch.axis[0] == close(unit(seen - (seen @ along) * along), abs=1e-15)
+
+
+def test_pitches_that_cannot_be_used_are_left_out_with_the_reason():
+    rows = [PITCH | change for change in (
+        {}, {"pitch_type": ""}, {"spin_axis": ""}, {"plate_z": -0.1}, {"p_throws": ""},
+    )]  # fmt: skip
+    pitch = read_measured(table(*rows), "pitch")
+    assert {each.reason: each.first_rows for each in pitch.left_out} == {
+        "pitch_type is missing": (2,),
+        "p_throws is missing": (5,),
+        "spin_axis is missing": (3,),
+        "plate_z is below the ground: it bounced first": (4,),
+    }
+    assert pitch.rows.tolist() == [1]
+
+
+# ---- batted balls --------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("hc_x", "hc_y", "bearing"),
+    [(125.42, 48.27, 0.0), (225.42, 98.27, 45.0), (25.42, 98.27, -45.0)],
+)
+def test_direction_of_a_batted_ball(hc_x, hc_y, bearing):
+    fly = flies(hc_x=hc_x, hc_y=hc_y)
+    beta, level = math.radians(bearing), 44.704 * math.cos(math.radians(30))
+    # Right field, a positive bearing, is where y is negative.
+    assert fly.velocity[0] == close(
+        [level * math.cos(beta), -level * math.sin(beta), 44.704 / 2], abs=1e-13
+    )
+    assert fly.measured[0] == close([400 * 0.3048])
+
+
+def test_backspin_lifts_and_side_spin_turns_to_the_left():
+    fly = flies(hc_x=200, hc_y=98.27)
+    ahead = unit(fly.velocity[0])
+    one, none = np.ones(1), np.zeros(1)
+    lift, turn = (np.cross(fly.spin(*parts)[0], ahead) for parts in ((one, none), (none, one)))
+    assert np.linalg.norm(lift) == close(1.0)
+    assert lift[2] == close(math.cos(math.radians(30)))
+    left_of_it = np.cross([0.0, 0.0, 1.0], ahead)
+    assert turn == close(unit(left_of_it), abs=1e-15)
+
+
+@pytest.mark.parametrize(("stand", "sign"), [("R", 1), ("L", -1)])
+def test_spin_of_a_fly_to_centre_field(stand, sign):
+    # -763 + 120 · 30 rpm of backspin, and 849 rpm that turn a right-handed batter's to the right.
+    fly = flies(stand=stand)
+    spin = regression_spin(fly)[0] * 60 / (2 * math.pi)
+    slope = math.radians(30)
+    assert spin == close(
+        [sign * 849 * math.sin(slope), -2837, -sign * 849 * math.cos(slope)], rel=1e-12
+    )
+    assert regression_spin(fly, side_spin=False)[0, 2] == 0.0
+
+
+def test_a_ball_down_a_line_hooks_foul():
+    # Side spin turns a ball further to the side it is hit to, either batter's.
+    for stand in "RL":
+        left = regression_spin(flies(stand=stand, hc_x=25.42, hc_y=98.27))[0]
+        right = regression_spin(flies(stand=stand, hc_x=225.42, hc_y=98.27))[0]
+        assert left[2] > 0.0 > right[2]
+
+
+def test_what_is_no_fly_is_left_out():
+    rows = [BATTED | change for change in (
+        {}, {"launch_angle": 9.9}, {"launch_angle": 60.1}, {"launch_speed": 60}, {"hc_x": ""},
+        {"launch_angle": 10}, {"launch_angle": 60},
+    )]  # fmt: skip
+    fly = read_measured(table(*rows), "batted")
+    assert fly.rows.tolist() == [1, 6, 7]
+    assert {each.reason: each.first_rows for each in fly.left_out} == {
+        "hc_x is missing": (5,),
+        "launch_angle is not between 10° and 60°": (2, 3),
+        "launch_speed is not above 60 mph": (4,),
+    }
+
+
+# ---- both ----------------------------------------------------------------------------------------
+
+
+def test_weather_of_the_game():
+    coors = flies()  # 66 °F at 5,190 ft
+    assert coors.temperature.tolist() == [close(292.0388888888889)]
+    assert coors.elevation.tolist() == [close(1581.912)]
+    assert coors.weather_unknown == 0
+    elsewhere = flies(game_pk=1)
+    assert (elsewhere.temperature[0], elsewhere.elevation[0]) == (293.15, 0.0)
+    assert elsewhere.weather_unknown == 1
+
+
+def test_games_of_ones_own():
+    games = io.StringIO("game_pk,temperature,park\n1,50,Fenway Park\n")
+    fly = read_measured(table(BATTED | {"game_pk": 1}), "batted", games)
+    assert (fly.temperature[0], fly.elevation[0]) == (283.15, close(21 * 0.3048))
+
+
+def test_the_day_that_is_shipped():
+    pitch, fly = read_measured(EXAMPLE, "pitch"), read_measured(EXAMPLE, "batted")
+    assert (len(pitch), len(fly)) == (4339, 385)
+    assert pitch.weather_unknown == fly.weather_unknown == 0
+    # plate_x and plate_z are where the fit of constant acceleration crosses the plate's front. It
+    # begins at the release; both places are written in hundredths of a foot, whose rounding is
+    # 1.76 mm (RMS): 0.01 ft/√12 in each of two components of two places.
+    x, y, z = pd.read_csv(EXAMPLE)[["ay", "ax", "az"]].to_numpy()[pitch.rows - 1].T * 0.3048
+    r, v = pitch.release, pitch.velocity
+    time = -2 * r[:, 0] / (v[:, 0] - np.sqrt(v[:, 0] ** 2 - 2 * x * r[:, 0]))
+    crossing = [r[:, i] + v[:, i] * time + a * time**2 / 2 for i, a in ((1, -y), (2, z))]
+    off = np.stack(crossing, axis=1) - pitch.measured
+    assert 1.7e-3 < np.sqrt(np.mean(np.sum(off**2, axis=1))) < 2e-3
+
+
+WRONG = {
+    "no column": (
+        table({"stand": "R", "launch_speed": 100}),
+        "game_pk, launch_angle, hit_distance_sc, hc_x, hc_y: the table has no such columns; "
+        "its columns are stand, launch_speed",
+    ),
+    "odd side": (
+        table(BATTED, BATTED | {"stand": "S"}),
+        "stand: row 2 below the header has 'S', which is neither R nor L",
+    ),
+    "not a number": (
+        table(BATTED | {"launch_speed": "fast"}),
+        "launch_speed: row 1 below the header has 'fast', which is not a number",
+    ),
+    "nothing left": (
+        table(BATTED | {"launch_angle": -5}),
+        "no row of the table says all that is asked "
+        "(1 rows: launch_angle is not between 10° and 60°)",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("fault", WRONG)
+def test_wrong_tables(fault):
+    source, sentence = WRONG[fault]
+    with pytest.raises(TableError) as caught:
+        read_measured(source, "batted")
+    assert str(caught.value) == sentence
+
+
+@pytest.mark.parametrize(
+    ("games", "sentence"),
+    [
+        ("1,warm,Fenway Park", "temperature: row 1 below the header has 'warm'"),
+        ("1,,Fenway Park", "a game has no game_pk or no temperature"),
+        ("1,50,", "a game has no park"),
+        ("1,50,Fenway", "'Fenway' is not one whose elevation is known; they are American Family"),
+    ],
+)
+def test_wrong_games(games, sentence):
+    source = io.StringIO(f"game_pk,temperature,park\n{games}\n")
+    with pytest.raises(TableError, match=sentence):
+        read_measured(table(BATTED), "batted", source)
+
+
+def test_pitches_that_fly_away_are_refused():
+    with pytest.raises(TableError, match="vy0: row 1 below the header has 130: a pitch flies to"):
+        pitches(vy0=130)
+    with pytest.raises(TableError, match="release_pos_y: row 1 below the header has 1: behind"):
+        pitches(release_pos_y=1)

@@ -1,0 +1,308 @@
+"""`import longball as lb`, as a notebook uses it."""
+
+from __future__ import annotations
+
+import doctest
+import json
+import pickle
+import subprocess
+import sys
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import longball as lb
+from longball import api, engines, tables
+from longball.model.quantities import numbers
+from tests.engines.test_lines import ERRORS
+
+AT_BAT = {
+    "pitch": {"speed": 38.64, "aim": [-0.144, 1.8]},
+    "swing": {"height_offset": -0.03, "tilt": 0.14},
+}
+
+
+class TestImport:
+    def test_it_loads_no_library(self):
+        code = "import sys, longball; print({'numpy', 'pydantic', 'typer'} & {*sys.modules})"
+        run = subprocess.run([sys.executable, "-c", code], capture_output=True, check=True)
+        assert run.stdout.strip() == b"set()"
+
+    def test_every_name_of_dir_is_there(self):
+        assert dir(lb) == sorted(lb.__all__)
+        assert all(getattr(lb, name) is not None for name in dir(lb))
+        with pytest.raises(AttributeError, match="solv'"):
+            _ = lb.solv
+
+    @pytest.mark.parametrize("module", [lb, api, tables])
+    def test_the_examples_print_what_they_say(self, module):
+        results = doctest.testmod(module)
+        assert results.attempted > 0
+        assert results.failed == 0
+
+
+class TestScenes:
+    def test_models_mappings_lines_and_arrays_are_the_same_scene(self):
+        line = json.dumps({"kind": "at-bat", **AT_BAT})
+        arrays = {
+            "pitch": {"speed": np.float32(38.5), "aim": np.array([0, 2])},
+            "swing": {"tilt": np.int64(0)},
+        }
+        ways = [lb.AtBat(**AT_BAT), {"kind": "at-bat", **AT_BAT}, line, line.encode()]
+        answers = {lb.solve(way).result for way in ways}
+        assert len(answers) == 1
+        assert lb.AtBat(**arrays).pitch == lb.AtBat(pitch={"speed": 38.5, "aim": (0, 2)}).pitch
+
+    def test_each_kind_has_a_name(self):
+        touching = {"position": [0.0696, 0, 1], "velocity": [-30, 0, 0], "bat_height": 1}
+        launch = {"position": [0, 0, 1], "velocity": [30, 2, 20]}
+        scenes = [
+            lb.Flight(launch=launch),
+            lb.Pitch(),
+            lb.Impact(incoming=touching),
+            lb.AtBat(),
+        ]
+        assert [scene.kind for scene in scenes] == ["flight", "pitch", "impact", "at-bat"]
+        outcomes = [lb.solve(scene).outcome for scene in scenes]
+        assert outcomes == ["landed", "crossed", "struck", "batted"]
+
+    def test_a_scene_goes_through_its_line(self):
+        scene = lb.AtBat(**AT_BAT)
+        assert "id" not in json.loads(scene.line())
+        assert lb.AtBat(**json.loads(scene.line())) == scene
+        assert pickle.loads(pickle.dumps(scene)) == scene
+
+    @pytest.mark.parametrize(
+        ("written", "error", "named"),
+        [
+            ({"kind": "at-bat", "pitch": {"sped": 3}}, lb.InvalidScene, "pitch.sped"),
+            ({"kind": "at-bat", "pitch": {"speed": -3}}, lb.InvalidScene, "pitch.speed"),
+            ({"kind": "at-bat", "gravity": float("nan")}, lb.InvalidScene, "gravity"),
+            ("no scene", lb.InvalidScene, "not JSON"),
+            ({"kind": "at-bat", "gravity": 1j}, TypeError, "complex"),
+            (3, TypeError, "int"),
+            (None, TypeError, "NoneType"),
+        ],
+    )
+    def test_anything_else_is_refused(self, written, error, named):
+        with pytest.raises(error, match=named):
+            lb.solve(written)
+
+    def test_a_model_refuses_in_the_same_words(self):
+        with pytest.raises(lb.InvalidScene, match=r"pitch.aim\[1\]: is missing"):
+            lb.AtBat(pitch={"aim": [1]})
+        with pytest.raises(lb.InvalidScene, match="'pitch' here"):
+            lb.Pitch(kind="flight")
+
+
+class TestSolve:
+    def test_options_are_the_engines(self):
+        digits = lb.solve(lb.AtBat(**AT_BAT), engine="enclosure", digits=20)
+        step = lb.solve(lb.AtBat(**AT_BAT), engine="verlet", dt=1e-4)
+        own = lb.solve(lb.AtBat(**AT_BAT), engine=engines.create("ivp"))
+        assert len(digits.landing.distance.value) >= 20
+        # The scheme as printed is of first order: ∂D/∂t of a contact a step late, 40 m/s.
+        assert step.landing.distance == pytest.approx(float(digits.landing.distance), abs=0.1)
+        assert own.landing.distance == pytest.approx(float(digits.landing.distance), abs=1e-4)
+
+    @pytest.mark.parametrize(
+        ("engine", "options", "error"),
+        [
+            ("verne", {}, ValueError),
+            ("ivp", {"dt": 1.0}, ValueError),
+            (3, {}, TypeError),
+            (engines.create("ivp"), {"rtol": 1e-9}, TypeError),
+        ],
+    )
+    def test_a_wrong_engine_is_refused(self, engine, options, error):
+        with pytest.raises(error):
+            lb.solve({"kind": "pitch"}, engine=engine, **options)
+
+    @pytest.mark.parametrize(
+        ("line", "error"),
+        [
+            (next(line for code, _, line in ERRORS if code == wanted), error)
+            for wanted, error in (
+                ("undecided", lb.Undecided),
+                ("too_long", lb.CannotSolve),
+                ("out_of_range", lb.CannotSolve),
+                ("unsupported", lb.CannotSolve),
+            )
+        ],
+    )
+    def test_what_cannot_be_solved_raises(self, line: str, error: type[Exception]):
+        (unsolved,) = lb.solve_many([line], "ivp")
+        for attempt in (lambda: lb.solve(line), lambda: unsolved.path):
+            with pytest.raises(error) as raised:
+                attempt()
+            assert raised.value.code == unsolved.code
+            assert str(raised.value) == unsolved.error
+
+    def test_a_result_shows_itself(self):
+        shown = lb.solve(lb.AtBat(id="<b>", **AT_BAT))
+        assert "landing.distance      101.406 m" in repr(shown)
+        assert "<td>landing.distance</td><td>101.406</td><td>m</td>" in shown._repr_html_()
+        assert "&lt;b&gt;" in shown._repr_html_()
+        assert {"landing", "path", "outcome"} <= {*dir(shown)}
+
+
+class TestPath:
+    @pytest.mark.parametrize("engine", ["ivp", "batch", "enclosure", "verlet"])
+    def test_it_goes_through_all_that_the_result_says(self, engine: str):
+        # An at-bat that the paper's scheme finds, too, and whose error is a few metres.
+        at_bat = lb.AtBat(swing={"height_offset": -0.02}, pitch={"aim": [0.1, 1.8]})
+        options = {"dt": 1e-4} if engine == "verlet" else {}
+        result = lb.solve(at_bat, engine=engine, **options)
+        # The path is asked at doubles, where enclosure's times lie between them.
+        path, near = result.path, {"rel": 1e-12, "abs": 1e-10}
+        assert path.at(0.0).position == pytest.approx(at_bat.pitch.release, **near)
+        assert path.end == pytest.approx(float(result.landing.time), **near)
+        last = path.at(path.end)
+        assert last.position == pytest.approx([*map(float, result.landing.position)], **near)
+        assert last.velocity == pytest.approx([*map(float, result.landing.velocity)], **near)
+        if engine != "verlet":  # whose bat pushes for two steps
+            touch = path.at(float(result.contact.time) + 1e-12)
+            # 50 m/s for 1e-12 s
+            assert touch.position == pytest.approx(
+                [*map(float, result.contact.position)], abs=1e-10
+            )
+
+    def test_times_of_any_shape(self):
+        path = lb.solve(lb.AtBat(**AT_BAT)).path
+        state = path.at([[0.1, 0.2, 0.3], [1.0, 2.0, 3.0]])
+        assert state.position.shape == state.velocity.shape == (2, 3, 3)
+        assert np.array_equal(path.at(2.0).position, state.position[1, 1])
+        table = path.sample(50)
+        assert list(table) == ["t", "x", "y", "z", "vx", "vy", "vz"]
+        assert (len(table), table.t.iloc[-1]) == (50, path.end)
+        # dx/dt is vx: chords of a flight of constant acceleration a are off by a Δt²/24.
+        flight = table[table.t > 1.0]
+        slope = np.diff(flight.x) / np.diff(flight.t)
+        middle = path.at((flight.t.to_numpy()[1:] + flight.t.to_numpy()[:-1]) / 2)
+        assert slope == pytest.approx(middle.velocity[:, 0], abs=0.01)
+
+    @pytest.mark.parametrize("time", [-1e-9, 100.0, float("nan"), [0.0, 100.0]])
+    def test_there_is_nothing_outside(self, time):
+        with pytest.raises(ValueError, match="outside the path"):
+            lb.solve({"kind": "pitch"}).path.at(time)
+
+    def test_an_impact_has_none(self):
+        touching = {"position": [0.0696, 0, 1], "velocity": [-30, 0, 0], "bat_height": 1}
+        with pytest.raises(ValueError, match="no path"):
+            _ = lb.solve(lb.Impact(incoming=touching)).path
+
+
+class TestSolveMany:
+    def test_a_list_keeps_its_order_and_its_errors(self):
+        scenes = [lb.AtBat(**AT_BAT), {"kind": "x", "id": "wrong"}, '{"kind": "pitch"}']
+        first, wrong, last = lb.solve_many(scenes)
+        assert first.landing == lb.solve(scenes[0], engine="batch").landing
+        assert (wrong.outcome, wrong.id) == (None, "wrong")
+        assert wrong.error.startswith("kind: 'x'")
+        assert last.path.at(0.0).position.tolist() == [18.44, 0.0, 1.8]
+        with pytest.raises(TypeError, match=r"lb\.solve takes one"):
+            lb.solve_many(scenes[0])
+
+    @pytest.mark.parametrize("engine", ["batch", "ivp"])
+    def test_columns_are_the_scenes_that_they_name(self, engine: str):
+        columns = {
+            "kind": "at-bat",
+            "pitch": {"speed": 38.64},
+            "pitch.aim[0]": [-0.144, 0.0, 5.0],
+            "swing.tilt": [0.14, 0.1, 0.1],
+        }
+        table = lb.solve_many(
+            pd.DataFrame({**columns, "pitch": None, "pitch.speed": 38.64}), engine
+        )
+        assert table.equals(lb.solve_many(columns, engine))
+        for i, row in enumerate(table.to_dict("records")):
+            aim, tilt = columns["pitch.aim[0]"][i], columns["swing.tilt"][i]
+            blocks = {"pitch": {"speed": 38.64, "aim": [aim, 1.8]}, "swing": {"tilt": tilt}}
+            alone = lb.solve(lb.AtBat(**blocks), engine)
+            assert row["outcome"] == alone.outcome
+            for name, value in numbers(alone.result):
+                assert row[name] == value
+
+    def test_rows_that_are_no_scenes_say_why(self):
+        speeds = [30.0, -1.0, float("nan"), 40.0]
+        table = lb.solve_many({"kind": "pitch", "id": [*"abcd"], "pitch.speed": speeds})
+        assert table.id.tolist() == [*"abcd"]
+        assert table.outcome.isna().tolist() == [False, True, False, False]
+        assert "pitch.speed" in table.error[1]
+        # What is left out is the paper's.
+        assert table["plate.time"][2] == lb.solve({"kind": "pitch"}, "batch").plate.time
+
+    def test_rows_that_are_not_solved_say_why(self):
+        table = lb.solve_many({"kind": "at-bat", "pitch.release[0]": [18.44, 0.01]})
+        assert table.outcome[0] == "batted"
+        assert "inside" in table.error[1]
+
+    @pytest.mark.parametrize(
+        ("columns", "named"),
+        [
+            ({"kind": "pitch", "pitch.sped": [1.0, 2.0]}, "pitch.sped"),
+            ({"kind": "pitch", "pitch.speed": [1.0], "gravity": [1.0, 2.0]}, "equally long"),
+            ({"kind": "pitch", "pitch.speed": [1.0], "pitch": "x"}, "pitch"),
+            ({"kind": "pitch", "pitch speed": [1.0]}, "not the name"),
+        ],
+    )
+    def test_columns_that_make_no_sense_are_refused(self, columns, named):
+        with pytest.raises(ValueError, match=named):
+            lb.solve_many(columns)
+
+    def test_impacts_are_validated_one_by_one(self):
+        # Both ends of the range touch the bat, from either side; the middle is inside it.
+        table = lb.solve_many(
+            {
+                "kind": "impact",
+                "incoming": {"velocity": [-30, 0, 0], "bat_height": 1},
+                "incoming.position[0]": [0.0696, 0.0, -0.0696],
+                "incoming.position[1]": 0.0,
+                "incoming.position[2]": 1.0,
+            }
+        )
+        assert table.outcome[0] == "struck"
+        assert "inside the bat" in table.error[1]
+
+
+def test_probability_of_a_home_run():
+    table = lb.home_run_probability(0.45, "monte-carlo", samples=2000, workers=1)
+    switched = lb.home_run_probability(
+        [0.45], "monte-carlo", samples=2000, reading={"inertia": "about_centre"}
+    )
+    assert list(table)[:4] == ["e", "p", "low", "high"]
+    assert table.low[0] < table.p[0] < table.high[0] < switched.p[0]
+    for wrong in (
+        {"e": 1.5},
+        {"e": 0.4, "method": "guess"},
+        {"e": 0.4, "scene": {"kind": "pitch"}},
+    ):
+        with pytest.raises(ValueError, match=r"e = 1\.5|guess|at-bat"):
+            lb.home_run_probability(**wrong)
+
+
+class TestJudge:
+    def test_a_function_is_judged_like_a_command(self):
+        verdict = lb.judge.judge(lambda scene: lb.solve(scene), "flight-drag")
+        assert verdict.passed
+
+    def test_a_function_that_is_wrong_or_fails_is_found(self):
+        def candidate(scene):
+            if scene.gravity < 9:
+                raise ZeroDivisionError("gravity")
+            result = json.loads(lb.solve(scene).result.line())
+            result["landing"]["distance"] += 1.0
+            return result
+
+        verdict = lb.judge.judge(candidate, "flight-drag")
+        assert not verdict.passed
+        assert "ZeroDivisionError: gravity" in verdict.line()
+
+    def test_a_solution_is_a_result_for_the_tests_of_others(self):
+        case = lb.golden.load("at-bat")[0]
+        lb.judge.assert_case(case, lb.solve(case.scene))
+        with pytest.raises(AssertionError, match=r"landing\.distance"):
+            lb.judge.assert_case(case, {"outcome": "batted", "landing": {"distance": 1.0}})
+        with pytest.raises(TypeError, match="int"):
+            lb.judge.assert_case(case, 3)
