@@ -119,7 +119,6 @@ def judge(
     from longball.judge.cases import profile as profile_of
     from longball.judge.evaluation import Judge
     from longball.judge.sampling import judge_samples, read_samples
-    from longball.judge.step_sweep import StepSweep
     from longball.judge.text import render
 
     with refusing():

@@ -12,6 +12,7 @@ from typing import Any
 
 from longball.convergence import ConvergenceReport
 from longball.engines.ivp import Ivp
+from longball.engines.verlet import Verlet
 from longball.judge.answers import Answer, Collector, read_results
 from longball.judge.candidate import Limits, run
 from longball.judge.cases import Case, Profile, solved
@@ -132,11 +133,13 @@ class Judge:
         if len(chosen) < 2:
             return []
         backwards = asked(chosen)
-        differ = [s.id for s in chosen if _differ(answers[s.id], backwards.get(s.id))]
+        differ = [
+            s.id for s in chosen if _differ(answers.get(s.id or ""), backwards.get(s.id or ""))
+        ]
         if not differ:
             return []
         again = asked(chosen)
-        random = [s.id for s in chosen if _differ(backwards.get(s.id), again.get(s.id))]
+        random = [s.id for s in chosen if _differ(backwards.get(s.id or ""), again.get(s.id or ""))]
         if random:
             return [
                 f"it is not deterministic: the same scenes in the same order give other numbers, "
@@ -219,13 +222,14 @@ class Judge:
         diagnosis = None
         engine = self.profile.engine()
         wrong = any(not c.passed for c in comparisons)
-        if self.diagnose and (conduct or (wrong and engine is None)):
+        if self.diagnose and (conduct or wrong):
             whole = {
                 case.id: landed(case.scene, answer)[0] if answer.path is not None else answer
                 for case in self.cases
                 if (answer := answers.get(case.id))
             }
-            diagnosis = diagnose(self.cases, whole, self.dt)
+            scheme = engine if isinstance(engine, Verlet) else None
+            diagnosis = diagnose(truths, whole, self.dt, scheme)
             diagnosis = diagnosis.model_copy(update={"conduct": list(conduct)})
         truth = engine.description if engine else self.truth
         return Evaluation(

@@ -120,7 +120,7 @@ class Fit:
 
         def change(scene: Any) -> Any:
             own = value_of(scene, self.parameter)
-            if own is None or (own == 0.0 and self.form != "offset"):
+            if own is None or (own == 0.0 and self.form == "factor"):
                 return scene
             match self.form:
                 case "fixed":
@@ -138,11 +138,7 @@ class Fit:
         """How many digits the number needs, in hundredths: people choose round ones."""
         if factor_meaning(self.value, self.doubt) and self.form == "factor":
             return 0.0
-        close = max(self.doubt, 1e-9 * abs(self.value))
-        for digits in range(1, 10):
-            if abs(float(f"{self.value:.{digits}g}") - self.value) <= close:
-                return digits / 100
-        return 0.1
+        return len(f"{self.value:.10g}".replace(".", "").strip("-0")) / 100
 
     @property
     def sentence(self) -> str:
@@ -159,6 +155,22 @@ class Fit:
                     factor += f": {self.value * self.usual:.6g} for {self.usual:.6g}"
                 return factor
         return f"acts as if {self.parameter} were the scene's plus {number}{meant}"
+
+
+def roundest(value: float, doubt: float, size: float = 1.0) -> float:
+    """Return the number with the fewest digits that is as near as the doubt; people choose those.
+
+    A usual factor comes before it, and zero for what is nothing beside `size`.
+    """
+    if abs(value) <= 1e-9 * size:
+        return 0.0
+    for factor, _ in _FACTORS:
+        if abs(value - factor) <= doubt and doubt < 1e-3 * abs(factor):
+            return factor
+    for digits in range(1, 10):
+        if abs((short := float(f"{value:.{digits}g}")) - value) <= doubt:
+            return short
+    return value
 
 
 def told(value: float, doubt: float) -> str:
@@ -183,6 +195,9 @@ _FACTORS = (
 )  # fmt: skip
 
 
+FACTORS = tuple(factor for factor, _ in _FACTORS)
+
+
 def factor_meaning(value: float, doubt: float = 0.0) -> str | None:
     """Return what a factor is, if it is a usual one."""
     for factor, name in _FACTORS:
@@ -199,6 +214,9 @@ def meaning(fit: Fit) -> str:
 
 ROUNDS = 8
 
+# A parameter that explains none of so many scenes is not looked at further.
+FIRST = 3
+
 
 def implied(
     trial: Trial, name: str, stages: Iterable[str], base: Change = NONE
@@ -208,7 +226,7 @@ def implied(
     None if the trial does not depend on it.
     """
     own = value_of(base.scene(trial.scene), name)
-    if own is None or (own == 0.0 and name.startswith(("air.", "gravity"))):
+    if own is None or (own == 0.0 and name.startswith("air.")):
         return None
     wanted = frozenset(stages)
 
@@ -219,7 +237,9 @@ def implied(
     first = size = float(np.linalg.norm(r))
     if not r.size or first == 0.0:
         return None
-    for _ in range(ROUNDS):
+    for count in range(ROUNDS):
+        if count == 3 and size > 0.7 * first:
+            break  # it leads nowhere
         h = 1e-6 * max(abs(value), 1e-3)
         ahead = off(value + h)
         if ahead.shape != r.shape:
@@ -247,8 +267,10 @@ def fits(
     trials: Sequence[Trial], name: str, stages: Iterable[str], base: Change = NONE
 ) -> list[Fit]:
     """Return the forms in which a parameter may explain some trials, each with its value."""
-    found = []
-    for trial in trials:
+    found: list[tuple[float, float | None]] = []
+    for count, trial in enumerate(trials):
+        if count == FIRST and not found:
+            return []
         one = implied(trial, name, stages, base)
         if one is not None and one[1] < 0.5:
             found.append((one[0], value_of(base.scene(trial.scene), name)))
@@ -273,7 +295,9 @@ def fits(
         spread = make()
         low, middle, high = np.quantile(spread, (0.05, 0.5, 0.95))
         doubt = float(high - low) / 2
-        fit = Fit(name, form, float(middle), doubt, varies, float(own[0]))
+        size = 1.0 if form == "factor" else float(np.abs(own).max())
+        value = roundest(float(middle), max(doubt, 1e-9 * abs(float(middle))), size)
+        fit = Fit(name, form, value, doubt, varies, float(own[0]))
         if form == "factor" and not varies and not factor_meaning(fit.value, doubt):
             continue  # the number itself says as much
         result.append(fit)

@@ -1,6 +1,6 @@
-"""Scenes that are in no set: drawn anew, or with the constants that other programs have built in.
+"""Scenes that are in no set: drawn anew, or with the constants that programs have built in.
 
-They are solved and proven on the spot, so that a candidate is judged by what nobody has seen before.
+They are solved and proven on the spot: a candidate is judged by what nobody has seen before.
 """
 
 from __future__ import annotations
@@ -136,12 +136,10 @@ def _drawn(kind: str, rng: np.random.Generator) -> dict[str, Any]:
 
 
 def as_csv(scenes: Iterable[Scene]) -> Iterator[bytes]:
-    """Yield scenes as lines of CSV, the header first; a cell is empty where a scene has no such
-    number, and so are the cells of ``air`` where there is none.
-    """
+    """Yield scenes as lines of CSV, the header first; a cell is empty where there is no number."""
     scenes = list(scenes)
     rows = [
-        {"id": s.id, "kind": s.kind}
+        {"id": s.id or "", "kind": s.kind}
         | {name: repr(float(value)) for name, value in numbers(s)}
         | {f"reading.{name}": str(option) for name, option in s.reading}
         for s in scenes

@@ -71,7 +71,9 @@ def page(evaluation: Evaluation) -> str:
         ],
         error_head=ERRORS,
         errors=[(row.failed, error_cells(row)) for row in v.rows],
-        outcomes=[(c.expected != c.obtained, (c.expected, c.obtained, c.cases)) for c in v.outcomes],
+        outcomes=[
+            (c.expected != c.obtained, (c.expected, c.obtained, c.cases)) for c in v.outcomes
+        ],
         failures=failures,
         rest=[*silence(v, SHOWN), *complaints],
         errors_end=printable(v.standard_error) if v.complaints else "",
@@ -179,8 +181,9 @@ def worst_flight(comparisons: Sequence[Comparison]) -> Comparison | None:
 
 
 def draw_flight(figure: Figure, comparison: Comparison) -> None:
-    """Draw a true flight from the side and from above, where the candidate puts its points, and
-    how far these are off: an error of a centimetre is not seen beside a hundred metres.
+    """Draw a true flight from the side and from above, and a candidate's points beside it.
+
+    Their errors have a panel: a centimetre is not seen beside a hundred metres.
     """
     assert comparison.answer is not None
     side, above, off = figure.subplots(3, 1, height_ratios=(3, 2, 2))

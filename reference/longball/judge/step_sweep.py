@@ -160,7 +160,7 @@ class StepSweep:
         until = time.monotonic() + limits.total_seconds
         stopped = False
 
-        def answers(step: float) -> Sequence[Result]:
+        def answers(step: float) -> Sequence[Result | Sample]:
             nonlocal stopped
             if stopped:
                 return []

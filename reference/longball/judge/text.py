@@ -168,6 +168,7 @@ def _sampling(sampling: Sampling | None) -> Iterator[str]:
     if sampling is None:
         return
     yield f"sampling: {sampling.at_bats} different at-bats of {sampling.source}, beside the paper's"
+    yield f"  so many show differences of a distribution function of {sampling.sees:.2f} or more"
     for found in sampling.found:
         named = f" [{', '.join(found.named)}]" if found.named else ""
         yield f"  {'right' if found.right else 'WRONG'}  {found.sentence}{named}"
@@ -203,8 +204,16 @@ def describe(fault: Fault) -> str:
 
 def _joined(numbers: Sequence[str]) -> str:
     """Return numbers with no more digits than a double has."""
-    short = [n if len(n) <= 24 else f"{float(n):.17g}" for n in numbers]
+    short = [f"{float(n):.17g}" if len(n) > 24 and _is_number(n) else n for n in numbers]
     return short[0] if len(short) == 1 else f"({', '.join(short)})"
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
 
 
 def silence(verdict: Verdict, shown: int) -> Iterator[str]:

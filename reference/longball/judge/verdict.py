@@ -494,8 +494,8 @@ def _would_pass_at(judged: Sequence[Comparison]) -> float | None:
     if any(c.outcome_wrong or c.unreadable or c.superfluous for c in judged):
         return None
     worst = max(m.error for c in judged for m in c.measured if not m.passed)
-    rounded = float(f"{worst:.1e}")
-    return rounded if rounded >= worst else float(f"{1.05 * worst:.1e}")
+    place = 10.0 ** (math.floor(math.log10(worst)) - 1)
+    return float(f"{math.ceil(worst / place) * place:.2g}")
 
 
 # A ball that stays in the air was met if there is an impact.
