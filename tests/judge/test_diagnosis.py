@@ -23,12 +23,12 @@ from tests.candidates.mistaken import solve as simulate
 
 @pytest.fixture(scope="module")
 def gold() -> list[Case]:
-    """Return every fifth golden case of those that the other program's model has."""
+    """Return every eighth golden case of those that the other program's model has."""
     return [
         case
         for case in load()
         if decidable(case) and case.family != "hard" and not case.scene.reading.model_dump()
-    ][::5]
+    ][::8]
 
 
 def answers(cases: Sequence[Case], *names: str) -> dict[str, Answer]:
@@ -59,18 +59,12 @@ def test_the_right_answers_are_clean(gold: list[Case]):
 # stand for a kind each. The whole table takes minutes.
 EXPECTED = {
     "g-9.80665": ("pitch", "gravity=9.80665"),
-    "density-1.205": ("pitch", "air.density=1.205"),
     "mass-0.145": ("pitch", "ball.mass=0.145"),
-    "omega-30": ("bat velocity", "swing.angular_speed=30"),
     "drag-per-component": ("pitch", "drag-per-component"),
-    "lift-vertical-part": ("pitch", "lift-vertical-part"),
     "nathan": ("restitution", "plain-restitution"),
-    "thin-rod": ("restitution", "thin-rod"),
     "other-end": ("bat velocity", "other-pivot"),
     "bat-at-rest": ("normal speed", "bat-at-rest"),
-    "inelastic": ("impulse", "inelastic"),
     "over-bat-mass": ("velocity after", "impulse-over-bat-mass"),
-    "energy-not-squared": ("energy", "energy-e-not-squared"),
     "first-below-since-launch": ("landing", "first-below"),
     "distance-in-feet": ("distance", "landing.distance*3.28084"),
     "axes-exchanged": ("flight", "landing.position:(y, x, z)"),
