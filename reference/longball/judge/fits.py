@@ -81,7 +81,7 @@ def with_parameter(scene: Any, name: str, value: float) -> Any:
 def residuals(trial: Trial, change: Change, stages: Iterable[str]) -> Array:
     """Return the relative errors that a change leaves in some stages."""
     wanted = frozenset(stages)
-    return np.array(
+    errors = np.array(
         [
             (o - e) / check.scale
             for check in follow(trial, change, wanted)
@@ -89,6 +89,7 @@ def residuals(trial: Trial, change: Change, stages: Iterable[str]) -> Array:
             for e, o in zip(check.expected, check.obtained, strict=True)
         ]
     )
+    return np.where(np.isfinite(errors), errors, 1.0)
 
 
 @dataclass(frozen=True)

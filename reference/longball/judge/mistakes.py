@@ -491,6 +491,10 @@ FORMULAS: tuple[Formula, ...] = (
                 v.scene.bat.length**2 / 3 + v.scene.bat.radius**2 / 2))),
     Formula("impact.restitution", "bat-mass-ratio", "takes the bat's whole mass for M_eff",
             _EFFECTIVE, _effective(lambda v: v.scene.bat.mass, 0)),
+    Formula("impact.restitution", "other-pivot", "measures r̃ from the bat's end A, at y = -L/2",
+            "the pivot B is at y = +L/2: r̃ = L/2 - y", lambda v: (
+                v.scene.ball.restitution + (1 + v.scene.ball.restitution) * v.scene.ball.mass
+                * (v.scene.bat.length - v.lever)**2 / v.inertia(),)),
     Formula("impact.restitution", "ratio-once", "leaves m/M_eff out behind e(1 + m/M_eff)",
             _EFFECTIVE, lambda v: (v.scene.ball.restitution * (
                 1 + v.scene.ball.mass * v.lever**2 / v.inertia()),)),
