@@ -135,6 +135,8 @@ class Explanation:
         What becomes of the chain; None if it is in the quantity alone.
     value
         What the quantity then is, of a trial; None if it is a change of the chain.
+    mend
+        What makes a trial right again for all that follows, where neither of these does.
     """
 
     name: str
@@ -147,6 +149,7 @@ class Explanation:
     value: Callable[[Trial], Numbers | None] | None = None
     step: float | None = None
     doubtful: bool = False
+    mend: Callable[[Trial], Trial] | None = None
 
 
 def diagnose(
@@ -387,7 +390,9 @@ class _Search:
         What is computed wrongly is mostly used as it is; a number that is only written wrongly is
         mended, which shows in more that follows.
         """
-        if best.change is not None:
+        if best.mend is not None:
+            self.trials = [best.mend(t) for t in self.trials]
+        elif best.change is not None:
             self.base = self.base.then(best.change)
             if isinstance(best.change.engine, Verlet):
                 # Where steps find the bat is the scheme's, and what is computed there inherits it.
@@ -423,7 +428,11 @@ class _Search:
 
     def _failing(self) -> int:
         """Return how many checks fail."""
-        return sum(not c.follows for _, cs in self._follow() for c in cs)
+        # Values from which nothing can be computed fail in everything.
+        return sum(
+            sum(not c.follows and c.error > FINE * c.scale for c in cs) if cs else len(STAGES)
+            for _, cs in self._follow()
+        )
 
     def _leave(self, stage: str, wrong: Sequence[tuple[Trial, list[Check]]]) -> None:
         """Let later stages allow for errors that stay unexplained, where they are handed on."""
@@ -656,6 +665,7 @@ class _Search:
                 f"{told(abs(middle), doubt)} s in all, as if a step were counted "
                 f"{'twice' if middle > 0 else 'too late'}",
                 "let the time of a state be that of the same step", left, 0, step=abs(middle),
+                mend=_earlier(stage, middle),
             )  # fmt: skip
         ratio = times / np.maximum(times - clock, 1e-12)
         if np.ptp(ratio) < 1e-3 * abs(np.median(ratio) - 1):
@@ -1110,16 +1120,29 @@ def _image_value(quantity: str, image: Image, search: _Search) -> Callable[[Tria
 
 def _resolutions(chosen: Sequence[tuple[Trial, list[Check]]]) -> Iterator[Explanation]:
     """Yield the rounding of what is written, if numbers are written with few decimals."""
-    coarse = [t.resolution for t, _ in chosen]
-    if not min(coarse, default=0.0) > 0:
-        return
-    resolution = max(coarse)
-    worst = max(c.error for _, cs in chosen for c in cs)
-    if worst < 1e4 * resolution:
+    failing = [c for _, cs in chosen for c in cs if not c.follows]
+    places = max(-int(Decimal(repr(x)).as_tuple().exponent) for c in failing for x in c.obtained)
+    resolution = max(0.5 * 10.0**-places, *(t.resolution for t, _ in chosen))
+    if places <= FEW_DECIMALS and max(c.error for c in failing) < 4 * resolution:
         yield Explanation(
-            "few-decimals", f"writes its numbers with {-round(math.log10(2 * resolution))} "
-            "decimals only, and errors are of that size", "write doubles with 17 digits", 0.0, 3,
+            "few-decimals", f"writes its numbers with {places} decimals only, and errors are of "
+            "that size", "write doubles with 17 digits", 0.0, 3,
+            mend=lambda t: replace(t, resolution=resolution),
         )  # fmt: skip
+
+
+FEW_DECIMALS = 10
+
+
+def _earlier(stage: str, seconds: float) -> Callable[[Trial], Trial]:
+    """Return what takes some seconds from the times of a stage."""
+    names = ("plate.time",) if stage == "pitch" else ("landing.time", "landing.hang_time")
+
+    def mend(trial: Trial) -> Trial:
+        times = {n: (trial.given[n][0] - seconds,) for n in names if n in trial.given}
+        return replace(trial, given={**trial.given, **times})
+
+    return mend
 
 
 # --- small things ---------------------------------------------------------------------------------

@@ -450,7 +450,7 @@ class _Following:
             # Of two times that contradict each other the one that the place belongs to counts.
             flown = min(since, key=lambda t: math.dist(_at(case.legs[0], t)[0], position))
             if abs(since[0] - since[-1]) < 1e-9:
-                flown = since[0]
+                flown = since[0] = since[-1] = since[0]
             place, speed = _at(case.legs[0], flown)
             self.flown = case.legs[0], flown, position
             yield self._check("flight", "landing.position", place)
@@ -459,7 +459,9 @@ class _Following:
         elif "landing.time" in case.answer:
             for name in ("landing.position", "landing.velocity", "landing.hang_time"):
                 yield from self._maybe("flight", name, _tuple(case.answer[name]))
-        if time and hang:
+        if time and hang and position and flown == since[-1] != since[0]:
+            yield self._check("time", "landing.hang_time", (time[0] - begin,))
+        elif time and hang:
             yield self._check("time", "landing.time", (begin + hang[0],))
         elif time and not position:
             yield from self._maybe("flight", "landing.time", _tuple(case.answer["landing.time"]))
