@@ -311,29 +311,36 @@ class Splitter:
     """Cuts a stream into lines and holds no more than one that is not too long."""
 
     def __init__(self) -> None:
-        self._held = b""
+        self._held = bytearray()
         self._overflowed = False
         self._number = 0
 
     def split(self, data: bytes) -> Iterator[Line]:
         """Take more of the stream; yield the lines that it completes."""
-        *complete, rest = (self._held + data).split(b"\n")
+        *complete, rest = data.split(b"\n")
         for text in complete:
-            yield self._line(text)
-        self._overflowed |= len(rest) > LONGEST_LINE
-        self._held = b"" if self._overflowed else rest
+            self._hold(text)
+            yield self._line()
+        self._hold(rest)
 
     def rest(self) -> Iterator[Line]:
         """Yield the last line, if it has no end."""
         if self._held or self._overflowed:
-            yield self._line(self._held)
+            yield self._line()
 
-    def _line(self, text: bytes) -> Line:
+    def _hold(self, text: bytes) -> None:
+        self._overflowed |= len(self._held) + len(text) > LONGEST_LINE
+        if self._overflowed:
+            self._held.clear()
+        else:
+            self._held += text
+
+    def _line(self) -> Line:
         self._number += 1
-        too_long = self._overflowed or len(text) > LONGEST_LINE
+        line = Line(self._number, None if self._overflowed else bytes(self._held))
         self._overflowed = False
-        self._held = b""
-        return Line(self._number, None if too_long else text)
+        self._held.clear()
+        return line
 
 
 # --- processes that have left their group ---------------------------------------------------------
