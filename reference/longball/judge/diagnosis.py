@@ -251,7 +251,7 @@ class _Search:
     def _inheriting(self, trial: Trial, check: Check) -> Check:
         """Return a check that allows for what an earlier stage has left unexplained."""
         left = self.loose.get(trial.case.id, 0.0)
-        if not left or check.stage in ("pitch", "plate", "landing", "time", "distance"):
+        if not left or check.stage not in ("touching", "normal speed", "velocity after"):
             return check
         return replace(check, tolerance=check.tolerance + 30 * left * max(check.scale, 0.1))
 
