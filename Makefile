@@ -5,7 +5,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 INSTALLED := $(VENV)/.installed
 
-.PHONY: report paper test lint bench clean
+.PHONY: report paper docs test coverage lint bench mutants clean
 
 report: $(INSTALLED)  ## write report/README.md with its tables and figures
 	$(BIN)/python -m analysis
@@ -13,8 +13,14 @@ report: $(INSTALLED)  ## write report/README.md with its tables and figures
 paper: $(INSTALLED)  ## write report/paper.md, the paper reproduced
 	$(BIN)/python -m analysis paper
 
+docs: $(VENV)/.documented  ## write the documentation to docs/_build/html; no network is needed
+	$(BIN)/python -m sphinx -q -W --keep-going -b html docs docs/_build/html
+
 test: $(INSTALLED)  ## run the tests on all cores
 	$(BIN)/python -m pytest -n auto
+
+coverage: $(INSTALLED)  ## run the tests, and print what they do not reach
+	$(BIN)/python -m pytest -n auto --cov --cov-report=term
 
 lint: $(INSTALLED)  ## run the linters
 	$(BIN)/ruff check
@@ -22,6 +28,9 @@ lint: $(INSTALLED)  ## run the linters
 	$(BIN)/mypy reference analysis
 	$(BIN)/lint-imports
 	$(BIN)/python -m longball.model.derivation --check
+
+mutants: $(INSTALLED)  ## plant small faults and count those that the tests notice; takes hours
+	$(BIN)/python tests/mutants.py --jobs 2
 
 bench: $(INSTALLED)  ## time the engines side by side, with the peers that are installed
 	$(BIN)/python -m analysis.bench
@@ -31,5 +40,9 @@ $(INSTALLED): pyproject.toml constraints.txt
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[test,lint]'
 	touch $@
 
+$(VENV)/.documented: $(INSTALLED)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[docs]'
+	touch $@
+
 clean:  ## remove what the other targets made
-	rm -rf $(VENV) .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) docs/_build docs/report .pytest_cache .mypy_cache .ruff_cache .hypothesis

@@ -57,7 +57,9 @@ written by them; `make report` writes the first sections anew, and each section 
 that writes it. The tables are in `tables/` as CSV, in SI units.
 
 [The paper, reproduced](paper.md) has a page of its own: its figures and tables with their
-counterparts, and which reading of it comes nearest to its numbers.
+counterparts, and which reading of it comes nearest to its numbers. [Measured baseball](reality.md):
+what models of flight say of a day of measured pitches and batted balls. [The seasons](seasons.md):
+whether the coefficient of restitution explains the home runs of the paper's Table I.
 
 """,
         {
@@ -92,6 +94,22 @@ The tables are in `tables/` as CSV.
             "readings": False,
             "argument": False,
         },
+    ),
+    "measured": Page(
+        "reality.md",
+        "analysis",
+        """# Measured baseball
+
+""",
+        {"reality": False},
+    ),
+    "question": Page(
+        "seasons.md",
+        "analysis",
+        """# Does the coefficient of restitution explain the seasons?
+
+""",
+        {"seasons": False},
     ),
 }  # fmt: skip
 

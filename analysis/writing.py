@@ -14,6 +14,8 @@ import matplotlib.pyplot as plt
 import pandas as pd
 from matplotlib.axes import Axes
 
+TEMPLATES = Path(__file__).parent / "templates"
+
 # Told apart without colour too, for a print in black and white.
 LINES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)))
 
@@ -41,6 +43,15 @@ def figure(
     path.parent.mkdir(parents=True, exist_ok=True)
     drawn.savefig(path)
     plt.close(drawn)
+
+
+def filled(name: str, **values: object) -> str:
+    """Return the Markdown of analysis/templates/NAME.md with values where it names them.
+
+    The syntax is that of `str.format`, so that a template says with how many digits a number is
+    written: ``{rms:.1f}``.
+    """
+    return (TEMPLATES / f"{name}.md").read_text(encoding="utf-8").format(**values)
 
 
 def shown(name: str, caption: str) -> str:

@@ -8,8 +8,12 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pandas as pd
 import pytest
+import typer.testing
 
+import longball as lb
+from longball import cli
 from longball.pitches import EXAMPLE
 
 FLIGHT = b'{"id":"f","kind":"flight","launch":{"position":[0,0,1],"velocity":[30,2,20]}}'
@@ -80,6 +84,53 @@ class TestSolve:
         assert "line 4: gravity" in nan["error"]
         assert last["outcome"] == "landed"
 
+    @pytest.mark.parametrize("name", ["results.csv", "results.parquet"])
+    def test_tables_go_in_and_come_out(self, tmp_path: Path, name: str):
+        source, output = tmp_path / "scenes.csv", tmp_path / name
+        source.write_text(
+            "id,kind,pitch.speed,pitch.aim[1],air\n007,pitch,38.6,1.7,\nb,pitch,,,null\nc,pitch,-1,,"
+        )
+        run = longball("solve", str(source), "-o", str(output))
+        assert run.returncode == 1  # the third row
+        read = pd.read_parquet if output.suffix == ".parquet" else pd.read_csv
+        table = read(output)
+        assert table.id.astype(str).str.lstrip("0").tolist() == ["7", "b", "c"]
+        scenes = [
+            lb.Pitch(pitch={"speed": 38.6, "aim": [0, 1.7]}),
+            lb.Pitch(air=None),
+        ]
+        assert table["plate.time"][:2].tolist() == [lb.solve(x).plate.time for x in scenes]
+        assert table.error[2].startswith("line 4: pitch.speed")
+        same = longball("solve", str(source))
+        assert [r["id"] for r in results(same)] == ["007", "b", "c"]
+
+    def test_a_table_that_makes_no_sense_is_a_wrong_call(self, tmp_path: Path):
+        source = tmp_path / "scenes.csv"
+        source.write_text("kind,pitch speed\npitch,3")
+        run = longball("solve", str(source))
+        assert (run.returncode, run.stdout) == (2, b"")
+        assert b"'pitch speed' is not the name" in run.stderr
+        run = longball("solve", "--path", "-o", str(tmp_path / "results.csv"))
+        assert run.returncode == 2
+        assert b"no place for paths" in run.stderr
+
+    @pytest.mark.parametrize("engine", ["ivp", "batch"])
+    def test_the_path_is_in_the_result(self, engine: str):
+        scenes = b"\n".join([AT_BAT, FLIGHT] * 10)
+        run = longball("solve", "--points", "5", "--engine", engine, stdin=scenes)
+        at_bat, flight = results(run)[:2]
+        assert [row[0] for row in flight["path"]] == pytest.approx(
+            [flight["landing"]["time"] * i / 4 for i in range(5)]
+        )
+        assert flight["path"][0] == [0, 0, 0, 1, 30, 2, 20]
+        end = at_bat["landing"]["time"], *at_bat["landing"]["position"]
+        assert at_bat["path"][-1][:4] == pytest.approx(end, abs=1e-12)
+        assert len(results(longball("solve", "--path", stdin=FLIGHT))[0]["path"]) == 201
+
+    def test_a_result_names_the_version(self):
+        (result,) = results(longball("solve", stdin=FLIGHT))
+        assert result["engine"] == f"longball {lb.__version__} ivp Taylor"
+
     def test_an_empty_file_is_no_success(self):
         run = longball("solve", stdin=b"\n")
         assert run.returncode == 1
@@ -106,6 +157,9 @@ class TestSolve:
             (["homerun", "--reading", "inertia=rod"], "inertia"),
             (["homerun", "--reading", "inertia"], "NAME=VALUE"),
             (["homerun", "--reading", "nonsense=1"], "nonsense"),
+            (["homerun", "--fence", "100", "--method", "quadrature"], "--method monte-carlo"),
+            (["homerun", "--fence", "0.1"], "fence.radius = 0.1 m"),
+            (["homerun", "--fence", "no-such-file"], "no-such-file"),
             (["homerun", "--reading", "cell_width=-1"], "cell_width"),
             (["homerun", "--reading", "fig7_parameters=x"], "caption, text"),
             (["homerun", "--reading", "verlet_forces=implicit"], "--engine verlet --forces"),
@@ -160,6 +214,52 @@ class TestSolve:
             process.stdin.close()
             assert process.stderr.read() == b""
             assert process.wait(timeout=30) == 1
+
+
+class TestPlot:
+    def test_paths_are_drawn(self, tmp_path: Path):
+        pictures = [tmp_path / name for name in ("p.svg", "p.png")]
+        for picture in pictures:
+            run = longball("plot", "-o", str(picture), stdin=AT_BAT + b"\n" + FLIGHT)
+            assert run.returncode == 0
+            assert run.stdout == b""
+        assert b"<svg" in pictures[0].read_bytes()
+        assert pictures[1].read_bytes().startswith(b"\x89PNG")
+
+    def test_what_has_no_path_is_named(self, tmp_path: Path):
+        picture = tmp_path / "p.png"
+        run = longball("plot", "-o", str(picture), stdin=b'{"kind":"x"}\n' + FLIGHT)
+        assert (run.returncode, picture.exists()) == (1, True)
+        assert b"line 1: kind: 'x'" in run.stderr
+        run = longball("plot", "-o", str(tmp_path / "p.nonsense"), stdin=FLIGHT)
+        assert run.returncode == 2
+        assert b"p.nonsense" in run.stderr
+
+
+class TestGolden:
+    def test_list_path_and_export(self, tmp_path: Path):
+        listed = longball("golden", "list", "--json")
+        assert json.loads(listed.stdout)["families"]["hard"]["file"] == "hard.jsonl"
+        assert b"flight-both" in longball("golden", "list", "--quiet").stdout
+        folder = longball("golden", "path").stdout.decode().strip()
+        assert (Path(folder) / "header.json").is_file()
+        archive = tmp_path / "golden.zip"
+        run = longball("golden", "export", str(archive), "--quiet")
+        assert (run.returncode, run.stdout, run.stderr) == (0, b"", b"")
+        assert archive.read_bytes().startswith(b"PK")
+        assert longball("golden", "list", str(tmp_path)).returncode == 2
+
+
+@pytest.mark.parametrize(
+    "command",
+    ["", "solve", "judge", "converge", "homerun", "fit", "measured", "plot", "readings", "golden",
+     "golden list", "golden path", "golden export", "golden write", "golden check"],
+)  # fmt: skip
+def test_help_has_an_example(command: str):
+    app = typer.testing.CliRunner()
+    shown = app.invoke(cli.app, [*command.split(), "--help"])
+    assert shown.exit_code == 0
+    assert "Example: " in shown.output
 
 
 class TestHomerun:
@@ -303,7 +403,10 @@ class TestReadings:
         rows = json.loads(run.stdout)["rows"]
         ledger = {entry["switch"]: entry["belongs"] for entry in json.loads(run.stdout)["ledger"]}
         for row in rows:
-            asked = ledger[row["switch"]] in ("scene", "sampling") and row["switch"] != "masses"
+            asked = ledger[row["switch"]] in ("scene", "sampling") and row["switch"] not in (
+                "masses",
+                "friction",
+            )
             assert ("p" in row) == asked
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -15,6 +16,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+
+import longball as longball_package
 
 distributed = pytest.importorskip("distributed")
 
@@ -51,28 +54,48 @@ class Cluster:
         return self.client.scheduler_info()["workers"]
 
 
-@pytest.fixture
-def cluster(tmp_path: Path) -> Iterator[Cluster]:
-    about = tmp_path / "scheduler.json"
+Start = Callable[..., None]
 
-    def start(what: str, *arguments: str) -> None:
+
+@pytest.fixture
+def start() -> Iterator[Start]:
+    """Start parts of a cluster, which end with the test."""
+
+    def start(what: str, *arguments: str, **options: Any) -> None:
         command = [sys.executable, "-m", f"distributed.cli.dask_{what}", *arguments]
         process = subprocess.Popen(
-            [*command, "--no-dashboard"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+            [*command, "--no-dashboard"],
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            **options,
         )
         stack.callback(process.wait)
         stack.callback(process.kill)
-        return process
 
     with ExitStack() as stack:
-        start("scheduler", "--host", "127.0.0.1", "--port", "0", "--scheduler-file", str(about))
-        wait_until(lambda: about.exists() and about.read_text().endswith("}"))
-        address = json.loads(about.read_text())["address"]
-        for _ in range(2):
-            start("worker", address, "--nthreads", "1", "--no-nanny", "--host", "127.0.0.1")
-        client = stack.enter_context(distributed.Client(address, set_as_default=False))
+        yield start
+
+
+@pytest.fixture
+def scheduler(tmp_path: Path, start: Start) -> str:
+    """Return the address of a scheduler without workers."""
+    about = tmp_path / "scheduler.json"
+    start("scheduler", "--host", "127.0.0.1", "--port", "0", "--scheduler-file", str(about))
+    wait_until(lambda: about.exists() and about.read_text().endswith("}"))
+    return json.loads(about.read_text())["address"]
+
+
+def start_worker(start: Start, address: str, **options: Any) -> None:
+    start("worker", address, "--nthreads", "1", "--no-nanny", "--host", "127.0.0.1", **options)
+
+
+@pytest.fixture
+def cluster(scheduler: str, start: Start) -> Iterator[Cluster]:
+    for _ in range(2):
+        start_worker(start, scheduler)
+    with distributed.Client(scheduler, set_as_default=False) as client:
         client.wait_for_workers(2, timeout=PATIENCE)
-        yield Cluster(address, client)
+        yield Cluster(scheduler, client)
 
 
 def test_a_worker_that_is_killed_in_mid_run_changes_no_bit(cluster: Cluster) -> None:
@@ -125,9 +148,28 @@ def test_an_address_where_nobody_answers_is_refused(address: str, named: str) ->
     assert b"Traceback" not in run.stderr
 
 
+def test_workers_that_are_none_or_have_other_code_are_refused(
+    scheduler: str, start: Start, tmp_path: Path
+) -> None:
+    run = longball("solve", "--scheduler", scheduler, stdin=b"{}")
+    assert run.returncode == 2
+    assert b"has no workers, or none that answers within 8 s" in run.stderr
+
+    package = Path(longball_package.__file__).parent
+    other = tmp_path / "longball"
+    shutil.copytree(package, other, ignore=shutil.ignore_patterns("data", "__pycache__"))
+    with open(other / "engines" / "enclosure" / "lemmas.py", "a") as file:
+        file.write("# other code\n")
+    start_worker(start, scheduler, env={**os.environ, "PYTHONPATH": str(tmp_path)})
+    run = longball("solve", "--scheduler", scheduler, stdin=b"{}")
+    assert run.returncode == 2
+    assert b"1 of 1 workers have other code than this longball" in run.stderr
+    assert run.stdout == b""
+
+
 def test_without_dask_the_extra_is_named() -> None:
     code = (
-        "import sys; sys.modules['distributed'] = None; from longball.cli import main;"
+        "import sys; sys.modules['distributed'] = None; from longball.__main__ import main;"
         "sys.argv = ['longball', 'homerun', '--scheduler', 'tcp://127.0.0.1:1']; main()"
     )
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, check=False)

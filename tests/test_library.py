@@ -7,6 +7,7 @@ import json
 import pickle
 import subprocess
 import sys
+from decimal import Decimal
 
 import numpy as np
 import pandas as pd
@@ -139,12 +140,45 @@ class TestSolve:
             assert raised.value.code == unsolved.code
             assert str(raised.value) == unsolved.error
 
+    def test_a_certified_answer_has_proven_errors(self):
+        scene = lb.AtBat(**AT_BAT)
+        result = lb.solve(scene, certify=True)
+        exact = lb.solve(scene, "enclosure", digits=25).landing.distance
+        distance = result.landing.distance
+        assert distance.value == lb.solve(scene).landing.distance
+        assert abs(Decimal(distance.value) - Decimal(exact.value)) <= Decimal(distance.radius)
+        assert f"landing.distance      {distance.value} ± {distance.radius} m" in repr(result)
+        table = lb.solve_many({"kind": "pitch", "pitch.speed": [30.0, 40.0]}, certify=True)
+        assert (table["plate.time.radius"].astype(float) < 1e-12).all()
+        with pytest.raises(lb.Undecided, match="proven to be"):
+            lb.solve(scene, "verlet", certify=True, dt=0.05)
+
     def test_a_result_shows_itself(self):
         shown = lb.solve(lb.AtBat(id="<b>", **AT_BAT))
         assert "landing.distance      101.406 m" in repr(shown)
         assert "<td>landing.distance</td><td>101.406</td><td>m</td>" in shown._repr_html_()
         assert "&lt;b&gt;" in shown._repr_html_()
         assert {"landing", "path", "outcome"} <= {*dir(shown)}
+
+    def test_a_result_of_the_extended_model_shows_itself(self):
+        launch = {"position": [0, 0, 1], "velocity": [40, 0, 20], "spin": [0, -200, 0]}
+        air = {"lift_coefficient": {"law": "linear", "slope": 1.0}}
+        shown = lb.solve(lb.Flight(launch=launch, air=air, fence={"radius": 100}))
+        assert shown.outcome == "home_run"
+        assert "landing.fair          True" in repr(shown)
+        assert "landing.spin          (0, -200, 0) rad/s" in repr(shown)
+        grip = lb.solve(
+            lb.Impact(
+                incoming={
+                    "position": [0.0696, 0, 1],
+                    "velocity": [-30, 0, 0],
+                    "bat_height": 1,
+                    "spin": [0, 100, 0],
+                },
+                bat={"friction": 0.5},
+            )
+        )
+        assert f"impact.mode           {grip.impact.mode}" in repr(grip)
 
 
 class TestPath:
@@ -223,6 +257,23 @@ class TestSolveMany:
             assert row["outcome"] == alone.outcome
             for name, value in numbers(alone.result):
                 assert row[name] == value
+
+    @pytest.mark.parametrize("spin", [{}, {"launch.spin[1]": -200.0}])
+    def test_columns_of_the_extended_model_are_the_same_by_any_engine(self, spin):
+        columns = {
+            "kind": "flight",
+            "fence": {"polyline": [[70, 70, 2], [120, 0, 2], [70, -70, 2]]},
+            "launch": {"position": [0, 0, 1]},
+            "launch.velocity[0]": [40.0, 45.0, 20.0],
+            "launch.velocity[1]": [0.0, -60.0, 1.0],
+            "launch.velocity[2]": 25.0,
+        }
+        if spin:
+            columns |= {"launch.spin[0]": 0.0, "launch.spin[2]": 0.0, **spin}
+        tables = [lb.solve_many(columns, engine) for engine in ("ivp", "batch")]
+        assert tables[0]["landing.fair"].tolist() == [True, False, True]
+        # Landings agree to 1e-12; whatever comes from them, to a thousand times that.
+        pd.testing.assert_frame_equal(*tables, check_like=True, rtol=1e-9, atol=1e-9)
 
     def test_rows_that_are_no_scenes_say_why(self):
         speeds = [30.0, -1.0, float("nan"), 40.0]

@@ -21,7 +21,7 @@ from matplotlib.axes import Axes
 from analysis.writing import figure, markdown_table, shown, table
 from longball.pitches import EXAMPLE, Columns, FittedPitches, PitchTypes, fit_pitches, read_pitches
 from longball.pitches.fitted import AimFit, Estimate, SpeedFit
-from longball.pitches.fitting import BIN_WIDTH, DENSITY
+from longball.pitches.fitting import BIN_WIDTH, normal
 from longball.pitches.table import Floats
 
 Rows = list[dict[str, Any]]
@@ -150,7 +150,7 @@ def draw_pitches(count: int, seed: int) -> pd.DataFrame:
 
 def printed_density(y: Floats) -> Floats:
     """Return ψ(y) of Eq. 4 with the printed numbers."""
-    return Q * DENSITY(y, LEFT, SPREAD) + (1.0 - Q) * DENSITY(y, RIGHT, SPREAD)
+    return Q * normal(y, LEFT, SPREAD) + (1.0 - Q) * normal(y, RIGHT, SPREAD)
 
 
 def printed_shares() -> Floats:
@@ -355,8 +355,8 @@ def _speed_curves(fit: SpeedFit, v: Floats) -> tuple[Floats, Floats]:
     """Return p f₁ and (1 - p) f₂ at speeds in km/h, per km/h."""
     p = fit.weight.value
     return (
-        p * DENSITY(v, 3.6 * fit.straight_mean.value, 3.6 * fit.straight_spread.value),
-        (1 - p) * DENSITY(v, 3.6 * fit.breaking_mean.value, 3.6 * fit.breaking_spread.value),
+        p * normal(v, 3.6 * fit.straight_mean.value, 3.6 * fit.straight_spread.value),
+        (1 - p) * normal(v, 3.6 * fit.breaking_mean.value, 3.6 * fit.breaking_spread.value),
     )
 
 
@@ -383,8 +383,8 @@ def draw_aims(report: Path, example: FittedPitches, synthetic: FittedPitches) ->
 def _draw_aim(axis: Axes, fitted: FittedPitches, fit: AimFit, y: Floats) -> None:
     shares = np.array(fitted.aim.cells) / sum(fitted.aim.cells)
     q = fit.weight.value
-    left = q * DENSITY(y, fit.left_mean.value, fit.spread.value)
-    right = (1 - q) * DENSITY(y, fit.right_mean.value, fit.spread.value)
+    left = q * normal(y, fit.left_mean.value, fit.spread.value)
+    right = (1 - q) * normal(y, fit.right_mean.value, fit.spread.value)
     axis.plot(y, left + right, **WHOLE, label="fitted mixture, Eq. 4")
     axis.plot(y, left, **FIRST, label="left")
     axis.plot(y, right, **SECOND, label="right")

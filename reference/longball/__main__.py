@@ -1,5 +1,101 @@
-"""``python -m longball`` is the command line."""
+"""The command line as a process: signals, standard streams, and no traceback.
 
-from longball.cli import main
+`longball.cli` is imported when those are in order: it takes some tenths of a second.
+"""
 
-main()
+from __future__ import annotations
+
+import errno
+import io
+import os
+import signal
+import sys
+from types import FrameType
+from typing import NoReturn
+
+from longball.extras import MissingExtra, naming_extras
+
+STOPPED = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated"}
+
+
+class _Closed(io.RawIOBase):
+    """A standard stream that is closed: whoever needs it hears of it, and nobody else."""
+
+    def __init__(self, name: str) -> None:
+        self.stream = name
+
+    def readable(self) -> bool:
+        return True
+
+    def writable(self) -> bool:
+        return True
+
+    def readinto(self, buffer: object) -> NoReturn:
+        raise OSError(errno.EBADF, "is closed", self.stream)
+
+    def write(self, data: object) -> NoReturn:
+        raise OSError(errno.EBADF, "is closed", self.stream)
+
+
+def _prepare_streams() -> None:
+    """Make the standard streams UTF-8, whatever the locale; there are none that are not there."""
+    for stream in (sys.stdin, sys.stdout, sys.stderr):
+        if stream is None:
+            os.open(os.devnull, os.O_RDWR)  # no other file gets its number
+        elif isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(encoding="utf-8")
+    if sys.stdin is None:
+        sys.stdin = io.TextIOWrapper(io.BufferedReader(_Closed("standard input")))
+    if sys.stdout is None:
+        sys.stdout = io.TextIOWrapper(_Closed("standard output"), write_through=True)
+
+
+def main() -> None:
+    """Run the command line."""
+    heard = [number for number in STOPPED if signal.getsignal(number) is not signal.SIG_IGN]
+    for number in heard:
+        signal.signal(number, signal.SIG_DFL)  # an import that is interrupted has nothing to say
+    _prepare_streams()
+
+    from longball.cli import app
+    from longball.cli.common import tell
+
+    stopped_by: list[int] = []
+
+    def stop(number: int, frame: FrameType | None) -> NoReturn:
+        # An exception, so that worker processes end, too; a second signal ends at once.
+        signal.signal(number, signal.SIG_DFL)
+        stopped_by.append(number)
+        raise SystemExit
+
+    for number in heard:
+        signal.signal(number, stop)
+    try:
+        with naming_extras():
+            app()
+    except BaseException as error:
+        # After a signal it may be another one: workers that have been stopped are missed.
+        if stopped_by:
+            tell(STOPPED[signal.Signals(stopped_by[0])])
+            sys.exit(128 + stopped_by[0])
+        if isinstance(error, BrokenPipeError):
+            # The reader of our output has left. Python would raise again when it flushes.
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            sys.exit(1)
+        if not isinstance(error, Exception):
+            raise
+        tell(_sentence(error))
+        sys.exit(2 if isinstance(error, OSError | MissingExtra) else 1)
+
+
+def _sentence(error: Exception) -> str:
+    if isinstance(error, MissingExtra):
+        return str(error)
+    if isinstance(error, OSError):
+        return f"{error.filename or 'output'}: {error.strerror}"
+    # A bug of longball. For its traceback call `longball.cli.app` from Python.
+    return f"unexpected {type(error).__name__}: {error}"
+
+
+if __name__ == "__main__":
+    main()

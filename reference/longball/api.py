@@ -21,16 +21,20 @@ from longball import engines
 from longball.engines import chain
 from longball.engines.engine import CannotSolve, Engine, OutOfRange, TooLong
 from longball.engines.path import Trajectory
+from longball.extras import naming_extras
 from longball.model import scene as models
 from longball.model.numbers import Undecided
 from longball.model.result import (
     Bounded,
+    Certified,
     Contact,
     ErrorCode,
+    Fence,
     Landing,
     Outcome,
     Plate,
     Result,
+    signed,
 )
 from longball.model.result import Impact as ImpactResult
 from longball.model.scene import AtBatScene, InvalidScene, Scene, parse_scene
@@ -198,6 +202,7 @@ class Path:
         found = np.array(states).reshape(*times.shape, 6)
         return State(times[()], found[..., :3], found[..., 3:])
 
+    @naming_extras()
     def sample(self, points: int = 200) -> pd.DataFrame:
         """Return states at evenly spaced times from start to end.
 
@@ -242,6 +247,7 @@ class Solution:
     plate: Plate | None
     contact: Contact | None
     impact: ImpactResult | None
+    fence: Fence | None
     landing: Landing | None
     engine: str | None
     error: str | None
@@ -254,7 +260,8 @@ class Solution:
         solver: Engine[Any],
         trajectory: Trajectory[Any] | None = None,
     ) -> None:
-        self.scene, self.result = scene, result
+        engine = result.engine and signed(result.engine)
+        self.scene, self.result = scene, result.model_copy(update={"engine": engine})
         self._solver, self._trajectory = solver, trajectory
 
     def __getattr__(self, name: str) -> Any:
@@ -318,12 +325,14 @@ _UNIT = re.compile(r"(s|m|m/s|rad/s|J|N s)(?=[,;]|$)")
 def _shown(value: Any) -> str:
     if isinstance(value, tuple):
         return f"({', '.join(map(_shown, value))})"
-    if isinstance(value, Bounded):
+    if isinstance(value, Bounded | Certified):
         return value.value if value.radius is None else f"{value.value} ± {value.radius}"
-    return f"{value:.7g}"
+    return f"{value:.7g}" if isinstance(value, float) else str(value)
 
 
-def solve(scene: object, engine: str | Engine[Any] = "ivp", **options: Any) -> Solution:
+def solve(
+    scene: object, engine: str | Engine[Any] = "ivp", *, certify: bool = False, **options: Any
+) -> Solution:
     """Solve a scene.
 
     Parameters
@@ -332,6 +341,8 @@ def solve(scene: object, engine: str | Engine[Any] = "ivp", **options: Any) -> S
         An `AtBat`, `Flight`, `Pitch` or `Impact`, a mapping like one, or a line of JSON.
     engine
         ``"ivp"``, ``"batch"``, ``"enclosure"``, ``"multiprecision"``, ``"verlet"``, or an engine.
+    certify
+        Whether every number comes with a proven bound on its error, as a `Certified`.
     options
         Of an engine given by name: ``digits=30`` of enclosure and multiprecision, ``dt=1e-3`` of
         verlet, and so on.
@@ -341,7 +352,8 @@ def solve(scene: object, engine: str | Engine[Any] = "ivp", **options: Any) -> S
     InvalidScene
         If `scene` describes none; the message names the key at fault.
     Undecided
-        If the engine cannot tell what happens: its error is larger than what decides.
+        If the engine cannot tell what happens: its error is larger than what decides. If an answer
+        cannot be certified.
     CannotSolve
         If it has no answer for another reason.
     ValueError
@@ -363,6 +375,12 @@ def solve(scene: object, engine: str | Engine[Any] = "ivp", **options: Any) -> S
     result, trajectory = chain.solve_with_path(asked, solver)
     if result.error is not None:
         raise error_of(result)
+    if certify:
+        from longball.engines.certify import certify as certified  # brings ball arithmetic
+
+        result = certified(asked, result)
+        if result.certificate is not None:
+            raise Undecided(result.certificate)
     return Solution(asked, result, solver, trajectory)
 
 
@@ -395,6 +413,7 @@ _ERRORS: dict[ErrorCode, Callable[[str], Exception]] = {
 # --- the probability of a home run ----------------------------------------------------------------
 
 
+@naming_extras()
 def home_run_probability(
     e: float | Sequence[float] | Array,
     method: Literal["quadrature", "monte-carlo"] = "quadrature",

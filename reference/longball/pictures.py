@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
+from longball.engines.path import Trajectory
+from longball.extras import naming_extras
 from longball.home_run import PAPER_CURVES, Estimate, Fit, Integral
 from longball.pitches.prediction import Prediction
 from longball.pitches.statcast import MeasuredPitches
+from longball.pitches.table import Floats
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -67,25 +73,37 @@ def draw_probability(
 
 
 def draw_errors(axes: Axes, prediction: Prediction) -> None:
-    """Draw the errors of predicted balls: pitches at the plate, flies by their angle of launch."""
+    """Draw the errors of predicted balls: pitches at the plate, flies by their angle of launch.
+
+    Of each type of pitch the mean is marked, with bars of a standard deviation either way.
+    """
     measured, solved, error = prediction.measured, prediction.solved, prediction.error
     if isinstance(measured, MeasuredPitches):
+        axes.plot(*_seen(error[solved]), ".", markersize=1.5, color="0.75")
         kinds, counts = np.unique(measured.labels[solved], return_counts=True)
         for i, kind in enumerate(kinds[np.argsort(-counts)]):
-            right, up = 100.0 * error[solved & (measured.labels == kind)].T * [[-1.0], [1.0]]
-            axes.plot(right, up, MARKERS[i % len(MARKERS)], markersize=2, alpha=0.4, label=kind)
+            right, up = _seen(error[solved & (measured.labels == kind)])
+            axes.errorbar(
+                right.mean(), up.mean(), up.std(), right.std(),
+                marker=MARKERS[i % len(MARKERS)], linewidth=0.8, label=f"{kind} ({len(up)})",
+            )  # fmt: skip
         axes.plot(0.0, 0.0, "k+", markersize=12)
         axes.set(
             xlabel="too far to the catcher's right, cm",
             ylabel="too high, cm",
             aspect="equal",
         )
-        axes.legend(markerscale=3, fontsize="small", frameon=False, bbox_to_anchor=(1.0, 1.0))
+        axes.legend(fontsize="small", frameon=False, bbox_to_anchor=(1.0, 1.0))
     else:
         angle = np.degrees(measured.angle[solved])
         axes.plot(angle, error[solved, 0], "o", markersize=3, alpha=0.6)
         axes.axhline(0.0, color="black", linewidth=0.8)
         axes.set(xlabel="angle of launch, °", ylabel="predicted too far by, m")
+
+
+def _seen(error: Floats) -> Floats:
+    """Return errors at the plate as a catcher sees them: to his right, and up, cm."""
+    return 100.0 * error.T * [[-1.0], [1.0]]
 
 
 def save_prediction(path: Path, prediction: Prediction) -> None:
@@ -105,12 +123,101 @@ def save_probability(
 @contextmanager
 def _saved(path: Path, size: tuple[float, float]) -> Iterator[Axes]:
     """Yield axes, and write what is drawn on them."""
-    import matplotlib
+    with naming_extras():
+        import matplotlib
 
     matplotlib.use("agg")
     import matplotlib.pyplot as plt
 
     figure, axes = plt.subplots(figsize=size, layout="constrained")
     yield axes
+    figure.savefig(path, dpi=150)
+    plt.close(figure)
+
+
+# --- paths ----------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """A scene as it is drawn.
+
+    Attributes
+    ----------
+    label
+        Says which, and what became of it.
+    flights
+        Points of its flights, m; an array of shape (n, 3) for each, the pitch first.
+    """
+
+    label: str
+    flights: tuple[NDArray[np.float64], ...]
+
+
+# Colours that stay apart for the colour-blind (Okabe and Ito, 2008).
+_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000")
+_MOST_LABELS = 12
+
+
+def drawn(label: str, trajectory: Trajectory[float], points: int = 200) -> Drawn:
+    """Return the flights of a scene as points; a pitch up to where the bat meets it."""
+    flights = []
+    for i, leg in enumerate(trajectory.legs):
+        end = leg.begin + leg.flight.time
+        if i + 1 < len(trajectory.legs):
+            end = math.nextafter(trajectory.legs[i + 1].begin, 0.0)
+        states = trajectory.sample(np.linspace(leg.begin, end, points).tolist())
+        flights.append(np.array(states)[:, :3])
+    return Drawn(label, tuple(flights))
+
+
+def save_paths(path: Path, scenes: Sequence[Drawn]) -> None:
+    """Draw paths from the side and from above, both to scale, in the format of the file's ending.
+
+    Dashed before the contact, solid after it; a mark where a path ends.
+    """
+    import matplotlib
+
+    matplotlib.use("agg")
+    import matplotlib.pyplot as plt
+
+    every = np.vstack([points for scene in scenes for points in scene.flights])
+    low, high = np.minimum(every.min(axis=0), 0.0), np.maximum(every.max(axis=0), 0.0)
+    length, width, height = np.maximum(high - low, 0.05 * (high - low).max())
+    inches = min(9.0 / length, 9.0 / (width + height))  # for a metre
+    figure, (side, top) = plt.subplots(
+        2,
+        1,
+        figsize=(length * inches + 1.2, (width + height) * inches + 1.8),
+        height_ratios=(height, width),
+        sharex=True,
+        layout="constrained",
+    )
+    for i, scene in enumerate(scenes):
+        look = {"color": _COLOURS[i % len(_COLOURS)], "linewidth": 1.4}
+        label = scene.label if len(scenes) <= _MOST_LABELS else None
+        for axes, column in ((side, 2), (top, 1)):
+            for k, points in enumerate(scene.flights, 1):
+                last = k == len(scene.flights)
+                axes.plot(
+                    points[:, 0],
+                    points[:, column],
+                    linestyle="-" if last else "--",
+                    marker=MARKERS[i % len(MARKERS)] if last else None,
+                    markevery=[-1],
+                    markersize=5,
+                    label=label if last else None,
+                    **look,
+                )
+    side.axhline(0.0, color="0.6", linewidth=0.8, zorder=0)
+    for axes, name in ((side, "height z (m)"), (top, "y, to the left (m)")):
+        axes.set_aspect("equal", adjustable="datalim")
+        axes.plot(0.0, 0.0, marker="P", color="0.4", markersize=6, linestyle="none", zorder=0)
+        axes.set_ylabel(name)
+    top.set_xlabel("x, from the plate towards the pitcher (m)")
+    if len(scenes) <= _MOST_LABELS:
+        figure.legend(
+            *side.get_legend_handles_labels(), loc="outside upper left", fontsize="small", ncols=2
+        )
     figure.savefig(path, dpi=150)
     plt.close(figure)

@@ -10,17 +10,22 @@ import json
 import os
 import re
 from collections.abc import Iterable, Iterator, Mapping
-from itertools import product
+from contextlib import suppress
+from itertools import islice, product
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel
+from pydantic_core import to_json
 
 from longball.api import Solution, as_engine, as_scene
 from longball.engines import chain
-from longball.engines.chain import BLOCKS
+from longball.engines.chain import BLOCKS, DISCRETE
 from longball.engines.engine import Engine, ManyAtOnce
+from longball.engines.parallel import in_parallel
+from longball.extras import naming_extras
 from longball.model.quantities import flat, nested, replaced
 from longball.model.result import Result
 from longball.model.scene import AtBatScene, ImpactScene, InvalidScene, PitchScene, Scene
@@ -34,6 +39,7 @@ def solve_many(
     scenes: Mapping[str, Any] | pd.DataFrame,
     engine: str | Engine[Any] = "batch",
     *,
+    certify: bool = False,
     workers: int = -1,
     **options: Any,
 ) -> pd.DataFrame: ...
@@ -44,13 +50,19 @@ def solve_many(
     scenes: Iterable[object],
     engine: str | Engine[Any] = "batch",
     *,
+    certify: bool = False,
     workers: int = -1,
     **options: Any,
 ) -> list[Solution]: ...
 
 
 def solve_many(
-    scenes: Any, engine: str | Engine[Any] = "batch", *, workers: int = -1, **options: Any
+    scenes: Any,
+    engine: str | Engine[Any] = "batch",
+    *,
+    certify: bool = False,
+    workers: int = -1,
+    **options: Any,
 ) -> Any:
     """Solve many scenes.
 
@@ -62,6 +74,9 @@ def solve_many(
         of shape (n,) or to one value for all scenes.
     engine, options
         As in `solve`.
+    certify
+        Whether every number comes with a proven bound on its error; where there is none,
+        ``certificate`` says why.
     workers
         Threads of the batch engine, processes of another; -1: one per core. The answers do not
         depend on it.
@@ -89,7 +104,12 @@ def solve_many(
     >>> table["plate.time"].round(4).tolist()
     [0.6581, 0.5644, 0.494]
     """
-    solver = as_engine(engine, options)
+    flyer = as_engine(engine, options)
+    solver: Engine[Any] | ManyAtOnce = flyer
+    if certify:
+        from longball.engines.certify import Certifying  # brings ball arithmetic
+
+        solver = Certifying(flyer)
     if workers == -1:
         workers = os.cpu_count() or 1
     if isinstance(scenes, Mapping) or hasattr(scenes, "columns"):
@@ -98,13 +118,13 @@ def solve_many(
     if isinstance(scenes, str | bytes | BaseModel):
         raise TypeError("solve_many takes a list of scenes or columns; lb.solve takes one scene")
     return [
-        Solution(asked if isinstance(asked, BaseModel) else None, result, solver)
+        Solution(asked if isinstance(asked, BaseModel) else None, result, flyer)
         for asked, result in solve_each(scenes, solver, workers)
     ]
 
 
 def solve_each(
-    written: Iterable[object], solver: Engine[Any], workers: int
+    written: Iterable[object], solver: Engine[Any] | ManyAtOnce, workers: int
 ) -> Iterator[tuple[Scene | InvalidScene, Result]]:
     """Yield scenes, or why they are none, with their results."""
     asked = [*map(_as_scene_or_error, written)]
@@ -128,15 +148,14 @@ def _as_scene_or_error(written: object) -> Scene | InvalidScene:
 _FEW = 100
 
 
-def _solve_valid(scenes: list[Scene], solver: Engine[Any], workers: int) -> Iterable[Result]:
+def _solve_valid(
+    scenes: list[Scene], solver: Engine[Any] | ManyAtOnce, workers: int
+) -> Iterable[Result]:
     if isinstance(solver, ManyAtOnce):
         return solver.solve_all(scenes, workers)
     if workers == 1 or len(scenes) < _FEW:
         return (chain.solve(scene, solver) for scene in scenes)
-    from joblib import Parallel, delayed  # slow to import
-
-    tasks = (delayed(chain.solve)(scene, solver) for scene in scenes)
-    return Parallel(n_jobs=workers, return_as="generator")(tasks)  # type: ignore[no-any-return]
+    return in_parallel(chain.solve, ((scene, solver) for scene in scenes), workers)
 
 
 # --- columns --------------------------------------------------------------------------------------
@@ -145,22 +164,36 @@ def _solve_valid(scenes: list[Scene], solver: Engine[Any], workers: int) -> Iter
 _MOST_COLUMNS = 12
 
 
-def _solve_table(columns: Mapping[str, Any], solver: Engine[Any], workers: int) -> pd.DataFrame:
+def _solve_table(
+    columns: Mapping[str, Any], solver: Engine[Any] | ManyAtOnce, workers: int
+) -> pd.DataFrame:
     """Solve the scenes of columns; see `solve_many`."""
-    from longball.engines.batch import Batch, solve_columns
-
     fixed, varied = _split(columns)
-    if isinstance(solver, Batch) and (base := _all_valid(fixed, varied)) is not None:
-        ids = varied.pop("id", None)
-        table = solve_columns(base, varied, solver, workers)
-        return _frame(table, ids, dict(_reasons(base, varied, table["outcome"], solver)))
+    if isinstance(solver, ManyAtOnce) and hasattr(solver, "fly_all"):
+        frame = _solve_as_columns(fixed, varied, solver, workers)
+        if frame is not None:
+            return frame
     rows = [*_rows(fixed, varied)]
     solved = [*solve_each((_scene_of(row) for row in rows), solver, workers)]
     errors = [asked for asked, _ in solved if isinstance(asked, InvalidScene)]
     if errors and len(errors) == len(rows):
         raise errors[0]
-    frame = results_table(result for _, result in solved)
+    frame = results_table(result.data() for _, result in solved)
     return frame.drop(columns=[name for name in ("engine", "id") if name not in columns])
+
+
+def _solve_as_columns(
+    fixed: Mapping[str, Any], varied: dict[str, NDArray[Any]], solver: Any, workers: int
+) -> pd.DataFrame | None:
+    """Solve columns by the batch engine, without a scene for each; None if some row is no scene."""
+    from longball.engines.batch import solve_columns
+
+    base = _all_valid(fixed, varied)
+    if base is None:
+        return None
+    ids = varied.pop("id", None)
+    table = solve_columns(base, varied, solver, workers)
+    return _frame(table, ids, dict(_reasons(base, varied, table["outcome"], solver)))
 
 
 def _split(columns: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
@@ -218,10 +251,22 @@ def _rows(fixed: Mapping[str, Any], varied: Mapping[str, NDArray[Any]]) -> Itera
         yield dict(fixed)
 
 
-def _scene_of(row: Mapping[str, Any]) -> dict[str, Any]:
+def _scene_of(row: Mapping[Any, Any]) -> dict[str, Any]:
     """Return the scene of a row as plain data; without what is left out."""
-    given = {name: value for name, value in row.items() if value is not None and value == value}
+    given = {str(name): _cell(name, value) for name, value in row.items() if not _is_empty(value)}
     return nested(given, _DEFAULTS.get(given.get("kind")))
+
+
+def _is_empty(value: object) -> bool:
+    return value is None or (isinstance(value, float) and value != value)
+
+
+def _cell(name: object, value: Any) -> Any:
+    """Return what a cell holds: a text may be JSON, as null is for no air."""
+    if isinstance(value, str) and name not in ("id", "kind"):
+        with suppress(ValueError):
+            return json.loads(value)
+    return value
 
 
 # Of kinds that need no block, to complete vectors from.
@@ -236,6 +281,7 @@ def _reasons(
         yield i, chain.solve(replaced(base, {n: float(c[i]) for n, c in columns.items()}), solver)
 
 
+@naming_extras()
 def _frame(
     table: Mapping[str, NDArray[Any]], ids: NDArray[Any] | None, reasons: Mapping[int, Result]
 ) -> pd.DataFrame:
@@ -246,20 +292,35 @@ def _frame(
     frame["error"] = frame["code"] = pd.Series(None, frame.index, "str")
     for i, result in reasons.items():
         frame.loc[i, ["outcome", "error", "code"]] = None, result.error, result.code
-    return frame
+    return _typed(frame)
 
 
-def results_table(results: Iterable[Result]) -> pd.DataFrame:
-    """Return results as a table, with the columns in the contract's order."""
+@naming_extras()
+def results_table(results: Iterable[Mapping[str, Any]]) -> pd.DataFrame:
+    """Return results, as plain data, as a table with the columns in the contract's order."""
     import pandas as pd
 
-    rows = [dict(flat(json.loads(result.line()))) for result in results]
-    names = {name: None for row in rows for name in row}
-    names |= dict.fromkeys(_TEXTS)
-    return pd.DataFrame(rows, columns=sorted(names, key=_place)).astype(_TEXTS)
+    rows = (dict(flat(data)) for data in results)
+    # Block by block: rows as dicts take ten times the memory of a table.
+    blocks = [pd.DataFrame(block) for block in iter(lambda: [*islice(rows, _ROWS)], [])]
+    frame = pd.concat(blocks) if blocks else pd.DataFrame()
+    names = sorted({*frame.columns, *_TEXTS}, key=_place)
+    return _typed(frame.reset_index(drop=True).reindex(columns=names))
+
+
+_ROWS = 10_000
 
 
 _TEXTS = {"outcome": "str", "error": "str", "code": "str"}  # columns that are always there
+
+
+_DISCRETE = {name: "boolean" if kind is bool else "Int64" for name, kind in DISCRETE.items()}
+
+
+def _typed(frame: pd.DataFrame) -> pd.DataFrame:
+    """Return a table of results with the types of its columns, whatever is missing in them."""
+    types = _TEXTS | _DISCRETE
+    return frame.astype({name: types[name] for name in frame.columns if name in types})
 
 
 def _place(name: str) -> tuple[int, int, str]:
@@ -267,3 +328,36 @@ def _place(name: str) -> tuple[int, int, str]:
     block, key, rest = re.split(r"\W", f"{name}..", maxsplit=2)
     keys = [*BLOCKS[block].model_fields] if block in BLOCKS else [""]
     return [*Result.model_fields].index(block), keys.index(key), rest
+
+
+# --- files ----------------------------------------------------------------------------------------
+
+
+def scene_lines(path: Path) -> bytes:
+    """Return the scenes of a .csv or .parquet as lines of JSON, numbered as those of the file.
+
+    Raises
+    ------
+    ValueError
+        If the file is no table, or a column has no name of a scene.
+    """
+    import pandas as pd
+
+    if path.suffix == ".parquet":
+        rows = pd.read_parquet(path).to_dict("records")
+        first = []
+    else:
+        # Every double is read as it was written, and nothing but an empty cell is empty.
+        exact: Any = {"float_precision": "round_trip", "keep_default_na": False, "na_values": [""]}
+        rows = pd.read_csv(path, dtype={"id": str}, **exact).to_dict("records")
+        first = [b""]  # the head
+    return b"\n".join([*first, *map(to_json, map(_scene_of, rows))])
+
+
+def write_table(path: Path, results: Iterable[bytes]) -> None:
+    """Write results, as lines of JSON, as a table."""
+    frame = results_table(map(json.loads, results))
+    if path.suffix == ".parquet":
+        frame.to_parquet(path)
+    else:
+        frame.to_csv(path, index=False)

@@ -13,18 +13,18 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from longball.engines import create
 from longball.engines.batch import (
     Batch,
     expansion,
     roots,
-    solve_all,
     solve_columns,
     solve_columns_with_restitutions,
 )
 from longball.engines.batch.expansion import WIDTH, aligned, kernel
 from longball.engines.batch.jit import call, unowned_view
 from longball.engines.batch.roots import NEVER
-from longball.engines.chain import solve
+from longball.engines.chain import solve, solve_with_path
 from longball.engines.enclosure import Enclosure
 from longball.engines.event import ground
 from longball.engines.ivp import Ivp
@@ -49,6 +49,7 @@ from longball.model.scene import (
     Rotation,
     Scene,
     Swing,
+    parse_scene,
 )
 
 # What only compiled functions can call, for Python to call.
@@ -186,7 +187,7 @@ def test_odd_scenes_have_the_answers_of_the_ivp_engine(odd_scenes: list[Scene]) 
     """Outcomes, and every number that the reference has, to what its touchings are good for."""
     reference = Ivp()
     outcomes = set()
-    for scene, result in zip(odd_scenes, solve_all(odd_scenes), strict=True):
+    for scene, result in zip(odd_scenes, Batch().solve_all(odd_scenes), strict=True):
         expected = solve(scene, reference)
         assert (result.outcome, result.error) == (expected.outcome, expected.error), scene.line()
         outcomes.add(result.outcome)
@@ -213,7 +214,7 @@ def test_regular_at_bats_agree_with_the_enclosure_to_the_digits_of_doubles() -> 
         )
         for i in range(12)
     ]
-    for scene, result in zip(scenes, solve_all(scenes), strict=True):
+    for scene, result in zip(scenes, Batch().solve_all(scenes), strict=True):
         found, truth = numbers(result), numbers(solve(scene, Enclosure()))
         assert result.outcome == "batted"
         assert found.keys() == truth.keys()
@@ -279,7 +280,7 @@ def test_a_parabola_is_exact() -> None:
 
 def test_lists_have_the_bits_of_scenes_solved_alone(odd_scenes: list[Scene]) -> None:
     engine = Batch()
-    assert solve_all(odd_scenes, engine) == [solve(scene, engine) for scene in odd_scenes]
+    assert engine.solve_all(odd_scenes) == [solve(scene, engine) for scene in odd_scenes]
 
 
 def test_balls_that_share_their_pitch_have_the_bits_of_their_own() -> None:
@@ -548,7 +549,7 @@ def test_landings_of_every_tolerance_lie_that_close_to_proven_ones() -> None:
     truth = np.array([numbers(solve(s, Enclosure()))[".landing.distance"] for s in scenes])
     rounding = Batch(1e-14).flight_error
     for tolerance in 10.0 ** -np.arange(4.0, 15.0):
-        results = solve_all(scenes, Batch(tolerance))
+        results = Batch(tolerance).solve_all(scenes)
         found = np.array([numbers(result)[".landing.distance"] for result in results])
         assert (np.abs(found - truth) < tolerance + rounding * truth).all(), tolerance
 
@@ -568,7 +569,7 @@ def test_a_graze_is_an_error_with_its_margin() -> None:
     while True:
         offset = (low + high) / 2
         scene = AtBatScene(id="graze", swing=Swing(height_offset=offset))
-        (result,) = solve_all([scene])
+        (result,) = Batch().solve_all([scene])
         if result.error is not None:
             break
         low, high = (low, offset) if result.outcome == "missed" else (offset, high)
@@ -588,7 +589,7 @@ def test_a_circle_that_comes_back_to_the_ground_where_it_left_it_is_an_error() -
         air=Air(drag_coefficient=0.0, lift_coefficient=0.7),
         launch=Launch(position=(0.0, 0.0, 0.0), velocity=(45.0, 0.0, 0.0)),
     )
-    (result,) = solve_all([scene])
+    (result,) = Batch().solve_all([scene])
     assert result.error is not None
     assert "whether the ball touches the ground cannot be decided" in result.error
 
@@ -605,14 +606,37 @@ def test_sizes_that_overflow_have_the_same_answer_in_a_list_as_alone(size: float
         AtBatScene(id="swung", swing=Swing(angular_speed=size)),
         AtBatScene(id="heavy", ball=Ball(mass=size)),
     ]
-    assert solve_all(scenes) == [solve(scene, Batch()) for scene in scenes]
+    assert Batch().solve_all(scenes) == [solve(scene, Batch()) for scene in scenes]
 
 
 def test_a_ball_released_inside_the_bat_is_an_error() -> None:
     scene = AtBatScene(id="in", pitch=Pitch(release=(0.02, 0.0, 1.8)))
-    (result,) = solve_all([scene])
+    (result,) = Batch().solve_all([scene])
     assert result.error is not None
     assert "starts inside the bat" in result.error
+
+
+@pytest.mark.parametrize("sideways", [1e-10, 1e-15, 1e-20, 1e-30])
+@pytest.mark.parametrize("up", [40.0, 0.0])
+@pytest.mark.parametrize("lift", [0.0, 0.2])
+def test_a_ball_that_is_all_but_vertical(sideways: float, up: float, lift: float) -> None:
+    """cos(π/2) is 6e-17: at the apex the ball has that part of its speed."""
+    scene = FlightScene(
+        id="pop-up",
+        air=Air(lift_coefficient=lift),
+        launch=Launch(position=(0.0, 0.0, 50.0), velocity=(sideways, 0.0, up)),
+    )
+    truth = solve(scene, Enclosure()).landing
+    assert truth is not None
+    heights = []
+    for engine in (Batch(), Ivp()):
+        result, way = solve_with_path(scene, engine)
+        assert result.landing is not None
+        assert result.landing.time == pytest.approx(float(truth.time), rel=3e-15)
+        assert result.landing.distance == pytest.approx(float(truth.distance), rel=1e-14)
+        heights.append([way.at(part * float(truth.time))[0][2] for part in (0.2, 0.5, 0.9)])
+    assert heights[0] == pytest.approx(heights[1], rel=1e-13)
+    assert Batch().solve_all([scene] * 20) == [solve(scene, Batch())] * 20
 
 
 def test_a_ball_that_all_but_rests_in_the_air_is_solved_or_refused_never_wrong() -> None:
@@ -636,3 +660,14 @@ def test_a_ball_that_all_but_rests_in_the_air_is_solved_or_refused_never_wrong()
 def test_columns_that_are_none_are_refused(columns: Any, message: str) -> None:
     with pytest.raises(ValueError, match=message):
         solve_columns(AtBatScene(id="any"), columns)
+
+
+def test_a_flight_that_ends_nowhere_is_not_airborne():
+    # Thrown into air as dense as a star, straight up by the lift: at last the series overflow.
+    scene = parse_scene(
+        '{"id":"x","kind":"pitch","reading":{"lift_direction":"always_up"},"gravity":7.8e25,'
+        '"ball":{"mass":2.4e-6,"radius":0.0062},"pitch":{"speed":9.4e13,'
+        '"release":[3e-8,0.14,0.0063],"aim":[2e19,217506]},'
+        '"air":{"density":3.8e6,"drag_coefficient":0.033,"lift_coefficient":0.51}}'
+    )
+    assert solve(scene, create("batch")).outcome != "airborne"

@@ -141,6 +141,7 @@ def test_lines_are_certified_in_any_number_of_processes():
     lines = [AT_BAT.line().encode(), b"junk", FLIGHT.line().encode()]
     one, bad, two = solve_lines(lines, Certifying(create("batch")))
     assert (one.id, two.id) == ("x", "x")
-    assert bad.code == "invalid"
-    assert json.loads(two.line())["landing"]["distance"].keys() == {"value", "radius"}
+    assert (one.failure, two.failure) == (None, None)
+    assert bad.failure.startswith("line 2: not JSON")
+    assert json.loads(two.text)["landing"]["distance"].keys() == {"value", "radius"}
     assert list(solve_lines(lines, Certifying(create("batch")), workers=2)) == [one, bad, two]

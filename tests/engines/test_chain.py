@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import random
 from dataclasses import replace
 
 import pytest
@@ -16,8 +17,10 @@ from longball.engines.chain import (
     solve_with_path,
     solve_with_restitutions,
 )
+from longball.engines.enclosure import Enclosure
 from longball.engines.ivp import Ivp
-from longball.model.law import DRAG, GRAVITY, Force
+from longball.model.law import DRAG, GRAVITY, LIFT, Force
+from longball.model.quantities import replaced
 from longball.model.scene import parse_scene
 from longball.model.trace import ZERO
 
@@ -161,6 +164,74 @@ def push_left(motion, p):
     return ZERO, p.push, ZERO
 
 
+RECONTACT = (
+    '{"id":"x","kind":"at-bat","ball":{"mass":%r,"restitution":%r},"bat":{"mass":0.5},'
+    '"reading":{"bat_ball_restitution":"plain","reduced_mass":"bat_mass"}}'
+)
+
+
+@pytest.mark.parametrize("engine", ["ivp", "batch", "enclosure", "multiprecision"])
+@pytest.mark.parametrize(
+    ("mass", "restitution", "said"),
+    [
+        (0.25, 0.6, None),
+        # Of ẽ M / m = 1 the ball leaves with the bat's own speed: by the impulse's definition.
+        (0.25, 0.5, "possible"),
+        (0.25, 0.4, "certain"),
+        (0.25, 0.0, "certain"),
+        (0.125, 0.4, None),
+        (2.0, 0.4, "certain"),
+    ],
+)
+def test_a_ball_that_stays_slower_than_the_bat_is_told(engine, mass, restitution, said):
+    scene = parse_scene(RECONTACT % (mass, restitution))
+    found = solve(scene, engines.create(engine))
+    assert found.outcome == "batted"
+    assert found.impact.recontact == said
+    if engine == "batch":
+        many = engines.create(engine).solve_all([scene, parse_scene('{"kind":"at-bat"}')] * 20)
+        assert [result.impact.recontact for result in many] == [said, None] * 20
+    if said is None:
+        assert "recontact" not in found.line()
+
+
+def test_a_ball_that_comes_from_behind_the_bat_is_told_too():
+    """It overtakes the bat, is struck by its back, and is faster still."""
+    line = (
+        '{"id":"x","kind":"impact","ball":{"mass":%r},"swing":{"angular_speed":20},"reading":'
+        '{"bat_ball_restitution":"plain","reduced_mass":"bat_mass"},'
+        '"incoming":{"position":[-0.0696,0,1],"velocity":[40,0,0],"bat_height":1}}'
+    )
+    assert solved(line % 0.145).impact.recontact is None
+    assert solved(line % 5.0).impact.recontact == "certain"
+
+
+@pytest.mark.parametrize("engine", ["ivp", "batch", "multiprecision"])
+@pytest.mark.parametrize(
+    "line",
+    [
+        '{"id":"x","kind":"flight","launch":{"position":[0,0,0],'
+        '"velocity":[20.395979199258313,-0.651281012443394,31.6328971210868]}}',
+        '{"id":"x","kind":"flight","launch":{"position":[0,0,1],"velocity":[0,0,35]}}',
+        # A hop, whose hang time has the error of the contact.
+        '{"id":"x","kind":"at-bat","swing":{"height_offset":-0.0006930463748685695,'
+        '"tilt":0.10641549767016717}}',
+    ],
+)
+def test_a_tie_with_the_time_limit_is_declined_or_right(engine, line):
+    scene = parse_scene(line)
+    landing = solve(scene, Enclosure()).landing
+    time = float(landing.hang_time)
+    outcomes = set()
+    for ulps in (-60, -3, -1, 0, 1, 2, 8, 30):
+        limited = replaced(scene, {"time_limit": time + ulps * math.ulp(time)})
+        truth, found = solve(limited, Enclosure()), solve(limited, engines.create(engine))
+        assert found.outcome == truth.outcome or found.code == "undecided", ulps
+        outcomes.add(found.outcome)
+    if engine != "multiprecision":
+        assert None in outcomes
+
+
 def test_a_graze_below_rounding_is_not_decided():
     scene = '{"id":"x","kind":"at-bat","swing":{"height_offset":%r}}'
     reach = 0.0366 + 0.033
@@ -192,3 +263,83 @@ def test_engines_are_made_by_name():
 def test_a_ball_at_rest_in_empty_space_stays_there():
     rest = '{"id":"x","kind":"flight","gravity":0,"launch":{"position":[0,0,1],"velocity":[0,0,0]}}'
     assert solved(rest).outcome == "airborne"
+
+
+# --- loops without drag ---------------------------------------------------------------------------
+
+
+LOOP = (
+    '{"id":"x","kind":"flight","gravity":%r,"air":{"drag_coefficient":0,"lift_coefficient":%r},'
+    '"launch":{"position":[0,0,%r],"velocity":[%r,0,%r]},"time_limit":%r}'
+)
+
+
+@pytest.mark.parametrize("engine", ["ivp", "batch", "enclosure"])
+@pytest.mark.parametrize("gravity", [0.0, 9.8])
+def test_thousands_of_loops_that_stay_aloft_are_airborne(engine, gravity):
+    # 500 m/s² of lift for each m/s: a hundred loops a second, of 15 mm.
+    scene = parse_scene(LOOP % (gravity, 4e3, 10.0, 30.0, 20.0, 60.0))
+    result = solve(scene, engines.create(engine))
+    assert (result.outcome, result.error) == ("airborne", None)
+
+
+def test_balls_that_stay_aloft_are_those_that_do_not_land():
+    generator = random.Random(7)
+    outcomes = set()
+    for _ in range(60):
+        gravity, sign = generator.choice([0.0, 9.8]), generator.choice([-1.0, 1.0])
+        lift, height = sign * generator.uniform(0.3, 8.0), generator.uniform(2.0, 40.0)
+        u, w = (generator.uniform(-40.0, 40.0) for _ in range(2))
+        # Some turns: a ball that lands does so in the first.
+        turn = 2 * math.pi / (abs(lift) * _PER_LIFT * math.hypot(u, w))
+        scene = parse_scene(LOOP % (gravity, lift, height, u, w, 8 * turn))
+        shortcut = solve(scene, Ivp())
+        flown = solve(scene, Ivp(), replace(MODEL, forces=(DRAG, ANY_LIFT, GRAVITY)))
+        assert shortcut.outcome == flown.outcome
+        outcomes.add((gravity, shortcut.outcome))
+    assert len(outcomes) == 4
+
+
+def test_the_way_of_a_ball_that_stays_aloft_is_flown_when_asked():
+    scene = parse_scene(LOOP % (0.0, 4.0, 20.0, 30.0, 0.0, 2.0))
+    result, trajectory = solve_with_path(scene, Ivp())
+    assert result.outcome == "airborne"
+    position, velocity = trajectory.at(2.0)
+    # A circle of the radius 1/k.
+    k = 4.0 * _PER_LIFT
+    angle = 30.0 * k * 2.0
+    expected = (math.sin(angle) / k, 0.0, 20.0 + (1.0 - math.cos(angle)) / k)
+    assert position == pytest.approx(expected, abs=1e-11)
+    assert math.hypot(*velocity) == pytest.approx(30.0, rel=1e-13)
+
+
+# k_L of a lift coefficient of 1, 1/m: ρ π R² / (2 m).
+_PER_LIFT = 1.29 * math.pi * 0.0366**2 / (2 * 0.145)
+# The same force, which the chain takes for another one.
+ANY_LIFT = replace(LIFT, acceleration=lambda motion, p: LIFT.acceleration(motion, p))
+
+
+@pytest.mark.parametrize("engine", ["ivp", "batch", "enclosure", "multiprecision"])
+def test_a_flight_of_too_many_steps_is_an_error_that_says_so(engine, monkeypatch):
+    monkeypatch.setattr("longball.engines.ivp._MOST_STEPS", 20)
+    monkeypatch.setattr("longball.engines.multiprecision._MOST_STEPS", 20)
+    monkeypatch.setattr("longball.engines.enclosure.engine._MOST_WORK", 80_000)
+    scene = parse_scene(
+        '{"id":"x","kind":"flight","air":{"drag_coefficient":0.001,"lift_coefficient":4000},'
+        '"launch":{"position":[0,0,1],"velocity":[30,0,30]}}'
+    )
+    assert "steps" in solve(scene, engines.create(engine)).error
+
+
+@pytest.mark.parametrize("engine", ["ivp", "batch"])
+@pytest.mark.parametrize("spin", ["", ',"spin":[10,-150,30]'])
+def test_the_distance_from_a_launch_does_not_hang_on_its_place(engine, spin):
+    scene = (
+        '{"id":"x","kind":"flight","reading":{"distance_origin":"launch"},'
+        '"launch":{"position":[%r,0,1],"velocity":[-3,-20,5]%s}}'
+    )
+    near, far = (
+        solve(parse_scene(scene % (x, spin)), engines.create(engine)).landing.distance
+        for x in (0.0, 1e15)
+    )
+    assert far == near

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from longball import golden
-from longball.engines.batch import Batch, solve_all, solve_columns
+from longball.engines.batch import Batch, solve_columns
 from longball.engines.chain import solve
 from longball.model.quantities import numbers
 from longball.model.readings import LEDGER, Reading
@@ -29,7 +29,7 @@ def alone(scenes):
 
 
 def together(scenes):
-    return solve_all(scenes, ENGINE)
+    return ENGINE.solve_all(scenes)
 
 
 @pytest.mark.parametrize("copies", [1, 15, 16, 17, 1000])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import shutil
 import subprocess
@@ -157,5 +158,5 @@ app(["solve", "--engine", "verlet", sys.argv[2]], standalone_mode=False)
         check=False,
     )
     assert run.returncode == 0, run.stderr
-    assert '"outcome": "missed"' in run.stdout
+    assert json.loads(run.stdout)["outcome"] == "missed"
     assert run.stderr == ""

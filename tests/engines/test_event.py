@@ -19,6 +19,7 @@ from flint import arb
 from longball.engines import event
 from longball.engines.chain import approach_of, solve
 from longball.engines.enclosure import Enclosure
+from longball.engines.fence import Stop, at_stop
 from longball.engines.ivp import Ivp
 from longball.engines.polynomial import PolynomialPiece
 from longball.model.frame import Frame
@@ -71,6 +72,8 @@ def make(surface, at, start, numbers):
             return event.plate(frame_of(at, numbers), numbers)
         case "vertical":
             return event.vertical(numbers)
+        case "fence":
+            return at_stop("fence", Stop(numbers.exact(at[0]), None), 1, numbers)
         case "past":
             return event.past(frame_of(at, numbers), numbers.exact(at[2]), numbers)
 
@@ -261,8 +264,19 @@ def upright(rng):
     return (near_a_cusp if rng.random() < 0.4 else swaying)(rng)
 
 
+def at_the_fence(rng):
+    strengths, start, _, (farthest, time) = turning(rng)
+
+    def placed(depth):
+        s = float(farthest - arb(depth))
+        return dip(strengths, start, time, "fence", (s,), farthest - arb(s))
+
+    return placed
+
+
 SURFACES = {
     "ground": over_the_ground,
+    "fence": at_the_fence,
     "plate": at_the_plate,
     "vertical": upright,
     "past": past_the_bat,

@@ -37,7 +37,7 @@ def test_scenes_and_results_obey_the_schemas(line: bytes):
     schema = schemas()
     if line.startswith(b"{"):
         jsonschema.validate(json.loads(line), schema["scene.schema.json"])
-    written = json.loads(solve_line(1, line, Ivp()).line())
+    written = json.loads(solve_line(1, line, Ivp()).text)
     jsonschema.validate(written, schema["result.schema.json"])
 
 
@@ -54,12 +54,12 @@ def test_scenes_and_results_obey_the_schemas(line: bytes):
 def test_the_schema_refuses_what_the_code_refuses(scene: dict):
     with pytest.raises(jsonschema.ValidationError):
         jsonschema.validate(scene, schemas()["scene.schema.json"])
-    assert solve_line(1, json.dumps(scene).encode(), Ivp()).error is not None
+    assert solve_line(1, json.dumps(scene).encode(), Ivp()).failure is not None
 
 
 def test_lines_are_numbered_as_in_the_file():
     results = list(solve_lines([b"\n", b"junk\n", b"  \n", b"junk"], Ivp()))
-    assert [r.error.split(":")[0] for r in results] == ["line 2", "line 4"]
+    assert [r.failure.split(":")[0] for r in results] == ["line 2", "line 4"]
 
 
 # A scene for each sort of error; and the engines that have it.
@@ -102,8 +102,8 @@ ERRORS = [
 )
 def test_an_error_has_a_code_of_its_sort(code: str, engine: str, line: str):
     result = solve_line(1, line.encode(), create(engine))
-    assert result.code == code
-    assert result.error.startswith("line 1: ")
+    assert json.loads(result.text)["code"] == code
+    assert result.failure.startswith("line 1: ")
 
 
 def test_scenes_at_once_have_codes_too():
@@ -133,10 +133,21 @@ MANY = [
 def test_lines_at_once_have_the_answers_of_one_by_one():
     engine = Batch()
     alone = [solve_line(n, line, engine) for n, line in enumerate(MANY, 1) if line]
-    assert sum(result.error is not None for result in alone) > 1
+    assert sum(result.failure is not None for result in alone) > 1
     assert list(solve_lines(BytesIO(b"\n".join(MANY)), engine)) == alone
     assert list(solve_lines(MANY, engine, workers=2)) == alone
     assert list(solve_lines(MANY, engine)) == alone
+
+
+def test_what_is_told_and_not_measured_is_no_double():
+    scene = {"kind": "flight", "fence": {"radius": 100}}
+    scene |= {"launch": {"position": [0, 0, 1], "velocity": [40, 0, 21]}}
+    lines = [json.dumps(scene).encode()] * 20
+    for engine in (Batch(), Ivp()):
+        (result, *_) = solve_lines(BytesIO(b"\n".join(lines)), engine)
+        data = json.loads(result.text)
+        assert data["landing"]["fair"] is True
+        assert isinstance(data["fence"]["segment"], int)
 
 
 class Pipe(BufferedIOBase):

@@ -10,7 +10,8 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from longball.engines import create
-from longball.engines.batch import solve_all, solve_columns
+from longball.engines.batch import solve_columns
+from longball.engines.certify import certify
 from longball.engines.chain import solve
 from longball.model.readings import Reading
 from longball.model.scene import (
@@ -367,7 +368,7 @@ def test_jamming_is_an_error(engine):
     assert result.impact is None
     assert struck(impact(0.3), engine).impact.mode == "slide"
     assert struck(impact(2.0), engine).impact.mode == "grip"
-    jammed, slid = solve_all([impact(0.6)] * 20 + [impact(0.3)] * 20, ENGINES["batch"])[19:21]
+    jammed, slid = ENGINES["batch"].solve_all([impact(0.6)] * 20 + [impact(0.3)] * 20)[19:21]
     assert jammed.error is not None
     assert slid.impact.mode == "slide"
 
@@ -399,6 +400,15 @@ def test_the_enclosure_holds_the_others():
     for bounded, other in zip(proven.spin, second.spin, strict=True):
         assert abs(Decimal(bounded.value) - Decimal(other.value)) < Decimal("1e-25")
         assert float(bounded.radius) < 1e-25
+
+
+def test_oblique_impacts_are_certified():
+    for scene in many_impacts():
+        result = solve(scene, ENGINES["ivp"])
+        found = certify(scene, result)
+        assert found.certificate is None
+        assert found.impact.mode == result.impact.mode
+        assert all(float(x.radius) < 1e-10 for x in found.impact.spin)
 
 
 # --- at-bats, and columns -------------------------------------------------------------------------
@@ -447,13 +457,11 @@ def test_columns_have_the_bits_of_single_scenes():
             pitch=Pitch(aim=(0.1, 1.8)),
             swing=Swing(height_offset=offset),
         )
-        for i, (friction, offset) in enumerate(
-            (f, z) for f in (0.01, 0.1, 0.5, 0.6) for z in (-0.05, -0.02, 0.0, 0.01, 0.07)
-        )
+        for i, (friction, offset) in enumerate([(0.01, -0.05), (0.5, -0.02), (0.5, 0.07)])
     ]
     batch = ENGINES["batch"]
     for alike in (scenes, at_bats):
-        together = solve_all(alike, batch)
+        together = batch.solve_all(alike)
         assert {result.impact.mode for result in together if result.impact} == {"grip", "slide"}
         for scene, result in zip(alike, together, strict=True):
             assert result == solve(scene, batch)

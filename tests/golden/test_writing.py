@@ -15,7 +15,7 @@ from longball.golden.case_builder import Draft, solve_for
 from longball.golden.checker import check
 from longball.golden.condition import inputs, sensitivity, with_input
 from longball.golden.families import FAMILIES
-from longball.golden.files import CHECKSUMS, PARTIAL
+from longball.golden.files import CHECKSUMS, PARTIAL, write_files
 from longball.golden.reader import header, load, probabilities
 from longball.golden.truth import make, prove, shortened
 from longball.model.quantities import replaced
@@ -153,6 +153,13 @@ def test_a_changed_last_digit_is_found_by_the_proof_alone(small: Path):
     [
         (CHECKSUMS, "few.jsonl", "fow.jsonl", "fow.jsonl: listed in SHA256SUMS, but not there"),
         (CHECKSUMS, "few.jsonl", "fow.jsonl", "few.jsonl: not listed in SHA256SUMS"),
+        (CHECKSUMS, "few.jsonl", "../few.jsonl", "SHA256SUMS: '../few.jsonl' is not a file of"),
+        (
+            "header.json",
+            '"few.jsonl"',
+            '"../few.jsonl"',
+            "header.json: '../few.jsonl' is not",
+        ),
         ("few.jsonl", '"flags":[]', '"flags":["odd"]', "the flag odd is not explained"),
         ("few.jsonl", '"level":"lower"', '"level":"mild"', "few.jsonl, line 1: level: "),
         ("few.jsonl", '"family":"few"', '"family":"many"', "says that its family is many"),
@@ -166,6 +173,16 @@ def test_a_changed_last_digit_is_found_by_the_proof_alone(small: Path):
 def test_what_is_wrong_is_said_in_a_sentence(small: Path, file, old, new, sentence):
     spoil(small / file, old, new)
     assert any(sentence in failure for failure in check(small, sample=0).failures)
+
+
+def test_swapped_lines_are_named(small: Path):
+    first, second, third = (small / "few.jsonl").read_text(encoding="utf-8").splitlines()
+    lines = "".join(f"{line}\n" for line in (first, third, second))
+    write_files(small, {"few.jsonl": lines})  # with its checksum
+    assert check(small, SMALL, sample=0).failures == (
+        "impact-0002: stands where impact-0001 belongs",
+        "impact-0001: stands where impact-0002 belongs",
+    )
 
 
 def test_a_missing_set_is_said_so(tmp_path: Path):

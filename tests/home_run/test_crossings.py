@@ -47,3 +47,9 @@ def test_a_jump_is_halved_to_its_place():
     every = found(lambda x, line: np.where(x < math.e, -150.0, 75.0 + line))
     np.testing.assert_allclose(every.place, [math.e, math.e], atol=1e-11)
     assert every.rises.all()
+    assert every.jumps.all()
+
+
+def test_a_steep_crossing_is_no_jump():
+    every = found(lambda x, line: 1e4 * (x - math.e) + 0.0 * line)
+    assert not every.jumps.any()

@@ -21,8 +21,8 @@ from longball.home_run import (
     scrambled,
 )
 from longball.home_run.clearance import Clearance
-from longball.home_run.quadrature import Nodes
-from longball.model.readings import SamplingReading
+from longball.home_run.quadrature import Nodes, Share, share_over_offsets
+from longball.model.readings import Reading, SamplingReading
 from longball.model.scene import AtBatScene
 
 GOLDEN = {case.id: case for case in golden.probabilities().cases}
@@ -33,7 +33,7 @@ PAPER = paper_at_bats(SamplingReading())
 @pytest.fixture
 def coarse(monkeypatch) -> None:
     """Two rules that take a fraction of a second."""
-    monkeypatch.setattr("longball.home_run.quadrature.LEVELS", (Nodes(8, 1), Nodes(11, 2)))
+    monkeypatch.setattr("longball.home_run.quadrature.LEVELS", (Nodes(0.6, 1), Nodes(0.8, 2)))
 
 
 class TestMixture:
@@ -149,6 +149,23 @@ class TestQuadrature:
         slopes = [row.slope for row in GOLDEN["probability-default"].rows]
         # Five-point differences; truncation h⁴ P⁽⁵⁾/30 with P⁽⁵⁾ < 100, as P'''' is some 30.
         assert slopes[2] == pytest.approx((p[0] - 8 * p[1] + 8 * p[3] - p[4]) / 0.12, abs=1e-7)
+
+    # Under about_centre some just clear the ground: their interval of aims ends where D jumps.
+    @pytest.mark.parametrize("inertia", ["solid_cylinder", "about_centre"])
+    def test_the_slope_over_offsets_is_that_of_the_share(self, inertia):
+        base = AtBatScene(id="base", reading=Reading(inertia=inertia))
+
+        def share(e):
+            home_runs = Clearance(base, e, Batch())
+            found = share_over_offsets(home_runs, PAPER, *np.array([[38.0], [0.08], [1e-6]]))
+            return Share(*(values.item() for values in found))
+
+        here, step = share(0.42), 1e-3
+        difference = (share(0.42 + step).p - share(0.42 - step).p) / (2 * step)
+        # Truncation is below 1e-6, and errors of P grow by 1/step.
+        near = here.slope_error + 1e-5 + here.error / step
+        assert abs(here.slope - difference) < near
+        assert near < 0.02 * here.slope
 
     @pytest.mark.usefixtures("coarse")
     def test_threads_change_no_bit(self):

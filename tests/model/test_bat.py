@@ -6,7 +6,13 @@ from fractions import Fraction
 import pytest
 from hypothesis import given
 
-from longball.model.bat import bat_velocity, collision_parameters, lever_arm, moment_of_inertia
+from longball.model.bat import (
+    bat_velocity,
+    collision_parameters,
+    inverse_masses,
+    lever_arm,
+    moment_of_inertia,
+)
 from longball.model.numbers import DOUBLES
 from longball.model.readings import Reading
 from longball.model.scene import Ball, Bat, Rotation
@@ -109,3 +115,23 @@ def test_as_printed_inverts_nathans_apparent_coefficient():
     printed = collision_parameters(BALL, BAT, ARM, Reading(), EXACT).restitution
     ratio = BALL_MASS / EFFECTIVE
     assert (printed - ratio) / (1 + ratio) == E
+
+
+@pytest.mark.parametrize(("support", "mass", "arm"), [("pivot", 0, 0.7), ("free", 1, -0.2)])
+def test_inverse_masses_are_those_of_a_ball_and_a_cylinder(support, mass, arm):
+    """Along the normal and the bat, and around the bat, which also turns about its own axis.
+
+    `arm` is from the pivot, or the centre of a free bat, which moves as a whole besides.
+    """
+    ball, bat, reading = Ball(mass=0.15), Bat(mass=0.9, radius=0.03, support=support), Reading()
+    pair = collision_parameters(ball, bat, 0.7, reading, DOUBLES)
+    inertia = moment_of_inertia(bat, reading, DOUBLES)
+    surface = (1 + 5 / 2) / 0.15 + mass / 0.9
+    expected = (
+        1 / pair.reduced_mass,
+        abs(arm) * 0.03 / inertia,
+        surface + 0.03**2 / inertia,
+        surface + arm**2 / inertia + 0.03**2 / (0.9 * 0.03**2 / 2),
+    )
+    found = inverse_masses(ball, bat, 0.7, pair, reading, DOUBLES)
+    assert tuple(map(abs, found)) == pytest.approx(expected, rel=1e-14)

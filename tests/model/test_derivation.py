@@ -345,6 +345,7 @@ def test_steps_can_be_printed():
     for step in steps:
         assert step.explanation.endswith(".")
         assert sp.latex(step.equation)
+        assert step.equation not in (sp.true, sp.false)
 
 
 # ---- from expressions to source ------------------------------------------------------------------

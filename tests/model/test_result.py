@@ -10,6 +10,7 @@ from longball.model.result import (
     Bounded,
     Certified,
     Contact,
+    Fence,
     Impact,
     Landing,
     Outcome,
@@ -25,8 +26,8 @@ def read(**values):
 def test_the_keys_are_the_contracts():
     """Other implementations write them: a renamed key would break them all."""
     assert list(Result.model_fields) == [
-        "id", "outcome", "plate", "contact", "impact", "landing", "engine", "error", "code",
-        "certificate",
+        "id", "outcome", "plate", "contact", "impact", "fence", "landing", "path", "engine",
+        "error", "code", "certificate",
     ]  # fmt: skip
     assert list(Plate.model_fields) == ["time", "position", "velocity"]
     assert list(Contact.model_fields) == [
@@ -34,14 +35,20 @@ def test_the_keys_are_the_contracts():
     ]  # fmt: skip
     assert list(Impact.model_fields) == [
         "restitution", "impulse", "velocity", "energy_change", "spin", "mode", "friction_margin",
+        "recontact",
     ]  # fmt: skip
-    assert list(Landing.model_fields) == ["time", "hang_time", "position", "velocity", "distance"]
+    assert list(Fence.model_fields) == [
+        "time", "position", "velocity", "clearance", "segment", "margin",
+    ]  # fmt: skip
+    assert list(Landing.model_fields) == [
+        "time", "hang_time", "position", "velocity", "distance", "spin", "path", "fair",
+    ]  # fmt: skip
 
 
 def test_the_outcomes_are_the_contracts():
     assert set(get_args(Outcome)) == {
         "batted", "missed", "beyond_bat", "separating", "landed", "crossed", "struck",
-        "grounded", "airborne",
+        "grounded", "airborne", "home_run", "wall",
     }  # fmt: skip
 
 

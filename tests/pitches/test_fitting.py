@@ -16,7 +16,13 @@ from longball.pitches import (
     fit_pitches,
     load_fitted,
 )
-from longball.pitches.fitting import AS_PRINTED, DENSITY, _OnePeak, r_squared
+from longball.pitches.fitting import (
+    INTEGRAL_AS_PRINTED,
+    _normal_through,
+    _OnePeak,
+    normal,
+    r_squared,
+)
 
 # Table II with its headings exchanged, p, and Fig. 3; km/h and cells.
 PRINTED = {
@@ -156,15 +162,14 @@ def test_likeliest_normals_by_hand():
     assert fit.weight.standard_error == pytest.approx(math.sqrt(2 / 9 / 90))
 
 
-@pytest.mark.parametrize(("curve", "integral"), [(DENSITY, 1.0), (AS_PRINTED, 1 / math.sqrt(2))])
-def test_equation_2_with_and_without_its_2(curve, integral):
+@pytest.mark.parametrize(("factor", "integral"), [(2, 1.0), (1, INTEGRAL_AS_PRINTED)])
+def test_equation_2_with_and_without_its_2(factor, integral):
     v = np.linspace(-60.0, 60.0, 24001)
-    y = curve(v, 1.0, 4.58)
+    y = np.exp(-((v - 1.0) ** 2) / (factor * 4.58**2)) / (math.sqrt(2 * math.pi) * 4.58)
     assert np.trapezoid(y, v) == pytest.approx(integral, rel=1e-9)
-    deviation = math.sqrt(np.trapezoid(y * (v - 1.0) ** 2, v) / integral)
-    assert deviation == pytest.approx(4.58 * integral, rel=1e-9)
-    mean, sigma = curve.fit(v[::50], y[::50], 0.0, 6.0)
-    assert (mean, sigma) == (pytest.approx(1.0, rel=1e-7), pytest.approx(4.58, rel=1e-7))
+    assert normal(v, 1.0, 4.58 * integral, integral) == pytest.approx(y, rel=1e-12)
+    found = _normal_through(v[::50], y[::50], (0.0, 6.0), integral)
+    assert found == pytest.approx((1.0, 4.58 * integral), rel=1e-7)
 
 
 def test_equation_2_as_printed_cannot_have_given_the_printed_r_squared():

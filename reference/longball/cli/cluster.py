@@ -14,7 +14,7 @@ from longball import __version__
 from longball.cli.common import tell, wrong_call
 
 CONNECTING = 5.0  # s, until a scheduler that does not answer is given up
-PROBING = 60.0  # s, until workers are: a cluster that grows on demand has to start them first
+PROBING = 8.0  # s, until workers are
 
 Scheduler = Annotated[
     str | None,
@@ -38,7 +38,7 @@ def on_cluster(address: str | None) -> Iterator[None]:
     try:
         distributed: Any = import_module("distributed")
     except ImportError:
-        wrong_call("--scheduler: Dask is not installed; pip install 'longball[dask]'")
+        wrong_call('--scheduler: Dask is not installed; pip install "longball[dask]"')
     from joblib import parallel_config
 
     option = f"--scheduler {address}"
@@ -65,16 +65,18 @@ def on_cluster(address: str | None) -> Iterator[None]:
 
 def _check_workers(client: Any, option: str) -> None:
     """Refuse a cluster without workers, or with other code on them than here."""
+    from longball.golden.writer import fingerprint
+
     try:
-        theirs = client.submit(package_version, pure=False).result(timeout=PROBING)
+        client.wait_for_workers(1, timeout=PROBING)
+        theirs = client.run(fingerprint)
     except TimeoutError:
-        wrong_call(f"{option}: none of its workers answers within {PROBING:g} s")
-    except ImportError:
-        wrong_call(f"{option}: its workers have no longball")
-    if theirs != __version__:
-        wrong_call(f"{option}: its workers have longball {theirs}, and this is {__version__}")
-
-
-def package_version() -> str:
-    """Return the version of the package where this is called."""
-    return __version__
+        wrong_call(f"{option}: it has no workers, or none that answers within {PROBING:g} s")
+    except (ImportError, AttributeError):
+        wrong_call(f"{option}: its workers have no longball, or another version of it")
+    ours = fingerprint()
+    if others := [worker for worker, code in theirs.items() if code != ours]:
+        wrong_call(
+            f"{option}: {len(others)} of {len(theirs)} workers have other code than this longball "
+            f"{__version__}, or other versions of its libraries, among them {min(others)}"
+        )

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import json
+import os
+import stat
 import sys
+import time
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Annotated, Any, BinaryIO, NoReturn, TypeVar
 
@@ -15,11 +18,13 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
+from longball import engines
 from longball.model.scene import explain
 
 M = TypeVar("M", bound=BaseModel)
 
-say = Console(stderr=True, highlight=False, soft_wrap=True)
+# For people: what goes wrong, and what --quiet hides, notes and progress.
+errors, say = (Console(stderr=True, highlight=False, soft_wrap=True) for _ in range(2))
 
 
 def _checked(workers: int) -> int:
@@ -28,6 +33,16 @@ def _checked(workers: int) -> int:
     return workers
 
 
+def _hushed(quiet: bool) -> bool:
+    say.quiet = quiet
+    return quiet
+
+
+Quiet = Annotated[
+    bool,
+    typer.Option("-q", "--quiet", callback=_hushed, help="No progress, no notes: errors only."),
+]
+EngineName = Annotated[engines.Name, typer.Option(help="What solves the scenes.")]
 Seed = Annotated[int, typer.Option(min=0, help="Of the random numbers.")]
 Workers = Annotated[
     int, typer.Option(callback=_checked, help="Parallel threads or processes; -1: one per core.")
@@ -36,7 +51,12 @@ Json = Annotated[bool, typer.Option("--json", help="Print JSON instead of text."
 
 
 def tell(sentence: str) -> None:
-    """Print a sentence for people to standard error."""
+    """Print what is wrong to standard error."""
+    errors.print(f"longball: {sentence}", markup=False)
+
+
+def note(sentence: str) -> None:
+    """Print what may be good to know to standard error."""
     say.print(f"longball: {sentence}", markup=False)
 
 
@@ -74,12 +94,14 @@ def reading_from(source: str) -> Iterator[BinaryIO]:
 
 
 @contextmanager
-def writing_to(output: Path | None, source: str) -> Iterator[BinaryIO]:
-    """Open the file that results go to; None is standard output."""
+def writing_to(output: Path | None, source: BinaryIO) -> Iterator[BinaryIO]:
+    """Open the file that results go to, if it is not the source; None is standard output."""
+    with suppress(OSError):  # a stream that is no file, an output that is not there yet
+        there = os.stat(output if output is not None else sys.stdout.fileno())
+        if stat.S_ISREG(there.st_mode) and os.path.samestat(there, os.fstat(source.fileno())):
+            wrong_call(f"{output or 'standard output'} is the file that the scenes are read from")
     if output is None:
         yield sys.stdout.buffer
-    elif source != "-" and output.exists() and output.samefile(source):
-        wrong_call(f"{output} is the file that the scenes are read from")
     else:
         with open(output, "wb") as file:
             yield file
@@ -126,13 +148,17 @@ def progress_bar(what: str, total: int) -> Iterator[Callable[..., None]]:
         MofNCompleteColumn(),
         TimeRemainingColumn(),
         console=say,
-        disable=not say.is_terminal,
+        disable=not say.is_terminal or say.quiet,
         transient=True,
     )
     with bar:
         task = bar.add_task(what, total=total)
+        shown = 0.0
 
         def advance(done: int, of: int = total) -> None:
-            bar.update(task, completed=done, total=of)
+            nonlocal shown
+            if done >= of or time.monotonic() > shown + 0.1:
+                bar.update(task, completed=done, total=of)
+                shown = time.monotonic()
 
         yield advance

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from longball import engines
-from longball.cli.common import Json, progress_bar, reading_from, refusing, tell, wrong_call
+from longball.cli.common import Json, Quiet, progress_bar, reading_from, refusing, tell, wrong_call
 from longball.engines.chain import solve
 from longball.model.scene import Scene, parse_scene
 
@@ -25,7 +25,10 @@ def converge(
         str | None, typer.Option(help="JSON Lines; by default golden flights and at-bats.")
     ] = None,
     golden: Annotated[
-        str | None, typer.Option(metavar="SET", help="Cases of one golden family instead.")
+        str | None,
+        typer.Option(
+            metavar="SET", help="Cases of one golden family instead; see longball golden list."
+        ),
     ] = None,
     steps: Annotated[
         str, typer.Option(metavar="FROM:TO:COUNT", help="s; evenly spaced in their logarithm.")
@@ -49,6 +52,7 @@ def converge(
     as_json: Json = False,
     csv: Annotated[Path | None, typer.Option(help="Write the error at every step here.")] = None,
     figure: Annotated[Path | None, typer.Option(help="Draw error against step here.")] = None,
+    quiet: Quiet = False,
 ) -> None:
     """Run a family of time steps, and report observed orders against theory."""
     # The judge brings compiled code with it, and --help does not need it.

@@ -7,7 +7,16 @@ from typing import Annotated, Any
 
 import typer
 
-from longball.cli.common import Json, Seed, option_value, parsed, split_assignment, tell, wrong_call
+from longball.cli.common import (
+    Json,
+    Quiet,
+    Seed,
+    option_value,
+    parsed,
+    split_assignment,
+    tell,
+    wrong_call,
+)
 from longball.pitches import EXAMPLE, Columns, PitchTypes, TableError, as_text, fit_pitches
 from longball.pitches.fitted import Method
 from longball.pitches.fitting import BIN_WIDTH
@@ -42,6 +51,7 @@ def fit(
     ] = "maximum_likelihood",
     seed: Seed = 0,
     as_json: Json = False,
+    quiet: Quiet = False,
 ) -> None:
     """Fit the paper's distributions to a table of pitches (its Sec. II)."""
     pairs = (split_assignment("--column", text) for text in column or [])

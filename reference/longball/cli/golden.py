@@ -1,4 +1,4 @@
-"""``longball golden write`` and ``longball golden check``."""
+"""``longball golden``: list, path, export, write and check."""
 
 from __future__ import annotations
 
@@ -7,36 +7,106 @@ from typing import Annotated, Literal
 
 import typer
 
-from longball.cli.common import Workers, progress_bar, say, wrong_call
+from longball.cli.common import (
+    Json,
+    Quiet,
+    Workers,
+    note,
+    plain_table,
+    progress_bar,
+    refusing,
+    show,
+    tell,
+    wrong_call,
+)
+from longball.golden import Header, reader
 
-app = typer.Typer(help="Generate the golden data, or verify them.", no_args_is_help=True)
+app = typer.Typer(
+    help="The golden data: list, export, generate or verify them.",
+    epilog="Example: longball golden list",
+    no_args_is_help=True,
+)
 
 Folder = Annotated[Path | None, typer.Argument(metavar="[DIR]")]
 Part = Literal["cases", "probability"]
+
+
+@app.command("list", epilog="Example: longball golden list")
+def list_(folder: Folder = None, as_json: Json = False, quiet: Quiet = False) -> None:
+    """List the families, which other commands take as SET, with how many cases each has."""
+    top = header_of(folder)
+    if as_json:
+        print(top.model_dump_json(include={"format", "licence", "families"}))
+        return
+    table = plain_table("family", "cases", "what")
+    for name, family in top.families.items():
+        table.add_row(name, str(family.cases), family.about.partition("\n")[0])
+    show(table)
+    note(f"format {top.format}, {top.licence}")
+
+
+@app.command(epilog="Example: ls $(longball golden path)")
+def path() -> None:
+    """Print the folder of the golden data that come with longball."""
+    print(reader.DATA)
+
+
+@app.command(epilog="Example: longball golden export golden.zip")
+def export(
+    output: Annotated[
+        Path | None, typer.Argument(metavar="[FILE.zip]", help="By default named by version.")
+    ] = None,
+    folder: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Of another set than the shipped one.")
+    ] = None,
+    quiet: Quiet = False,
+) -> None:
+    """Write a set as one archive, the same bytes every time."""
+    from longball.golden import export as archive
+
+    target = output or Path(f"{archive.NAME}.zip")
+    with refusing():
+        count = archive.export(target, folder or reader.DATA)
+    note(f"{count} files in {target}")
+
+
+def header_of(folder: Path | None) -> Header:
+    """Return what explains a set."""
+    with refusing(f"{folder}: "):
+        return reader.header(folder or reader.DATA)
 
 
 @app.command(epilog="Example: longball golden write golden-data")
 def write(
     folder: Folder = None,
     part: Annotated[Part | None, typer.Option(help="Only that part of the set.")] = None,
+    family: Annotated[
+        list[str] | None,
+        typer.Option(help="Only that family of cases, the others as DIR has them; repeatable."),
+    ] = None,
     workers: Workers = -1,
+    quiet: Quiet = False,
 ) -> None:
     """Solve every case with proven bounds and write the set to DIR; by default the shipped set.
 
     An interrupted run resumes where it stopped. The cases take some ten minutes on two cores, the
     probabilities P(e) somewhat longer.
     """
-    from longball.golden import home_runs, reader, writer  # with them come the engines
+    from longball.golden import home_runs, writer  # with them come the engines
+    from longball.golden.families import FAMILIES
 
     target = folder or reader.DATA
+    if unknown := set(family or []) - FAMILIES.keys():
+        known = ", ".join(FAMILIES)
+        wrong_call(f"--family {unknown.pop()}: there is none; the families are {known}")
     if part != "probability":
         with progress_bar("cases", 1) as advance:
-            count = writer.write(target, workers=workers, progress=advance)
-        say.print(f"{count} cases in {target}", markup=False)
-    if part != "cases":
+            count = writer.write(target, only=family or None, workers=workers, progress=advance)
+        note(f"{count} cases in {target}")
+    if part != "cases" and not family:
         with progress_bar("probabilities", 1) as advance:
             count = home_runs.write_probabilities(target, workers=workers, progress=advance)
-        say.print(f"{count} readings' probabilities in {target}", markup=False)
+        note(f"{count} readings' probabilities in {target}")
 
 
 @app.command(epilog="Example: longball golden check --sample 50")
@@ -50,9 +120,10 @@ def check(
         bool, typer.Option(help="Also by the multiprecision engine, which shares no method.")
     ] = True,
     workers: Workers = -1,
+    quiet: Quiet = False,
 ) -> None:
     """Verify a set: checksums, schema, and the results by solving again."""
-    from longball.golden import checker, reader  # with them come the engines that prove
+    from longball.golden import checker  # with them come the engines that prove
 
     target = folder or reader.DATA
     if not target.is_dir():
@@ -68,7 +139,9 @@ def check(
         )
     for failure in report.failures:
         print(failure)
+    if report.left_out:
+        tell(report.left_out)
     found = f"{len(report.failures)} failures" if report.failures else "nothing is wrong"
-    say.print(f"{report.cases} cases, {report.solved_again} solved again: {found}")
+    note(f"{report.cases} cases, {report.solved_again} solved again: {found}")
     if report.failures:
         raise typer.Exit(1)

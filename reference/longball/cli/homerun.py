@@ -15,6 +15,7 @@ from longball import engines
 from longball.cli.cluster import Scheduler, on_cluster
 from longball.cli.common import (
     Json,
+    Quiet,
     Seed,
     Workers,
     option_value,
@@ -89,6 +90,14 @@ def homerun(
     ] = None,
     method: Annotated[Method, typer.Option(help="How P(e) is computed.")] = "monte-carlo",
     engine: Annotated[Engine, typer.Option(help="What solves the at-bats.")] = "batch",
+    fence: Annotated[
+        str | None,
+        typer.Option(
+            metavar="FILE|RADIUS",
+            help="What home runs fly over, instead of 150 m: a scene's fence block, or m.",
+        ),
+    ] = None,
+    quiet: Quiet = False,
 ) -> None:
     """Compute the probability of a home run P(e), from sampled at-bats or by quadrature.
 
@@ -105,7 +114,9 @@ def homerun(
             if wrong:
                 wrong_call(sentence)
     switches = chosen_switches(reading or [])
-    base = base_scene(switches["scene"], set_ or [])
+    base = base_scene(switches["scene"], set_ or [], fence)
+    if base.fence is not None and method == "quadrature":
+        wrong_call("--fence: quadrature takes the distance of 150 m; take --method monte-carlo")
     sampling = parsed(SamplingReading, switches["sampling"], "--reading ")
     curve = figure_curve(switches["figure"])
     restitutions = parse_restitutions(e)
@@ -175,9 +186,13 @@ def figure_curve(switches: Mapping[str, Any]) -> Fig7Parameters:
     return cast(Fig7Parameters, chosen)
 
 
-def base_scene(reading: Mapping[str, Any], values: Sequence[str]) -> AtBatScene:
+def base_scene(
+    reading: Mapping[str, Any], values: Sequence[str], fence: str | None = None
+) -> AtBatScene:
     """Return the at-bat that options describe, with everything that is not drawn at random."""
     scene: dict[str, Any] = {"id": "base", "kind": "at-bat", "reading": reading}
+    if fence is not None:
+        scene["fence"] = fence_block(fence)
     drawn = {"ball.restitution", "pitch.speed", "pitch.aim", "swing.tilt", "swing.height_offset"}
     for text in values:
         name, value = split_assignment("--set", text)
@@ -195,6 +210,16 @@ def base_scene(reading: Mapping[str, Any], values: Sequence[str]) -> AtBatScene:
         found = parse_scene(json.dumps(scene))
     assert isinstance(found, AtBatScene)
     return found
+
+
+def fence_block(text: str) -> Any:
+    """Return the fence that an option names: a radius in m, or a file that holds the block."""
+    try:
+        return {"radius": float(text)}
+    except ValueError:
+        pass
+    with refusing(f"--fence {text}: "):
+        return json.loads(Path(text).read_text(encoding="utf-8"))
 
 
 def with_pitches(at_bats: AtBats, path: Path) -> AtBats:

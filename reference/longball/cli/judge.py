@@ -9,7 +9,15 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from longball.cli.common import Json, Seed, progress_bar, refusing, split_assignment, wrong_call
+from longball.cli.common import (
+    Json,
+    Quiet,
+    Seed,
+    progress_bar,
+    refusing,
+    split_assignment,
+    wrong_call,
+)
 
 if TYPE_CHECKING:
     from longball.judge.cases import Case
@@ -101,6 +109,7 @@ def judge(
     as_json: Json = False,
     junit: Annotated[Path | None, typer.Option(help="Write JUnit XML here, for CI.")] = None,
     html: Annotated[Path | None, typer.Option(help="Write a page with pictures here.")] = None,
+    quiet: Quiet = False,
 ) -> None:
     """Compare another implementation with the truth, and tell what is wrong with it."""
     if command and results:

@@ -10,7 +10,7 @@ from typing import Annotated
 import typer
 
 from longball import engines
-from longball.cli.common import Json, refusing, tell, wrong_call
+from longball.cli.common import Json, Quiet, refusing, tell, wrong_call
 from longball.pitches import EXAMPLE, TableError
 from longball.pitches.models import MODELS
 from longball.pitches.prediction import as_data, as_frame, as_text, predict, scenes
@@ -29,13 +29,13 @@ def measured(
         str, typer.Option(metavar="NAME", help=f"Of flight: {', '.join(MODELS)}.")
     ] = "nathan",
     games: Annotated[
-        Path,
+        Path | None,
         typer.Option(
             metavar="GAMES.csv",
             help="game_pk, temperature (°F) and park of each game; by default those of the "
             "example. Other games are played at 20 °C at sea level.",
         ),
-    ] = GAMES,
+    ] = None,
     engine: Annotated[str, typer.Option(metavar="NAME", help="What solves the scenes.")] = "batch",
     scenes_file: Annotated[
         Path | None, typer.Option("--scenes", metavar="FILE", help="Write the scenes here.")
@@ -48,6 +48,7 @@ def measured(
         Path | None, typer.Option(metavar="FILE", help="Draw the errors here: .png, .svg, .pdf")
     ] = None,
     as_json: Json = False,
+    quiet: Quiet = False,
 ) -> None:
     """Predict measured pitches or batted balls, and compare.
 
@@ -61,18 +62,17 @@ def measured(
     with refusing():
         solver = engines.create(engine)
     try:
-        rows = read_measured(
-            EXAMPLE if example else sys.stdin if table == "-" else table, kind, games
-        )
+        source = EXAMPLE if example else sys.stdin if table == "-" else table
+        rows = read_measured(source, kind, games or GAMES)
+        if scenes_file:
+            lines = [scene.line() + "\n" for scene in scenes(rows, law)]
+            scenes_file.write_text("".join(lines), encoding="utf-8")
+        prediction = predict(rows, law, engine=solver)
     except TableError as error:
         if isinstance(error.__cause__, OSError):  # there is no such file: the call is wrong
             wrong_call(str(error))
         tell(str(error))
         raise typer.Exit(1) from None
-    if scenes_file:
-        with open(scenes_file, "w", encoding="utf-8") as file:
-            file.writelines(scene.line() + "\n" for scene in scenes(rows, law))
-    prediction = predict(rows, law, solver)
     if csv_file:
         as_frame(prediction).to_csv(csv_file, index=False, lineterminator="\n")
     if figure:

@@ -8,7 +8,16 @@ from typing import Annotated, Any
 
 import typer
 
-from longball.cli.common import Json, Seed, Workers, option_value, plain_table, progress_bar, show
+from longball.cli.common import (
+    Json,
+    Quiet,
+    Seed,
+    Workers,
+    option_value,
+    plain_table,
+    progress_bar,
+    show,
+)
 from longball.home_run import Estimate, estimate, monte_carlo, paper_at_bats
 from longball.model.readings import LEDGER, Entry, Reading, SamplingReading, readings_of
 from longball.model.scene import AtBatScene
@@ -22,6 +31,7 @@ def readings(
     seed: Seed = 1,
     workers: Workers = -1,
     as_json: Json = False,
+    quiet: Quiet = False,
 ) -> None:
     """Print the ledger of readings, and what each one does to P(e)."""
     lines = [(entry, option) for entry in LEDGER for option in entry.options]

@@ -2,30 +2,61 @@
 
 from __future__ import annotations
 
+import gc
+import os
+import stat
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from importlib.util import find_spec
+from io import BytesIO
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, BinaryIO
 
 import typer
 
 from longball import engines
 from longball.cli.cluster import Scheduler, on_cluster
-from longball.cli.common import Workers, reading_from, refusing, tell, writing_to
+from longball.cli.common import (
+    EngineName,
+    Quiet,
+    Workers,
+    note,
+    progress_bar,
+    reading_from,
+    refusing,
+    say,
+    tell,
+    writing_to,
+    wrong_call,
+)
 from longball.engines.engine import Engine, ManyAtOnce
 from longball.engines.lines import solve_lines
+from longball.model.readings import AppendixBRoot, VerletForces, VerletLanding
+
+Source = Annotated[
+    str,
+    typer.Argument(
+        metavar="[SCENES|-]",
+        help="A scene per line of JSON, or per row of a .csv or .parquet; - reads stdin.",
+    ),
+]
 
 
 def solve(
-    source: Annotated[
-        str,
-        typer.Argument(metavar="[SCENES|-]", help="JSON Lines, one scene per line; - reads stdin."),
-    ] = "-",
+    source: Source = "-",
     output: Annotated[
-        Path | None, typer.Option("-o", "--output", help="Where results go; by default stdout.")
+        Path | None,
+        typer.Option(
+            "-o", "--output", help="Where results go, .jsonl, .csv or .parquet; by default stdout."
+        ),
     ] = None,
-    engine: Annotated[str, typer.Option(help="One of " + ", ".join(engines.ENGINES))] = "ivp",
+    engine: EngineName = "ivp",
     method: Annotated[
         str | None,
-        typer.Option(help="ivp: Taylor (default), or a method of solve_ivp: DOP853, Radau, ..."),
+        typer.Option(
+            help="ivp: Taylor (default), or of solve_ivp: RK23, RK45, DOP853, Radau, BDF, LSODA."
+        ),
     ] = None,
     rtol: Annotated[
         float | None, typer.Option(help="ivp: relative tolerance of solve_ivp's methods; 5e-14.")
@@ -41,19 +72,26 @@ def solve(
     ] = None,
     dt: Annotated[float | None, typer.Option(help="verlet: the step, s; 0.05.")] = None,
     forces: Annotated[
-        str | None, typer.Option(help="verlet: how drag and lift are had; old_carried.")
+        VerletForces | None, typer.Option(help="verlet: how drag and lift are had; old_carried.")
     ] = None,
     landing: Annotated[
-        str | None, typer.Option(help="verlet: interpolated (default) or first_below.")
+        VerletLanding | None, typer.Option(help="verlet: where the ball lands; interpolated.")
     ] = None,
     root: Annotated[
-        str | None, typer.Option(help="verlet: Appendix B's root, first (default) or larger.")
+        AppendixBRoot | None, typer.Option(help="verlet: of Appendix B's quadratic; first.")
+    ] = None,
+    path: Annotated[
+        bool, typer.Option("--path", help="Add the path: [[t, x, y, z, vx, vy, vz], …].")
+    ] = False,
+    points: Annotated[
+        int | None, typer.Option(min=2, help="Of the path, evenly spaced in time; 201.")
     ] = None,
     certify: Annotated[
         bool, typer.Option("--certify", help="Give every number with a proven error.")
     ] = False,
     workers: Workers = 1,
     scheduler: Scheduler = None,
+    quiet: Quiet = False,
 ) -> None:
     """Solve scenes: one result in JSON for each line of input."""
     # fmt: off
@@ -62,6 +100,14 @@ def solve(
         "dt": dt, "forces": forces, "landing": landing, "root": root,
     }
     # fmt: on
+    asked = (points or 201) if path or points else None
+    if asked and output and output.suffix in TABLES:
+        wrong_call(f"--path: {output} is a table, which has no place for paths; .jsonl has")
+    if asked and certify:
+        wrong_call("--path: its points cannot be certified; take --engine enclosure")
+    tables = {Path(name).suffix for name in (source, output or "")}
+    if ".parquet" in tables and find_spec("pyarrow") is None:
+        wrong_call("Parquet needs pyarrow; pip install 'longball[tables]'")
     with refusing():
         solver: Engine[Any] | ManyAtOnce = engines.create(
             engine, **{k: v for k, v in options.items() if v is not None}
@@ -70,17 +116,90 @@ def solve(
         from longball.engines.certify import Certifying  # brings ball arithmetic
 
         solver = Certifying(solver)
+    # What has been imported stays: looking at it again and again took a fourth of the time.
+    gc.freeze()
     solved = failed = 0
-    scenes, results = reading_from(source), writing_to(output, source)
-    with on_cluster(scheduler), scenes as lines, results as file:
-        for result in solve_lines(lines, solver, -1 if scheduler else workers):
-            file.write(result.line().encode() + b"\n")
-            file.flush()
+    ids: set[str | None] = set()
+    repeated: set[str] = set()
+    with (
+        on_cluster(scheduler),
+        scenes_from(source) as lines,
+        results_to(output, source, lines) as write,
+        progress_of(lines, output) as advance,
+    ):
+        for result in solve_lines(lines, solver, -1 if scheduler else workers, asked):
+            write(result.text)
             solved += 1
-            failed += (result.error or result.certificate) is not None
+            advance(solved)
+            failed += result.failure is not None
+            if result.id is not None and result.id in ids:
+                repeated.add(result.id)
+            ids.add(result.id)
     if solved == 0:
         tell(f"no scenes in {source}")
     elif failed:
         tell(f"{failed} of {solved} lines could not be solved{' and certified' * certify}")
+    if repeated:
+        tell(f"ids that more than one line has: {len(repeated)}, among them {min(repeated)!r}")
     if failed or not solved:
         raise typer.Exit(1)
+
+
+@contextmanager
+def progress_of(lines: BinaryIO, output: Path | None) -> Iterator[Callable[[int], None]]:
+    """Show how many lines of a file are done, unless the results go to the terminal."""
+    if lines.isatty():
+        note("scenes are read from the terminal, one per line of JSON; Ctrl-D ends")
+    shown = output is not None or not sys.stdout.isatty()
+    if not (say.is_terminal and shown and lines.seekable()):
+        yield lambda done: None
+        return
+    total = sum(1 for _ in lines)
+    lines.seek(0)
+    with progress_bar("scenes", total) as advance:
+        yield advance
+
+
+TABLES = (".csv", ".parquet")  # all other files are JSON Lines
+
+
+@contextmanager
+def scenes_from(source: str) -> Iterator[BinaryIO]:
+    """Open scenes as lines of JSON, whatever the file holds."""
+    if (path := Path(source)).suffix not in TABLES:
+        with reading_from(source) as file:
+            yield file
+        return
+    with refusing(f"{source}: "):
+        from longball.tables import scene_lines
+
+        lines = scene_lines(path)
+    yield BytesIO(lines)
+
+
+@contextmanager
+def results_to(
+    output: Path | None, source: str, lines: BinaryIO
+) -> Iterator[Callable[[bytes], object]]:
+    """Open the file that results go to; yield a function that takes a line of JSON."""
+    if output is None or output.suffix not in TABLES:
+        with writing_to(output, lines) as file:
+            # Somebody may wait for an answer at the end of a pipe, but not of a file.
+            awaited = True
+            with suppress(OSError):  # a stream that is no file
+                awaited = not stat.S_ISREG(os.fstat(file.fileno()).st_mode)
+
+            def write(line: bytes) -> None:
+                file.write(line + b"\n")
+                if awaited:
+                    file.flush()
+
+            yield write
+        return
+    if source != "-" and output.exists() and output.samefile(source):
+        wrong_call(f"{output} is the file that the scenes are read from")
+    results: list[bytes] = []
+    yield results.append
+    from longball.tables import write_table
+
+    write_table(output, results)

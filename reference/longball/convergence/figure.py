@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from longball.convergence.report import ConvergenceReport
+from longball.extras import naming_extras
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -28,6 +29,7 @@ def draw_convergence(axes: Axes, report: ConvergenceReport) -> None:
     axes.legend(fontsize="small", frameon=False)
 
 
+@naming_extras()
 def save_convergence(path: Path, report: ConvergenceReport) -> None:
     """Write the figure of a report to a file, in the format that its suffix names."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg

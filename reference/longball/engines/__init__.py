@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from dataclasses import fields
 from importlib import import_module
-from typing import Any
+from typing import Any, Literal
 
 from longball.engines.engine import Engine
+from longball.extras import naming_extras
+
+Name = Literal["ivp", "batch", "enclosure", "multiprecision", "verlet"]
 
 # Imported only when asked for: an engine brings its own heavy libraries.
-ENGINES: dict[str, tuple[str, str]] = {
+ENGINES: dict[Name, tuple[str, str]] = {
     "ivp": ("longball.engines.ivp", "Ivp"),
     "batch": ("longball.engines.batch", "Batch"),
     "enclosure": ("longball.engines.enclosure", "Enclosure"),
@@ -25,11 +28,14 @@ def create(name: str, **options: object) -> Engine[Any]:
     ------
     ValueError
         If there is no such engine, or if it does not take an option or its value.
+    MissingExtra
+        If it needs a library that is not installed.
     """
     if name not in ENGINES:
         raise ValueError(f"there is no engine {name!r}; the engines are {', '.join(ENGINES)}")
     module, attribute = ENGINES[name]
-    family = getattr(import_module(module), attribute)
+    with naming_extras():
+        family = getattr(import_module(module), attribute)
     takes = [field.name for field in fields(family)]
     for option in options:
         if option not in takes:

@@ -43,6 +43,10 @@ class Certifying(ManyAtOnce):
         results = solve_each(scenes, self.engine, threads)
         return [certify(scene, result) for scene, result in zip(scenes, results, strict=True)]
 
+    def solve_as_data(self, scenes: Sequence[Scene], threads: int = 1) -> list[dict[str, Any]]:
+        """Return the same as plain data."""
+        return [result.data() for result in self.solve_all(scenes, threads)]
+
 
 def certified(scene: Scene, engine: Engine[Any] | ManyAtOnce) -> Result:
     """Return an engine's result of a scene, each number with a proven error; see `certify`."""
@@ -103,6 +107,10 @@ def _with_errors(result: Result, truth: dict[str, Any]) -> tuple[Result, bool]:
         given = blocks.get(block, {}).get(key)
         if given is None:
             continue
+        if isinstance(proven, str | int):  # a word, a truth value or a whole number
+            if given != proven:
+                raise _Refuted(f"{name} is proven to be {proven}, not {given}")
+            continue
         one = not isinstance(proven, tuple)
         pairs = [*zip([given] if one else given, [proven] if one else proven, strict=True)]
         numbers = tuple(Certified(value=float(x), radius=_radius(float(x), b)) for x, b in pairs)
@@ -111,7 +119,7 @@ def _with_errors(result: Result, truth: dict[str, Any]) -> tuple[Result, bool]:
         tight &= all(b.rad() <= max(small, float(abs(b.mid() - float(x)))) for x, b in pairs)
     certified = Result(**dict(result) | {name: BLOCKS[name](**b) for name, b in blocks.items()})
     for name, number in quantities.numbers(certified):
-        if not isinstance(number, Certified):
+        if not isinstance(number, Certified | int):
             raise _Refuted(f"there is no proof of {name} where the outcome is {result.outcome}")
     return certified, tight
 

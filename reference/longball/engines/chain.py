@@ -9,9 +9,9 @@ collision, are handed in: a known mistake is the same chain with another part.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, fields, replace
-from typing import Any, Generic, cast
+from typing import Any, Generic, cast, get_args
 
 from pydantic import ValidationError
 
@@ -25,9 +25,11 @@ from longball.engines.engine import (
     Stepped,
     Touch,
 )
-from longball.engines.event import Event, ground, plate, vertical
+from longball.engines.event import Event, Piece, ground, plate, vertical
+from longball.engines.fence import Place, Stop, at_stop, first_crossing, stop_at
 from longball.engines.path import Flight, Leg, Path, Trajectory
 from longball.model import result as written
+from longball.model.aerodynamics import DRAG, LIFT
 from longball.model.bat import (
     CollisionParameters,
     bat_rotation,
@@ -38,6 +40,7 @@ from longball.model.bat import (
     lever_arm,
     tangential_restitution,
 )
+from longball.model.force import Term
 from longball.model.frame import Frame, launch_frame
 from longball.model.impact import (
     energy_change,
@@ -51,7 +54,7 @@ from longball.model.impact import (
     velocity_after,
     velocity_after_push,
 )
-from longball.model.law import FORCES, LIFT, Force, Law, PlaneState, State, law_of
+from longball.model.law import FORCES, GRAVITY, Law, PlaneState, State, in_plane, law_of
 from longball.model.numbers import N, Numbers, Undecided, Vector, absolute
 from longball.model.quantities import replaced
 from longball.model.result import Outcome, Result
@@ -176,18 +179,16 @@ def _rub(
     question = "in which direction the ball slides on the bat"
     known, unknown = cases.decide(speed, numbers.where(grips, zero, off_way), question)
     (ended,) = cases.take(unknown)
-    ended.refuse(
-        f"{question} cannot be said: it has no slip; use the reading slide_direction = final"
-    )
+    reason = f"{question} cannot be said: it has no slip; use the reading slide_direction = final"
+    ended.refuse(Undecided(reason))
     direction = way[0] / speed, way[1] / speed
     resistance = numbers.where(grips, one, sliding_resistance(k, friction, direction))
     coupled = friction * absolute(k[1])
     doubt = _OPERATIONS * numbers.rounding * (k[0] + coupled) + coupled * off_way / speed
     parts, jammed = cases.decide(resistance, doubt, "whether ball and bat jam")
     (ended,) = cases.take(jammed)
-    ended.refuse(
-        "ball and bat jam: with bat.friction so high no impulse parts them; take a lower one"
-    )
+    reason = "ball and bat jam: at so high a bat.friction no impulse parts them; take a lower one"
+    ended.refuse(CannotSolve(reason))
     slid = sliding_impulse(resistance, e, friction, g, direction)
     x, y, z = (numbers.where(grips, a, b) for a, b in zip(wanted, slid, strict=True))
     push = x, y, z
@@ -216,7 +217,7 @@ class Model:
         From a `ContactState` to the `Impact`; see `collide`.
     """
 
-    forces: tuple[Force, ...] = FORCES
+    forces: tuple[Term, ...] = FORCES
     collide: Callable[..., tuple[Any, ...]] = collide
 
 
@@ -276,18 +277,18 @@ class Cases(ABC, Generic[N]):
     def conclude(self, outcome: Outcome) -> None:
         """Write the outcome."""
 
-    def refuse(self, reason: str) -> None:
-        """Give no answer, and to one scene the reason why.
-
-        Raises
-        ------
-        CannotSolve
-            For one scene.
-        """
+    def refuse(self, reason: CannotSolve | Undecided) -> None:
+        """Give no answer: to one scene, raise the reason."""
 
     @abstractmethod
     def touched(self, touch: Touch[N]) -> tuple[Any, Any]:
         """Return the conditions that ball and bat touch, and that they miss; see `decide`."""
+
+    @abstractmethod
+    def land_in_space(
+        self, launch: Launch[N], frame: Frame[N], start: PlaneState[N], outcome: Outcome
+    ) -> None:
+        """Do what `land` does, of flights that a fence may end and that leave their plane."""
 
     def follow(self, frame: Frame[N], flight: Flight[N], begin: N) -> None:
         """Take note of a flight that begins at a time, s since the start of the scene."""
@@ -307,9 +308,20 @@ class Cases(ABC, Generic[N]):
         x, y, z = map(self.numbers.exact, values)
         return x, y, z
 
+    def spin(self, values: Sequence[float] | None) -> Vector[N] | None:
+        """Return the spin that a scene gives a ball, if it does."""
+        return None if values is None else self.vector(values)
+
     def law(self, frame: Frame[N]) -> Law[N]:
         """Return the law of motion of a flight in a frame."""
         return law_of(self.scene, frame, self.numbers, self.model.forces)
+
+    def spin_at(self, frame: Frame[N], state: State[N]) -> Vector[N] | None:
+        """Return the spin of the ball in a state of a flight, rad/s."""
+        if frame.spin is None:
+            return None
+        left = self.law(frame).spin_left(state, self.numbers)
+        return frame.spin[0] * left, frame.spin[1] * left, frame.spin[2] * left
 
     def ground(self, start: State[N]) -> Event[N]:
         """Return the landing of a flight from a state."""
@@ -331,7 +343,21 @@ def _plate(cases: Cases[N], frame: Frame[N], start: State[N]) -> Event[N]:
     return plate(frame, cases.numbers)
 
 
-def fly(cases: Cases[N], frame: Frame[N], start: PlaneState[N], *surfaces: Surface[N]) -> Flight[N]:
+def _fence(cases: Cases[N], frame: Frame[N], start: State[N]) -> Event[N]:
+    return at_stop("fence", _stop(cases, frame, start, 1), 1, cases.numbers)
+
+
+def _fence_behind(cases: Cases[N], frame: Frame[N], start: State[N]) -> Event[N]:
+    return at_stop("fence_behind", _stop(cases, frame, start, -1), -1, cases.numbers)
+
+
+def fly(
+    cases: Cases[N],
+    frame: Frame[N],
+    start: State[N],
+    *surfaces: Surface[N],
+    limit: N | None = None,
+) -> Flight[N]:
     """Fly to a surface or the time limit, through the vertical if need be.
 
     With lift that is always up, a ball that reaches the vertical cannot leave it: on either side
@@ -340,7 +366,8 @@ def fly(cases: Cases[N], frame: Frame[N], start: PlaneState[N], *surfaces: Surfa
     rest, or straight up or down, it is there already.
     """
     law = cases.law(frame)
-    leg = law, law.state_of(start), cases.time_limit, frame, surfaces
+    limit = cases.time_limit if limit is None else limit
+    leg = law, law.state_of(start), limit, frame, surfaces
     flight: Flight[N] = cases.either(_is_always_up(cases, law), _fly_upwards, _fly, *leg)
     return flight
 
@@ -396,18 +423,70 @@ def solve_flights(cases: Cases[N]) -> None:
     """Solve launches and landings."""
     position = cases.vector(cases.scene.launch.position)
     velocity = cases.vector(cases.scene.launch.velocity)
-    nothing = cases.numbers.exact(0.0)
-    land(cases, Launch(position, velocity, nothing, nothing), "landed")
+    nothing, spin = cases.numbers.exact(0.0), cases.spin(cases.scene.launch.spin)
+    land(cases, Launch(position, velocity, nothing, nothing, spin=spin), "landed")
+
+
+@dataclass(frozen=True)
+class Batted(Generic[N]):
+    """A ball in the air: its launch, its frame, and its flight as far as it is known."""
+
+    launch: Launch[N]
+    frame: Frame[N]
+    flight: Flight[N]
 
 
 def land(cases: Cases[N], launch: Launch[N], outcome: Outcome) -> None:
-    """Fly from launches to the ground; the `outcome` if the ball lands."""
-    frame, start = launch_frame(launch.position, launch.velocity, cases.numbers)
-    landed = launch.landed
-    flight = _landed(start, cases.numbers) if landed else fly(cases, frame, start, _ground)
+    """Fly from launches to the ground, or to a fence; the `outcome` if the ball lands."""
+    frame, start = launch_frame(launch.position, launch.velocity, cases.numbers, launch.spin)
+    if launch.landed:
+        _come_down(cases, Batted(launch, frame, _landed(start, cases.numbers)), outcome)
+    elif cases.scene.fence is None:
+        _land(cases, launch, frame, start, outcome)
+    elif "v" not in cases.law(frame).program.variables and not isinstance(cases.engine, Stepped):
+        flight = fly(cases, frame, start, _ground, _fence, _fence_behind)
+        ahead, behind = flight.stopped("fence"), flight.stopped("fence_behind")
+        ball = Batted(launch, frame, flight)
+        inside, stayed = cases.take((ahead | behind) ^ True, ball)
+        _come_down(inside, stayed, outcome)
+        for sense, there in ((1, ahead), (-1, behind)):
+            some, out, begun = cases.take(there, ball, start)
+            if not some.empty:
+                place = _stop(some, out.frame, begun, sense).place
+                _meet_fence(some, out, place, outcome)
+    else:
+        cases.land_in_space(launch, frame, start, outcome)
+
+
+def _land(
+    cases: Cases[N], launch: Launch[N], frame: Frame[N], start: PlaneState[N], outcome: Outcome
+) -> None:
+    """Fly from launches to the ground, but for balls that loop above it for ever."""
+    law = cases.law(frame)
+    if _may_loop(cases, law):
+        aloft, others = _stays_aloft(cases, law, start, _ground(cases, frame, start))
+        (looping,) = cases.take(aloft)
+        path = Path(_when_asked(cases.engine, law, law.state_of(start), cases.time_limit))
+        looping.follow(frame, Flight(path, "time", cases.time_limit, start), launch.time)
+        looping.conclude("airborne")
+        cases, frame, start, launch = cases.take(others, frame, start, launch)
+        if cases.empty:
+            return
+    _come_down(cases, Batted(launch, frame, fly(cases, frame, start, _ground)), outcome)
+
+
+def _come_down(
+    cases: Cases[N], ball: Batted[N], outcome: Outcome, fair: bool | None = None
+) -> None:
+    """Conclude flights that end on the ground, or with the time limit.
+
+    `fair` is known where the ball has left the field.
+    """
+    launch, frame, flight = ball.launch, ball.frame, ball.flight
     cases.follow(frame, flight, launch.time)
+    cases, launch, frame, flight = _in_time(cases, launch, frame, flight)
     (airborne,) = cases.take(flight.stopped("time"))
-    airborne.conclude("airborne")
+    airborne.conclude("home_run" if outcome == "home_run" else "airborne")
     cases, flight, frame, launch = cases.take(flight.stopped("ground"), flight, frame, launch)
     if cases.empty:
         return
@@ -416,8 +495,167 @@ def land(cases: Cases[N], launch: Launch[N], outcome: Outcome) -> None:
     cases.record("landing.hang_time", launch.delay + flight.time)
     cases.record("landing.position", (x, y, z))
     cases.record("landing.velocity", frame.velocity(flight.state))
+    if cases.scene.reading.distance_origin == "launch":
+        # Of the frame, which begins at the launch: no difference of places that are far away.
+        x = flight.state.s
+        y = x * 0 if in_plane(flight.state) else flight.state.y
     cases.record("landing.distance", cases.numbers.sqrt(x * x + y * y))
+    if frame.spin is not None:
+        cases.record("landing.spin", cases.spin_at(frame, flight.state))
+    if hasattr(flight.state, "path") and cases.scene.reading.spin_decay == "path":
+        cases.record("landing.path", flight.state.path)
+    if fair is not None:
+        cases.record("landing.fair", fair)
+    elif cases.scene.fence is not None:
+        lands_foul, lands_fair = _foul(cases, frame.position(flight.state), "lands fair")
+        cases.record("landing.fair", lands_fair)
+        (cases,) = cases.take(lands_foul | lands_fair)
     cases.conclude(outcome)
+
+
+def _in_time(
+    cases: Cases[N], launch: Launch[N], frame: Frame[N], flight: Flight[N]
+) -> tuple[Any, ...]:
+    """Return those of which it is certain whether the ball lands in the time limit.
+
+    The engine knows of the errors of its flight, but not of that of the launch.
+    """
+    if launch.error is None:
+        return cases, launch, frame, flight
+    state = flight.state
+    left = (cases.time_limit - flight.time) * absolute(state.w)
+    above = state.z - cases.numbers.exact(landing_height(cases.scene))
+    margin = cases.numbers.where(flight.stopped("time"), above, left)
+    question = "whether the ball touches the ground in the time limit"
+    certain, never = cases.decide(margin, launch.error * flight.time, question)
+    return cases.take(certain | never, launch, frame, flight)
+
+
+def _may_loop(cases: Cases[N], law: Law[N]) -> bool:
+    """Tell whether nothing but lift about a fixed axis and gravity acts, in some of the cases."""
+    return (
+        LIFT in law.forces
+        and {DRAG, LIFT, GRAVITY}.issuperset(law.forces)
+        and cases.numbers.absent(cast(Any, law.strengths.get("drag", 0.0)))
+        and cases.scene.reading.lift_direction == "fixed_spin_axis"
+        and not isinstance(cases.engine, Stepped)  # whose scheme may well come down
+    )
+
+
+def _stays_aloft(
+    cases: Cases[N], law: Law[N], start: State[N], surface: Event[N]
+) -> tuple[Any, Any]:
+    """Return the conditions that a ball without drag never comes down to the ground, or does.
+
+    It loops, for ever, and an engine would fly every turn. But ``V² + 2 g z`` stays the same, and
+    so does ``u - k ∫ V² dV / g``, with the lift k: at the height of the ground, H below the start,
+    the speed would be ``V_H = √(V² + 2 g H)``, and its horizontal part
+
+        u + (2/3) k H (V_H² + V_H V + V²) / (V_H + V),
+
+    also where g = 0. A ball for which that is more than the speed cannot come there; and as speed
+    less horizontal speed is concave in V, any other ball can.
+    """
+    numbers, height = cases.numbers, surface.value(start)
+    slow2 = start.u * start.u + start.w * start.w
+    gravity = law.gravity
+    fast2 = slow2 if gravity is None else slow2 + 2 * gravity * height
+    slow, fast = numbers.sqrt(slow2), numbers.sqrt(fast2)
+    total, lift = fast + slow, law.strengths["lift"]
+    level = start.u * total + 2 * lift * height * (fast2 + fast * slow + slow2) / 3
+    # A ball that only just touches the ground is left to the search for that event.
+    beyond = absolute(level) - fast * total * (1 + _TOUCHING)
+    return cases.decide(beyond, fast * 0, "whether the ball stays above the ground")
+
+
+# Far more than the roundings of a flight.
+_TOUCHING = 1e-9
+
+
+def _when_asked(engine: Engine[N], law: Law[N], start: State[N], limit: N) -> Iterator[Piece[N]]:
+    """Yield the pieces of a flight that is only flown if somebody wants to know its way."""
+    yield from engine.fly(law, start, (), limit).path.pieces()
+
+
+# --- the fence ------------------------------------------------------------------------------------
+
+
+def _flight_error(cases: Cases[N]) -> float:
+    """Return the relative error of a state of a flight and of a few roundings of it."""
+    return cases.engine.flight_error + 8 * cases.numbers.rounding
+
+
+def _heading_error(cases: Cases[N]) -> float:
+    """Return the relative error of where a flight in its plane heads for.
+
+    The flight itself adds none; the heading of a batted ball has its pitch's error.
+    """
+    rounded = 8 * cases.numbers.rounding
+    return rounded if hasattr(cases.scene, "launch") else _flight_error(cases)
+
+
+def _stop(cases: Cases[N], frame: Frame[N], start: State[N], sense: int) -> Stop[N]:
+    error = cases.numbers.exact(_heading_error(cases))
+    return stop_at(cases.scene.fence, frame, start.s, sense, error, cases.numbers)
+
+
+def _foul(cases: Cases[N], position: Vector[N], what: str) -> tuple[Any, Any]:
+    """Return the conditions that a ball is foul, and that it is fair: the foul line is."""
+    x, y, _ = position
+    error = _flight_error(cases) * (absolute(x) + absolute(y))
+    return cases.decide(absolute(y) - x, error, f"whether the ball {what}")
+
+
+def _meet_fence(
+    cases: Cases[N],
+    ball: Batted[N],
+    place: Place[N],
+    outcome: Outcome,
+    landing: Flight[N] | None = None,
+) -> None:
+    """Conclude flights that are at the fence; `landing` has where they land if they go on."""
+    numbers, frame, flight = cases.numbers, ball.frame, ball.flight
+    x, y, z = frame.position(flight.state)
+    u, v, w = frame.velocity(flight.state)
+    clearance = z - place.height
+    if cases.scene.reading.fence_clearance == "surface":
+        clearance = clearance - numbers.exact(cases.scene.ball.radius)
+    cases.record("fence.time", ball.launch.time + flight.time)
+    cases.record("fence.position", (x, y, z))
+    cases.record("fence.velocity", (u, v, w))
+    cases.record("fence.clearance", clearance)
+    cases.record("fence.segment", place.segment)
+    if place.margin is not None:
+        cases.record("fence.margin", place.margin)
+    error = _flight_error(cases) * (1 + absolute(x) + absolute(y) + absolute(z))
+    heading = _heading_error(cases) if landing is None else _flight_error(cases)
+    question = "on which side the ball passes a vertex where the fence ends or has two heights"
+    aside = heading * (1 + absolute(x) + absolute(y))
+    known, at_vertex = cases.decide(place.room, aside, question)
+    (ended,) = cases.take(at_vertex)
+    ended.refuse(Undecided(f"{question} cannot be said: it passes over the vertex itself"))
+    # What the place is off, the ball's way makes of it by its steepness, and the top by its own.
+    steepness = absolute(w) / numbers.sqrt(u * u + v * v) + absolute(place.slope)
+    over, into = cases.decide(
+        clearance, error * (1 + steepness), "whether the ball clears the fence"
+    )
+    wall, stopped = cases.take(known & into, ball)
+    wall.follow(stopped.frame, stopped.flight, stopped.launch.time)
+    wall.conclude("wall")
+    cases, ball = cases.take(known & over, ball)
+    if cases.empty:
+        return
+    frame, flight = ball.frame, ball.flight
+    if landing is None:
+        left = cases.time_limit - flight.time
+        landing = flight.then(fly(cases, frame, flight.state, _ground, limit=left))
+    conditions = _foul(cases, frame.position(flight.state), "leaves the field fair")
+    around = cases.scene.fence.polyline is None
+    for fair, condition in zip((False, True), conditions, strict=True):
+        some, gone, way = cases.take(condition, ball, landing)
+        if not some.empty:
+            beyond: Outcome = "home_run" if fair or around else outcome
+            _come_down(some, replace(gone, flight=way), beyond, fair)
 
 
 def _landed(state: State[N], numbers: Numbers[N]) -> Flight[N]:
@@ -440,11 +678,14 @@ def throw(cases: Cases[N]) -> Pitch[N]:
     """Throw from the release toward the point aimed at, and fly to the plane x = 0."""
     numbers, pitch = cases.numbers, cases.scene.pitch
     x, y, z = release = cases.vector(pitch.release)
-    aim_y, aim_z = (numbers.exact(value) for value in pitch.aim)
-    toward = (-x, aim_y - y, aim_z - z)
-    scale = numbers.exact(pitch.speed) / numbers.sqrt(_dot(toward, toward))
-    velocity = (toward[0] * scale, toward[1] * scale, toward[2] * scale)
-    frame, start = launch_frame(release, velocity, numbers)
+    if pitch.velocity is None:
+        aim_y, aim_z = (numbers.exact(value) for value in pitch.aim)
+        toward = (-x, aim_y - y, aim_z - z)
+        scale = numbers.exact(pitch.speed) / numbers.sqrt(_dot(toward, toward))
+        velocity = (toward[0] * scale, toward[1] * scale, toward[2] * scale)
+    else:
+        velocity = cases.vector(pitch.velocity)
+    frame, start = launch_frame(release, velocity, numbers, cases.spin(pitch.spin))
     return Pitch(frame, start, fly(cases, frame, start, _ground, _plate))
 
 
@@ -476,8 +717,8 @@ def solve_pitches(cases: Cases[N]) -> None:
 def solve_impacts(cases: Cases[N]) -> None:
     """Solve touchings that are given."""
     incoming = cases.scene.incoming
-    spin = None if incoming.spin is None else cases.vector(incoming.spin)
-    ball = Ball(cases.vector(incoming.position), cases.vector(incoming.velocity), spin)
+    position, velocity = cases.vector(incoming.position), cases.vector(incoming.velocity)
+    ball = Ball(position, velocity, cases.spin(incoming.spin))
     height = cases.numbers.exact(incoming.bat_height)
     # Nothing has flown: the position is exact, and only roundings here are in doubt.
     cases, contact = meet(cases, ball, height, 0.0)
@@ -560,11 +801,40 @@ def strike(
     cases: Cases[N], contact: ContactState[N], error: N | float, *carried: Any
 ) -> tuple[Any, ...]:
     """Apply the impulses; see `collide`."""
-    cases, impact, *rest = cases.model.collide(cases, contact, error, *carried)
-    for quantity in fields(Impact):
-        if (value := getattr(impact, quantity.name)) is not None:
-            cases.record(f"impact.{quantity.name}", value)
+    cases, impact, contact, *rest = cases.model.collide(cases, contact, error, contact, *carried)
+    if not cases.empty:
+        for quantity in fields(Impact):
+            if (value := getattr(impact, quantity.name)) is not None:
+                cases.record(f"impact.{quantity.name}", value)
+        _tell_recontact(cases, contact, impact)
     return cases, impact, *rest
+
+
+# Of the speeds. No engine's error at a contact is as large, but in a graze of 1e-7 m and less.
+_TOLD_APART = 1e-6
+
+
+def _tell_recontact(cases: Cases[N], contact: ContactState[N], impact: Impact[N]) -> None:
+    """Record where a bat that swings on as before the impulse would strike the ball again.
+
+    The impulse of the model makes ball and bat part, since the bat gives way by J/M. A batter does
+    not: his bat goes on at ω', and if the ball is slower along the normal than that, so that
+    ``(V⁺ - V_b)·n`` still has the sign of ``Ṽ·n``, they meet again at once. The model has one
+    impulse; what it says of the flight is then not what such a bat would do. Of a ball that parts,
+    and falls back on the bat later, nothing is said: where the bat is then, is not in the model.
+    """
+    numbers = cases.numbers
+    after = tuple(v - b for v, b in zip(impact.velocity, contact.bat_velocity, strict=True))
+    terms = [v * n for v, n in zip(after, contact.normal, strict=True)]
+    rate = terms[0] + terms[1] + terms[2]
+    parting = numbers.where(contact.normal_speed < 0, rate, -rate)
+    speeds = sum(map(absolute, (*contact.velocity, *contact.bat_velocity)), rate * 0)
+    doubt = speeds * numbers.exact(_TOLD_APART)
+    again, parted = parting < -doubt, parting > doubt
+    for condition, said in ((again, "certain"), ((again | parted) ^ True, "possible")):
+        (some,) = cases.take(condition)
+        if not some.empty:
+            some.record("impact.recontact", said)
 
 
 # --- the whole at-bat -----------------------------------------------------------------------------
@@ -635,6 +905,7 @@ def meet_bat(cases: Cases[N]) -> tuple[Cases[N], Meeting[N] | None]:
     ball = Ball(
         frame.position(touch.state),
         frame.velocity(touch.state),
+        cases.spin_at(frame, touch.state),
         aside=frame.position(touch.detected)[1],
         leaving=touch.leaving,
     )
@@ -659,10 +930,18 @@ def finish(cases: Cases[N], meeting: Meeting[N] | None) -> None:
         before, after = contact.velocity, impact.velocity
         delta_v = (after[0] - before[0], after[1] - before[1], after[2] - before[2])
         surface = cases.ground(pitch.start)
-        launch = engine.rebound(pitch.frame, touch, delta_v, cases.law, surface)
+
+        def law_in(frame: Frame[N]) -> Law[N]:
+            return cases.law(replace(frame, spin=impact.spin))
+
+        launch = engine.rebound(pitch.frame, touch, delta_v, law_in, surface)
+        launch = replace(launch, spin=impact.spin)
     else:
         time = cast(N, touch.time)
-        launch = Launch(contact.position, impact.velocity, time, time * 0)
+        off = _launch_error(cases, meeting) if cases.numbers.rounding else None
+        launch = Launch(
+            contact.position, impact.velocity, time, time * 0, spin=impact.spin, error=off
+        )
     land(cases, launch, "batted")
 
 
@@ -670,14 +949,30 @@ def _contact_error(cases: Cases[N], meeting: Meeting[N]) -> N:
     """Return the relative error of velocities and directions at the contact.
 
     Where the ball all but grazes the bat, an error of its way moves the contact around the bat by
-    as much more as it is slower towards the bat than past it.
+    as much more as it is slower towards the bat than past it; but an error δ of the margin moves it
+    by √(2 δ/reach) at most, which is the angle between a graze and a touching δ deep.
     """
     contact, approach, engine = meeting.contact, meeting.approach, cases.engine
+    numbers = cases.numbers
     bat, pitch = approach.bat, approach.pitch
-    moved = margin_error(bat, pitch.flight.state.z, engine.flight_error, cases.numbers) / bat.reach
-    speed = cases.numbers.sqrt(_dot(contact.velocity, contact.velocity))
+    moved = margin_error(bat, pitch.flight.state.z, engine.flight_error, numbers) / bat.reach
+    speed = numbers.sqrt(_dot(contact.velocity, contact.velocity))
     towards = absolute(_dot(contact.velocity, contact.normal))
-    return engine.flight_error + moved * (1 + speed / towards)
+    most = numbers.sqrt(2 * moved)
+    steep = moved * speed > most * towards
+    turned = numbers.where(steep, most, moved * speed / numbers.where(steep, speed, towards))
+    return engine.flight_error + moved + turned
+
+
+def _launch_error(cases: Cases[N], meeting: Meeting[N]) -> N:
+    """Return a bound on the error of the velocity after the impulse, m/s.
+
+    The ball's own, and that of ``(1 + ẽ) (μ/m) (Ṽ·n) n``: n comes in twice, and the factors before
+    are at most two, but under readings that create energy.
+    """
+    contact, sqrt = meeting.contact, cases.numbers.sqrt
+    ball, bat = contact.velocity, contact.bat_velocity
+    return 5 * _contact_error(cases, meeting) * (sqrt(_dot(ball, ball)) + sqrt(_dot(bat, bat)))
 
 
 def solve_at_bats(cases: Cases[N]) -> None:
@@ -716,9 +1011,9 @@ class OneCase(Cases[N]):
         positive = self.numbers.positive(x, error, question)
         return positive, not positive
 
-    def refuse(self, reason: str) -> None:
+    def refuse(self, reason: CannotSolve | Undecided) -> None:
         """See `Cases`."""
-        raise CannotSolve(reason)
+        raise reason
 
     def touched(self, touch: Touch[N]) -> tuple[bool, bool]:
         """See `Cases`."""
@@ -735,6 +1030,24 @@ class OneCase(Cases[N]):
     ) -> Any:
         """See `Cases`."""
         return (yes if condition else no)(self, *values)
+
+    def land_in_space(
+        self, launch: Launch[N], frame: Frame[N], start: PlaneState[N], outcome: Outcome
+    ) -> None:
+        """See `Cases`."""
+        flight = fly(self, frame, start, _ground)
+        ball, error = Batted(launch, frame, flight), self.numbers.exact(_flight_error(self))
+        fence, pieces = cast(Any, self.scene).fence, flight.path.pieces()
+        met = first_crossing(fence, frame, pieces, flight.time, error, self.numbers)
+        if met is None:
+            _come_down(self, ball, outcome)
+            return
+        x, y, z = frame.position(met.state)
+        above = z - self.numbers.exact(landing_height(self.scene))
+        question = "whether the ball reaches the fence before it touches the ground"
+        self.decide(above, error * (1 + absolute(x) + absolute(y) + absolute(z)), question)
+        stopped = replace(ball, flight=Flight(flight.path, "fence", met.time, met.state))
+        _meet_fence(self, stopped, met.place, outcome, flight)
 
     def follow(self, frame: Frame[N], flight: Flight[N], begin: N) -> None:
         """See `Cases`."""
@@ -767,7 +1080,7 @@ class OneCase(Cases[N]):
     def _reported(self, value: Any) -> Any:
         if isinstance(value, tuple):
             return tuple(map(self.numbers.report, value))
-        return value if isinstance(value, str) else self.numbers.report(value)
+        return value if isinstance(value, str | int) else self.numbers.report(value)
 
 
 class _Nobody(OneCase[N]):
@@ -786,7 +1099,7 @@ class _Nobody(OneCase[N]):
     def conclude(self, outcome: Outcome) -> None:
         pass
 
-    def refuse(self, reason: str) -> None:
+    def refuse(self, reason: CannotSolve | Undecided) -> None:
         pass
 
 
@@ -794,7 +1107,18 @@ BLOCKS: dict[str, type[Any]] = {
     "plate": written.Plate,
     "contact": written.Contact,
     "impact": written.Impact,
+    "fence": written.Fence,
     "landing": written.Landing,
+}
+
+# The quantities that are told, not measured: their types, by name.
+DISCRETE: dict[str, type[bool] | type[int]] = {
+    f"{name}.{key}": kind
+    for name, block in BLOCKS.items()
+    for key, field in block.model_fields.items()
+    for kind in (bool, int)
+    for parts in [(field.annotation, *get_args(field.annotation))]
+    if any(kind in (part, *get_args(part)) for part in parts)
 }
 
 
@@ -820,6 +1144,17 @@ def solve_with_path(
     case = OneCase(scene, engine, model)
     result = _answer(case, CHAINS[scene.kind])
     return result, Trajectory(tuple(case.legs))
+
+
+def solve_with_points(scene: Scene, engine: Engine[N], points: int) -> Result:
+    """Return the result of a scene with so many points of its path, if it has any."""
+    result, way = solve_with_path(scene, engine)
+    if result.error is not None or not way.legs:
+        return result
+    with engine.numbers.arithmetic():
+        rows = way.evenly(points, engine.numbers)
+        path = tuple(tuple(map(engine.numbers.report, row)) for row in rows)
+    return result.model_copy(update={"path": path})
 
 
 def solve_with_restitutions(

@@ -74,10 +74,14 @@ class Launch(Generic[N]):
 
     Attributes
     ----------
+    spin
+        rad/s; None if the scene says nothing of it.
     delay
         s, from the contact to the time at which the ball is free.
     landed
         Whether the ball has come down before it was free; then this is the landing.
+    error
+        Of the velocity, m/s; None if it is exact, or carries its own.
     """
 
     position: Vector[N]
@@ -85,6 +89,8 @@ class Launch(Generic[N]):
     time: N
     delay: N
     landed: bool = False
+    spin: Vector[N] | None = None
+    error: N | None = None
 
 
 class Engine(Protocol[N]):
@@ -163,6 +169,10 @@ class Stepped(ABC, Generic[N]):
 class ManyAtOnce(ABC):
     """What an engine offers besides if many scenes take it less time together than one by one."""
 
-    @abstractmethod
     def solve_all(self, scenes: Sequence[Scene], threads: int = 1) -> list[Result]:
         """Return what `longball.engines.chain.solve` returns for each scene, in order."""
+        return [Result.model_validate(data) for data in self.solve_as_data(scenes, threads)]
+
+    @abstractmethod
+    def solve_as_data(self, scenes: Sequence[Scene], threads: int = 1) -> list[dict[str, Any]]:
+        """Return the same as plain data; see `longball.model.result.Result.data`."""

@@ -14,7 +14,7 @@ from itertools import pairwise
 from typing import Any, Generic, Protocol
 
 from longball.model.frame import Frame
-from longball.model.law import PlaneState, State
+from longball.model.law import State, in_plane
 from longball.model.numbers import N, Numbers, Undecided, absolute
 
 
@@ -60,7 +60,7 @@ def plate(frame: Frame[N], numbers: Numbers[N]) -> Event[N]:
     way = -frame.x / frame.cos
 
     def place(state: State[N]) -> State[N]:
-        return state._replace(s=way) if isinstance(state, PlaneState) else state
+        return state._replace(s=way) if in_plane(state) else state
 
     size = _size(numbers, frame.x)
     return Event("plate", "the ball reaches the plate", frame.towards_x, place, size)

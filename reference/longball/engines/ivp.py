@@ -176,15 +176,20 @@ class Ivp(PathEngine[float]):
     ) -> Iterator[View[float]]:
         """Yield the pieces of a pitch; near the plate, one that is expanded at the crossing.
 
-        The bat is put at the height of that very state, and so shares its error.
+        The bat is put at the height of that very state, and so shares its error. Under a law that
+        changes its form near the plate there is no such piece.
         """
+        if law.bends:
+            for piece in pitch.path.pieces():
+                yield View(piece, 0.0, piece.length, self._plate_error(pitch, bat))
+            return
         centred = self.around(law, pitch.time, pitch.state)
         speed = math.hypot(*bat.frame.velocity(pitch.state))
         # Not much longer than it takes to pass the bat: the square of the distance, of which
         # reach² is to be told apart, starts small.
         half = min(centred.length, _NEAR * bat.reach / speed)
         begin, end = max(0.0, pitch.time - half), pitch.time + half
-        error = self.flight_error * max(abs(bat.frame.x), abs(pitch.state.z))
+        error = self._plate_error(pitch, bat)
         seen = False
         for piece in pitch.path.pieces():
             if piece.begin < begin:
@@ -194,6 +199,10 @@ class Ivp(PathEngine[float]):
                 yield View(centred, begin - pitch.time, half, 0.0)
             if piece.begin + piece.length > end:
                 yield View(piece, max(0.0, end - piece.begin), piece.length, error)
+
+    def _plate_error(self, pitch: Flight[float], bat: BatSection[float]) -> float:
+        """Return the error of a place near the plate, m."""
+        return self.flight_error * max(abs(bat.frame.x), abs(pitch.state.z))
 
     def around(self, law: Law[float], time: float, state: State[float]) -> PolynomialPiece:
         """Return the flight around a state, s since the launch, as one piece on both sides of it.

@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from io import BufferedIOBase
 from itertools import islice
+from typing import Any, NamedTuple, cast
 
-from longball.engines.chain import solve_each
+from longball.engines.chain import solve, solve_with_points
 from longball.engines.engine import Engine, ManyAtOnce
+from longball.engines.parallel import in_parallel
+from longball.model.jsonl import LONGEST_LINE, json_bytes
 from longball.model.numbers import N
-from longball.model.result import Result
+from longball.model.result import Result, signed
 from longball.model.scene import InvalidScene, Scene, parse_scene
 
 # Lines that a worker process takes at a time: some hundredths of a second.
@@ -19,10 +22,23 @@ _BYTES = 1 << 17  # read at a time at most: some hundreds of lines, and twice wh
 Line = tuple[int, bytes]
 
 
+class Answer(NamedTuple):
+    """The result of a line: its id, why it failed if it did, and the whole as JSON."""
+
+    id: str | None
+    failure: str | None
+    text: bytes
+
+
 def solve_lines(
-    lines: Iterable[bytes], engine: Engine[N] | ManyAtOnce, workers: int = 1
-) -> Iterator[Result]:
-    """Yield the result of each line that is not blank, in order.
+    lines: Iterable[bytes],
+    engine: Engine[N] | ManyAtOnce,
+    workers: int = 1,
+    points: int | None = None,
+) -> Iterator[Answer]:
+    """Yield the answer to each line that is not blank, in order.
+
+    With `points` each has so many points of its path.
 
     With one worker no line waits for another one that is not there yet, so that two programs can
     talk through pipes: of a file or a pipe, what is there is taken at once; of anything else a line
@@ -30,31 +46,31 @@ def solve_lines(
     """
     if workers == 1:
         for chunk in _numbered(_as_they_come(lines)):
-            yield from _solve_in_turn(chunk, engine)
+            yield from _solve_in_turn(chunk, engine, points)
         return
-    from joblib import Parallel, delayed  # slow to import, and not needed for one worker
-
     size = CHUNK_AT_ONCE if isinstance(engine, ManyAtOnce) else CHUNK
-    numbered = (line for chunk in _numbered([line] for line in lines) for line in chunk)
+    numbered = (line for chunk in _numbered(_as_they_come(lines)) for line in chunk)
     chunks = iter(lambda: list(islice(numbered, size)), [])
-    tasks = (delayed(_solve_chunk)(chunk, engine) for chunk in chunks)
-    for results in Parallel(n_jobs=workers, return_as="generator")(tasks):
+    tasks = ((chunk, engine, points) for chunk in chunks)
+    for results in in_parallel(_solve_chunk, tasks, workers):
         yield from results
 
 
 def _as_they_come(lines: Iterable[bytes]) -> Iterator[list[bytes]]:
-    """Yield the lines that can be had without waiting, but for the first of them."""
+    """Yield the lines that can be had without waiting, but for the first of them.
+
+    No more is kept of a line than shows that it is too long.
+    """
     if not isinstance(lines, BufferedIOBase):
         yield from ([line] for line in lines)
         return
-    unfinished: list[bytes] = []
+    unfinished = b""
     while data := lines.read1(_BYTES):
-        unfinished.append(data)
-        if b"\n" in data:
-            *whole, rest = b"".join(unfinished).split(b"\n")
-            unfinished = [rest]
+        *whole, rest = (unfinished + data).split(b"\n")
+        unfinished = rest[: LONGEST_LINE + 1]
+        if whole:
             yield whole
-    yield [b"".join(unfinished)]
+    yield [unfinished]
 
 
 def _numbered(chunks: Iterable[list[bytes]]) -> Iterator[list[Line]]:
@@ -66,23 +82,34 @@ def _numbered(chunks: Iterable[list[bytes]]) -> Iterator[list[Line]]:
         yield [(n, line) for n, line in numbered if line.strip()]
 
 
-def solve_line(number: int, line: bytes, engine: Engine[N] | ManyAtOnce) -> Result:
-    """Return the result of a line, which is an error that names the line if it is no scene."""
-    (result,) = _solve_chunk([(number, line)], engine)
-    return result
+def solve_line(number: int, line: bytes, engine: Engine[N] | ManyAtOnce) -> Answer:
+    """Return the answer to a line, which is an error that names the line if it is no scene."""
+    (answer,) = _solve_chunk([(number, line)], engine)
+    return answer
 
 
-def _solve_chunk(chunk: list[Line], engine: Engine[N] | ManyAtOnce) -> list[Result]:
-    return list(_solve_in_turn(chunk, engine))
+def _solve_chunk(
+    chunk: list[Line], engine: Engine[N] | ManyAtOnce, points: int | None = None
+) -> list[Answer]:
+    return list(_solve_in_turn(chunk, engine, points))
 
 
-def _solve_in_turn(chunk: list[Line], engine: Engine[N] | ManyAtOnce) -> Iterator[Result]:
-    """Yield the results of lines, each as soon as the engine has it."""
+def _solve_in_turn(
+    chunk: list[Line], engine: Engine[N] | ManyAtOnce, points: int | None = None
+) -> Iterator[Answer]:
+    """Yield the answers to lines, each as soon as the engine has it."""
     read = [_read(line) for _, line in chunk]
     scenes = [scene for scene in read if not isinstance(scene, InvalidScene)]
-    solved = iter(solve_each(scenes, engine))
+    solved = iter(
+        (solve_with_points(scene, cast(Engine[N], engine), points).data() for scene in scenes)
+        if points
+        else engine.solve_as_data(scenes)
+        if isinstance(engine, ManyAtOnce)
+        else (solve(scene, engine).data() for scene in scenes)
+    )
     for (number, _), scene in zip(chunk, read, strict=True):
-        yield _of_line(number, scene if isinstance(scene, InvalidScene) else next(solved))
+        data = _refused(scene) if isinstance(scene, InvalidScene) else next(solved)
+        yield _answer(number, scene, data)
 
 
 def _read(line: bytes) -> Scene | InvalidScene:
@@ -92,9 +119,16 @@ def _read(line: bytes) -> Scene | InvalidScene:
         return error
 
 
-def _of_line(number: int, answer: Result | InvalidScene) -> Result:
-    """Return the result of a line: its error, if it has one, names the line."""
-    if isinstance(answer, InvalidScene):
-        return Result(id=answer.scene_id, error=f"line {number}: {answer}", code=answer.code)
-    error = answer.error and f"line {number}: {answer.error}"
-    return answer.model_copy(update={"id": answer.id or str(number), "error": error})
+def _refused(error: InvalidScene) -> dict[str, Any]:
+    return Result(id=error.scene_id, error=str(error), code=error.code).data()
+
+
+def _answer(number: int, scene: Scene | InvalidScene, data: dict[str, Any]) -> Answer:
+    """Return a result as the answer to a line."""
+    if data["id"] is None and not isinstance(scene, InvalidScene):
+        data["id"] = str(number)
+    if "engine" in data:
+        data["engine"] = signed(data["engine"])
+    if "error" in data:
+        data["error"] = f"line {number}: {data['error']}"
+    return Answer(data["id"], data.get("error") or data.get("certificate"), json_bytes(data))

@@ -17,6 +17,7 @@ from functools import lru_cache
 from mpmath import MPContext
 
 from longball.engines.collocation import Collocation, Mpf, Segment, gauss_legendre
+from longball.engines.engine import TooLong
 from longball.engines.event import Event
 from longball.engines.path_engine import PathEngine
 from longball.model.law import Law, State
@@ -146,9 +147,24 @@ class Multiprecision(PathEngine[Mpf]):
         """Yield the pieces of a flight; see `longball.engines.path.PathEngine.steps`.
 
         A flight that comes near V = 0 is followed by steps as short as it takes.
-        """
-        return _collocation(self.digits).segments(law, begin, start, limit)
 
+        Raises
+        ------
+        TooLong
+            If the flight takes too many steps.
+        """
+        segments = _collocation(self.digits).segments(law, begin, start, limit)
+        for number, segment in enumerate(segments):
+            if number == _MOST_STEPS:
+                raise TooLong(
+                    f"the flight takes more than {_MOST_STEPS} steps; the first "
+                    f"{float(segment.begin):.3g} s of it can be had by a lower time_limit"
+                )
+            yield segment
+
+
+# A flight takes twenty, one that loops for a minute a hundred: ten seconds of 30 digits.
+_MOST_STEPS = 250
 
 # Beyond, a double does not hold the error of a flight, 10^-(digits + 10).
 _MOST_DIGITS = 290

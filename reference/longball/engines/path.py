@@ -199,3 +199,11 @@ class Trajectory(Generic[N]):
     def sample(self, times: Iterable[N]) -> list[tuple[N, ...]]:
         """Return x, y, z, m, and their rates, m/s, at some times; see `at`."""
         return [(*position, *velocity) for position, velocity in map(self.at, times)]
+
+    def evenly(self, points: int, numbers: Numbers[N]) -> list[tuple[N, ...]]:
+        """Return t, s, x, y, z and their rates at evenly spaced times from beginning to end."""
+        begin, end = self.legs[0].begin, self.end
+        shares = (numbers.exact(float(i)) / numbers.exact(float(points - 1)) for i in range(points))
+        times = [begin + (end - begin) * share for share in shares]
+        times[-1] = end
+        return [(t, *row) for t, row in zip(times, self.sample(times), strict=True)]

@@ -7,7 +7,7 @@ the apex of a vertical flight, the first event, the first touching of the bat.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import pairwise
@@ -21,10 +21,11 @@ from longball.engines.contact import (
     inside_bat,
     margin_error,
 )
+from longball.engines.dual import Dual
 from longball.engines.engine import CannotSolve, Touch
 from longball.engines.event import Event, Piece, first_fall, past
 from longball.engines.path import Flight, Part, Path, Rest
-from longball.model.law import Law, State
+from longball.model.law import Bend, Law, State
 from longball.model.numbers import N, Numbers, doubt
 
 
@@ -75,30 +76,104 @@ class PathEngine(ABC, Generic[N]):
     def _pieces(
         self, law: Law[N], start: State[N], limit: N, events: Sequence[Event[N]]
     ) -> Iterator[Piece[N]]:
-        """Yield the pieces of a flight: one of a ball at rest, two of one that flies vertically.
+        """Yield the pieces of a flight; where the law changes its form, one ends.
 
-        At its apex it is at rest, and the drag of V² has a kink.
+        Raises
+        ------
+        Undecided
+            If a flight only touches such a place, within its error.
         """
         begin = self.numbers.exact(0.0)
-        if all(cast(Any, rate) == 0 for rate in law.rates(self.numbers)(*start)):
+        if not law.bends:
+            yield from self._smooth(law, start, begin, limit, events)
+            return
+        branches = branches_at(law, start, self.numbers)
+        for _ in range(_MOST_BRANCHES):
+            form = law.on(branches)
+            ends = self._ends_of(form, branches)
+            met = None
+            stops = [*(event for event, *_ in ends), *events]
+            for piece in self._smooth(form, start, begin, limit, stops):
+                met = self._first_end(piece, ends)
+                if met is None:
+                    yield piece
+                    continue
+                time, which, way = met
+                if cast(Any, time) != 0:
+                    yield Part(piece, time)
+                begin, start = piece.begin + time, piece.at(time)
+                branches[which] += way
+                break
+            if met is None:
+                return
+        raise CannotSolve(
+            f"the flight passes nodes of tables, or the height where the wind sets in, over "
+            f"{_MOST_BRANCHES} times"
+        )
+
+    def _ends_of(self, form: Law[N], branches: Sequence[int]) -> list[tuple[Event[N], int, int]]:
+        """Return what ends these forms of a law: an event, of which bend, and which way it goes."""
+        found = []
+        for which, (bend, branch) in enumerate(zip(form.bends, branches, strict=True)):
+            for way, number in ((-1, branch - 1), (1, branch)):
+                if 0 <= number < len(bend.branches.levels):
+                    level = bend.branches.levels[number]
+                    value = passing(form, bend, level, -way, self.numbers)
+                    size = self.numbers.where(level > 1, level, self.numbers.exact(1.0))
+                    question = bend.piecewise.question
+                    event = Event("bend", question, value, lambda state: state, size)
+                    found.append((event, which, way))
+        return found
+
+    def _first_end(
+        self, piece: Piece[N], ends: Sequence[tuple[Event[N], int, int]]
+    ) -> tuple[N, int, int] | None:
+        """Return the first of such events on a piece: when, of which bend, which way."""
+        found: tuple[N, int, int] | None = None
+        for event, which, way in ends:
+            error = self.numbers.exact(self.flight_error) * event.size
+            curve = piece.curve(event.value)
+            # As at a launch: a piece may begin on the level that the one before ended on.
+            time = first_fall(curve, piece.length, error, event.question, self.numbers, launch=True)
+            if time is not None and (found is None or time < found[0]):
+                found = time, which, way
+        return found
+
+    def _smooth(
+        self, law: Law[N], start: State[N], begin: N, limit: N, events: Sequence[Event[N]]
+    ) -> Iterator[Piece[N]]:
+        """Yield the pieces of a flight: one of a ball at rest, two of one that flies vertically.
+
+        That is, through the air. At its apex it is at rest there, and the drag of V² has a kink.
+        """
+        nothing = self.numbers.exact(0.0)
+        try:
+            rates = law.rates(self.numbers)(*start)
+        except ZeroDivisionError:
+            raise CannotSolve(RESTS_WITH_SPIN) from None
+        if all(cast(Any, rate) == 0 for rate in rates):
             yield Rest(begin, limit, start)
             return
         up = down = None
-        if cast(Any, start.u) == 0 and (start.w > 0 or start.w <= 0):  # for certain
+        drift = [law.strengths.get(name, nothing) for name in ("wind_s", "wind_y")]
+        wind: Any = law.strengths.get("wind_z", nothing)
+        level = [start.u, getattr(start, "v", nothing)]
+        if level == drift and (start.w > wind or start.w <= wind):  # for certain
             up, down = (law.straight(self.numbers.exact(sense)) for sense in (1.0, -1.0))
         if up is None or down is None:
             yield from self.steps(law, start, begin, limit, events)
             return
-        if start.w > 0:
-            for piece in self.steps(up, start, begin, limit, [APEX, *events]):
+        if start.w > wind:
+            apex = _apex(wind)
+            for piece in self.steps(up, start, begin, limit, [apex, *events]):
                 top = first_fall(
-                    piece.curve(APEX.value), piece.length, begin, APEX.question, self.numbers
+                    piece.curve(apex.value), piece.length, nothing, apex.question, self.numbers
                 )
                 if top is None:
                     yield piece
                     continue
                 yield Part(piece, top)
-                begin, start = piece.begin + top, APEX.place(piece.at(top))
+                begin, start = piece.begin + top, apex.place(piece.at(top))
                 break
             else:
                 return
@@ -204,13 +279,68 @@ class PathEngine(ABC, Generic[N]):
             raise CannotSolve(TURNS_VERTICAL)
 
 
-APEX: Event[Any] = Event(
-    "apex",
-    "the ball comes to rest",
-    lambda state: state.w,
-    lambda state: state._replace(w=state.w * 0),
-    1.0,
+# A flight passes a table's node twice, or a few times more if it loops.
+_MOST_BRANCHES = 1000
+
+
+def passing(
+    law: Law[N], bend: Bend[N], level: N, sign: int, numbers: Numbers[N]
+) -> Callable[[Any], Any]:
+    """Return a function of the state that is positive on one side of a level of a bend.
+
+    Beyond it if `sign` is 1, before it if that is -1.
+    """
+    if any(n.kind not in _RATIONAL for n in law.passage(bend).nodes if not n.static):
+        raise CannotSolve(
+            "a table in a logarithmic wind, or one of the spin parameter where spin decays, is not "
+            "solved by this engine: where its nodes are passed is no polynomial's zero"
+        )
+    beyond = law.beyond(bend, level, numbers)
+    return beyond if sign > 0 else lambda state: -beyond(state)
+
+
+# Of which a value on the way of a polynomial state is a polynomial.
+_RATIONAL = ("variable", "sum", "product")
+
+
+def branches_at(law: Law[N], state: State[N], numbers: Numbers[N]) -> list[int]:
+    """Return which forms the terms of a law have in a state; on a level, that which it goes to.
+
+    Raises
+    ------
+    Undecided
+        If a state is on a level, and does not move beyond it or back.
+    """
+    found = []
+    for bend in law.bends:
+        count = 0
+        for level in bend.branches.levels:
+            value = passing(law, bend, level, 1, numbers)
+            there = value(state)
+            if cast(Any, there) == 0:
+                moving: Any = map(Dual, state, law.rates(numbers)(*state))
+                there = value(law.state(*moving)).rate
+            count += numbers.positive(there, there * 0, f"whether {bend.piecewise.question}")
+        found.append(count)
+    return found
+
+
+RESTS_WITH_SPIN = (
+    "the ball starts at rest in the air, or along its spin, where the part of the spin across the "
+    "velocity has no size or no direction; take the reading spin_parameter = total, a lift that is "
+    "linear in the spin, or another velocity"
 )
+
+
+def _apex(wind: Any) -> Event[Any]:
+    """Return where a ball that flies vertically comes to rest in an air that rises by `wind`."""
+    return Event(
+        "apex",
+        "the ball comes to rest",
+        lambda state: state.w - wind,
+        lambda state: state._replace(w=wind),
+        1.0,
+    )
 
 
 @dataclass(frozen=True)

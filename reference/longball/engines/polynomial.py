@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
@@ -65,13 +66,17 @@ class PolynomialCurve(NamedTuple):
     piece
     value
         Of a state.
+    unit
+        s, a power of 2 no shorter than the piece.
     coefficients
-        Of the value, as a polynomial in the time on the piece. Where a distance is small at the end
-        of a long piece they cancel, and so a single value is that of a state.
+        Of the value, as a polynomial in the time on the piece, in that unit: so they do not
+        overflow where the value does not. Where a distance is small at the end of a long piece they
+        cancel, and so a single value is that of a state.
     """
 
     piece: PolynomialPiece
     value: Callable[[Any], Any]
+    unit: float
     coefficients: Array
 
     def __call__(self, t: float) -> float:
@@ -79,24 +84,25 @@ class PolynomialCurve(NamedTuple):
         return float(self.value(self.piece.at(t)) if t else self.coefficients[0])
 
     def _from(self, begin: float) -> Array:
-        return shifted(self.coefficients, begin) if begin else self.coefficients
+        return shifted(self.coefficients, begin / self.unit) if begin else self.coefficients
 
     def positive(self, a: float, b: float) -> bool:
         """Tell whether the value stays above half of what it is at a, which is positive."""
-        return stays_high(self._from(a), b - a)
+        return stays_high(self._from(a), (b - a) / self.unit)
 
     def turns(self, a: float, b: float) -> Sequence[float]:
         """Return where in (a, b) the value may turn, in rising order."""
-        found: list[float] = turning_points(self._from(a), b - a).tolist()
-        return [a + t for t in found] if a else found
+        found = turning_points(self._from(a), (b - a) / self.unit) * self.unit
+        return (a + found if a else found).tolist()  # type: ignore[no-any-return]
 
     def zero(self, a: float, b: float) -> float:
         """Return where the value is zero, given that from a to b it falls through zero."""
         p = self._from(a)
         if not p[0] > 0:
             return a  # where the piece before ended, to rounding
-        t = zero(p, 0.0, b - a)
-        slope = rate(p, t)
+        t = zero(p, 0.0, (b - a) / self.unit)
+        slope = rate(p, t) / self.unit
+        t *= self.unit
         if slope < 0:  # to the zero of single values
             t -= self(a + t) / slope
         return min(max(a + t, a), b)
@@ -132,8 +138,10 @@ class PolynomialPiece(NamedTuple):
 
     def curve(self, value: Callable[[Any], Any]) -> PolynomialCurve:
         """Return the value of an event along the piece."""
-        along: Polynomial = value(self.state(*map(Polynomial, self.coefficients)))
-        return PolynomialCurve(self, value, along.coefficients)
+        power = math.frexp(self.length)[1]
+        scaled = np.ldexp(self.coefficients, power * np.arange(self.coefficients.shape[1]))
+        along: Polynomial = value(self.state(*map(Polynomial, scaled)))
+        return PolynomialCurve(self, value, math.ldexp(1.0, power), along.coefficients)
 
 
 # --- compiled: a polynomial is an array of its coefficients ---------------------------------------

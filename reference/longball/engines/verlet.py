@@ -37,7 +37,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path as File
-from types import ModuleType
+from types import ModuleType, SimpleNamespace
 from typing import Any, NamedTuple, TypeVar, get_args
 
 import numpy as np
@@ -50,7 +50,7 @@ from longball.engines.engine import CannotSolve, Launch, OutOfRange, Stepped, To
 from longball.engines.event import Event
 from longball.engines.path import Flight, Path
 from longball.model.frame import Frame, launch_frame
-from longball.model.law import Law, SpaceState, State
+from longball.model.law import Law, PlaneState, SpaceState, State
 from longball.model.numbers import DOUBLES, Doubles, Vector
 from longball.model.readings import AppendixBRoot, VerletForces, VerletLanding
 from longball.model.trace import Names, Program
@@ -262,7 +262,9 @@ class Verlet(Stepped[float]):
                 f"{self.dt!r} s, but the straight line from the step before does not meet it",
             )
         position, velocity = _halves(before)
-        touching = law.state(*_moved(position, ahead, velocity), *velocity)
+        place, split = position[: len(velocity)], 2 * len(velocity)
+        along = _moved(before[split:], ahead, law.rates(DOUBLES)(*before)[split:])
+        touching = law.state(*_moved(place, ahead, velocity), *velocity, *along)
         return SteppedTouch(
             margin,
             True,
@@ -310,15 +312,32 @@ class Verlet(Stepped[float]):
         Each has a row for each component of the state. It comes with the number of the step in its
         first column, the last one of the array before.
         """
-        march, parameters = steps_of(law.program).march, _parameters(law)
         treatment = TREATMENTS[self.forces]
         last, done, length = np.array(start, dtype=float), 0, _FIRST_STEPS
-        force = _acceleration(law)(*_halves(last.tolist()), parameters)
+        branches = law.branches(start, DOUBLES)
+        form = law.on(branches) if law.bends else law
+        force = _acceleration(form)(*_halves(last.tolist()), _parameters(form))
         steps = math.ceil(min(limit / self.dt, 2.0**53))
         while done < steps:
             states = np.empty((len(start), 1 + min(length, steps - done)))
             states[:, 0] = last
-            force = march(states, force, self.dt, *treatment, parameters)
+            march = steps_of(form.program).march
+            force = march(states, force, self.dt, *treatment, _parameters(form))
+            passed = np.any(
+                [
+                    there != now
+                    for there, now in zip(
+                        law.branches(states[:, 1:], _ARRAYS), branches, strict=True
+                    )
+                ],
+                axis=0,
+            )
+            if np.any(passed):
+                # The next step begins in another form of the law.
+                states = states[:, : 2 + int(np.argmax(passed))]
+                branches = law.branches(states[:, -1], DOUBLES)
+                form = law.on(branches)
+                force = _acceleration(form)(*_halves(states[:, -1].tolist()), _parameters(form))
             yield done, states
             last, done, length = (
                 states[:, -1],
@@ -342,6 +361,9 @@ class Verlet(Stepped[float]):
                 "implicit step does not settle: the step is too long for these forces"
             )
 
+
+# As much of a number system as a traced law asks for, over arrays.
+_ARRAYS: Any = SimpleNamespace(functions={"sqrt": np.sqrt, "exp": np.exp, "log": np.log})
 
 # Steps that are taken at a time: some more than a flight of the paper's steps has, so that it takes
 # one array; and what a processor's cache holds.
@@ -452,9 +474,13 @@ def _rests_on(event: Event[float], start: State[float], law: Law[float]) -> bool
 
 
 def _halves(state: Sequence[T]) -> tuple[tuple[T, ...], tuple[T, ...]]:
-    """Return positions and velocities of a state, or velocities and accelerations of its rates."""
+    """Return positions and velocities of a state, or velocities and accelerations of its rates.
+
+    The path through the air, which a state may end with, goes with the positions.
+    """
     dimensions = len(state) // 2
-    return tuple(state[:dimensions]), tuple(state[dimensions:])
+    split = 2 * dimensions
+    return (*state[:dimensions], *state[split:]), tuple(state[dimensions:split])
 
 
 def _moved(a: Components, factor: float, b: Components) -> Components:
@@ -481,7 +507,7 @@ def steps_of(program: Program) -> ModuleType:
 def print_law(program: Program) -> str:
     """Print the functions that the steps under a law call, in as many dimensions as it has."""
     positions, velocities = _halves(program.variables)
-    dimensions = range(len(positions))
+    dimensions = range(len(velocities))
     names = Names()
     lines = [line for node in program.nodes if (line := names.define(node))]
     unpack = [
@@ -495,20 +521,32 @@ def print_law(program: Program) -> str:
     def each(text: str) -> str:
         return "".join(text.format(i=i) + ", " for i in dimensions)
 
-    both = len(positions)
-    outputs = ", ".join(names[output] for output in program.outputs[both:])
+    both = len(velocities)
+    outputs = ", ".join(names[output] for output in program.outputs[both : 2 * both])
+    path = [2 * both] * (len(positions) - both)
+    further = "".join(
+        f"{name} + dt * {names[rate]}, "
+        for name, rate in zip(program.variables, program.outputs, strict=True)
+        if name in positions[both:]
+    )
     functions = {
         "accelerate(position, velocity, parameters)": [*unpack, *lines, f"return {outputs}"],
         "plus(a, factor, b)": [f"return ({each('a[{i}] + factor * b[{i}]')})"],
+        "moved(position, dt, velocity, parameters)": [
+            *(unpack + lines if further else []),
+            f"return ({each('position[{i}] + dt * velocity[{i}]')}{further})",
+        ],
         "largest(a)": [f"return max({each('abs(a[{i}])')})"],
         "read(states, k)": [
-            f"return ({each('states[{i}, k]')}), ({each(f'states[{{i}} + {both}, k]')})"
+            f"return ({each('states[{i}, k]')}{''.join(f'states[{i}, k], ' for i in path)}), "
+            f"({each(f'states[{{i}} + {both}, k]')})"
         ],
         "write(states, k, position, velocity)": [
             f"states[{i + shift}, k] = {name}[{i}]"
             for name, shift in (("position", 0), ("velocity", both))
             for i in dimensions
-        ],
+        ]
+        + [f"states[{i}, k] = position[{both}]" for i in path],
     }
     written = "".join(
         f"\n\ndef {head}:\n" + "".join(f"    {line}\n" for line in body)
@@ -531,6 +569,7 @@ def _plain_step() -> Callable[..., Any]:
     space: dict[str, Any] = {
         "accelerate": lambda position, velocity, air: air(position, velocity),
         "plus": _moved,
+        "moved": lambda position, dt, velocity, _: _moved(position, dt, velocity),
         "largest": lambda a: max(map(abs, a)),
     }
     exec(compile(_SOURCE, "verlet_steps", "exec"), space)
@@ -551,7 +590,8 @@ def air_in_space(law_in: Callable[[Frame[float]], Law[float]]) -> Callable[..., 
         frame, launch = launch_frame(position, velocity, DOUBLES)
         law = law_in(frame)
         acceleration = _acceleration(law)(*_halves(law.state_of(launch)), _parameters(law))
-        return frame.velocity(law.state(*(0.0 for _ in acceleration), *acceleration))
+        state = PlaneState if len(acceleration) == 2 else SpaceState
+        return frame.velocity(state(*(0.0 for _ in acceleration), *acceleration))
 
     return air
 

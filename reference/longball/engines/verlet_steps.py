@@ -12,10 +12,12 @@ import math
 from collections.abc import Callable
 from typing import Any
 
-# Printed: the acceleration at a position and velocity, given the parameters; a + factor b; the
-# largest size of a component; position and velocity from a column of an array, and back.
+# Printed: the acceleration at a position and velocity, given the parameters; a + factor b; where a
+# position is after dt at a velocity, the path through the air being one too; the largest size of a
+# component; position and velocity from a column of an array, and back.
 accelerate: Callable[..., Any]
 plus: Callable[..., Any]
+moved: Callable[..., Any]
 largest: Callable[..., Any]
 read: Callable[..., Any]
 write: Callable[..., None]
@@ -62,7 +64,7 @@ def step(
     """
     felt = plus(force, 1.0, push)
     half = plus(velocity, 0.5 * dt, felt)
-    position = plus(position, dt, half)
+    position = moved(position, dt, half, parameters)
     force = accelerate(position, plus(velocity, ahead * dt, felt), parameters)
     velocity = plus(half, 0.5 * dt, plus(force, 1.0, push))
     if iterates:

@@ -10,6 +10,7 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from longball.model.jsonl import json_line
 from longball.model.quantities import numbers
 from longball.model.result import Bounded, Result
 from longball.model.scene import Scene
@@ -117,7 +118,7 @@ class Case(Strict):
             "scene": json.loads(self.scene.line()),
             "expected": json.loads(self.expected.line()),
         }
-        return json.dumps(whole, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+        return json_line(whole, separators=(",", ":"))
 
 
 class Family(Strict):
@@ -132,6 +133,8 @@ class Header(Strict):
     """What one has to know to use the set."""
 
     title: str
+    format: str = Field(description="version of the form of the files; see README.md")
+    licence: str
     numbers: dict[str, str] = Field(description="the number contract: what each form means")
     levels: dict[str, str]
     flags: dict[str, str] = Field(description="every flag in use, and what it says")
@@ -161,6 +164,13 @@ def as_double(number: Bounded) -> float:
     return float(Decimal(number.value)) + 0.0
 
 
+def decisions(result: Result) -> tuple[object, ...]:
+    """Return what a result says besides numbers: the outcome, and what else is one or the other."""
+    mode = result.impact and result.impact.mode
+    fair = result.landing and result.landing.fair
+    return result.outcome, mode, result.fence and result.fence.segment, fair
+
+
 def decisive(result: Result) -> tuple[str, ...]:
     """Return the paths of the quantities that an outcome is mainly asked for."""
     wanted: tuple[str, ...] = ()
@@ -169,8 +179,12 @@ def decisive(result: Result) -> tuple[str, ...]:
             wanted = "landing.distance", "landing.time"
         case "missed" | "beyond_bat":
             wanted = ("contact.margin",)
+        case "home_run":
+            wanted = "fence.clearance", "landing.distance"
+        case "wall":
+            wanted = ("fence.clearance",)
         case "struck":
-            wanted = ("impact.impulse",)
+            wanted = "impact.impulse", "impact.friction_margin"
         case "separating":
             wanted = ("contact.normal_speed",)
         case "crossed":

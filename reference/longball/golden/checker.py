@@ -4,16 +4,28 @@ from __future__ import annotations
 
 import random
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from decimal import Decimal, localcontext
+from importlib import import_module
 from pathlib import Path
 from typing import TypeVar
 
 from pydantic import ValidationError
 
+from longball.engines.parallel import in_parallel
+from longball.extras import MissingExtra, naming_extras
 from longball.golden.case import Case, Header, as_double, decisive, numbers_of
-from longball.golden.files import CHECKSUMS, HEADER, PROBABILITIES, checksum, listed, schemas
+from longball.golden.families import FAMILIES, Family
+from longball.golden.files import (
+    CHECKSUMS,
+    HEADER,
+    PROBABILITIES,
+    checksum,
+    inside,
+    listed,
+    schemas,
+)
 from longball.golden.home_runs import integrated_again
 from longball.golden.probability import Probabilities, ProbabilityCase
 from longball.golden.reader import DATA
@@ -25,15 +37,17 @@ M = TypeVar("M", Header, Probabilities)
 
 @dataclass(frozen=True)
 class Report:
-    """Numbers of cases read and solved again, and a sentence for each failure."""
+    """Numbers of cases read and solved again, a sentence for each failure, what was left out."""
 
     cases: int
     solved_again: int
     failures: tuple[str, ...]
+    left_out: str = ""
 
 
 def check(
     folder: Path = DATA,
+    families: Mapping[str, Family] = FAMILIES,
     *,
     sample: int | None = None,
     seed: int = 1,
@@ -47,6 +61,8 @@ def check(
     ----------
     folder
         The set; by default the shipped one.
+    families
+        Functions that return the drafts of a family, in the order of its cases.
     sample
         How many cases are solved again, drawn at random; by default all of them.
     seed
@@ -58,17 +74,20 @@ def check(
     progress
         Called with the numbers of cases solved again, and of those to be.
     """
-    from joblib import Parallel, delayed  # slow to import
-
     failures = [*_wrong_files(folder)]
     cases: list[Case] = []
     top, fault = _read(Header, folder / HEADER)
     if top is None:
         return Report(0, 0, (*failures, f"{HEADER}: {fault}"))
     for name, family in top.families.items():
+        if not inside(folder, family.file):
+            failures.append(f"{HEADER}: {family.file!r} is not a file of {folder}")
+            continue
         found, wrong = _read_family(folder / family.file, name, family.cases)
         cases += found
         failures += wrong
+        if name in families:
+            failures += _out_of_order(found, families[name])
     every: list[Case | ProbabilityCase] = [*cases]
     if (folder / PROBABILITIES).exists():
         integrals, fault = _read(Probabilities, folder / PROBABILITIES)
@@ -83,14 +102,18 @@ def check(
     chosen = every
     if sample is not None and sample < len(every):
         chosen = random.Random(seed).sample(every, sample)
-    tasks = (
-        delayed(solved_again if isinstance(case, Case) else integrated_again)(case, independent)
-        for case in chosen
-    )
-    for done, found_wrong in enumerate(Parallel(n_jobs=workers, return_as="generator")(tasks), 1):
+    left_out = ""
+    try:
+        with naming_extras():
+            import_module("longball.engines.batch")
+    except MissingExtra as error:
+        left_out = f"P(e) is not integrated again: {error}"
+        chosen = [case for case in chosen if isinstance(case, Case)]
+    calls = ((case, independent) for case in chosen)
+    for done, found_wrong in enumerate(in_parallel(_made_again, calls, workers), 1):
         failures += found_wrong
         progress(done, len(chosen))
-    return Report(len(every), len(chosen), tuple(failures))
+    return Report(len(every), len(chosen), tuple(failures), left_out)
 
 
 # --- files ----------------------------------------------------------------------------------------
@@ -102,7 +125,9 @@ def _wrong_files(folder: Path) -> Iterator[str]:
         return
     sums = listed(folder)
     for name, digest in sums.items():
-        if not (folder / name).is_file():
+        if not inside(folder, name):
+            yield f"{CHECKSUMS}: {name!r} is not a file of {folder}"
+        elif not (folder / name).is_file():
             yield f"{name}: listed in {CHECKSUMS}, but not there"
         elif checksum(folder / name) != digest:
             yield f"{name}: its SHA-256 is not the one in {CHECKSUMS}; the file was changed"
@@ -144,6 +169,15 @@ def _read_family(path: Path, family: str, count: int) -> tuple[list[Case], list[
     return cases, failures
 
 
+def _out_of_order(cases: list[Case], family: Family) -> Iterator[str]:
+    """Yield which cases stand where others belong, in the order in which a family is written."""
+    place = {draft.scene.id: number for number, draft in enumerate(family())}
+    ids = [case.id for case in cases if case.id in place]
+    for stands, belongs in zip(ids, sorted(ids, key=place.__getitem__), strict=True):
+        if stands != belongs:
+            yield f"{stands}: stands where {belongs} belongs"
+
+
 def _first_fault(error: ValidationError) -> str:
     fault = error.errors(include_url=False)[0]
     return f"{'.'.join(map(str, fault['loc']))}: {fault['msg']}"
@@ -179,6 +213,12 @@ def _inconsistent(case: Case, top: Header) -> Iterator[str]:
 
 
 # --- every number once more -----------------------------------------------------------------------
+
+
+def _made_again(case: Case | ProbabilityCase, independent: bool) -> list[str]:
+    if isinstance(case, Case):
+        return solved_again(case, independent)
+    return integrated_again(case, independent)
 
 
 def solved_again(case: Case, independent: bool) -> list[str]:

@@ -36,7 +36,15 @@ from pydantic import ValidationError
 
 from longball.engines.chain import solve
 from longball.engines.engine import Engine
-from longball.golden.case import ROUNDING, Condition, as_double, decisive, numbers_of, vector_of
+from longball.golden.case import (
+    ROUNDING,
+    Condition,
+    as_double,
+    decisions,
+    decisive,
+    numbers_of,
+    vector_of,
+)
 from longball.model.quantities import numbers, replaced
 from longball.model.result import Bounded, Result
 from longball.model.scene import AtBatScene, FlightScene, Scene
@@ -98,7 +106,7 @@ def sensitivity(scene: Scene, result: Result, engine: Engine[Any]) -> Sensitivit
             if other is None:
                 continue
             there = solve(other, engine)
-            if there.outcome == result.outcome:
+            if decisions(there) == decisions(result):
                 ends.append((moved, dict(numbers_of(there))))
             else:
                 fragile = True
@@ -125,8 +133,8 @@ def attainable_errors(scene: Scene, result: Result, found: Sensitivity) -> dict[
     lengths = magnitudes(result)
     errors: dict[str, float | None] = {}
     for name, _ in numbers_of(result):
-        slopes = found.derivatives[name]
-        pairs = [(slopes[path], x) for path, x in values.items()]
+        slopes = found.derivatives.get(name, {})
+        pairs = [(slopes.get(path), x) for path, x in values.items()]
         pairs.append((slopes.get("swing.height_offset", 0.0), height))
         parts = [abs(slope * x) for slope, x in pairs if slope is not None]
         known = len(parts) == len(pairs)

@@ -12,7 +12,9 @@ from itertools import islice, product
 from typing import get_args
 
 from longball.golden.case_builder import Draft, between, five_digits, shares
+from longball.golden.fences import fence
 from longball.golden.hard import hard
+from longball.golden.oblique import impact_oblique
 from longball.home_run import draw, paper_at_bats, scenes, with_restitution
 from longball.model.readings import EffectiveMass, Inertia, Reading, SamplingReading, readings_of
 from longball.model.scene import (
@@ -274,7 +276,8 @@ def _drawn(name: str, sampling: SamplingReading, count: int, base: AtBatScene) -
 
 # --- all ------------------------------------------------------------------------------------------
 
-FAMILIES: dict[str, Callable[[], Iterator[Draft]]] = {
+Family = Callable[[], Iterator[Draft]]
+FAMILIES: dict[str, Family] = {
     "flight-vacuum": flight_vacuum,
     "flight-drag": flight_drag,
     "flight-lift": flight_lift,
@@ -285,4 +288,6 @@ FAMILIES: dict[str, Callable[[], Iterator[Draft]]] = {
     "impact": impact,
     "at-bat": at_bat,
     "hard": hard,
+    "impact-oblique": impact_oblique,
+    "fence": fence,
 }

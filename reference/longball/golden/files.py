@@ -11,8 +11,13 @@ from pydantic import BaseModel
 
 from longball.golden.case import Case, Header
 from longball.golden.probability import Probabilities
-from longball.model.schema import DRAFT, text
+from longball.model.schema import published, text
 
+# The version of the form of the files; README.md in their folder says when it changes.
+FORMAT = "1.0"
+
+# Files that come with every set, written by hand.
+DOCUMENTS = ("README.md", "LICENSE")
 CHECKSUMS = "SHA256SUMS"  # as sha256sum writes and reads it
 HEADER = "header.json"
 HISTORIES = "histories"
@@ -25,7 +30,7 @@ def schemas() -> dict[str, str]:
     models: dict[str, type[BaseModel]]
     models = {"case": Case, "header": Header, "probability": Probabilities}
     return {
-        f"{name}.schema.json": text({"$schema": DRAFT} | model.model_json_schema())
+        f"{name}.schema.json": text(published(f"golden-{name}", model.model_json_schema()))
         for name, model in models.items()
     }
 
@@ -41,13 +46,18 @@ def write_whole(path: Path, content: str) -> None:
     os.replace(unfinished, path)
 
 
+def inside(folder: Path, name: str) -> bool:
+    """Tell whether a name is that of a file in a folder or below it."""
+    return (folder / name).resolve().is_relative_to(folder.resolve())
+
+
 def write_files(folder: Path, files: Mapping[str, str]) -> None:
     """Write files of a set, and their checksums among those of the set's other files."""
     for name, content in files.items():
         write_whole(folder / name, content)
     sums = {name: checksum(folder / name) for name in files}
     for name, digest in listed(folder).items():
-        if (folder / name).is_file():
+        if inside(folder, name) and (folder / name).is_file():
             sums.setdefault(name, digest)
     lines = (f"{sums[name]}  {name}\n" for name in sorted(sums))
     write_whole(folder / CHECKSUMS, "".join(lines))

@@ -11,6 +11,7 @@ from longball import __version__
 from longball.engines.enclosure import Enclosure
 from longball.engines.multiprecision import Multiprecision
 from longball.golden.case import Case, Family, Header
+from longball.golden.files import FORMAT
 from longball.golden.truth import CONFIRMING, DIGITS, WORK
 
 NUMBERS = {
@@ -22,7 +23,8 @@ NUMBERS = {
     "model for the doubles of the scene. It is at most 1e-30 of the quantity's size, or, where the "
     "value is 0, at most 1e-30 of its unit.",
     "size": "Of a number its absolute value; of a component the length of its vector; of "
-    "contact.margin R + r_b, since a margin is a difference of lengths.",
+    "contact.margin R + r_b, since a margin is a difference of lengths; of impact.friction_margin "
+    "at least 1; of fence.clearance and fence.margin the length of fence.position.",
     "double": "The double nearest to value; of the two nearest, the one with an even last bit.",
     "hex": "The same double in C's hexadecimal notation.",
     "attainable": "u (sum of |dQ/dx| |x| over all inputs x + |dQ/d(height_offset)| z_b + |Q|), "
@@ -45,12 +47,15 @@ LEVELS = {
 FLAGS = {
     "airborne": "Made to be in the air still when the time limit is over.",
     "at-release": "Ball and bat touch at the release, or all but.",
+    "blown-back": "The wind takes the ball over the fence and back.",
     "bat-end": "Touching at |y| = L/2, where the bat ends, or within rounding of it.",
     "closed-form": "The solution is known in elementary functions (longball.model.exact).",
     "dip": "Lift turns the falling ball up again, just above or just below the ground.",
     "extreme": "Sizes far from baseball.",
     "fragile": "A step of 2^-50 of some input, a few ulps, changes the outcome or leaves none: an "
     "implementation in double precision that answers otherwise, or not at all, need not be wrong.",
+    "friction": "Ball and bat rub.",
+    "grip-slide": "Friction has from 1e-3 down to 1e-15 of itself to spare, or too little by that.",
     "grazing": "The margin between touching and missing the bat is from 1e-3 down to 1e-15 m.",
     "loops": "The path loops.",
     "many-digits": "30 digits of work did not decide the outcome or reach the promised radius; "
@@ -70,6 +75,7 @@ FLAGS = {
     "the radius.",
     "undecided": "The outcome could not be proven; the expected result is an error that says why. "
     "An implementation that answers must say how it knows.",
+    "vertex": "The ball passes a corner of the fence, or its end, within 1e-3 down to 1e-15 m.",
     "wide": "A radius is larger than the header promises.",
     "vertical": "The path is vertical, or passes the vertical.",
 }
@@ -82,6 +88,8 @@ def header(
     used = {flag for family in cases.values() for case in family for flag in case.flags}
     return Header(
         title="Longball's golden data: scenes of baseball at-bats with proven results",
+        format=FORMAT,
+        licence="CC0-1.0",
         numbers=NUMBERS,
         levels=LEVELS,
         flags={flag: FLAGS[flag] for flag in sorted(used)},

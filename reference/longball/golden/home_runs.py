@@ -9,7 +9,6 @@ from importlib.metadata import version
 from pathlib import Path
 
 from longball import __version__
-from longball.engines.batch import Batch
 from longball.golden.files import PROBABILITIES, schemas, write_files
 from longball.golden.probability import Probabilities, ProbabilityCase, ProbabilityRow, Second
 from longball.home_run import RESTITUTIONS, Randomised, integrals, paper_at_bats, scrambled
@@ -100,6 +99,8 @@ def write_probabilities(
     for draft in chosen:
         cases.append(make(draft, lines, workers))
         progress(len(cases), len(chosen))
+    from longball.engines.batch import Batch  # extra `fast`
+
     whole = Probabilities(
         title="Longball's golden data: the probability of a home run P(e)",
         numbers=NUMBERS,

@@ -14,6 +14,7 @@ from longball.golden.case import (
     Difficulty,
     Quantity,
     as_double,
+    decisions,
     decisive,
     numbers_of,
     vector_of,
@@ -87,8 +88,8 @@ def shortened(number: Bounded) -> Bounded:
 def sizes(scene: Scene, result: Result) -> dict[str, Decimal]:
     """Return the size of each quantity of a result, in its unit: what errors are relative to.
 
-    Of a component, that is the length of its vector; of the margin, a difference of lengths,
-    R + r_b; of other numbers, their absolute value.
+    Of a component, that is the length of its vector; of margins and of the clearance of a fence,
+    which are differences, what they are differences of; of other numbers, their absolute value.
     """
     value = {name: Decimal(number.value) for name, number in numbers_of(result)}
     with localcontext(prec=_PREC):
@@ -98,6 +99,12 @@ def sizes(scene: Scene, result: Result) -> dict[str, Decimal]:
         }
         if isinstance(scene, AtBatScene) and "contact.margin" in size:
             size["contact.margin"] = Decimal(scene.ball.radius) + Decimal(scene.bat.radius)
+        if "impact.friction_margin" in size:
+            size["impact.friction_margin"] = max(Decimal(1), size["impact.friction_margin"])
+        place = size.get("fence.position[0]", Decimal(0))
+        for name in ("fence.clearance", "fence.margin"):
+            if name in size:
+                size[name] = place
     return size
 
 
@@ -111,7 +118,7 @@ def confirm(scene: Scene, proven: Result) -> tuple[Confirmation, bool]:
     for digits in CONFIRMING:
         engine = Multiprecision(digits)
         other = solve(scene, engine)
-        if proven.outcome is None or other.outcome != proven.outcome:
+        if proven.outcome is None or decisions(other) != decisions(proven):
             agrees, agreement = proven.outcome is None, None
         else:
             agrees, agreement = _compared(scene, proven, other, digits)

@@ -9,20 +9,21 @@ from __future__ import annotations
 import hashlib
 import inspect
 import shutil
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from pathlib import Path
 
 import longball
+from longball.engines.parallel import in_parallel
+from longball.extras import naming_extras
 from longball.golden.case import Case
 from longball.golden.case_builder import Draft
-from longball.golden.families import FAMILIES
-from longball.golden.files import HEADER, HISTORIES, PARTIAL, schemas, write_files
+from longball.golden.families import FAMILIES, Family
+from longball.golden.files import DOCUMENTS, HEADER, HISTORIES, PARTIAL, schemas, write_files
 from longball.golden.headers import header, made_by
 from longball.golden.history import ABOUT, history
+from longball.golden.reader import DATA, load
 from longball.golden.truth import make
 from longball.model.scene import FlightScene
-
-Family = Callable[[], Iterator[Draft]]
 
 # Flights that are tabulated: one of every kind, all of which land.
 TABULATED = (
@@ -44,6 +45,7 @@ def write(
     folder: Path,
     families: Mapping[str, Family] = FAMILIES,
     *,
+    only: Collection[str] | None = None,
     workers: int = 1,
     progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> int:
@@ -55,18 +57,23 @@ def write(
         Where to; other files in it are left alone.
     families
         Functions that return the drafts of a family; their docstrings go into the header.
+    only
+        Families to be solved; the cases of the others are read from the folder, as they are.
     workers
         Processes; -1 for one per core. Their number does not change what is written.
     progress
         Called with the numbers of cases done, those of an interrupted run included, and of all.
     """
-    drafts = plan(families)
+    chosen = families if only is None else {name: families[name] for name in only}
+    drafts = plan(chosen)
     total = sum(map(len, drafts.values()))
-    made: dict[str, list[Case]] = {name: [] for name in drafts}
+    made: dict[str, list[Case]] = {
+        name: [] if name in drafts else load(name, folder) for name in families
+    }
     for name, family in drafts.items():
         for case in _cases(folder, name, family, workers):
             made[name].append(case)
-            progress(sum(map(len, made.values())), total)
+            progress(sum(len(made[name]) for name in drafts), total)
     files = {
         f"{name}.jsonl": "".join(case.line() + "\n" for case in cases)
         for name, cases in made.items()
@@ -74,10 +81,11 @@ def write(
     tables = dict(_histories(made))
     about = {name: inspect.getdoc(family) or "" for name, family in families.items()}
     top = header(made, about, dict.fromkeys(tables, ABOUT))
+    files |= {name: (DATA / name).read_text(encoding="utf-8") for name in DOCUMENTS}
     files |= tables | schemas() | {HEADER: top.model_dump_json(indent=2) + "\n"}
     write_files(folder, files)
     shutil.rmtree(folder / PARTIAL, ignore_errors=True)
-    return total
+    return sum(map(len, made.values()))
 
 
 def _histories(made: Mapping[str, list[Case]]) -> Iterator[tuple[str, str]]:
@@ -91,12 +99,13 @@ def _histories(made: Mapping[str, list[Case]]) -> Iterator[tuple[str, str]]:
 
 def _cases(folder: Path, family: str, drafts: list[Draft], workers: int) -> Iterator[Case]:
     """Yield the cases of a family in order; those that an earlier run has finished are kept."""
-    from joblib import Memory, Parallel, delayed  # slow to import
+    with naming_extras():
+        from joblib import Memory  # slow to import
 
     finished = Memory(folder / PARTIAL, verbose=0).cache(_line)
     stamp = fingerprint()
-    tasks = (delayed(finished)(stamp, family, draft) for draft in drafts)
-    for line in Parallel(n_jobs=workers, return_as="generator")(tasks):
+    calls = ((stamp, family, draft) for draft in drafts)
+    for line in in_parallel(finished, calls, workers):
         yield Case.model_validate_json(line)
 
 
@@ -109,7 +118,7 @@ def fingerprint() -> str:
     """Return a text that changes with the code that takes part and with its libraries."""
     package = Path(longball.__file__).parent
     parts = ("model", "engines", "home_run", "golden")
-    sources = sorted(path for part in parts for path in (package / part).glob("*.py"))
+    sources = sorted(path for part in parts for path in (package / part).rglob("*.py"))
     digest = hashlib.sha256(repr(sorted(made_by().items())).encode())
     for path in sources:
         digest.update(path.read_bytes())

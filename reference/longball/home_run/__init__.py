@@ -19,7 +19,6 @@ from longball.home_run.at_bats import (
     with_restitution,
 )
 from longball.home_run.estimation import (
-    HOME_RUN_DISTANCE,
     PAPER_CURVES,
     RESTITUTIONS,
     Curve,
@@ -33,7 +32,7 @@ from longball.home_run.estimation import (
 )
 from longball.home_run.quadrature import Integral, integrals
 from longball.home_run.randomised import Randomised, scrambled
-from longball.home_run.simulation import Struck, monte_carlo
+from longball.home_run.simulation import HOME_RUN_DISTANCE, Struck, monte_carlo
 
 __all__ = [
     "BLOCK",

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from longball.home_run.at_bats import Samples
-from longball.home_run.estimation import HOME_RUN_DISTANCE
+from longball.home_run.simulation import HOME_RUN_DISTANCE
 from longball.model.readings import SampleSpace
 from longball.model.scene import AtBatScene
 
@@ -50,6 +50,10 @@ class Clearance:
     engine: Batch
     sample_space: SampleSpace = "pitches"
     counted: Counted = "home runs"
+
+    def __post_init__(self) -> None:
+        if self.base.fence is not None:
+            raise ValueError("quadrature finds roots of D = 150 m, and knows no fence")
 
     def __call__(self, inputs: Samples) -> Array:
         """Return clearances, an array of shape (n,)."""

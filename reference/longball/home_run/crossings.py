@@ -19,17 +19,21 @@ Function = Callable[[Array, Places], Array]  # of places on lines, and the numbe
 
 # m/s or m along a line, or m of the function: far below what an integral over lines is wanted to.
 _TOLERANCES = {"xatol": 1e-13, "xrtol": 1e-13, "fatol": 1e-10}
+# m, that a function can be from zero where it crosses zero without a jump: 1e10 times as much as
+# the place is off, and D never is so steep.
+_JUMP = 1e-3
 
 
 class Crossings(NamedTuple):
     """Changes of sign: arrays of shape (crossing,), in the order of lines and along each.
 
-    `rises` tells whether the function is positive after the crossing.
+    `rises` tells whether the function is positive after the crossing, `jumps` whether it jumps.
     """
 
     line: Places
     place: Array
     rises: Flags
+    jumps: Flags
 
 
 def sampled(function: Function, grid: Array) -> Array:
@@ -90,13 +94,14 @@ def crossings(function: Function, grid: Array, values: Array) -> Crossings:
     beside = _beside_turns(function, grid, values, inside)
     brackets = _Brackets(*map(np.concatenate, zip(brackets, *beside, strict=True)))
     if len(brackets.line) == 0:
-        return Crossings(brackets.line, brackets.low, brackets.rises)
+        return Crossings(brackets.line, brackets.low, brackets.rises, brackets.rises)
     # Chandrupatla's method, which at a jump halves the bracket.
     found = elementwise.find_root(
         function, (brackets.low, brackets.high), args=(brackets.line,), tolerances=_TOLERANCES
     )
     order = np.lexsort((found.x, brackets.line))
-    return Crossings(brackets.line[order], found.x[order], brackets.rises[order])
+    jumps = abs(found.f_x) > _JUMP
+    return Crossings(brackets.line[order], found.x[order], brackets.rises[order], jumps[order])
 
 
 def _beside_turns(function: Function, grid: Array, values: Array, inside: Flags) -> list[_Brackets]:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from longball.home_run.simulation import Struck
+from longball.home_run.simulation import HOME_RUN_DISTANCE, Struck
 from longball.model.readings import SampleSpace
 
 if TYPE_CHECKING:
@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-HOME_RUN_DISTANCE = 150.0  # m; paper, Sec. IV
 RESTITUTIONS = (0.41, 0.42, 0.43, 0.44, 0.45)  # paper, Fig. 7
 
 
@@ -49,10 +48,10 @@ class Estimate:
 
 
 def estimate(e: float, struck: Struck, sample_space: SampleSpace = "pitches") -> Estimate:
-    """Count the home runs at one restitution: D >= 150 m (paper, Sec. IV)."""
+    """Count the home runs at one restitution: over the fence, or D >= 150 m (paper, Sec. IV)."""
     every = np.ones_like(struck.batted)
     space = {"pitches": every, "batted": struck.batted, "fair": struck.fair}[sample_space]
-    hits = int(np.count_nonzero(space & (struck.distance >= HOME_RUN_DISTANCE)))
+    hits = int(np.count_nonzero(space & struck.home_run))
     trials = int(np.count_nonzero(space))
     p = hits / trials if trials else math.nan
     low, high = wilson(hits, trials)

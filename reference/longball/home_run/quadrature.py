@@ -3,9 +3,13 @@
 For given speed, offset and tilt the home runs are intervals of the aim, between an end of the bat
 and roots of D = 150 m. D depends strongly on the aim, since the bat moves faster farther from its
 pivot; the probability of the intervals is therefore smooth in the other three variables, except for
-kinks where an interval opens at an end of the bat. The range of offsets is cut there; remaining
-kinks are found by halving ranges. Over speed and tilt Gauss-Legendre rules then converge
-exponentially.
+kinks where an interval opens or closes, or where a root of D = 150 m gives way to a jump of D, as
+between a ball that just clears the ground and one that just does not. The range of offsets is cut
+there; kinks that are not seen are dealt with by halving ranges. Where an interval opens between the
+ends of the bat, its length is a square root of the offset, and smooth in the angle of which the
+offset is the sine. Where the pattern of those ranges changes, the integral over them has a kink as
+a function of the speed, whose range is cut there, too. Over speed and tilt Gauss-Legendre rules
+then converge exponentially.
 
 Integrating the offset between its roots first, as `longball.home_run.randomised` does, leaves an
 integrand with square-root endpoint singularities.
@@ -13,22 +17,20 @@ integrand with square-root endpoint singularities.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
-from typing import TYPE_CHECKING, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from longball.engines.parallel import in_parallel
 from longball.home_run.at_bats import AtBats, Mixture, Samples
 from longball.home_run.clearance import Clearance
-from longball.home_run.crossings import Places, crossings, probability, sampled
+from longball.home_run.crossings import Crossings, Places, crossings, probability, sampled
 from longball.model.readings import SampleSpace
 from longball.model.scene import AtBatScene
-
-if TYPE_CHECKING:
-    pass
 
 Array = NDArray[np.float64]
 
@@ -44,20 +46,30 @@ _AIMS, _SPEEDS = 13, 25
 # Of the length of a line, and of e: steps for central differences of D. They are off by 1e-9 of the
 # derivative by truncation, and by less through the engine's rounding.
 _STEP = 1e-5
-_OFFSET_NODES = 10  # of a range of offsets, which is halved until that is enough
+# The same for the place of a jump, of which 1e-13 is off.
+_WIDER_STEP = 1e-4
+_OFFSET_NODES = 12  # of a range of offsets, which is halved until that is enough
 _HALVINGS = 20
+# The distance of two nodes with a kink between them is divided by nine, so many times: the errors
+# that remain are as what is left of an offset to the power 3/2, of a speed to the power 5/2.
+_SECTIONS, _OF_OFFSETS, _OF_SPEEDS = 9, 6, 3
 _STEEPER = 10.0  # how much larger than that of P the error of dP/de may be
 _PAIRS = 24  # of speed and tilt, that a thread takes at a time: some tenths of a second
 
 
 class Nodes(NamedTuple):
-    """Nodes of the Gauss-Legendre rules for each part of the speed, and for the tilt."""
+    """Nodes of the Gauss-Legendre rules, for the speed per standard deviation, and for the tilt.
 
-    speed: int
+    `least` is how many a range of speeds has at least; None if it is not cut at kinks.
+    """
+
+    speed: float
     tilt: int
+    least: int | None = None
 
 
-LEVELS = (Nodes(20, 2), Nodes(28, 3), Nodes(40, 4), Nodes(56, 6))
+# Kinks cost time, and most readings have none that matters.
+LEVELS = (Nodes(1.4, 2), Nodes(2.0, 3), Nodes(2.8, 4), Nodes(1.4, 2, 6), Nodes(2.0, 3, 8))
 
 
 @dataclass(frozen=True)
@@ -147,84 +159,187 @@ def integrals(
 
 
 def _refined(home_runs: Clearance, at_bats: AtBats, tolerance: float, workers: int) -> Integral:
-    """Refine the rules until two in a row agree."""
-    before = _probability(home_runs, at_bats, LEVELS[0], tolerance, workers)
-    for nodes in LEVELS[1:]:
-        now = _probability(home_runs, at_bats, nodes, tolerance, workers)
-        error = abs(now.p - before.p) + now.error + _LEFT_OUT
-        slope_error = abs(now.slope - before.slope) + now.slope_error + _STEEPER * _LEFT_OUT
-        if error <= tolerance and slope_error <= _STEEPER * tolerance:
-            break
-        before = now
-    e = home_runs.restitution
-    return Integral(e, float(now.p), float(error), float(now.slope), float(slope_error))
-
-
-def _probability(
-    home_runs: Clearance, at_bats: AtBats, nodes: Nodes, tolerance: float, workers: int
-) -> Share:
     """Return the share of the sample space that home runs have."""
-    runs = _share(home_runs, at_bats, nodes, tolerance, workers)
+    e = home_runs.restitution
+    runs = _share(home_runs, at_bats, tolerance, workers)
     if home_runs.sample_space == "pitches":
-        return runs
+        return Integral(e, *map(float, (runs.p, runs.error, runs.slope, runs.slope_error)))
     # An error of the sample space enters P as a part of P, which is small.
     loose = tolerance / max(float(runs.p), 1e-3)
-    space = _share(replace(home_runs, counted="sample space"), at_bats, nodes, loose, workers)
+    space = _share(replace(home_runs, counted="sample space"), at_bats, loose, workers)
     if space.p == 0.0:
-        return Share(*np.full(4, np.nan))
+        return Integral(e, *[math.nan] * 4)
     p = runs.p / space.p
-    return Share(
-        p,
-        (runs.slope - p * space.slope) / space.p,
-        (runs.error + p * space.error) / space.p,
-        (runs.slope_error + p * space.slope_error) / space.p,
+    return Integral(
+        e,
+        float(p),
+        float((runs.error + p * space.error) / space.p),
+        float((runs.slope - p * space.slope) / space.p),
+        float((runs.slope_error + p * space.slope_error) / space.p),
     )
+
+
+def _share(clearance: Clearance, at_bats: AtBats, tolerance: float, workers: int) -> Share:
+    """Refine the rules until two in a row agree about the probability of what is counted."""
+    before = _over_speeds(clearance, at_bats, LEVELS[0], tolerance, workers)
+    for nodes in LEVELS[1:]:
+        now = _over_speeds(clearance, at_bats, nodes, tolerance, workers)
+        off, slope_off = abs(now.p - before.p), abs(now.slope - before.slope)
+        if off <= tolerance and slope_off <= _STEEPER * tolerance:
+            break
+        before = now
+    return Share(
+        now.p,
+        now.slope,
+        off + now.error + _LEFT_OUT,
+        slope_off + now.slope_error + _STEEPER * _LEFT_OUT,
+    )
+
+
+# --- ranges ---------------------------------------------------------------------------------------
+
+
+class _Ranges(NamedTuple):
+    """Ranges of a variable, and the number of the line in the other variables that each is on."""
+
+    line: Places
+    low: Array
+    high: Array
+
+    @classmethod
+    def between(cls, line: Places, edge: Array) -> _Ranges:
+        """Return the ranges between neighbouring edges on a line."""
+        order = np.lexsort((edge, line))
+        line, edge = line[order], edge[order]
+        first = np.flatnonzero((line[1:] == line[:-1]) & (edge[1:] > edge[:-1]))
+        return cls(line[first], edge[first], edge[first + 1])
+
+    def at(self, some: NDArray[Any]) -> _Ranges:
+        """Return some of them."""
+        return _Ranges(*(x[some] for x in self))
+
+    def and_also(self, others: _Ranges) -> _Ranges:
+        """Return these and others."""
+        line, low, high = (np.concatenate(pair) for pair in zip(self, others, strict=True))
+        return _Ranges(line, low, high)
+
+    def cut(self, number: Places, place: Array) -> _Ranges:
+        """Return them cut at some places, each within the range of that number."""
+        every = np.arange(len(self.line))
+        numbers = np.concatenate([every, every, number])
+        pieces = _Ranges.between(numbers, np.concatenate([self.low, self.high, place]))
+        return pieces._replace(line=self.line[pieces.line])
+
+
+class _Nodes(NamedTuple):
+    """Nodes of rules over ranges: the range of each, the place, and the kind of what is there."""
+
+    number: Places
+    place: Array
+    kind: Places
+
+
+def _without_kinks(
+    ranges: _Ranges, nodes: _Nodes, kind: Callable[[Array, Places], Places], times: int
+) -> tuple[NDArray[np.bool_], _Ranges]:
+    """Find, between nodes of different kinds, where the kind changes; the first place, if many.
+
+    Parameters
+    ----------
+    ranges, nodes
+        The nodes in order.
+    kind
+        From places, and the numbers of their lines.
+    times
+        How often the distance of two nodes is divided.
+
+    Returns
+    -------
+    tuple
+        In which ranges there is none, and the pieces of the others.
+    """
+    bent = (nodes.number[1:] == nodes.number[:-1]) & (nodes.kind[1:] != nodes.kind[:-1])
+    number, before = nodes.number[:-1][bent], nodes.kind[:-1][bent]
+    low, high = nodes.place[:-1][bent], nodes.place[1:][bent]
+    smooth = ~np.isin(np.arange(len(ranges.line)), number)
+    rows = np.arange(len(number))
+    for _ in range(times if len(rows) else 0):
+        places = low[:, None] + (high - low)[:, None] * np.linspace(0.0, 1.0, _SECTIONS + 1)
+        between = places[:, 1:-1]
+        found = kind(between.ravel(), np.repeat(ranges.line[number], between.shape[1]))
+        other = np.ones_like(places, dtype=bool)
+        other[:, 0] = False
+        other[:, 1:-1] = found.reshape(between.shape) != before[:, None]
+        first = np.argmax(other, axis=1)
+        low, high = places[rows, first - 1], places[rows, first]
+    numbers = (np.cumsum(~smooth) - 1)[number]
+    return smooth, ranges.at(~smooth).cut(numbers, 0.5 * (low + high))
 
 
 # --- speed and tilt -------------------------------------------------------------------------------
 
 
-def _share(
+def _over_speeds(
     clearance: Clearance, at_bats: AtBats, nodes: Nodes, tolerance: float, workers: int
 ) -> Share:
     """Return the probability of what is counted among all pitches."""
-    from joblib import Parallel, delayed  # slow to import
-
-    speed, speed_weight = _speeds(clearance, at_bats.speed, nodes.speed)
     tilt, tilt_weight = _rule(0.0, at_bats.largest_tilt, nodes.tilt)
     tilt_weight = tilt_weight / at_bats.largest_tilt
-    speeds, tilts = (x.ravel() for x in np.meshgrid(speed, tilt, indexing="ij"))
-    weights = np.outer(speed_weight, tilt_weight).ravel()
-    blocks = [slice(first, first + _PAIRS) for first in range(0, len(speeds), _PAIRS)]
-    tasks = (
-        delayed(share_over_offsets)(clearance, at_bats, speeds[some], tilts[some], tolerance)
-        for some in blocks
-    )
-    shares: list[Share] = Parallel(n_jobs=workers, prefer="threads")(tasks)
-    parts = zip(blocks, shares, strict=True)
-    return Share(*sum((np.array(share) @ weights[some] for some, share in parts), np.zeros(4)))
+    density = at_bats.speed.distribution.pdf
+    deviation = min(deviation for *_, deviation in at_bats.speed.parts)
+
+    def rule(ranges: _Ranges) -> tuple[Array, Array, Places]:
+        """Return speeds, their weights and the ranges they are in."""
+        counts = np.ceil(nodes.speed * (ranges.high - ranges.low) / deviation).astype(int)
+        counts = np.maximum(counts, nodes.least or 1)
+        rules = map(_rule, ranges.low, ranges.high, counts)
+        speed, width = np.concatenate([np.zeros((2, 0)), *rules], axis=1)
+        number = np.repeat(np.arange(len(counts)), counts)
+        return speed, width * density(speed) * tilt_weight[ranges.line[number]], number
+
+    def in_blocks(function: Any, speed: Array, line: Places, *others: Array) -> list[Any]:
+        each = speed, tilt[line], *others
+        calls = (
+            (clearance, at_bats, *(x[first : first + _PAIRS] for x in each))
+            for first in range(0, len(speed), _PAIRS)
+        )
+        return list(in_parallel(function, calls, workers, threads=True))
+
+    def pattern(speed: Array, line: Places) -> Places:
+        return np.concatenate(in_blocks(_patterns, speed, line))
+
+    low, high = _speeds(clearance, at_bats.speed)
+    lines = np.repeat(np.arange(nodes.tilt), len(low))
+    ranges = _Ranges(lines, np.tile(low, nodes.tilt), np.tile(high, nodes.tilt))
+    speed, weight, number = rule(ranges)
+    if nodes.least is not None:
+        # A kink between speeds that hardly matter does not either.
+        found = np.where(weight > tolerance, pattern(speed, ranges.line[number]), 0)
+        smooth, pieces = _without_kinks(ranges, _Nodes(number, speed, found), pattern, _OF_SPEEDS)
+        ranges = ranges.at(smooth).and_also(pieces)
+        speed, weight, number = rule(ranges)
+    # What counts little need not be known well.
+    allowed = tolerance / np.clip(weight * len(weight), _LEFT_OUT, 1.0)
+    shares = in_blocks(share_over_offsets, speed, ranges.line[number], allowed)
+    return Share(*(np.concatenate(shares, axis=1) @ weight if shares else np.zeros(4)))
 
 
-def _speeds(clearance: Clearance, law: Mixture, nodes: int) -> tuple[Array, Array]:
-    """Return speeds, m/s, and their weights; a pitch too slow to arrive is left out."""
+def _speeds(clearance: Clearance, law: Mixture) -> tuple[Array, Array]:
+    """Return the ends of ranges of speeds, m/s; a pitch too slow to arrive is left out."""
 
     def arrives(speed: Array, line: Places) -> Array:
         return np.where(clearance.window(speed) > 0.0, 1.0, -1.0)
 
-    speeds, weights = [], []
-    for weight, mean, deviation in law.parts:
-        normal = Mixture(1.0, (mean, mean), (deviation, deviation)).distribution
-        high = mean + FARTHEST * deviation
-        # The printed columns of Table II draw negative speeds, too: such a ball is never pitched.
-        grid = np.linspace(max(mean - FARTHEST * deviation, high / 1000), high, _SPEEDS)
-        cuts = crossings(arrives, grid[None], sampled(arrives, grid[None])).place
-        edges = np.array([grid[0], *cuts, grid[-1]])
-        for low, high in pairwise(edges):
-            if clearance.window(np.array([0.5 * (low + high)]))[0] > 0.0:
-                speed, width = _rule(low, high, nodes)
-                speeds.append(speed)
-                weights.append(weight * width * normal.pdf(speed))
-    return np.concatenate([*speeds, []]), np.concatenate([*weights, []])
+    low, high = (
+        extreme(mean + far * deviation for _, mean, deviation in law.parts)
+        for extreme, far in ((min, -FARTHEST), (max, FARTHEST))
+    )
+    # The printed columns of Table II draw negative speeds, too: such a ball is never pitched.
+    grid = np.linspace(max(low, high / 1000), high, _SPEEDS)
+    cuts = crossings(arrives, grid[None], sampled(arrives, grid[None])).place
+    edges = np.array([grid[0], *cuts, grid[-1]])
+    arriving = clearance.window(0.5 * (edges[1:] + edges[:-1])) > 0.0
+    return edges[:-1][arriving], edges[1:][arriving]
 
 
 def _rule(low: float, high: float, nodes: int) -> tuple[Array, Array]:
@@ -236,44 +351,62 @@ def _rule(low: float, high: float, nodes: int) -> tuple[Array, Array]:
 # --- the offset -----------------------------------------------------------------------------------
 
 
-class _Ranges(NamedTuple):
-    """Ranges of offsets, m, and the pair of speed and tilt that each belongs to."""
+@dataclass(frozen=True)
+class _Lines:
+    """Lines along the offset, each for a pair of speed, m/s, and tilt, rad."""
 
-    pair: Places
-    low: Array
-    high: Array
+    clearance: Clearance
+    at_bats: AtBats
+    speed: Array
+    tilt: Array
 
-    def at(self, some: NDArray[np.bool_]) -> _Ranges:
-        """Return some of them."""
-        return _Ranges(self.pair[some], self.low[some], self.high[some])
+    def intervals(self, offset: Array, line: Places) -> _Intervals:
+        """Return the intervals of aims that are counted."""
+        inputs = Samples(self.speed[line], np.zeros_like(offset), offset, self.tilt[line])
+        return _Intervals.found(self.clearance, inputs)
+
+    def kinds(self, offset: Array, line: Places) -> Places:
+        """Return of what kind they are."""
+        return self.intervals(offset, line).kind
+
+    def over(self, ranges: _Ranges) -> tuple[Array, _Nodes]:
+        """Return integrals (3, range) of what `_Intervals.shares` returns, and the nodes."""
+        offset, weight, number = _sine_rule(ranges)
+        each = self.intervals(offset, ranges.line[number])
+        shares = np.array(each.shares(self.at_bats.aim))
+        shares *= weight * self.at_bats.offset.distribution.pdf(offset)
+        sums = shares.reshape(len(shares), len(ranges.line), _OFFSET_NODES).sum(axis=2)
+        return sums, _Nodes(number, offset, each.kind)
 
 
 def share_over_offsets(
-    clearance: Clearance, at_bats: AtBats, speed: Array, tilt: Array, tolerance: float
+    clearance: Clearance, at_bats: AtBats, speed: Array, tilt: Array, tolerance: Array
 ) -> Share:
     """Return, for pairs of speed and tilt, the probability of what is counted.
 
-    Ranges of offsets are halved until the rule over a range and those over its halves agree.
+    Ranges of offsets are halved until the rule over a range and those over its halves agree, to the
+    tolerance of its pair.
     """
-    ranges = _ranges(clearance, at_bats, speed, tilt)
+    lines = _Lines(clearance, at_bats, speed, tilt)
     p, slope, error, slope_error = np.zeros((4, len(speed)))
-    whole = _over_ranges(clearance, at_bats, speed, tilt, ranges)
+    ranges = _ranges(clearance, at_bats, speed, tilt)
+    whole, nodes = lines.over(ranges)
+    smooth, pieces = _without_kinks(ranges, nodes, lines.kinds, _OF_OFFSETS)
+    ranges = ranges.at(smooth).and_also(pieces)
+    whole = np.concatenate([whole[:, smooth], lines.over(pieces)[0]], axis=1)
     # A range that is empty at every node is taken to be empty: it was cut where it opens.
     there = np.array(whole.any(axis=0))
     ranges, whole = ranges.at(there), whole[:, there]
     for halving in range(_HALVINGS):
-        if len(ranges.pair) == 0:
+        if len(ranges.line) == 0:
             break
         middle = 0.5 * (ranges.low + ranges.high)
-        halves = _Ranges(
-            np.tile(ranges.pair, 2),
-            np.concatenate([ranges.low, middle]),
-            np.concatenate([middle, ranges.high]),
-        )
-        parts = _over_ranges(clearance, at_bats, speed, tilt, halves)
+        halves = ranges._replace(high=middle).and_also(ranges._replace(low=middle))
+        parts, _ = lines.over(halves)
         sums = parts[:, : len(middle)] + parts[:, len(middle) :]
         off, slope_off, _ = abs(sums - whole)
-        done = np.array((off <= tolerance) & (slope_off <= _STEEPER * tolerance))
+        allowed = tolerance[ranges.line]
+        done = np.array((off <= allowed) & (slope_off <= _STEEPER * allowed))
         done |= halving == _HALVINGS - 1
         doubt = sums[2]
         for total, values in (
@@ -282,24 +415,38 @@ def share_over_offsets(
             (error, off + doubt),
             (slope_error, slope_off + _STEEPER * doubt),
         ):
-            np.add.at(total, ranges.pair[done], values[done])
+            np.add.at(total, ranges.line[done], values[done])
         again = np.tile(~done, 2)
         ranges, whole = halves.at(again), parts[:, again]
     return Share(p, slope, error, slope_error)
 
 
-def _over_ranges(
-    clearance: Clearance, at_bats: AtBats, speed: Array, tilt: Array, ranges: _Ranges
-) -> Array:
-    """Return integrals over ranges of what `share_over_aims` returns: an array (3, range)."""
+def _sine_rule(ranges: _Ranges) -> tuple[Array, Array, Places]:
+    """Return nodes, their weights and the ranges they are in: of Gauss-Legendre rules of an angle.
+
+    Over a range, the variable is the sine of the angle.
+    """
     x, w = np.polynomial.legendre.leggauss(_OFFSET_NODES)
-    half = 0.5 * (ranges.high - ranges.low)[:, None]
-    offset = 0.5 * (ranges.low + ranges.high)[:, None] + half * x
-    weight = half * w * at_bats.offset.distribution.pdf(offset)
-    pair = np.repeat(ranges.pair, _OFFSET_NODES)
-    inputs = Samples(speed[pair], np.zeros(len(pair)), offset.ravel(), tilt[pair])
-    shares = share_over_aims(clearance, at_bats.aim, inputs)
-    return np.array([(weight * share.reshape(offset.shape)).sum(axis=1) for share in shares])
+    half, angle = 0.5 * (ranges.high - ranges.low)[:, None], 0.5 * np.pi * x
+    places = 0.5 * (ranges.low + ranges.high)[:, None] + half * np.sin(angle)
+    weights = half * 0.5 * np.pi * np.cos(angle) * w
+    return places.ravel(), weights.ravel(), np.repeat(np.arange(len(half)), _OFFSET_NODES)
+
+
+def _patterns(clearance: Clearance, at_bats: AtBats, speed: Array, tilt: Array) -> Places:
+    """Return a number for each pair, which tells the kinds of intervals that follow each other."""
+    lines, ranges = (
+        _Lines(clearance, at_bats, speed, tilt),
+        _ranges(clearance, at_bats, speed, tilt),
+    )
+    offset, _, number = _sine_rule(ranges)
+    line = ranges.line[number]
+    kind = lines.kinds(offset, line)
+    order = np.lexsort((offset, line))
+    line, number, kind = line[order], number[order], kind[order]
+    new = np.ones(len(order), dtype=bool)
+    new[1:] = (number[1:] != number[:-1]) | (kind[1:] != kind[:-1])
+    return np.array([hash(tuple(kind[new & (line == n)].tolist())) for n in range(len(speed))])
 
 
 def _ranges(clearance: Clearance, at_bats: AtBats, speed: Array, tilt: Array) -> _Ranges:
@@ -316,48 +463,101 @@ def _ranges(clearance: Clearance, at_bats: AtBats, speed: Array, tilt: Array) ->
         found = crossings(touching, grid, sampled(touching, grid))
         lines.append(found.line)
         cuts.append(found.place)
-    line, cut = np.concatenate(lines), np.concatenate(cuts)
-    order = np.lexsort((cut, line))
-    line, cut = line[order], cut[order]
-    first = np.flatnonzero((line[1:] == line[:-1]) & (cut[1:] > cut[:-1]))
-    return _Ranges(line[first], cut[first], cut[first + 1])
+    return _Ranges.between(np.concatenate(lines), np.concatenate(cuts))
 
 
 # --- the aim --------------------------------------------------------------------------------------
 
 
-def share_over_aims(
-    clearance: Clearance, law: Mixture, inputs: Samples
-) -> tuple[Array, Array, Array]:
-    """Return, for given speeds, offsets and tilts, the probability of what is counted.
+@dataclass(frozen=True)
+class _Intervals:
+    """Intervals of aims that are counted, for given speeds, offsets and tilts: the lines.
 
-    And its derivative by e, and 1 where the engine could not decide some at-bat, 0 elsewhere.
+    Attributes
+    ----------
+    clearance, inputs
+        What is counted, and the lines.
+    grid, values
+        Aims, m, an array (line, sample), and clearances there, m.
+    ends
+        Of the intervals, but for the ends of the bat.
+    unsolved
+        Whether the engine could not decide some at-bat of a line.
     """
-    half = clearance.base.bat.length / 2 * (1.0 - _END)
-    low, high = clearance.aim_to_touch(-half, inputs), clearance.aim_to_touch(half, inputs)
-    grid = low[:, None] + (high - low)[:, None] * np.linspace(0.0, 1.0, _AIMS)
 
-    def at(aim: Array, line: Places) -> Samples:
-        return replace(inputs.chosen(line), aim=aim)
+    clearance: Clearance
+    inputs: Samples
+    grid: Array
+    values: Array
+    ends: Crossings
+    unsolved: NDArray[np.bool_]
 
-    every = np.repeat(np.arange(len(low)), _AIMS)
-    flat, unsolved = clearance.with_unsolved(at(grid.ravel(), every))
-    values = flat.reshape(grid.shape)
-    ends = crossings(lambda aim, line: clearance(at(aim, line)), grid, values)
-    p = probability(law.distribution.cdf, grid, values, ends)
-    slope = np.zeros_like(p)
-    moves = _moves(clearance, at(ends.place, ends.line), _STEP * (high - low)[ends.line])
-    rates = np.where(ends.rises, -1.0, 1.0) * law.distribution.pdf(ends.place) * moves
-    np.add.at(slope, ends.line, rates)
-    doubt = np.where(unsolved.reshape(grid.shape).any(axis=1), 1.0, 0.0)
-    return p, slope, doubt
+    @classmethod
+    def found(cls, clearance: Clearance, inputs: Samples) -> _Intervals:
+        """Find them."""
+        half = clearance.base.bat.length / 2 * (1.0 - _END)
+        low, high = clearance.aim_to_touch(-half, inputs), clearance.aim_to_touch(half, inputs)
+        grid = low[:, None] + (high - low)[:, None] * np.linspace(0.0, 1.0, _AIMS)
+        every = np.repeat(np.arange(len(low)), _AIMS)
+        flat, unsolved = clearance.with_unsolved(replace(inputs.chosen(every), aim=grid.ravel()))
+        values = flat.reshape(grid.shape)
+        ends = crossings(_along(clearance, inputs), grid, values)
+        some = np.array(unsolved.reshape(grid.shape).any(axis=1))
+        return cls(clearance, inputs, grid, values, ends, some)
+
+    @property
+    def kind(self) -> Places:
+        """A number a line, which tells how many ends there are, and how many of them are jumps.
+
+        And whether the first end of the bat is in an interval.
+        """
+        kind = np.where(self.values[:, 0] >= 0.0, 1_000_000, 0)
+        np.add.at(kind, self.ends.line, 1 + 1000 * self.ends.jumps)
+        return kind
+
+    def shares(self, law: Mixture) -> tuple[Array, Array, Array]:
+        """Return the probability of the intervals of each line.
+
+        And its derivative by e, and 1 where the engine could not decide some at-bat, 0 elsewhere.
+        """
+        ends = self.ends
+        p = probability(law.distribution.cdf, self.grid, self.values, ends)
+        slope = np.zeros_like(p)
+        length = (self.grid[:, -1] - self.grid[:, 0])[ends.line]
+        moves = np.where(ends.jumps, 0.0, _moves(self.clearance, self._at_ends, _STEP * length))
+        if ends.jumps.any():
+            moves[ends.jumps] = self._moves_of_jumps(0.5 * length[ends.jumps] / (_AIMS - 1))
+        rates = np.where(ends.rises, -1.0, 1.0) * law.distribution.pdf(ends.place) * moves
+        np.add.at(slope, ends.line, rates)
+        return p, slope, self.unsolved.astype(float)
+
+    @property
+    def _at_ends(self) -> Samples:
+        return replace(self.inputs.chosen(self.ends.line), aim=self.ends.place)
+
+    def _moves_of_jumps(self, far: Array) -> Array:
+        """Return how fast jumps move along the aim with e, m; 0 if farther than `far` in a step."""
+        some = self.ends.jumps
+        lines, place = self.inputs.chosen(self.ends.line[some]), self.ends.place[some]
+        grid = place[:, None] + far[:, None] * np.array([-1.0, 1.0])
+        moved = []
+        for sign in (1.0, -1.0):
+            e = self.clearance.restitution + sign * _WIDER_STEP
+            along = _along(replace(self.clearance, restitution=e), lines)
+            found = crossings(along, grid, sampled(along, grid))
+            at = place.copy()
+            at[found.line] = found.place
+            moved.append(at)
+        return (moved[0] - moved[1]) / (2 * _WIDER_STEP)
+
+
+def _along(clearance: Clearance, inputs: Samples) -> Callable[[Array, Places], Array]:
+    """Return the clearance as a function of aims on lines."""
+    return lambda aim, line: clearance(replace(inputs.chosen(line), aim=aim))
 
 
 def _moves(clearance: Clearance, roots: Samples, step: Array) -> Array:
-    """Return how fast roots move along the aim with e: -(∂D/∂e)/(∂D/∂aim).
-
-    Where D jumps, its difference over a step is so large that the root stays where it is.
-    """
+    """Return how fast roots move along the aim with e: -(∂D/∂e)/(∂D/∂aim)."""
     e = clearance.restitution
     by_e = replace(clearance, restitution=e + _STEP)(roots)
     by_e -= replace(clearance, restitution=e - _STEP)(roots)

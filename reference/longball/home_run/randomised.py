@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from longball.engines.parallel import in_parallel
 from longball.home_run.at_bats import AtBats, Samples
 from longball.home_run.clearance import Clearance, Counted
 from longball.home_run.crossings import Places, crossings, probability, sampled
@@ -124,14 +125,12 @@ def _aims(base: AtBatScene, at_bats: AtBats) -> tuple[float, float]:
 
 def _means(clearance: Clearance, at_bats: AtBats, lines: Samples, workers: int) -> Array:
     """Return the share of what is counted in each scramble."""
-    from joblib import Parallel, delayed  # slow to import
-
-    tasks = (
-        delayed(_share_over_offsets)(clearance, at_bats, lines.chosen(slice(first, first + _LINES)))
+    calls = (
+        (clearance, at_bats, lines.chosen(slice(first, first + _LINES)))
         for first in range(0, len(lines), _LINES)
     )
     low, high = _aims(clearance.base, at_bats)
-    shares = np.concatenate(Parallel(n_jobs=workers, prefer="threads")(tasks))
+    shares = np.concatenate([*in_parallel(_share_over_offsets, calls, workers, threads=True)])
     shares *= (high - low) * at_bats.aim.distribution.pdf(lines.aim)
     means: Array = shares.reshape(SCRAMBLES, -1).mean(axis=1)
     return means

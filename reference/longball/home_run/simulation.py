@@ -15,6 +15,8 @@ from numpy.typing import NDArray
 
 from longball.engines.chain import solve_with_restitutions
 from longball.engines.engine import Engine
+from longball.engines.parallel import in_parallel
+from longball.extras import naming_extras
 from longball.home_run.at_bats import BLOCK, AtBats, draw, scenes
 from longball.model.scene import AtBatScene
 
@@ -23,6 +25,11 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
+
+# Where a ball that meets the fence stays, and where another one lands.
+_PLACES = "fence", "landing"
+
+HOME_RUN_DISTANCE = 150.0  # m; paper, Sec. IV
 
 # Samples that a thread takes at a time: some hundredths of a second.
 COLUMNS = 200 * BLOCK
@@ -35,7 +42,7 @@ class Struck:
     Attributes
     ----------
     x, y
-        m, where the ball landed; NaN if it was not batted.
+        m, where the ball landed, or met the fence; NaN if it was not batted.
     failed
         Whether the engine could not decide.
     """
@@ -51,13 +58,30 @@ class Struck:
 
     @property
     def batted(self) -> Flags:
-        """Whether the ball was batted and landed."""
+        """Whether the ball was batted and landed, or met the fence."""
         return ~np.isnan(self.x)
 
     @property
     def fair(self) -> Flags:
         """Whether it landed within 45° of the line from the plate to the pitcher."""
         return np.abs(self.y) <= self.x
+
+    @property
+    def home_run(self) -> Flags:
+        """Whether it is a home run: D >= 150 m (paper, Sec. IV)."""
+        return self.distance >= HOME_RUN_DISTANCE
+
+
+@dataclass(frozen=True)
+class Fenced(Struck):
+    """Landings of at-bats in a field with a fence, which the ball may be `over` as a home run."""
+
+    over: Flags
+
+    @property
+    def home_run(self) -> Flags:
+        """Whether it is a home run: over the fence."""
+        return self.over
 
 
 def monte_carlo(
@@ -91,28 +115,25 @@ def monte_carlo(
     progress
         Called with the number of samples done.
     """
-    from joblib import Parallel, delayed  # slow to import, and not needed for --help
-
-    from longball.engines.batch import Batch  # so is numba
+    with naming_extras():
+        from longball.engines.batch import Batch  # slow to import, and not needed for --help
 
     solver = engine or Batch()
-    if isinstance(solver, Batch):
-        strike, size, prefer = _strike_columns, COLUMNS, "threads"
-    else:
-        strike, size, prefer = _strike_scenes, BLOCK, "processes"
-    tasks = (
-        delayed(strike)(
-            base, at_bats, tuple(restitutions), first, min(size, count - first), seed, solver
-        )
+    threads = isinstance(solver, Batch)
+    strike, size = (_strike_columns, COLUMNS) if threads else (_strike_scenes, BLOCK)
+    calls = (
+        (base, at_bats, tuple(restitutions), first, min(size, count - first), seed, solver)
         for first in range(0, count, size)
     )
-    landed = np.empty((len(restitutions), 3, count))
+    landed = np.empty((len(restitutions), 4, count))
     done = 0
-    for part in Parallel(n_jobs=workers, return_as="generator", prefer=prefer)(tasks):
+    for part in in_parallel(strike, calls, workers, threads):
         landed[:, :, done : done + part.shape[2]] = part
         done += part.shape[2]
         progress(done)
-    return [Struck(x, y, failed > 0) for x, y, failed in landed]
+    if base.fence is None:
+        return [Struck(x, y, failed > 0) for x, y, failed, _ in landed]
+    return [Fenced(x, y, failed > 0, over > 0) for x, y, failed, over in landed]
 
 
 def _strike_columns(
@@ -124,7 +145,7 @@ def _strike_columns(
     seed: int,
     engine: Batch,
 ) -> Array:
-    """Return x, y and failure of samples: an array (restitution, 3, sample)."""
+    """Return x, y, failure and home runs of samples: an array (restitution, 4, sample)."""
     from longball.engines.batch import solve_columns_with_restitutions
 
     samples = draw(at_bats, count, seed, first)
@@ -134,8 +155,13 @@ def _strike_columns(
     )
     landed = _nothing(len(restitutions), count)
     for one, table in zip(landed, tables, strict=True):
-        failed = table["outcome"] == ""
-        one[:, pitched] = table["landing.position[0]"], table["landing.position[1]"], failed
+        outcome = table["outcome"]
+        stopped, nothing = outcome == "wall", np.full(len(outcome), np.nan)
+        place = [
+            np.where(stopped, *(table.get(f"{name}.position[{i}]", nothing) for name in _PLACES))
+            for i in (0, 1)
+        ]
+        one[:, pitched] = *place, outcome == "", outcome == "home_run"
     return landed
 
 
@@ -154,15 +180,15 @@ def _strike_scenes(
         if scene is None:
             continue
         for k, result in enumerate(solve_with_restitutions(scene, restitutions, engine)):
-            if result.error is not None:
-                landed[k, 2, i] = 1.0
-            elif result.landing is not None:
-                landed[k, :2, i] = result.landing.position[:2]
+            place = result.fence if result.outcome == "wall" else result.landing
+            landed[k, 2:, i] = result.error is not None, result.outcome == "home_run"
+            if place is not None and result.error is None:
+                landed[k, :2, i] = place.position[:2]
     return landed
 
 
 def _nothing(restitutions: int, count: int) -> Array:
     """Return what becomes of balls that are never pitched."""
-    landed = np.full((restitutions, 3, count), np.nan)
-    landed[:, 2] = 0.0
+    landed = np.full((restitutions, 4, count), np.nan)
+    landed[:, 2:] = 0.0
     return landed

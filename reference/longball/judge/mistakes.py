@@ -9,15 +9,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 from longball.engines.chain import Model
 from longball.engines.ivp import Ivp
 from longball.judge.stages import Change, Numbers
 from longball.model import trace
+from longball.model.aerodynamics import DRAG, LIFT
 from longball.model.bat import moment_of_inertia
-from longball.model.law import DRAG, FORCES, GRAVITY, LIFT, Force, Motion
+from longball.model.force import Drag, Force, Lift, Motion, Piecewise, Term
+from longball.model.law import FORCES, GRAVITY
 from longball.model.numbers import DOUBLES, Vector
 from longball.model.readings import Reading
 
@@ -47,19 +49,28 @@ class Mistake:
 # --- the law of motion ----------------------------------------------------------------------------
 
 
-def _instead(force: Force, acceleration: Callable[[Motion, Any], Vector[Any]]) -> Change:
-    """Return the change of one force's acceleration."""
-    changed = replace(force, acceleration=acceleration)
-    return _flying(tuple(changed if f is force else f for f in FORCES))
+def _instead(term: Term, acceleration: Callable[[Motion, Any], Vector[Any]]) -> Change:
+    """Return the change of one term into a force with that acceleration."""
+    return _replaced(term, Force(term.parameters, term.strengths, acceleration))
 
 
-def _flying(forces: tuple[Force, ...]) -> Change:
+def _replaced(term: Term, changed: Term) -> Change:
+    return _flying(tuple(changed if f is term else f for f in FORCES))
+
+
+def _flying(forces: tuple[Term, ...]) -> Change:
     # Not by series: those would have to be printed for each law, and some have kinks.
     return Change(model=Model(forces=forces), engine=Ivp("DOP853", 1e-11, 1e-11))
 
 
-def _without(force: Force) -> Change:
-    return _flying(tuple(f for f in FORCES if f is not force))
+def _without(left_out: Callable[[Term], bool]) -> Change:
+    """Return the change that leaves terms out."""
+    forms = {f: f.term if isinstance(f, Piecewise) else f for f in FORCES}
+    return _flying(tuple(f for f in FORCES if not left_out(forms[f])))
+
+
+def _lifts(term: Term) -> bool:
+    return isinstance(term, Lift) or any("lift" in name for name in term.parameters)
 
 
 # m/s. A series in time cannot go through the kink of |c| at c = 0. What stands for it has none, and
@@ -72,87 +83,54 @@ def _size(x: Any) -> Any:
     return (x * x + SMALL * SMALL / 2) / trace.sqrt(x * x + SMALL * SMALL)
 
 
-def _axes(force: Force) -> Force:
-    """Return a force that knows where its frame's axes point."""
-
-    def strengths(scene: Any, frame: Any, numbers: Any) -> tuple[Any, ...] | None:
-        found = force.strengths(scene, frame, numbers)
-        return found and (*found, frame.cos, frame.sin)
-
-    return replace(force, parameters=(*force.parameters, "cos", "sin"), strengths=strengths)
+def _drag_and_axes(scene: Any, frame: Any, numbers: Any) -> tuple[Any, ...] | None:
+    """Return the strengths of the drag, and where the axes of the frame point."""
+    found = DRAG.strengths(scene, frame, numbers)
+    return found and (*found, frame.cos, frame.sin)
 
 
-def _by_component(motion: Motion, p: Any) -> Vector[Any]:
-    u, v, w = motion.velocity
-    x, y, z = (-p.drag * _size(c) * c for c in (p.cos * u - p.sin * v, p.sin * u + p.cos * v, w))
-    return p.cos * x + p.sin * y, p.cos * y - p.sin * x, z
+def _by_component(square: Callable[[Any], Any]) -> Change:
+    """Return the change of the drag to ``-k square(c)`` for each component c in space."""
 
+    def acceleration(motion: Motion, p: Any) -> Vector[Any]:
+        (u, v, w), rate = motion.air.velocity, motion.density * p.drag
+        x, y, z = (-rate * square(c) for c in (p.cos * u - p.sin * v, p.sin * u + p.cos * v, w))
+        return p.cos * x + p.sin * y, p.cos * y - p.sin * x, z
 
-def _unsigned_component(motion: Motion, p: Any) -> Vector[Any]:
-    u, v, w = motion.velocity
-    x, y, z = (-p.drag * c * c for c in (p.cos * u - p.sin * v, p.sin * u + p.cos * v, w))
-    return p.cos * x + p.sin * y, p.cos * y - p.sin * x, z
-
-
-def _in_axes(acceleration: Callable[[Motion, Any], Vector[Any]]) -> Change:
-    force = replace(_axes(DRAG), acceleration=acceleration)
-    return _flying((force, LIFT, GRAVITY))
+    return _replaced(DRAG, Force(("drag", "cos", "sin"), _drag_and_axes, acceleration))
 
 
 def _drag(factor: Callable[[Motion, Any], Any]) -> Change:
     """Return the change of the drag to ``-k factor v``."""
-
-    def acceleration(motion: Motion, p: Any) -> Vector[Any]:
-        u, v, w = (-p.drag * factor(motion, p) * c for c in motion.velocity)
-        return u, v, w
-
-    return _instead(DRAG, acceleration)
+    return _replaced(
+        DRAG, Drag(DRAG.parameters, DRAG.strengths, lambda m, p: p.drag * factor(m, p))
+    )
 
 
 def _thinner(motion: Motion, p: Any) -> Any:
     return motion.speed * trace.exp(-motion.position[2] / 8500.0)
 
 
-def _unsigned_drag(motion: Motion, p: Any) -> Vector[Any]:
-    u, v, w = motion.velocity
-    return (
-        -p.drag * motion.speed * u,
-        -p.drag * motion.speed * v,
-        -p.drag * motion.speed * _size(w),
-    )
+def _vertical_drag(vertical: Callable[[Any], Any]) -> Change:
+    """Return the change of the drag's vertical component to ``-k V vertical(w)``."""
+
+    def acceleration(motion: Motion, p: Any) -> Vector[Any]:
+        (u, v, w), rate = motion.air.velocity, motion.density * p.drag * motion.speed
+        return -rate * u, -rate * v, -rate * vertical(w)
+
+    return _instead(DRAG, acceleration)
 
 
-def _falling_drag(motion: Motion, p: Any) -> Vector[Any]:
-    u, v, w = motion.velocity
-    return (
-        -p.drag * motion.speed * u,
-        -p.drag * motion.speed * v,
-        p.drag * motion.speed * w,
-    )
+def _lift(direction: Callable[[Any, Any, Any], Vector[Any]]) -> Change:
+    """Return the change of the lift to k_L times a function of u, w and V."""
 
+    def acceleration(motion: Motion, p: Any) -> Vector[Any]:
+        (u, _, w), speed = motion.lift
+        x, y, z = direction(u, w, speed)
+        rate = motion.density * p.lift
+        return rate * x, rate * y, rate * z
 
-def _lift_up(motion: Motion, p: Any) -> Vector[Any]:
-    return trace.ZERO, trace.ZERO, p.lift * motion.speed * motion.speed
-
-
-def _lift_across(motion: Motion, p: Any) -> Vector[Any]:
-    u, _, _ = motion.velocity
-    return trace.ZERO, trace.ZERO, p.lift * motion.speed * u
-
-
-def _lift_flipped(motion: Motion, p: Any) -> Vector[Any]:
-    u, _, w = motion.velocity
-    return p.lift * motion.speed * w, trace.ZERO, p.lift * motion.speed * u
-
-
-def _lift_linear(motion: Motion, p: Any) -> Vector[Any]:
-    u, _, w = motion.velocity
-    return -p.lift * w, trace.ZERO, p.lift * u
-
-
-def _sideways(motion: Motion, p: Any) -> Vector[Any]:
-    u, _, _ = motion.velocity
-    return trace.ZERO, p.lift * motion.speed * u, trace.ZERO
+    return _instead(LIFT, acceleration)
 
 
 def _reading(**switches: str) -> Change:
@@ -168,14 +146,14 @@ LAW: tuple[Mistake, ...] = (
         "drag-per-component",
         "drags each component by itself, with its own square",
         "the drag is -k V v: every component times the whole speed V",
-        _in_axes(_by_component),
+        _by_component(lambda c: _size(c) * c),
     ),
     Mistake(
         "unsigned-drag-per-component",
         "drags each component by its own square without a sign, so that a falling ball is pulled "
         "down",
         "the drag is -k V v: against the velocity",
-        _in_axes(_unsigned_component),
+        _by_component(lambda c: c * c),
     ),
     Mistake(
         "drag-with-v",
@@ -199,13 +177,13 @@ LAW: tuple[Mistake, ...] = (
         "drag-always-down",
         "drags a falling ball down: the vertical drag has no sign",
         "the drag is against the velocity, on the way down too",
-        _instead(DRAG, _unsigned_drag),
+        _vertical_drag(_size),
     ),
     Mistake(
         "vertical-drag-sign",
         "drags along the vertical velocity instead of against it",
         "the drag is against the velocity, in every component",
-        _instead(DRAG, _falling_drag),
+        _vertical_drag(lambda w: -w),
     ),
     Mistake(
         "drag-forward",
@@ -217,18 +195,21 @@ LAW: tuple[Mistake, ...] = (
         "horizontal-drag-only",
         "drags the horizontal components only",
         "the drag is -k V v in all three",
-        _instead(
-            DRAG,
-            lambda m, p: (
-                -p.drag * m.speed * m.velocity[0],
-                -p.drag * m.speed * m.velocity[1],
-                trace.ZERO,
-            ),
-        ),
+        _vertical_drag(lambda w: trace.ZERO),
     ),
-    Mistake("no-drag", "flies without drag", "add -k_D V v", _without(DRAG)),
-    Mistake("no-lift", "flies without lift", "add k_L V (ê × v)", _without(LIFT)),
-    Mistake("no-gravity", "flies without gravity", "add -g to the vertical", _without(GRAVITY)),
+    Mistake(
+        "no-drag",
+        "flies without drag",
+        "add -k_D V v",
+        _without(lambda term: isinstance(term, Drag)),
+    ),
+    Mistake("no-lift", "flies without lift", "add k_L V (ê × v)", _without(_lifts)),
+    Mistake(
+        "no-gravity",
+        "flies without gravity",
+        "add -g to the vertical",
+        _without(lambda term: term is GRAVITY),
+    ),
     Mistake(
         "gravity-up",
         "falls upwards",
@@ -239,38 +220,38 @@ LAW: tuple[Mistake, ...] = (
         "lift-sign",
         "lifts the ball the wrong way",
         "with backspin the lift turns the velocity upwards: k_L V (-w, u) in the flight plane",
-        _instead(LIFT, lambda m, p: tuple(-x for x in LIFT.acceleration(m, p))),
+        _lift(lambda u, w, speed: (speed * w, trace.ZERO, -speed * u)),
     ),
     Mistake(
         "lift-vertical",
         "lifts straight up with V², instead of across the velocity",
         "the lift is k_L V (ê × v): it is perpendicular to the velocity",
-        _instead(LIFT, _lift_up),
+        _lift(lambda u, w, speed: (trace.ZERO, trace.ZERO, speed * speed)),
     ),
     Mistake(
         "lift-vertical-part",
         "has the vertical part of the lift, and not the horizontal one",
         "the lift is k_L V (-w, u) in the flight plane",
-        _instead(LIFT, _lift_across),
+        _lift(lambda u, w, speed: (trace.ZERO, trace.ZERO, speed * u)),
     ),
     Mistake(
         "lift-not-across",
         "turns the horizontal part of the lift the wrong way: it is not perpendicular to the "
         "velocity",
         "the lift is k_L V (-w, u) in the flight plane",
-        _instead(LIFT, _lift_flipped),
+        _lift(lambda u, w, speed: (speed * w, trace.ZERO, speed * u)),
     ),
     Mistake(
         "lift-with-v",
         "lets the lift grow with V, not with V²",
         "the lift is ½ C_L ρ A V²",
-        _instead(LIFT, _lift_linear),
+        _lift(lambda u, w, speed: (-w, trace.ZERO, u)),
     ),
     Mistake(
         "lift-sideways",
         "lifts the ball sideways",
         "the spin axis is horizontal: the lift lies in the vertical plane of the launch",
-        _instead(LIFT, _sideways),
+        _lift(lambda u, w, speed: (trace.ZERO, speed * u, trace.ZERO)),
     ),
     Mistake(
         "lift-always-up",

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from longball.convergence.figure import draw_convergence
 from longball.engines.chain import solve_with_path
 from longball.engines.ivp import Ivp
+from longball.extras import naming_extras
 from longball.judge.answers import quoted
 from longball.judge.evaluation import Evaluation
 from longball.judge.quantities import values_of
@@ -104,6 +105,7 @@ def _pictures(evaluation: Evaluation) -> Iterator[tuple[str, str]]:
         yield "Orders", _image(lambda f: draw_convergence(f.add_subplot(), report), (7, 4.6))
 
 
+@naming_extras()
 def _image(draw: Callable[[Figure], None], size: tuple[float, float]) -> str:
     # A figure of its own, without pyplot: no display is asked for, and no state is left.
     from matplotlib.backends.backend_agg import FigureCanvasAgg

@@ -95,6 +95,8 @@ T = TypeVar("T")
 def _quantities(result: Result, read: Callable[..., T]) -> dict[str, tuple[T, ...]]:
     found: dict[str, tuple[T, ...]] = {}
     for name, x in numbers(result):
+        if isinstance(x, int):  # the number of a chord
+            continue
         quantity = name.partition("[")[0]
         found[quantity] = (*found.get(quantity, ()), read(x))
     return found

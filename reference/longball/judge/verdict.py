@@ -6,6 +6,7 @@ written and read as JSON by a schema; `longball.judge.text` writes it for a pers
 
 from __future__ import annotations
 
+import html
 import json
 import math
 import sys
@@ -36,7 +37,7 @@ from longball.judge.quantities import (
     values_of,
 )
 from longball.judge.sampling import Sampling
-from longball.model.schema import DRAFT, FOLDER, text
+from longball.model.schema import FOLDER, published, text
 
 _ALL = QUANTITIES | PATH
 
@@ -356,13 +357,21 @@ class Verdict(Frozen):
         """Return the verdict as JSON."""
         return self.model_dump_json(indent=2)
 
+    def __str__(self) -> str:
+        from longball.judge.text import render  # which is made for verdicts
+
+        return render(self)
+
+    def _repr_html_(self) -> str:
+        return f"<pre>{html.escape(str(self))}</pre>"
+
 
 SCHEMA_FILE = FOLDER / "verdict.schema.json"
 
 
 def schema() -> dict[str, Any]:
     """Return the JSON Schema of a verdict; ``python -m longball.judge.verdict`` writes its file."""
-    return {"$schema": DRAFT} | Verdict.model_json_schema(mode="serialization")
+    return published("verdict", Verdict.model_json_schema(mode="serialization"))
 
 
 @dataclass(frozen=True)

@@ -561,6 +561,10 @@ class Step(NamedTuple):
     equation: sp.Basic
 
 
+def _equal(name: str, value: sp.Matrix) -> sp.Eq:
+    return sp.Eq(sp.MatrixSymbol(name, *value.shape), sp.ImmutableMatrix(value), evaluate=False)
+
+
 def steps() -> list[Step]:
     """List the derivation and its consequences in order, to be printed with `sympy.latex`.
 
@@ -662,24 +666,24 @@ def steps() -> list[Step]:
             "If ball and bat turn, an impulse P at the contact changes their relative velocity g "
             "there by K P; along the normal, along the bat (of inertia J across and J_a along its "
             "axis, w = 1/M or 0 at a pivot, a distance d away), and across both.",
-            sp.Eq(sp.Symbol("K"), inverse_mass()),
+            _equal("K", inverse_mass()),
         ),
         Step(
             "Grip",
             "With a tangential restitution, the ball grips the bat by this impulse, if friction "
             "allows its tangential part.",
-            sp.Eq(sp.Symbol("P"), gripping_impulse()),
+            _equal(r"\mathbf{P}", gripping_impulse()),
         ),
         Step(
             "Slide",
             "If not, Coulomb's friction acts against the slip, in the direction t.",
-            sp.Eq(sp.Symbol("P"), sliding_impulse()[1].subs(RESISTANCE, sliding_impulse()[0])),
+            _equal(r"\mathbf{P}", sliding_impulse()[1].subs(RESISTANCE, sliding_impulse()[0])),
         ),
         Step(
             "Threshold",
             "On a body that nothing moves, the ball slides beyond this ratio of slip to normal "
             "speed.",
-            sp.Eq(sp.Symbol("|g_t|") / sp.Symbol("|g_n|"), gripping_threshold()),
+            sp.Eq(sp.Abs(SLIP[2] / SLIP[0]), gripping_threshold()),
         ),
     ]
 

@@ -2,25 +2,40 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Generic
 
-from longball.model.law import PlaneState, State
+from longball.model.law import PlaneState, in_plane
 from longball.model.numbers import N, Numbers, Vector, absolute
 
 
 @dataclass(frozen=True)
 class Frame(Generic[N]):
-    """Where a flight starts, m, and the horizontal unit vector that it heads for."""
+    """Where a flight starts, m, the horizontal unit vector that it heads for, and its spin.
+
+    `spin` is that at the launch, rad/s, in space; None if the scene says nothing of it.
+    """
 
     x: N
     y: N
     cos: N
     sin: N
+    spin: Vector[N] | None = None
 
-    def position(self, state: State[N]) -> Vector[N]:
+    def turned(self, vector: Vector[N]) -> Vector[N]:
+        """Return a vector in space as the frame has it: along s, y and z."""
+        x, y, z = vector
+        return x * self.cos + y * self.sin, y * self.cos - x * self.sin, z
+
+    def components(self, vector: Sequence[float], numbers: Numbers[N]) -> Vector[N]:
+        """Return a vector of the scene as the frame has it."""
+        x, y, z = map(numbers.exact, vector)
+        return self.turned((x, y, z))
+
+    def position(self, state: Any) -> Vector[N]:
         """Return the position in space, m."""
-        if isinstance(state, PlaneState):
+        if in_plane(state):
             return self.x + self.cos * state.s, self.y + self.sin * state.s, state.z
         return (
             self.x + self.cos * state.s - self.sin * state.y,
@@ -28,9 +43,9 @@ class Frame(Generic[N]):
             state.z,
         )
 
-    def velocity(self, state: State[N]) -> Vector[N]:
+    def velocity(self, state: Any) -> Vector[N]:
         """Return the velocity in space, m/s."""
-        if isinstance(state, PlaneState):
+        if in_plane(state):
             return self.cos * state.u, self.sin * state.u, state.w
         return (
             self.cos * state.u - self.sin * state.v,
@@ -41,7 +56,7 @@ class Frame(Generic[N]):
     def towards_x(self, state: Any) -> Any:
         """Return x, m, of a state, or of a state of polynomials."""
         x = self.x + self.cos * state.s
-        return x if isinstance(state, PlaneState) else x - self.sin * state.y
+        return x if in_plane(state) else x - self.sin * state.y
 
 
 # The square of a speed below TINY, in m/s, may vanish from a double. That of LARGER times any such
@@ -50,7 +65,10 @@ TINY, LARGER = 2.0**-500, 2.0**600
 
 
 def launch_frame(
-    position: Vector[N], velocity: Vector[N], numbers: Numbers[N]
+    position: Vector[N],
+    velocity: Vector[N],
+    numbers: Numbers[N],
+    spin: Vector[N] | None = None,
 ) -> tuple[Frame[N], PlaneState[N]]:
     """Return the frame of a flight, and its launch in that frame.
 
@@ -73,5 +91,6 @@ def launch_frame(
     u, v = scale * vx, scale * vy
     length = numbers.sqrt(u * u + v * v)
     divisor = numbers.where(heads, length, numbers.exact(1.0))
-    frame = Frame(x, y, numbers.where(heads, u / divisor, numbers.exact(1.0)), v / divisor)
+    cos = numbers.where(heads, u / divisor, numbers.exact(1.0))
+    frame = Frame(x, y, cos, v / divisor, spin)
     return frame, PlaneState(nothing, z, length / scale, vz)

@@ -1,26 +1,53 @@
 """The law of motion: what accelerates a ball in flight.
 
-Each `Force` is one function in space, over any kind of number, and the strengths that a scene gives
-it. The law of a scene is their sum, traced into straight-line code (`longball.model.trace`): a
-force that the scene does not name is not in it, and neither is a direction in which nothing moves
-the ball. A flight whose forces lie in the vertical plane of its launch is flown in that plane, in
-four variables; one with other forces in space, in six.
-
-A flight has a frame of its own: s along the horizontal direction of the launch, y to the left of
-it, z up; u, v, w are the components of the velocity. Source: paper, Sec. III.B.
+Each term is one function over any kind of number, and the strengths that a scene gives it
+(`longball.model.force`). The law of a scene is their sum, traced into straight-line code
+(`longball.model.trace`): a term that the scene does not name is not in it, and neither is a
+direction in which nothing moves the ball. A flight whose forces lie in the vertical plane of its
+launch is flown in that plane, in four variables; one with other forces in space, in six. Where spin
+decays, there is one more: what it decays along.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections import namedtuple
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from types import SimpleNamespace
 from typing import Any, Generic, NamedTuple
 
 from longball.model import trace
+from longball.model.aerodynamics import (
+    CRISIS,
+    DECAYS,
+    DRAG,
+    LIFT,
+    SPIN_TERMS,
+    TABLES,
+    spin_across,
+)
+from longball.model.atmosphere import THINNING
+from longball.model.earth import CORIOLIS
+from longball.model.force import (
+    Branches,
+    Decay,
+    Drag,
+    Flow,
+    Force,
+    Lift,
+    Motion,
+    Piecewise,
+    Term,
+    Thinning,
+    Wind,
+    plus,
+    scaled,
+    size,
+)
 from longball.model.numbers import N, Numbers, Vector
 from longball.model.trace import ZERO, Node, Program
+from longball.model.wind import WINDS, WINDS_ABOVE
 
 
 class PlaneState(NamedTuple, Generic[N]):
@@ -43,66 +70,25 @@ class SpaceState(NamedTuple, Generic[N]):
     w: N
 
 
+# Others have further components behind these; see `state_of_variables`.
 State = PlaneState[N] | SpaceState[N]
 
 
-class Motion(NamedTuple):
-    """What a force may depend on, in the frame of the flight.
-
-    Attributes
-    ----------
-    position
-        m.
-    velocity
-        m/s.
-    speed
-        Size of the velocity, m/s.
-    """
-
-    position: Vector[Any]
-    velocity: Vector[Any]
-    speed: Any
+@cache
+def state_of_variables(variables: tuple[str, ...]) -> Callable[..., Any]:
+    """Return the class of the states with these components."""
+    for known in (PlaneState, SpaceState):
+        if variables == known._fields:
+            return known
+    return namedtuple("State", variables)
 
 
-@dataclass(frozen=True)
-class Force:
-    """A force.
-
-    Attributes
-    ----------
-    parameters
-        Names of the force's parameters.
-    strengths
-        From a scene, the `longball.model.frame.Frame` of a flight and a number system to the values
-        of the parameters; None if the scene does not name the force, which then is not in the law.
-    acceleration
-        From the motion and the parameters to the acceleration, m/s². Parameters are attributes.
-    """
-
-    parameters: tuple[str, ...]
-    strengths: Callable[[Any, Any, Numbers[Any]], tuple[Any, ...] | None]
-    acceleration: Callable[[Motion, Any], Vector[Any]]
+def in_plane(state: Any) -> bool:
+    """Tell whether a state is one in the vertical plane of a flight."""
+    return not hasattr(state, "y")
 
 
-# --- the paper's forces ---------------------------------------------------------------------------
-
-
-def _per_metre(coefficient: str) -> Callable[[Any, Any, Numbers[N]], tuple[N] | None]:
-    """Return the function from a scene to ``k = ρ C A / (2 m)``, 1/m."""
-
-    def strength(scene: Any, frame: Any, numbers: Numbers[N]) -> tuple[N] | None:
-        if scene.air is None:
-            return None
-        density, value = scene.air.density, getattr(scene.air, coefficient)
-        if numbers.absent(density) or numbers.absent(value):
-            return None
-        density, value, radius, mass = (
-            numbers.exact(x) for x in (density, value, scene.ball.radius, scene.ball.mass)
-        )
-        area = numbers.pi * radius * radius
-        return (density * value * area / (2 * mass),)
-
-    return strength
+# --- the terms ------------------------------------------------------------------------------------
 
 
 def _weight(scene: Any, frame: Any, numbers: Numbers[N]) -> tuple[N] | None:
@@ -114,27 +100,13 @@ def _gravity(motion: Motion, p: Any) -> Vector[Any]:
     return ZERO, ZERO, -p.gravity
 
 
-def _drag(motion: Motion, p: Any) -> Vector[Any]:
-    """Return ``-k_D V v``."""
-    u, v, w = (-p.drag * (motion.speed * component) for component in motion.velocity)
-    return u, v, w
-
-
-def _lift(motion: Motion, p: Any) -> Vector[Any]:
-    """Return ``k_L V (ê × v)``: lift about an axis fixed at launch, as backspin has it.
-
-    ê is horizontal and points to the right of the launch, so that lift turns the velocity upwards
-    from the horizontal: u' = -k_L V w, w' = k_L V u.
-    """
-    u, _, w = motion.velocity
-    return -p.lift * (motion.speed * w), ZERO, p.lift * (motion.speed * u)
-
-
-DRAG = Force(("drag",), _per_metre("drag_coefficient"), _drag)
-LIFT = Force(("lift",), _per_metre("lift_coefficient"), _lift)
 GRAVITY = Force(("gravity",), _weight, _gravity)
 
-FORCES: tuple[Force, ...] = (DRAG, LIFT, GRAVITY)
+PAPER: tuple[Term, ...] = (DRAG, LIFT, GRAVITY)
+FORCES: tuple[Term, ...] = (
+    *PAPER,
+    *(CRISIS, *SPIN_TERMS, *DECAYS, *WINDS, THINNING, CORIOLIS, *TABLES, *WINDS_ABOVE),
+)
 
 
 # --- the law of a scene ---------------------------------------------------------------------------
@@ -147,28 +119,40 @@ class Law(Generic[N]):
     Attributes
     ----------
     program
-        The rates of change of a `PlaneState` or a `SpaceState`, component by component.
+        The rates of change of a state, component by component.
     strengths
         Values of the program's parameters, by name.
     forces
         What the program was traced from.
+    bends
+        The terms that have several forms; the program has one form of each.
     """
 
     program: Program
     strengths: Mapping[str, N]
-    forces: tuple[Force, ...]
+    forces: tuple[Term, ...]
+    bends: tuple[Bend[N], ...] = ()
 
     @property
     def state(self) -> Callable[..., Any]:
-        """The class of the states: `PlaneState` or `SpaceState`."""
-        return SpaceState if "v" in self.program.variables else PlaneState
+        """The class of the states: `PlaneState`, `SpaceState`, or one with more components."""
+        return state_of_variables(self.program.variables)
 
-    def state_of(self, start: PlaneState[N]) -> State[N]:
+    def state_of(self, start: State[N]) -> State[N]:
         """Return a launch as a state of this law."""
-        if self.state is PlaneState:
-            return start
         nothing = start.s * 0
-        return SpaceState(start.s, nothing, start.z, start.u, nothing, start.w)
+        state: State[N] = self.state(
+            *(getattr(start, name, nothing) for name in self.program.variables)
+        )
+        return state
+
+    def spin_left(self, state: State[N], numbers: Numbers[N]) -> N:
+        """Return the size of the spin in a state, relative to that at launch."""
+        motion = "plane" if in_plane(state) else "space"
+        left = _traced(self.forces, tuple(self.strengths), motion).spin_left
+        program = replace(self.program, outputs=(left,))
+        found: N = program.bind(self.strengths, numbers.functions)(*state)[0]
+        return found
 
     @property
     def gravity(self) -> N | None:
@@ -183,68 +167,210 @@ class Law(Generic[N]):
         """Return the function from the components of a state to the rates' partial derivatives."""
         return _jacobian(self.program).bind(self.strengths, numbers.functions)
 
-    def without(self, force: Force) -> Law[N]:
+    def on(self, branches: Sequence[int]) -> Law[N]:
+        """Return the law with these forms of the terms that have several."""
+        switched = {name for bend in self.bends for name in bend.piecewise.term.parameters}
+        strengths = {n: x for n, x in self.strengths.items() if n not in switched}
+        terms = [f for f in self.forces if switched.isdisjoint(f.parameters)]
+        for bend, branch in zip(self.bends, branches, strict=True):
+            term = bend.piecewise.term
+            strengths |= _named(term, bend.branches.strengths[branch])
+            terms.append(term)
+        law = law_with(strengths, tuple(terms), in_space="y" in self.program.variables)
+        return replace(law, bends=self.bends)
+
+    def passage(self, bend: Bend[N]) -> Program:
+        """Return a program that is positive where a bend's argument is beyond a level.
+
+        It has the law's variables and parameters, and the parameter `level`.
+        """
+        motion = "space" if "y" in self.program.variables else "plane"
+        traced = _traced(self.forces, tuple(self.strengths), motion)
+        top, bottom = bend.piecewise.argument(traced.motion, traced.parameters)
+        value = trace.as_node(top) - trace.parameter("level") * bottom
+        return replace(self.program, outputs=(value,), parameters=(*self.strengths, "level"))
+
+    def beyond(self, bend: Bend[N], level: N, numbers: Numbers[N]) -> Callable[[Any], Any]:
+        """Return a function of the state that is positive where an argument is beyond a level."""
+        known = {**self.strengths, "level": level}
+        bound = self.passage(bend).bind(known, numbers.functions)
+        return lambda state: bound(*state)[0]
+
+    def branches(self, state: Any, numbers: Numbers[N]) -> list[Any]:
+        """Return which forms the terms have in a state, or in many: by the levels passed."""
+        return [
+            sum((self.beyond(bend, x, numbers)(state) > 0 for x in bend.branches.levels), start=0)
+            for bend in self.bends
+        ]
+
+    def without(self, force: Term) -> Law[N]:
         """Return the law without one of its forces."""
         strengths = {n: x for n, x in self.strengths.items() if n not in force.parameters}
-        return law_with(strengths, self.forces)
+        return law_with(strengths, tuple(f for f in self.forces if f is not force))
 
     def straight(self, sense: N) -> Law[N] | None:
         """Return the law of a vertical flight; `sense` is 1 on the way up and -1 on the way down.
 
-        The speed is ``sense w`` there, without a square root: this law is smooth where the ball
-        comes to rest, and holds on one side of it. None if a force drives the ball aside.
+        The ball drifts with the wind, as it starts; up and down are through the air. The speed is
+        ``sense w`` there, without a square root: this law is smooth where the ball comes to rest,
+        and holds on one side of it. None if a force drives the ball aside.
         """
-        vertical = _program(self.forces, tuple(self.strengths), "vertical")
+        variables = self.program.variables
+        vertical = _program(self.forces, tuple(self.strengths), "vertical", variables)
         if vertical is None:
             return None
-        rates = dict(zip(vertical.variables, vertical.outputs, strict=True))
-        variables = self.program.variables
-        program = replace(
-            vertical, variables=variables, outputs=tuple(rates.get(x, ZERO) for x in variables)
-        )
-        return replace(self, program=program, strengths={**self.strengths, "sense": sense})
+        return replace(self, program=vertical, strengths={**self.strengths, "sense": sense})
+
+
+@dataclass(frozen=True)
+class Bend(Generic[N]):
+    """A term that has several forms, with its branches in a scene."""
+
+    piecewise: Piecewise
+    branches: Branches
 
 
 def law_of(
-    scene: Any, frame: Any, numbers: Numbers[N], forces: tuple[Force, ...] = FORCES
+    scene: Any, frame: Any, numbers: Numbers[N], forces: tuple[Term, ...] = FORCES
 ) -> Law[N]:
     """Return the law of motion of a flight in a frame, of a scene with ball, air and gravity."""
     strengths: dict[str, N] = {}
+    acting: list[Term] = []
+    bends: list[Bend[N]] = []
     for force in forces:
+        if isinstance(force, Piecewise):
+            branches = force.branches(scene, frame, numbers)
+            if branches is not None:
+                bends.append(Bend(force, branches))
+            continue
         values = force.strengths(scene, frame, numbers)
         if values is not None:
-            strengths |= zip(force.parameters, values, strict=True)
-    return law_with(strengths, forces)
+            acting.append(force)
+            strengths |= _named(force, values)
+    law = law_with(strengths, tuple(acting))
+    if not bends:
+        return law
+    # The variables are the same on all branches: those of space, if one of them needs those.
+    of_all = dict(strengths)
+    for bend in bends:
+        acting.append(bend.piecewise.term)
+        for values in bend.branches.strengths:
+            of_all |= _named(bend.piecewise.term, values)
+    law = replace(law_with(of_all, tuple(acting)), bends=tuple(bends))
+    return law.on([0] * len(bends))
 
 
-def law_with(strengths: Mapping[str, N], forces: tuple[Force, ...] = FORCES) -> Law[N]:
-    """Return the law of those forces whose parameters have values; in the plane, if it holds."""
-    acting = tuple(f for f in forces if all(name in strengths for name in f.parameters))
+def _named(term: Term, values: tuple[Any, ...]) -> dict[str, Any]:
+    """Return the strengths of a term by name, without those that are zero."""
+    known = zip(term.parameters, values, strict=True)
+    return {name: value for name, value in known if value is not None}
+
+
+def law_with(
+    strengths: Mapping[str, N], forces: tuple[Term, ...] = FORCES, in_space: bool = False
+) -> Law[N]:
+    """Return the law of those forces whose parameters have values.
+
+    It is that in the plane, if it holds there and is not to be that `in_space`. A parameter without
+    a value, beside others that have one, is zero.
+    """
+    acting = tuple(f for f in forces if any(name in strengths for name in f.parameters))
     names = tuple(strengths)
-    program = _program(acting, names, "plane") or _program(acting, names, "space")
+    program = None if in_space else _program(acting, names, "plane")
+    program = program or _program(acting, names, "space")
     assert program is not None
     return Law(program, strengths, acting)
 
 
+@dataclass(frozen=True)
+class _Traced:
+    """What is traced of a law.
+
+    Attributes
+    ----------
+    rates
+        Of the variables, by name.
+    further
+        The variables besides positions and velocities.
+    spin_left
+        The size of the spin, relative to that at launch.
+    motion, parameters
+        What it was traced with.
+    """
+
+    rates: Mapping[str, Node]
+    further: tuple[str, ...]
+    spin_left: Any
+    motion: Motion
+    parameters: Any
+
+
 @cache
-def _program(forces: tuple[Force, ...], names: tuple[str, ...], motion: str) -> Program | None:
+def _traced(forces: tuple[Term, ...], names: tuple[str, ...], motion: str) -> _Traced:
     """Trace the law where the ball moves in space, in a vertical plane, or vertically.
 
-    None if a force drives the ball out of there.
+    Vertically in the air, that is, with which it drifts.
     """
-    parameters = SimpleNamespace(**{name: trace.parameter(name) for name in names})
-    still = {"space": "", "plane": "yv", "vertical": "yvsu"}[motion]
-    s, y, z, u, v, w = (ZERO if name in still else trace.variable(name) for name in "syzuvw")
-    moving = Motion((s, y, z), (u, v, w), _speed((u, v, w)))
-    total = [ZERO, ZERO, ZERO]
-    for force in forces:
-        pushed = force.acceleration(moving, parameters)
-        total = [a + b for a, b in zip(total, pushed, strict=True)]
-    rates = dict(zip("syzuvw", (u, v, w, *total), strict=True))
-    if any(rates[name] is not ZERO for name in still):
+    known = {name: trace.parameter(name) for name in names}
+    named = {name for force in forces for name in force.parameters}
+    named |= {"wind_s", "wind_y"}
+    p = SimpleNamespace(**{**dict.fromkeys(named, ZERO), **known})
+    s, y, z, u, v, w = map(trace.variable, "syzuvw")
+    if motion != "space":
+        y = v = ZERO
+    if motion == "vertical":
+        u, v = p.wind_s, p.wind_y
+    path = trace.variable("path")
+    position, velocity = (s, y, z), (u, v, w)
+    calm = _flow(velocity)
+    air, lift = calm, calm
+    density: Any = 1.0
+    spin_left: Any = 1.0
+    for term in forces:
+        match term:
+            case Wind():
+                wind = term.velocity(position, p)
+                through = plus(air.velocity, scaled(-1.0, wind))
+                if motion == "vertical" and wind[:2] == (u, v):
+                    through = ZERO, ZERO, through[2]
+                air = _flow(through)
+                lift = air if term.lifts else lift
+            case Thinning():
+                density = density * term.density(position, p)
+    further: dict[str, Node] = {}
+    for term in forces:
+        if isinstance(term, Decay):
+            further = {"path": trace.as_node(term.rate(air.speed, p))}
+            spin_left = term.left(path, air.speed, p)
+    moving = Motion(position, velocity, air, lift, density, spin_left)
+    total: Vector[Any] = (ZERO, ZERO, ZERO)
+    if drags := [term.rate(moving, p) for term in forces if isinstance(term, Drag)]:
+        total = scaled(-(density * trace.total(drags)), air.velocity)
+    if lifts := [term.factor(moving, p) for term in forces if isinstance(term, Lift)]:
+        factor = density * trace.total(lifts)
+        total = plus(total, scaled(factor, spin_across(lift, p)))
+    for term in forces:
+        if isinstance(term, Force):
+            total = plus(total, term.acceleration(moving, p))
+    rates = dict(zip("syzuvw", (*velocity, *total), strict=True)) | further
+    return _Traced(rates, tuple(further), trace.as_node(spin_left), moving, p)
+
+
+# What must not change.
+_STILL = {"space": "", "plane": "yv", "vertical": "uv"}
+
+
+def _program(
+    forces: tuple[Term, ...], names: tuple[str, ...], motion: str, variables: tuple[str, ...] = ()
+) -> Program | None:
+    """Return the program of a law; None if a force drives the ball out of where it holds."""
+    traced = _traced(forces, names, motion)
+    if any(traced.rates[name] is not ZERO for name in _STILL[motion]):
         return None
-    variables = "syzuvw" if motion == "space" else "szuw"
-    program = Program(tuple(variables), names, tuple(rates[name] for name in variables))
+    variables = variables or (*("syzuvw" if motion == "space" else "szuw"), *traced.further)
+    if traced.rates["y"] is not ZERO and "y" not in variables:
+        return None
+    program = Program(variables, names, tuple(traced.rates[name] for name in variables))
     if trace.parameter(_SENSE) in program.nodes:
         program = replace(program, parameters=(*names, _SENSE))
     return program
@@ -253,11 +379,11 @@ def _program(forces: tuple[Force, ...], names: tuple[str, ...], motion: str) -> 
 _SENSE = "sense"
 
 
-def _speed(velocity: tuple[Node, Node, Node]) -> Node:
+def _flow(velocity: Vector[Any]) -> Flow:
     moving = [component for component in velocity if component is not ZERO]
     if len(moving) == 1:
-        return trace.parameter(_SENSE) * moving[0]
-    return trace.sqrt(trace.total(component * component for component in moving))
+        return Flow(velocity, trace.parameter(_SENSE) * moving[0])
+    return Flow(velocity, size(velocity))
 
 
 @cache

@@ -14,6 +14,7 @@ from typing import Any, TypeVar
 
 from pydantic import BaseModel
 
+from longball.model.block import Block
 from longball.model.result import Bounded, Certified
 
 B = TypeVar("B", bound=BaseModel)
@@ -177,7 +178,8 @@ def _put(data: Any, steps: list[tuple[str, str]], value: object) -> Any:
 
 def _parts(block: Any) -> Iterator[tuple[str, Any]]:
     if isinstance(block, BaseModel):
-        yield from ((key, getattr(block, key)) for key in type(block).model_fields)
+        keys = block.named() if isinstance(block, Block) else type(block).model_fields
+        yield from ((key, getattr(block, key)) for key in keys)
     elif isinstance(block, Mapping):
         yield from block.items()
     elif isinstance(block, tuple | list):

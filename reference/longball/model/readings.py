@@ -28,8 +28,15 @@ BatBallRestitution = Literal["as_printed", "nathan", "plain"]
 ReducedMass = Literal["bat_mass", "effective_mass"]
 Inertia = Literal["solid_cylinder", "thin_rod", "about_centre"]
 LiftDirection = Literal["fixed_spin_axis", "always_up"]
+SpinParameter = Literal["transverse", "total"]
+DragSpin = Literal["transverse", "total"]
+SpinDecay = Literal["path", "time", "nathan"]
+WindActsOn = Literal["both", "drag"]
+Pressure = Literal["sea_level", "station"]
 GroundContact = Literal["centre", "surface"]
 SlideDirection = Literal["initial", "final"]
+FenceClearance = Literal["centre", "surface"]
+DistanceOrigin = Literal["plate", "launch"]
 SampleSpace = Literal["pitches", "batted", "fair"]
 Fig7Parameters = Literal["caption", "text"]
 VerletForces = Literal[
@@ -71,6 +78,13 @@ class Reading(_Switches):
     lift_direction: LiftDirection = "fixed_spin_axis"
     ground_contact: GroundContact = "centre"
     slide_direction: SlideDirection = "initial"
+    spin_parameter: SpinParameter = "transverse"
+    drag_spin: DragSpin = "transverse"
+    spin_decay: SpinDecay = "path"
+    wind_acts_on: WindActsOn = "both"
+    pressure: Pressure = "sea_level"
+    fence_clearance: FenceClearance = "centre"
+    distance_origin: DistanceOrigin = "plate"
 
     @model_validator(mode="after")
     def _no_contradiction(self) -> Self:
@@ -212,6 +226,43 @@ LEDGER: tuple[Entry, ...] = (
         "Does the ball land when its centre or when its surface reaches the ground?",
     ),
     Entry(
+        "spin_parameter",
+        get_args(SpinParameter),
+        "extended model",
+        "S = Rω/U: only spin across the velocity makes lift, and laws C_L(S) were fitted to it. "
+        "total: S of the whole spin, gyro spin included; the force is then k R (C_L/S) ω × u.",
+    ),
+    Entry(
+        "drag_spin",
+        get_args(DragSpin),
+        "extended model",
+        "Drag grows with spin, and the fits are to balls with little gyro spin: whether that adds "
+        "to the drag is open. total: it does.",
+    ),
+    Entry(
+        "spin_decay",
+        get_args(SpinDecay),
+        "extended model",
+        "The torque of the air is proportional to ω U, so that spin decays with the path through "
+        "the air. time: e^(-t/τ), with the τ that spin_decay_length takes at 100 mph (44.704 m/s). "
+        "nathan: e^(-t U/L) with the present airspeed U, as in ports of Nathan's spreadsheet; no "
+        "equation for ω has this solution, and the motion is solved with it as it stands.",
+    ),
+    Entry(
+        "wind_acts_on",
+        get_args(WindActsOn),
+        "extended model",
+        "All forces of the air depend on the velocity through the air. drag: the lift is taken at "
+        "the velocity over the ground, as programs do that add wind to the drag alone.",
+    ),
+    Entry(
+        "pressure",
+        get_args(Pressure),
+        "extended model",
+        "A weather report reduces pressure to sea level, so the density falls with the elevation "
+        "besides. station: the pressure is measured at the park, and the elevation does nothing.",
+    ),
+    Entry(
         "sample_space",
         ("pitches", "batted", "fair"),
         "Sec. IV",
@@ -257,6 +308,20 @@ LEDGER: tuple[Entry, ...] = (
         "yield more in one direction than in another, so that the slip turns during the impact. "
         "initial: against the slip as it begins. final: along the friction that would end it, so "
         "that a ball that all but grips leaves as one that grips.",
+    ),
+    Entry(
+        "fence_clearance",
+        ("centre", "surface"),
+        "not in the paper",
+        "Does a ball clear a fence when its centre or when its whole surface is above the top?",
+    ),
+    Entry(
+        "distance_origin",
+        ("plate", "launch"),
+        "Sec. IV",
+        "Distances are said to be from the plate, of which x = y = 0 is the tip; trackers and many "
+        "simulators measure from where the ball is launched or hit. "
+        "P(e) counts D >= 150 m from the plate.",
     ),
     Entry(
         "friction",

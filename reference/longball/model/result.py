@@ -5,10 +5,12 @@ The keys are fixed: other implementations write them, and the judge reads them.
 
 from __future__ import annotations
 
-import json
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, model_serializer
+
+from longball import __version__
+from longball.model.jsonl import json_line
 
 Outcome = Literal[
     "batted",
@@ -20,6 +22,8 @@ Outcome = Literal[
     "struck",
     "grounded",
     "airborne",
+    "home_run",
+    "wall",
 ]
 
 
@@ -113,6 +117,12 @@ class Impact(_Strict):
         description="1 - |P_t|/(μ_f P_n) of the impulse that would make the ball grip; negative: "
         "it slides",
     )
+    recontact: Literal["certain", "possible"] | None = Field(
+        default=None,
+        description="certain: the ball leaves the contact more slowly along the normal than the "
+        "bat came, so that a bat that swings on would strike it again, which the model does not; "
+        "possible: the two speeds are the same to a millionth of the speeds; absent: it parts",
+    )
 
 
 class Landing(_Strict):
@@ -123,6 +133,32 @@ class Landing(_Strict):
     position: Triple = Field(description="m")
     velocity: Triple = Field(description="m/s")
     distance: Number = Field(description="m, horizontal, from the plate")
+    spin: Triple | None = Field(default=None, description="rad/s, if the scene names a spin")
+    path: Number | None = Field(
+        default=None, description="m, through the air since contact or launch, if spin decays"
+    )
+    fair: bool | None = Field(
+        default=None,
+        description="whether |y| <= x where the ball leaves the field or lands; with a fence only",
+    )
+
+
+class Fence(_Strict):
+    """Where the ball first leaves the field over the fence, or meets it."""
+
+    time: Number = Field(description="s, since the start of the scene")
+    position: Triple = Field(description="m")
+    velocity: Triple = Field(description="m/s")
+    clearance: Number = Field(description="m, height above the top; a wall if not positive")
+    segment: int = Field(description="number of the chord between two vertices, the first being 0")
+    margin: Number | None = Field(
+        default=None, description="m, along the chord to the next vertex; none on a circle"
+    )
+
+
+def signed(engine: str) -> str:
+    """Return the description of an engine with longball's version."""
+    return f"longball {__version__} {engine}"
 
 
 class Result(_Strict):
@@ -133,7 +169,15 @@ class Result(_Strict):
     plate: Plate | None = None
     contact: Contact | None = None
     impact: Impact | None = None
+    fence: Fence | None = None
     landing: Landing | None = None
+    path: tuple[Annotated[tuple[Number, ...], Field(min_length=4, max_length=7)], ...] | None = (
+        Field(
+            default=None,
+            description="[t, x, y, z, vx, vy, vz] at times from the start of the scene to its end, "
+            "s, m and m/s, if it is asked for; velocities may be left out",
+        )
+    )
     engine: str | None = Field(default=None, description="who computed it, and how")
     error: str | None = Field(
         default=None, description="what could not be solved, where, and how to mend it"
@@ -152,7 +196,10 @@ class Result(_Strict):
         description="with --certify: why outcome and numbers are not proven; absent if they are",
     )
 
+    def data(self) -> dict[str, Any]:
+        """Return the result as plain data, without the quantities it does not have."""
+        return {"id": self.id} | self.model_dump(exclude_none=True)
+
     def line(self) -> str:
         """Return the result as one line of JSON, without the quantities it does not have."""
-        known = self.model_dump(mode="json", exclude_none=True)
-        return json.dumps({"id": self.id} | known, ensure_ascii=False, allow_nan=False)
+        return json_line(self.data())

@@ -9,19 +9,20 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Sequence
-from typing import Annotated, Any, Literal, NoReturn, Self, get_args
+import re
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+from typing import Annotated, Any, Literal, Self, get_args, get_origin
 
-from pydantic import (
-    BaseModel,
-    ConfigDict,
-    Field,
-    SerializerFunctionWrapHandler,
-    ValidationError,
-    model_serializer,
-    model_validator,
-)
+from pydantic import BaseModel, Field, Tag, ValidationError, model_validator
 
+from longball.model.air import Air as Air
+from longball.model.air import WindProfile
+from longball.model.block import SMALLEST, NotNegative, Point, Positive, Quantity
+from longball.model.block import Block as _Block
+from longball.model.block import refuse as _refuse
+from longball.model.force import cross, plus, scaled
+from longball.model.jsonl import LONGEST_LINE, json_line
 from longball.model.readings import Reading
 from longball.model.result import ErrorCode
 
@@ -34,28 +35,6 @@ class InvalidScene(ValueError):
     def __init__(self, message: str, scene_id: str | None = None) -> None:
         super().__init__(message)
         self.scene_id = scene_id
-
-
-class _Block(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
-
-    @model_serializer(mode="wrap")
-    def _without_what_is_not_named(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        fields = type(self).model_fields
-        return {
-            name: value
-            for name, value in handler(self).items()
-            if value is not None or fields[name].default is not None
-        }
-
-
-# Sizes within which no product of the model's formulas overflows or underflows a double.
-LARGEST, SMALLEST = 1e30, 1e-30
-
-Quantity = Annotated[float, Field(ge=-LARGEST, le=LARGEST)]
-NotNegative = Annotated[float, Field(ge=0.0, le=LARGEST)]
-Positive = Annotated[float, Field(ge=SMALLEST, le=LARGEST)]
-Point = tuple[Quantity, Quantity, Quantity]
 
 
 class Ball(_Block):
@@ -74,12 +53,7 @@ class Ball(_Block):
     )
 
 
-class Air(_Block):
-    """What acts on the ball in flight (paper, Sec. III.B)."""
-
-    density: NotNegative = Field(default=1.29, description="kg/m³")
-    drag_coefficient: NotNegative = Field(default=0.4, description="C_D")
-    lift_coefficient: Quantity = Field(default=0.2, description="C_L; negative for topspin")
+Spin = Annotated[Point | None, Field(description="rad/s, ω; left out: none is computed")]
 
 
 class Launch(_Block):
@@ -87,10 +61,16 @@ class Launch(_Block):
 
     position: Point = Field(description="m, of the ball's centre")
     velocity: Point = Field(description="m/s")
+    spin: Spin = None
+
+    @property
+    def way(self) -> Point:
+        """A vector along the velocity."""
+        return self.velocity
 
 
 class Pitch(_Block):
-    """A throw toward a point of the plane x = 0 (paper, Sec. III)."""
+    """A throw toward a point of the plane x = 0 (paper, Sec. III), or with a velocity."""
 
     speed: Positive = Field(
         default=36.9125,
@@ -100,6 +80,26 @@ class Pitch(_Block):
     aim: tuple[Quantity, Quantity] = Field(
         default=(0.0, 1.8), description="m, [y, z] of the point aimed at; default: the middle cell"
     )
+    velocity: Point | None = Field(default=None, description="m/s, instead of speed and aim")
+    spin: Spin = None
+
+    def named(self) -> Iterator[str]:
+        """Yield the keys that it is written with: speed and aim, or the velocity."""
+        instead = () if self.velocity is None else ("speed", "aim")
+        yield from (key for key in super().named() if key not in instead)
+
+    @property
+    def way(self) -> Point:
+        """A vector along the velocity."""
+        x, y, z = self.release
+        return self.velocity or (-x, self.aim[0] - y, self.aim[1] - z)
+
+    @model_validator(mode="after")
+    def _thrown_one_way(self) -> Self:
+        both = sorted(self.model_fields_set & {"speed", "aim"})
+        if self.velocity is not None and both:
+            _refuse(f"velocity stands instead of speed and aim; leave out {' and '.join(both)}")
+        return self
 
     @model_validator(mode="after")
     def _in_front_of_the_plate(self) -> Self:
@@ -173,6 +173,80 @@ class Ground(_Block):
     height: Quantity = Field(default=0.0, description="m")
 
 
+class Earth(_Block):
+    """Where the park is on the rotating Earth."""
+
+    latitude: float = Field(
+        ge=-math.pi / 2, le=math.pi / 2, description="rad, positive in the north"
+    )
+    azimuth: Quantity = Field(
+        default=0.0, description="rad, of +x (from the plate to the pitcher), from north to east"
+    )
+
+
+class Fence(_Block):
+    """What a batted ball flies over or hits: a circle on the ground, or a line of straight chords.
+
+    A chord's left side, seen from its first vertex, is outside; where the height steps, a vertex is
+    given twice.
+    """
+
+    radius: Positive | None = Field(
+        default=None, description="m, of a fence of height 0 all around the plate"
+    )
+    polyline: tuple[tuple[Quantity, Quantity, Quantity], ...] | None = Field(
+        default=None,
+        description="m, [x, y, height of the top] from the left pole (y > 0) to the right one",
+    )
+
+    @model_validator(mode="after")
+    def _is_a_fence(self) -> Self:
+        if (self.radius is None) == (self.polyline is None):
+            _refuse("a fence has a radius or a polyline, one of the two")
+        if self.polyline is not None:
+            _require_polyline([(x, y) for x, y, _ in self.polyline])
+        return self
+
+
+def _require_polyline(vertices: list[tuple[float, float]]) -> None:
+    """Require a line from left to right that does not meet itself."""
+    corners = [v for i, v in enumerate(vertices) if i == 0 or v != vertices[i - 1]]
+    if len(corners) < 2:
+        _refuse("polyline needs at least two vertices [x, y, height] at different places")
+    chords = list(pairwise(corners))
+    for i, (a, b) in enumerate(chords):
+        for j, (c, d) in enumerate(chords[i + 1 :], i + 1):
+            if (j == i + 1 and _folds(a, b, d)) or (j > i + 1 and _meet(a, b, c, d)):
+                _refuse(f"polyline crosses itself: between {a}, {b} and between {c}, {d}")
+    if sum(math.atan2(_turn((0.0, 0.0), a, b), a[0] * b[0] + a[1] * b[1]) for a, b in chords) > 0:
+        _refuse(
+            "polyline goes the wrong way round the plate: it runs from the left pole (y > 0) to "
+            "the right one; turn the order of its vertices round"
+        )
+
+
+def _turn(a: tuple[float, float], b: tuple[float, float], c: tuple[float, float]) -> float:
+    """Return (b - a) × (c - a): positive if c is to the left of the way from a to b."""
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+
+
+def _folds(a: tuple[float, float], b: tuple[float, float], d: tuple[float, float]) -> bool:
+    """Tell whether the way from a to b goes back on itself to d."""
+    back = (a[0] - b[0]) * (d[0] - b[0]) + (a[1] - b[1]) * (d[1] - b[1])
+    return _turn(a, b, d) == 0 and back > 0
+
+
+def _meet(
+    a: tuple[float, float], b: tuple[float, float], c: tuple[float, float], d: tuple[float, float]
+) -> bool:
+    """Tell whether two chords have a point in common."""
+    if max(min(a[0], b[0]), min(c[0], d[0])) > min(max(a[0], b[0]), max(c[0], d[0])):
+        return False
+    if max(min(a[1], b[1]), min(c[1], d[1])) > min(max(a[1], b[1]), max(c[1], d[1])):
+        return False
+    return _turn(a, b, c) * _turn(a, b, d) <= 0 and _turn(c, d, a) * _turn(c, d, b) <= 0
+
+
 class _Scene(_Block):
     id: str | None = Field(
         default=None,
@@ -185,8 +259,8 @@ class _Scene(_Block):
     def line(self) -> str:
         """Return the scene as one line of JSON with every default but the reading's written out."""
         blocks = self.model_dump(mode="json")
-        head = {key: value for key in ("id", "kind") if (value := blocks.pop(key))}
-        return json.dumps(head | blocks, ensure_ascii=False, allow_nan=False)
+        head = {key: value for key in ("id", "kind") if (value := blocks.pop(key, None))}
+        return json_line(head | blocks)
 
 
 class _FlyingScene(_Scene):
@@ -195,6 +269,40 @@ class _FlyingScene(_Scene):
     time_limit: Positive = Field(
         default=60.0, description="s of flight, after which the ball is reported airborne"
     )
+    earth: Earth | None = Field(default=None, description="left out: it does not rotate")
+
+    @model_validator(mode="after")
+    def _air_and_spin_agree(self) -> Self:
+        block = "launch" if isinstance(self, FlightScene) else "pitch"
+        spin, way = getattr(self, block).spin, getattr(self, block).way
+        if self.air is None:
+            return self
+        if spin is None and (key := self.air.needs_spin):
+            _refuse(f"{key} needs a spin; give {block}.spin, in rad/s")
+        if spin is not None and self.air.lift_is_constant and any(spin):
+            wind = self.air.wind if isinstance(self.air.wind, tuple) else (0.0, 0.0, 0.0)
+            if not any(cross(spin, plus(way, scaled(-1.0, wind)))):
+                _refuse(
+                    f"air.lift_coefficient: the lift of a constant has no direction where "
+                    f"{block}.spin is parallel to the velocity; take the law rational or linear, "
+                    "or the number 0"
+                )
+        beyond = (spin, self.air.wind, getattr(self.air.lift_coefficient, "of", None))
+        if self.reading.lift_direction == "always_up" and any(x is not None for x in beyond):
+            _refuse("reading.lift_direction = always_up takes neither spin nor wind nor a table")
+        return self
+
+    @model_validator(mode="after")
+    def _stays_above_the_roughness(self) -> Self:
+        wind = None if self.air is None else self.air.wind
+        if isinstance(wind, WindProfile):
+            floor = landing_height(self)
+            if floor <= -wind.roughness:
+                _refuse(
+                    f"the ball lands at {floor}, which must be above -air.wind.roughness = "
+                    f"{-wind.roughness}: heights of the wind are those of z"
+                )
+        return self
 
     def _refuse_underground(self, key: str, z: float, floor: float) -> None:
         if z < floor:
@@ -213,12 +321,13 @@ class FlightScene(_FlyingScene):
     kind: Literal["flight"] = "flight"
     launch: Launch
     ground: Ground = Ground()
+    fence: Fence | None = None
 
     @model_validator(mode="after")
     def _above_ground(self) -> Self:
-        self._refuse_underground(
-            "launch.position[2]", self.launch.position[2], landing_height(self)
-        )
+        x, y, z = self.launch.position
+        self._refuse_underground("launch.position[2]", z, landing_height(self))
+        _require_inside(self.fence, "launch.position", math.hypot(x, y))
         return self
 
 
@@ -270,12 +379,20 @@ class AtBatScene(_FlyingScene):
     bat: Bat = Bat()
     swing: Swing = Swing()
     ground: Ground = Ground()
+    fence: Fence | None = None
 
     @model_validator(mode="after")
     def _above_ground(self) -> Self:
         self._refuse_underground("pitch.release[2]", self.pitch.release[2], landing_height(self))
         _require_support(self)
+        farthest = math.hypot(self.ball.radius + self.bat.radius, self.bat.length / 2)
+        _require_inside(self.fence, "the bat's reach", farthest)
         return self
+
+
+def _require_inside(fence: Fence | None, what: str, distance: float) -> None:
+    if fence is not None and fence.radius is not None and not distance < fence.radius:
+        _refuse(f"fence.radius = {fence.radius} m: {what} is outside, {distance} m from the plate")
 
 
 def _require_support(scene: ImpactScene | AtBatScene) -> None:
@@ -329,6 +446,8 @@ def explain(error: ValidationError, model: type[BaseModel]) -> str:
 
 
 def _text(line: str | bytes) -> str:
+    if len(line) > LONGEST_LINE:
+        raise InvalidScene(f"longer than {LONGEST_LINE:,} bytes")
     if isinstance(line, str):
         if not _is_text(line):
             raise InvalidScene("not Unicode text: it holds half of a surrogate pair")
@@ -343,8 +462,7 @@ def _text(line: str | bytes) -> str:
 
 def _json(text: str) -> Any:
     try:
-        # Python refuses to convert whole numbers of thousands of digits, as a protection.
-        return json.loads(text, object_pairs_hook=_each_key_once, parse_int=float)
+        return _DECODER.decode(text)
     except json.JSONDecodeError as error:
         raise InvalidScene(f"not JSON: {error.msg} at character {error.pos + 1}") from None
     except RecursionError:
@@ -365,10 +483,17 @@ def _each_key_once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     return block
 
 
+# Python refuses to convert whole numbers of thousands of digits, as a protection.
+_DECODER = json.JSONDecoder(object_pairs_hook=_each_key_once, parse_int=float)
+
+
 def _explain_fault(fault: dict[str, Any], model: type[BaseModel]) -> str:
     location = fault["loc"]
-    where = "".join(f"[{step}]" if isinstance(step, int) else f".{step}" for step in location)
-    where = where.removeprefix(".")
+    where = "".join(
+        f"[{step}]" if isinstance(step, int) else f".{step}"
+        for step in location
+        if not _is_form(step)
+    ).removeprefix(".")
     match fault["type"]:
         case "extra_forbidden":
             block = _block(model, location[:-1])
@@ -378,25 +503,50 @@ def _explain_fault(fault: dict[str, Any], model: type[BaseModel]) -> str:
         case "value_error":
             sentence = str(fault["ctx"]["error"])
             return f"{where}: {sentence}" if where else sentence
+        case "union_tag_invalid":
+            forms = re.findall(r"<(\w+)>", fault["ctx"]["expected_tags"])
+            laws = ", ".join(name for name in forms if name != "number")
+            given = fault["input"].get("law")
+            what = "is missing" if given is None else f"{_short(given)} is not a law here"
+            return f"{where}.law: {what}; the laws are {laws}"
         case "json_invalid":  # pydantic's parser is stricter than Python's
             return f"not JSON: {fault['ctx']['error']}"
     sentence = fault["msg"].removeprefix("Input ").replace("should", "must")
     return f"{where}: {sentence} (got {_short(fault['input'])})"
 
 
+def _is_form(step: str | int) -> bool:
+    """Tell whether a step of a location says which of several forms a value has."""
+    return isinstance(step, str) and step.startswith("<")
+
+
 def _block(model: type[BaseModel], location: tuple[str | int, ...]) -> type[BaseModel]:
     """Return the model of the block at a location inside a model."""
+    annotation: Any = model
     for step in location:
-        annotation = model.model_fields[str(step)].annotation
-        options = (annotation, *get_args(annotation))
-        model = next(o for o in options if isinstance(o, type) and issubclass(o, BaseModel))
-    return model
+        if _is_form(step):
+            forms = [o for o in _within(annotation) if get_origin(o) is Annotated]
+            annotation = next(o for o in forms if step in [_tag(part) for part in get_args(o)])
+        else:
+            (model, *_) = filter(_is_model, _within(annotation))
+            annotation = model.model_fields[str(step)].annotation
+    found: type[BaseModel] = next(filter(_is_model, _within(annotation)))
+    return found
+
+
+def _within(annotation: Any) -> list[Any]:
+    """Return an annotation and all that it is made of."""
+    return [annotation, *(x for part in get_args(annotation) for x in _within(part))]
+
+
+def _tag(part: Any) -> str | None:
+    return part.tag if isinstance(part, Tag) else None
+
+
+def _is_model(option: Any) -> bool:
+    return isinstance(option, type) and issubclass(option, BaseModel)
 
 
 def _short(value: Any) -> str:
     text = repr(value)
     return text if len(text) <= 40 else text[:37] + "..."
-
-
-def _refuse(sentence: str) -> NoReturn:
-    raise ValueError(sentence)

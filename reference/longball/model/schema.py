@@ -19,12 +19,35 @@ FOLDER = Path(__file__).parent.parent / "schema"
 DRAFT = "https://json-schema.org/draft/2020-12/schema"
 
 
+def published(name: str, schema: dict[str, Any]) -> dict[str, Any]:
+    """Return a schema as it is written: with its name, in JSON Schema's own words only."""
+    plain: dict[str, Any] = _plain(schema)
+    return {"$schema": DRAFT, "$id": f"urn:longball:schema:{name}"} | plain
+
+
+def _plain(schema: Any) -> Any:
+    """Return a part of a schema without OpenAPI's `discriminator`.
+
+    A block that is told from others by its constant must have it.
+    """
+    if isinstance(schema, list):
+        return [_plain(part) for part in schema]
+    if not isinstance(schema, dict):
+        return schema
+    plain = {key: _plain(part) for key, part in schema.items() if key != "discriminator"}
+    properties = schema.get("properties", {})
+    told_by = [key for key, part in properties.items() if "const" in part]
+    if told_by:
+        plain["required"] = list(dict.fromkeys([*told_by, *schema.get("required", [])]))
+    return plain
+
+
 def schemas() -> dict[str, dict[str, Any]]:
     """Return file names and schemas of a scene and a result."""
     scene: TypeAdapter[Scene] = TypeAdapter(Annotated[Scene, Field(discriminator="kind")])
     return {
-        "scene.schema.json": {"$schema": DRAFT, "title": "Scene"} | scene.json_schema(),
-        "result.schema.json": {"$schema": DRAFT} | Result.model_json_schema(),
+        "scene.schema.json": published("scene", {"title": "Scene"} | scene.json_schema()),
+        "result.schema.json": published("result", Result.model_json_schema()),
     }
 
 

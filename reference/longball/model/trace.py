@@ -46,28 +46,28 @@ class Node:
 
     # Arithmetic with numbers is arithmetic with constants.
     def __add__(self, other: Any) -> Node:
-        return _add(self, _node(other))
+        return _add(self, as_node(other))
 
     def __radd__(self, other: Any) -> Node:
-        return _add(_node(other), self)
+        return _add(as_node(other), self)
 
     def __sub__(self, other: Any) -> Node:
-        return _add(self, -_node(other))
+        return _add(self, -as_node(other))
 
     def __rsub__(self, other: Any) -> Node:
-        return _add(_node(other), -self)
+        return _add(as_node(other), -self)
 
     def __mul__(self, other: Any) -> Node:
-        return _multiply(self, _node(other))
+        return _multiply(self, as_node(other))
 
     def __rmul__(self, other: Any) -> Node:
-        return _multiply(_node(other), self)
+        return _multiply(as_node(other), self)
 
     def __truediv__(self, other: Any) -> Node:
-        return _divide(self, _node(other))
+        return _divide(self, as_node(other))
 
     def __rtruediv__(self, other: Any) -> Node:
-        return _divide(_node(other), self)
+        return _divide(as_node(other), self)
 
     def __neg__(self) -> Node:
         return _multiply(_MINUS_ONE, self)
@@ -118,7 +118,8 @@ def parameter(name: str) -> Node:
     return _make("parameter", name)
 
 
-def _node(value: Any) -> Node:
+def as_node(value: Any) -> Node:
+    """Return a node, or a number as one."""
     return value if isinstance(value, Node) else constant(value)
 
 
@@ -212,12 +213,12 @@ def _divide(a: Node, b: Node) -> Node:
     (c, x), (d, y) = _scaled(a), _scaled(b)
     if c is not _ONE or d is not _ONE:
         return _multiply(_divide(c, d), _divide(x, y))
-    return _make("quotient", a, b)
+    return _ONE if a is b else _make("quotient", a, b)
 
 
 def _function(kind: str) -> Callable[[Any], Node]:
     def function(x: Any) -> Node:
-        node = _node(x)
+        node = as_node(x)
         if node.kind == "constant":
             raise ArithmeticError(f"{kind}({node.args[0]}) is no double; make it a parameter")
         return _make(kind, node)
@@ -231,6 +232,11 @@ sqrt, exp, log = map(_function, ("sqrt", "exp", "log"))
 def total(nodes: Iterable[Node]) -> Node:
     """Return the sum of nodes."""
     return sum(nodes, ZERO)
+
+
+def square(node: Node) -> Node:
+    """Return x x as a product that keeps a static factor of x inside, as `squares` knows it."""
+    return _multiply(node, node) if node.static else _make("product", node, node)
 
 
 def squares(node: Node) -> tuple[Node, ...]:
@@ -427,5 +433,5 @@ def trace(
 ) -> Program:
     """Return the program of a function that takes variables and parameters, one by one."""
     inputs = [*map(variable, variables), *map(parameter, parameters)]
-    outputs = tuple(_node(output) for output in formula(*inputs))
+    outputs = tuple(as_node(output) for output in formula(*inputs))
     return Program(tuple(variables), tuple(parameters), outputs)

@@ -147,39 +147,28 @@ def _enough(pitches: Pitches) -> None:
 # --- speeds: Fig. 2, Table II ---------------------------------------------------------------------
 
 
-class NormalCurve(NamedTuple):
-    """Eq. 2 with an exponent ``-(v - μ)² / (factor σ²)``: factor 2 is a density, 1 is as printed.
-
-    As printed the curve has the integral 1/√2, and its standard deviation is σ/√2.
-    """
-
-    factor: float
-
-    @property
-    def sigma_per_deviation(self) -> float:
-        """How many of its standard deviations the curve's σ is: 1, or √2 as printed."""
-        return math.sqrt(2.0 / self.factor)
-
-    def __call__(self, v: Floats, mean: float, sigma: float) -> Floats:
-        """Return the curve at the speeds `v`, in the inverse of their unit."""
-        z = (v - mean) / sigma
-        return np.exp(-z * z / self.factor) / (math.sqrt(2.0 * math.pi) * sigma)
-
-    def fit(self, v: Floats, density: Floats, mean: float, sigma: float) -> tuple[float, float]:
-        """Return the mean and σ > 0 of the curve nearest to a density, from a first guess."""
-        from scipy.optimize import least_squares
-
-        found = least_squares(
-            lambda theta: self(v, *theta) - density,
-            (mean, sigma),
-            method="lm",
-            x_scale=(sigma, sigma),
-        )
-        return float(found.x[0]), abs(float(found.x[1]))
+# Of Eq. 2 as printed, which lacks the 2 of its exponent: the curve is that of a normal distribution
+# with the standard deviation σ/√2.
+INTEGRAL_AS_PRINTED = math.sqrt(0.5)
 
 
-DENSITY = NormalCurve(2.0)
-AS_PRINTED = NormalCurve(1.0)
+def normal(v: Floats, mean: float, deviation: float, integral: float = 1.0) -> Floats:
+    """Return the density of a normal distribution, scaled to an integral."""
+    z = (v - mean) / deviation
+    return integral * np.exp(-z * z / 2.0) / (math.sqrt(2.0 * math.pi) * deviation)
+
+
+def _normal_through(
+    v: Floats, density: Floats, start: Sequence[float], integral: float
+) -> tuple[float, float]:
+    """Return mean and standard deviation of the curve nearest to a density, from a first guess."""
+    from scipy.optimize import least_squares
+
+    def off(theta: Floats) -> Floats:
+        return normal(v, theta[0], theta[1], integral) - density
+
+    mean, deviation = least_squares(off, start, method="lm", x_scale=(start[1], start[1])).x
+    return float(mean), abs(float(deviation))
 
 
 def _fit_speeds(
@@ -197,9 +186,9 @@ def _fit_speeds(
             breaking=tuple(counts[1].tolist()),
         ),
         maximum_likelihood=by_likelihood,
-        least_squares=_speeds_through(DENSITY, edges, counts, start, replicates, generator),
+        least_squares=_speeds_through(1.0, edges, counts, start, replicates, generator),
         least_squares_as_printed=_speeds_through(
-            AS_PRINTED, edges, counts, start, replicates, generator
+            INTEGRAL_AS_PRINTED, edges, counts, start, replicates, generator
         ),
     )
 
@@ -232,7 +221,7 @@ def _likeliest_speeds(pitches: Pitches, edges: Floats, counts: Counts) -> SpeedF
         for chosen in (pitches.straight, ~pitches.straight)
     )
     weight = Estimate(value=share, standard_error=math.sqrt(share * (1.0 - share) / total))
-    return _speed_fit(DENSITY, edges, counts, (mean_1, spread_1, mean_2, spread_2, weight))
+    return _speed_fit(1.0, edges, counts, (mean_1, spread_1, mean_2, spread_2, weight))
 
 
 def _variance_of_rounding(columns: Columns) -> float:
@@ -263,13 +252,13 @@ _NAMES = ("straight_mean", "straight_spread", "breaking_mean", "breaking_spread"
 
 
 def _speed_fit(
-    curve: NormalCurve, edges: Floats, counts: Counts, estimates: Sequence[Estimate]
+    integral: float, edges: Floats, counts: Counts, estimates: Sequence[Estimate]
 ) -> SpeedFit:
     """Return estimates, in the order of `SpeedValues`, with the R² of their mixture."""
     mean_1, spread_1, mean_2, spread_2, p = (estimate.value for estimate in estimates)
     v, width = _middles(edges)
     straight, breaking = (
-        curve(v, mean, curve.sigma_per_deviation * spread)
+        normal(v, mean, spread, integral)
         for mean, spread in ((mean_1, spread_1), (mean_2, spread_2))
     )
     everything = counts.sum(axis=0) / (counts.sum() * width)
@@ -278,7 +267,7 @@ def _speed_fit(
 
 
 def _speeds_through(
-    curve: NormalCurve,
+    integral: float,
     edges: Floats,
     counts: Counts,
     start: SpeedValues,
@@ -286,38 +275,32 @@ def _speeds_through(
     generator: np.random.Generator,
 ) -> SpeedFit:
     """Lay Eqs. 2 and 3 through the histograms of the classes, and of all pitches."""
-    fitted = _least_squares_speeds(curve, edges, counts, start)
+    fitted = _least_squares_speeds(integral, edges, counts, start)
     errors = _bootstrap(
         counts,
-        lambda drawn: _least_squares_speeds(curve, edges, drawn, fitted),
+        lambda drawn: _least_squares_speeds(integral, edges, drawn, fitted),
         replicates,
         generator,
     )
     statuses: list[Status] = ["fitted"] * 4
     statuses.append("at_bound" if fitted[-1] in (0.0, 1.0) else "fitted")
-    return _speed_fit(curve, edges, counts, _estimates(fitted, errors, statuses))
+    return _speed_fit(integral, edges, counts, _estimates(fitted, errors, statuses))
 
 
 def _least_squares_speeds(
-    curve: NormalCurve, edges: Floats, counts: Counts, start: SpeedValues
+    integral: float, edges: Floats, counts: Counts, start: SpeedValues
 ) -> SpeedValues:
     v, width = _middles(edges)
-    (mean_1, sigma_1), (mean_2, sigma_2) = (
-        curve.fit(v, count / (count.sum() * width), mean, curve.sigma_per_deviation * spread)
-        for count, mean, spread in zip(counts, start[0:4:2], start[1:4:2], strict=True)
+    one, two = (
+        _normal_through(v, count / (count.sum() * width), start[i : i + 2], integral)
+        for i, count in zip((0, 2), counts, strict=True)
     )
-    straight, breaking = curve(v, mean_1, sigma_1), curve(v, mean_2, sigma_2)
+    straight, breaking = (normal(v, *each, integral=integral) for each in (one, two))
     everything = counts.sum(axis=0) / (counts.sum() * width)
     # The sum of squares is a parabola in p: within [0, 1] it is least where clipping puts it.
     apart = straight - breaking
     weight = float(np.clip((everything - breaking) @ apart / (apart @ apart), 0.0, 1.0))
-    return (
-        mean_1,
-        sigma_1 / curve.sigma_per_deviation,
-        mean_2,
-        sigma_2 / curve.sigma_per_deviation,
-        weight,
-    )
+    return (*one, *two, weight)
 
 
 def _middles(edges: Floats) -> tuple[Floats, float]:
@@ -354,7 +337,7 @@ class _Aim(NamedTuple):
     spread: float
 
     def density(self, y: Floats) -> Floats:
-        left, right = (DENSITY(y, mean, self.spread) for mean in self[1:3])
+        left, right = (normal(y, mean, self.spread) for mean in self[1:3])
         return self.weight * left + (1.0 - self.weight) * right
 
     def shares(self, edges: Floats) -> Floats:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from longball.model.scene import Air, Ball
+from longball.model.scene import Ball
 from longball.pitches.statcast import RPM, MeasuredFlies, MeasuredPitches
 from longball.pitches.table import Floats
 
@@ -31,7 +31,7 @@ class FlightModel:
     density
         kg/m³; None: of the weather of the game.
     spin
-        Whether the ball has its spin; without it the scene has today's lift of a fixed axis.
+        Whether the ball has its spin; without it lift is upwards, as in the paper.
     ball
         Mass and radius, where they are not the paper's.
     gravity
@@ -81,11 +81,11 @@ MODELS = {
     "vacuum": FlightModel("no air", None, None, spin=False),
     "paper": FlightModel(
         "Kuninaka, Kosaka and Mizutani, Sec. III.B: C_D 0.4, C_L 0.2 upwards, 1.29 kg/m³",
-        Air().drag_coefficient, Air().lift_coefficient, Air().density, spin=False, gravity=9.8,
+        0.4, 0.2, 1.29, spin=False, gravity=9.8,
     ),
     "constants": FlightModel(
-        "constant C_D 0.385 and C_L 0.088: the best for the flies of the day that longball ships",
-        0.385, 0.088, spin=False,
+        "constant C_D 0.390 and C_L 0.089: the best for the flies of the day that longball ships",
+        0.390, 0.089, spin=False,
     ),
     "giordano": FlightModel(
         "N. J. Giordano and H. Nakanishi, Computational Physics (2nd ed. 2006), Sec. 2.3: drag "
@@ -135,8 +135,8 @@ def regression_spin(flies: MeasuredFlies, side_spin: bool = True) -> Floats:
 # with the model "nathan" to all games of the day that longball ships (`python -m analysis
 # reality`, which also fits it to some of the games and predicts the others).
 ACTIVE_SHARE = {
-    "CH": 0.774, "CU": 0.439, "FA": 0.774, "FC": 0.19, "FF": 0.796, "FO": 0.57, "FS": 0.69,
-    "KC": 0.412, "SI": 0.78, "SL": 0.177, "ST": 0.418,
+    "CH": 0.745, "CU": 0.491, "FA": 0.752, "FC": 0.176, "FF": 0.763, "FO": 0.488, "FS": 0.686,
+    "KC": 0.451, "SI": 0.751, "SL": 0.134, "ST": 0.391,
 }  # fmt: skip
 
 

@@ -4,20 +4,22 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
-from itertools import pairwise
+from itertools import pairwise, repeat
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from longball import engines
 from longball.engines import chain
 from longball.engines.engine import Engine, ManyAtOnce
+from longball.extras import naming_extras
 from longball.model.result import Result
-from longball.model.scene import Scene, parse_scene
+from longball.model.scene import InvalidScene, Scene, parse_scene
 from longball.pitches.models import FlightModel, expected_spin
 from longball.pitches.statcast import FOOT, MPH, MeasuredFlies, MeasuredPitches
-from longball.pitches.table import LENGTH_UNITS, Booleans, Floats
+from longball.pitches.table import LENGTH_UNITS, Booleans, Floats, TableError
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -84,34 +86,59 @@ class Summary:
     rms: float
 
 
-def scenes(measured: Measured, model: FlightModel, spin: Floats | None = None) -> Iterator[Scene]:
+def scenes(
+    measured: Measured, model: FlightModel | Sequence[FlightModel], spin: Floats | None = None
+) -> Iterator[Scene]:
     """Yield the scene of each measured ball.
 
     Parameters
     ----------
+    model
+        One for all balls, or one for each.
     spin
         rad/s, shape (n, 3); `longball.pitches.models.expected_spin` if it is left out. It counts
         only if the model has spin.
+
+    Raises
+    ------
+    TableError
+        If a row is no ball that a scene takes, such as one that is released below the ground.
     """
-    if model.spin and spin is None:
-        spin = expected_spin(measured)
-    for i, row in enumerate(measured.rows.tolist()):
+    spin = expected_spin(measured) if spin is None else spin
+    models = repeat(model) if isinstance(model, FlightModel) else model
+    for i, (row, one) in enumerate(zip(measured.rows.tolist(), models, strict=False)):
         scene = {"id": f"row {row}"} | measured.scene(i)
-        if model.spin and spin is not None:
+        if one.spin:
             scene["pitch" if "pitch" in scene else "launch"]["spin"] = spin[i].tolist()
         weather = float(measured.temperature[i]), float(measured.elevation[i])
-        yield parse_scene(json.dumps(scene | model.blocks(*weather)))
+        try:
+            yield parse_scene(json.dumps(scene | one.blocks(*weather)))
+        except InvalidScene as error:
+            raise TableError(f"row {row} below the header is no scene: {error}") from None
+
+
+def solve(
+    measured: Measured,
+    model: FlightModel | Sequence[FlightModel],
+    spin: Floats | None = None,
+    engine: Engine[Any] | None = None,
+) -> list[Result]:
+    """Return the result of each measured ball, by default of the batch engine; see `scenes`."""
+    solver = engine or engines.create("batch")
+    every = list(scenes(measured, model, spin))
+    if isinstance(solver, ManyAtOnce):
+        return solver.solve_all(every)
+    return [chain.solve(scene, solver) for scene in every]
 
 
 def predict(
-    measured: Measured, model: FlightModel, engine: Engine[Any], spin: Floats | None = None
+    measured: Measured,
+    model: FlightModel | Sequence[FlightModel],
+    spin: Floats | None = None,
+    engine: Engine[Any] | None = None,
 ) -> Prediction:
-    """Predict measured balls; arguments as of `scenes`."""
-    every = list(scenes(measured, model, spin))
-    if isinstance(engine, ManyAtOnce):
-        results = engine.solve_all(every)
-    else:
-        results = [chain.solve(scene, engine) for scene in every]
+    """Predict measured balls; arguments as of `solve`."""
+    results = solve(measured, model, spin, engine)
     predicted = np.full(measured.measured.shape, np.nan)
     without: Counter[str] = Counter()
     for i, result in enumerate(results):
@@ -145,17 +172,22 @@ def _groups(measured: Measured) -> Iterator[tuple[str, Booleans]]:
         for kind in kinds[np.argsort(-counts, kind="stable")]:
             yield str(kind), measured.labels == kind
         return
-    for what, unit, bounds, values in (
-        ("angle", "°", ANGLES, np.degrees(measured.angle)),
-        ("speed", " mph", SPEEDS, measured.speed / MPH),
-    ):
-        # Angles and speeds are written in whole or tenths of their units: a turn to radians and
-        # back must not move one over a bound.
-        rounded = np.round(values, 6)
-        for low, high in pairwise(bounds):
-            last = high == bounds[-1]
-            below = rounded <= high if last else rounded < high
-            yield f"{what} {low} to {high}{unit}", (rounded >= low) & below
+    for low, high, which in bands(np.degrees(measured.angle), ANGLES):
+        yield f"angle {low} to {high}°", which
+    for low, high, which in bands(measured.speed / MPH, SPEEDS):
+        yield f"speed {low} to {high} mph", which
+
+
+def bands(values: Floats, bounds: Sequence[int]) -> Iterator[tuple[int, int, Booleans]]:
+    """Yield the bounds of each band and which values are in it; the last one has its upper bound.
+
+    Values come from whole numbers or tenths by a change of unit and back, which must not move one
+    over a bound: they are rounded.
+    """
+    rounded = np.round(values, 6)
+    for low, high in pairwise(bounds):
+        below = rounded <= high if high == bounds[-1] else rounded < high
+        yield low, high, (rounded >= low) & below
 
 
 def _summary(group: str, which: Booleans, error: Floats) -> Summary:
@@ -168,6 +200,7 @@ def _summary(group: str, which: Booleans, error: Floats) -> Summary:
     )
 
 
+@naming_extras()
 def as_frame(prediction: Prediction) -> pd.DataFrame:
     """Return a row for each ball, in SI units and the frame of scenes."""
     import pandas as pd

@@ -121,6 +121,8 @@ class MeasuredPitches(Rows):
         Statcast's types.
     release, velocity
         Shape (n, 3), at the release.
+    acceleration
+        Shape (n, 3): of the fit that is recorded.
     spin_rate
         rad/s.
     axis
@@ -134,6 +136,7 @@ class MeasuredPitches(Rows):
     labels: Any
     release: Floats
     velocity: Floats
+    acceleration: Floats
     spin_rate: Floats
     axis: Floats
     hand: Floats
@@ -265,7 +268,7 @@ def _pitches(table: Any, games: Any) -> MeasuredPitches:
 
     velocity, acceleration = vector("vx0", "vy0", "vz0"), vector("ax", "ay", "az")
     release = vector("release_pos_x", "release_pos_y", "release_pos_z")
-    since = _time_of_plane(velocity[:, 1], acceleration[:, 1], release[:, 1] - FIT_PLANE)
+    since = time_of_plane(velocity[:, 1], acceleration[:, 1], release[:, 1] - FIT_PLANE)
     at_release = _in_our_frame(velocity + acceleration * since[:, None])
     angle = np.radians(kept["spin_axis"])
     axis = _in_our_frame(np.stack([np.cos(angle), np.zeros_like(angle), np.sin(angle)], axis=1))
@@ -274,6 +277,7 @@ def _pitches(table: Any, games: Any) -> MeasuredPitches:
         labels=kind[keep].to_numpy(dtype=str),
         release=_in_our_frame(release) - [PLATE_FRONT, 0.0, 0.0],
         velocity=at_release,
+        acceleration=_in_our_frame(acceleration),
         spin_rate=kept["release_spin_rate"] * RPM,
         axis=_across(axis, at_release),
         hand=hand[keep],
@@ -286,8 +290,11 @@ def _in_our_frame(vectors: Floats) -> Floats:
     return np.stack([y, -x, z], axis=1)
 
 
-def _time_of_plane(speed: Floats, acceleration: Floats, distance: Floats) -> Floats:
-    """Return the root nearest to 0 of speed · t + acceleration · t²/2 = distance."""
+def time_of_plane(speed: Floats, acceleration: Floats, distance: Floats) -> Floats:
+    """Return when a ball of constant acceleration is at a distance along its way.
+
+    The root nearest to 0 of speed · t + acceleration · t²/2 = distance, for a speed below 0.
+    """
     root = np.sqrt(np.maximum(speed**2 + 2.0 * acceleration * distance, 0.0))
     time: Floats = 2.0 * distance / (speed - root)
     return time

@@ -10,6 +10,8 @@ import numpy as np
 import numpy.typing as npt
 from pydantic import BaseModel, ConfigDict, Field
 
+from longball.extras import naming_extras
+
 if TYPE_CHECKING:
     import pandas as pd
 
@@ -86,6 +88,7 @@ def read_table(
     return source, frame.set_axis(names, axis="columns")[columns]
 
 
+@naming_extras()
 def _frame(table: str | Path | TextIO | pd.DataFrame) -> tuple[str, pd.DataFrame]:
     import pandas as pd
 

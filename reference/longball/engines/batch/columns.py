@@ -7,6 +7,7 @@ solved alone it has a reason.
 
 from __future__ import annotations
 
+import contextlib
 import math
 from collections.abc import Callable, Mapping
 from copy import copy
@@ -28,9 +29,10 @@ from longball.engines.batch.records import (
     noted,
     placed,
     records_of,
+    starts_at_corner,
     stops,
 )
-from longball.engines.chain import Cases, Model
+from longball.engines.chain import Cases, Model, OneCase, land
 from longball.engines.contact import BatSection, margin_error
 from longball.engines.engine import Touch
 from longball.engines.event import past
@@ -50,6 +52,12 @@ UNSOLVED = -1  # stands in a column of outcomes where a scene has no answer
 # --- arrays as numbers ----------------------------------------------------------------------------
 
 
+def _one_by_one(function: Callable[[float], float]) -> Callable[[Any], Any]:
+    """Return a function over arrays that has the bits of a function of one number."""
+    over_arrays = np.vectorize(function, otypes=[np.float64])
+    return lambda x: over_arrays(x)[()]
+
+
 class Elementwise:
     """Arrays of doubles as the numbers of the model's formulas (`longball.model.numbers`)."""
 
@@ -57,8 +65,8 @@ class Elementwise:
     rounding = DOUBLES.rounding
     functions: Mapping[str, Callable[..., Any]] = {
         "sqrt": np.sqrt,
-        "exp": np.exp,
-        "log": np.log,
+        "exp": _one_by_one(math.exp),
+        "log": _one_by_one(math.log),
         "unit": np.vectorize(ratio),
     }
 
@@ -104,6 +112,8 @@ _LAST = {
     "batted": "landing.distance",
     "crossed": "plate.velocity[2]",
     "struck": "impact.velocity[2]",
+    "home_run": "fence.clearance",
+    "wall": "fence.clearance",
 }
 
 
@@ -223,6 +233,10 @@ class Columns:
         launch = Start(0.0, start)
         records = records_of(law, launch, events, limit, self.flight_error)
         ends = self.flyer.fly_all(records, general(law).program)
+        # Those are solved alone.
+        ends["stop"][...] = np.where(
+            starts_at_corner(law, start), flights.OUT_OF_RANGE, ends["stop"]
+        )
         return Flights(
             Path(()),
             stops(ends, events),
@@ -302,6 +316,21 @@ class ManyCases(Cases[Any]):
     def conclude(self, outcome: Outcome) -> None:
         """See `Cases`."""
         self.table.outcome[self.rows] = OUTCOMES.index(outcome)
+
+    def land_in_space(self, launch: Any, frame: Any, start: Any, outcome: Outcome) -> None:
+        """See `Cases`. Each alone: what it may cross depends on where it curves to."""
+        for i, row in enumerate(self.rows):
+
+            def one(column: Array, i: int = i) -> Any:
+                return column[i].item()
+
+            case = OneCase(_mapped(one, self.scene), self.engine.flyer, self.model)
+            with contextlib.suppress(ArithmeticError):
+                land(case, _mapped(one, launch), outcome)
+                for name, value in case.answer.items():
+                    if name != "outcome":
+                        self.table.put(name, row, value)
+                self.table.outcome[row] = OUTCOMES.index(case.answer["outcome"])
 
     def with_restitution(self, restitution: float, table: Table) -> ManyCases:
         """Return the same cases with other balls, writing into another table."""

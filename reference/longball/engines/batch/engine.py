@@ -12,16 +12,18 @@ import numpy as np
 from longball.engines.batch import flights
 from longball.engines.batch.expansion import kernel
 from longball.engines.batch.flights import Records
-from longball.engines.batch.many import solve_all
+from longball.engines.batch.many import solve_as_data
 from longball.engines.batch.records import (
     STOPS,
     Bat,
     Start,
     approach_is_clear,
+    flies_in_lanes,
     general,
     noted,
     placed,
     records_of,
+    starts_at_corner,
     stops,
 )
 from longball.engines.contact import (
@@ -34,16 +36,19 @@ from longball.engines.contact import (
 )
 from longball.engines.engine import CannotSolve, ManyAtOnce, OutOfRange, TooLong, Touch
 from longball.engines.event import Event, Piece, past
+from longball.engines.ivp import Ivp
 from longball.engines.path import Flight, Path
 from longball.engines.polynomial import PolynomialPiece
 from longball.engines.series import recurrence
 from longball.model.law import Law, State
 from longball.model.numbers import DOUBLES, Doubles, Undecided, doubt
-from longball.model.result import Result
 from longball.model.scene import Scene
 from longball.model.trace import Program
 
 LOOSEST, TIGHTEST = 1e-4, 1e-14  # m
+
+# Who flies where the compiled code does not, one flight at a time.
+SCALAR = Ivp()
 
 
 @dataclass(frozen=True)
@@ -58,8 +63,7 @@ class OneFlight(Flight[float]):
 class Batch(ManyAtOnce):
     """Flights by Taylor series, compiled; many scenes go sixteen at a time.
 
-    `longball.engines.chain.solve` takes one scene; `longball.engines.batch.solve_all` takes many,
-    and gives the same bits.
+    `longball.engines.chain.solve` takes one scene; `solve_all` takes many, and gives the same bits.
 
     Attributes
     ----------
@@ -118,6 +122,8 @@ class Batch(ManyAtOnce):
         self, law: Law[float], start: State[float], events: Sequence[Event[float]], limit: float
     ) -> Flight[float]:
         """Fly until the first of several events; see `longball.engines.engine.Engine.fly`."""
+        if not flies_in_lanes(law) or starts_at_corner(law, start):
+            return SCALAR.fly(law, start, events, limit)
         launch = Start(0.0, start)
         flight = records_of(law, launch, events, limit, self.flight_error)
         end = self.fly_all(flight, general(law).program)
@@ -140,7 +146,8 @@ class Batch(ManyAtOnce):
         limit: float,
     ) -> Touch[float]:
         """Find how a pitch meets the bat; see `longball.engines.engine.Engine.touch`."""
-        assert isinstance(pitch, OneFlight)
+        if not isinstance(pitch, OneFlight):
+            return SCALAR.touch(pitch, law, bat, events, limit)
         start = pitch.approach if approach_is_clear(bat, pitch.state.z) else pitch.launch
         error = margin_error(bat, pitch.state.z, self.flight_error, DOUBLES)
         ends = [past(bat.frame, bat.reach, DOUBLES), *events]
@@ -157,9 +164,9 @@ class Batch(ManyAtOnce):
             raise CannotSolve(TURNS_VERTICAL)
         return Touch(margin, False)
 
-    def solve_all(self, scenes: Sequence[Scene], threads: int = 1) -> list[Result]:
-        """Solve scenes of any kinds; see `longball.engines.batch.solve_all`."""
-        return solve_all(scenes, self, threads)
+    def solve_as_data(self, scenes: Sequence[Scene], threads: int = 1) -> list[dict[str, Any]]:
+        """Solve scenes of any kinds; see `longball.engines.batch.solve_as_data`."""
+        return solve_as_data(scenes, self, threads)
 
     def fly_all(self, starts: Records, program: Program) -> Records:
         """Fly records of `flights.flight_dtype`; return their arrivals, in order."""
@@ -182,6 +189,8 @@ class Batch(ManyAtOnce):
         ends = [*way[1:, 0].tolist(), arrival["time"].item()]
         strengths = [flight[name].item() for name in program.parameters]
         for (begin, *state), end in zip(way.tolist(), ends, strict=True):
+            if begin == end:  # a step too short to be seen in the time
+                continue
             rows = [[0.0] * (self.order + 2) for _ in series.rows]
             for row, x in zip(rows, state, strict=False):
                 row[0] = x
@@ -190,6 +199,9 @@ class Batch(ManyAtOnce):
                 expand = series.function(DOUBLES.functions, at_rest)
                 expand(rows, self.order, *strengths)
             coefficients = np.array(rows[: len(program.variables)])
+            overflown = ~np.isfinite(coefficients).all(axis=0)
+            if overflown.any():  # close to rest; the step is so short that they do not matter
+                coefficients[:, overflown.argmax() :] = 0.0
             yield PolynomialPiece(begin, end - begin, law.state, coefficients)
 
 
@@ -224,8 +236,7 @@ def _require_answer(end: Records, flight: Records, events: Sequence[Event[Any]])
             raise inside_bat(reach + value, reach)
         case flights.TOO_LONG, _, _:
             raise TooLong(
-                f"the flight takes more than {flights.MOST_STEPS} steps, its steps shrink to "
-                "nothing where the ball all but comes to rest in the air, or an event of it has "
+                f"the flight takes more than {flights.MOST_STEPS} steps, or an event of it has "
                 "three roots in one"
             )
         case _:

@@ -36,9 +36,10 @@ Values = dict[Node, Value]
 WIDTH = 16
 
 # Rows of the block `step`, after those of the state at the end of the step: how long it is, s; when
-# it begins, s; 1 where nothing can happen on the way, else -1; how far each position can get from
-# where it was.
-LENGTH, TIME, CLEARANCE, RANGES = range(4)
+# it begins, s; how much later, s, by steps too short to be seen in that time; 1 where nothing can
+# happen on the way, else -1; the largest coordinate that the flight has had at a step; how far each
+# position can get from where it was.
+LENGTH, TIME, WAITED, CLEARANCE, FARTHEST, RANGES = range(6)
 
 NO_LIMIT = 1e300  # s, of a step
 
@@ -56,7 +57,7 @@ class Layout:
 
     @property
     def step(self) -> int:
-        """Block of the step: the state at its end, then LENGTH, TIME, CLEARANCE and RANGES."""
+        """Block of the step: the state at its end, then LENGTH, TIME and so on."""
         return self.parameters + 1
 
     @property

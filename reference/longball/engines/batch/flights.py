@@ -18,9 +18,11 @@ from numpy.typing import NDArray
 
 from longball.engines.batch.expansion import (
     CLEARANCE,
+    FARTHEST,
     LENGTH,
     RANGES,
     TIME,
+    WAITED,
     WIDTH,
     Kernel,
     aligned,
@@ -192,6 +194,7 @@ def _flown(
             lanes.ravel(),
             rest.ravel(),
             aligned(functions * (variables + 2) * WIDTH),
+            aligned(rows * WIDTH),
             np.zeros((variables + _SCRATCH) * width),
         ),
         np.zeros(WIDTH, np.int64),
@@ -231,6 +234,8 @@ class _Setup(NamedTuple):
         The same for one flight at rest.
     linear
         Linear functions of the flights in the lanes: waypoint and events, with absolute errors.
+    kept
+        The block of the step, while a lane of it is made anew.
     work
         Polynomials of the state of one flight in its step, and of the bat's distance after them.
     p, slope, bend
@@ -256,6 +261,7 @@ class _Setup(NamedTuple):
     rest_strengths: Any
     rest_block: int
     linear: Any
+    kept: Any
     work: Any
     p: Any
     slope: Any
@@ -284,7 +290,7 @@ def _fly_all(
     truncation: float,
     records: tuple[Array, Array, NDArray[np.int64]],
     record_sizes: tuple[int, int, int],
-    memory: tuple[Array, Array, Array, Array],
+    memory: tuple[Array, Array, Array, Array, Array],
     numbers: NDArray[np.int64],
     steps: Array,
     recorded: int,
@@ -292,7 +298,7 @@ def _fly_all(
     variables, parameters, functions, order, rows, width = sizes
     flight_size, arrival_size, count = record_sizes
     x, rest = unowned_view(memory[0]), unowned_view(memory[1])
-    work = unowned_view(memory[3])
+    work = unowned_view(memory[4])
     scratch = shifted(work, variables * width)
     s = _Setup(
         variables // 2,
@@ -312,6 +318,7 @@ def _fly_all(
         shifted(rest, code[2]),
         rows,
         unowned_view(memory[2]),
+        unowned_view(memory[3]),
         work,
         scratch,
         shifted(scratch, width),
@@ -323,6 +330,7 @@ def _fly_all(
     starts, ends = unowned_view(records[0]), unowned_view(records[1])
     marks, active, way = unowned_view(records[2]), unowned_view(numbers), unowned_view(steps)
     time_row, length_row = (variables + TIME) * WIDTH, (variables + LENGTH) * WIDTH
+    waited_row, farthest_row = (variables + WAITED) * WIDTH, (variables + FARTHEST) * WIDTH
     clearance_row = (variables + CLEARANCE) * WIDTH
     for lane in range(WIDTH):
         active[lane] = _NONE
@@ -345,6 +353,9 @@ def _fly_all(
             return
         call(code[0], (x, s.linear, order, rows, functions, truncation))
         for lane in range(WIDTH):
+            if active[lane] != _NONE and _overflows(s, lane, order):
+                _expand_shorter(s, code[0], rows, lane)
+        for lane in range(WIDTH):
             i = active[lane]
             if i == _NONE:
                 continue
@@ -354,6 +365,9 @@ def _fly_all(
                 shifted(marks, i * arrival_size),
                 lane,
             )
+            if _overflows(s, lane, order):
+                slot.mark[_STOP], active[lane] = OUT_OF_RANGE, _NONE
+                continue
             time, length = s.step[time_row + lane], s.step[length_row + lane]
             if slot.mark[_STEPS] < recorded:
                 row = shifted(way, slot.mark[_STEPS] * (variables + 1))
@@ -361,6 +375,10 @@ def _fly_all(
                 for k in range(variables):
                     row[1 + k] = x[k * s.block + lane]
             slot.mark[_STEPS] += 1
+            for k in range(s.half):
+                coordinate = abs(x[k * s.block + lane])
+                if coordinate > s.step[farthest_row + lane]:
+                    s.step[farthest_row + lane] = coordinate
             if (
                 s.step[clearance_row + lane] > 0.0
                 and time + length < slot.flight[_LIMIT]
@@ -373,7 +391,10 @@ def _fly_all(
                 if slot.mark[_STOP] < 0:
                     for k in range(variables):
                         x[k * s.block + lane] = s.state[k]
-            s.step[time_row + lane] = time + length
+            # Where a ball all but rests its steps are shorter than the spacing of times.
+            waited = s.step[waited_row + lane] + length
+            s.step[time_row + lane] = time + waited
+            s.step[waited_row + lane] = waited if time + waited == time else 0.0
             total = 0.0
             for k in range(variables):
                 total += x[k * s.block + lane]
@@ -381,7 +402,7 @@ def _fly_all(
                 active[lane] = _NONE
             elif not math.isfinite(total):
                 slot.mark[_STOP], active[lane] = OUT_OF_RANGE, _NONE
-            elif time + length == time or slot.mark[_STEPS] >= MOST_STEPS:
+            elif length == 0.0 or slot.mark[_STEPS] >= MOST_STEPS:
                 slot.mark[_STOP], active[lane] = TOO_LONG, _NONE
 
 
@@ -396,6 +417,8 @@ def _launch(s: _Setup, slot: _Slot) -> None:
     arrival[_DOUBT] = 0.0
     arrival[_END] = marked[0] = flight[_TIME]
     s.step[(s.variables + TIME) * WIDTH + lane] = flight[_TIME]
+    s.step[(s.variables + WAITED) * WIDTH + lane] = 0.0
+    s.step[(s.variables + FARTHEST) * WIDTH + lane] = 0.0
     source = shifted(flight, _STATE)
     for k in range(s.variables):
         s.x[k * s.block + lane] = arrival[_END + 1 + k] = marked[1 + k] = source[k]
@@ -414,6 +437,39 @@ def _launch(s: _Setup, slot: _Slot) -> None:
         marked[0] = math.nan
     else:
         s.linear[s.variables * WIDTH + lane] = math.inf
+
+
+@inner
+def _overflows(s: _Setup, lane: int, order: Integer) -> bool:
+    """Tell whether the expansion of a moving ball to an order leaves the range of doubles."""
+    total, moves = 0.0, False
+    for i in range(s.half, s.variables):
+        row = shifted(s.x, i * s.block + lane)
+        total += abs(row[order * WIDTH]) + abs(row[(order - 1) * WIDTH])
+        moves = moves or row[0] != 0.0
+    return moves and not math.isfinite(total)
+
+
+@inner
+def _expand_shorter(s: _Setup, step: int, rows: int, lane: int) -> None:
+    """Make the step of a lane anew, of an order at which its coefficients do not overflow.
+
+    Close to rest they grow like the powers of 1/V. Of the other lanes the same coefficients come
+    out, as many as are computed, but the block of the step is of the lower order.
+    """
+    for k in range(rows * WIDTH):
+        s.kept[k] = s.step[k]
+    order = s.order
+    while order > 4 and _overflows(s, lane, order):
+        order //= 2
+        call(step, (s.x, s.linear, order, rows, s.functions, s.truncation))
+    for k in range(rows * WIDTH):
+        if k % WIDTH != lane:
+            s.step[k] = s.kept[k]
+    if not _overflows(s, lane, order):
+        for i in range(s.variables):
+            for k in range(order + 1 + (i < s.half), s.degree + 1):
+                s.x[i * s.block + k * WIDTH + lane] = 0.0
 
 
 @inner
@@ -525,7 +581,12 @@ def _settle(s: _Setup, slot: _Slot, time: float, length: float) -> float:
     if near_bat and doubtful == _NONE and _meets_bat(s, slot, time, end, stop >= 0):
         return end
     _evaluate(s, end)
-    if stop >= 0:
+    total = 0.0
+    for k in range(s.variables):
+        total += s.state[k]
+    if stop >= 0 and not math.isfinite(total):
+        mark[_STOP] = OUT_OF_RANGE
+    elif stop >= 0:
         _note(s, shifted(arrival, _END), flight[_LIMIT] if stop == TIME_LIMIT else time + end)
         mark[_EVENT], arrival[_DOUBT] = doubtful, doubt
         if not near_bat and doubtful == _NONE and end > 0.0:
@@ -625,12 +686,40 @@ def _rises(p: Any, degree: int) -> bool:
     return False
 
 
+# Relative, of the largest coordinate: a flight that comes back to the ground from a height keeps
+# that height's roundings, as in `longball.engines.event`; of sums in another order, twice as many.
+_ROUNDING = 8 * 2.0**-53
+# Of the time limit: where an event is fallen through so slowly that this matters, it is undecided.
+_SOON = 1e-9
+
+
+@inner
+def _rounding(s: _Setup, number: Integer, lane: int) -> float:
+    """Return what the value of a linear function keeps of the roundings of coordinates."""
+    function = shifted(s.linear, number * (s.variables + 2) * WIDTH + lane)
+    total = 0.0
+    for k in range(s.half):
+        total += abs(function[k * WIDTH])
+    return float(_ROUNDING * total * s.step[(s.variables + FARTHEST) * WIDTH + lane])
+
+
+@inner
+def _rate(s: _Setup, number: Integer, lane: int) -> float:
+    """Return how fast coordinates change the value of a linear function."""
+    function = shifted(s.linear, number * (s.variables + 2) * WIDTH + lane)
+    total = 0.0
+    for k in range(s.half):
+        total += function[k * WIDTH] * s.state[s.half + k]
+    return abs(total)
+
+
 @inner
 def _decide(s: _Setup, slot: _Slot, stop: int) -> None:
     """Mark an end as undecided if another event, or the time limit, may be as early."""
     flight, arrival, mark, lane = slot
     for number in range(s.functions - 1):
         error = s.linear[((number + 2) * (s.variables + 2) - 1) * WIDTH + lane]
+        error = max(error, _rounding(s, number + 1, lane))
         height = _height(s, number + 1, lane, s.state)
         if number != stop and abs(height) <= error:
             arrival[_DOUBT] = height
@@ -639,8 +728,11 @@ def _decide(s: _Setup, slot: _Slot, stop: int) -> None:
             else:
                 mark[_STOP], mark[_EVENT], mark[_RIVAL] = UNDECIDED_FIRST, stop, number
             return
-    left = flight[_LIMIT] - arrival[_END]
-    if stop != TIME_LIMIT and left <= flight[_ERROR] * flight[_LIMIT]:
+    if stop == TIME_LIMIT:
+        return
+    left, late = flight[_LIMIT] - arrival[_END], flight[_ERROR] * flight[_LIMIT]
+    rate, rounding = _rate(s, stop + 1, lane), _rounding(s, stop + 1, lane)
+    if left <= late or (left <= _SOON * flight[_LIMIT] and left * rate < rounding):
         mark[_STOP], mark[_EVENT], arrival[_DOUBT] = UNDECIDED_IN_TIME, stop, left
 
 

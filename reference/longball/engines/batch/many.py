@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from itertools import compress
 from operator import attrgetter
@@ -24,11 +24,13 @@ from longball.engines.batch.columns import (
     Table,
     select,
 )
-from longball.engines.chain import BLOCKS, MODEL, Model
+from longball.engines.chain import BLOCKS, DISCRETE, MODEL, Model
 from longball.model import quantities
+from longball.model.air import BilinearLift, WindAbove
+from longball.model.air import Table as AirTable
 from longball.model.readings import Reading
-from longball.model.result import Outcome, Result
-from longball.model.scene import AtBatScene, Scene
+from longball.model.result import Outcome
+from longball.model.scene import AtBatScene, FlightScene, ImpactScene, Scene
 
 Array = NDArray[np.float64]
 
@@ -75,7 +77,23 @@ def solve_columns(
     refuse is not found out.
     """
     n, view = _view(scene, columns)
-    return _named(_solve(scene.kind, n, view, engine or _batch(), threads, model))
+    flyer = engine or _batch()
+    if not _is_extended(scene):
+        return _named(_solve(scene.kind, n, view, flyer, threads, model))
+    table = Table(n)
+    if _flies_in_lanes(scene):
+        # What is zero is not computed: the rows of a law are those with the same zeros.
+        zeros = np.array([np.asarray(column) == 0.0 for column in columns.values()])
+        _, kinds = np.unique(zeros.reshape(len(columns), n), axis=1, return_inverse=True)
+        for kind in np.unique(kinds):
+            some = kinds == kind
+            rows = np.flatnonzero(some)
+            part = _solve(scene.kind, len(rows), select(view, some), flyer, threads, model)
+            table.outcome[rows] = part.outcome
+            for name, column in part.columns.items():
+                table.put(name, rows, column)
+    _solve_the_rest(table, scene, columns, flyer, model)
+    return _named(table)
 
 
 def solve_columns_with_restitutions(
@@ -91,6 +109,9 @@ def solve_columns_with_restitutions(
     """
     n, view = _view(scene, columns)
     flyer = engine or _batch()
+    if _is_extended(scene):
+        balls = [quantities.replaced(scene, {"ball.restitution": e}) for e in restitutions]
+        return [solve_columns(ball, columns, flyer, threads) for ball in balls]
     tables = [Table(n) for _ in restitutions]
 
     def solve_block(rows: slice) -> None:
@@ -105,6 +126,52 @@ def solve_columns_with_restitutions(
 
     _in_blocks(solve_block, n, threads)
     return [_named(table) for table in tables]
+
+
+def _is_extended(scene: Scene) -> bool:
+    """Tell whether a ball flies under more than the paper's forces.
+
+    Friction gives a batted ball a spin.
+    """
+    if isinstance(scene, ImpactScene) or scene.air is None:
+        return False
+    if isinstance(scene, AtBatScene) and scene.bat.friction is not None:
+        return True
+    thrown: Any = scene.launch if isinstance(scene, FlightScene) else scene.pitch
+    air = scene.air
+    further = (
+        *(thrown.spin, getattr(thrown, "speed", 0.0) and getattr(thrown, "velocity", None)),
+        *(scene.earth, air.wind, air.spin_decay_length, air.density_scale_height),
+    )
+    laws = air.drag_coefficient, air.lift_coefficient, air.density
+    return any(x is not None for x in further) or any(isinstance(x, BaseModel) for x in laws)
+
+
+def _flies_in_lanes(scene: Scene) -> bool:
+    """Tell whether the compiled code flies the balls of an extended scene."""
+    if isinstance(scene, ImpactScene) or scene.air is None:
+        return True
+    air = scene.air
+    pieces = (air.drag_coefficient, air.lift_coefficient, air.wind)
+    smooth = not any(isinstance(x, AirTable | BilinearLift | WindAbove) for x in pieces)
+    return smooth and air.spin_decay_length is None and scene.gravity > 0.0
+
+
+def _solve_the_rest(
+    table: Table, scene: Scene, columns: Mapping[str, ArrayLike], flyer: Any, model: Model
+) -> None:
+    """Solve the scenes that have no answer one at a time."""
+    values = [np.asarray(column).tolist() for column in columns.values()]
+    for i in np.flatnonzero(table.outcome == UNSOLVED).tolist():
+        one = quantities.replaced(
+            scene, {name: column[i] for name, column in zip(columns, values, strict=True)}
+        )
+        result = chain.solve(one, flyer, model)
+        if result.outcome is not None:
+            table.outcome[i] = OUTCOMES.index(result.outcome)
+        for name, value in quantities.flat(result.data()):
+            if "." in name:  # of a block
+                table.put(name, i, value)
 
 
 def _batch() -> BatchFlyer:
@@ -158,30 +225,25 @@ def _named(table: Table) -> dict[str, NDArray[Any]]:
     return {"outcome": names[table.outcome]} | table.columns
 
 
-def solve_all(
-    scenes: Iterable[Scene], engine: BatchFlyer | None = None, threads: int = 1
-) -> list[Result]:
-    """Return the results of scenes of any kinds, in order, as `longball.engines.chain.solve`."""
-    solver: Any = engine or _batch()
-    scenes = list(scenes)
+def solve_as_data(scenes: Sequence[Scene], solver: Any, threads: int = 1) -> list[dict[str, Any]]:
+    """Return the results of scenes of any kinds, in order, as plain data."""
     alike: defaultdict[tuple[Any, ...], list[int]] = defaultdict(list)
     for i, scene in enumerate(scenes):
-        alike[_structure(scene)].append(i)
-    results: dict[int, Result] = {}
+        alike[*_structure(scene), *_zeros(scene, i)].append(i)
+    results: dict[int, dict[str, Any]] = {}
     for places in alike.values():
         if len(places) < FEW:
-            results |= {i: chain.solve(scenes[i], solver) for i in places}
+            results |= {i: chain.solve(scenes[i], solver).data() for i in places}
             continue
         same = [scenes[i] for i in places]
         _, view = _view(same[0], _columns_of(same))
         table = _solve(same[0].kind, len(places), view, solver, threads)
         for i, (outcome, parts) in zip(places, _rows(table), strict=True):
             if outcome is None:
-                results[i] = chain.solve(scenes[i], solver)  # for the reason
+                results[i] = chain.solve(scenes[i], solver).data()  # for the reason
             else:
-                results[i] = Result(
-                    id=scenes[i].id, outcome=outcome, engine=solver.description, **parts
-                )
+                head = {"id": scenes[i].id, "outcome": outcome}
+                results[i] = {**head, **parts, "engine": solver.description}
     return [results[i] for i in range(len(scenes))]
 
 
@@ -196,13 +258,31 @@ def _structure(scene: Any) -> tuple[Any, ...]:
         (incoming, "spin"),
     )
     absent = tuple(getattr(block, key, None) is None for block, key in named)
-    return type(scene), scene.reading, getattr(bat, "support", None), absent
+    kind, fence = type(scene), getattr(scene, "fence", None)
+    return kind, scene.reading, getattr(bat, "support", None), fence, absent
+
+
+def _zeros(scene: Scene, place: int) -> tuple[Any, ...]:
+    """Return which laws an extended scene names, and which of its numbers are zero.
+
+    What is zero is not computed. A scene that the compiled code does not fly is alike no other.
+    """
+    if not _is_extended(scene):
+        return ()
+    if not _flies_in_lanes(scene):
+        return (place,)
+    air: Any = getattr(scene, "air", None)
+    laws = (getattr(air, key, None) for key in ("drag_coefficient", "lift_coefficient"))
+    zeros = ((name, value == 0.0) for name, value in quantities.numbers(scene))
+    return *(getattr(law, "law", "") for law in laws), *zeros
 
 
 def _columns_of(scenes: list[Scene]) -> dict[str, Array]:
     """Return the numbers of scenes of one structure."""
     columns: dict[str, Array] = {}
     for way in dict.fromkeys(name.partition("[")[0] for name, _ in quantities.numbers(scenes[0])):
+        if way.startswith("fence."):
+            continue  # the same in all
         values = np.array([*map(attrgetter(way), scenes)], np.float64)
         if values.ndim == 1:
             columns[way] = values
@@ -244,13 +324,19 @@ def _in_blocks(solve_block: Callable[[slice], None], count: int, threads: int) -
 
 def _rows(table: Table) -> Iterator[tuple[Outcome | None, dict[str, Any]]]:
     """Yield the table's rows as outcomes (None: no answer) and parts of results."""
-    found: dict[str, dict[str, list[Array]]] = {block: {} for block in BLOCKS}
+    found: dict[str, dict[str, list[Array]]] = {
+        name: {key: [] for key in block.model_fields} for name, block in BLOCKS.items()
+    }
     for name, column in table.columns.items():
         part, quantity = name.partition("[")[0].split(".")
-        found[part].setdefault(quantity, []).append(column)
-    parts = {name: _part(name, columns) for name, columns in found.items() if columns}
+        found[part][quantity].append(column)
+    parts = {
+        name: _part(name, {key: columns for key, columns in block.items() if columns})
+        for name, block in found.items()
+        if any(block.values())
+    }
     for i, outcome in enumerate(table.outcome.tolist()):
-        known = {name: rows[i] for name, rows in parts.items()}
+        known = {name: row for name, rows in parts.items() if (row := rows[i])}
         yield None if outcome == UNSOLVED else OUTCOMES[outcome], known
 
 
@@ -259,21 +345,26 @@ def _known(column: NDArray[Any]) -> NDArray[np.bool_]:
     return found
 
 
-def _part(name: str, columns_of: dict[str, list[Array]]) -> list[Any]:
-    """Return a part of each row's result, or None where the row has none of its columns_of."""
+def _part(name: str, columns_of: dict[str, list[Array]]) -> list[dict[str, Any]]:
+    """Return a part of each row's result: what it has of its quantities."""
     known = zip(*(_known(columns[0]).tolist() for columns in columns_of.values()), strict=True)
     values = zip(
         *(
             zip(*(column.tolist() for column in columns), strict=True)
             if len(columns) > 1
-            else columns[0].tolist()
-            for columns in columns_of.values()
+            else _values(f"{name}.{key}", columns[0])
+            for key, columns in columns_of.items()
         ),
         strict=True,
     )
     return [
-        BLOCKS[name](**dict(compress(zip(columns_of, row, strict=True), there)))
-        if any(there)
-        else None
+        dict(compress(zip(columns_of, row, strict=True), there))
         for row, there in zip(values, known, strict=True)
     ]
+
+
+def _values(name: str, column: NDArray[Any]) -> list[Any]:
+    """Return the values of a quantity, whose columns hold doubles even if it is none."""
+    values: list[Any] = column.tolist()
+    kind = DISCRETE.get(name)
+    return [x if x != x else kind(x) for x in values] if kind else values

@@ -15,7 +15,8 @@ from longball.engines.batch import flights
 from longball.engines.batch.flights import Records, new_flights
 from longball.engines.contact import BatSection
 from longball.engines.event import Event
-from longball.model.law import FORCES, Law, State, law_with
+from longball.model.force import cross
+from longball.model.law import FORCES, PAPER, Law, State, law_with
 
 # m before the plate: a pitch is expanded anew there, and the search for the bat starts there. A
 # pitch crosses that distance in 8 ms, well within one step, and the square of the distance to the
@@ -28,6 +29,8 @@ STOPS: Mapping[str, int] = {
     "plate": 1,
     "vertical": 2,
     "past": 3,
+    "fence": 4,
+    "fence_behind": 5,
     "time": flights.TIME_LIMIT,
 }
 
@@ -39,16 +42,54 @@ class Start(NamedTuple):
     state: State[Any]
 
 
+def flies_in_lanes(law: Law[Any]) -> bool:
+    """Tell whether the compiled code flies under a law.
+
+    Not where the law has several forms, or a state has a path besides positions and velocities;
+    nor where nothing keeps a ball from going straight on, to where it comes to rest in a wind.
+    """
+    if law.bends or "path" in law.program.variables:
+        return False
+    return not _is_extended(law) or law.gravity is not None
+
+
+def _is_extended(law: Law[Any]) -> bool:
+    return not set(law.forces).isdisjoint(FORCES[len(PAPER) :])
+
+
+def starts_at_corner(law: Law[Any], start: State[Any]) -> Any:
+    """Tell which flights of the extended model start where lift or drag has a corner.
+
+    Straight up or down through the air, or along their spin.
+    """
+    if not _is_extended(law):
+        return np.False_
+    wind = [law.strengths.get(f"wind_{name}", 0.0) for name in "syz"]
+    u, v, w = (
+        velocity - drift
+        for velocity, drift in zip((start.u, getattr(start, "v", 0.0), start.w), wind, strict=True)
+    )
+    corner = (u == 0.0) & (v == 0.0)
+    if "spin" in law.strengths:
+        spin = [law.strengths.get(f"spin_{name}", 0.0) for name in "syz"]
+        across = cross((spin[0], spin[1], spin[2]), (u, v, w))
+        corner = corner | ((across[0] == 0.0) & (across[1] == 0.0) & (across[2] == 0.0))
+    return corner
+
+
 def general(law: Law[Any]) -> Law[Any]:
     """Return a law with all of the paper's forces, those that do not act with strength 0.
 
-    So that the same compiled code serves all of the paper's scenes.
+    So that the same compiled code serves all of the paper's scenes. A law of the extended model is
+    as it is.
     """
-    paper = {name: 0.0 for force in FORCES for name in force.parameters}
-    absent = [f for f in FORCES if not any(name in law.strengths for name in f.parameters)]
+    if _is_extended(law):
+        return law
+    paper = {name: 0.0 for force in PAPER for name in force.parameters}
+    absent = [f for f in PAPER if not any(name in law.strengths for name in f.parameters)]
     forces = [*law.forces, *absent]
-    order = {force: place for place, force in enumerate(FORCES)}
-    forces.sort(key=lambda force: order.get(force, len(FORCES)))
+    order = {force: place for place, force in enumerate(PAPER)}
+    forces.sort(key=lambda force: order.get(force, len(PAPER)))
     return law_with({**paper, **law.strengths}, tuple(forces))
 
 

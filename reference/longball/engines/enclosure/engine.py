@@ -33,8 +33,12 @@ _ORDER_PER_BIT = 0.35
 _SHORTER = 0.95
 _MOST_TRIALS = 1000
 
-# A flight of a minute has a hundred steps, one that loops with strong lift some thousand.
-_MOST_STEPS = 10_000
+# Of a step: at its beginning the series is exact, and only uncertain parameters make a defect.
+_INSTANT = 2.0**-20
+
+# Work of a flight: steps, each of which costs as the square of its order. A flight of a minute has
+# a hundred steps; the limit is 3,600 of 30 digits, 700 of 90: at some 3 and 10 ms, ten seconds.
+_MOST_WORK = 12_000_000
 
 # Bounds need few digits, unlike what they are bounds of.
 _BITS_OF_BOUNDS = 64
@@ -76,6 +80,7 @@ class _Steps:
         structure = system.structure
         core = [getattr(start, name) for name in structure.core.variables]
         self._core = start_of(core, arb(0), structure.weights)
+        self._floor = _is_uncertain(system, bits)
         # What a rounding of the launch's speed is, is no speed.
         self._negligible = _speed(self._core, structure) * arb(2) ** -bits
 
@@ -83,7 +88,7 @@ class _Steps:
         """Take a step from a state, the one that the step before ended with."""
         system, structure = self._system, self._system.structure
         core = brought_to_rest(self._core, structure, self._negligible)
-        motion = proven(system, core, self._limit - begin, self._bits)
+        motion = proven(system, core, self._limit - begin, self._bits, self._floor)
         families: dict[str, Any] = {}
         for name, weight, p in zip(
             structure.core.variables, structure.weights, motion.polynomials, strict=True
@@ -128,16 +133,27 @@ def brought_to_rest(core: Start, structure: Structure, negligible: arb) -> Start
     return Start(still, (core.error + speed).upper())
 
 
-def proven(system: System, core: Start, left: arb, bits: int) -> Motion:
+def _is_uncertain(system: System, bits: int) -> bool:
+    """Tell whether a parameter is off by more than roundings, as the spin after an impact is."""
+    return any(
+        x.rad() > abs(x.mid()) * arb(2) ** -bits * _TOLERANCE
+        for node, x in system.static.items()
+        if node.kind == "parameter"
+    )
+
+
+def proven(system: System, core: Start, left: arb, bits: int, has_floor: bool = False) -> Motion:
     """Take a step that keeps its error to a few roundings.
 
     Parameters
     ----------
     left
         How much of the flight is left, s; the step is shorter, or at least as long.
+    has_floor
+        Whether parameters are so uncertain that no step, however short, is that good.
     """
     structure = system.structure
-    order = math.ceil(_ORDER_PER_BIT * bits)
+    order = _order(bits)
     series = _series(system, core, order)
     polynomials = {node: arb_poly([arb(c).mid() for c in row]) for node, row in series.items()}
     motion = tuple(polynomials[variable(name)] for name in structure.core.variables)
@@ -148,8 +164,15 @@ def proven(system: System, core: Start, left: arb, bits: int) -> Motion:
         tolerance = _TOLERANCE * arb(2) ** -bits
         guess = arb(_guess(motion, guarded, structure.weights, order, tolerance))
         first = guess if guess < left else longest
-        h, missed = _length(motion, defect, structure.weights, first, tolerance)
+        floor = arb(0)
+        if has_floor:
+            floor = 2 * lemmas.norm(defect.bounds(first * _INSTANT), structure.weights)
+        h, missed = _length(motion, defect, structure.weights, first, tolerance, floor)
         return Motion(motion, h, *_error(system, motion, core.error, missed, h))
+
+
+def _order(bits: int) -> int:
+    return math.ceil(_ORDER_PER_BIT * bits)
 
 
 def _length(
@@ -158,6 +181,7 @@ def _length(
     weights: Sequence[float],
     first: arb,
     tolerance: arb,
+    floor: arb,
 ) -> tuple[arb, arb]:
     """Return a time, s, in which the defect does little, and the norm of the defect till then.
 
@@ -167,27 +191,37 @@ def _length(
         The time to try first.
     tolerance
         What the defect may do, relative to the state.
+    floor
+        How large the defect may be besides.
     """
     size = lemmas.norm([p[0] for p in motion], weights)
     change = lemmas.norm([p[1] for p in motion], weights)
+    # What parameters that are not exact do, such as the spin of a batted ball, no step avoids.
+    floor = 2 * lemmas.norm(defect.bounds(arb(0)), weights)
+    if not floor * first > tolerance * size:
+        floor = arb(0)
     h = first
     for _ in range(_MOST_TRIALS):
         missed = lemmas.norm(defect.bounds(h), weights)
-        if missed * h <= tolerance * (size + change * h):
+        if missed * h <= tolerance * (size + change * h) + floor * h:
             return h, missed
         h = (h * _SHORTER).mid()
-    raise OutOfRange("the forces are so strong that no step can be proven")
+    raise OutOfRange(
+        "no step can be proven: the forces are too strong; or the ball is all but at rest in the "
+        "air, or its spin all but parallel to its velocity, so that lift or drag have a corner"
+    )
 
 
 def _series(system: System, core: Start, order: int) -> dict[Node, list[arb]]:
     """Return the Taylor coefficients; of a ball that stays at rest, only the first."""
-    structure = system.structure
-    at_rest = bool(structure.resting) and _speed(core, structure) == 0
-    if at_rest:
-        few = system.series(core.state, 1, at_rest)
-        rates = (few[variable(structure.core.variables[n])][1] for n in structure.resting)
+    if not system.roots:
+        return system.series(core.state, order, at_rest=False)
+    few = system.series(core.state, 1, at_rest=True)
+    if any(few[root][0] == 0 and few[root][1] == 0 for root in system.roots):
+        rates = (few[variable(name)][1] for name in system.structure.core.variables)
         if all(rate == 0 for rate in rates):
             return few
+    at_rest = any(few[root][0] == 0 for root in system.roots)
     return system.series(core.state, order, at_rest)
 
 
@@ -294,7 +328,8 @@ class Enclosure(PathEngine[arb]):
         balls = self.numbers
         with balls.arithmetic():
             steps = _Steps(System(law, balls), start, limit, balls.bits)
-        for _ in range(_MOST_STEPS):
+        most = _MOST_WORK // _order(balls.bits) ** 2
+        for _ in range(most):
             with balls.arithmetic():
                 piece = steps.next(begin, start)
                 begin, start = begin + piece.length, piece.at(piece.length)
@@ -302,6 +337,6 @@ class Enclosure(PathEngine[arb]):
             if not begin < limit:
                 return
         raise TooLong(
-            f"the flight takes more than {_MOST_STEPS} steps; the first {float(begin):.3g} s of it "
+            f"the flight takes more than {most} steps; the first {float(begin):.3g} s of it "
             "can be had by a lower time_limit"
         )

@@ -98,6 +98,8 @@ class System:
         Of the law's program.
     static
         Values of the nodes that depend on parameters alone.
+    rows, roots
+        The nodes of which there are series, and the sizes of vectors among them.
     """
 
     def __init__(self, law: Law[arb], balls: Balls) -> None:
@@ -110,6 +112,7 @@ class System:
         self._jacobian = self.structure.jacobian.bind(law.strengths, balls.functions)
         self._recurrence = recurrence(core)
         self.rows = self._recurrence.rows
+        self.roots = self._recurrence.roots
 
     def series(self, start: Sequence[arb], order: int, at_rest: bool) -> dict[Node, list[arb]]:
         """Return the Taylor coefficients of variables and other nodes, from a state of the core."""

@@ -1,0 +1,252 @@
+"""Random scenes for studies and tests, as they are written: any kind, any size, close calls.
+
+`FAMILIES` are functions of a kind and a generator. `baseball` is what one meets on a field; `wide`
+goes far beyond it; `extreme` has sizes from 1e-30 to 1e30; `close` has what is hard to tell: balls
+that graze the bat, the ground or the bat's end, ties with the time limit, verticals, bat and ball
+that hardly approach each other.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable
+from typing import Any, get_args
+
+import numpy as np
+from pydantic import ValidationError
+
+from longball.engines import create
+from longball.engines.chain import solve
+from longball.model.block import LARGEST, SMALLEST
+from longball.model.readings import Reading
+from longball.model.scene import KINDS, Scene
+
+Written = dict[str, Any]
+Generator = np.random.Generator
+
+
+def size(generator: Generator, low: float, high: float) -> float:
+    """Return a positive number whose logarithm is uniform."""
+    return math.exp(generator.uniform(math.log(low), math.log(high)))
+
+
+def size_or_nothing(generator: Generator, low: float, high: float) -> float:
+    """Return one, or 0 in one of ten cases."""
+    return 0.0 if generator.random() < 0.1 else size(generator, low, high)
+
+
+def random_reading(generator: Generator) -> dict[str, str]:
+    """Return an option of every switch that scenes have."""
+    reading: dict[str, str] = {
+        name: generator.choice(get_args(field.annotation)).item()
+        for name, field in Reading.model_fields.items()
+    }
+    if reading["bat_ball_restitution"] == "plain":
+        reading["reduced_mass"] = "bat_mass"
+    return reading
+
+
+def baseball(kind: str, generator: Generator) -> Written:
+    """Return a scene of the paper's kind, under any reading."""
+    scene: Written = {"id": "baseball", "kind": kind, "reading": random_reading(generator)}
+    swing = {
+        "angular_speed": generator.uniform(20.0, 45.0),
+        "tilt": generator.uniform(0.0, 0.3),
+    }
+    if kind == "impact":
+        velocity = [generator.uniform(-50.0, -20.0), generator.normal(), generator.normal(0.0, 3.0)]
+        return scene | {"swing": swing, "incoming": touching(generator, 0.0366, 0.033, velocity)}
+    if kind == "flight":
+        speed, rise = generator.uniform(5.0, 60.0), generator.uniform(-0.5, 1.5)
+        level, heading = speed * math.cos(rise), generator.uniform(-3.1, 3.1)
+        velocity = [
+            level * math.cos(heading),
+            level * math.sin(heading),
+            speed * math.sin(rise),
+        ]
+        return scene | {
+            "launch": {"position": [0.0, 0.0, size(generator, 0.04, 3.0)], "velocity": velocity}
+        }
+    scene["pitch"] = {
+        "speed": generator.normal(37.0, 3.0),
+        "aim": [generator.normal(0.0, 0.2), generator.normal(1.8, 0.2)],
+    }
+    if kind == "at-bat":
+        scene["swing"] = swing | {"height_offset": generator.normal(0.0, 0.03)}
+    return scene
+
+
+def wide(kind: str, generator: Generator) -> Written:
+    """Return a scene with sizes far beyond baseball."""
+    return _sized(kind, generator, 1.0)
+
+
+def extreme(kind: str, generator: Generator) -> Written:
+    """Return a scene some of whose numbers have any size that a scene may have."""
+    scene = _sized(kind, generator, generator.choice([0.3, 3.0, 10.0]))
+    for _ in range(generator.integers(0, 4)):
+        block, key = _numbers(scene)[generator.integers(len(_numbers(scene)))]
+        block[key] = math.copysign(size(generator, SMALLEST, LARGEST), block[key])
+    if kind == "impact":
+        ball, bat, incoming = scene["ball"], scene["bat"], scene["incoming"]
+        scene["incoming"] = touching(generator, ball["radius"], bat["radius"], incoming["velocity"])
+    if generator.random() < 0.3:
+        scene["time_limit"] = size(generator, 1e-6, 1e4)
+    return scene
+
+
+def close(kind: str, generator: Generator) -> Written:
+    """Return a scene with a question that is hard to decide."""
+    scene = baseball(kind, generator)
+    nudge = generator.choice([0.0, 1.0, -1.0]) * size(generator, 1e-17, 1e-6)
+    match kind, generator.integers(3):
+        case "impact", 0:  # the bat's end
+            scene["incoming"]["position"][1] = float(generator.choice([-0.5, 0.5])) + nudge
+        case "impact", 1:  # hardly approaching
+            incoming = scene["incoming"]
+            arm = 0.5 - incoming["position"][1]
+            swing = scene["swing"]
+            moving = [swing["angular_speed"] * arm * math.cos(swing["tilt"]), 0.0, 0.0]
+            x, z = incoming["position"][0], incoming["position"][2] - incoming["bat_height"]
+            along = generator.normal(0.0, 20.0)
+            incoming["velocity"] = [
+                moving[0] - along * z / 0.0696 + nudge,
+                0.0,
+                moving[2] + along * x / 0.0696,
+            ]
+        case "flight", 0:  # to be at rest in the air, or all but so
+            scene["launch"]["velocity"] = [nudge, 0.0, generator.choice([0.0, 10.0])]
+        case "flight", 1:  # level over the ground
+            scene["launch"] = {
+                "position": [0.0, 0.0, 0.0366 * (1.0 + abs(nudge))],
+                "velocity": [generator.uniform(1.0, 60.0), 0.0, generator.choice([0.0, nudge])],
+            }
+        case "pitch" | "flight", _:  # ends with the time limit
+            scene["time_limit"] = _duration(scene) * (1.0 + nudge)
+        case "at-bat", 0:  # grazes the bat
+            scene["swing"]["height_offset"] = 0.0
+            margin = _quantity(scene, "contact", "margin")
+            if margin is not None:
+                sign = float(generator.choice([-1.0, 1.0]))
+                scene["swing"]["height_offset"] = sign * (0.0696 + nudge)
+        case "at-bat", 1:  # the bat's end
+            position = _quantity(scene, "contact", "position")
+            if position is not None:
+                scene["pitch"]["aim"][0] += 0.5 + nudge - position[1]
+    return scene
+
+
+FAMILIES: dict[str, Callable[[str, Generator], Written]] = {
+    "baseball": baseball,
+    "wide": wide,
+    "extreme": extreme,
+    "close": close,
+}
+
+
+def random_scene(family: str, number: int, seed: int) -> Scene:
+    """Return a valid scene of a family; kinds take turns with the number, and readings vary.
+
+    What is drawn does not depend on other numbers.
+    """
+    kind = list(KINDS)[number % len(KINDS)]
+    generator = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(number,)))
+    while True:
+        written = FAMILIES[family](kind, generator) | {"id": f"{family}-{seed}-{number}"}
+        try:
+            return KINDS[kind].model_validate_json(json.dumps(written))
+        except ValidationError:
+            continue  # underground, or not touching
+
+
+def touching(
+    generator: Generator, ball_radius: float, bat_radius: float, velocity: list[float]
+) -> Written:
+    """Return an incoming ball that touches the bat anywhere around it."""
+    angle, reach = generator.uniform(-math.pi, math.pi), ball_radius + bat_radius
+    y = generator.normal(0.0, 0.3)
+    position = [reach * math.cos(angle), y, 1.0 + reach * math.sin(angle)]
+    return {"position": position, "velocity": velocity, "bat_height": 1.0}
+
+
+def _sized(kind: str, generator: Generator, spread: float) -> Written:
+    """Return a scene; `spread` is how far the logarithms of its sizes are spread, 1 being wide."""
+
+    def any_size(low: float, high: float) -> float:
+        middle = math.sqrt(low * high)
+        return float(middle * (size(generator, low, high) / middle) ** spread)
+
+    def or_nothing(low: float, high: float) -> float:
+        return 0.0 if generator.random() < 0.1 else any_size(low, high)
+
+    def velocity() -> list[float]:
+        way = generator.standard_normal(3)
+        return [float(x) for x in any_size(0.1, 300.0) * way / math.sqrt(way @ way)]
+
+    bat_mass = any_size(0.1, 10.0)
+    ball = {
+        "mass": bat_mass * any_size(1e-6, 1e6),
+        "radius": any_size(0.01, 0.1),
+        "restitution": generator.random(),
+    }
+    scene: Written = {"kind": kind, "ball": ball, "reading": random_reading(generator)}
+    bat = {"mass": bat_mass, "length": any_size(0.1, 10.0), "radius": any_size(0.01, 0.1)}
+    swing = {
+        "angular_speed": generator.normal(0.0, 50.0),
+        "tilt": generator.uniform(-math.pi, math.pi),
+    }
+    if kind == "impact":
+        incoming = touching(generator, ball["radius"], bat["radius"], velocity())
+        return scene | {"bat": bat, "swing": swing, "incoming": incoming}
+    scene["gravity"] = or_nothing(1e-3, 300.0)
+    scene["air"] = {
+        "density": or_nothing(1e-4, 100.0),
+        "drag_coefficient": or_nothing(0.01, 2.0),
+        "lift_coefficient": float(generator.choice([-1, 1])) * or_nothing(0.01, 2.0),
+    }
+    if kind == "flight":
+        height = ball["radius"] + or_nothing(1e-9, 100.0)
+        return scene | {"launch": {"position": [0.0, 0.0, height], "velocity": velocity()}}
+    scene["pitch"] = {
+        "speed": any_size(0.1, 300.0),
+        "release": [any_size(0.3, 30.0), generator.normal(), ball["radius"] + any_size(0.1, 10.0)],
+        "aim": [generator.normal(0.0, 0.5), any_size(0.1, 10.0)],
+    }
+    if kind == "at-bat":
+        return scene | {
+            "bat": bat,
+            "swing": swing | {"height_offset": generator.normal(0.0, 0.05)},
+        }
+    return scene
+
+
+def _numbers(scene: Written) -> list[tuple[Any, Any]]:
+    """Return the places of the numbers of a scene: a block and a key each."""
+    places: list[tuple[Any, Any]] = []
+    for key, value in scene.items():
+        if isinstance(value, float):
+            places.append((scene, key))
+        elif isinstance(value, dict) and key not in ("reading", "incoming"):
+            places += [(value, name) for name in value if isinstance(value[name], float)]
+            places += [
+                (each, i)
+                for each in value.values()
+                if isinstance(each, list)
+                for i in range(len(each))
+            ]
+    return places
+
+
+def _quantity(scene: Written, block: str, name: str) -> Any:
+    """Return a quantity of the result, by the batch engine; None if there is none."""
+    try:
+        parsed = KINDS[scene["kind"]].model_validate_json(json.dumps(scene))
+    except ValidationError:
+        return None
+    return getattr(getattr(solve(parsed, create("batch")), block), name, None)
+
+
+def _duration(scene: Written) -> float:
+    block = "landing" if scene["kind"] == "flight" else "plate"
+    return float(_quantity(scene, block, "time") or 1.0)

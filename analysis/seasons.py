@@ -1,0 +1,477 @@
+"""The paper's question, asked of real balls: whether the restitution explains the home runs."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from scipy.optimize import brentq
+from scipy.stats import norm
+
+from analysis.paper.printed import CARRIES, PAIRS, SEASONS, Season
+from analysis.reality import NATHAN, landings, launched, measured_flies, measured_pitches
+from analysis.writing import figure, filled, shown, table
+from longball.engines import create
+from longball.engines.chain import solve_with_restitutions
+from longball.home_run import PAPER_CURVES, Integral, draw, integrals, paper_at_bats, scenes
+from longball.model.readings import Reading, SamplingReading
+from longball.model.scene import AtBatScene
+from longball.pitches import EXAMPLE
+from longball.pitches.models import MODELS, FlightModel
+from longball.pitches.prediction import predict
+from longball.pitches.statcast import FOOT, MPH, MeasuredFlies, time_of_plane
+from longball.pitches.table import Booleans
+from longball.pitches.table import Floats as Array
+
+# The rule book (Official Baseball Rules, 2.01) asks for 325 ft along the lines and 400 ft to
+# centre; parks have about this. Straight chords between the points, 8 ft high.
+FENCE = ((-45, 330), (-30, 365), (-15, 392), (0, 402), (15, 392), (30, 365), (45, 330))  # °, ft
+FENCE_HEIGHT = 8.0 * FOOT
+
+# Table I: the livelier ball and the duller one of each pair, the recent pair first.
+_OF = {season.year: season for season in SEASONS}
+SEASON_PAIRS = tuple((_OF[lively], _OF[dull]) for lively, dull in reversed(PAIRS))
+DULL = SEASON_PAIRS[0][1]
+E_LOW = DULL.restitution
+
+GAMES = 864  # of a season in Japan, 2010 to 2013: 12 teams of 144 games
+REPLICATES, SEED = 10_000, 12
+STEP = 2e-3  # of e, over which home runs are differentiated: they are smooth over 20 times that
+
+
+@dataclass(frozen=True)
+class Hits:
+    """Measured flies with what a livelier ball would do to them.
+
+    Attributes
+    ----------
+    flies
+        As they were hit.
+    pitch
+        Velocity of the pitch at the plate, m/s, shape (n, 3).
+    home_run
+        Whether it was one.
+    """
+
+    flies: MeasuredFlies
+    pitch: Array
+    home_run: Booleans
+
+    def per_restitution(self, e: float) -> Array:
+        """Return dV/de of the velocity off the bat, m/s, shape (n, 3).
+
+        The impulse is proportional to 1 + ẽ, and 1 + ẽ to 1 + e in every reading of the ledger,
+        so that dV/de = (V - V_pitch)/(1 + e).
+        """
+        return (self.flies.velocity - self.pitch) / (1.0 + e)
+
+    def with_restitution(self, change: float, e: float) -> Hits:
+        """Return the hits with a ball whose restitution is larger than `e` by a change."""
+        return self._with(self.flies.velocity + change * self.per_restitution(e))
+
+    def harder(self, change: float) -> Hits:
+        """Return the hits, all of them faster by so many m/s."""
+        faster = 1.0 + change / self.flies.speed[:, None]
+        return self._with(self.flies.velocity * faster)
+
+    def _with(self, velocity: Array) -> Hits:
+        speed = np.linalg.norm(velocity, axis=1)
+        flies = replace(
+            self.flies,
+            speed=speed,
+            angle=np.arcsin(velocity[:, 2] / speed),
+            bearing=np.arctan2(-velocity[:, 1], velocity[:, 0]),
+        )
+        return replace(self, flies=flies)
+
+
+def measured_hits(change: Callable[[MeasuredFlies], MeasuredFlies] = lambda x: x) -> Hits:
+    """Return the flies of the day that have a pitch, with its velocity at the plate."""
+    flies, pitches = measured_flies(), measured_pitches()
+    flies = change(flies.chosen(np.isin(flies.rows, pitches.rows)))
+    pitches = pitches.chosen(np.isin(pitches.rows, flies.rows))
+    v, a = pitches.velocity, pitches.acceleration
+    time = time_of_plane(v[:, 0], a[:, 0], -pitches.release[:, 0])
+    events = pd.read_csv(EXAMPLE)["events"].to_numpy()[flies.rows - 1]
+    return Hits(flies, v + a * time[:, None], events == "home_run")
+
+
+@dataclass(frozen=True)
+class Variant:
+    """A way to carry hits to the fence.
+
+    Attributes
+    ----------
+    name
+        As the report has it.
+    hits
+        As they are struck by the duller ball.
+    model
+        Of flight.
+    scatter
+        m, standard deviation of where a ball comes down about where it is expected.
+    fence
+        By how much the fence is moved out, m.
+    by_place
+        Whether a ball passes the fence at the bearing where it is expected to come down, and not
+        at that of its launch.
+    restitution
+        e of the duller ball.
+    """
+
+    name: str
+    hits: Hits
+    model: FlightModel
+    scatter: float
+    fence: float = 0.0
+    by_place: bool = False
+    restitution: float = E_LOW
+
+    def margins(self, hits: Hits) -> Array:
+        """Return how much further than needed each ball carries, m, before the fence is moved.
+
+        A ball clears the fence if it comes down far enough beyond it; over the last metres, from
+        the height of the fence to the ground, its path is taken to be straight.
+        """
+        place, velocity = landings(hits.flies, self.model)
+        level = np.hypot(velocity[:, 0], velocity[:, 1])
+        carry = np.hypot(place[:, 0], place[:, 1]) + FENCE_HEIGHT * level / velocity[:, 2]
+        bearing = np.arctan2(-place[:, 1], place[:, 0]) if self.by_place else hits.flies.bearing
+        return carry - fence_distance(bearing)
+
+    def chances(self, hits: Hits) -> Array:
+        """Return the probability of a home run of each ball."""
+        return self.over(self.margins(hits))
+
+    def over(self, margins: Array) -> Array:
+        """Return the same of balls that carry further than needed by margins."""
+        chance: Array = norm.cdf((margins - self.fence) / self.scatter)
+        return chance
+
+    def livelier(self, change: float) -> Hits:
+        """Return the hits with a ball whose restitution is larger by a change."""
+        return self.hits.with_restitution(change, self.restitution)
+
+
+def fence_distance(bearing: Array) -> Array:
+    """Return the distance of the fence at bearings, m; outside the poles that of the pole."""
+    angles = np.radians([angle for angle, _ in FENCE])
+    x, y = (f(angles) * [FOOT * far for _, far in FENCE] for f in (np.cos, np.sin))
+    within = np.clip(bearing, angles[0], angles[-1])
+    i = np.clip(np.searchsorted(angles, within) - 1, 0, len(FENCE) - 2)
+    along, across = x[i + 1] - x[i], y[i + 1] - y[i]
+    distance: Array = (x[i] * across - y[i] * along) / (
+        np.cos(within) * across - np.sin(within) * along
+    )
+    return distance
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A number, and what it could as well have been.
+
+    Attributes
+    ----------
+    value
+        The number.
+    draws
+        It again, from resampled games, or from counts drawn anew.
+    """
+
+    value: float
+    draws: Array
+
+    def __format__(self, digits: str) -> str:
+        """Write the value with its 95 % interval."""
+        low, high = self.interval
+        return f"{self.value:{digits}} ({low:{digits}} to {high:{digits}})"
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """The middle 95 % of the draws."""
+        low, high = np.quantile(self.draws, [0.025, 0.975])
+        return float(low), float(high)
+
+    def map(self, function: Callable[..., Any], *others: Estimate) -> Estimate:
+        """Return a function of this estimate and others that are independent of it."""
+        value = float(function(self.value, *(other.value for other in others)))
+        return Estimate(value, function(self.draws, *(other.draws for other in others)))
+
+
+def of_games(function: Callable[..., Any], variant: Variant, *chances: Array) -> Estimate:
+    """Return a function of sums of chances, with draws from a bootstrap over games."""
+    _, of_game = np.unique(variant.hits.flies.games, return_inverse=True)
+    sums = [np.bincount(of_game, weights=each) for each in chances]
+    count, generator = len(sums[0]), np.random.default_rng(SEED)
+    drawn = generator.multinomial(count, np.full(count, 1.0 / count), size=REPLICATES)
+    return Estimate(
+        float(function(*(each.sum() for each in sums))), function(*(drawn @ each for each in sums))
+    )
+
+
+def slope(variant: Variant, step: float, below: Array, above: Array) -> Estimate:
+    """Return d ln(home runs) from the chances a step below and a step above."""
+    return of_games(lambda low, high: (high - low) / (high + low) / step, variant, below, above)
+
+
+def restitution_slope(variant: Variant) -> tuple[float, Estimate]:
+    """Return the home runs with the duller ball, and d ln(home runs)/de there."""
+    below, above = (variant.chances(variant.livelier(x)) for x in (-STEP, STEP))
+    return float((below + above).sum() / 2.0), slope(variant, STEP, below, above)
+
+
+def speed_slope(variant: Variant) -> Estimate:
+    """Return d ln(home runs) by the speed off the bat of all balls, s/m."""
+    return slope(variant, 0.1, *(variant.chances(variant.hits.harder(x)) for x in (-0.1, 0.1)))
+
+
+def drag_slope(variant: Variant) -> Estimate:
+    """Return d ln(home runs) by the part of C_D that depends on nothing."""
+    drag = variant.model.drag
+    assert isinstance(drag, Mapping)
+    others = (
+        replace(variant, model=replace(variant.model, drag={**drag, "constant": c}))
+        for c in (drag["constant"] - 0.002, drag["constant"] + 0.002)
+    )
+    return slope(variant, 0.002, *(other.chances(variant.hits) for other in others))
+
+
+def season_ratios(variant: Variant, changes: Sequence[float]) -> list[Estimate]:
+    """Return what larger restitutions multiply home runs by."""
+    dull, *lively = (variant.chances(variant.livelier(x)) for x in (0.0, *changes))
+    return [of_games(lambda before, after: after / before, variant, dull, x) for x in lively]
+
+
+def with_fence_for(variant: Variant, home_runs: float) -> Variant:
+    """Return a variant whose fence stands where it lets so many home runs over."""
+    margins = variant.margins(variant.hits)
+
+    def too_many(fence: float) -> float:
+        return float(replace(variant, fence=fence).over(margins).sum() - home_runs)
+
+    return replace(variant, fence=float(brentq(too_many, -20.0, 60.0)))
+
+
+def with_speed_for(variant: Variant, home_runs: float) -> tuple[Variant, float]:
+    """Return a variant with all balls slower, so that it has so many home runs; and by what."""
+
+    def too_many(change: float) -> float:
+        return float(variant.chances(variant.hits.harder(change)).sum() - home_runs)
+
+    change = float(brentq(too_many, -8.0, 4.0, xtol=0.001))
+    return replace(variant, hits=variant.hits.harder(change)), change
+
+
+def run(report: Path, full: bool) -> str:
+    """Differentiate the home runs of a day by the restitution, and hold it against two seasons."""
+    hits = measured_hits()
+    day, games = int(hits.home_run.sum()), len(np.unique(hits.flies.games))
+    japan = games * DULL.home_runs / GAMES
+    scatter = float(np.std(predict(hits.flies, NATHAN).error))
+    plain = Variant("Nathan's laws, this fence", hits, NATHAN, scatter)
+    fitted = with_fence_for(replace(plain, name="the same, fence by the day's count"), day)
+    slower, change = with_speed_for(fitted, japan)
+    slower = replace(slower, name="the same, balls slower by Japan's count of 2012")
+    further = with_fence_for(replace(plain, name="fence alone by Japan's count"), japan)
+    launch = measured_hits(launched)
+    others = [
+        replace(plain, name="launched to where it was fielded", hits=launch, by_place=True),
+        replace(plain, name="drag crisis fitted to the day", model=MODELS["crisis"]),
+        replace(plain, name="half the scatter", scatter=scatter / 2.0),
+        replace(plain, name="e = 0.5 at the bat", restitution=0.5),
+    ]
+    variants = [plain, fitted, *(with_fence_for(x, day) for x in others), further, slower]
+    slopes = {variant.name: restitution_slope(variant) for variant in variants}
+    changes = [lively.restitution - E_LOW for lively, _ in SEASON_PAIRS]
+    ratios = {
+        variant.name: season_ratios(variant, changes) for variant in (fitted, further, slower)
+    }
+    counted = [counted_ratio(*pair) for pair in SEASON_PAIRS]
+    seen, expected = counted[0], ratios[slower.name][0]
+    by_speed, by_drag = speed_slope(slower), drag_slope(slower)
+    per_e = float(np.linalg.norm(hits.per_restitution(E_LOW)[hits.home_run], axis=1).mean())
+    gap = math.log(seen.value / expected.value)
+    draw_ratios(report, counted, ratios[slower.name])
+    return filled(
+        "seasons",
+        n=len(hits.flies),
+        day=day,
+        games=games,
+        per_game=DULL.home_runs / GAMES,
+        scatter=scatter,
+        fence_moved=fitted.fence,
+        slower_by=-change / MPH,
+        proportional=proportionality(),
+        per_e=per_e,
+        speed_gain=changes[0] * per_e,
+        carry=carry_slope(plain),
+        carries=", ".join(f"{x.slope:.0f} ± {x.slope_error:.0f} m ({x.who})" for x in CARRIES),
+        slopes=table(report, "seasons_slopes", slope_table(slopes, counted)),
+        ratios=table(report, "seasons_ratios", ratio_table(counted, ratios)),
+        figure=shown("seasons", CAPTION),
+        slope=slopes[slower.name][1],
+        counted_slope=math.log(seen.value) / changes[0],
+        counted=seen,
+        expected=expected,
+        paper=PAPER_CURVES["caption"](E_LOW + changes[0]) / PAPER_CURVES["caption"](E_LOW),
+        explained=expected.map(lambda x, y: np.log(x) / np.log(y), seen),
+        by_speed=by_speed.value * MPH,
+        rest_speed=gap / (by_speed.value * MPH),
+        rest_drag=-gap / by_drag.value,
+        rest_e=math.log(seen.value) / slopes[slower.name][1].value,
+        rounding=math.log(expected.value) * 0.001 / changes[0],
+    )
+
+
+def counted_ratio(lively: Season, dull: Season) -> Estimate:
+    """Return the ratio of two seasons' home runs; its draws are of two Poisson counts."""
+    generator = np.random.default_rng(SEED + 1)
+    drawn = (generator.poisson(season.home_runs, REPLICATES) for season in (lively, dull))
+    return Estimate(lively.home_runs / dull.home_runs, np.divide(*drawn))
+
+
+AT_BATS = 20  # of which some two thirds meet the bat
+COLLISIONS = (
+    Reading(),
+    Reading(reduced_mass="effective_mass"),
+    Reading(bat_ball_restitution="nathan"),
+    Reading(bat_ball_restitution="plain"),
+)
+
+
+def proportionality() -> float:
+    """Return how far dV/de of the collision is from (V - V_pitch)/(1 + e), relatively.
+
+    The largest difference over sampled at-bats and all readings of the collision.
+    """
+    worst, at_bats = 0.0, draw(paper_at_bats(SamplingReading()), AT_BATS, SEED)
+    for reading in COLLISIONS:
+        for scene in scenes(AtBatScene(id="base", reading=reading), at_bats):
+            assert scene is not None  # every speed is positive under this reading of Table II
+            low, high = solve_with_restitutions(scene, [E_LOW, 0.5], create("ivp"))
+            if low.impact and high.impact:
+                impulse = float(low.impact.impulse), float(high.impact.impulse)
+                slope = (impulse[1] - impulse[0]) / (0.5 - E_LOW)
+                worst = max(worst, abs(slope / (impulse[0] / (1.0 + E_LOW)) - 1.0))
+    return worst
+
+
+def carry_slope(variant: Variant) -> float:
+    """Return dD/de of the day's home runs, m, on the average."""
+    reach = [
+        np.hypot(*landings(hits.flies, variant.model)[0][hits.home_run, :2].T)
+        for hits in (variant.livelier(-STEP), variant.livelier(STEP))
+    ]
+    return float((reach[1] - reach[0]).mean() / (2.0 * STEP))
+
+
+def slope_table(
+    slopes: Mapping[str, tuple[float, Estimate]], counted: Sequence[Estimate]
+) -> pd.DataFrame:
+    """Return d ln(home runs)/de by variant, of the paper's curves, and as counted."""
+
+    def row(name: str, home_runs: str, value: float, interval: Sequence[float] = ()) -> list[str]:
+        return [name, home_runs, f"{value:.1f}", " to ".join(f"{x:.1f}" for x in interval)]
+
+    rows = []
+    for name, (expected, slope) in slopes.items():
+        rows.append(row(name, f"{expected:.1f}", slope.value, slope.interval))
+    rows += [row(name, "", value) for name, value in paper_slopes().items()]
+    for (lively, dull), ratio in zip(SEASON_PAIRS, counted, strict=True):
+        change = lively.restitution - dull.restitution
+        slope = ratio.map(lambda x, change=change: np.log(x) / change)
+        name = f"counted, {dull.year} and {lively.year}"
+        home_runs = f"{dull.home_runs:,} and {lively.home_runs:,}"
+        rows.append(row(name, home_runs, slope.value, slope.interval))
+    return pd.DataFrame(
+        rows, columns=["balls, fence and flight", "home runs", "d ln(home runs)/de", "95 %"]
+    )
+
+
+def paper_slopes() -> dict[str, float]:
+    """Return d ln P/de of the paper's curves and of its model, between the pair of seasons."""
+    low, high = DULL.restitution, SEASON_PAIRS[0][0].restitution
+    found = {
+        f"the paper's curve, its {name}": math.log(curve(high) / curve(low)) / (high - low)
+        for name, curve in PAPER_CURVES.items()
+    }
+    p = [row.p for row in paper_integrals()]
+    found["the paper's model as we read it"] = math.log(p[1] / p[0]) / (high - low)
+    return found
+
+
+@cache
+def paper_integrals() -> Sequence[Integral]:
+    """Return P(e) of the default reading at the restitutions of Table I that pairs share."""
+    low, high = DULL.restitution, SEASON_PAIRS[0][0].restitution
+    at_bats = paper_at_bats(SamplingReading())
+    return integrals(AtBatScene(id="base"), at_bats, [low, high, SEASON_PAIRS[1][0].restitution])
+
+
+def ratio_table(
+    counted: Sequence[Estimate], ratios: Mapping[str, Sequence[Estimate]]
+) -> pd.DataFrame:
+    """Return the ratios of the seasons: counted, the paper's, and expected of measured balls."""
+    p = [row.p for row in paper_integrals()]
+    rows = []
+    for i, (lively, dull) in enumerate(SEASON_PAIRS):
+        curves = {
+            f"paper's {name}": f"{curve(lively.restitution) / curve(dull.restitution):.3f}"
+            for name, curve in PAPER_CURVES.items()
+        }
+        expected = {name: f"{each[i]:.2f}" for name, each in ratios.items()}
+        rows.append(
+            {
+                "seasons": f"{dull.year} to {lively.year}",
+                "e": f"{dull.restitution:.3f} to {lively.restitution:.3f}",
+                "counted": f"{counted[i]:.2f}",
+            }
+            | curves
+            | {"paper's model": f"{p[i + 1] / p[0]:.3f}"}
+            | expected
+        )
+    return pd.DataFrame(rows)
+
+
+CAPTION = (
+    "Home runs of a season with the livelier ball by those with the duller one: counted, and what "
+    "the restitution alone makes of measured balls, of the paper's curve and of its model."
+)
+
+
+def draw_ratios(report: Path, counted: Sequence[Estimate], expected: Sequence[Estimate]) -> None:
+    """Draw the ratios of both pairs of seasons."""
+    p = [row.p for row in paper_integrals()]
+    with figure(report, "seasons", size=(6.4, 3.2)) as (axes,):
+        for i, (lively, dull) in enumerate(SEASON_PAIRS):
+            for j, (slope, marker, label) in enumerate(
+                (
+                    (counted[i], "ks", "counted"),
+                    (expected[i], "C0o", "measured balls, e alone"),
+                )
+            ):
+                axes.errorbar(
+                    slope.value, i + 0.15 * (0.5 - j),
+                    xerr=np.abs(np.array([slope.interval]).T - slope.value),
+                    fmt=marker, capsize=3, label=label if i == 0 else None,
+                )  # fmt: skip
+            curve = PAPER_CURVES["caption"]
+            for value, marker, label in (
+                (curve(lively.restitution) / curve(dull.restitution), "C1^", "the paper's curve"),
+                (p[i + 1] / p[0], "C2v", "the paper's model, as we read it"),
+            ):
+                axes.plot(value, i - 0.2, marker, label=label if i == 0 else None)
+        axes.axvline(1.0, color="black", linewidth=0.8)
+        axes.set(
+            yticks=range(len(SEASON_PAIRS)),
+            yticklabels=[f"{dull.year} to {lively.year}" for lively, dull in SEASON_PAIRS],
+            ylim=(-0.6, len(SEASON_PAIRS) - 0.4),
+            xlabel="ratio of home runs",
+        )
+        axes.legend(fontsize="small", loc="upper center", ncols=2, bbox_to_anchor=(0.5, 1.25))

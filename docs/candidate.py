@@ -1,0 +1,51 @@
+"""Flights by Runge-Kutta: one JSON scene a line in, one JSON result a line out."""
+
+import json
+import math
+import sys
+
+
+def rates(state, scene, heading):
+    """Return velocity and acceleration; `heading` is the horizontal direction of the launch."""
+    velocity, air, ball = state[3:], scene["air"], scene["ball"]
+    if not air:
+        return [*velocity, 0.0, 0.0, -scene["gravity"]]
+    k = air["density"] * math.pi * ball["radius"] ** 2 / (2 * ball["mass"]) * math.hypot(*velocity)
+    drag, lift = k * air["drag_coefficient"], k * air["lift_coefficient"]
+    (c, s), (vx, vy, vz) = heading, velocity
+    forward = c * vx + s * vy
+    ax, ay = -drag * vx - lift * c * vz, -drag * vy - lift * s * vz
+    return [*velocity, ax, ay, -drag * vz + lift * forward - scene["gravity"]]
+
+
+def step(state, h, *law):
+    """Take a step of length `h`, s."""
+    stages = [rates(state, *law)]
+    for part in (0.5, 0.5, 1.0):
+        stages.append(rates([x + part * h * k for x, k in zip(state, stages[-1])], *law))
+    k1, k2, k3, k4 = stages
+    return [x + h / 6 * (a + 2 * b + 2 * c + d) for x, a, b, c, d in zip(state, k1, k2, k3, k4)]
+
+
+def solve(scene, h=1e-3):
+    """Fly until the ball comes down to the ground."""
+    state, time = [*scene["launch"]["position"], *scene["launch"]["velocity"]], 0.0
+    along = math.hypot(*state[3:5])
+    law = scene, (state[3] / along, state[4] / along) if along else (1.0, 0.0)
+    ground = scene["ground"]["height"]
+    while (after := step(state, h, *law))[2] > ground or after[5] > 0.0:
+        state, time = after, time + h
+        if time >= scene["time_limit"]:
+            return {"id": scene["id"], "outcome": "airborne"}
+    short, long = 0.0, h
+    while long - short > 1e-15:
+        middle = (short + long) / 2
+        short, long = (middle, long) if step(state, middle, *law)[2] > ground else (short, middle)
+    x, y, z, *velocity = step(state, long, *law)
+    landing = {"time": time + long, "hang_time": time + long, "position": [x, y, z]}
+    landing |= {"velocity": velocity, "distance": math.hypot(x, y)}
+    return {"id": scene["id"], "outcome": "landed", "landing": landing}
+
+
+for line in sys.stdin:
+    print(json.dumps(solve(json.loads(line))), flush=True)

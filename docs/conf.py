@@ -1,0 +1,44 @@
+"""Settings of Sphinx. Neither the build nor the pages need a network."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import longball
+
+# The report's pages are part of the documentation. Sphinx reads what lies in its own folder.
+HERE = Path(__file__).parent
+shutil.copytree(
+    HERE.parent / "report",
+    HERE / "report",
+    ignore=shutil.ignore_patterns("sections", ".resume"),
+    dirs_exist_ok=True,
+)
+
+project = "longball"
+author = "The longball authors"
+project_copyright = "The longball authors"
+version = release = longball.__version__
+
+extensions = [
+    "myst_parser",
+    "numpydoc",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.viewcode",
+    "sphinx_copybutton",
+    "sphinx-mathjax-offline",
+]
+myst_enable_extensions = ["dollarmath", "colon_fence"]
+myst_heading_anchors = 3
+autodoc_typehints = "none"
+autodoc_member_order = "bysource"
+numpydoc_show_class_members = False
+copybutton_prompt_text = r">>> |\.\.\. |\$ "
+copybutton_prompt_is_regexp = True
+suppress_warnings = ["myst.header"]  # an included page begins with a heading of its own
+
+exclude_patterns = ["_build"]
+
+html_theme = "furo"
+html_title = "longball"

@@ -1,0 +1,59 @@
+"""``longball plot``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from longball import engines
+from longball.cli.common import EngineName, Quiet, refusing, tell
+from longball.cli.solve import Source, scenes_from
+from longball.engines.chain import solve_with_path
+from longball.model.result import Result
+from longball.model.scene import InvalidScene, parse_scene
+
+
+def plot(
+    source: Source = "-",
+    output: Annotated[
+        Path, typer.Option("-o", "--output", help="The picture: .png, .svg, .pdf.")
+    ] = Path("paths.png"),
+    engine: EngineName = "ivp",
+    quiet: Quiet = False,
+) -> None:
+    """Solve scenes, and draw the paths of their balls to scale, from the side and from above."""
+    from longball.pictures import drawn, save_paths
+
+    solver = engines.create(engine)
+    pictured, failed = [], 0
+    with scenes_from(source) as lines:
+        for number, line in enumerate(lines, 1):
+            if not line.strip():
+                continue
+            try:
+                scene = parse_scene(line)
+            except InvalidScene as error:
+                tell(f"line {number}: {error}")
+                failed += 1
+                continue
+            result, trajectory = solve_with_path(scene, solver)
+            if result.error is None and trajectory.legs:
+                pictured.append(drawn(_label(scene.id or str(number), result), trajectory))
+            else:
+                tell(f"line {number}: {result.error or 'nothing flies in an impact'}")
+                failed += 1
+    if pictured:
+        with refusing(f"{output}: "):  # an ending that matplotlib does not know
+            save_paths(output, pictured)
+    else:
+        tell(f"no paths in {source}")
+    if failed or not pictured:
+        raise typer.Exit(1)
+
+
+def _label(name: str, result: Result) -> str:
+    """Say what became of a scene."""
+    distance = f", {float(result.landing.distance):.1f} m" if result.landing else ""
+    return f"{name}: {result.outcome}{distance}"

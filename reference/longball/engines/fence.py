@@ -1,0 +1,298 @@
+"""The fence: where a batted ball first flies out over it, or meets it.
+
+A fence is a line of straight chords on the ground, with a height that is linear along each, or a
+circle of height 0 around the plate. A ball whose flight stays in a vertical plane heads for one
+place of it, which is known before it flies; one whose flight curves in space is followed past the
+line of every chord. A corner of the fence that two heights meet at, or where the fence ends, is
+passed on one side or the other, or it is not told.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any, Generic
+
+from longball.engines.event import Curve, Event, Piece
+from longball.model.frame import Frame
+from longball.model.law import State
+from longball.model.numbers import N, Numbers, absolute
+
+
+@dataclass(frozen=True)
+class Place(Generic[N]):
+    """A place of a fence.
+
+    Attributes
+    ----------
+    height
+        Of the fence's top there, m.
+    segment
+        Number of the chord.
+    margin
+        m, along the chord to the next vertex; None on a circle.
+    room
+        m, to the side of the next vertex at which the fence ends or has two heights.
+    slope
+        Of the height along the chord.
+    """
+
+    height: N
+    segment: Any
+    margin: N | None
+    room: N
+    slope: N
+
+
+@dataclass(frozen=True)
+class Chord(Generic[N]):
+    """A chord from a to b, [x, y, height] each, m.
+
+    `open_a` and `open_b` tell whether the fence does not go on there at the same height.
+    """
+
+    segment: int
+    a: tuple[N, N, N]
+    b: tuple[N, N, N]
+    open_a: bool
+    open_b: bool
+
+    def place(self, share: N, to_end: N, room: N, numbers: Numbers[N]) -> Place[N]:
+        """Return the place at a share of the way from a to b; `to_end` is the other share."""
+        x, y, rise = (b - a for a, b in zip(self.a, self.b, strict=True))
+        length = numbers.sqrt(x * x + y * y)
+        shorter = numbers.where(to_end < share, to_end, share)
+        height = self.a[2] + share * rise
+        return Place(height, self.segment, shorter * length, room, rise / length)
+
+
+# m: what stands for the way to a vertex where there is none to be missed.
+_FAR = 1e30
+
+
+def chords(polyline: Sequence[Sequence[float]], numbers: Numbers[N]) -> list[Chord[N]]:
+    """Return the chords of a polyline of a scene; a step of the height is none."""
+    found = [
+        (i, a, b) for i, (a, b) in enumerate(pairwise(polyline)) if tuple(a[:2]) != tuple(b[:2])
+    ]
+    made = []
+    for n, (i, a, b) in enumerate(found):
+        before, after = found[n - 1] if n else None, found[n + 1] if n + 1 < len(found) else None
+        x, y, h = (numbers.exact(v) for v in a)
+        u, v, k = (numbers.exact(v) for v in b)
+        goes_on = before is not None and tuple(before[2]) == tuple(a)
+        ends = after is None or tuple(after[1]) != tuple(b)
+        made.append(Chord(i, (x, y, h), (u, v, k), not goes_on, ends))
+    return made
+
+
+# --- flights in a vertical plane ------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Stop(Generic[N]):
+    """How far, s, a flight gets in its plane before it is at the fence, and where that is."""
+
+    s: N
+    place: Place[N]
+
+
+def stop_at(
+    fence: Any, frame: Frame[N], s: N, sense: int, error: N, numbers: Numbers[N]
+) -> Stop[N]:
+    """Return where a ball that flies from s ahead (sense 1) or back (-1) first leaves the field.
+
+    Far away if it does not.
+
+    Parameters
+    ----------
+    error
+        Of directions, relative.
+    """
+    zero, one, far = numbers.exact(0.0), numbers.exact(1.0), numbers.exact(_FAR)
+    nowhere = Place(zero, 0, None if fence.polyline is None else zero, far, zero)
+    if fence.polyline is None:
+        radius = numbers.exact(fence.radius)
+        along = frame.x * frame.cos + frame.y * frame.sin
+        inside = radius * radius - frame.x * frame.x - frame.y * frame.y
+        return Stop(numbers.sqrt(along * along + inside) * sense - along, nowhere)
+    first = Stop(sense * far, nowhere)
+    for chord in chords(fence.polyline, numbers):
+        (left_a, aside_a, near_a), (left_b, aside_b, near_b) = (
+            _seen(frame, vertex, is_open, sense, error, numbers)
+            for vertex, is_open in ((chord.a, chord.open_a), (chord.b, chord.open_b))
+        )
+        hit = left_a & (left_b ^ True)
+        at_b = numbers.where(near_b, one, zero)
+        apart = numbers.where(hit, aside_a - aside_b, one)
+        share = numbers.where(hit, aside_a / apart, at_b)
+        to_end = numbers.where(hit, -aside_b / apart, 1 - at_b)
+        there = _along(frame, chord.a) * to_end + _along(frame, chord.b) * share
+        open_a = absolute(aside_a) if chord.open_a else far
+        open_b = absolute(aside_b) if chord.open_b else far
+        place = chord.place(share, to_end, numbers.where(open_b < open_a, open_b, open_a), numbers)
+        nearer = (hit | near_a | near_b) & (sense * (there - s) > 0)
+        nearer = nearer & (sense * (there - first.s) < 0)
+        first = Stop(
+            numbers.where(nearer, there, first.s),
+            Place(
+                *(
+                    numbers.where(nearer, getattr(place, name), getattr(first.place, name))
+                    for name in ("height", "segment", "margin", "room", "slope")
+                )
+            ),
+        )
+    return first
+
+
+def _along(frame: Frame[N], vertex: Sequence[N]) -> N:
+    return frame.cos * (vertex[0] - frame.x) + frame.sin * (vertex[1] - frame.y)
+
+
+def _seen(
+    frame: Frame[N],
+    vertex: Sequence[N],
+    is_open: bool,
+    sense: int,
+    error: N,
+    numbers: Numbers[N],
+) -> tuple[Any, N, Any]:
+    """Tell whether a vertex is to the left of the flight or on it, how far, and if on it, open."""
+    x, y = vertex[0] - frame.x, vertex[1] - frame.y
+    aside = sense * (frame.cos * y - frame.sin * x)
+    on = (absolute(aside) > error * (absolute(x) + absolute(y))) ^ True
+    return (aside < 0) ^ True, aside, on & is_open
+
+
+def at_stop(name: str, found: Stop[N], sense: int, numbers: Numbers[N]) -> Event[N]:
+    """Return the event that a flight in its plane is at the fence."""
+    return Event(
+        name,
+        "the ball reaches the fence",
+        lambda state: sense * (found.s - state.s),
+        lambda state: state._replace(s=found.s),
+        numbers.where(absolute(found.s) > 1, absolute(found.s), numbers.exact(1.0)),
+    )
+
+
+# --- flights in space -----------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Crossing(Generic[N]):
+    """When, s since the launch, in what state and where a flight is first at the fence."""
+
+    time: N
+    state: State[N]
+    place: Place[N]
+
+
+def first_crossing(
+    fence: Any,
+    frame: Frame[N],
+    pieces: Iterator[Piece[N]],
+    end: N,
+    error: N,
+    numbers: Numbers[N],
+) -> Crossing[N] | None:
+    """Return where a flight in space first leaves the field; None if it does not before an end.
+
+    Parameters
+    ----------
+    end
+        s since the launch.
+    error
+        Of a state, relative to its size.
+    """
+    lines: list[tuple[Chord[N] | None, Any]]
+    if fence.polyline is None:
+        radius = numbers.exact(fence.radius)
+        lines = [(None, lambda state: radius * radius - _square(frame.position(state)))]
+    else:
+        lines = [
+            (chord, lambda state, chord=chord: _inside(chord, frame.position(state)))
+            for chord in chords(fence.polyline, numbers)
+        ]
+    for piece in pieces:
+        left = end - piece.begin
+        last = piece.length if piece.length < left else left
+        found = [
+            crossing
+            for chord, value in lines
+            for crossing in _on_piece(piece, last, chord, value, frame, error, numbers)
+        ]
+        if found:
+            first = found[0]
+            for other in found[1:]:
+                if other.time < first.time:
+                    first = other
+            return first
+        if not piece.length < left:
+            return None
+    return None
+
+
+def _square(position: Sequence[Any]) -> Any:
+    return position[0] * position[0] + position[1] * position[1]
+
+
+def _inside(chord: Chord[N], position: Sequence[Any]) -> Any:
+    """Return how far inside a chord's line a position is, m²: times the chord's length."""
+    (ax, ay, _), (bx, by, _) = chord.a, chord.b
+    return (by - ay) * (position[0] - ax) - (bx - ax) * (position[1] - ay)
+
+
+def _on_piece(
+    piece: Piece[N],
+    last: N,
+    chord: Chord[N] | None,
+    value: Any,
+    frame: Frame[N],
+    error: N,
+    numbers: Numbers[N],
+) -> Iterator[Crossing[N]]:
+    """Yield where a piece crosses a chord outwards, or a circle."""
+    zero, far = numbers.exact(0.0), numbers.exact(_FAR)
+    x, y, _ = frame.position(piece.at(zero))
+    size = 1 + absolute(x) + absolute(y)
+    if chord is None:
+        for t, _ in falls(piece.curve(value), last, 2 * error * size * size):
+            state = piece.at(t)
+            yield Crossing(piece.begin + t, state, Place(zero, 0, None, far, zero))
+        return
+    (ax, ay, _), (bx, by, _) = chord.a, chord.b
+    length = numbers.sqrt((bx - ax) * (bx - ax) + (by - ay) * (by - ay))
+    for t, doubtful in falls(piece.curve(value), last, error * size * length):
+        state = piece.at(t)
+        x, y, _ = frame.position(state)
+        ahead = ((x - ax) * (bx - ax) + (y - ay) * (by - ay)) / length
+        slack = error * (1 + absolute(x) + absolute(y))
+        if ahead < -slack or ahead > length + slack:
+            continue
+        room_a = absolute(ahead) if chord.open_a else far
+        room_b = absolute(length - ahead) if chord.open_b else far
+        room = zero if doubtful else room_b if room_b < room_a else room_a
+        share, to_end = ahead / length, (length - ahead) / length
+        yield Crossing(piece.begin + t, state, chord.place(share, to_end, room, numbers))
+
+
+def falls(curve: Curve[N], end: N, error: N) -> Iterator[tuple[N, bool]]:
+    """Yield when a value falls through zero on a piece, every time, and turns within its error.
+
+    Yields
+    ------
+    tuple of number and bool
+        s since the piece begins; whether it is a turning point that may not reach zero.
+    """
+    start = end * 0
+    if curve.positive(start, end) and curve(start) > 2 * error:
+        return
+    for left, right in pairwise([start, *curve.turns(start, end), end]):
+        before, after = curve(left), curve(right)
+        if before < -error or not after < before:
+            continue
+        if after < -error:
+            yield curve.zero(left, right), False
+        elif not after > error and right is not end:
+            yield right, True

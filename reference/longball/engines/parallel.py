@@ -1,0 +1,66 @@
+"""Work shared among processes or threads."""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from itertools import starmap
+from typing import Any, TypeVar
+
+from longball.extras import naming_extras
+
+T = TypeVar("T")
+
+
+def in_parallel(
+    function: Callable[..., T],
+    calls: Iterable[tuple[Any, ...]],
+    workers: int,
+    threads: bool = False,
+) -> Iterator[T]:
+    """Return what a function gives for each tuple of arguments, in order.
+
+    Parameters
+    ----------
+    function, calls
+        What is called, and with what.
+    workers
+        How many calls run at once; -1 for one per core. Without joblib (extra ``fast``) that is
+        one.
+    threads
+        Whether workers are threads, and not processes.
+
+    Raises
+    ------
+    MissingExtra
+        If several workers are asked for, and joblib is not installed.
+    """
+    try:
+        from joblib import Parallel, delayed  # slow to import
+    except ImportError:
+        if workers in (1, -1):
+            return starmap(function, calls)
+        with naming_extras():
+            raise
+    tasks = (delayed(function)(*arguments) for arguments in calls)
+    prefer = "threads" if threads else "processes"
+    with _interrupts_held():
+        found: Iterator[T] = Parallel(n_jobs=workers, return_as="generator", prefer=prefer)(tasks)
+    return found
+
+
+@contextmanager
+def _interrupts_held() -> Iterator[None]:
+    """Hold back Ctrl-C: a process that is started here never hears it, and this one does later.
+
+    A terminal interrupts workers, too, and they would complain; it is for this process to end them.
+    """
+    if not hasattr(signal, "pthread_sigmask"):  # not POSIX
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)

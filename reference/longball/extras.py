@@ -1,0 +1,41 @@
+"""What an installation may lack: libraries of the extras, ``pip install "longball[fast]"``."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+EXTRAS = {
+    "distributed": "dask",
+    "joblib": "fast",
+    "llvmlite": "fast",
+    "matplotlib": "plot",
+    "numba": "fast",
+    "pandas": "tables",
+    "pyarrow": "tables",
+    "sympy": "symbolic",
+}
+
+
+class MissingExtra(ImportError):
+    """A library is not installed; the message says how to install it."""
+
+
+@contextmanager
+def naming_extras() -> Iterator[None]:
+    """Make the failure to import a library of an extra a sentence; also as a decorator.
+
+    Raises
+    ------
+    MissingExtra
+        If a library of an extra is not installed.
+    """
+    try:
+        yield
+    except ModuleNotFoundError as error:
+        library = (error.name or "").partition(".")[0]
+        if library not in EXTRAS:
+            raise
+        raise MissingExtra(
+            f'this needs {library}: pip install "longball[{EXTRAS[library]}]"', name=library
+        ) from None

@@ -1,0 +1,245 @@
+"""The air as a scene names it: coefficients and their laws, weather, wind."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import BaseModel, Discriminator, Field, Tag, field_validator, model_validator
+
+from longball.model.block import (
+    Block,
+    NotNegative,
+    Point,
+    Positive,
+    Quantity,
+    refuse,
+)
+
+# --- coefficients ---------------------------------------------------------------------------------
+
+
+class ConstantDrag(Block):
+    """C_D, the same at all speeds."""
+
+    law: Literal["constant"]
+    value: NotNegative
+
+
+class SpinDrag(Block):
+    """``C_D = c_0 + c_1 ω_T`` (Nathan 2016)."""
+
+    law: Literal["spin"]
+    constant: NotNegative = Field(default=0.3008, description="c_0")
+    per_spin: NotNegative = Field(default=2.788e-4, description="s per radian, c_1")
+
+
+class CrisisDrag(Block):
+    """``C_D = a + (b - a)/(1 + e^((U - U_c)/δ)) + c_1 ω_T``: a drag crisis."""
+
+    law: Literal["crisis"]
+    high_speed: NotNegative = Field(default=0.33, description="a, well above the speed U_c")
+    low_speed: NotNegative = Field(default=0.5, description="b, well below it")
+    speed: NotNegative = Field(default=31.4, description="m/s, U_c")
+    width: Positive = Field(default=3.0, description="m/s, δ")
+    per_spin: NotNegative = Field(default=0.0, description="s per radian, c_1")
+
+
+class ConstantLift(Block):
+    """C_L, the same at all speeds and spins."""
+
+    law: Literal["constant"]
+    value: Quantity
+
+
+class RationalLift(Block):
+    """``C_L = c_2 S / (c_0 + c_1 S)`` (Nathan 2016)."""
+
+    law: Literal["rational"]
+    numerator: Quantity = Field(default=1.12, description="c_2")
+    constant: NotNegative = Field(default=0.583, description="c_0")
+    slope: NotNegative = Field(default=2.333, description="c_1")
+
+    @model_validator(mode="after")
+    def _has_a_denominator(self) -> Self:
+        if self.constant == self.slope == 0.0:
+            refuse("constant and slope cannot both be 0: C_L = numerator S / (constant + slope S)")
+        return self
+
+
+class LinearLift(Block):
+    """``C_L = a S``."""
+
+    law: Literal["linear"]
+    slope: Quantity = Field(default=1.0, description="a")
+
+
+# Coefficients, densities and winds come in several forms; a form's name, in <>, is no part of where
+# a fault is.
+
+
+class BilinearLift(Block):
+    """``C_L = 1.5 S`` below ``S = 0.1``, ``0.09 + 0.6 S`` above (Sawicki et al. 2003)."""
+
+    law: Literal["bilinear"]
+
+
+class Table(Block):
+    """A coefficient that is linear between nodes and constant outside."""
+
+    law: Literal["table"]
+    of: Literal["speed", "mach", "spin_parameter"] = Field(
+        description="what it depends on: the airspeed, m/s; the Mach number; S = R ω_T / U"
+    )
+    at: tuple[NotNegative, ...] = Field(min_length=2, max_length=100, description="the nodes")
+    values: tuple[Quantity, ...] = Field(description="of the coefficient, at the nodes")
+
+    @model_validator(mode="after")
+    def _is_a_table(self) -> Self:
+        if len(self.values) != len(self.at):
+            refuse(f"at has {len(self.at)} nodes and values has {len(self.values)} numbers")
+        for i, (x, y) in enumerate(pairwise(self.at)):
+            if not x < y:
+                refuse(f"at must increase, but at[{i + 1}] = {y} follows {x}")
+        return self
+
+
+def _law(value: Any) -> str:
+    """Return the name of a law's form, or of a number's."""
+    if isinstance(value, BaseModel):
+        return f"<{getattr(value, 'law', '')}>"
+    return f"<{value.get('law', '')}>" if isinstance(value, dict) else "<number>"
+
+
+DragCoefficient = Annotated[
+    Annotated[NotNegative, Tag("<number>")]
+    | Annotated[ConstantDrag, Tag("<constant>")]
+    | Annotated[SpinDrag, Tag("<spin>")]
+    | Annotated[CrisisDrag, Tag("<crisis>")]
+    | Annotated[Table, Tag("<table>")],
+    Discriminator(_law),
+]
+LiftCoefficient = Annotated[
+    Annotated[Quantity, Tag("<number>")]
+    | Annotated[ConstantLift, Tag("<constant>")]
+    | Annotated[RationalLift, Tag("<rational>")]
+    | Annotated[LinearLift, Tag("<linear>")]
+    | Annotated[BilinearLift, Tag("<bilinear>")]
+    | Annotated[Table, Tag("<table>")],
+    Discriminator(_law),
+]
+
+
+# --- weather and wind -----------------------------------------------------------------------------
+
+
+class Weather(Block):
+    """What the density of the air follows from; see `longball.model.atmosphere.density`."""
+
+    temperature: float = Field(default=288.15, ge=150.0, le=350.0, description="K")
+    pressure: NotNegative = Field(default=101325.0, description="Pa, reduced to sea level")
+    humidity: NotNegative = Field(default=0.0, description="relative, from 0 to 1")
+    elevation: Quantity = Field(default=0.0, description="m, above sea level")
+
+    @field_validator("humidity")
+    @classmethod
+    def _fraction(cls, value: float) -> float:
+        if value > 1.0:
+            refuse(f"{value} is not a fraction from 0 to 1; 50 % is written 0.5")
+        return value
+
+
+class WindAbove(Block):
+    """A wind that blows above a height alone."""
+
+    velocity: Point = Field(description="m/s, where it blows to")
+    above: NotNegative = Field(description="m, the height above which it blows")
+
+
+class WindProfile(Block):
+    """A wind that grows with the logarithm of the height."""
+
+    velocity: Point = Field(description="m/s, where it blows to at the height; level")
+    height: Positive = Field(description="m, at which it has this velocity")
+    roughness: Positive = Field(default=0.03, description="m, z_0 of the ground; default: grass")
+
+    @model_validator(mode="after")
+    def _is_level(self) -> Self:
+        if self.velocity[2] != 0.0:
+            refuse("velocity[2] must be 0: a wind with a height and a roughness is level")
+        return self
+
+
+def _wind_form(value: Any) -> str:
+    if isinstance(value, WindProfile) or (
+        isinstance(value, dict) and value.keys() & {"height", "roughness"}
+    ):
+        return "<profile>"
+    return "<above>" if isinstance(value, dict | WindAbove) else "<vector>"
+
+
+Wind = Annotated[
+    Annotated[Point, Tag("<vector>")]
+    | Annotated[WindAbove, Tag("<above>")]
+    | Annotated[WindProfile, Tag("<profile>")],
+    Discriminator(_wind_form),
+]
+Density = Annotated[
+    Annotated[NotNegative, Tag("<number>")] | Annotated[Weather, Tag("<weather>")],
+    Discriminator(lambda value: "<weather>" if isinstance(value, dict | Weather) else "<number>"),
+]
+
+
+class Air(Block):
+    """What acts on the ball in flight (paper, Sec. III.B), and more if it is named."""
+
+    density: Density = Field(default=1.29, description="kg/m³ at height 0, or the weather")
+    drag_coefficient: DragCoefficient = Field(default=0.4, description="C_D, or its law")
+    lift_coefficient: LiftCoefficient = Field(
+        default=0.2, description="C_L, negative for topspin; or its law"
+    )
+    wind: Wind | None = Field(
+        default=None, description="m/s, where it blows to; or with a height, or a profile"
+    )
+    spin_decay_length: Positive | None = Field(
+        default=None, description="m of path through the air in which spin falls by e"
+    )
+    density_scale_height: Positive | None = Field(
+        default=None, description="m in which the density falls by e, from height 0 up"
+    )
+
+    @model_validator(mode="after")
+    def _table_has_what_it_needs(self) -> Self:
+        drag = self.drag_coefficient
+        if isinstance(drag, Table) and min(drag.values) < 0.0:
+            refuse(f"drag_coefficient.values: {min(drag.values)} is negative")
+        for key in ("drag_coefficient", "lift_coefficient"):
+            of = getattr(getattr(self, key), "of", "")
+            if of == "mach" and not isinstance(self.density, Weather):
+                refuse(
+                    f"{key}: a table of the Mach number needs the temperature; give the density "
+                    "as a weather"
+                )
+        return self
+
+    @property
+    def lift_is_constant(self) -> bool:
+        """Whether C_L does not fall with the spin parameter, to zero."""
+        law = self.lift_coefficient
+        if isinstance(law, Table):
+            return law.of != "spin_parameter" or law.at[0] > 0.0 or law.values[0] != 0.0
+        value = getattr(law, "value", 0.0) if isinstance(law, Block) else law
+        return value != 0.0
+
+    @property
+    def needs_spin(self) -> str:
+        """The first key that means nothing without a spin; empty if there is none."""
+        if self.spin_decay_length is not None:
+            return "air.spin_decay_length"
+        for key in ("drag_coefficient", "lift_coefficient"):
+            law = getattr(self, key)
+            name, of = getattr(law, "law", "constant"), getattr(law, "of", "")
+            by_spin = name in ("spin", "rational", "linear", "bilinear") or of == "spin_parameter"
+            if by_spin or getattr(law, "per_spin", 0.0) != 0.0:
+                return f"air.{key}"
+        return ""

@@ -1,0 +1,62 @@
+"""The air: its density from the weather, its density aloft, the speed of sound.
+
+Sources: density, Nathan's trajectory calculator as coryfront.in and pybaseball have it; vapour
+pressure, A. L. Buck, J. Appl. Meteorol. 20 (1981) 1527, revised 1996. Constants are the doubles
+nearest to what is printed here.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from longball.model import trace
+from longball.model.force import Thinning
+from longball.model.numbers import N, Numbers, Vector
+
+ZERO_CELSIUS = 273.15  # K
+STANDARD_PRESSURE = 101325.0  # Pa
+
+
+def density(scene: Any, numbers: Numbers[N]) -> N:
+    """Return the density of the air at height 0, kg/m³.
+
+    A number of the scene; or by the weather, with the temperature T, the pressure p at sea level,
+    the humidity φ and the elevation h,
+
+        ``ρ = 1.2929 (273.15/T) (p e^(-βh) - 0.3783 φ p_s) / 101325``,  β = 1.217e-4 /m,
+        ``p_s = 611.16 Pa exp((18.687 - t/234.5) t / (257.14 + t))``,  t = T - 273.15 (°C).
+
+    If the reading says that p is the pressure at the station, h does not matter.
+    """
+    given = scene.air.density
+    if not hasattr(given, "temperature"):
+        return numbers.exact(given)
+    exact, exp = numbers.exact, numbers.functions["exp"]
+    temperature, pressure = exact(given.temperature), exact(given.pressure)
+    if scene.reading.pressure == "sea_level":
+        pressure = pressure * exp(-(exact(1.217e-4) * exact(given.elevation)))
+    t = temperature - exact(ZERO_CELSIUS)
+    exponent = (exact(18.687) - t / exact(234.5)) * t / (exact(257.14) + t)
+    vapour = exact(given.humidity) * exact(611.16) * exp(exponent)
+    dry = exact(1.2929) * (exact(ZERO_CELSIUS) / temperature)
+    return dry * (pressure - exact(0.3783) * vapour) / exact(STANDARD_PRESSURE)
+
+
+def speed_of_sound(scene: Any, numbers: Numbers[N]) -> N:
+    """Return the speed of sound, m/s: ``331.3 √(T/273.15)``."""
+    temperature = numbers.exact(scene.air.density.temperature)
+    return numbers.exact(331.3) * numbers.sqrt(temperature / numbers.exact(ZERO_CELSIUS))
+
+
+def _scale(scene: Any, frame: Any, numbers: Numbers[N]) -> tuple[N] | None:
+    if scene.air is None or scene.air.density_scale_height is None:
+        return None
+    return (1 / numbers.exact(scene.air.density_scale_height),)
+
+
+def _thinner(position: Vector[Any], p: Any) -> Any:
+    """Return ``e^(-βz)``."""
+    return trace.exp(-p.thinning * position[2])
+
+
+THINNING = Thinning(("thinning",), _scale, _thinner)

@@ -1,0 +1,449 @@
+"""The extended model of flight: spin, laws of the coefficients, wind, weather, the Earth.
+
+Truth is the equation of motion written out below as the field prints it, integrated by SciPy; and
+the exact results that it has.
+"""
+
+import math
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import scipy.integrate
+
+from longball.engines.batch import Batch, solve_columns
+from longball.engines.chain import solve, solve_with_path
+from longball.engines.enclosure import Enclosure
+from longball.engines.ivp import Ivp
+from longball.engines.multiprecision import Multiprecision
+from longball.engines.verlet import Verlet
+from longball.model.scene import FlightScene
+
+SPIN = (20.0, -250.0, 60.0)
+RATIONAL, LINEAR = {"law": "rational"}, {"law": "linear"}
+SPIN_DRAG = {"law": "spin"}
+CRISIS = {"law": "crisis", "per_spin": 7.4e-5}
+TABLE = {"law": "table", "of": "speed", "at": (20.0, 30.0, 40.0), "values": (0.5, 0.45, 0.33)}
+S_TABLE = {
+    "law": "table",
+    "of": "spin_parameter",
+    "at": (0.0, 0.1, 0.3, 0.4),
+    "values": (0.0, 0.12, 0.25, 0.27),
+}
+WEATHER = {"temperature": 300.0, "pressure": 101325.0, "humidity": 0.5, "elevation": 1600.0}
+
+# Each with the error of a position, relative to a flight of 100 m: what the engine states, and of
+# Verlet's scheme Δt² times a few hundred m/s².
+ENGINES = [
+    pytest.param(Ivp(), 1e-13, id="ivp"),
+    pytest.param(Multiprecision(18), 1e-15, id="multiprecision"),
+    pytest.param(Enclosure(20), 1e-15, id="enclosure"),
+    pytest.param(Batch(), 1e-13, id="batch"),
+    pytest.param(Verlet(1e-3, forces="implicit"), 3e-6, id="verlet"),
+]
+all_engines = pytest.mark.parametrize(("engine", "error"), ENGINES)
+
+
+def scene(velocity=(40.0, 3.0, 20.0), spin=None, position=(0.5, 0.1, 1.0), **keys):
+    keys = {name: value for name, value in keys.items() if value is not None}
+    launch = {"position": position, "velocity": velocity, "spin": spin}
+    return FlightScene(id="x", launch=launch, **keys)
+
+
+def landing(flight, engine):
+    result = solve(flight, engine)
+    assert result.error is None
+    found = result.landing
+    return SimpleNamespace(
+        time=float(found.time),
+        position=np.array([*map(float, found.position)]),
+        velocity=np.array([*map(float, found.velocity)]),
+        spin=None if found.spin is None else np.array([*map(float, found.spin)]),
+        path=None if found.path is None else float(found.path),
+    )
+
+
+def state_at(flight, engine, time):
+    _, path = solve_with_path(flight, engine)
+    position, velocity = path.at(engine.numbers.exact(time))
+    return np.array([*map(float, position)]), np.array([*map(float, velocity)])
+
+
+# --- the equation of motion, written out ----------------------------------------------------------
+
+
+def coefficient(law, speed, spin_parameter, transverse):
+    """C of a law, at an airspeed, a spin parameter and a transverse spin."""
+    if isinstance(law, float):
+        return law
+    match law["law"]:
+        case "spin":
+            return 0.3008 + 2.788e-4 * transverse
+        case "crisis":
+            step = 1.0 / (1.0 + math.exp((speed - 31.4) / 3.0))
+            return 0.33 + (0.5 - 0.33) * step + law["per_spin"] * transverse
+        case "rational":
+            return 1.12 * spin_parameter / (0.583 + 2.333 * spin_parameter)
+        case "linear":
+            return spin_parameter
+        case "bilinear":
+            low = spin_parameter < 0.1
+            return 1.5 * spin_parameter if low else 0.09 + 0.6 * spin_parameter
+        case "table":
+            x = {"speed": speed, "spin_parameter": spin_parameter}[law["of"]]
+            return float(np.interp(x, law["at"], law["values"]))
+
+
+def integrated(flight, drag=0.4, lift=0.2, wind=lambda z: np.zeros(3), scale=math.inf, decay=None):
+    """Landing time, place and path by SciPy, from the formulas as they are printed."""
+    radius, mass, density = 0.0366, 0.145, flight.air.density
+    if not isinstance(density, float):
+        t = 300.0 - 273.15
+        vapour = 611.16 * math.exp((18.687 - t / 234.5) * t / (257.14 + t))
+        pressure = 101325.0 * math.exp(-1.217e-4 * 1600.0)
+        density = 1.2929 * 273.15 / 300.0 * (pressure - 0.3783 * 0.5 * vapour) / 101325.0
+    spin_at_launch = np.array(flight.launch.spin)
+    omega = np.zeros(3)
+    if flight.earth:
+        latitude, azimuth = flight.earth.latitude, flight.earth.azimuth
+        north = np.array([math.cos(azimuth), math.sin(azimuth), 0.0])
+        omega = 7.292115e-5 * (math.cos(latitude) * north + [0.0, 0.0, math.sin(latitude)])
+
+    def rates(_, y):
+        velocity, path = y[3:6], y[6]
+        through = velocity - wind(y[2])
+        speed = np.linalg.norm(through)
+        spin = spin_at_launch * (math.exp(-path / decay) if decay else 1.0)
+        across = np.cross(spin, through)
+        transverse = np.linalg.norm(across) / speed
+        k = density * math.exp(-y[2] / scale) * math.pi * radius**2 / (2 * mass)
+        about = (speed, radius * transverse / speed, transverse)
+        acceleration = -k * coefficient(drag, *about) * speed * through
+        acceleration += k * coefficient(lift, *about) * speed**2 * across / np.linalg.norm(across)
+        acceleration += [0.0, 0.0, -9.8]
+        acceleration -= 2 * np.cross(omega, velocity)
+        return [*velocity, *acceleration, speed]
+
+    def height(_, y):
+        return y[2]
+
+    height.terminal, height.direction = True, -1
+    start = [*flight.launch.position, *flight.launch.velocity, 0.0]
+    found = scipy.integrate.solve_ivp(
+        rates, (0, 30), start, events=height, method="RK45", rtol=1e-9, atol=1e-9
+    )
+    return found.t[-1], found.y[:3, -1], found.y[6, -1]
+
+
+LAWS = {
+    "constant": ({}, {}),
+    "rational": ({"lift_coefficient": RATIONAL}, {"lift": RATIONAL}),
+    "linear, spin drag": (
+        {"lift_coefficient": LINEAR, "drag_coefficient": SPIN_DRAG},
+        {"lift": LINEAR, "drag": SPIN_DRAG},
+    ),
+    "crisis, wind": (
+        {"lift_coefficient": RATIONAL, "drag_coefficient": CRISIS, "wind": (3.0, 2.0, 0.5)},
+        {"lift": RATIONAL, "drag": CRISIS, "wind": lambda z: np.array([3.0, 2.0, 0.5])},
+    ),
+    "decay": (
+        {"lift_coefficient": RATIONAL, "drag_coefficient": SPIN_DRAG, "spin_decay_length": 300.0},
+        {"lift": RATIONAL, "drag": SPIN_DRAG, "decay": 300.0},
+    ),
+    "wind profile, weather": (
+        {
+            "lift_coefficient": LINEAR,
+            "wind": {"velocity": (5.0, 2.0, 0.0), "height": 10.0},
+            "density": WEATHER,
+            "density_scale_height": 8000.0,
+        },
+        {
+            "lift": LINEAR,
+            "scale": 8000.0,
+            "wind": lambda z: (
+                np.array([5.0, 2.0, 0.0])
+                * math.log(max(z, 0.0) / 0.03 + 1)
+                / math.log(10.0 / 0.03 + 1)
+            ),
+        },
+    ),
+    "tables": (
+        {"lift_coefficient": S_TABLE, "drag_coefficient": TABLE},
+        {"lift": S_TABLE, "drag": TABLE},
+    ),
+    "bilinear, wind above": (
+        {
+            "lift_coefficient": {"law": "bilinear"},
+            "wind": {"velocity": (5.0, 3.0, 0.0), "above": 10.0},
+        },
+        {
+            "lift": {"law": "bilinear"},
+            "wind": lambda z: np.array([5.0, 3.0, 0.0]) * (z > 10.0),
+        },
+    ),
+}
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_the_law_is_the_formula(name):
+    """Within SciPy's own error: 1e-9 a step, some hundred steps, and more at jumps of the wind."""
+    keys, plain = LAWS[name]
+    earth = {"latitude": 0.7, "azimuth": 0.5} if name == "rational" else None
+    spin = (5.0, -70.0, 15.0) if "bilinear" in name else SPIN
+    flight = scene(spin=spin, air=keys, earth=earth)
+    time, place, path = integrated(flight, **plain)
+    found = landing(flight, Ivp())
+    error = 1e-2 if "above" in name else 1e-4
+    assert found.time == pytest.approx(time, abs=error)
+    assert found.position == pytest.approx(place, abs=error)
+    if found.path is not None:
+        assert found.path == pytest.approx(path, abs=error)
+
+
+def everything():
+    """A scene with a table, spin that decays, wind, weather, thin air aloft and the Earth."""
+    air = {
+        "lift_coefficient": RATIONAL,
+        "drag_coefficient": TABLE,
+        "wind": (3.0, 2.0, 0.5),
+        "spin_decay_length": 300.0,
+        "density": WEATHER,
+        "density_scale_height": 8000.0,
+    }
+    return scene(spin=SPIN, air=air, earth={"latitude": 0.7, "azimuth": 0.5})
+
+
+@pytest.fixture(scope="module")
+def truth():
+    return landing(everything(), Enclosure(30))
+
+
+@all_engines
+def test_all_engines_agree_with_the_enclosure(engine, error, truth):
+    # The scheme takes a step that passes a node by the law before the node: Δt times a few m/s.
+    error = 1e-3 if isinstance(engine, Verlet) else 100 * error
+    found = landing(everything(), engine)
+    assert found.position == pytest.approx(truth.position, abs=error)
+    assert found.time == pytest.approx(truth.time, abs=error)
+    assert found.spin == pytest.approx(truth.spin, abs=100 * error)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_random_scenes(seed):
+    """Doubles, and balls that prove themselves."""
+    rng = np.random.default_rng(seed)
+    lift = [RATIONAL, LINEAR, 0.2, S_TABLE, {"law": "bilinear"}, TABLE][seed]
+    drag = [SPIN_DRAG, CRISIS, TABLE, 0.35, S_TABLE, CRISIS][seed]
+    air = {
+        "lift_coefficient": lift,
+        "drag_coefficient": drag,
+        "wind": tuple(rng.uniform(-5, 5, 3).tolist()) if seed % 2 else None,
+        "spin_decay_length": None if S_TABLE in (lift, drag) or seed == 4 else 500.0,
+    }
+    velocity = tuple(rng.uniform((20, -20, 5), (45, 20, 30)).tolist())
+    spin = tuple(rng.uniform(-200, 200, 3).tolist())
+    options = ({}, {"spin_parameter": "total", "drag_spin": "total"}, {"spin_decay": "time"})
+    reading = options[seed % 3]
+    flight = scene(velocity, spin, air=air, reading=reading)
+    found, truth = landing(flight, Ivp()), landing(flight, Enclosure(20))
+    assert found.position == pytest.approx(truth.position, abs=1e-11)
+
+
+# --- exact results --------------------------------------------------------------------------------
+
+
+@all_engines
+def test_the_magnus_force_does_no_work(engine, error):
+    """V²/2 + g z is kept where nothing drags."""
+    air = {"drag_coefficient": 0.0, "lift_coefficient": RATIONAL}
+    flight = scene(spin=SPIN, air=air)
+    found = landing(flight, engine)
+    kept = np.dot(found.velocity, found.velocity) / 2
+    start = np.dot(flight.launch.velocity, flight.launch.velocity) / 2 + 9.8 * 1.0
+    assert kept == pytest.approx(start, rel=10 * error)
+
+
+@all_engines
+def test_spin_decays_along_the_path(engine, error):
+    air = {"lift_coefficient": RATIONAL, "spin_decay_length": 150.0, "wind": (4.0, 0.0, 0.0)}
+    found = landing(scene(spin=SPIN, air=air), engine)
+    assert found.spin == pytest.approx(np.array(SPIN) * math.exp(-found.path / 150.0), rel=1e-14)
+    assert 80.0 < found.path < 150.0
+
+
+@all_engines
+def test_a_constant_wind_carries_the_flight_along(engine, error):
+    """r(t; v, W) = r(t; v - W, 0) + W t: the hang time is that of v - W, with a level wind."""
+    air = {"lift_coefficient": RATIONAL, "drag_coefficient": CRISIS}
+    windy = landing(scene((40.0, 3.0, 20.0), SPIN, air=air | {"wind": (6.0, -3.0, 0.0)}), engine)
+    calm = landing(scene((34.0, 6.0, 20.0), SPIN, air=air), engine)
+    assert windy.time == pytest.approx(calm.time, rel=10 * error)
+    carried = calm.position + np.array([6.0, -3.0, 0.0]) * calm.time
+    assert windy.position == pytest.approx(carried, abs=1000 * error)
+
+
+@all_engines
+def test_mirror_and_rotation(engine, error):
+    air = {"lift_coefficient": RATIONAL, "drag_coefficient": SPIN_DRAG}
+    plain = landing(scene(spin=SPIN, air=air | {"wind": (3.0, 2.0, 0.5)}), engine)
+    x, y, z = SPIN
+    mirrored = scene(
+        (40.0, -3.0, 20.0), (-x, y, -z), (0.5, -0.1, 1.0), air=air | {"wind": (3.0, -2.0, 0.5)}
+    )
+    assert landing(mirrored, engine).position * (1, -1, 1) == pytest.approx(
+        plain.position, abs=1000 * error
+    )
+    cos, sin = math.cos(0.7), math.sin(0.7)
+    turn = np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
+
+    def turned(vector):
+        return tuple((turn @ vector).tolist())
+
+    rotated = scene(
+        turned((40.0, 3.0, 20.0)),
+        turned(SPIN),
+        turned((0.5, 0.1, 1.0)),
+        air=air | {"wind": turned((3.0, 2.0, 0.5))},
+    )
+    assert landing(rotated, engine).position == pytest.approx(
+        turn @ plain.position, abs=1e-12 + 1000 * error
+    )
+
+
+@all_engines
+def test_scaling(engine, error):
+    """Lengths λ, times √λ, k/λ: U_c, δ and W as √λ, L_ω as λ; R ω as √λ with the same R."""
+    λ = 4.0
+    root = 2.0
+
+    def flight(λ, root):
+        air = {
+            "density": 1.29 / λ,
+            "lift_coefficient": RATIONAL,
+            "drag_coefficient": CRISIS
+            | {"speed": 31.4 * root, "width": 3.0 * root, "per_spin": 7.4e-5 / root},
+            "wind": (3.0 * root, 2.0 * root, 0.0),
+            "spin_decay_length": 300.0 * λ,
+        }
+        velocity = (40.0 * root, 3.0 * root, 20.0 * root)
+        spin = tuple(x * root for x in SPIN)
+        return scene(velocity, spin, (0.5 * λ, 0.1 * λ, 1.0 * λ), air=air)
+
+    if isinstance(engine, Verlet):
+        pytest.skip("a fixed step does not scale with the times")
+    plain, scaled = landing(flight(1.0, 1.0), engine), landing(flight(λ, root), engine)
+    assert scaled.position == pytest.approx(plain.position * λ, abs=1e-11)
+    assert scaled.time == pytest.approx(plain.time * root, rel=1e-12)
+
+
+@all_engines
+def test_a_helix(engine, error):
+    """Without gravity and drag: radius sin²α/(k C_L), rate k C_L V / sin α about the spin."""
+    flight = scene(
+        (30.0, 0.0, 40.0), (0.0, 0.0, 50.0), air={"drag_coefficient": 0.0}, gravity=0.0,
+        position=(0.0, 0.0, 1.0), time_limit=3.0,
+    )  # fmt: skip
+    k = 1.29 * 0.2 * math.pi * 0.0366**2 / (2 * 0.145)
+    sine = 0.6
+    rate, radius, t = k * 50.0 / sine, sine**2 / k, 3.0
+    wanted = [radius * math.sin(rate * t), radius * (1 - math.cos(rate * t)), 1.0 + 40.0 * t]
+    found, _ = state_at(flight, engine, t)
+    assert found == pytest.approx(wanted, abs=1e-12 + 1000 * error)
+
+
+@all_engines
+def test_braking_and_turning_without_gravity(engine, error):
+    """V = V0/(1 + κt); with c2/(c0 + c1 S) the heading is a logarithm."""
+    air = {"drag_coefficient": 0.4, "lift_coefficient": RATIONAL}
+    spin, speed, t = 250.0, 40.0, 2.0
+    flight = scene((speed, 0.0, 0.0), (0.0, 0.0, spin), air=air, gravity=0.0, time_limit=t)
+    per_metre = 1.29 * math.pi * 0.0366**2 / (2 * 0.145)
+    κ = per_metre * 0.4 * speed
+    c0, c1, c2, surface = 0.583, 2.333, 1.12, 0.0366 * spin
+    turned = c2 / (c1 * 0.4) * math.log1p(c1 * surface * κ * t / (c0 * speed + c1 * surface))
+    _, velocity = state_at(flight, engine, t)
+    assert np.linalg.norm(velocity) == pytest.approx(speed / (1 + κ * t), rel=10 * error + 1e-14)
+    heading = math.atan2(velocity[1], velocity[0])
+    assert heading == pytest.approx(turned, rel=1e-13 + 10 * error)
+
+
+@all_engines
+def test_gyro_spin_straight_up_does_nothing(engine, error):
+    air = {"lift_coefficient": RATIONAL, "drag_coefficient": 0.4}
+    spun = landing(scene((0.0, 0.0, 30.0), (0.0, 0.0, 200.0), air=air), engine)
+    plain = landing(scene((0.0, 0.0, 30.0), air=air | {"lift_coefficient": 0.0}), engine)
+    assert spun.time == pytest.approx(plain.time, rel=1e-14)
+    assert spun.velocity == pytest.approx(plain.velocity, rel=1e-14)
+
+
+@all_engines
+def test_the_final_speed_in_a_drag_crisis(engine, error):
+    """k C_D(U) U² = g."""
+    drag = {"law": "crisis"}
+    fall = scene(
+        (0.0, 0.0, -30.0), position=(0.0, 0.0, 3000.0), time_limit=200.0,
+        air={"drag_coefficient": drag, "lift_coefficient": 0.0},
+    )  # fmt: skip
+    speed = -landing(fall, engine).velocity[2]
+    value = coefficient({"law": "crisis", "per_spin": 0.0}, speed, 0.0, 0.0)
+    per_metre = 1.29 * math.pi * 0.0366**2 / (2 * 0.145)
+    assert per_metre * value * speed**2 == pytest.approx(9.8, rel=1e-9)
+
+
+@all_engines
+def test_the_paper_is_level_spin_of_any_size(engine, error):
+    """Constant C_L and spin across the launch: today's equations; no spin: no lift."""
+    velocity = (40.0, 0.0, 20.0)
+    plain = landing(scene(velocity), engine)
+    spun = landing(scene(velocity, (0.0, -123.0, 0.0)), engine)
+    assert spun.position == pytest.approx(plain.position, abs=1e-12 + 1e-9 * (error > 1e-9))
+    still = landing(scene(velocity, (0.0, 0.0, 0.0)), engine)
+    bare = landing(scene(velocity, air={"lift_coefficient": 0.0}), engine)
+    assert still.position.tolist() == bare.position.tolist()
+
+
+# --- where it is not smooth -----------------------------------------------------------------------
+
+
+@all_engines
+def test_a_table_of_one_value_is_a_constant(engine, error):
+    flat = TABLE | {"values": (0.4, 0.4, 0.4)}
+    plain, table = (landing(scene(air={"drag_coefficient": drag}), engine) for drag in (0.4, flat))
+    assert table.position == pytest.approx(plain.position, abs=1e-11)
+
+
+@pytest.mark.parametrize("engine", [Ivp(), Enclosure(20), Multiprecision(20), Batch()])
+def test_a_ball_that_drifts_with_the_wind(engine):
+    """It falls as it would in still air."""
+    air = {"wind": (8.0, 0.0, 0.0), "lift_coefficient": 0.0}
+    drifting = landing(scene((8.0, 0.0, 5.0), air=air), engine)
+    still = landing(scene((0.0, 0.0, 5.0), air={"lift_coefficient": 0.0}), engine)
+    assert drifting.time == still.time
+    assert drifting.position[0] == pytest.approx(0.5 + 8.0 * still.time, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    "engine", [Ivp(), Enclosure(20), Multiprecision(20), Batch(), Verlet(1e-3)]
+)
+def test_what_has_no_direction_is_declined(engine):
+    result = solve(scene((0.0, 0.0, 0.0), SPIN, air={"lift_coefficient": RATIONAL}), engine)
+    assert result.error is not None
+    assert result.landing is None
+
+
+def test_a_spin_along_the_launch_is_flown():
+    """ω ∥ u at the launch alone: lift and drag have a corner there, and not beyond."""
+    flight = scene((40.0, 0.0, 20.0), (80.0, 0.0, 40.0), air={"lift_coefficient": RATIONAL})
+    assert landing(flight, Ivp()).position == pytest.approx(
+        landing(flight, Enclosure(20)).position, abs=1e-11
+    )
+
+
+def test_columns_are_scenes():
+    air = {"lift_coefficient": RATIONAL, "wind": (3.0, 2.0, 0.5)}
+    flight = scene(spin=SPIN, air=air)
+    table = solve_columns(flight, {"launch.spin[1]": [-200.0, -100.0], "air.wind[0]": [0.0, 3.0]})
+    for i, (spin, wind) in enumerate(((-200.0, 0.0), (-100.0, 3.0))):
+        one = scene(spin=(20.0, spin, 60.0), air=air | {"wind": (wind, 2.0, 0.5)})
+        alone = landing(one, Batch())
+        assert [table[f"landing.position[{k}]"][i] for k in range(3)] == alone.position.tolist()

@@ -1,0 +1,98 @@
+"""What the README and the documentation show is what longball prints.
+
+A fence `console` holds commands after "$ " with what they print, a fence `pycon` holds a session of
+Python; "..." stands for any text. The fences of one page are one session.
+"""
+
+from __future__ import annotations
+
+import doctest
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parent.parent
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+NUMBER = re.compile(r"(?<![\w.])-?\d+\.\d+(?:e[+-]?\d+)?")
+# The last digits are the machine's: its mathematical library may round another way.
+DIGITS = 1e-9
+
+
+def fences(page: Path, language: str) -> list[str]:
+    return re.findall(rf"```{language}\n(.*?)```", page.read_text(encoding="utf-8"), re.S)
+
+
+def commands(page: Path) -> list[tuple[str, str]]:
+    """Return commands and what they print."""
+    return [
+        (command, shown)
+        for fence in fences(page, "console")
+        for command, _, shown in (
+            part.partition("\n") for part in re.split(r"^\$ ", fence, flags=re.M)[1:]
+        )
+    ]
+
+
+def same(shown: str, printed: str) -> bool:
+    """Tell whether two texts are equal but for the last digits of their numbers."""
+    pattern = re.escape(NUMBER.sub("\0", shown.strip())).replace(r"\.\.\.", "(?:.*)")
+    pattern = pattern.replace("\0", f"({NUMBER.pattern})")
+    match = re.fullmatch(pattern, printed.strip(), re.S)
+    if match is None:
+        return False
+    expected = [float(text) for text in NUMBER.findall(shown)]
+    return [float(text) for text in match.groups()] == pytest.approx(expected, rel=DIGITS)
+
+
+class Checker(doctest.OutputChecker):
+    def check_output(self, want: str, got: str, optionflags: int) -> bool:
+        return same(" ".join(want.split()), " ".join(got.split()))
+
+
+@pytest.mark.parametrize(
+    ("command", "shown"),
+    [
+        pytest.param(*case, id=f"{page.stem}: {case[0][:50]}")
+        for page in PAGES
+        for case in commands(page)
+    ],
+)
+def test_a_command_prints_what_the_page_shows(command: str, shown: str):
+    # `longball` and `python` are those of this environment, whatever the shell's path says.
+    path = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
+    printed = subprocess.run(
+        ["bash", "-c", re.sub(r"\blongball (?=\w)", f"{sys.executable} -m longball ", command)],
+        capture_output=True,
+        text=True,
+        timeout=120,
+        cwd=ROOT,
+        env=os.environ | {"PATH": path},
+    )
+    assert same(shown, printed.stdout), printed.stdout + printed.stderr
+
+
+@pytest.mark.parametrize(
+    "page", [p for p in PAGES if fences(p, "pycon")], ids=lambda page: page.stem
+)
+def test_a_session_prints_what_the_page_shows(page: Path):
+    session = "\n\n".join(fences(page, "pycon"))
+    example = doctest.DocTestParser().get_doctest(session, {}, page.name, str(page), 0)
+    told: list[str] = []
+    doctest.DocTestRunner(Checker()).run(example, out=told.append)
+    assert not told, "".join(told)
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_what_a_page_points_to_is_there(page: Path):
+    for target in re.findall(r"\]\(([^)#]+)\)", page.read_text(encoding="utf-8")):
+        # The report is built into the documentation from where it lies in the repository.
+        near = [page.parent / target, ROOT / target]
+        assert target.startswith("http") or any(path.exists() for path in near), target
+
+
+def test_there_is_something_to_try():
+    assert sum(len(commands(page)) for page in PAGES) >= 5

@@ -1,0 +1,99 @@
+"""An installation without the extras: what needs one says so, all else is the same."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from longball.extras import EXTRAS
+
+AT_BAT = '{"id": "a", "kind": "at-bat"}'
+BLOCK = "import sys\nfor name in {names!r}: sys.modules[name] = None\n"
+
+
+def light(code: str, *arguments: str, names: tuple[str, ...] = tuple(EXTRAS)):
+    return subprocess.run(
+        [sys.executable, "-c", BLOCK.format(names=names) + code, *arguments],
+        input=AT_BAT,
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+
+
+def command_line(*arguments: str) -> subprocess.CompletedProcess:
+    return light("from longball.__main__ import main; main()", *arguments)
+
+
+@pytest.mark.parametrize("engine", ["ivp", "verlet", "enclosure", "multiprecision"])
+def test_engines_give_the_same_bits(engine: str):
+    run = command_line("solve", "--engine", engine)
+    whole = subprocess.run(
+        [sys.executable, "-m", "longball", "solve", "--engine", engine],
+        input=AT_BAT, capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    assert (run.returncode, run.stderr) == (0, "")
+    assert run.stdout == whole.stdout
+
+
+def test_the_judge_and_the_golden_data(tmp_path: Path):
+    # The reference itself is judged, as anybody's simulator would be.
+    (tmp_path / "run.py").write_text(
+        BLOCK.format(names=tuple(EXTRAS)) + "from longball.__main__ import main; main()"
+    )
+    candidate = [sys.executable, str(tmp_path / "run.py"), "solve"]
+    run = command_line("judge", "--golden", "flight-both", "--", *candidate)
+    assert run.returncode == 0, run.stdout + run.stderr
+    assert run.stdout.startswith("PASSED")
+    run = command_line("golden", "check", "--sample", "2")
+    assert (run.returncode, run.stdout) == (0, ""), run.stderr
+    assert "P(e) is not integrated again" in run.stderr
+
+
+def test_the_library():
+    code = (
+        "import longball as lb\n"
+        "result = lb.solve(lb.AtBat())\n"
+        "assert result.path.at(0.1).position.shape == (3,)\n"
+        "assert lb.solve_many([lb.AtBat()], engine='ivp')[0].outcome == result.outcome\n"
+        "lb.judge.assert_case(lb.golden.load('pitch')[0], lb.golden.load('pitch')[0].expected)\n"
+        "try: result.path.sample()\n"
+        "except ImportError as error: print(error)\n"
+    )
+    run = light(code)
+    assert (run.returncode, run.stderr) == (0, "")
+    assert run.stdout == 'this needs pandas: pip install "longball[tables]"\n'
+
+
+@pytest.mark.parametrize(
+    ("extra", "arguments"),
+    [
+        ("fast", ["solve", "--engine", "batch"]),
+        ("fast", ["solve", "--workers", "2"]),
+        ("fast", ["homerun", "--samples", "10"]),
+        ("fast", ["homerun", "--method", "quadrature"]),
+        ("fast", ["readings", "--samples", "10"]),
+        ("fast", ["golden", "write", "nowhere"]),
+        ("tables", ["fit", "--example"]),
+        ("plot", ["homerun", "--samples", "5", "--figure", "x.png"]),
+        ("dask", ["solve", "--scheduler", "tcp://127.0.0.1:1"]),
+    ],
+)  # fmt: skip
+def test_what_is_missing_is_named(extra: str, arguments: list[str], tmp_path: Path):
+    run = light(
+        f"import os; os.chdir({str(tmp_path)!r}); from longball.__main__ import main; main()",
+        *arguments,
+        names=tuple(name for name, its in EXTRAS.items() if its == extra),
+    )
+    assert run.returncode == 2, run.stderr
+    assert f'pip install "longball[{extra}]"' in run.stderr
+    assert len(run.stderr.splitlines()) == 1
+
+
+def test_several_workers_are_one_if_not_asked_for():
+    assert json.loads(command_line("solve", "--workers", "-1").stdout)["outcome"] == "batted"
