@@ -36,11 +36,17 @@ def test_the_quantities_are_those_of_a_result():
             ("plate", result.Plate),
             ("contact", result.Contact),
             ("impact", result.Impact),
+            ("fence", result.Fence),
             ("landing", result.Landing),
         )
         for key in model.model_fields
     }
-    assert set(QUANTITIES) == fields - {"impact.mode"}  # which is a text
+    assert set(QUANTITIES) == fields - {
+        "impact.mode",
+        "impact.recontact",
+        "fence.segment",
+        "landing.fair",
+    }  # told, not measured
 
 
 def test_json_lines_keep_every_digit(tmp_path: Path):

@@ -16,13 +16,13 @@ from longball.engines.chain import solve
 from longball.engines.ivp import Ivp
 from longball.judge import assert_case
 from longball.judge import cases as golden_cases
-from longball.judge.answers import Collector
+from longball.judge.answers import Answer, Collector
 from longball.judge.cases import Converged, Exact, Known, Paper, profile, solved
 from longball.judge.evaluation import Evaluation, Judge
 from longball.judge.junit import junit
 from longball.judge.page import page
 from longball.judge.text import render
-from longball.judge.verdict import SCHEMA_FILE, Submission, Verdict, schema
+from longball.judge.verdict import SCHEMA_FILE, Submission, Verdict, compare, schema
 from longball.model.result import Result
 from longball.model.schema import text
 from tests.judge.material import at_bats, collected, flights, pitches
@@ -164,6 +164,16 @@ def test_silence_and_refusal_make_a_verdict_partial(few: list[Known]):
     assert [(r.id, r.reason) for r in verdict.refused] == [("pitch-1", "too fast")]
     assert "1 refused" in render(verdict)
     assert tried(few, change, partial=True).verdict.passed
+
+
+def test_scenes_that_hang_on_errors_that_pass_may_be_refused():
+    hard = {case.id: case for case in golden_cases("hard")}
+    asked = ("hard-graze-plus-1e-14", "hard-dip-phugoid-over-1e-12", "hard-bat-end-tip-above",
+             "hard-graze-plus-1e-09")  # fmt: skip
+    refused = [compare(hard[i], Answer(i, None, {}, error="undecided"), Exact()) for i in asked]
+    assert [c.judged for c in refused] == [False, False, False, True]
+    silent = [compare(hard[i], None, Exact()) for i in asked]
+    assert all(c.judged for c in silent)
 
 
 def test_a_candidate_that_refuses_all_but_one_does_not_pass(few: list[Known]):

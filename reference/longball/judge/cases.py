@@ -97,6 +97,9 @@ def attainable(case: Case, quantity: str) -> float:
 # another one, in double precision, need not be wrong (header.json).
 FRAGILE = "fragile"
 
+# The flag of a ball that comes to the ground, or passes it, at a small angle.
+TANGENTIAL = "tangential"
+
 
 def decidable(case: Case) -> bool:
     """Tell whether there is a truth, and not only in bits that double precision does not have."""

@@ -24,7 +24,7 @@ from longball import __version__
 from longball.convergence import ConvergenceReport
 from longball.convergence.report import Frozen
 from longball.judge.answers import Answer, Collector, Issue
-from longball.judge.cases import FRAGILE, Case, Exact, Profile, attainable, decidable
+from longball.judge.cases import FRAGILE, TANGENTIAL, Case, Exact, Profile, attainable, decidable
 from longball.judge.diagnosis import Diagnosis
 from longball.judge.quantities import (
     BLOCKS,
@@ -119,7 +119,8 @@ class Comparison:
         None if there was none.
     judged
         Whether there is a truth to judge by: the case has one, and not just in bits that double
-        precision does not have. A fragile case is judged if its outcome was hit.
+        precision does not have. A fragile case is judged if its outcome was hit; one whose
+        outcome hangs on errors that pass, if it was not refused.
     outcome_wrong
         Whether another outcome was given.
     measured
@@ -165,6 +166,8 @@ class Comparison:
 def compare(case: Case, answer: Answer | None, profile: Profile) -> Comparison:
     """Hold an answer against a case, one that the profile's `truths` returned."""
     judged = decidable(case)
+    if answer is not None and answer.error is not None and _may_be_refused(case, profile):
+        judged = False
     if answer is None or answer.error is not None or not judged:
         return Comparison(case, answer, judged)
     slack: Mapping[str, float] = {}
@@ -209,6 +212,16 @@ def compare(case: Case, answer: Answer | None, profile: Profile) -> Comparison:
         tuple(missing),
         tuple(sorted(answer.unreadable)),
         superfluous,
+    )
+
+
+def _may_be_refused(case: Case, profile: Profile) -> bool:
+    """Tell whether errors that pass leave open what happens: nobody need answer then."""
+    if not {FRAGILE, TANGENTIAL}.isdisjoint(case.flags):
+        return True
+    margin = values_of(case.expected).get("contact.margin")
+    return margin is not None and length(margin) <= profile.tolerance(
+        case, "contact.margin", margin
     )
 
 
