@@ -8,12 +8,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pandas as pd
 
 from analysis.speed_error import contenders
 from analysis.speed_error.measuring import difference, measure, ratio
 from analysis.speed_error.work import TRUE_DIGITS, Work, at_bats, known, truth
-from analysis.writing import table
+from analysis.writing import render
 from longball.engines.chain import solve
 from longball.engines.ivp import Ivp
 from longball.model.result import Result
@@ -53,32 +52,18 @@ def run(report: Path, full: bool) -> str:
     }
     turns = [(replace(one, turn=len(results)), flights) for one in candidates.values()]
     measured = dict(zip(candidates, measure(turns, ROUNDS), strict=True))
-    unit, default = measured[UNIT], measured["longball ivp, Taylor's method"]
-    rows = [
-        {
-            "method": name,
-            "worst error of D, m": f"{found.errors.worst:.1e}",
-            "median, m": f"{found.errors.median:.1e}",
-            "worst error of time, s": f"{found.errors.worst_time:.1e}",
-            "time a flight, ratio": f"{ratio(found.seconds, unit.seconds):.2f}",
-        }
-        for name, found in measured.items()
-    ]
-    return "\n".join(
-        [
-            "## The reference engine: speed against error\n",
-            f"Landings of {len(results)} batted balls of the paper's distributions (seed {SEED}), "
-            f"held against {TRUE_DIGITS} digits with proven bounds. Times are ratios to plain "
-            f"`solve_ivp` at a tolerance of 1e-12, medians of {ROUNDS} interleaved rounds on one "
-            "thread (`python -m analysis accuracy`).\n",
-            table(report, "accuracy", pd.DataFrame(rows)),
-            f"The reference engine lands a ball {ratio(unit.seconds, default.seconds):.1f} times "
-            f"as fast as plain `solve_ivp` at 1e-12, off by {default.errors.worst:.1e} m at worst "
-            f"where that is off by {unit.errors.worst:.1e} m.\n",
-            f"Whole at-bats, the same {len(results)}, by the reference engine as it is by "
-            "default:\n",
-            table(report, "accuracy_at_bats", at_bat_errors(results, truth(struck))),
-        ]
+    return render(
+        report,
+        "accuracy",
+        count=len(results),
+        seed=SEED,
+        digits=TRUE_DIGITS,
+        rounds=ROUNDS,
+        measured=measured,
+        ratio=ratio,
+        unit=measured[UNIT],
+        default=measured["longball ivp, Taylor's method"],
+        at_bats=at_bat_errors(results, truth(struck)),
     )
 
 
@@ -101,12 +86,9 @@ def flights_of(results: list[Result]) -> Work:
     return Work(FlightScene(id="flight", launch=anywhere), columns)
 
 
-def at_bat_errors(results: list[Result], true: list[Result]) -> pd.DataFrame:
+def at_bat_errors(results: list[Result], true: list[Result]) -> dict[str, float]:
     """Return the worst errors of plate, contact and landing of whole at-bats."""
-    worst = {
+    return {
         name: max(difference(of(ours), of(best)) for ours, best in zip(results, true, strict=True))
         for name, of in QUANTITIES.items()
     }
-    return pd.DataFrame(
-        {"quantity": list(worst), "worst error": [f"{error:.1e}" for error in worst.values()]}
-    )

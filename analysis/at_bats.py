@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -11,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Circle
 from numpy.typing import NDArray
 
-from analysis.writing import LINES, figure, shown, table
+from analysis.writing import LINES, figure, render, table
 from longball.engines.chain import solve_with_path
 from longball.engines.ivp import Ivp
 from longball.engines.path import Trajectory
@@ -31,45 +32,31 @@ SWINGS = {
 }
 AIM_Y = -0.144  # m: cell 2, on the barrel's side
 BEHIND = 0.01  # s: the pitch is drawn to a third of a metre behind the plate
+PITCH: dict[str, Any] = {"color": "black", "linewidth": 0.8}
 
 
 def run(report: Path, full: bool) -> str:
     """Solve the at-bats and draw them; `full` changes nothing."""
     scenes = {name: at_bat(name, *swing) for name, swing in SWINGS.items()}
     solved = {name: solve_with_path(scene, Ivp()) for name, scene in scenes.items()}
-    results = {name: result for name, (result, _) in solved.items()}
-    with figure(report, "at_bats", rows=2, size=(7.0, 5.6)) as (whole, near):
+    pitch = solved["miss"][1]
+    with figure(report, "at_bats", size=(7.0, 3.6)) as (axes,):
+        axes.plot(*along(pitch, 0.0, pitch.end + BEHIND), label="pitch", **PITCH)
         for (name, (result, way)), dash in zip(solved.items(), LINES, strict=True):
-            if result.landing is None:
-                continue
-            x, z = along(way, way.legs[-1].begin, way.end)
-            whole.plot(x, z, linestyle=dash, label=f"{name}, {result.landing.distance:.0f} m")
-            near.plot(x, z, linestyle=dash)
-        _, pitch = solved["miss"]
-        x, z = along(pitch, 0.0, pitch.end + BEHIND)
-        for axes in (whole, near):
-            axes.plot(x, z, color="black", linewidth=0.8, label="pitch")
-            axes.set_xlabel("x toward the pitcher, m")
-            axes.set_ylabel("height z, m")
-        whole.legend(fontsize="small", ncols=2)
-        near.set(xlim=(-0.25, 0.55), ylim=(1.05, 1.4), title="over the plate", aspect="equal")
-        draw_bats(near, scenes, results)
-    caption = (
-        "Five swings at one pitch. Above: the whole flights. Below: the bats, as circles, and the "
-        "ball where it touches each of them."
-    )
-    return "\n".join(
-        [
-            "## A few at-bats\n",
-            "One pitch of 139.1 km/h on cell 2, and five swings that differ by a few centimetres "
-            "of height and a few degrees of tilt. `margin` is how deep the undisturbed pitch "
-            "would have gone into the bat; `ẽ` is the restitution between ball and bat.\n",
-            table(
-                report, "at_bats", pd.DataFrame([row(n, results[n], *SWINGS[n]) for n in SWINGS])
-            ),
-            shown("at_bats", caption),
-        ]
-    )
+            if result.landing is not None:
+                label = f"{name}, {result.landing.distance:.0f} m"
+                axes.plot(*along(way, way.legs[-1].begin, way.end), linestyle=dash, label=label)
+        axes.set(xlabel="x toward the pitcher, m", ylabel="height z, m", aspect="equal", ylim=0.0)
+        axes.legend(fontsize="small", loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=5)
+    with figure(report, "at_bats_contact", columns=len(SWINGS), size=(9.0, 2.6)) as panels:
+        for axes, (name, (result, way)) in zip(panels, solved.items(), strict=True):
+            draw_contact(axes, scenes[name], result, way)
+            axes.plot(*along(pitch, 0.0, pitch.end + BEHIND), **PITCH)
+            axes.set(title=name, xlabel="x, m", xlim=(-0.15, 0.15), ylim=(1.08, 1.38))
+            axes.set_aspect("equal")
+        panels[0].set_ylabel("height z, m")
+    rows = [row(name, solved[name][0], *swing) for name, swing in SWINGS.items()]
+    return render(report, "at_bats", rows=table(report, "at_bats", pd.DataFrame(rows)))
 
 
 def at_bat(name: str, offset: float, tilt: float) -> AtBatScene:
@@ -106,15 +93,15 @@ def along(way: Trajectory[float], begin: float, end: float) -> tuple[Array, Arra
     return x, z
 
 
-def draw_bats(axes: Axes, scenes: dict[str, AtBatScene], results: dict[str, Result]) -> None:
-    """Draw bat and ball at their touching, the bat where the swing has put it."""
-    for name, result in results.items():
-        scene, plate, contact = scenes[name], result.plate, result.contact
-        assert plate is not None
-        assert contact is not None
-        height = float(plate.position[2]) + scene.swing.height_offset
-        axes.add_patch(Circle((0.0, height), scene.bat.radius, fill=False, linewidth=0.8))
-        if contact.position is not None:
-            x, _, z = map(float, contact.position)
-            ball = Circle((x, z), scene.ball.radius, fill=False, linewidth=0.8, linestyle=":")
-            axes.add_patch(ball)
+def draw_contact(axes: Axes, scene: AtBatScene, result: Result, way: Trajectory[float]) -> None:
+    """Draw bat and ball at their touching, the bat where the swing has put it, and what follows."""
+    plate, contact = result.plate, result.contact
+    assert plate is not None
+    assert contact is not None
+    height = float(plate.position[2]) + scene.swing.height_offset
+    axes.add_patch(Circle((0.0, height), scene.bat.radius, facecolor="0.8", edgecolor="black"))
+    if contact.position is not None:
+        x, _, z = map(float, contact.position)
+        axes.add_patch(Circle((x, z), scene.ball.radius, fill=False, linestyle=":"))
+        begin = way.legs[-1].begin
+        axes.plot(*along(way, begin, min(way.end, begin + BEHIND)), color="C0", linewidth=1.8)

@@ -1,6 +1,6 @@
 """How fast the batch engine is, next to its peers: ratios, measured side by side.
 
-``python -m analysis.bench`` takes less than three minutes. The contenders are some of those of the
+``python -m analysis.bench`` takes some four minutes. The contenders are some of those of the
 study `analysis.speed_error`, on the same flights and at-bats; so are the measures of time and
 error.
 """
@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from analysis.speed_error import contenders
+from analysis.speed_error import contenders, laws
 from analysis.speed_error.contenders import Contender
 from analysis.speed_error.measuring import machine, measure, ratio, versions
 from analysis.speed_error.work import at_bats, flights, known
@@ -17,6 +17,7 @@ from longball.engines.batch import Batch
 
 TURNS = 15
 TRUE = 50  # flights and at-bats of which the truth is found
+LAW_ROUNDS, LAW_TRUE = 5, 10  # the same under other laws of flight
 
 
 def entrants() -> Iterator[Contender]:
@@ -46,6 +47,7 @@ def main() -> None:
             f"{ratio(found.seconds, unit):8.2f}   {wrong.worst:.1e}             {missed}"
         )
     print(f"an at-bat takes as long as {ratio(units['at-bat'], units['flight']):.2f} flights")
+    print(laws.compared(LAW_ROUNDS, LAW_TRUE).set_index("law").T.to_string())
 
 
 if __name__ == "__main__":

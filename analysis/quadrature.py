@@ -5,12 +5,12 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 import pandas as pd
 
-from analysis.writing import figure, markdown_table, shown, table
+from analysis.writing import STYLES, figure, render
 from longball import golden
 from longball.engines.batch import Batch
 from longball.home_run import (
@@ -50,37 +50,21 @@ def run(report: Path, full: bool) -> str:
         *(_timed("scrambled points", f"{n * SCRAMBLES:,} lines", through_lines, n) for n in lines),
         *(_timed("quadrature", f"tolerance {x:.0e}", integrated, x) for x in TOLERANCES),
     ]
-    frame = pd.DataFrame(rows)
-    draw(report, frame)
+    draw(report, pd.DataFrame(rows))
     took, curve = _took(lambda: integrals(BASE, PAPER, RESTITUTIONS, workers=-1))
     million, _ = _took(lambda: counted(1_000_000))
-    shown_frame = frame.copy()
-    for name, form in zip(frame.columns[2:], (".2f", ".9f", ".1e", ".1e"), strict=True):
-        shown_frame[name] = [format(x, form) for x in frame[name]]
-    values = [
-        [f"{x.e:g}", f"{x.p:.9f}", f"{x.error:.1e}", f"{x.slope:.8f}", f"{x.slope_error:.1e}"]
-        for x in curve
-    ]
-    p, best = _golden(), frame.loc[frame["method"] == "quadrature", "error told"].min()
-    return "\n".join(
-        [
-            "## P(e) without noise\n",
-            "The at-bats of the paper's distributions, default reading of the ledger, batch "
-            f"engine ({Batch().description}), all cores of the machine, compile time aside. "
-            "The error of a sample falls with the root of its size; that of scrambled Sobol' "
-            "points, with the height offset integrated exactly between its roots of D = 150 m, "
-            "nearly with their number; that of the quadrature exponentially.\n",
-            table(report, "quadrature", shown_frame),
-            shown(
-                "quadrature",
-                f"Error of P({E}) that a method tells (standard error or estimate) against the "
-                "time it takes.",
-            ),
-            f"A sample with the error of the finest quadrature, {best:.0e}, would need "
-            f"{p * (1 - p) / best**2:.0e} at-bats. A million at-bats took {million:.1f} s.\n",
-            f"The curve, in {took:.1f} s:\n",
-            markdown_table(["e", "P(e)", "error", "dP/de", "error"], values),
-        ]
+    p, best = _golden(), min(row["error"] for row in rows if row["method"] == "quadrature")
+    return render(
+        report,
+        "quadrature",
+        engine=Batch().description,
+        e=E,
+        rows=rows,
+        best=best,
+        needed=p * (1 - p) / best**2,
+        million=million,
+        took=took,
+        curve=curve,
     )
 
 
@@ -117,25 +101,23 @@ def _took(compute: Callable[[], T]) -> tuple[float, T]:
 
 def _timed(
     method: str, size: str, compute: Callable[[N], tuple[float, float]], cost: N
-) -> dict[str, object]:
+) -> dict[str, Any]:
     """Return a row of the table."""
     took, (p, error) = _took(lambda: compute(cost))
     return {
         "method": method,
         "of": size,
-        "time, s": took,
-        f"P({E})": p,
-        "error told": error,
-        "from the golden value": abs(p - _golden()),
+        "time": took,
+        "p": p,
+        "error": error,
+        "off": abs(p - _golden()),
     }
 
 
 def draw(report: Path, frame: pd.DataFrame) -> None:
     """Draw error against time."""
     with figure(report, "quadrature", size=(6.0, 3.8)) as (axes,):
-        for (method, rows), style in zip(
-            frame.groupby("method", sort=False), ("ko-", "ks--", "k^:"), strict=True
-        ):
-            axes.plot(rows["time, s"], rows["error told"], style, markersize=5, label=str(method))
+        for method, rows in frame.groupby("method", sort=False):
+            axes.plot(rows["time"], rows["error"], **STYLES[str(method)], label=str(method))
         axes.set(xscale="log", yscale="log", xlabel="time, s", ylabel=f"error of P({E})")
         axes.legend()

@@ -14,7 +14,7 @@ from scipy.interpolate import CubicSpline
 from scipy.optimize import least_squares
 from scipy.stats import bootstrap
 
-from analysis.writing import figure, filled, shown, table
+from analysis.writing import figure, render, shown, table
 from longball.model.scene import Ball
 from longball.pictures import draw_errors
 from longball.pitches import EXAMPLE
@@ -59,7 +59,8 @@ def run(report: Path, full: bool) -> str:
     best = best_constants(flies)
     by_place, by_place_and_bearing = scatter(flies)
     caught = np.isin(events, CAUGHT)
-    return filled(
+    return render(
+        report,
         "reality",
         n_flies=len(flies),
         n_pitches=len(pitches),

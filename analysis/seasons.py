@@ -16,7 +16,7 @@ from scipy.stats import norm
 
 from analysis.paper.printed import CARRIES, PAIRS, SEASONS, Season
 from analysis.reality import NATHAN, landings, launched, measured_flies, measured_pitches
-from analysis.writing import figure, filled, shown, table
+from analysis.writing import figure, render, shown, table
 from longball.engines import create
 from longball.engines.chain import solve_with_restitutions
 from longball.home_run import PAPER_CURVES, Integral, draw, integrals, paper_at_bats, scenes
@@ -298,7 +298,8 @@ def run(report: Path, full: bool) -> str:
     per_e = float(np.linalg.norm(hits.per_restitution(E_LOW)[hits.home_run], axis=1).mean())
     gap = math.log(seen.value / expected.value)
     draw_ratios(report, counted, ratios[slower.name])
-    return filled(
+    return render(
+        report,
         "seasons",
         n=len(hits.flies),
         day=day,

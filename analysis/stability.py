@@ -15,7 +15,7 @@ import pandas as pd
 from joblib import Parallel, delayed
 from matplotlib.colors import ListedColormap
 
-from analysis.writing import figure, markdown_table, shown, table
+from analysis.writing import figure, render, table
 from longball import engines
 from longball.engines.chain import solve
 from longball.engines.engine import CannotSolve
@@ -35,7 +35,7 @@ ENGINES: dict[str, tuple[str, dict[str, Any]]] = {
     "enclosure 30": ("enclosure", {"digits": 30}),
 }
 
-VERDICTS = ("right", "short", "declined", "wrong")
+VERDICTS = ("right", "declined", "short", "wrong")  # the worst last
 # The errors of a chain's few dozen roundings add up to some attainable errors; a hundred is what
 # the judge's profile `exact` allows.
 ALLOWED = 100.0
@@ -68,20 +68,14 @@ def run(report: Path, full: bool) -> str:
     )
     table(report, "stability", rounded)
     draw(report, frame)
-    return "\n".join(
-        [
-            "## Stability: every engine on every hard case\n",
-            f"{len(cases)} golden cases, each solved by {len(ENGINES)} engines "
-            "(`python -m analysis stability`). *Right*: the outcome is the proven one, and its "
-            f"main number is off by no more than {ALLOWED:g} times what double precision can "
-            "attain. *Short*: the outcome is right, the number is not. *Declined*: the engine "
-            "says why it gives no answer. *Wrong*: another outcome. What the truth itself cannot "
-            "decide is right if it is declined. Every trial is a line of `tables/stability.csv`; "
-            "times are of one call on a busy machine, the first ones with compilation.\n",
-            summary(frame),
-            shown("stability", "Verdicts on the hard cases, in groups that share a name."),
-            failures(frame),
-        ]
+    return render(
+        report,
+        "stability",
+        cases=len(cases),
+        allowed=ALLOWED,
+        verdicts=VERDICTS,
+        engines=[summary(name, frame[frame["engine"] == name]) for name in ENGINES],
+        failures=failures(frame),
     )
 
 
@@ -128,18 +122,17 @@ def digits_of(relative_error: float) -> float:
     return max(0.0, -math.log10(relative_error))
 
 
-def summary(frame: pd.DataFrame) -> str:
-    """Return a line an engine: how many of each verdict, and the times."""
-    rows = []
-    for name in ENGINES:
-        of = frame[frame["engine"] == name]
-        counts = [int((of["verdict"] == verdict).sum()) for verdict in VERDICTS]
-        median, worst = of["seconds"].median(), of["seconds"].max()
-        rows.append([name, *counts, f"{1e3 * median:.2g} ms", f"{worst:.2g} s"])
-    return markdown_table(["engine", *VERDICTS, "median time", "longest"], rows)
+def summary(name: str, trials: pd.DataFrame) -> dict[str, Any]:
+    """Return how many of each verdict an engine has, and its times."""
+    return {
+        "name": name,
+        "counts": [int((trials["verdict"] == verdict).sum()) for verdict in VERDICTS],
+        "median": trials["seconds"].median(),
+        "longest": trials["seconds"].max(),
+    }
 
 
-def failures(frame: pd.DataFrame) -> str:
+def failures(frame: pd.DataFrame) -> list[list[str]]:
     """Return what the engines of doubles that aim at the truth fall short of, case by case."""
     rows: list[list[str]] = []
     columns = ["case", "verdict", "digits", "attainable", "answer"]
@@ -149,11 +142,7 @@ def failures(frame: pd.DataFrame) -> str:
             [name, case, verdict, *(f"{x:.1f}".replace("nan", "") for x in digits), answer]
             for case, verdict, *digits, answer in of[columns].to_numpy().tolist()
         ]
-    head = ["engine", "case", "verdict", "digits right", "attainable", "answer"]
-    return (
-        "Where the reference engine and the batch engine fall short or answer otherwise:\n\n"
-        + markdown_table(head, rows)
-    )
+    return rows
 
 
 def draw(report: Path, frame: pd.DataFrame) -> None:

@@ -22,7 +22,7 @@ from pydantic import ValidationError
 
 from analysis.random_scenes import FAMILIES, random_scene
 from analysis.stability import ALLOWED, exactly
-from analysis.writing import markdown_table, table
+from analysis.writing import render, table
 from longball.engines import create
 from longball.engines.chain import solve
 from longball.golden.case import ROUNDING, vector_of
@@ -44,6 +44,9 @@ _FINE = 64
 # Of the start of the flight, as a search for events has it.
 _ROUNDINGS = 4
 
+# The last three are faults.
+VERDICTS = ("right", "declined", "not compared", "wrong outcome", "number off", "exception")
+
 
 def run(report: Path, full: bool) -> str:
     """Solve the scenes and count what came of them."""
@@ -52,34 +55,27 @@ def run(report: Path, full: bool) -> str:
     seen = pd.DataFrame([row for block in blocks for row in block])
     counts = seen.groupby(["engine", "family", "answer"]).size().unstack("family", fill_value=0)
     table(report, "survival", counts.reset_index())
-    verdicts = ("right", "declined", "not compared", "wrong outcome", "number off", "exception")
-    rows = []
-    for engine, of in seen.groupby("engine"):
-        seconds = of["seconds"]
-        rows.append(
-            [
-                str(engine),
-                *(f"{(of['verdict'] == verdict).sum():,}" for verdict in verdicts),
-                *(f"{1e3 * seconds.quantile(q):.2g} ms" for q in (0.5, 0.99)),
-                f"{seconds.max():.2g} s",
-            ]
-        )
-    faults = seen[seen["verdict"].isin(verdicts[3:])]
-    listed = "".join(f"- {row.engine}: {row.scene}, {row.answer}\n" for row in faults.itertuples())
-    return "\n".join(
-        [
-            "## Random survival\n",
-            f"{count:,} random scenes (seed {SEED}), a quarter each from baseball, far beyond it, "
-            "with sizes from 1e-30 to 1e30, and with questions that are hard to decide; the kinds "
-            f"in equal parts; any reading. The enclosure solved every {stride}. of them "
-            f"to {DIGITS} digits. *Wrong outcome*: not the proven one. *Number off*: by more than "
-            f"{ALLOWED:g} times what doubles can attain. *Not compared*: without a proven result. "
-            "Times are of a processor, for one scene.\n",
-            markdown_table(["engine", *verdicts, "median", "99 %", "longest"], rows),
-            f"Every fault:\n\n{listed}" if listed else "",
-            f"`python -m analysis survival{' --full' if full else ''}`; the counts by answer are "
-            "`tables/survival.csv`.\n",
-        ]
+    return render(
+        report,
+        "survival",
+        count=count,
+        seed=SEED,
+        stride=stride,
+        digits=DIGITS,
+        allowed=ALLOWED,
+        verdicts=VERDICTS,
+        engines=[
+            {
+                "name": engine,
+                "counts": [(of["verdict"] == verdict).sum() for verdict in VERDICTS],
+                "median": of["seconds"].median(),
+                "most": of["seconds"].quantile(0.99),
+                "longest": of["seconds"].max(),
+            }
+            for engine, of in seen.groupby("engine")
+        ],
+        faults=list(seen[seen["verdict"].isin(VERDICTS[3:])].itertuples()),
+        full=full,
     )
 
 

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
+import jinja2
 import matplotlib
 
 matplotlib.use("agg")
@@ -14,10 +16,48 @@ import matplotlib.pyplot as plt
 import pandas as pd
 from matplotlib.axes import Axes
 
-TEMPLATES = Path(__file__).parent / "templates"
-
 # Told apart without colour too, for a print in black and white.
 LINES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)))
+
+
+def _style(color: str, marker: str, line: object = "-", *, filled: bool = True) -> dict[str, Any]:
+    face = color if filled else "white"
+    return {"color": color, "marker": marker, "linestyle": line, "markerfacecolor": face}
+
+
+# A method, an engine or a reading of the paper looks the same in every figure. The colours are
+# those of Okabe and Ito, which colour-blind readers tell apart; marks and lines do it in grey.
+STYLES = {
+    "batch": _style("black", "o"),
+    "ivp Taylor": _style("#0072B2", "s"),
+    "ivp DOP853": _style("#0072B2", "^", "--"),
+    "ivp RK45": _style("#0072B2", "v", "-.", filled=False),
+    "ivp LSODA": _style("#0072B2", "D", ":", filled=False),
+    "ivp Radau": _style("#0072B2", "P", ":"),
+    "verlet old_carried": _style("black", "o"),
+    "verlet old_recomputed": _style("#E69F00", "s", filled=False),
+    "verlet half_step": _style("#CC79A7", "<", "--"),
+    "verlet predicted_carried": _style("#D55E00", "D", "-."),
+    "verlet predicted_recomputed": _style("#0072B2", "v", ":"),
+    "verlet implicit": _style("#CC79A7", ">"),
+    "enclosure": _style("#009E73", "*"),
+    "multiprecision": _style("#009E73", "X", "--"),
+    "heyoka scalar": _style("#D55E00", "s", "--"),
+    "heyoka batch": _style("#D55E00", "D"),
+    "diffrax Tsit5": _style("#E69F00", "v", ":", filled=False),
+    "diffrax Dopri8": _style("#E69F00", "^", "-."),
+    "CVODE Adams": _style("0.45", "P", "--"),
+    "scipy DOP853": _style("#56B4E9", "^", "--"),
+    "scipy RK45": _style("#56B4E9", "v", "-.", filled=False),
+    "scipy LSODA": _style("#56B4E9", "D", ":", filled=False),
+    "Monte Carlo": _style("#D55E00", "^", "--", filled=False),
+    "scrambled points": _style("#E69F00", "D", "-.", filled=False),
+    "quadrature": _style("#0072B2", "o"),
+    "default": _style("#0072B2", "o", "-", filled=False),
+    "nearest": _style("#D55E00", "s", "-."),
+    "paper's caption": _style("0.45", "*", "--"),
+    "paper's text": _style("0.45", "X", ":", filled=False),
+}
 
 plt.rcParams.update(
     {
@@ -45,13 +85,30 @@ def figure(
     plt.close(drawn)
 
 
-def filled(name: str, **values: object) -> str:
-    """Return the Markdown of analysis/templates/NAME.md with values where it names them.
+def render(report: Path, name: str, **values: object) -> str:
+    """Return the Markdown of analysis/templates/NAME.md, a Jinja template, with values put in.
 
-    The syntax is that of `str.format`, so that a template says with how many digits a number is
-    written: ``{rms:.1f}``.
+    A template has, besides Jinja's own: the filter ``f``, which formats as the function `format`
+    does, ``{{ rms | f(".1f") }}``; ``shown(figure, caption)``; and ``{% call table(name) %}``
+    around a Markdown table, whose rows become report/tables/NAME.csv, too.
+
+    Raises
+    ------
+    jinja2.UndefinedError
+        If the template names a value that is not given.
     """
-    return (TEMPLATES / f"{name}.md").read_text(encoding="utf-8").format(**values)
+
+    def table(name: str, caller: Callable[[], str]) -> str:
+        markdown = caller()
+        header, _, *rows = (_cells(line) for line in markdown.strip().splitlines())
+        _write_table(report, name, pd.DataFrame(rows, columns=header))
+        return markdown
+
+    return _TEMPLATES.get_template(f"{name}.md").render(**values, table=table)
+
+
+def _cells(line: str) -> list[str]:
+    return [cell.strip() for cell in line.strip().removeprefix("|").removesuffix("|").split("|")]
 
 
 def shown(name: str, caption: str) -> str:
@@ -61,10 +118,14 @@ def shown(name: str, caption: str) -> str:
 
 def table(report: Path, name: str, frame: pd.DataFrame) -> str:
     """Write report/tables/NAME.csv and return the same rows as Markdown."""
+    _write_table(report, name, frame)
+    return markdown_table(list(frame.columns), frame.to_numpy().tolist())
+
+
+def _write_table(report: Path, name: str, frame: pd.DataFrame) -> None:
     path = report / "tables" / f"{name}.csv"
     path.parent.mkdir(parents=True, exist_ok=True)
     frame.to_csv(path, index=False, lineterminator="\n")
-    return markdown_table(list(frame.columns), frame.to_numpy().tolist())
 
 
 def markdown_table(header: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
@@ -74,3 +135,15 @@ def markdown_table(header: Sequence[str], rows: Sequence[Sequence[object]]) -> s
         return "| " + " | ".join(str(cell).replace("|", "\\|") for cell in cells) + " |"
 
     return "\n".join([line(header), line(["---"] * len(header)), *map(line, rows)]) + "\n"
+
+
+_TEMPLATES = jinja2.Environment(
+    loader=jinja2.FileSystemLoader(Path(__file__).parent / "templates"),
+    undefined=jinja2.StrictUndefined,
+    trim_blocks=True,
+    lstrip_blocks=True,
+    keep_trailing_newline=True,
+    autoescape=False,
+)
+_TEMPLATES.filters["f"] = format
+_TEMPLATES.globals["shown"] = shown

@@ -1,4 +1,4 @@
-"""Flights by Runge-Kutta: one JSON scene a line in, one JSON result a line out."""
+"""Flights by Runge-Kutta: reads one JSON scene per line, writes one JSON result per line."""
 
 import json
 import math

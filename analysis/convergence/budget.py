@@ -13,11 +13,10 @@ from pathlib import Path
 from typing import Any, cast
 
 import numpy as np
-import pandas as pd
 from numpy.typing import NDArray
 
 from analysis.convergence.pieces import TRUTH, batted, each, golden, passing
-from analysis.writing import figure, shown, table
+from analysis.writing import figure, render
 from longball.convergence.order import PowerLaw, fit_power_law, typical
 from longball.engines.chain import solve
 from longball.engines.contact import BatSection
@@ -264,19 +263,31 @@ def run(report: Path, full: bool) -> str:
     laws = {name: fit_power_law(np.array(STEPS), seen[name]) for name in names}
     left = {treatment: unexplained(parts, treatment) for treatment in SHOWN}
     draw(report, seen, left)
-    rows = [row(name, seen[name], laws[name]) for name in names]
-    return "\n".join(
-        [
-            "### The error budget of an at-bat\n",
-            describe(len(scenes), phases, seen, laws, left),
-            table(report, "convergence_budget", pd.DataFrame(rows)),
-            shown(
-                "convergence_budget",
-                "Error of D of the parts of the scheme, each alone against the reference, of the "
-                "whole, and of the whole less the sum of its parts: typical of the at-bats, root "
-                "mean square over phases of the step.",
-            ),
-        ]
+    largest, second = sorted(IN_THEORY, key=lambda name: -float(seen[name][0]))[:2]
+    coarse, fine = (int(np.argmin(np.abs(np.array(STEPS) - h))) for h in (0.05, 1e-3))
+    return render(
+        report,
+        "budget",
+        scenes=len(scenes),
+        seed=SEED,
+        phases=phases,
+        seen=seen,
+        largest=largest,
+        second=second,
+        missed=[name for name in IN_THEORY if not as_in_theory(name, laws[name])],
+        steps=STEPS,
+        fine=STEPS[fine],
+        shares={t: 100 * left[t][fine] / seen[WHOLE.format(t)][fine] for t in SHOWN},
+        rows=[
+            {
+                "name": name,
+                "law": laws[name],
+                "theory": IN_THEORY.get(name, ""),
+                "coarse": seen[name][coarse],
+                "fine": seen[name][fine],
+            }
+            for name in names
+        ],
     )
 
 
@@ -294,56 +305,6 @@ def unexplained(parts: dict[str, Array], treatment: VerletForces) -> Array:
     names = (FORCE.format(treatment), PLATE, LINE, HALF_FORCE.format(treatment), GROUND)
     total = np.sum([parts[name] for name in names], axis=0)
     return typical(rms(parts[WHOLE.format(treatment)] - total))
-
-
-def row(name: str, seen: Array, law: PowerLaw | None) -> dict[str, object]:
-    """Return the line of the table for one part."""
-    at = {h: seen[int(np.argmin(np.abs(np.array(STEPS) - h)))] for h in (0.05, 1e-3)}
-    theory = IN_THEORY.get(name, "")
-    return {
-        "part of the scheme": name,
-        "order": f"{law.order:.2f}" if law else "not resolved",
-        "95 %": f"{law.low:.2f} to {law.high:.2f}" if law else "",
-        "theory": theory,
-        "from, s": f"{STEPS[law.first]:.1e}" if law else "",
-        "to, s": f"{STEPS[law.last]:.1e}" if law else "",
-        **{f"error of D at {h:g} s, m": f"{value:.2g}" for h, value in at.items()},
-    }
-
-
-def describe(
-    scenes: int,
-    phases: int,
-    seen: dict[str, Array],
-    laws: dict[str, PowerLaw | None],
-    left: dict[VerletForces, Array],
-) -> str:
-    """Say what was found."""
-    largest, second = sorted(IN_THEORY, key=lambda name: -float(seen[name][0]))[:2]
-    missed = [name for name in IN_THEORY if not as_in_theory(name, laws[name])]
-    orders = "Every part shows its order in theory."
-    if missed:
-        orders = f"All parts but these show their order in theory: {', '.join(missed)}."
-    fine = STEPS.index(min(STEPS, key=lambda h: abs(h - 1e-3)))
-    shares = {t: 100 * left[t][fine] / seen[WHOLE.format(t)][fine] for t in SHOWN}
-    force = {t: seen[FORCE.format(t)][0] for t in SHOWN}
-    return (
-        f"**Where the error of D comes from.** Each part of the scheme alone, all others exact, on "
-        f"{scenes} batted at-bats of the paper's distributions (seed {SEED}), with {phases} steps "
-        "for each nominal one, each changed a little so that one ends in the bat: contacts that go "
-        f"unseen are the next section's matter. At the printed step the largest part is “{largest}”"
-        f" with {seen[largest][0]:.2g} m, before “{second}” with {seen[second][0]:.2g} m; the "
-        f"force's treatment makes {force['old_carried']:.2g} m (old_carried) or "
-        f"{force['implicit']:.2g} m (implicit). A straight line ends up to g Δt²/2, a centimetre, "
-        "above the path, and a centimetre across R + r_b turns the normal by a seventh of a "
-        f"radian. {orders} The straight line's error falls like Δt² while the path's curvature "
-        "rules, and like Δt in the end, when what is left is the velocity, taken at the step "
-        "before. The half force over two steps keeps the whole at first order: a force treatment "
-        "of second order is wasted on it. The five parts (with the ground interpolated) add up: at "
-        f"{STEPS[fine]:.1e} s they leave {shares['implicit']:.1g} % of the whole with implicit "
-        f"forces and {shares['old_carried']:.2g} % with old_carried, where the pitch's own error "
-        "changes the phase in which the step meets the bat.\n"
-    )
 
 
 def as_in_theory(name: str, law: PowerLaw | None) -> bool:

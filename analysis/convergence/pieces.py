@@ -106,8 +106,3 @@ def golden(count: int) -> list[float]:
     """Return so many shares of 1 that are spread evenly, whatever their number."""
     share = (np.sqrt(5.0) - 1) / 2
     return [float((0.5 + index * share) % 1.0) for index in range(count)]
-
-
-def verdict(held: bool) -> str:
-    """Say whether an expectation of the project's notes was reproduced."""
-    return "reproduced" if held else "REFUTED"

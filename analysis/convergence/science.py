@@ -7,6 +7,7 @@ import math
 from dataclasses import dataclass
 from pathlib import Path
 from statistics import NormalDist
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -14,7 +15,7 @@ from numpy.typing import NDArray
 from scipy.stats import ks_2samp
 
 from analysis.convergence.pieces import each
-from analysis.writing import figure, markdown_table, shown, table
+from analysis.writing import figure, render, table
 from longball.engines.ivp import Ivp
 from longball.engines.verlet import Verlet
 from longball.home_run import (
@@ -157,22 +158,58 @@ def run(report: Path, full: bool) -> str:
     rows = probability_rows(found)
     table(report, "convergence_probability", rows)
     short = rows[(rows["e"] == E) & (rows["step, s"] >= 0.002)]
-    caption = (
-        "Left: what is left of P(0.42) with a step, on the same samples, with intervals of 95 %; "
-        "dotted, a bias as large as the noise of 1,000 samples in the reading of that colour. "
-        "Right: density of D at e = 0.42 among the batted balls, default reading; the first bin is "
-        "cut off."
+    default, printed = CASES[0].name, STEPS[0]
+    true = found.struck[default, None, E]
+    coarse = found.struck[default, printed, E]
+    off = np.abs(errors_of_both(coarse, true))
+    kinds = crossing["what"].value_counts()
+    return render(
+        report,
+        "science",
+        count=len(chunks) * CHUNK,
+        e=E,
+        printed=printed,
+        share=coarse.batted.mean(),
+        exactly=true.batted.mean(),
+        p=found.p(default, E),
+        stepped_p=found.p(default, E) + found.bias(default, printed, E).value,
+        paper=PAPER_CURVES["caption"](E),
+        median=np.median(off),
+        twentieth=np.quantile(off, 0.95),
+        failed=sum(int(found.struck[default, step, E].failed.sum()) for step in STEPS),
+        paper_samples=PAPER_SAMPLES,
+        small=SMALL_BIAS,
+        limits=[limits(found, case.name) for case in CASES],
+        crossing=crossing,
+        kinds=kinds,
+        unbatted=kinds.get("lost: not batted", 0),
+        harmless=harmless(found),
+        rows=short.to_numpy().tolist(),
+        distances=distance_rows(found),
     )
-    return "\n".join(
-        [
-            "### What it does to P(e)\n",
-            describe(len(chunks) * CHUNK, found, crossing),
-            markdown_table(list(short.columns), short.to_numpy().tolist()),
-            "Distances, at e = 0.42 in the default reading:\n",
-            table(report, "convergence_distances", distance_rows(found)),
-            shown("convergence_probability", caption),
-        ]
-    )
+
+
+def limits(found: Found, case: str) -> dict[str, Any]:
+    """Return the largest steps with a bias within the noise of the paper's samples, and a small."""
+    p = found.p(case, E)
+    return {
+        "name": case,
+        "p": p,
+        "noise": noise(p),
+        "within_noise": found.largest_step(case, E, noise(p)),
+        "within_small": found.largest_step(case, E, SMALL_BIAS),
+    }
+
+
+def harmless(found: Found) -> dict[str, float] | None:
+    """Return the largest step that loses no home run though pitches pass the bat unseen."""
+    case = CASES[0].name
+    for step in sorted(STEPS, reverse=True):
+        true, one = (found.struck[case, which, E] for which in (None, step))
+        unseen = float(true.batted.mean() - one.batted.mean())
+        if found.bias(case, step, E).lost == 0 and unseen > 0.005:
+            return {"step": step, "unseen": unseen}
+    return None
 
 
 def together(chunks: list[list[Struck]]) -> list[Struck]:
@@ -213,8 +250,8 @@ def probability_rows(found: Found) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def distance_rows(found: Found) -> pd.DataFrame:
-    """Return how the distances differ, a line a step."""
+def distance_rows(found: Found) -> list[dict[str, float]]:
+    """Return how the distances differ, a row a step."""
     true = found.struck[CASES[0].name, None, E]
     rows = []
     for step in STEPS:
@@ -222,16 +259,16 @@ def distance_rows(found: Found) -> pd.DataFrame:
         off = errors_of_both(one, true)
         rows.append(
             {
-                "step, s": step,
-                "batted": f"{one.batted.mean():.4f}",
-                "no Δt'": f"{one.failed.mean():.4f}",
-                "error of D, median, m": f"{np.median(off):+.2g}",
-                "|error|, median, m": f"{np.median(np.abs(off)):.2g}",
-                "|error|, 95 % below, m": f"{np.quantile(np.abs(off), 0.95):.2g}",
-                "Kolmogorov-Smirnov": f"{apart(one, true):.4f}",
+                "step": step,
+                "batted": float(one.batted.mean()),
+                "failed": float(one.failed.mean()),
+                "median": float(np.median(off)),
+                "size": float(np.median(np.abs(off))),
+                "most": float(np.quantile(np.abs(off), 0.95)),
+                "apart": apart(one, true),
             }
         )
-    return pd.DataFrame(rows)
+    return rows
 
 
 def errors_of_both(one: Struck, true: Struck) -> Array:
@@ -269,76 +306,6 @@ def what(distance: float) -> str:
     if math.isnan(distance):
         return "lost: not batted"
     return "gained" if distance >= HOME_RUN_DISTANCE else "lost: shorter"
-
-
-def describe(count: int, found: Found, crossing: pd.DataFrame) -> str:
-    """Say what was found."""
-    default, printed = CASES[0].name, STEPS[0]
-    steps = {step: found.struck[default, step, E] for step in STEPS}
-    true, coarse = found.struck[default, None, E], steps[printed]
-    off = np.abs(errors_of_both(coarse, true))
-    share, exactly, paper = coarse.batted.mean(), true.batted.mean(), PAPER_CURVES["caption"](E)
-    p = found.p(default, E)
-    sentences = [
-        f"**P(e) against the step.** {count:,} at-bats, the same ones for the reference and for "
-        f"every step. At the printed 0.05 s only {100 * share:.1f} % of the pitches are batted, "
-        f"where the reference bats {100 * exactly:.1f} %: P(0.42) falls from {p:.4f} to "
-        f"{p + found.bias(default, printed, E).value:.4f}."
-    ]
-    if share < paper:
-        sentences.append(
-            "Even if every ball that is batted went over the fence, P could not exceed "
-            f"{share:.3f}, and the paper's P(0.42) is {paper:.2f}. So its figure was not made by "
-            "the scheme as printed (and as read here: the bat stands where it is), at the printed "
-            "step, with misses among the samples: its contact test looked between the steps, its "
-            "step was shorter, or only batted balls were counted."
-        )
-    sentences.append(
-        f"Of the balls that are batted at 0.05 s, D is off by {np.median(off):.2g} m in the median "
-        f"and by more than {np.quantile(off, 0.95):.2g} m for one in twenty."
-    )
-    if failed := sum(int(one.failed.sum()) for one in steps.values()):
-        sentences.append(
-            "To a ball that is in the bat at a step, while the straight line from the step before "
-            f"passes the bat by, Appendix B has no answer; of all at-bats at e = 0.42 {failed} are "
-            "such, and count as errors, not as home runs."
-        )
-    for case in CASES:
-        p = found.p(case.name, E)
-        limits = {
-            f"the Monte-Carlo noise of 1,000 samples, {noise(p):.2g},": noise(p),
-            f"{SMALL_BIAS:g}": SMALL_BIAS,
-        }
-        within = [
-            f"within {name} up to Δt = {step:g} s"
-            if (step := found.largest_step(case.name, E, allowed)) is not None
-            else f"not surely within {name} at any step tried"
-            for name, allowed in limits.items()
-        ]
-        sentences.append(
-            f"Reading “{case.name}”, P(0.42) = {p:.4f}: the bias is {', and '.join(within)}."
-        )
-    kinds = crossing["what"].value_counts()
-    listed = ", ".join(f"{number} {kind}" for kind, number in kinds.items())
-    sentences.append(
-        f"Over all e and steps of the default reading {len(crossing)} at-bats cross the 150 m "
-        f"({listed}; tables/convergence_crossings.csv)."
-    )
-    if kinds.get("lost: not batted", 0) > len(crossing) / 2:
-        sentences.append(
-            "It is the contacts that go unseen which bias P(e), not the errors of the "
-            "trajectories, and so the treatment of the force hardly matters to it."
-        )
-    for step, one in sorted(steps.items(), reverse=True):
-        unseen = float(exactly - one.batted.mean())
-        if found.bias(default, step, E).lost == 0 and unseen > 0.005:
-            sentences.append(
-                f"At {step:g} s, {100 * unseen:.1f} % of the pitches still pass the bat unseen, "
-                "but no home run is among them: it takes a contact near the middle of the bat to "
-                "make one, and such a ball is in it for longer than the step."
-            )
-            break
-    return " ".join(sentences) + "\n"
 
 
 def draw(report: Path, found: Found) -> None:

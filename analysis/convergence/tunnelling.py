@@ -9,14 +9,14 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from typing import Any
 
 import numpy as np
-import pandas as pd
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from analysis.convergence.pieces import TRUTH, each, golden, passing
-from analysis.writing import figure, shown, table
+from analysis.writing import figure, render
 from longball.engines.chain import approach_of
 from longball.engines.verlet import Verlet
 from longball.home_run import BLOCK, draw, draw_block, paper_at_bats, scenes, wilson
@@ -123,19 +123,19 @@ def run(report: Path, full: bool) -> str:
     found = each(report, "tunnelling", count_block, [(block,) for block in blocks])
     trials, missed, waited = sum(counts for counts, _ in found)
     ways = np.array([way for _, some in found for way in some])
-    rows, held = [], []
+    rows = []
     for column, step in enumerate(STEPS):
         low, high = wilson(int(missed[column]), int(trials[column]))
-        held.append(low <= waited[column] / trials[column] <= high)
         rows.append(
             {
-                "step, s": step,
-                "contacts tried": int(trials[column]),
+                "step": step,
+                "trials": int(trials[column]),
                 "missed": int(missed[column]),
-                "share": f"{missed[column] / trials[column]:.4f}",
-                "95 %": f"{low:.4f} to {high:.4f}",
-                "window / step": f"{waited[column] / trials[column]:.4f}",
-                "closed form": f"{expected(step, ways):.4f}",
+                "share": missed[column] / trials[column],
+                "low": low,
+                "high": high,
+                "waited": waited[column] / trials[column],
+                "expected": expected(step, ways),
             }
         )
     safe = {
@@ -146,45 +146,30 @@ def run(report: Path, full: bool) -> str:
     calls = [(step, seed, count) for step in safe.values() for seed in range(4)]
     grazes = np.array(each(report, "grazes", count_grazes, calls)).reshape(len(RARE), 4, 3)
     draw_shares(report, missed / trials, waited / trials, ways, safe)
-    window = 2e3 * REACH / ways[:, 0].mean()
-    text = (
-        f"**Contacts that go unseen.** Of {len(blocks) * BLOCK:,} pitches of the paper's "
-        f"distributions {len(ways):,} touch the bat; each was tried with {PHASES} phases of every "
-        f"step. A ball that meets the bat's middle is in it for {window:.1f} ms. At the printed "
-        f"0.05 s the test at steps misses {100 * missed[0] / trials[0]:.1f} % of the contacts. The "
-        "closed form for a random phase, window over step, lies inside the counted interval of "
-        f"95 % for {sum(held)} of {len(held)} steps. For short steps the share falls like Δt², as "
-        "only grazes are missed. "
-        + " ".join(
-            f"Fewer than 1 in {1 / rare:,.0f} are missed below Δt = {step:.2e} s"
-            f"{describe_grazes(counts)}."
+    return render(
+        report,
+        "tunnelling",
+        pitches=len(blocks) * BLOCK,
+        touching=len(ways),
+        phases=PHASES,
+        window=2e3 * REACH / ways[:, 0].mean(),
+        printed=STEPS[0],
+        rows=rows,
+        held=sum(row["low"] <= row["waited"] <= row["high"] for row in rows),
+        grazes=[
+            describe_grazes(rare, step, counts)
             for (rare, step), counts in zip(safe.items(), grazes, strict=True)
-        )
-        + "\n"
-    )
-    caption = (
-        "Share of the true contacts that the test at steps misses. Circles: window over step of "
-        "the pitches tried, which hold few grazes; line: of all pitches of these speeds."
-    )
-    return "\n".join(
-        [
-            "### Tunnelling through the bat\n",
-            text,
-            table(report, "convergence_tunnelling", pd.DataFrame(rows)),
-            shown("convergence_tunnelling", caption),
-        ]
+        ],
     )
 
 
-def describe_grazes(counts: Array) -> str:
-    """Say whether grazes at a step so short are missed as often as the closed form says."""
+def describe_grazes(rare: float, step: float, counts: Array) -> dict[str, Any]:
+    """Return how many grazes a step misses, and whether as many as the closed form says."""
     trials, missed, waited = counts.sum(axis=0)
     low, high = wilson(int(missed), int(trials))
-    agrees = "as" if low <= waited / trials <= high else "NOT as"
-    return (
-        f" (of {trials:.0f} grazes with a shorter window {missed:.0f} were, {agrees} the "
-        f"{waited:.1f} expected)"
-    )
+    agrees = low <= waited / trials <= high
+    seen = {"trials": trials, "missed": missed, "waited": waited, "agrees": agrees}
+    return {"rare": rare, "step": step, **seen}
 
 
 def draw_shares(

@@ -10,13 +10,12 @@ from pathlib import Path
 from statistics import NormalDist
 
 import numpy as np
-import pandas as pd
 from numpy.typing import NDArray
 
 from analysis.paper import combinations
 from analysis.paper.balls import Balls, Base, Space, cores, strike
 from analysis.paper.printed import CARRIES
-from analysis.writing import LINES, figure, shown, table
+from analysis.writing import STYLES, figure, render
 from longball.engines.batch import solve_columns
 from longball.home_run import (
     HOME_RUN_DISTANCE,
@@ -144,6 +143,11 @@ class Contact:
     deviation: float
     by_speed: float
     by_restitution: float
+
+    @property
+    def share(self) -> float:
+        """What one deviation of the pitch's speed does, of what the restitution does."""
+        return abs(self.by_speed / self.by_restitution)
 
 
 def contact(base: Base, struck: Sequence[Balls]) -> Contact:
@@ -280,6 +284,33 @@ class Tested:
     exit: Line
     density: Array
 
+    @property
+    def lines(self) -> dict[str, Line]:
+        """All lines, by the balls through which they are laid."""
+        speeds = f"{SPEEDS[0]:g} to {SPEEDS[-1]:g} m/s"
+        flown = {f"launched at {a:g}°, {speeds}": laid for a, laid in self.flights.items()}
+        return flown | {"all fair flies, mean D by exit speed": self.exit}
+
+    @property
+    def bent(self) -> float:
+        """How far the flights are off their lines at most, as a share of the change of D."""
+        rise = SPEEDS[-1] - SPEEDS[0]
+        return max(laid.off / (laid.slope * float(rise)) for laid in self.flights.values())
+
+    @property
+    def powers(self) -> list[float]:
+        """D ln D / d ln v by elevation."""
+        return [laid.power for laid in self.flights.values()]
+
+    @property
+    def proportional(self) -> bool:
+        """Whether D is proportional to the exit speed, within a tenth of the power."""
+        return all(abs(power - 1) < 0.1 for power in self.powers)
+
+    def covers(self, slope: float) -> bool:
+        """Tell whether a dD/de lies in the middle half of those of the balls that land at 110 m."""
+        return any(at.distance == 110.0 and at.low <= slope <= at.high for at in self.shifts)
+
 
 def tested(name: str, base: Base, space: Space) -> Tested:
     """Try the argument on a reading."""
@@ -324,194 +355,45 @@ def run(report: Path, full: bool) -> str:
     """Write the section; `full` changes nothing."""
     found = everything()
     draw_argument(report, found)
-    return "\n".join(
-        [
-            "## The paper's argument, step by step\n",
-            "Sec. IV takes D near 150 m for normal with the mean C₁ e, since the pitch meets the "
-            "bat at a nearly constant speed and the range is linear in the exit speed. Each step, "
-            f"tried on {len(found)} readings with {SAMPLES:,} at-bats each (seed {SEED}): "
-            + "; ".join(f"{one.name}, samples: {one.space.name}" for one in found)
-            + ".\n",
-            "### Is D near 150 m normal, with the mean C₁ e?\n",
-            on_normality(report, found),
-            shown(
-                "paper_argument",
-                "Left: density of D at e = 0.43 and the normal density with the same P(0.43) and "
-                "the same density at 150 m (thin). Right: D against the exit speed at three "
-                "elevations, with straight lines (dotted).",
-            ),
-            "### Is the pitch's speed at contact nearly constant?\n",
-            on_contact(found),
-            "### Is D linear in the exit speed?\n",
-            on_linearity(report, found),
-            "### What does dD/de come to?\n",
-            on_shift(report, found),
-        ]
+    return render(
+        report,
+        "argument",
+        found=found,
+        samples=SAMPLES,
+        seed=SEED,
+        e=E,
+        first_e=min(RESTITUTIONS),
+        last_e=max(RESTITUTIONS),
+        caption=PAPER_CURVES["caption"],
+        curves=PAPER_CURVES,
+        carries=CARRIES,
+        straight=STRAIGHT,
+        fence=HOME_RUN_DISTANCE,
     )
-
-
-def on_normality(report: Path, found: Sequence[Tested]) -> str:
-    """Say whether the normal form holds at the fence."""
-    rows = pd.DataFrame(
-        [
-            {
-                "reading": one.name,
-                f"P({E})": f"{one.tail.p:.4f}",
-                "density at 150 m, 1/m": f"{one.tail.density:.2e}",
-                "σ by both, m": f"{one.tail.sigma:.1f}",
-                "σ by the bend of ln p, m": f"{one.tail.curvature:.1f}",
-                "mean by both, m": f"{one.tail.mean:.1f}",
-                "C₁ = mean/e, m": f"{one.tail.c1_of_the_mean:.0f}",
-                "C₁ = dP/de / density, m": f"{one.tail.shift:.0f}",
-                "fitted C₁, m": f"{one.tail.c1:.0f}",
-                "fitted σ, m": f"{one.tail.c1_sigma:.1f}",
-            }
-            for one in found
-        ]
-    )
-    sentences = [
-        "A normal density is fixed by P and by its own value at 150 m; and whatever the density "
-        "is, dP/de is its value at 150 m times the mean of dD/de of the balls that land there. "
-        "The paper's form asks that the mean is C₁ e and that it moves by C₁.\n",
-        table(report, "paper_normality", rows),
-    ]
-    for one in found:
-        ratio = one.tail.c1_of_the_mean / one.tail.shift
-        bend = one.tail.curvature / one.tail.sigma
-        agree = f"**disagree by a factor of {max(ratio, 1 / ratio):.1f}**"
-        if 0.8 < ratio < 1.25:
-            agree = f"agree within {100 * abs(ratio - 1):.0f} %"
-        bends = f"bends like a normal one {bend:.1f} times as wide"
-        if math.isnan(bend):  # it is not peaked
-            bends = "**does not bend like a normal one**"
-        elif 0.8 < bend < 1.25:
-            bends = f"bends like a normal one of that width within {100 * abs(bend - 1):.0f} %"
-        sentences.append(f"{one.name.capitalize()}: the two C₁ {agree}, and the density {bends}.")
-    caption = PAPER_CURVES["caption"]
-    sentences.append(
-        f"The caption's own C₁ = {caption.c1:g} m puts the mean of D at {caption.c1 * E:.0f} m "
-        f"for e = {E}, with σ = {caption.sigma:g} m."
-    )
-    return "\n".join(sentences[:2]) + "\n" + " ".join(sentences[2:]) + "\n"
-
-
-def on_contact(found: Sequence[Tested]) -> str:
-    """Say whether the pitch's speed may be taken for constant."""
-    sentences = []
-    for one in found:
-        at = one.contact
-        share = at.by_speed / at.by_restitution
-        verdict = f"**Not constant** next to what e does: {abs(share):.0%} of it."
-        if abs(share) < 0.2:
-            verdict = "**Nearly constant** next to what e does."
-        sentences.append(
-            f"{one.name.capitalize()}: the balls hit upwards meet the bat at {at.mean:.1f} ± "
-            f"{at.deviation:.1f} m/s ({100 * at.deviation / at.mean:.1f} %). One such deviation "
-            f"changes the exit speed by {at.by_speed:+.2f} m/s in the median, e from "
-            f"{min(RESTITUTIONS)} to {max(RESTITUTIONS)} by {at.by_restitution:+.2f} m/s. {verdict}"
-        )
-    return " ".join(sentences) + "\n"
-
-
-def on_linearity(report: Path, found: Sequence[Tested]) -> str:
-    """Say whether the range is linear in the exit speed."""
-    rows = [
-        {
-            "reading": one.name,
-            "balls": what,
-            "slope, m per m/s": f"{laid.slope:.2f}",
-            "D at speed 0, m": f"{laid.intercept:+.0f}",
-            "off the line at most, m": f"{laid.off:.1f}",
-            "d ln D / d ln v": f"{laid.power:.2f}",
-        }
-        for one in found
-        for what, laid in [
-            *(
-                (f"launched at {angle:g}°, {SPEEDS[0]:g} to {SPEEDS[-1]:g} m/s", flown)
-                for angle, flown in one.flights.items()
-            ),
-            ("all fair flies, mean D by exit speed", one.exit),
-        ]
-    ]
-    sentences = []
-    for one in found:
-        rise, laid = SPEEDS[-1] - SPEEDS[0], list(one.flights.values())
-        worst = max(each.off / (each.slope * rise) for each in laid)
-        powers = [each.power for each in laid]
-        is_not = "is" if all(abs(power - 1) < 0.1 for power in powers) else "is not"
-        sentences.append(
-            f"{one.name.capitalize()}: at one elevation D is "
-            f"**{'linear' if worst < STRAIGHT else 'not linear'}** in the exit speed: off a line "
-            f"by {100 * worst:.1f} % of its change over these speeds at most. It {is_not} "
-            f"proportional to it: d ln D / d ln v is {min(powers):.2f} to {max(powers):.2f}."
-        )
-    return table(report, "paper_linearity", pd.DataFrame(rows)) + "\n" + " ".join(sentences) + "\n"
-
-
-def on_shift(report: Path, found: Sequence[Tested]) -> str:
-    """Say what dD/de is, and whether it is C₁."""
-    rows = [
-        {
-            "reading": one.name,
-            "D, m": f"{each.distance:g} ± 5",
-            "balls": each.balls,
-            "dD/de, median, m": f"{each.median:.0f}",
-            "middle half, m": f"{each.low:.0f} to {each.high:.0f}",
-            "d ln D / d ln e": f"{each.power:.2f}",
-            "change of dD/de over 0.02": f"{100 * each.bend:.0f} %",
-        }
-        for one in found
-        for each in one.shifts
-    ]
-    sentences = [
-        "Of dD/de at a carry of 110 m "
-        + "; ".join(
-            f"{carry.who} says {carry.slope:.0f} ± {carry.slope_error:.0f} m" for carry in CARRIES
-        )
-        + " (± the rounding of its figures); the paper's C₁ is "
-        + " m or ".join(f"{curve.c1:g}" for curve in PAPER_CURVES.values())
-        + " m."
-    ]
-    for one in found:
-        at = {each.distance: each for each in one.shifts}
-        if here := at.get(110.0):
-            inside = [c.who for c in CARRIES if here.low <= c.slope <= here.high]
-            sentences.append(
-                f"{one.name.capitalize()}: {here.median:.0f} m at 110 m, in whose middle half "
-                f"lies what {' and '.join(inside) or 'neither'} says."
-            )
-        if here := at.get(HOME_RUN_DISTANCE):
-            asked = "as C₁ e asks"
-            if abs(here.power - 1) >= 0.1:
-                asked = (
-                    "where C₁ e asks for 1: a ball leaves the bat with 1 + e, not with e, and the "
-                    "bat's own speed on top"
-                )
-            sentences.append(f"At the fence D goes like e to the power {here.power:.2f}, {asked}.")
-    return table(report, "paper_shift", pd.DataFrame(rows)) + "\n" + " ".join(sentences) + "\n"
 
 
 def draw_argument(report: Path, found: Sequence[Tested]) -> None:
     """Draw the density with the normal one, and D against the exit speed."""
     d = np.arange(0.0, 300.0, 5.0) + 2.5
-    with figure(report, "paper_argument", columns=2, size=(9.0, 3.8)) as (left, right):
-        for i, (one, dash) in enumerate(zip(found, LINES, strict=False)):
-            left.plot(d, 1e3 * one.density, dash, color=f"C{i}", label=one.name)
+    near = (d > WINDOW[0] - 50) & (d < WINDOW[1] + 50)
+    with figure(report, "paper_argument", columns=2, size=(9.0, 4.0)) as (left, right):
+        for one in found:
+            style = STYLES[one.name]
+            line = {"color": style["color"], "linestyle": style["linestyle"]}
+            left.plot(d, 1e3 * one.density, **line, linewidth=1.6, label=f"{one.name} reading")
             normal = NormalDist(one.tail.mean, one.tail.sigma)
-            near = (d > WINDOW[0] - 50) & (d < WINDOW[1] + 50)
-            left.plot(
-                d[near], [1e3 * normal.pdf(x) for x in d[near]], dash, color=f"C{i}", linewidth=0.7
-            )
-            for j, (angle, laid) in enumerate(one.flights.items()):
+            densities = [1e3 * normal.pdf(x) for x in d[near]]
+            left.plot(d[near], densities, **line, linewidth=0.7, label="normal, same P and density")
+            for marker, (angle, laid) in zip("v^s", one.flights.items(), strict=True):
+                flown = ranges(one.base, angle)
+                label = f"{one.name}, {angle:g}°"
                 right.plot(
-                    SPEEDS, ranges(one.base, angle), dash, color=f"C{i}",
-                    linewidth=0.8 + 0.6 * j,
-                    label=f"{one.name}, {angle:g}°" if i == 0 or j == 2 else None,
-                )  # fmt: skip
+                    SPEEDS, flown, **line, marker=marker, markersize=4, markevery=5, label=label
+                )
                 right.plot(SPEEDS, laid.slope * SPEEDS + laid.intercept, ":", color="0.5")
         left.axvline(HOME_RUN_DISTANCE, color="black", linewidth=0.8, linestyle=":")
-        left.set(xlabel="distance D, m", ylabel="density, 1/km", xlim=(0.0, 250.0))
+        left.set(xlabel="distance D, m", ylabel="probability density, 1/km", xlim=(0.0, 250.0))
         left.set_ylim(0.0, 1.05 * max(1e3 * one.density[2:].max() for one in found))
         left.legend(fontsize="small")
         right.set(xlabel="exit speed, m/s", ylabel="distance D, m")
-        right.legend(fontsize="small")
+        right.legend(fontsize="small", ncols=2)

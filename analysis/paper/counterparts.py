@@ -23,7 +23,7 @@ from analysis.paper.printed import (
     UZR_SHARE,
     UZR_SPAN,
 )
-from analysis.writing import table
+from analysis.writing import render, table
 from longball.home_run import PAPER_CURVES, RESTITUTIONS, Curve
 from longball.pitches import EXAMPLE, fit_pitches
 
@@ -288,19 +288,12 @@ def run(report: Path, full: bool) -> str:
         *home_runs[len(PAIRS) :],
         *of_carry(),
     ]
-    return "\n".join(
-        [
-            "## Printed and ours\n",
-            "Figures go by their labels in the paper's source; those not named here are sketches. "
-            "The paper's pitches were not published: its data "
-            "analysis is tried on pitches drawn from its own fits, of which it must give the "
-            f"numbers back ({pitch_fits.PITCHES:,} pitches, maximum likelihood, ± one standard "
-            "error).\n",
-            table(report, "paper_pitches", pd.DataFrame(of_pitches(full))),
-            "Home runs: under the default reading of the ledger, and under the one that comes "
-            f"nearest to Figs. 6 and 7 ({describe(nearest.base, nearest.space)}). ± is the noise "
-            f"of {SAMPLES:,} samples, of counts, or the rounding; a number is reproduced within "
-            "twice that.\n",
-            table(report, "paper_home_runs", pd.DataFrame(lines)),
-        ]
+    return render(
+        report,
+        "counterparts",
+        drawn=pitch_fits.PITCHES,
+        pitches=table(report, "paper_pitches", pd.DataFrame(of_pitches(full))),
+        nearest=describe(nearest.base, nearest.space),
+        samples=SAMPLES,
+        home_runs=table(report, "paper_home_runs", pd.DataFrame(lines)),
     )

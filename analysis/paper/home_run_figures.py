@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
-import pandas as pd
 from numpy.typing import NDArray
 
 from analysis.paper import combinations
@@ -25,7 +25,7 @@ from analysis.paper.printed import (
     Season,
 )
 from analysis.paper.printed import SAMPLES as PAPER_SAMPLES
-from analysis.writing import LINES, figure, markdown_table, shown, table
+from analysis.writing import LINES, STYLES, figure, render
 from longball.home_run import (
     HOME_RUN_DISTANCE,
     PAPER_CURVES,
@@ -204,124 +204,41 @@ def run(report: Path, full: bool) -> str:
     found = reproduced()
     draw_distances(report, found)
     draw_probabilities(report, found)
-    return "\n".join(
-        [
-            "## Home runs: Table I, Figs. 6 and 7\n",
-            f"{SAMPLES:,} at-bats (seed {SEED}), the same ones for every e, under the default "
-            "reading of the ledger and under the one that comes nearest to the paper's figures "
-            f"(next section): {describe(found[1].base, found[1].space)}.\n",
-            "### Table I\n",
-            on_seasons(report, found),
-            "### Fig. 6\n",
-            shown(
-                "paper_fig6",
-                "Density of D among the samples that have one, in bins of 10 m; triangles: the "
-                "paper's highest peaks. Under the default reading the first bin, where balls hit "
-                "downwards land, is cut off.",
-            ),
-            on_distances(found),
-            "### Fig. 7\n",
-            shown(
-                "paper_fig7",
-                "P(e) of the two readings with the fits of the paper's form, and the paper's two "
-                f"printed curves; the bars are the 95 % that {PAPER_SAMPLES:,} samples a point "
-                "leave open.",
-            ),
-            on_probabilities(report, found),
-        ]
+    return render(
+        report,
+        "home_run_figures",
+        found=found,
+        nearest=describe(found[1].base, found[1].space),
+        samples=SAMPLES,
+        seed=SEED,
+        paper_samples=PAPER_SAMPLES,
+        pairs=[compare(i, pair, found) for i, pair in enumerate(PAIRS)],
+        last_e=max(PEAKS),
+        flat=FLAT,
+        peaks=PEAKS,
+        span=UZR_SPAN,
+        uzr=UZR_SHARE,
+        uzr_e=UZR_E,
+        caption_share=curve_share(PAPER_CURVES["caption"], UZR_E, *UZR_SPAN),
+        fence=HOME_RUN_DISTANCE,
+        curves=PAPER_CURVES,
+        restitutions=RESTITUTIONS,
     )
 
 
-def on_seasons(report: Path, found: Sequence[Reproduced]) -> str:
-    """Hold P(e) against the home runs of two pairs of seasons."""
-    rows = []
-    sentences = []
-    for i, pair in enumerate(PAIRS):
-        hit, caption = printed_ratio(pair), curve_ratio(pair, PAPER_CURVES["caption"])
-        rows.append(
-            {
-                "seasons": f"{pair[0]} / {pair[1]}",
-                "e": " / ".join(f"{season(year).restitution:g}" for year in pair),
-                "home runs": " / ".join(f"{season(year).home_runs:,}" for year in pair),
-                "ratio": f"{hit.value:.3f} ± {hit.error:.3f}",
-                "paper's caption": f"{caption:.3f}",
-                **{
-                    one.name: f"{one.ratios[i].value:.3f} ± {one.ratios[i].error:.3f}"
-                    for one in found
-                },
-            }
-        )
-        sentences.append(
-            f"{pair[0]} over {pair[1]}: the caption's own curve explains "
-            f"{100 * math.log(caption) / math.log(hit.value):.0f} % of the logarithm of the ratio, "
-            + ", ".join(
-                f"the {one.name} reading "
-                f"{100 * math.log(one.ratios[i].value) / math.log(hit.value):.0f} %"
-                for one in found
-            )
-            + "."
-        )
-    return (
-        "Home runs of a season are P(e) times the at-bats, so that the ratio of two seasons with "
-        "as many at-bats is that of P. ± is the scatter of the counts, and the standard error of "
-        f"ours.\n\n{table(report, 'paper_table1', pd.DataFrame(rows))}\n{' '.join(sentences)}\n"
-    )
-
-
-def on_distances(found: Sequence[Reproduced]) -> str:
-    """Say where the peaks are, and how flat the density is."""
-    sentences = []
-    for one in found:
-        peaks = "; ".join(
-            f"at e = {e:g} in the bin about {here.ours:g} m most often (paper {PEAKS[e]:g} m, "
-            f"p = {here.p_value:.4f})"
-            for e, here in one.peaks.items()
-        )
-        sentences.append(
-            f"The {one.name} reading, samples: {one.space.name}, has its highest peak {peaks}. "
-            f"Between {FLAT[0]:g} and {FLAT[1]:g} m its density at e = {max(PEAKS)} changes by a "
-            f"factor of {one.flat:.2f}, where the paper calls it almost the same."
-        )
-    caption = curve_share(PAPER_CURVES["caption"], UZR_E, *UZR_SPAN)
-    sentences.append(
-        f"UZR finds {UZR_SHARE:g} of the batted balls between {UZR_SPAN[0]:g} and {UZR_SPAN[1]:g} "
-        f"m. At e = {UZR_E:g} "
-        + ", ".join(f"the {one.name} reading has {one.uzr_share:.3f} there" for one in found)
-        + f", and the caption's normal distribution {caption:.3f}. The paper compares UZR's share "
-        f"with its P({UZR_E:g}), the share beyond {HOME_RUN_DISTANCE:g} m: another span, so that "
-        "the two numbers need not agree, and that they nearly do says nothing."
-    )
-    return " ".join(sentences) + "\n"
-
-
-def on_probabilities(report: Path, found: Sequence[Reproduced]) -> str:
-    """Print P(e) and the fits."""
-    frame = pd.DataFrame(
-        {
-            "e": [f"{e:g}" for e in RESTITUTIONS],
-            **{
-                f"paper's {name}": [f"{curve(e):.4f}" for e in RESTITUTIONS]
-                for name, curve in PAPER_CURVES.items()
-            },
-            **{one.name: [f"{row.p:.4f}" for row in one.rows] for one in found},
-            **{
-                f"{one.name} - caption": [
-                    f"{row.p - PAPER_CURVES['caption'](row.e):+.4f}" for row in one.rows
-                ]
-                for one in found
-            },
-        }
-    )
-    fits = [[f"paper's {n}", f"{c.c1:g}", f"{c.sigma:g}", ""] for n, c in PAPER_CURVES.items()]
-    fits += [
-        [
-            one.name, f"{one.fitted.curve.c1:.1f}", f"{one.fitted.curve.sigma:.1f}",
-            f"{one.fit_noise[0]:.0f}, {one.fit_noise[1]:.0f}",
-        ]
-        for one in found if one.fitted
-    ]  # fmt: skip
-    head = ["fit", "C₁, m", "σ, m", f"scatter of both with {PAPER_SAMPLES:,} samples a point, m"]
-    return table(report, "paper_fig7", frame) + "\n" + markdown_table(head, fits)
+def compare(i: int, pair: tuple[int, int], found: Sequence[Reproduced]) -> dict[str, Any]:
+    """Hold P(e) against the home runs of the pair of seasons with a number."""
+    hit, caption = printed_ratio(pair), curve_ratio(pair, PAPER_CURVES["caption"])
+    seasons = [season(year) for year in pair]
+    ratios = [caption, *(one.ratios[i].value for one in found)]
+    return {
+        "years": pair,
+        "restitutions": [one.restitution for one in seasons],
+        "home_runs": [one.home_runs for one in seasons],
+        "hit": hit,
+        "caption": caption,
+        "explained": [math.log(value) / math.log(hit.value) for value in ratios],
+    }
 
 
 def draw_distances(report: Path, found: Sequence[Reproduced]) -> None:
@@ -355,26 +272,25 @@ def draw_probabilities(report: Path, found: Sequence[Reproduced]) -> None:
     """Draw Fig. 7."""
     grid = np.linspace(0.408, 0.452, 100)
     with figure(report, "paper_fig7", size=(6.4, 4.2)) as (axes,):
-        for (name, curve), dash in zip(PAPER_CURVES.items(), ("--", ":"), strict=True):
+        for name, curve in PAPER_CURVES.items():
             label = f"paper's {name}: C₁ = {curve.c1:g} m, σ = {curve.sigma:g} m"
-            axes.plot(grid, [curve(e) for e in grid], dash, color="0.45", label=label)
-        for one, marker in zip(found, "os", strict=True):
+            style = STYLES[f"paper's {name}"] | {"marker": ""}
+            axes.plot(grid, [curve(e) for e in grid], **style, label=label)
+        for one in found:
             p = np.array([row.p for row in one.rows])
             noise = 1.96 * np.sqrt(p * (1 - p) / PAPER_SAMPLES)
             label = f"{one.name} reading"
+            style = STYLES[one.name]
             if one.fitted:
                 curve = one.fitted.curve
                 label += f", fit: C₁ = {curve.c1:.0f} m, σ = {curve.sigma:.1f} m"
-                axes.plot(grid, [curve(e) for e in grid], "-", color="black", linewidth=0.8)
-            axes.errorbar(
-                RESTITUTIONS, p, yerr=noise, fmt=marker, color="black", capsize=3, markersize=4,
-                markerfacecolor="white" if marker == "o" else "black", label=label,
-            )  # fmt: skip
+                line = style | {"marker": "", "linewidth": 0.8}
+                axes.plot(grid, [curve(e) for e in grid], **line)
+            points = style | {"linestyle": "none", "capsize": 3, "markersize": 4}
+            axes.errorbar(RESTITUTIONS, p, yerr=noise, **points, label=label)
         axes.set(
             xlabel="coefficient of restitution e of the ball",
             ylabel="probability of a home run P(e)",
             ylim=(0.0, None),
         )
-        axes.legend(
-            loc="lower left", bbox_to_anchor=(0.0, 1.01), ncols=2, fontsize="small", frameon=False
-        )
+        axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.01), ncols=2, fontsize="x-small")

@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 
 from analysis.paper.balls import Base, Share, Space, cores, strike
 from analysis.paper.combinations import Cases, Trial, trial
 from analysis.paper.distances import NEAR
 from analysis.paper.printed import P_TEXT
-from analysis.writing import figure, shown, table
+from analysis.writing import figure, render
 from longball.home_run import PAPER_CURVES, RESTITUTIONS, Samples, draw, paper_at_bats
 
 SAMPLES = 100_000
@@ -60,6 +59,11 @@ class Unknown:
     low: float
     high: float
     source: str
+
+    @property
+    def labelled(self) -> str:
+        """Its name, and its unit if it has one."""
+        return f"{self.name}, {self.unit}".rstrip(", ")
 
 
 UNKNOWN = (
@@ -118,63 +122,32 @@ def section(report: Path, cases: Cases) -> str:
     """Write the section: what the unknown numbers do, alone and together."""
     cases = {name: (base.replaced({"ball.restitution": E}), s) for name, (base, s) in cases.items()}
     found = {name: over_ranges(*case) for name, case in cases.items()}
-    rows = pd.DataFrame(
-        [
-            {
-                "number": f"{one.name}, {one.unit}".rstrip(", "),
-                "from": f"{one.low:g}",
-                "to": f"{one.high:g}",
-                **{
-                    f"{name}: P({E})": " to ".join(
-                        f"{before.p + change:.4f} ± {error:.4f}"
-                        for change, error in (ranged[i].low, ranged[i].high)
-                    )
-                    for name, (before, ranged) in found.items()
-                },
-                "source": one.source,
-            }
-            for i, one in enumerate(UNKNOWN)
-        ]
-    )
+    corners = {name: at_corners(*case) for name, case in cases.items()}
     draw_ranges(report, found)
-    return "\n".join(
-        [
-            "### Numbers that are not printed\n",
-            f"Each one alone over its range, from the same {SAMPLES:,} at-bats (seed {SEED}); ± is "
-            "the standard error of the difference from the value of the reading.\n",
-            table(report, "paper_numbers", rows),
-            shown(
-                "paper_numbers",
-                f"P({E}) over the range of each number that is not printed or not certain: circles "
-                "at the lower ends, squares at the upper.",
-            ),
-            *(on_corners(name, at_corners(*case)) for name, case in cases.items()),
-        ]
-    )
-
-
-def on_corners(name: str, corners: Sequence[Trial]) -> str:
-    """Say what all numbers together can do."""
-    p = [one.p(E) for one in corners]
-    nearest = min(corners, key=lambda one: one.to["caption"].squared)
-    d2 = nearest.to["caption"].squared
-    values = ", ".join(f"{one.name} = {nearest.base.number(one.name):g}" for one in UNKNOWN)
-    near = sum(one.to["caption"].near for one in corners)
-    verdict = f"where {NEAR:.2f} would be near: **no corner is**"
-    if near:
-        verdict = f"and {near} of the corners cannot be told from it"
-    return (
-        f"All together, from the {name} reading: at the {len(corners)} corners of these ranges "
-        f"({CORNER_SAMPLES:,} at-bats each) P({E}) runs from {min(p):.4f} to {max(p):.4f}; the "
-        f"caption's curve has {PAPER_CURVES['caption'](E):.4f}. The corner nearest to that curve "
-        f"(d² as below) has {values}: d² = {d2:.1f}, {verdict}.\n"
+    return render(
+        report,
+        "numbers",
+        found=found,
+        unknown=UNKNOWN,
+        samples=SAMPLES,
+        seed=SEED,
+        e=E,
+        corner_samples=CORNER_SAMPLES,
+        near=NEAR,
+        all=corners,
+        p={name: [one.p(E) for one in trials] for name, trials in corners.items()},
+        nearest={
+            name: min(trials, key=lambda one: one.to["caption"].squared)
+            for name, trials in corners.items()
+        },
+        wanted=PAPER_CURVES["caption"](E),
     )
 
 
 def draw_ranges(report: Path, found: dict[str, tuple[Share, list[Ranged]]]) -> None:
     """Draw P at both ends of each range."""
     heights = np.arange(len(UNKNOWN))[::-1]
-    with figure(report, "paper_numbers", columns=len(found), size=(9.0, 2.6)) as panels:
+    with figure(report, "paper_numbers", columns=len(found), size=(9.0, 3.2)) as panels:
         for axes, (name, (before, ranged)) in zip(panels, found.items(), strict=True):
             for height, one in zip(heights, ranged, strict=True):
                 ends = np.array([one.low[0], one.high[0]]) + before.p
@@ -183,12 +156,12 @@ def draw_ranges(report: Path, found: dict[str, tuple[Share, list[Ranged]]]) -> N
                 axes.plot(ends[1], height, "s", color="black", markerfacecolor="black")
             axes.axvline(before.p, color="black", linewidth=0.8)
             axes.axvline(PAPER_CURVES["caption"](E), color="black", linestyle=":", linewidth=1.0)
-            labels = [f"{one.name}, {one.low:g} to {one.high:g}" for one in UNKNOWN]
+            labels = [f"{one.name}\n{one.low:g} to {one.high:g} {one.unit}" for one in UNKNOWN]
             axes.set_yticks(heights, labels, fontsize="small")
             axes.set(
                 xlabel=f"P({E})", title=f"from the {name} reading", ylim=(-0.6, len(UNKNOWN) - 0.4)
             )
-            axes.set_xlim(left=0.0)
+            axes.set_xlim(left=-0.004)  # a mark at 0 is seen whole
 
 
 # --- sensitivities --------------------------------------------------------------------------------
@@ -212,6 +185,11 @@ class Parameter:
     unit: str
     value: Callable[[Problem], float]
     scaled: Callable[[Problem, float], Problem]
+
+    @property
+    def labelled(self) -> str:
+        """Its name, and its unit if it has one."""
+        return f"{self.name}, {self.unit}".rstrip(", ")
 
 
 def of_scene(name: str, unit: str) -> Parameter:
@@ -296,29 +274,16 @@ def sensitivities(report: Path, cases: Cases) -> str:
         problem = drawn(base.replaced({"ball.restitution": E}))
         p = share(problem, space).p
         found[name] = [sensitivity(one, problem, space, p) for one in PARAMETERS]
-    rows = []
-    for i, one in enumerate(PARAMETERS):
-        row = {"parameter": f"{one.name}, {one.unit}".rstrip(", ")}
-        for name, sensitive in found.items():
-            here = sensitive[i]
-            row[f"{name}: value"] = f"{here.value:.4g}"
-            row[f"∂P/∂x, {name}"] = f"{here.slope:+.3g} ± {here.slope_error:.1g}"
-            row[f"d ln P / d ln x, {name}"] = f"{here.power:+.2f} ± {here.power_error:.2f}"
-        rows.append(row)
-    sentences = []
-    for name, sensitive in found.items():
-        order = sorted(sensitive, key=lambda one: -abs(one.power))[:3]
-        sentences.append(
-            f"From the {name} reading 1 % more of "
-            + ", ".join(f"{one.parameter.name} changes P by {one.power:+.1f} %" for one in order)
-            + "."
-        )
-    return "\n".join(
-        [
-            "### Sensitivities\n",
-            f"∂P/∂x at e = {E}, by central differences over ± {100 * STEP:g} % of the value with "
-            f"the same {SAMPLES:,} at-bats (seed {SEED}); ± is the standard error.\n",
-            table(report, "paper_sensitivities", pd.DataFrame(rows)),
-            " ".join(sentences) + "\n",
-        ]
+    return render(
+        report,
+        "sensitivities",
+        found=found,
+        parameters=PARAMETERS,
+        samples=SAMPLES,
+        seed=SEED,
+        e=E,
+        step=STEP,
+        strongest={
+            name: sorted(here, key=lambda one: -abs(one.power))[:3] for name, here in found.items()
+        },
     )

@@ -18,7 +18,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
-from analysis.writing import figure, markdown_table, shown, table
+from analysis.writing import figure, render, table
 from longball.pitches import EXAMPLE, Columns, FittedPitches, PitchTypes, fit_pitches, read_pitches
 from longball.pitches.fitted import AimFit, Estimate, SpeedFit
 from longball.pitches.fitting import BIN_WIDTH, normal
@@ -32,6 +32,7 @@ DRAWS, FULL_DRAWS = 40, 200  # of that many pitches
 # Table II, its headings exchanged (km/h), and p; Fig. 3 (cells), and q.
 MEAN_1, SPREAD_1, MEAN_2, SPREAD_2, P = 139.1, 4.58, 127.8, 7.80, 0.45
 LEFT, RIGHT, SPREAD, Q = 2.0, 4.0, 0.77, 0.52
+WHAT = ("speed", "speed as printed", "aim", "aim on the curve")  # R² is determined of
 PRINTED_R_SQUARED = {"speed": 0.9942, "aim": 0.986}
 
 # Sportsnavi writes whole km/h, and the cell of the chart.
@@ -101,7 +102,7 @@ def run(report: Path, full: bool) -> str:
     draw_aims(report, example, synthetic)
     draw_heights(report, example)
     draw_determination(report, found.r_squared)
-    return write(example, synthetic, found)
+    return write(report, example, synthetic, found)
 
 
 class Found(NamedTuple):
@@ -429,204 +430,33 @@ def draw_determination(report: Path, determination: Rows) -> None:
 # --- the report -----------------------------------------------------------------------------------
 
 
-def write(example: FittedPitches, synthetic: FittedPitches, found: Found) -> str:
+def write(report: Path, example: FittedPitches, synthetic: FittedPitches, found: Found) -> str:
     """Return the report in Markdown; every number and verdict in it comes from the fits."""
-    counterparts, coverage, determination, grid, classes = found
-    introduction = (
-        "Written by `python -m analysis pitch_fits`. The paper's 1,548 pitches were not published. "
-        f"What it prints is held against {PITCHES:,} and 10⁶ pitches drawn from its own fits, put "
-        "down in whole km/h and in cells as its source does, and against "
-        f"`{example.source}`: {example.rows_used:,} pitches used of {example.rows_read:,} rows. "
-        "Straight is the four-seam fastball (with Statcast's unspecified one), everything else "
-        f"breaks. A cell across is {example.columns.cell_width:g} m wide, the strike zone is the "
-        "batter's own, the ring of the grid is open to the outside. ± is one standard error."
-    )
-    sections = (
-        "## Pitches: Sec. II, Figs. 2 to 4, Table II",
-        introduction,
-        "### Table II, p, q and Fig. 3, given back",
-        "Verdict: do pitches drawn from the printed numbers give them back?",
-        _counterpart_table(counterparts, "maximum_likelihood", "Maximum likelihood"),
-        _counterpart_table(counterparts, "least_squares", "Curves through histograms"),
-        _on_coverage(coverage),
-        "### Fig. 2: speeds",
-        shown("pitch_fits_fig2", "Fig. 2: speeds at release."),
-        _on_r_squared(example, synthetic, determination),
-        shown("pitch_fits_r_squared", "R² of Fig. 2 against the width of the bins."),
-        _on_equation_2(determination),
-        _on_classes(classes),
-        "### Fig. 3: across the plate",
-        shown("pitch_fits_fig3", "Fig. 3: places across the plate."),
-        _on_r_squared_of_aims(determination),
-        _on_spread(),
-        _on_peaks(example, grid),
-        "### Fig. 4: heights",
-        shown("pitch_fits_fig4", "Fig. 4: heights over the plate."),
-        _on_heights(example),
-    )
-    return "\n\n".join(sections) + "\n"
-
-
-def _counterpart_table(counterparts: Rows, method: str, title: str) -> str:
-    lines = []
-    for row in counterparts:
-        if row["method"] != method:
-            continue
-        digits = 2 if row["unit"] == "km/h" else 3
-        lines.append(
-            [
-                row["quantity"] + (f", {row['unit']}" if row["unit"] else ""),
-                f"{row['printed']:g}",
-                _with_error(row["synthetic"], row["synthetic_error"], digits),
-                f"{row['difference']:+.{digits}f}",
-                row["verdict"],
-                f"{row['million']:.{digits + 1}f}",
-                _with_error(row["example"], row["example_error"], digits),
-            ]
-        )
-    header = [title, "printed", f"{PITCHES:,} drawn", "difference", "verdict", "10⁶ drawn", "MLB"]
-    return markdown_table(header, lines)
-
-
-def _with_error(value: float, error: float | None, digits: int) -> str:
-    return f"{value:.{digits}f} ± " + ("?" if error is None else f"{error:.{digits}f}")
-
-
-def _on_coverage(coverage: Rows) -> str:
-    within = float(np.mean([row["within_1.96"] for row in coverage]))
-    means = [row["mean_of_z"] for row in coverage]
-    deviations = [row["deviation_of_z"] for row in coverage]
-    return (
-        f"Over {coverage[0]['draws']} draws of {PITCHES:,} pitches, {within:.1%} of the numbers "
-        "fitted by maximum likelihood lie within 1.96 of their standard errors of what is printed "
-        "(95 % would). The deviations, in standard errors, have means between "
-        f"{min(means):+.2f} and {max(means):+.2f} and standard deviations between "
-        f"{min(deviations):.2f} and {max(deviations):.2f} "
-        "([table](tables/pitch_fits_coverage.csv))."
-    )
-
-
-def _on_r_squared(example: FittedPitches, synthetic: FittedPitches, determination: Rows) -> str:
+    of = {what: [r for r in found.r_squared if r["what"] == what] for what in WHAT}
     printed = PRINTED_R_SQUARED["speed"]
-    speed = [row for row in determination if row["what"] == "speed"]
-    fitting = [row["bin_width"] for row in speed if row["low"] <= printed <= row["high"]]
-    narrow = speed[0]
-    verdict = f"No width of bin tried gives the printed {printed}: **not reproduced**."
-    if fitting:
-        verdict = (
-            f"The printed {printed} is what bins of {', '.join(f'{w:g}' for w in fitting)} km/h "
-            "give: **consistent**, with a width of bin that the paper does not state."
-        )
-    return (
-        f"Coefficient of determination. If the printed mixture is the truth, {PITCHES:,} pitches "
-        f"in bins of {narrow['bin_width']:g} km/h, the step of the source, give "
-        f"{narrow['median']:.3f} ({narrow['low']:.3f} to {narrow['high']:.3f}, the middle 90 % of "
-        f"{narrow['draws']} draws): the scatter of the counts takes the rest. {verdict} The draw "
-        f"shown here has {synthetic.speed.least_squares.r_squared:.4f} in bins of "
-        f"{BIN_WIDTH:g} km/h, the MLB pitches {example.speed.least_squares.r_squared:.4f}."
-    )
-
-
-def _on_equation_2(determination: Rows) -> str:
-    printed = PRINTED_R_SQUARED["speed"]
-    best = max(row["high"] for row in determination if row["what"] == "speed as printed")
-    verdict = (
-        "It is **not** the curve that was fitted. The ledger's speed_spread = standard_deviation "
-        "stands; as_printed, a σ that is √2 times the standard deviation, needs a second slip, in "
-        "the prefactor."
-    )
-    if best >= printed:
-        verdict = "It cannot be told from a density in this way."
-    return (
-        "Eq. 2 as printed lacks the 2 of its exponent, and its integral is 1/√2. That very curve, "
-        "laid through the same histograms, stays below an R² of "
-        f"{best:.3f} in 95 % of the draws at its best width of bin; printed is {printed}. {verdict}"
-    )
-
-
-def _on_classes(classes: Rows) -> str:
-    head = {
-        "straight": "", "weight": ".3f", "straight_mean": ".1f", "straight_spread": ".2f",
-        "breaking_mean": ".1f", "breaking_spread": ".2f", "r_squared": ".4f",
-    }  # fmt: skip
-    lines = [[format(row[key], digits) for key, digits in head.items()] for row in classes]
-    return (
-        "What counts as straight, in the MLB pitches (maximum likelihood, km/h; R² of the curves "
-        "through the histogram):\n\n"
-        + markdown_table(["straight", "p", "μ₁", "σ₁", "μ₂", "σ₂", "R²"], lines)
-    )
-
-
-def _on_r_squared_of_aims(determination: Rows) -> str:
-    printed = PRINTED_R_SQUARED["aim"]
-    sentences = []
-    for what, meaning in (
-        ("aim", "places drawn from ψ and sorted into open cells"),
-        ("aim on the curve", "shares that follow the curve, ψ(1) … ψ(5),"),
-    ):
-        (row,) = (each for each in determination if each["what"] == what)
-        inside = row["low"] <= printed <= row["high"]
-        sentences.append(
-            f"{meaning} give {row['median']:.3f} ({row['low']:.3f} to {row['high']:.3f}): "
-            + ("**consistent**" if inside else "**not reproduced**")
-        )
-    return (
-        f"The printed R² is {printed}; its means 2 and 4 are taken as held. Of {PITCHES:,} "
-        f"pitches, {'; '.join(sentences)}."
-    )
-
-
-def _on_spread() -> str:
-    spread = spread_behind_figure_3()
-    return (
-        "A density at a cell's number is not the share of the cell, but the paper lays one through "
-        "the other. If the shares lie on its curve, and the ring is open, the places themselves "
-        f"have a standard deviation of {spread:.3f} cells about each mean, against the curve's "
-        f"{SPREAD}. Its simulation draws P_y from the curve, so that its pitches spread about each "
-        f"mean {SPREAD / spread - 1:.0%} more than the pitchers' did."
-    )
-
-
-def _on_peaks(example: FittedPitches, grid: Rows) -> str:
-    peaks, gain = example.aim.maximum_likelihood.peaks, example.aim.gain_over_one_normal
-    two = [row["case"] for row in grid if row["peaks"] == 2]
-    lines = [
-        [row["case"], str(row["pitches"])]
-        + [f"{row[f'share_{cell}']:.3f}" for cell in range(1, 6)]
-        + [str(row["peaks"]), f"{row['gain_over_one_normal']:.1f}"]
-        for row in grid
-    ]
-    return (
-        "The Discussion expects two peaks, at the edges of the strike zone, in finer data too. The "
-        "MLB pitches, whose places are written to 3 mm, have "
-        f"**{'one' if peaks == 1 else 'two'}**. A mixture gains {gain:.1f} in 2 ln L over one "
-        "normal distribution with two parameters less, where 4 would be nothing. Two peaks are "
-        "found " + (f"for: {', '.join(two)}." if two else "in none of the cases below.") + "\n\n"
-        + markdown_table(["case", "pitches", "1", "2", "3", "4", "5", "peaks", "2 Δ ln L"], lines)
-        + "\n\nShares by cell, the outer two open; the paper's curve has "
-        + ", ".join(f"{share:.3f}" for share in printed_density(np.arange(1.0, 6.0)))
-        + ". It is another league, and a chart whose cells are drawn to no stated measure: these "
-        "pitches cannot tell which of the two makes the difference."
-    )  # fmt: skip
-
-
-def _on_heights(example: FittedPitches) -> str:
     heights = example.height
     assert heights is not None  # the example has them
     shares = [share.value for share in heights.shares]
-    rarest = shares.index(min(shares)) + 1
-    equal = heights.p_value_of_lower_four > 0.05
-    return (
-        "The paper's text: almost the same share in every height but the highest, which is rarer. "
-        "MLB: "
-        + ", ".join(
-            f"z = {cell}: {_with_error(share.value, share.standard_error, 3)}"
-            for cell, share in enumerate(heights.shares, start=1)
-        )
-        + f". The rarest is z = {rarest}: "
-        + ("**as in the paper**. " if rarest == 5 else "**not as in the paper**. ")
-        + f"The lower four are {'' if equal else '**not** '}equal within the scatter "
-        f"(χ² = {heights.chi_squared_of_lower_four:.1f} with 3 degrees of freedom, "
-        f"p = {heights.p_value_of_lower_four:.1g}); they differ by up to "
-        f"{max(shares[:4]) / min(shares[:4]) - 1:.0%}."
+    return render(
+        report,
+        "pitch_fits",
+        count=PITCHES,
+        example=example,
+        synthetic=synthetic,
+        found=found,
+        printed=PRINTED_R_SQUARED,
+        within=float(np.mean([row["within_1.96"] for row in found.coverage])),
+        speed=of["speed"],
+        fitting=[f"{r['bin_width']:g}" for r in of["speed"] if r["low"] <= printed <= r["high"]],
+        bin_width=BIN_WIDTH,
+        as_printed=max(row["high"] for row in of["speed as printed"]),
+        aim=of["aim"][0],
+        on_the_curve=of["aim on the curve"][0],
+        spread=spread_behind_figure_3(),
+        curve_spread=SPREAD,
+        curve=printed_density(np.arange(1.0, 6.0)),
+        two=[row["case"] for row in found.grid if row["peaks"] == 2],
+        heights=heights,
+        rarest=shares.index(min(shares)) + 1,
+        differ=max(shares[:4]) / min(shares[:4]) - 1,
     )

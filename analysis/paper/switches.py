@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pandas as pd
 from pydantic import ValidationError
 
 from analysis.paper.balls import (
@@ -24,7 +23,7 @@ from analysis.paper.balls import (
 )
 from analysis.paper.combinations import RADII, STEP, Cases
 from analysis.paper.printed import P_TEXT
-from analysis.writing import figure, shown, table
+from analysis.writing import figure, render
 from longball.engines.verlet import Verlet
 from longball.home_run import PAPER_CURVES, RESTITUTIONS, draw, paper_at_bats
 from longball.model.readings import LEDGER, SCHEME_OPTIONS, Reading, SamplingReading
@@ -33,6 +32,8 @@ SAMPLES = 100_000
 STEPPED_SAMPLES = 40_000
 SEED = 1
 E = P_TEXT[0]
+# Where the ledger has switches of what no at-bat of the paper has: spin, wind, friction, a fence.
+ELSEWHERE = ("extended model", "not in the paper")
 
 
 @dataclass(frozen=True)
@@ -69,7 +70,7 @@ def options(base: Base, space: Space) -> Iterator[tuple[str, str, Base, Space]]:
     Two that are not in the ledger come last: a ball 0.0366 m wide, and flies alone.
     """
     for entry in LEDGER:
-        if entry.switch == "sample_space":
+        if entry.switch == "sample_space" or entry.place in ELSEWHERE:
             continue
         for option in entry.options:
             other = turned_to(base, entry.switch, option)
@@ -180,118 +181,66 @@ def turn_scheme(base: Base, space: Space) -> list[Scheme]:
 # --- the report -----------------------------------------------------------------------------------
 
 
+@dataclass(frozen=True)
+class Turns:
+    """A reading, and all that comes of turning one of its switches."""
+
+    name: str
+    described: str
+    before: Share
+    turned: list[Turned]
+
+    @property
+    def largest(self) -> list[Turned]:
+        """The three that change P most."""
+        return sorted(self.turned, key=lambda one: -abs(one.change))[:3]
+
+    @property
+    def still(self) -> list[Turned]:
+        """Those whose change is within two standard errors of none."""
+        return [one for one in self.turned if abs(one.change) < 2 * one.change_error]
+
+
 def section(report: Path, cases: Cases) -> str:
     """Write the section: each reading with each switch turned."""
-    found = {name: turn(base, space) for name, (base, space) in cases.items()}
+    found = [Turns(name, describe(*case), *turn(*case)) for name, case in cases.items()]
     draw_tornado(report, found)
-    rows = pd.DataFrame(
-        [
-            {
-                "from": name,
-                "switch": one.switch,
-                "option": one.option,
-                f"P({E})": f"{one.p:.4f}",
-                "change": f"{one.change:+.5f} ± {one.change_error:.5f}",
-                "dP/de": f"{one.slope:.2f}",
-            }
-            for name, (_, turned) in found.items()
-            for one in turned
-        ]
-    )
-    *_, (scheme_base, scheme_space) = cases.values()
-    return "\n".join(
-        [
-            "### One switch at a time\n",
-            "[The ledger](README.md#the-ledger-of-readings) has each switch with its reason.\n",
-            on_switches(cases, found),
-            shown(
-                "paper_tornado",
-                f"P({E}) with one switch turned, from the default reading and from the one that "
-                "comes nearest to the paper's figures (below); the dotted line is the caption's.",
-            ),
-            table(report, "paper_switches", rows),
-            "### The switches of the printed scheme\n",
-            on_scheme(report, turn_scheme(scheme_base, scheme_space)),
-        ]
+    *_, nearest = cases.values()
+    schemes = turn_scheme(*nearest)
+    caption = PAPER_CURVES["caption"]
+    return render(
+        report,
+        "switches",
+        found=found,
+        samples=SAMPLES,
+        seed=SEED,
+        e=E,
+        wanted=caption(E),
+        steep=(caption(0.45) - caption(0.41)) / 0.04,
+        step=STEP,
+        stepped_samples=STEPPED_SAMPLES,
+        schemes=schemes,
+        seen=[one for one in schemes if one.option and abs(one.change) > 2 * one.change_error],
     )
 
 
-def on_switches(cases: Cases, found: dict[str, tuple[Share, list[Turned]]]) -> str:
-    """Say which switches move P most, and whether one of them is enough."""
-    sentences = [
-        f"The same {SAMPLES:,} random at-bats (seed {SEED}) for every reading; ± is the standard "
-        "error of the change, which is smaller than that of P itself. The ball 0.0366 m wide and "
-        "the flies are not in the ledger: see below."
-    ]
-    wanted = PAPER_CURVES["caption"](E)
-    steep = (PAPER_CURVES["caption"](0.45) - PAPER_CURVES["caption"](0.41)) / 0.04
-    for name, (before, turned) in found.items():
-        base, space = cases[name]
-        still = [one for one in turned if abs(one.change) < 2 * one.change_error]
-        order = sorted(turned, key=lambda one: -abs(one.change))
-        high = [one for one in turned if one.p >= 0.9 * wanted]
-        sentences.append(
-            f"**From the {name} reading** ({describe(base, space)}): P({E}) = {before.p:.4f}. Most "
-            "is moved by "
-            + ", ".join(f"{one.name} ({one.change:+.4f})" for one in order[:3])
-            + (f"; not to be seen: {', '.join(one.name for one in still)}." if still else ".")
-        )
-        reached = ", ".join(
-            f"{one.name} ({one.p:.3f}, with dP/de = {one.slope:.2f} for the caption's {steep:.2f})"
-            for one in high
-        )
-        if before.p < 0.9 * wanted:
-            sentences.append(
-                f"The caption's {wanted:.3f} is reached, or nearly, by {reached}."
-                if high
-                else f"No switch alone reaches the caption's {wanted:.3f}."
-            )
-    return " ".join(sentences) + "\n"
-
-
-def on_scheme(report: Path, found: Sequence[Scheme]) -> str:
-    """Say what the readings of the printed scheme do."""
-    rows = pd.DataFrame(
-        [
-            {
-                "switch": one.switch,
-                "option": one.option,
-                "batted, of all pitches": f"{100 * one.batted:.2f} %",
-                f"P({E})": f"{one.p:.3f} ± {one.p_error:.3f}",
-                "change": f"{one.change:+.3f} ± {one.change_error:.3f}" if one.option else "",
-            }
-            for one in found
-        ]
-    )
-    seen = [one for one in found if one.option and abs(one.change) > 2 * one.change_error]
-    moved = ", ".join(f"{one.switch} = {one.option} ({one.change:+.3f})" for one in seen)
-    verdict = "None of them moves P by more than two standard errors."
-    if seen:
-        verdict = f"More than two standard errors from the default: {moved}."
-    return (
-        f"They act on velocity Verlet with Δt = {STEP} s alone. The nearest reading, "
-        f"{STEPPED_SAMPLES:,} pitches, all but a few of which pass the bat between two steps "
-        f"unseen:\n\n{table(report, 'paper_scheme', rows)}\n{verdict}\n"
-    )
-
-
-def draw_tornado(report: Path, found: dict[str, tuple[Share, list[Turned]]]) -> None:
+def draw_tornado(report: Path, found: Sequence[Turns]) -> None:
     """Draw a bar for each option, from P before to P after, the longest above."""
-    longest = max(len(turned) for _, turned in found.values())
+    longest = max(len(one.turned) for one in found)
     size = (9.6, 0.6 + 0.24 * longest)
     with figure(report, "paper_tornado", columns=len(found), size=size) as panels:
-        for axes, (name, (before, turned)) in zip(panels, found.items(), strict=True):
-            order = sorted(turned, key=lambda one: abs(one.change))
+        for axes, of in zip(panels, found, strict=True):
+            order = sorted(of.turned, key=lambda one: abs(one.change))
             heights = np.arange(longest - len(order), longest)
             axes.barh(
-                heights, [one.change for one in order], left=before.p, height=0.6,
+                heights, [one.change for one in order], left=of.before.p, height=0.6,
                 color=["0.75" if one.change > 0 else "0.35" for one in order],
                 xerr=[2 * one.change_error for one in order],
                 error_kw={"elinewidth": 0.8, "capsize": 2},
             )  # fmt: skip
-            axes.axvline(before.p, color="black", linewidth=0.8)
+            axes.axvline(of.before.p, color="black", linewidth=0.8)
             axes.axvline(PAPER_CURVES["caption"](E), color="black", linestyle=":", linewidth=1.0)
             axes.set_yticks(heights, [one.name for one in order], fontsize="x-small")
-            axes.set(xlabel=f"P({E})", title=f"from the {name} reading", ylim=(-0.8, longest))
+            axes.set(xlabel=f"P({E})", title=f"from the {of.name} reading", ylim=(-0.8, longest))
             axes.set_xlim(left=0.0)
             axes.grid(visible=False, axis="y")

@@ -6,11 +6,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 from numpy.typing import NDArray
 
 from analysis.paper.balls import SPACES, Base, cores, describe, strike
-from analysis.writing import table
+from analysis.writing import render
 from longball.home_run import HOME_RUN_DISTANCE, Samples, draw, paper_at_bats
 
 Array = NDArray[np.float64]
@@ -103,43 +102,16 @@ def analyse(base: Base) -> dict[str, Indices]:
 def section(report: Path, bases: dict[str, Base]) -> str:
     """Write the section."""
     found = {name: analyse(base) for name, base in bases.items()}
-    rows = [
-        {
-            "reading": name,
-            "quantity": what,
-            **{
-                label: f"{one.first[i]:.3f} ± {one.first_error[i]:.3f}, "
-                f"{one.total[i]:.3f} ± {one.total_error[i]:.3f}"
-                for i, label in enumerate(INPUTS.values())
-            },
-            "alone, all": f"{one.first.sum():.2f}",
-        }
-        for name, by_quantity in found.items()
-        for what, one in by_quantity.items()
-    ]
-    named = "; ".join(f"{name}: {describe(base, SPACES[0])}" for name, base in bases.items())
-    return "\n".join(
-        [
-            "### Where the scatter of D comes from\n",
-            f"Sobol's indices at e = {E}: the share of the variance that an input explains alone, "
-            f"and the share that it has a part in, ± one standard error (bootstrap, {RESAMPLES} "
-            f"resamples of {SAMPLES:,}). A miss has D = 0. Readings: {named}.\n",
-            table(report, "paper_sobol", pd.DataFrame(rows)),
-            *(describe_indices(name, by_quantity) for name, by_quantity in found.items()),
-        ]
-    )
-
-
-def describe_indices(name: str, found: dict[str, Indices]) -> str:
-    """Say which input rules, and whether inputs act alone."""
     labels = list(INPUTS.values())
-    distance = found["D"]
-    first, second = (labels[i] for i in np.argsort(-distance.total)[:2])
-    speed = labels.index(INPUTS["speed"])
-    together = 1 - distance.first.sum()
-    return (
-        f"{name.capitalize()}: D is ruled by the {first}, then the {second}; the pitch's speed has "
-        f"a part in {100 * distance.total[speed]:.1f} % of its variance and in "
-        f"{100 * found['D ≥ 150 m'].total[speed]:.1f} % of that of a home run. "
-        f"{100 * together:.0f} % of the variance of D belongs to no input alone.\n"
+    return render(
+        report,
+        "variance",
+        found=found,
+        bases={name: describe(base, SPACES[0]) for name, base in bases.items()},
+        inputs=labels,
+        ranked={n: [labels[i] for i in np.argsort(-of["D"].total)] for n, of in found.items()},
+        speed=labels.index(INPUTS["speed"]),
+        e=E,
+        resamples=RESAMPLES,
+        samples=SAMPLES,
     )

@@ -55,15 +55,18 @@ class Problem(NamedTuple):
         """The columns of a flight that hold its state; its own numbers are behind them."""
         return slice(2, 2 + len(self.law.variables))
 
-    def rates(self, sqrt: Callable[[Any], Any]) -> Callable[..., tuple[Any, ...]]:
-        """Return longball's law of motion, for any kind of numbers with a square root."""
-        return self.law.bind(
-            dict(zip(self.law.parameters, self.strengths, strict=True)), {"sqrt": sqrt}
-        )
+    def rates(self, numbers: Any) -> Callable[..., tuple[Any, ...]]:
+        """Return longball's law of motion, for the numbers that a module has functions of."""
+        strengths = dict(zip(self.law.parameters, self.strengths, strict=True))
+        return self.law.bind(strengths, _functions(numbers))
 
-    def heights(self, sqrt: Callable[[Any], Any]) -> list[Callable[..., tuple[Any, ...]]]:
+    def heights(self, numbers: Any) -> list[Callable[..., tuple[Any, ...]]]:
         """Return the functions of a state and a flight's own numbers that fall through zero."""
-        return [stop.bind({}, {"sqrt": sqrt}) for stop in self.stops]
+        return [stop.bind({}, _functions(numbers)) for stop in self.stops]
+
+
+def _functions(numbers: Any) -> dict[str, Callable[[Any], Any]]:
+    return {name: getattr(numbers, name) for name in ("sqrt", "exp", "log")}
 
 
 def problem_of(starts: Records, law: Program) -> tuple[Problem, Array]:
@@ -174,7 +177,7 @@ class Scipy(Peer):
 
     def land(self, problem: Problem, flights: Array) -> Array:
         """Fly one after the other."""
-        rates, heights = problem.rates(math.sqrt), problem.heights(math.sqrt)
+        rates, heights = problem.rates(math), problem.heights(math)
 
         def motion(_: float, y: Array) -> tuple[float, ...]:
             return rates(*y.tolist())
@@ -215,7 +218,7 @@ class Cvode(Peer):
 
     def land(self, problem: Problem, flights: Array) -> Array:
         """Fly one after the other, by one solver."""
-        rates, falling = problem.rates(math.sqrt), problem.heights(math.sqrt)
+        rates, falling = problem.rates(math), problem.heights(math)
         own: list[float] = []
 
         def motion(_: float, y: Array, rate: Array) -> None:
@@ -323,10 +326,10 @@ class HeyokaBatch(Heyoka):
 def _duration(problem: Problem, flights: Array) -> Array:
     """Return about how long flights will take, s: as long as if their acceleration stayed."""
     state, own = flights[:, problem.state].T, flights[:, problem.state.stop :].T
-    rates = np.broadcast_arrays(*problem.rates(np.sqrt)(*state))
+    rates = np.broadcast_arrays(*problem.rates(np)(*state))
     half = len(state) // 2
     shortest = np.full(len(flights), math.inf)
-    heights = problem.heights(np.sqrt)
+    heights = problem.heights(np)
     for height in heights[:-1] if problem.bat else heights:
 
         def ahead(change: Any, height: Any = height) -> Any:
@@ -357,9 +360,9 @@ def _heyoka(problem: Problem, tolerance: float, lanes: int = 0) -> Any:
     )
     events = [
         event(height(*state, *own)[0], direction=hy.event_direction.negative)
-        for height in problem.heights(hy.sqrt)
+        for height in problem.heights(hy)
     ]
-    motion = list(zip(state, problem.rates(hy.sqrt)(*state), strict=True))
+    motion = list(zip(state, problem.rates(hy)(*state), strict=True))
     start = np.ones((len(names), lanes) if lanes else len(names))
     return integrator(motion, start, t_events=events, tol=tolerance)
 
@@ -395,7 +398,7 @@ def _diffrax(solver: str, problem: Problem) -> Any:
     diffrax: Any = import_module("diffrax")
     optimistix: Any = import_module("optimistix")
     jnp = jax.numpy
-    rates = problem.rates(jnp.sqrt)
+    rates = problem.rates(jnp)
 
     def one(row: Any, rtol: Any) -> Any:
         own = row[problem.state.stop :]
@@ -412,7 +415,7 @@ def _diffrax(solver: str, problem: Problem) -> Any:
             row[problem.state],
             stepsize_controller=diffrax.PIDController(rtol=rtol, atol=rtol),
             event=diffrax.Event(
-                [stop(height) for height in problem.heights(jnp.sqrt)],
+                [stop(height) for height in problem.heights(jnp)],
                 optimistix.Newton(rtol, rtol),
                 direction=False,
             ),

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from analysis.speed_error import contenders
+from analysis.speed_error import contenders, laws
 from analysis.speed_error.contenders import Answers
 from analysis.speed_error.measuring import difference, errors, ratio
 from analysis.speed_error.work import Work, at_bats, flights, truth
@@ -53,6 +53,18 @@ def test_plain_scipy_lands_where_the_batch_engine_does() -> None:
     true = truth(work)
     # A thousand times its tolerance at 100 m: events are roots of an interpolant.
     assert errors(contenders.plain("DOP853", 1e-12).solve(work), true).worst < 1e-8
+
+
+@pytest.mark.parametrize("law", laws.LAWS)
+def test_batch_and_plain_scipy_land_alike_under_a_law(law: str) -> None:
+    work = laws.works(2)[law]
+    true = truth(work)
+    # Rounding, 2e-16 of 100 m a step, in some ten steps; a thousand tolerances, as above.
+    for entrant, bound in (
+        (contenders.batch(1e-13), 2e-13),
+        (contenders.plain("DOP853", 1e-12), 1e-8),
+    ):
+        assert errors(entrant.solve(work), true).worst < bound
 
 
 def test_heyoka_lands_as_exactly_in_batch_mode(struck: tuple[Work, list[Result]]) -> None:

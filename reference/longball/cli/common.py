@@ -43,7 +43,7 @@ Quiet = Annotated[
     typer.Option("-q", "--quiet", callback=_hushed, help="No progress, no notes: errors only."),
 ]
 EngineName = Annotated[engines.Name, typer.Option(help="What solves the scenes.")]
-Seed = Annotated[int, typer.Option(min=0, help="Of the random numbers.")]
+Seed = Annotated[int, typer.Option(min=0, help="Seed of the random numbers.")]
 Workers = Annotated[
     int, typer.Option(callback=_checked, help="Parallel threads or processes; -1: one per core.")
 ]

@@ -46,7 +46,10 @@ def converge(
         bool, typer.Option(help="Errors against proven values, or among the steps themselves.")
     ] = True,
     phases: Annotated[
-        int, typer.Option(min=2, help="Of the step, averaged where an error jumps with it.")
+        int,
+        typer.Option(
+            min=2, help="Phases of the step to average over where an error jumps with them."
+        ),
     ] = 8,
     timeout: Annotated[float, typer.Option(min=0.001, help="s without an answer.")] = 60.0,
     as_json: Json = False,

@@ -57,7 +57,7 @@ def export(
         Path | None, typer.Argument(metavar="[FILE.zip]", help="By default named by version.")
     ] = None,
     folder: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Of another set than the shipped one.")
+        Path | None, typer.Option(metavar="DIR", help="A set other than the shipped one.")
     ] = None,
     quiet: Quiet = False,
 ) -> None:
@@ -113,11 +113,12 @@ def write(
 def check(
     folder: Folder = None,
     sample: Annotated[
-        int | None, typer.Option(min=0, help="Solve so many cases again; by default all.")
+        int | None, typer.Option(min=0, help="How many cases to solve again; by default all.")
     ] = None,
-    seed: Annotated[int, typer.Option(min=0, help="Which ones.")] = 1,
+    seed: Annotated[int, typer.Option(min=0, help="Chooses which ones.")] = 1,
     independent: Annotated[
-        bool, typer.Option(help="Also by the multiprecision engine, which shares no method.")
+        bool,
+        typer.Option(help="Solve them also by the multiprecision engine, which shares no method."),
     ] = True,
     workers: Workers = -1,
     quiet: Quiet = False,

@@ -70,9 +70,9 @@ Rows = Sequence[Estimate] | Sequence[Integral]
 
 
 def homerun(
-    samples: Annotated[int, typer.Option(min=1, help="At-bats drawn.")] = 1000,
+    samples: Annotated[int, typer.Option(min=1, help="Number of at-bats drawn.")] = 1000,
     e: Annotated[
-        str, typer.Option(help="Restitutions: first:last:step, or values with commas.")
+        str, typer.Option(help="Restitutions of the ball: first:last:step, or values with commas.")
     ] = "0.41:0.45:0.01",
     seed: Seed = 1,
     reading: ReadingOption = None,

@@ -26,7 +26,9 @@ Readings = tuple[Reading, SamplingReading]
 
 
 def readings(
-    samples: Annotated[int, typer.Option(min=0, help="At-bats drawn; 0: the ledger only.")] = 1000,
+    samples: Annotated[
+        int, typer.Option(min=0, help="Number of at-bats drawn; 0: the ledger only.")
+    ] = 1000,
     e: Annotated[float, typer.Option(min=0.0, max=1.0, help="Restitution of the ball.")] = 0.42,
     seed: Seed = 1,
     workers: Workers = -1,

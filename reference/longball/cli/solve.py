@@ -38,7 +38,7 @@ Source = Annotated[
     str,
     typer.Argument(
         metavar="[SCENES|-]",
-        help="A scene per line of JSON, or per row of a .csv or .parquet; - reads stdin.",
+        help="One scene per line of JSON, or per row of a .csv or .parquet; - reads stdin.",
     ),
 ]
 
@@ -65,14 +65,15 @@ def solve(
         float | None, typer.Option(help="ivp: absolute tolerance of them, m and m/s; 5e-14.")
     ] = None,
     tolerance: Annotated[
-        float | None, typer.Option(help="batch: error asked for at landing, m; 1e-13.")
+        float | None, typer.Option(help="batch: the error allowed at landing, m; 1e-13.")
     ] = None,
     digits: Annotated[
-        int | None, typer.Option(help="enclosure, multiprecision: of each number; 30.")
+        int | None, typer.Option(help="enclosure, multiprecision: digits of each number; 30.")
     ] = None,
     dt: Annotated[float | None, typer.Option(help="verlet: the step, s; 0.05.")] = None,
     forces: Annotated[
-        VerletForces | None, typer.Option(help="verlet: how drag and lift are had; old_carried.")
+        VerletForces | None,
+        typer.Option(help="verlet: at which velocity drag and lift are taken; old_carried."),
     ] = None,
     landing: Annotated[
         VerletLanding | None, typer.Option(help="verlet: where the ball lands; interpolated.")
@@ -84,7 +85,8 @@ def solve(
         bool, typer.Option("--path", help="Add the path: [[t, x, y, z, vx, vy, vz], …].")
     ] = False,
     points: Annotated[
-        int | None, typer.Option(min=2, help="Of the path, evenly spaced in time; 201.")
+        int | None,
+        typer.Option(min=2, help="How many points the path has, evenly spaced in time; 201."),
     ] = None,
     certify: Annotated[
         bool, typer.Option("--certify", help="Give every number with a proven error.")

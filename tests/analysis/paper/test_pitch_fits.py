@@ -4,11 +4,11 @@ import pytest
 
 from analysis.paper.pitch_fits import (
     PRINTED,
+    Found,
     Printed,
-    _on_equation_2,
-    _on_r_squared,
     draw_pitches,
     verdict,
+    write,
 )
 from longball.pitches import EXAMPLE, fit_pitches
 
@@ -38,16 +38,38 @@ def row(what, width, low, high):
     }  # fmt: skip
 
 
-def test_equation_2_as_printed_is_judged_by_what_it_reaches():
-    assert "It is **not** the curve" in _on_equation_2([row("speed as printed", 3.0, 0.8, 0.86)])
-    assert "cannot be told" in _on_equation_2([row("speed as printed", 3.0, 0.8, 0.999)])
-
-
-def test_the_printed_r_squared_is_judged_by_the_widths_that_give_it():
+@pytest.fixture(scope="module")
+def written(tmp_path_factory):
+    """Return what writes the section for given quantiles of R²."""
     example = fit_pitches(EXAMPLE, replicates=2)
-    narrow, wide = row("speed", 1.0, 0.95, 0.98), row("speed", 3.0, 0.98, 0.998)
-    assert "bins of 3 km/h give: **consistent**" in _on_r_squared(example, example, [narrow, wide])
-    assert "**not reproduced**" in _on_r_squared(example, example, [narrow])
+    aims = [row("aim", 1.0, 0.9, 0.99), row("aim on the curve", 1.0, 0.9, 0.95)]
+    coverage = [{"draws": 9, "within_1.96": 0.95}]
+
+    def section(*r_squared):
+        found = Found([], coverage, [*r_squared, *aims], [], [])
+        return write(tmp_path_factory.mktemp("report"), example, example, found)
+
+    return section
+
+
+NARROW, WIDE = row("speed", 1.0, 0.95, 0.98), row("speed", 3.0, 0.98, 0.998)
+LOW, HIGH = row("speed as printed", 3.0, 0.8, 0.86), row("speed as printed", 3.0, 0.8, 0.999)
+
+
+def test_equation_2_as_printed_is_judged_by_what_it_reaches(written):
+    assert "It is **not** the curve" in written(NARROW, LOW)
+    assert "cannot be told" in written(NARROW, HIGH)
+
+
+def test_the_printed_r_squared_is_judged_by_the_widths_that_give_it(written):
+    assert "bins of 3 km/h give: **consistent**" in written(NARROW, WIDE, LOW)
+    assert "gives the printed 0.9942: **not reproduced**" in written(NARROW, LOW)
+
+
+def test_places_are_judged_by_their_own_r_squared(written):
+    section = written(NARROW, LOW)
+    assert "give 0.945 (0.900 to 0.990): **consistent**" in section
+    assert "give 0.925 (0.900 to 0.950): **not reproduced**" in section
 
 
 def test_drawn_pitches_are_written_as_the_source_does():

@@ -13,7 +13,7 @@ says where the others are.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
 from threading import Lock
@@ -40,6 +40,11 @@ WIDTH = 16
 # happen on the way, else -1; the largest coordinate that the flight has had at a step; how far each
 # position can get from where it was.
 LENGTH, TIME, WAITED, CLEARANCE, FARTHEST, RANGES = range(6)
+
+# Sums that one loop carries: two of 32 registers each, and room for what is multiplied. With more,
+# registers are spilled: for spin, wind and drag crisis in space, one loop for all took 1.5 times as
+# long, and limits of 8 to 12 sums as long as this one within a tenth.
+MOST_CHAINS = 10
 
 NO_LIMIT = 1e300  # s, of a step
 
@@ -348,17 +353,25 @@ class _Expansion(_Writer):
             current[node] = self.add(halves[node], halves[node])
         return current[node]
 
-    def inner_sums(self, n: Value) -> dict[Node, list[Value]]:
-        """Return the parts of the sums over 1 … n-1: of pairs (j, n-j), symmetric ones by halves.
-
-        The pairs go from the middle outwards, for the outermost need what was computed last.
-        """
-        build = self.builder
+    def inner_sums(self, n: Value) -> Values:
+        """Return the sums over 1 … n-1: of pairs (j, n-j), symmetric ones by halves."""
         rows = {
             node: factors
             for node in self.dynamic
             if node not in self.from_rest and (factors := self.recurrence.factors(node)) is not None
         }
+        return {
+            node: total
+            for some in _in_loops(rows)
+            for node, total in self.sums_of_pairs(n, some).items()
+        }
+
+    def sums_of_pairs(self, n: Value, rows: dict[Node, tuple[Node, Node]]) -> Values:
+        """Return sums over 1 … n-1 of the products of two rows, for each node, by one loop.
+
+        The pairs go from the middle outwards, for the outermost need what was computed last.
+        """
+        build = self.builder
         count = build.ashr(build.sub(n, self.index(1)), self.index(1))
 
         def pair(i: Value, totals: list[Value]) -> list[Value]:
@@ -385,7 +398,7 @@ class _Expansion(_Writer):
                     found.append(self.fma(x, at(b, 1 - side), next(coming)))
             return found
 
-        chains = sum(1 if a is b else 2 for a, b in rows.values())
+        chains = sum(map(_chains, rows.values()))
         totals = self.repeat(self.index(0), count, [self.number(0.0)] * chains, pair)
         coming = iter(totals)
         merged = [
@@ -409,9 +422,7 @@ class _Expansion(_Writer):
         odd = build.and_(n, self.index(1))
         return dict(zip(rows, self.repeat(odd, self.index(1), merged, central), strict=True))
 
-    def end(
-        self, node: Node, n: Value, sums: dict[Node, Value], current: Values, halves: Values
-    ) -> None:
+    def end(self, node: Node, n: Value, sums: Values, current: Values, halves: Values) -> None:
         """Write the coefficient n of a node, or half of it."""
         zeroth = self.zeroth
 
@@ -480,6 +491,26 @@ class _Expansion(_Writer):
         (total,) = self.repeat(self.index(2), n, total, subtract)
         twice = self.multiply(self.number(2.0), self.at(node, one))
         return build.select(build.icmp_signed("==", n, one), first, self.divide(total, twice))
+
+
+def _chains(factors: tuple[Node, Node]) -> int:
+    """Return how many sums are carried for a product of two rows: of a symmetric one, the half."""
+    a, b = factors
+    return 1 if a is b else 2
+
+
+def _in_loops(rows: dict[Node, tuple[Node, Node]]) -> Iterator[dict[Node, tuple[Node, Node]]]:
+    """Yield the products of rows in groups, a loop each, that share as many rows as they can."""
+    left = dict(rows)
+    while left:
+        some: dict[Node, tuple[Node, Node]] = {}
+        room = MOST_CHAINS
+        while fitting := [node for node in left if _chains(left[node]) <= room]:
+            loaded = {row_of(x) for factors in some.values() for x in factors}
+            best = min(fitting, key=lambda node: len({*map(row_of, left[node])} - loaded))
+            some[best] = left.pop(best)
+            room -= _chains(some[best])
+        yield some
 
 
 def _divisor(node: Node) -> Node | None:

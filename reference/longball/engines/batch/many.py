@@ -83,8 +83,10 @@ def solve_columns(
     table = Table(n)
     if _flies_in_lanes(scene):
         # What is zero is not computed: the rows of a law are those with the same zeros.
-        zeros = np.array([np.asarray(column) == 0.0 for column in columns.values()])
-        _, kinds = np.unique(zeros.reshape(len(columns), n), axis=1, return_inverse=True)
+        kinds = np.zeros(n, np.int64)
+        for zero in (np.asarray(column) == 0.0 for column in columns.values()):
+            if zero.any() and not zero.all():
+                _, kinds = np.unique(2 * kinds + zero, return_inverse=True)
         for kind in np.unique(kinds):
             some = kinds == kind
             rows = np.flatnonzero(some)
@@ -140,7 +142,7 @@ def _is_extended(scene: Scene) -> bool:
     thrown: Any = scene.launch if isinstance(scene, FlightScene) else scene.pitch
     air = scene.air
     further = (
-        *(thrown.spin, getattr(thrown, "speed", 0.0) and getattr(thrown, "velocity", None)),
+        *(thrown.spin, None if isinstance(scene, FlightScene) else thrown.velocity),
         *(scene.earth, air.wind, air.spin_decay_length, air.density_scale_height),
     )
     laws = air.drag_coefficient, air.lift_coefficient, air.density

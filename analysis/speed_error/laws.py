@@ -1,0 +1,135 @@
+"""What laws of flight cost: spin, wind and a drag crisis, beside the paper's law and heyoka."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from analysis.speed_error import contenders
+from analysis.speed_error.contenders import Answers, Contender
+from analysis.speed_error.measuring import Measured, measure, ratio
+from analysis.speed_error.work import Work, flights, known
+from analysis.writing import render, table
+from longball.engines.batch import Batch, solve_columns
+from longball.engines.batch.flights import Records
+from longball.engines.batch.many import BLOCK
+from longball.model.air import Air
+from longball.model.scene import FlightScene
+from longball.model.trace import Program
+
+RATIONAL = {"law": "rational"}
+ACROSS, ASKEW = (0.0, -200.0, 0.0), (30.0, -200.0, 60.0)  # rad/s, spins
+AHEAD, ASIDE = (-4.0, 0.0, 0.0), (-4.0, 3.0, 0.0)  # m/s, winds
+
+# The first is the measure of the others: spin, air.
+LAWS: dict[str, tuple[tuple[float, float, float] | None, dict[str, Any]]] = {
+    "the paper's, planar": (None, {}),
+    "spin across, C_L(S), head wind, planar": (
+        ACROSS,
+        {"lift_coefficient": RATIONAL, "wind": AHEAD},
+    ),
+    "spin vector, C_L(S), wind, in space": (ASKEW, {"lift_coefficient": RATIONAL, "wind": ASIDE}),
+    "the same, and a drag crisis": (
+        ASKEW,
+        {"lift_coefficient": RATIONAL, "wind": ASIDE, "drag_coefficient": {"law": "crisis"}},
+    ),
+}
+
+
+def works(count: int) -> dict[str, Work]:
+    """Return the same launches under each law."""
+    level = flights(count)
+    assert isinstance(level.base, FlightScene)
+    launch = level.base.launch
+    return {
+        law: Work(
+            FlightScene(launch=launch.model_copy(update={"spin": spin}), air=Air(**air)),
+            level.columns,
+        )
+        for law, (spin, air) in LAWS.items()
+    }
+
+
+@dataclass(frozen=True)
+class _Recording(Batch):
+    """The batch engine, noting what it is given to fly."""
+
+    given: list[tuple[Records, Program]] = field(default_factory=list)
+
+    def fly_all(self, starts: Records, program: Program) -> Records:
+        """Fly records to their stops."""
+        self.given.append((starts, program))
+        return super().fly_all(starts, program)
+
+
+def kernel(work: Work) -> Contender:
+    """Return the compiled code of the batch engine, without what makes records and tables.
+
+    It flies the first scenes of the work, and answers nothing.
+    """
+    engine = _Recording()
+    solve_columns(work.base, work.first(BLOCK).columns, engine)
+    ((starts, program),) = engine.given
+
+    def solved(some: Work) -> Answers:
+        engine.fly_all(starts[: len(some)], program)
+        nothing = [None] * len(some)
+        return Answers([""] * len(some), nothing, nothing)
+
+    return Contender("kernel", "", solved, BLOCK)
+
+
+def entrants(work: Work) -> Iterator[Contender]:
+    """Yield who flies under a law: the kernel, batch, enclosure, and heyoka if it is installed."""
+    yield kernel(work)
+    yield contenders.batch(Batch().tolerance)
+    yield contenders.enclosure()
+    if "heyoka" not in contenders.missing_peers():
+        yield from contenders.heyoka()
+
+
+def compared(rounds: int, count: int) -> pd.DataFrame:
+    """Time all under each law, in the same rounds; return a row a law.
+
+    Errors are those of the first `count` flights.
+    """
+    turns = {
+        (law, entrant.family): (entrant, given)
+        for law, work in works(contenders.COMPILED).items()
+        for given in [known(work, count)]
+        for entrant in entrants(work)
+    }
+    found = dict(zip(turns, measure([*turns.values()], rounds), strict=True))
+    return pd.DataFrame([row(found, law) for law in LAWS])
+
+
+def row(found: dict[tuple[str, str], Measured], law: str) -> dict[str, str]:
+    """Return what was found under a law, beside the first law."""
+    ours, first = found[law, "batch"], next(iter(LAWS))
+
+    def beside(method: str, unit: Measured) -> str:
+        return f"{ratio(found[law, method].seconds, unit.seconds):.3g}"
+
+    cells = {
+        "law": law,
+        "batch, µs": f"{ours.microseconds:.3g}",
+        "ratio to the first": beside("batch", found[first, "batch"]),
+        "kernel, µs": f"{found[law, 'kernel'].microseconds:.3g}",
+        "kernel: ratio to the first": beside("kernel", found[first, "kernel"]),
+        "batch: worst error of D, m": f"{ours.errors.worst:.1e}",
+    }
+    for method in ("heyoka batch", "heyoka scalar"):
+        if (law, method) in found:
+            cells[f"{method} / batch"] = beside(method, ours)
+            cells[f"{method}: worst error of D, m"] = f"{found[law, method].errors.worst:.1e}"
+    return cells | {"30 digits, ms": f"{found[law, 'enclosure'].microseconds / 1e3:.3g}"}
+
+
+def section(report: Path, rounds: int, count: int) -> str:
+    """Measure, and write the table and the Markdown about it."""
+    rows = table(report, "speed_error_laws", compared(rounds, count))
+    return render(report, "speed_error_laws", rows=rows, count=count)
