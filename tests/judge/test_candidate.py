@@ -191,7 +191,10 @@ def test_numbers_that_are_none():
 
 def test_a_line_without_end_takes_no_memory():
     ran = python(
-        "say('s0')\nfor _ in range(200): os.write(1, b'x' * 65536)\nos.write(1, b'\\n')\nsay('s1')"
+        "say('s0')\n"
+        "for _ in range(300): sys.stdout.write('x' * 65536)\n"
+        "sys.stdout.write('\\n')\n"
+        "say('s1')"
     )
     assert answered(ran) == ["s0", "s1"]
     assert f"line 2: longer than {LONGEST_LINE} bytes" in said(ran)
@@ -289,7 +292,7 @@ def test_the_mark_is_not_ours():
     assert MARK not in os.environ
 
 
-@pytest.mark.parametrize("size", [1, 2, 7, 100])
+@pytest.mark.parametrize("size", [1, 10_007, 65_536])
 def test_lines_do_not_depend_on_how_they_arrive(size: int):
     stream = b"one\n\ntwo\r\n" + b"x" * (LONGEST_LINE + 1) + b"\nthree"
     if size == 1:

@@ -170,3 +170,28 @@ def test_a_verdict_on_the_sampling_alone():
     assert wrong.reasons[0].startswith("sampling: swing.height_offset: its spread")
     assert "WRONG  swing.height_offset" in render(wrong)
     assert "[radius-or-diameter]" in render(wrong)
+
+
+def test_one_random_number_behind_two_quantities_is_found():
+    drawn = at_bats()
+    order = sorted(range(len(drawn)), key=lambda i: drawn[i]["swing"]["tilt"])
+    offsets = sorted(scene["swing"]["height_offset"] for scene in drawn)
+    for i, offset in zip(order, offsets, strict=True):
+        drawn[i]["swing"]["height_offset"] = offset
+    (wrong,) = judge_samples(drawn).wrong
+    assert wrong.named == ["dependence"]
+    assert "swing.height_offset" in wrong.quantity
+    assert "swing.tilt" in wrong.quantity
+
+
+def test_a_quantity_that_hangs_on_its_last_draw_is_found():
+    drawn = at_bats()
+    for before, scene in zip(drawn[::2], drawn[1::2], strict=True):
+        scene["swing"]["height_offset"] = -before["swing"]["height_offset"]
+    assert ["dependence"] in [w.named for w in judge_samples(drawn).wrong]
+
+
+def test_a_repeating_stream_ends_in_a_verdict():
+    found = judge_samples(at_bats(40) * 50)
+    assert [w.named for w in found.wrong] == [["repeating-stream"]]
+    assert "40 different ones in 2000" in found.wrong[0].sentence

@@ -33,6 +33,14 @@ def converge(
     steps: Annotated[
         str, typer.Option(metavar="FROM:TO:COUNT", help="s; evenly spaced in their logarithm.")
     ] = "0.01:0.0001:9",
+    knob: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME=VALUES",
+            help="Instead of {dt}: what {NAME} in the COMMAND stands for, FROM:TO:COUNT or a list "
+            "with commas, from coarse to fine.",
+        ),
+    ] = None,
     expected: Annotated[float | None, typer.Option(help="The order in theory.")] = None,
     truth: Annotated[
         bool, typer.Option(help="Errors against proven values, or among the steps themselves.")
@@ -55,14 +63,18 @@ def converge(
     from longball.judge.candidate import Limits
     from longball.judge.step_sweep import PLACE, StepSweep, parse_steps, takes_step
 
-    if not takes_step(command):
+    if not (knob or takes_step(command)):
         wrong_call(f"the COMMAND must contain {PLACE}, where its time step goes")
     asked = read_scenes(scenes) if scenes else golden_scenes(golden)
     proven = None
     if truth:
         proven = [solve(scene, engines.create("enclosure", digits=DIGITS)) for scene in asked]
     with progress_bar("runs", 1) as advance, refusing():
-        sweep = StepSweep(parse_steps(steps), expected, phases, advance)
+        sweep = (
+            StepSweep.of_knob(knob, expected, progress=advance)
+            if knob
+            else StepSweep(parse_steps(steps), expected, phases, advance)
+        )
         report, issues = sweep.run(command, asked, proven, Limits(timeout))
     for issue in issues[:20]:
         tell(str(issue))

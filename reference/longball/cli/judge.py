@@ -3,12 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from longball.cli.common import Json, Quiet, progress_bar, refusing, split_assignment, wrong_call
+from longball.cli.common import (
+    Json,
+    Quiet,
+    Seed,
+    progress_bar,
+    refusing,
+    split_assignment,
+    wrong_call,
+)
+
+if TYPE_CHECKING:
+    from longball.judge.cases import Case
+    from longball.judge.step_sweep import StepSweep
 
 
 def judge(
@@ -21,8 +34,25 @@ def judge(
         ),
     ] = None,
     golden: Annotated[
-        str | None, typer.Option(metavar="SET", help="A family of the golden data; by default all.")
+        list[str] | None,
+        typer.Option(
+            metavar="SET",
+            help="A family of the golden data, or usual-constants; repeatable; by default all.",
+        ),
     ] = None,
+    scenes: Annotated[
+        str | None, typer.Option(help="Scenes of your own, JSON Lines, solved and proven now.")
+    ] = None,
+    random: Annotated[
+        int | None, typer.Option(min=1, metavar="N", help="So many fresh random scenes instead.")
+    ] = None,
+    seed: Seed = 1,
+    partial: Annotated[
+        bool, typer.Option("--partial", help="Judge what is answered; leave out what is not.")
+    ] = False,
+    table: Annotated[
+        bool, typer.Option("--csv", help="Scenes to COMMAND, and its results, as CSV.")
+    ] = False,
     results: Annotated[
         Path | None,
         typer.Option(
@@ -61,12 +91,16 @@ def judge(
             help="s: the steps put for {dt} to see it converge; 0.01:0.0001:9.",
         ),
     ] = None,
+    knob: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME=VALUES",
+            help="What {NAME} in the COMMAND stands for: FROM:TO:COUNT or a list with commas, of "
+            "tolerances, multipliers, numbers of steps, from coarse to fine.",
+        ),
+    ] = None,
     expected: Annotated[
         float | None, typer.Option(help="The order of convergence in theory.")
-    ] = None,
-    require: Annotated[
-        list[str] | None,
-        typer.Option(help="all, answers, outcome, or a quantity: must not be missing; repeatable."),
     ] = None,
     timeout: Annotated[
         float, typer.Option(min=0.001, help="s without another answer, or before the first.")
@@ -84,8 +118,9 @@ def judge(
         wrong_call("-- COMMAND, --results FILE or --samples FILE is needed")
     if column and not results:
         wrong_call("--column names the columns of --results FILE.csv")
+    if sum(map(bool, (golden, scenes, random))) > 1:
+        wrong_call("either --golden, --scenes or --random, not two of them")
     # The judge brings compiled code with it, and --help does not need it.
-    from longball.golden import load
     from longball.judge import junit as xml
     from longball.judge import page
     from longball.judge.candidate import Limits
@@ -93,22 +128,17 @@ def judge(
     from longball.judge.cases import profile as profile_of
     from longball.judge.evaluation import Judge
     from longball.judge.sampling import judge_samples, read_samples
-    from longball.judge.step_sweep import StepSweep
     from longball.judge.text import render
 
     with refusing():
         drawn = judge_samples(read_samples(samples), samples.name) if samples else None
-        family = family_of(command or [], steps, expected)
+        sweep = sweep_of(command or [], steps, knob, expected)
+        family = sweep.steps if sweep and not knob else None
         rule = profile_of(profile, tolerance, dt if profile == "paper" else None)
         if family and dt is None:
             dt = rule.dt if isinstance(rule, Paper) else min(family)
-        judge = Judge(
-            load(golden) if command or results else [],
-            rule,
-            truth=f"golden data, {golden}" if golden else "golden data",
-            require=require or (),
-            dt=dt,
-        )
+        cases, truth = cases_of(golden, scenes, random, seed) if command or results else ([], "")
+        judge = Judge(cases, rule, truth=truth, partial=partial, dt=dt)
         if results:
             columns = dict(split_assignment("--column", text) for text in column or ())
             found = judge.evaluate_file(results, columns, drawn)
@@ -119,8 +149,9 @@ def judge(
                     command,
                     Limits(timeout, total_timeout),
                     advance,
-                    StepSweep(family, expected, progress=advance) if family else None,
+                    replace(sweep, progress=advance) if sweep else None,
                     drawn,
+                    table,
                 )
         else:
             assert drawn
@@ -134,14 +165,45 @@ def judge(
         raise typer.Exit(1)
 
 
-def family_of(
-    command: Sequence[str], steps: str | None, expected: float | None
-) -> list[float] | None:
-    """Return the steps to put for {dt}; None if the command has no place for one."""
-    from longball.judge.step_sweep import PLACE, STEPS, parse_steps, takes_step
+def cases_of(
+    golden: Sequence[str] | None, scenes: str | None, random: int | None, seed: int
+) -> tuple[list[Case], str]:
+    """Return the cases to judge by, and where they are from."""
+    from longball.cli.converge import read_scenes
+    from longball.golden import load
+    from longball.judge.fresh import USUAL, proven, random_scenes, usual_constants
 
+    if scenes:
+        return list(proven(read_scenes(scenes))), f"proven values of {scenes}"
+    if random:
+        asked = list(random_scenes(random, seed))
+        with progress_bar("proving", random) as advance:
+            cases = proven(asked, progress=advance)
+        return list(cases), f"proven values of {random} random scenes, seed {seed}"
+    if not golden:
+        return list(load()), "golden data"
+    found: list[Case] = []
+    for name in dict.fromkeys(golden):
+        found += proven(usual_constants(), USUAL) if name == USUAL else load(name)
+    return found, f"golden data, {', '.join(golden)}"
+
+
+def sweep_of(
+    command: Sequence[str],
+    steps: str | None,
+    knob: str | None,
+    expected: float | None,
+) -> StepSweep | None:
+    """Return what is to be put for {dt} or {NAME}; None if the command has no place for either."""
+    from longball.judge.step_sweep import PLACE, STEPS, StepSweep, parse_steps, takes_step
+
+    if knob:
+        sweep = StepSweep.of_knob(knob, expected)
+        if not any("{" + sweep.knob + "}" in word for word in command):
+            wrong_call(f"--knob {knob} needs {{{sweep.knob}}} in the COMMAND")
+        return sweep
     if takes_step(command):
-        return parse_steps(steps or STEPS)
+        return StepSweep(parse_steps(steps or STEPS), expected)
     for option, given in (("--steps", steps), ("--expected", expected)):
         if given is not None:
             wrong_call(f"{option} needs {PLACE} in the COMMAND, where its time step goes")

@@ -5,6 +5,6 @@
 
 from longball.convergence.order import PowerLaw, fit_power_law
 from longball.convergence.report import ConvergenceReport
-from longball.convergence.studies import converge, study
+from longball.convergence.studies import Sample, converge, study
 
-__all__ = ["ConvergenceReport", "PowerLaw", "converge", "fit_power_law", "study"]
+__all__ = ["ConvergenceReport", "PowerLaw", "Sample", "converge", "fit_power_law", "study"]

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -248,7 +248,8 @@ def _assess(one: _Measured, jump: float, expected: float | None) -> tuple[Order,
         if law is None or one.truth is not None:
             break
         order = law.order
-    verdict, why = _verdict(one, errors, steps, law, expected)
+    wide = _widened(law, steps, one.steps.shape[1]) if law and jumps else law
+    verdict, why = _verdict(one, errors, steps, law, wide, expected)
     if jumps:
         why += f"; it jumps with the phase of the step, by {100 * jump:.0f} % of the error"
     known = np.isfinite(one.errors(jumps, order))
@@ -256,8 +257,8 @@ def _assess(one: _Measured, jump: float, expected: float | None) -> tuple[Order,
         quantity=one.quantity,
         unit=one.unit,
         order=law and law.order,
-        low=law and law.low,
-        high=law and law.high,
+        low=wide and wide.low,
+        high=wide and wide.high,
         constant=law and law.constant,
         expected=expected,
         jump=jump,
@@ -286,10 +287,30 @@ def _use(level: int, error: float, law: PowerLaw | None) -> Use:
     return "floor" if level > law.last else "fitted"
 
 
+def _widened(law: PowerLaw, steps: Array, phases: int) -> PowerLaw:
+    """Return a law with an interval that allows for means over a few phases.
+
+    A root mean square of so many is off by 1/√(2 phases) of itself, and the scatter about the line
+    does not show it where neighbouring steps are off alike.
+    """
+    x = np.log(steps[law.first : law.last + 1])
+    noise = 1 / math.sqrt(2 * phases * float(((x - x.mean()) ** 2).sum()))
+    half = math.hypot(law.half_width, 2 * noise)
+    return replace(law, low=law.order - half, high=law.order + half)
+
+
 def _verdict(
-    one: _Measured, errors: Array, steps: Array, law: PowerLaw | None, expected: float | None
+    one: _Measured,
+    errors: Array,
+    steps: Array,
+    law: PowerLaw | None,
+    wide: PowerLaw | None,
+    expected: float | None,
 ) -> tuple[OrderVerdict, str]:
-    """Return the verdict on one quantity, and a sentence with its reason."""
+    """Return the verdict on one quantity, and a sentence with its reason.
+
+    `wide` is the law with the interval that is reported.
+    """
     unit = one.unit
     there = np.flatnonzero(np.isfinite(errors))
     bound = EPSILON * one.size * one.counts  # as many roundings, if all go the same way
@@ -308,14 +329,14 @@ def _verdict(
             f"the error stays at {errors[finest]:.2e} {unit}, which rounding does not explain "
             f"(at most {bound[finest]:.0e}): the limit is not the truth"
         )
-    if law is None:
+    if law is None or wide is None:
         return "not resolved", f"no {FEWEST} steps lie on one line: there is no asymptotic range"
-    seen = f"order {law.order:.3f} ({law.low:.3f} to {law.high:.3f})"
+    seen = f"order {law.order:.3f} ({wide.low:.3f} to {wide.high:.3f})"
     if law.half_width > UNDECIDED / 2:
         return "not resolved", f"{seen} does not tell an order from the next"
     if expected is None:
         return "no expectation", seen
-    if abs(law.order - expected) <= TOLERANCE + law.half_width:
+    if abs(law.order - expected) <= TOLERANCE + wide.half_width:
         return "as expected", f"{seen}, {expected:g} in theory"
     return "other order", f"{seen}, but {expected:g} in theory"
 

@@ -8,15 +8,17 @@ neighbouring steps imply.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from longball.convergence.family import PHASES, Expected, Observed, observe, step_family
 from longball.convergence.report import ConvergenceReport, Lost
-from longball.model.result import Number, Result
+from longball.model.quantities import numbers
+from longball.model.result import Result
 from longball.model.scene import Scene, ids_of
 
 Array = NDArray[np.float64]
@@ -100,40 +102,62 @@ def study(
 
 @dataclass(frozen=True)
 class Observable:
-    """What is observed of a result: its name, its unit, and how to take it from one."""
+    """A quantity of a result that is observed: what it is called here, and where it stands."""
 
     name: str
     unit: str
-    take: Callable[[Result], Sequence[Number] | None]
+    quantity: str
 
-    def of(self, result: Result) -> list[float] | None:
+    def of(self, result: Answered) -> list[float] | None:
         """Return its components as doubles; None if the result does not have it."""
-        values = self.take(result)
-        return None if values is None else list(map(float, values))
+        value = result.get(self.quantity)
+        return None if value is None else [float(x) for x in value]
 
 
-def _plate_height(result: Result) -> Sequence[Number] | None:
-    return (result.plate.position[2],) if result.plate else None
-
-
-def _contact_time(result: Result) -> Sequence[Number] | None:
-    time = result.contact.time if result.contact else None
-    return None if time is None else (time,)
-
+# Quantities that an implementation answers with, by name: it need not have them all.
+Answered = Mapping[str, Sequence[Any]]
 
 OBSERVABLES = (
-    Observable("plate height", "m", _plate_height),
-    Observable("contact time", "s", _contact_time),
-    Observable("contact point", "m", lambda r: r.contact.position if r.contact else None),
-    Observable("exit velocity", "m/s", lambda r: r.impact.velocity if r.impact else None),
-    Observable("landing time", "s", lambda r: (r.landing.time,) if r.landing else None),
-    Observable("landing point", "m", lambda r: r.landing.position if r.landing else None),
-    Observable("distance", "m", lambda r: (r.landing.distance,) if r.landing else None),
+    Observable("plate height", "m", "plate.position[2]"),
+    Observable("contact time", "s", "contact.time"),
+    Observable("contact point", "m", "contact.position"),
+    Observable("exit velocity", "m/s", "impact.velocity"),
+    Observable("landing time", "s", "landing.time"),
+    Observable("landing point", "m", "landing.position"),
+    Observable("distance", "m", "landing.distance"),
 )
 
 
+@dataclass(frozen=True)
+class Sample:
+    """What is said of a scene, or a part of it.
+
+    Attributes
+    ----------
+    outcome
+        None if it is not said: it is then taken to be as it should.
+    values
+        Quantities, each a sequence of its components, and those by names of their own.
+    """
+
+    id: str | None
+    outcome: str | None
+    values: Answered
+    engine: str | None = None
+    error: str | None = None
+
+
+def sample_of(result: Result) -> Sample:
+    """Return a result as a sample."""
+    values: dict[str, list[Any]] = {}
+    for name, number in numbers(result):
+        values.setdefault(name.partition("[")[0], []).append(number)
+        values[name] = [number] if "[" in name else values[name]
+    return Sample(result.id, result.outcome, values, result.engine, result.error)
+
+
 def converge(
-    run: Callable[[float], Sequence[Result]],
+    run: Callable[[float], Sequence[Result | Sample]],
     scenes: Sequence[Scene],
     steps: Sequence[float],
     truth: Sequence[Result] | None = None,
@@ -147,7 +171,8 @@ def converge(
     Parameters
     ----------
     run
-        Solves all the scenes with a step, s; the results carry the scenes' ids.
+        Solves all the scenes with a step, s; the results carry the scenes' ids. Samples may lack
+        quantities.
     scenes
         What is solved; at least one.
     steps
@@ -202,37 +227,45 @@ def converge(
     )
 
 
-def _observed(results: Sequence[Result], should: Sequence[Result]) -> list[Observed]:
+def _observed(results: Sequence[Sample], should: Sequence[Sample]) -> list[Observed]:
     """Return what is observed of results; NaN of those that end otherwise than they should."""
     observed = []
     for one in OBSERVABLES:
-        right = [one.of(result) for result in should]
+        right = [one.of(result.values) for result in should]
         width = max((len(value) for value in right if value is not None), default=1)
         values = np.full((len(results), width), np.nan)
         for scene, (result, end) in enumerate(zip(results, should, strict=True)):
-            value = one.of(result)
-            if value is not None and right[scene] is not None and result.outcome == end.outcome:
+            value = one.of(result.values)
+            if value is not None and right[scene] is not None and not _ends_otherwise(result, end):
                 values[scene] = value
         observed.append(Observed(one.name, one.unit, values))
     return observed
 
 
-def _lost(results: Sequence[Result], should: Sequence[Result]) -> int:
-    return sum(a.outcome != b.outcome for a, b in zip(results, should, strict=True))
+def _ends_otherwise(result: Sample, end: Sample) -> bool:
+    """Tell whether a scene ends otherwise than it should, or is not answered."""
+    if result.outcome is None and result.error is None:
+        return False
+    return result.outcome != end.outcome
 
 
-def _first_and_last_event(results: Sequence[Result]) -> tuple[float, float]:
+def _lost(results: Sequence[Sample], should: Sequence[Sample]) -> int:
+    return sum(_ends_otherwise(a, b) for a, b in zip(results, should, strict=True))
+
+
+def _first_and_last_event(results: Sequence[Sample]) -> tuple[float, float]:
     """Return when the first and the last thing happens in any scene, s; 1 s if nothing does."""
-    parts = [part for r in results for part in (r.plate, r.contact, r.landing)]
-    times = [float(part.time) for part in parts if part is not None and part.time is not None]
+    names = ("plate.time", "contact.time", "landing.time")
+    times = [float(r.values[name][0]) for r in results for name in names if name in r.values]
     later = [time for time in times if time > 0] or [1.0]
     return min(later), max(later)
 
 
-def _in_order(results: Sequence[Result], ids: Sequence[str]) -> list[Result]:
+def _in_order(results: Sequence[Result | Sample], ids: Sequence[str]) -> list[Sample]:
     """Return the results in the order of the scenes; an error for one that is missing."""
-    by_id = {result.id: result for result in results}
+    samples = [r if isinstance(r, Sample) else sample_of(r) for r in results]
+    by_id = {sample.id: sample for sample in samples}
     unknown = [name for name in by_id if name not in ids]
     if unknown:
         raise ValueError(f"a result belongs to no scene: its id is {unknown[0]!r}")
-    return [by_id.get(name) or Result(id=name, error="there is no result") for name in ids]
+    return [by_id.get(name) or Sample(name, None, {}, error="there is no result") for name in ids]

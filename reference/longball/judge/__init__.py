@@ -10,6 +10,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from longball.judge.serve import serve
 from longball.judge.testing import assert_case
 
 if TYPE_CHECKING:
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
     from longball.judge.verdict import Verdict
     from longball.model.scene import Scene
 
-__all__ = ["assert_case", "cases", "judge"]
+__all__ = ["assert_case", "cases", "judge", "serve"]
 
 
 def judge(
@@ -25,7 +26,7 @@ def judge(
     golden: str | None = None,
     *,
     profile: Profile | None = None,
-    require: Sequence[str] = (),
+    partial: bool = False,
     dt: float | None = None,
     folder: Path | None = None,
 ) -> Verdict:
@@ -42,22 +43,17 @@ def judge(
     profile
         How near is near enough (`longball.judge.cases`); as near as double precision can come if
         left out.
-    require
-        Names of `longball.judge.verdict.REQUIRABLE` that must not be missing.
+    partial
+        Whether scenes and quantities may be left out.
     dt
         s, the candidate's time step, for the diagnosis.
     folder
         Of another set of golden data than the one that comes with longball.
-
-    Raises
-    ------
-    ValueError
-        If something required cannot be.
     """
     from longball.judge.cases import Exact
     from longball.judge.evaluation import Judge
 
-    held = Judge(cases(golden, folder), profile or Exact(), require=tuple(require), dt=dt)
+    held = Judge(cases(golden, folder), profile or Exact(), partial=partial, dt=dt)
     if callable(candidate):
         return held.evaluate_function(candidate).verdict
     return held.evaluate_command(candidate).verdict

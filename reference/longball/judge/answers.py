@@ -8,24 +8,28 @@ it is used as a path, and what is quoted is quoted escaped and short.
 from __future__ import annotations
 
 import csv
+import difflib
 import io
 import json
 from collections import Counter
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal, InvalidOperation
 from pathlib import Path
 from typing import Any, BinaryIO, Literal, cast, get_args
 
-from pydantic import BaseModel, Field
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
 
 from longball.convergence.report import Frozen
 from longball.engines.chain import BLOCKS as MODELS
 from longball.judge.quantities import BLOCKS, QUANTITIES, Value
 from longball.model.result import Outcome, Result
 
-# A result with ninety digits a number takes five thousand bytes.
-LONGEST_LINE = 1 << 16
+# A path of 100,000 points with velocities takes fourteen million bytes.
+LONGEST_LINE = 1 << 24
+MOST_POINTS = 100_000
 
 # Issues of one kind beyond this many are counted, not kept.
 KEPT = 20
@@ -36,6 +40,8 @@ Kind = Literal[
     "twice",  # a second answer
     "not a number",  # a quantity that is NaN, infinite, or of the wrong type
     "outcome",  # an outcome that the contract does not know
+    "path",  # points that are no path
+    "unknown key",  # a key that the contract does not know: told, and no fault by itself
     "process",  # how the candidate ran
 ]
 
@@ -67,6 +73,8 @@ class Answer:
         Names of quantities given that are no finite numbers.
     error
         Why the candidate gives no answer, in its own words, if it refuses the scene.
+    path
+        Points ``t, x, y, z`` or ``t, x, y, z, vx, vy, vz``, a row each; None if none are given.
     """
 
     id: str
@@ -74,6 +82,7 @@ class Answer:
     values: Mapping[str, Value]
     unreadable: frozenset[str] = frozenset()
     error: str | None = None
+    path: NDArray[np.float64] | None = None
 
 
 class Collector:
@@ -83,6 +92,8 @@ class Collector:
     ----------
     asked
         The ids of the scenes.
+    table
+        Whether the lines are CSV, the first one its header.
 
     Attributes
     ----------
@@ -92,16 +103,24 @@ class Collector:
         In order; at most `KEPT` of a kind.
     """
 
-    def __init__(self, asked: Collection[str]) -> None:
+    def __init__(self, asked: Collection[str], table: bool = False) -> None:
         self.asked = frozenset(asked)
         self.answers: dict[str, Answer] = {}
         self.issues: list[Issue] = []
         self._count: Counter[Kind] = Counter()
+        self._table = table
+        self._header: list[str] | None = None
+        self._unknown: set[str] = set()
 
     @property
     def left_out(self) -> dict[Kind, int]:
         """Return how many issues of each kind are counted only."""
         return {kind: n - KEPT for kind, n in self._count.items() if n > KEPT}
+
+    @property
+    def faults(self) -> int:
+        """Return how many issues there are, besides unknown keys."""
+        return sum(n for kind, n in self._count.items() if kind != "unknown key")
 
     def report(self, kind: Kind, sentence: str, line: int | None = None) -> None:
         """Note an issue."""
@@ -110,15 +129,15 @@ class Collector:
             self.issues.append(Issue(kind=kind, sentence=sentence, line=line))
 
     def take_line(self, number: int, line: bytes) -> bool:
-        """Take a line of JSON; tell whether it answers a scene that had no answer."""
+        """Take a line; tell whether it answers a scene that had no answer."""
         if not line.strip():
             return False
         try:
+            text = line.decode("utf-8-sig")
+            if self._table:
+                return self._take_row(number, text)
             data = json.loads(
-                line.decode("utf-8-sig"),
-                parse_float=_decimal,
-                parse_int=_decimal,
-                parse_constant=_decimal,
+                text, parse_float=_decimal, parse_int=_decimal, parse_constant=_decimal
             )
         except UnicodeDecodeError as error:
             byte = line[error.start]
@@ -130,6 +149,24 @@ class Collector:
         else:
             return self.take(number, data)
         return False
+
+    def _take_row(self, number: int, text: str) -> bool:
+        try:
+            (cells,) = csv.reader([text.strip()], strict=True)
+        except (csv.Error, ValueError):
+            self.report("rubbish", f"not a row of CSV: {quoted(text)}", number)
+            return False
+        if self._header is None:
+            self._header = [cell.strip() for cell in cells]
+            self._report_columns(self._header)
+            return False
+        return self.take(number, _nested(zip(self._header, cells, strict=False)))
+
+    def _report_columns(self, header: Sequence[str]) -> None:
+        known = csv_columns()
+        for name in header:
+            if name not in known:
+                self._report_key(1, name, known)
 
     def take(self, number: int, data: Any) -> bool:
         """Take what a line held; tell whether it answers a scene that had no answer."""
@@ -155,13 +192,17 @@ class Collector:
     def _answer(self, number: int, scene_id: str, data: dict[str, Any]) -> Answer:
         outcome, error = data.get("outcome"), data.get("error")
         if outcome is not None and outcome not in get_args(Outcome):
+            near = _nearest(str(outcome), get_args(Outcome))
             self.report(
                 "outcome",
-                f"{quoted(scene_id)}: {quoted(outcome)} is not an outcome; "
+                f"{quoted(scene_id)}: {quoted(outcome)} is not an outcome{near}; "
                 f"the outcomes are {', '.join(get_args(Outcome))}",
                 number,
             )
             outcome = None
+        for key in data:
+            if key not in _TOP:
+                self._report_key(number, key, _TOP)
         values: dict[str, Value] = {}
         unreadable = set()
         for block in BLOCKS:
@@ -172,7 +213,14 @@ class Collector:
                 )
                 unreadable |= {name for name in QUANTITIES if name.startswith(f"{block}.")}
                 continue
-            for name, given in _given(block, held or {}):
+            for key, given in (held or {}).items():
+                name = f"{block}.{key}"
+                if name not in QUANTITIES:
+                    if key not in MODELS[block].model_fields:
+                        self._report_key(number, name, QUANTITIES)
+                    continue
+                if given is None:
+                    continue
                 value = _value(given, QUANTITIES[name].size)
                 if value is not None:
                     values[name] = value
@@ -184,13 +232,37 @@ class Collector:
                     f"{quoted(scene_id)}: {name} is {quoted(given)}; {needed} must stand there",
                     number,
                 )
+        path = None
+        if (points := data.get("path")) is not None:
+            try:
+                path = _points(points)
+            except ValueError as fault:
+                self.report("path", f"{quoted(scene_id)}: path: {fault}", number)
+                unreadable.add("path.position")
         return Answer(
             scene_id,
             cast(Outcome | None, outcome),
             values,
             frozenset(unreadable),
             None if error is None else quoted(error, 200),
+            path,
         )
+
+    def _report_key(self, number: int, key: str, known: Iterable[str]) -> None:
+        if key not in self._unknown and len(self._unknown) < KEPT:
+            self._unknown.add(key)
+            near = _nearest(key, known)
+            self.report("unknown key", f"{quoted(key)} is no key of a result{near}", number)
+
+
+_TOP = {*Result.model_fields, "path"}
+
+
+def _nearest(name: str, known: Iterable[str]) -> str:
+    """Return a question with the known name that is nearest; nothing if none is near."""
+    plain = {k.replace("_", "").lower(): k for k in known}
+    found = difflib.get_close_matches(name.replace("_", "").lower(), plain, n=1, cutoff=0.5)
+    return f"; is {plain[found[0]]} meant?" if found else ""
 
 
 def quoted(what: Any, longest: int = 60) -> str:
@@ -203,14 +275,6 @@ def quoted(what: Any, longest: int = 60) -> str:
         return str(what)
     text = "".join(c if c.isprintable() else repr(c)[1:-1] for c in what[: longest + 1])
     return text if len(text) <= longest else text[: longest - 3] + "..."
-
-
-def _given(block: str, held: dict[str, Any]) -> Iterator[tuple[str, Any]]:
-    """Yield name and content of the known quantities of a block that are not null."""
-    for key, given in held.items():
-        name = f"{block}.{key}"
-        if name in QUANTITIES and given is not None:
-            yield name, given
 
 
 def _value(given: Any, size: int) -> Value | None:
@@ -230,6 +294,34 @@ def _value(given: Any, size: int) -> Value | None:
     return tuple(numbers)
 
 
+def _points(given: Any) -> NDArray[np.float64]:
+    """Return points as an array.
+
+    Raises
+    ------
+    ValueError
+        If they are no path; the message says why.
+    """
+    if not isinstance(given, list) or len(given) < 2:
+        raise ValueError("two points or more must stand there, [t, x, y, z] or with vx, vy, vz")
+    if len(given) > MOST_POINTS:
+        raise ValueError(f"{len(given)} points; at most {MOST_POINTS} are read")
+    width = len(given[0]) if isinstance(given[0], list) else 0
+    for i, row in enumerate(given):
+        if not isinstance(row, list) or len(row) != width or width not in (4, 7):
+            raise ValueError(f"point {i} is {quoted(row)}; 4 or 7 numbers must stand there")
+        if not all(isinstance(x, Decimal) and _ordinary(x) for x in row):
+            raise ValueError(f"point {i} is {quoted(row)}; finite numbers must stand there")
+    points = np.array(given, float)
+    back = np.flatnonzero(np.diff(points[:, 0]) <= 0)
+    if back.size:
+        i = int(back[0]) + 1
+        raise ValueError(
+            f"time does not go on at point {i}: {points[i - 1, 0]:g} s, then {points[i, 0]:g} s"
+        )
+    return points
+
+
 def _decimal(text: str) -> Decimal:
     try:
         return Decimal(text)
@@ -240,32 +332,6 @@ def _decimal(text: str) -> Decimal:
 def _ordinary(x: Decimal) -> bool:
     """Tell whether a number is finite, and no larger than errors that a double can hold."""
     return x.is_finite() and (x.is_zero() or -400 <= x.adjusted() <= 300)
-
-
-def as_result(answer: Answer) -> Result:
-    """Return an answer as a result in doubles, with those of its blocks that are complete.
-
-    For what asks for whole results, such as `longball.convergence`.
-    """
-    blocks: dict[str, BaseModel] = {}
-    for block, model in MODELS.items():
-        values = {
-            name.removeprefix(f"{block}."): _doubles(value)
-            for name, value in answer.values.items()
-            if name.startswith(f"{block}.")
-        }
-        if values and all(
-            k in values or not f.is_required() for k, f in model.model_fields.items()
-        ):
-            blocks[block] = model.model_validate(values)
-    return Result.model_validate(
-        {"id": answer.id, "outcome": answer.outcome, "error": answer.error, **blocks}
-    )
-
-
-def _doubles(value: Value) -> float | tuple[float, ...]:
-    numbers = tuple(map(float, value))
-    return numbers[0] if len(numbers) == 1 else numbers
 
 
 # --- results in a file ----------------------------------------------------------------------------

@@ -21,6 +21,7 @@ from pathlib import Path
 from typing import IO, cast
 
 from longball.judge.answers import LONGEST_LINE, Collector
+from longball.judge.fresh import as_csv
 from longball.model.scene import Scene, ids_of
 
 CHUNK = 1 << 16  # bytes read or written at a time
@@ -77,6 +78,7 @@ def run(
     scenes: Sequence[Scene],
     limits: Limits | None = None,
     progress: Callable[[int], None] = lambda answered: None,
+    table: bool = False,
 ) -> Run:
     """Let a candidate answer scenes.
 
@@ -90,13 +92,15 @@ def run(
         What it may take; `Limits()` if not given.
     progress
         Called with the number of scenes answered whenever that grows.
+    table
+        Whether scenes are written and results read as CSV, with a header.
 
     Raises
     ------
     OSError
         If the program cannot be started.
     """
-    session = _Session(command, scenes, limits or Limits(), progress)
+    session = _Session(command, scenes, limits or Limits(), progress, table)
     try:
         session.exchange()
         session.finish()
@@ -118,12 +122,14 @@ class _Session:
         scenes: Sequence[Scene],
         limits: Limits,
         progress: Callable[[int], None],
+        table: bool,
     ) -> None:
         self.limits, self.progress = limits, progress
-        self.collected = Collector(ids_of(scenes))
+        self.collected = Collector(ids_of(scenes), table)
         if len(self.collected.asked) < len(scenes):
             raise ValueError("two scenes have the same id")
-        self.unsent = (scene.line().encode() + b"\n" for scene in scenes)
+        lines = (scene.line().encode() + b"\n" for scene in scenes)
+        self.unsent = as_csv(scenes) if table else lines
         self.sending = next(self.unsent, b"")
         self.input_closed = False
         self.splitter = Splitter()
@@ -305,29 +311,36 @@ class Splitter:
     """Cuts a stream into lines and holds no more than one that is not too long."""
 
     def __init__(self) -> None:
-        self._held = b""
+        self._held = bytearray()
         self._overflowed = False
         self._number = 0
 
     def split(self, data: bytes) -> Iterator[Line]:
         """Take more of the stream; yield the lines that it completes."""
-        *complete, rest = (self._held + data).split(b"\n")
+        *complete, rest = data.split(b"\n")
         for text in complete:
-            yield self._line(text)
-        self._overflowed |= len(rest) > LONGEST_LINE
-        self._held = b"" if self._overflowed else rest
+            self._hold(text)
+            yield self._line()
+        self._hold(rest)
 
     def rest(self) -> Iterator[Line]:
         """Yield the last line, if it has no end."""
         if self._held or self._overflowed:
-            yield self._line(self._held)
+            yield self._line()
 
-    def _line(self, text: bytes) -> Line:
+    def _hold(self, text: bytes) -> None:
+        self._overflowed |= len(self._held) + len(text) > LONGEST_LINE
+        if self._overflowed:
+            self._held.clear()
+        else:
+            self._held += text
+
+    def _line(self) -> Line:
         self._number += 1
-        too_long = self._overflowed or len(text) > LONGEST_LINE
+        line = Line(self._number, None if self._overflowed else bytes(self._held))
         self._overflowed = False
-        self._held = b""
-        return Line(self._number, None if too_long else text)
+        self._held.clear()
+        return line
 
 
 # --- processes that have left their group ---------------------------------------------------------

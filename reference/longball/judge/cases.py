@@ -97,6 +97,9 @@ def attainable(case: Case, quantity: str) -> float:
 # another one, in double precision, need not be wrong (header.json).
 FRAGILE = "fragile"
 
+# The flag of a ball that comes to the ground, or passes it, at a small angle.
+TANGENTIAL = "tangential"
+
 
 def decidable(case: Case) -> bool:
     """Tell whether there is a truth, and not only in bits that double precision does not have."""
@@ -141,6 +144,11 @@ class Exact(Profile):
     """As good as double precision can be: within `SLACK` attainable errors."""
 
     name = "exact"
+
+    @staticmethod
+    def of(size: float) -> float:
+        """Return what passes for a number of that size whose sensitivity is not known."""
+        return SLACK * UNKNOWN_SENSITIVITY * max(1.0, size)
 
     def __str__(self) -> str:
         return f"exact: within {SLACK:g} times the error that double precision cannot avoid"

@@ -1,48 +1,1193 @@
-"""What the fingerprints say of a candidate, as JSON has it."""
+"""What is wrong with a candidate: where first, by how much, in which scenes, and probably why.
+
+Stage by stage (`longball.judge.stages`), in the order in which a scene goes through them. A stage
+that does not follow from the candidate's own earlier values is explained by the first of these that
+leaves least: a constant ratio or exchange, a known mistake, a fitted number, a scheme in steps. The
+explanation is then part of the chain that later stages are computed with, so that one mistake does
+not show twice and two do not hide each other. What is left is told, with its size.
+"""
 
 from __future__ import annotations
 
-from typing import Literal
+import itertools
+import math
+import time
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from decimal import Decimal
+from typing import Any, Literal
 
+import numpy as np
+from numpy.typing import NDArray
 from pydantic import Field
 
 from longball.convergence.report import Frozen
+from longball.engines.chain import solve
+from longball.engines.verlet import TREATMENTS, Verlet
+from longball.judge.answers import Answer
+from longball.judge.cases import Case, decidable
+from longball.judge.fits import (
+    FACTORS,
+    PARAMETERS,
+    Fit,
+    factor_meaning,
+    fits,
+    residuals,
+    told,
+    value_of,
+)
+from longball.judge.mistakes import FORMULAS, LAW, READINGS, TWO_STEP_PUSH, View
+from longball.judge.rules import rule
+from longball.judge.stages import (
+    NONE,
+    STAGES,
+    Change,
+    Check,
+    Numbers,
+    Trial,
+    follow,
+    placed,
+    trial_of,
+    view_values,
+)
+from longball.judge.steps import ROUND_STEPS, SCHEMES, FixedStep, common_step
+
+Array = NDArray[np.float64]
+
+# An explanation is named if it takes away this share of a stage's error, and probable from the
+# second on; what merely looks alike leaves more.
+NAMED, PROBABLE = 0.95, 0.5
+
+# Explanations that leave the same, to this share of the error, cannot be told apart.
+TIE = 1e-4
+
+# Scenes that an explanation is sought in, failing and passing ones; it is then held against all.
+SOUGHT, BESIDE = 10, 4
+
+# Processor time of a search, s; what has not been tried by then is not.
+PATIENCE = 20.0
+
+# Errors below this, relative, are an integrator's: no mistake of the physics is sought.
+FINE = 1e-7
+
+# Of the largest relative error of any stage: a stage below it is not where the trouble begins.
+MINOR = 1e-3
+
+Kind = Literal["named", "probably", "unexplained"]
 
 
-class Suspect(Frozen):
-    """A known mistake, and how well it explains a candidate's errors."""
+class Finding(Frozen):
+    """Something that is wrong at a stage."""
 
-    name: str
-    sentence: str = Field(description="what the candidate then does")
-    remedy: str = Field(description="how to mend it")
-    share: float | None = Field(
-        description="of the error explained by it alone; negative if it makes matters worse; null "
-        "for single precision, which shows in the numbers and not in their errors"
-    )
-    step: float | None = Field(description="s, the time step that fits best; null if it has none")
-    twins: list[str] = Field(
-        description="mistakes that give the same answers to every scene that was judged"
-    )
+    stage: str
+    quantity: str
+    kind: Kind
+    names: list[str] = Field(description="of the explanation, then of those that do as well")
+    sentence: str
+    remedy: str | None = None
+    share: float = Field(description="of the stage's error that this explains")
+    step: float | None = Field(default=None, description="s, of a scheme")
+    wrong: int = Field(description="scenes in which the stage does not follow")
+    checked: int
+    worst: float = Field(description="largest relative error")
+    scenes: str | None = Field(default=None, description="a rule that tells the wrong scenes")
 
 
-Finding = Literal["nothing", "noise", "known", "unknown"]
+class StageRow(Frozen):
+    """How often a stage follows from the stages before."""
+
+    stage: str
+    checked: int
+    wrong: int
+    worst: float = Field(description="largest error relative to its quantity")
+    example: str | None = Field(description="id of the scene with the largest error")
 
 
 class Diagnosis(Frozen):
-    """Which known mistakes explain a candidate's errors."""
+    """What is wrong, stage by stage."""
 
-    finding: Finding = Field(
-        description="nothing: no error beyond rounding; noise: errors without a pattern, of the "
-        "size of rounding or loose tolerances; known: the mistakes named; unknown: none of them"
-    )
     sentence: str
-    named: list[str] = Field(description="mistakes that explain the errors, together")
-    share: float = Field(description="of the error explained by those named, together")
-    error: float = Field(
-        description="mean error of the numbers used, relative to the size of each quantity"
+    first: str | None = Field(description="the first stage with errors that matter")
+    stages: list[StageRow]
+    clean: list[str] = Field(description="stages that follow in every scene")
+    findings: list[Finding]
+    conduct: list[str] = Field(default=[], description="what a second run told")
+    smallest: dict[str, Any] | None = Field(
+        default=None, description="a scene with as little in it as still fails"
     )
-    suspects: list[Suspect] = Field(description="those named, then the next best")
-    invisible: list[str] = Field(
-        description="mistakes that change no answer to any scene that was judged"
+
+    @property
+    def named(self) -> list[str]:
+        """Return the names of what is named, the ties behind each."""
+        return [name for f in self.findings if f.kind == "named" for name in f.names]
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """A way to account for the errors of a stage.
+
+    Attributes
+    ----------
+    rank
+        Between equals the lower one is preferred.
+    change
+        What becomes of the chain; None if it is in the quantity alone.
+    value
+        What the quantity then is, of a trial; None if it is a change of the chain.
+    mend
+        What makes a trial right again for all that follows, where neither of these does.
+    """
+
+    name: str
+    sentence: str
+    remedy: str | None
+    left: float
+    rank: float
+    change: Change | None = None
+    quantity: str | None = None
+    value: Callable[[Trial], Numbers | None] | None = None
+    step: float | None = None
+    doubtful: bool = False
+    mend: Callable[[Trial], Trial] | None = None
+
+
+def diagnose(
+    cases: Sequence[Case],
+    answers: Mapping[str, Answer],
+    dt: float | None = None,
+    scheme: Verlet | None = None,
+) -> Diagnosis:
+    """Return what is wrong with a candidate's answers.
+
+    Parameters
+    ----------
+    cases
+        That it was judged by.
+    answers
+        By the scene's id.
+    dt
+        s, its time step, if it is known.
+    scheme
+        What counts as true, if that is the paper's scheme.
+    """
+    trials = [
+        trial_of(case, answer)
+        for case in cases
+        if decidable(case) and (answer := answers.get(case.id)) and answer.error is None
+    ]
+    search = _Search(trials, dt, scheme)
+    search.single = _in_single_precision(answers.values())
+    return search.diagnosis()
+
+
+class _Search:
+    """The search for what explains one candidate's errors."""
+
+    def __init__(
+        self, trials: Sequence[Trial], dt: float | None, scheme: Verlet | None = None
+    ) -> None:
+        self.single = False
+        self.confused = [t for t in trials if t.outcome not in (None, t.case.expected.outcome)]
+        self.trials = [t for t in trials if t.outcome in (None, t.case.expected.outcome)]
+        self.dt = dt
+        self.base = NONE if scheme is None else Change(engine=scheme, push=True)
+        self.scheme = scheme
+        self.findings: list[Finding] = []
+        self.loose: dict[str, float] = {}
+        self.until = time.process_time() + PATIENCE
+        self.excused: set[str] = set()  # quantities whose errors are explained
+        self._followed: tuple[Any, list[tuple[Trial, list[Check]]]] = (None, [])
+
+    def diagnosis(self) -> Diagnosis:
+        checks = self._follow()
+        rows = [row for stage in STAGES if (row := _row(stage, checks))]
+        largest = max((r.worst for r in rows), default=0.0)
+        first = next((r.stage for r in rows if r.wrong and r.worst >= MINOR * largest), None)
+        for stage in STAGES:
+            for _ in range(3):
+                checks = self._follow()
+                if not self._explain(stage, checks):
+                    break
+        if self.confused:
+            self._outcomes()
+        clean = [r.stage for r in rows if not r.wrong]
+        self.findings.sort(key=lambda f: f.worst < MINOR * largest)
+        return Diagnosis(
+            sentence=_sentence(first, self.findings, clean),
+            first=first,
+            stages=rows,
+            clean=clean,
+            findings=self.findings,
+        )
+
+    @property
+    def impatient(self) -> bool:
+        """Whether the time for the search is over."""
+        return time.process_time() > self.until
+
+    # --- following ------------------------------------------------------------------------------
+
+    def _follow(self) -> list[tuple[Trial, list[Check]]]:
+        """Return what follows in every trial under the chain as far as it is explained."""
+        if self._followed[0] is not self.trials:
+            found = [(trial, follow(trial, self.base)) for trial in self.trials]
+            self._followed = (
+                self.trials,
+                [
+                    (
+                        t,
+                        [
+                            self._inheriting(t, c)
+                            for c in cs
+                            if not {c.quantity, c.stage} & self.excused
+                        ],
+                    )
+                    for t, cs in found
+                ],
+            )
+        return self._followed[1]
+
+    def _inheriting(self, trial: Trial, check: Check) -> Check:
+        """Return a check that allows for what an earlier stage has left unexplained."""
+        left = self.loose.get(trial.case.id, 0.0)
+        if not left or check.stage not in ("touching", "normal speed", "velocity after"):
+            return check
+        return replace(check, tolerance=check.tolerance + 30 * left * max(check.scale, 0.1))
+
+    def _explain(self, stage: str, checks: Sequence[tuple[Trial, list[Check]]]) -> bool:
+        """Explain what does not follow at a stage; tell whether there may be more."""
+        seen = [(t, [c for c in cs if c.stage == stage]) for t, cs in checks]
+        wrong = [(t, cs) for t, cs in seen if any(not c.follows for c in cs)]
+        if not wrong:
+            return False
+        right = [t for t, cs in seen if cs and all(c.follows for c in cs)]
+        before = [f for f in self.findings if f.stage == stage]
+        worst = max(c.error / c.scale for _, cs in wrong for c in cs if not c.follows)
+        if before and worst < MINOR * before[0].worst and len(before) > 1:
+            self._leave(stage, wrong)
+            return False
+        failing = [t for t, _ in wrong]
+        found = (
+            [SINGLE]
+            if self.single and worst < SINGLE_NOISE
+            else self._sorted_explanations(stage, wrong, right, checks)
+            if worst > FINE
+            else []
+        )
+        best = next((e for e in found if e.left < 1 - PROBABLE and self._likely(e, before)), None)
+        found = [best, *(e for e in found if e is not best)] if best else []
+        quantity = max(
+            (c for _, cs in wrong for c in cs), key=lambda c: c.error / c.scale
+        ).quantity.partition(":")[0]
+        common = {
+            "stage": stage,
+            "quantity": quantity,
+            "wrong": len(wrong),
+            "checked": len(wrong) + len(right),
+            "worst": worst,
+            "scenes": rule([t.case for t in failing], [t.case for t in right]),
+        }
+        if best is None:
+            self.findings.append(
+                Finding(
+                    kind="unexplained",
+                    names=[],
+                    share=0.0,
+                    sentence=self._unknown(stage, wrong, worst, bool(before)),
+                    **common,
+                )
+            )
+            self._leave(stage, wrong)
+            return False
+        share = 1 - best.left
+        ties = [
+            e for e in found[1:]
+            if e.left < max(TIE, best.left + TIE)
+            and e.name != best.name
+            and e.rank <= best.rank + 0.01
+        ][:4]  # fmt: skip
+        best, ties = self._told_apart(best, ties)
+        sentence = best.sentence
+        if ties:
+            sentence += "; or, which comes to the same here: " + "; or ".join(
+                e.sentence for e in ties
+            )
+        named = share >= NAMED and not best.doubtful
+        self.findings.append(
+            Finding(
+                kind="named" if named else "probably",
+                names=list(dict.fromkeys([best.name, *(e.name for e in ties)])),
+                sentence=sentence,
+                remedy=best.remedy,
+                share=share,
+                step=best.step,
+                **common,
+            )
+        )
+        if not named:
+            self._leave(stage, wrong)
+            return False
+        self._accept(best)
+        return True
+
+    def _likely(self, e: Explanation, before: Sequence[Finding]) -> bool:
+        """Tell whether an explanation is one that people would give.
+
+        A number that nobody would choose is none for a part of the errors, or for what another
+        explanation has left.
+        """
+        odd = e.rank >= 2 + ODD / 100 or e.rank == RELATION
+        return not odd or (e.left < 1 - NAMED and not before and not e.doubtful)
+
+    def _told_apart(
+        self, best: Explanation, ties: Sequence[Explanation]
+    ) -> tuple[Explanation, list[Explanation]]:
+        """Return which of several equals makes most of the later stages follow, and its equals."""
+        if not ties or any(e.change is None for e in (best, *ties)):
+            return best, list(ties)
+        few = _evenly([t for t in self.trials if t.scene.kind in ("at-bat", "impact")], 16)
+        counts = []
+        for e in (best, *ties):
+            assert e.change is not None
+            full = self.base.then(e.change)
+            counts.append(sum(not c.follows for t in few for c in follow(t, full)))
+        least = min(counts)
+        good = [e for e, n in zip((best, *ties), counts, strict=True) if n == least]
+        return good[0], good[1:]
+
+    def _sorted_explanations(
+        self,
+        stage: str,
+        wrong: Sequence[tuple[Trial, list[Check]]],
+        right: Sequence[Trial],
+        checks: Sequence[tuple[Trial, list[Check]]],
+    ) -> list[Explanation]:
+        """Return explanations, the best first."""
+
+        def order(e: Explanation) -> tuple[float, ...]:
+            return (0 if e.left <= TIE else round(e.left / TIE), e.rank)
+
+        if stage == "pitch":  # pitch and batted ball fly by one law: one explanation for both
+            both = [(t, [c for c in cs if c.stage in ("pitch", "flight")]) for t, cs in checks]
+            flying = [
+                (t, cs) for t, cs in both
+                if any(c.stage == "flight" and not c.follows for c in cs)
+            ]  # fmt: skip
+            if flying:
+                sought = _Sought(
+                    [t for t, _ in _evenly(wrong, SOUGHT // 2) + _evenly(flying, SOUGHT // 2)],
+                    _evenly(right, BESIDE), ("pitch", "flight"), self.base,
+                )  # fmt: skip
+                found = sorted(self._parts(stage, sought), key=order)
+                if found and found[0].left < 1 - NAMED:
+                    return found
+        return sorted(self._explanations(stage, wrong, _evenly(right, BESIDE)), key=order)
+
+    def _accept(self, best: Explanation) -> None:
+        """Make an explanation part of the chain, or mend the quantity that it is in.
+
+        What is computed wrongly is mostly used as it is; a number that is only written wrongly is
+        mended, which shows in more that follows.
+        """
+        if best.mend is not None:
+            self.trials = [best.mend(t) for t in self.trials]
+        elif best.change is not None:
+            self.base = self.base.then(best.change)
+            if isinstance(best.change.engine, Verlet):
+                # Where steps find the bat is the scheme's, and what is computed there inherits it.
+                self.excused.add("touching")
+                worst = self.findings[-1].worst
+                self.loose = {
+                    t.case.id: max(worst, self.loose.get(t.case.id, 0.0)) for t in self.trials
+                }
+        elif best.value is None:
+            stage = self.findings[-1].stage
+            self.excused.add(best.quantity or stage)
+        elif best.quantity:
+            mended = [self._mended(t, cs, best) for t, cs in self._follow()]
+            self.excused.add(best.quantity)
+            if best.quantity == "landing.position":
+                self.excused.add("landing.velocity")
+            self._followed = (None, [])
+            plain, self.trials, as_it_is = self._failing(), mended, self.trials
+            if self._failing() >= plain:
+                self.trials = as_it_is
+        self._followed = (None, [])
+
+    def _mended(self, trial: Trial, checks: Sequence[Check], best: Explanation) -> Trial:
+        """Return a trial with the right value of a quantity, but for what is left unexplained."""
+        assert best.quantity is not None
+        assert best.value is not None
+        right = next((c.expected for c in checks if c.quantity == best.quantity), None)
+        said, wrong = trial.given.get(best.quantity), best.value(trial)
+        if right is None or said is None or wrong is None or len(said) != len(right):
+            return trial
+        value = tuple(e + s - w for e, s, w in zip(right, said, wrong, strict=True))
+        return replace(trial, given={**trial.given, best.quantity: value})
+
+    def _failing(self) -> int:
+        """Return how many checks fail."""
+        # Values from which nothing can be computed fail in everything.
+        return sum(
+            sum(not c.follows and c.error > FINE * c.scale for c in cs) if cs else len(STAGES)
+            for _, cs in self._follow()
+        )
+
+    def _leave(self, stage: str, wrong: Sequence[tuple[Trial, list[Check]]]) -> None:
+        """Let later stages allow for errors that stay unexplained, where they are handed on."""
+        if stage in ("pitch", "plate", "touching"):
+            for trial, checks in wrong:
+                left = max(c.error / c.scale for c in checks)
+                held = self.loose.get(trial.case.id, 0.0)
+                self.loose[trial.case.id] = max(held, left)
+            self._followed = (None, [])
+
+    def _unknown(
+        self, stage: str, wrong: Sequence[tuple[Trial, list[Check]]], worst: float, rest: bool
+    ) -> str:
+        """Return what can be said where nothing explains the errors."""
+        sentence = f"{'what is left at' if rest else ''} {stage}".strip()
+        sentence += f": wrong by up to {worst:.1e} of the quantity in {len(wrong)} scenes, and "
+        sentence += "none of the known mistakes or fitted numbers explains it"
+        if stage in ("pitch", "flight") and worst < 1e-4:
+            sentence += (
+                "; errors of this size are what long steps or a loose tolerance of the integrator "
+                "leave: shorten them and see whether it falls"
+            )
+        return sentence
+
+    # --- explanations ---------------------------------------------------------------------------
+
+    def _explanations(
+        self, stage: str, wrong: Sequence[tuple[Trial, list[Check]]], beside: Sequence[Trial]
+    ) -> list[Explanation]:
+        chosen = _evenly(wrong, SOUGHT)
+        trials = [t for t, _ in chosen]
+        found = [
+            *self._relations(chosen),
+            *self._formulas(chosen),
+            *_resolutions(chosen),
+        ]
+        if stage in ("landing", "plate"):
+            found += self._events(stage, chosen)
+        if any(e.left < TIE for e in found):
+            return found
+        sought = _Sought(trials, beside, (stage,), self.base)
+        found += self._parts(stage, sought)
+        if stage in ("pitch", "flight"):
+            found += self._clock(stage, chosen)
+            if not any(e.left < TIE for e in found) and self.scheme is None:
+                found += self._schemes(stage, sought)
+            if not any(e.left < 1 - NAMED for e in found):
+                found += self._pairs(stage, sought, found)
+        return found
+
+    def _relations(self, chosen: Sequence[tuple[Trial, list[Check]]]) -> Iterator[Explanation]:
+        """Yield constant ratios, exchanged axes and signs of the quantities."""
+        for quantity in dict.fromkeys(c.quantity for _, cs in chosen for c in cs):
+            pairs = [
+                (t, c) for t, cs in chosen for c in cs if c.quantity == quantity and not c.follows
+            ]
+            if ":" in quantity or len(pairs) < 2:
+                continue
+            others = sum(
+                min(c.error / c.scale, 1.0) for _, cs in chosen for c in cs
+                if c.quantity != quantity
+            )  # fmt: skip
+            whole = others + sum(min(c.error / c.scale, 1.0) for _, c in pairs)
+            expected = np.array([c.expected for _, c in pairs])
+            obtained = np.array([c.obtained for _, c in pairs])
+            scale = np.array([c.scale for _, c in pairs])
+            for name, sentence, image in _images(quantity, expected, obtained):
+                off = np.linalg.norm(obtained - image(expected), axis=1) / scale
+                left = (others + float(np.minimum(off, 1.0).sum())) / whole
+                yield Explanation(
+                    name, sentence, None, left, RELATION, quantity=quantity,
+                    value=_image_value(quantity, image, self),
+                )  # fmt: skip
+
+    def _formulas(self, chosen: Sequence[tuple[Trial, list[Check]]]) -> Iterator[Explanation]:
+        """Yield the known mistakes in formulas."""
+        failing = {c.quantity for _, cs in chosen for c in cs if not c.follows}
+        wanted = [f for f in FORMULAS if f.quantity in failing]
+        if "landing.position" in failing:  # where the ball is at a time counted otherwise
+            wanted += [f for f in FORMULAS if f.quantity == "landing.hang_time"]
+        views = [(t, cs, self._view(t)) for t, cs in chosen] if wanted else []
+        for formula in wanted:
+            left = whole = 0.0
+            for _, checks, view in views:
+                for c in checks:
+                    error = min(c.error / c.scale, 1.0)
+                    whole += error
+                    if c.quantity == formula.quantity:
+                        value = _tried(formula.value, view)
+                        if value is None or len(value) != len(c.obtained):
+                            left += error
+                            continue
+                        error = min(math.dist(value, c.obtained) / c.scale, 1.0)
+                    left += error
+            if whole:
+                yield Explanation(
+                    formula.name, formula.sentence, formula.remedy, left / whole, 0,
+                    quantity=formula.quantity,
+                    value=lambda t, f=formula: _tried(f.value, self._view(t)),  # type: ignore[misc]
+                )  # fmt: skip
+
+    def _view(self, trial: Trial) -> View | None:
+        held = view_values(trial, self.base)
+        return View(*held) if held else None
+
+    def _parts(self, stage: str, sought: _Sought) -> list[Explanation]:
+        """Return fitted numbers, and known mistakes if no number explains all."""
+        found = list(self._fits(stage, sought))
+        if not any(e.left < TIE for e in found):
+            found += self._changes(stage, sought)
+        return found
+
+    def _changes(self, stage: str, sought: _Sought) -> Iterator[Explanation]:
+        """Yield the known mistakes in the law, and other readings."""
+        library = []
+        engine = self.base.engine
+        if stage == "flight" and isinstance(engine, Verlet) and not isinstance(engine, FixedStep):
+            library.append(TWO_STEP_PUSH)
+        if stage in ("pitch", "flight"):
+            library += LAW
+        if stage not in ("pitch", "plate", "touching", "normal", "bat velocity"):
+            library += READINGS
+        for mistake in library:
+            if self.impatient:
+                return
+            left = sought.left(mistake.change)
+            if left is not None:
+                yield Explanation(
+                    mistake.name, mistake.sentence, mistake.remedy, left, 1, mistake.change
+                )
+
+    def _fits(self, stage: str, sought: _Sought) -> Iterator[Explanation]:
+        """Yield what numbers the candidate acts as if it had."""
+        whole_chain = stage == "flight" and any(
+            t.scene.kind == "at-bat" and "impact.velocity" not in t.given for t in sought.trials
+        )
+        for name, stages in PARAMETERS.items():
+            if (stage not in stages and not whole_chain) or self.impatient:
+                continue
+            for fit in fits(sought.trials, name, sought.stages, self.base):
+                left = sought.left(fit.change)
+                if left is not None:
+                    yield Explanation(
+                        fit_name(fit), fit.sentence, f"take the scene's {fit.parameter}", left,
+                        2 + fit.roundness, fit.change,
+                        doubtful=fit.doubt > 1e-2 * max(abs(fit.value), 1e-6),
+                    )  # fmt: skip
+
+    def _events(
+        self, stage: str, chosen: Sequence[tuple[Trial, list[Check]]]
+    ) -> Iterator[Explanation]:
+        """Yield where the ball is when the candidate says that the event happens."""
+        offs = np.array([c.obtained[0] - c.expected[0] for _, cs in chosen for c in cs])
+        trials = [t for t, _ in chosen]
+        what, where = (
+            ("below the ground", "above the ground") if stage == "landing"
+            else ("behind the plate", "in front of the plate")
+        )  # fmt: skip
+        event = chosen[0][1][0].quantity
+        low, high = float(offs.min()), float(offs.max())
+        radius = np.array([t.scene.ball.radius for t in trials])
+        floor = np.array([t.scene.ground.height for t in trials])
+        if stage == "landing" and np.allclose(offs, radius, rtol=1e-6):
+            yield Explanation(
+                "landing-of-surface",
+                "lets the ball land when its surface touches the ground, at z = R",
+                "the ball lands when its centre reaches the ground, unless the reading "
+                "ground_contact says otherwise", 0.0, 0, quantity=event,
+            )  # fmt: skip
+        if stage == "landing" and np.allclose(offs, -radius, rtol=1e-6):
+            yield Explanation(
+                "ignores-surface-reading",
+                "lets the ball's centre reach the ground though reading.ground_contact = surface",
+                "take the reading from the scene, or leave those out", 0.0, 0, quantity=event,
+            )  # fmt: skip
+        if stage == "landing" and floor.any() and np.allclose(offs, -floor, atol=1e-9):
+            yield Explanation(
+                "ground-ignored", "lands at z = 0, whatever ground.height is",
+                "the ball lands at ground.height", 0.0, 0, quantity=event,
+            )  # fmt: skip
+        spread = high - low
+        if spread <= 1e-6 * max(abs(low), abs(high)):
+            yield Explanation(
+                f"{stage}-offset", f"ends the flight {told(float(offs.mean()), spread / 2)} m off "
+                f"{'the ground' if stage == 'landing' else 'the plate'}, always", None, 0.0, 1,
+                quantity=event,
+            )  # fmt: skip
+        elif high <= 0 or low >= 0:
+            late = high <= 0
+            dt = self.dt or self._grid(stage, trials)
+            step = f", in steps of {dt:.6g} s" if dt else ""
+            name = ("first-below" if late else "last-above") + ("" if stage == "landing" else "-x")
+            yield Explanation(
+                name,
+                f"ends the flight at the {'first' if late else 'last'} step "
+                f"{what if late else where}{step}: by up to {max(-low, high):.2g} m",
+                "interpolate to the surface between the last two steps, in time and velocity too",
+                0.0, 1, quantity=event, step=dt,
+            )  # fmt: skip
+
+    def _grid(self, stage: str, trials: Sequence[Trial]) -> float | None:
+        """Return the step of which all times are multiples."""
+        names = ("plate.time",) if stage in ("pitch", "plate") else (
+            "landing.hang_time", "landing.time")  # fmt: skip
+        for name in names:
+            times = [t.given[name][0] for t in self.trials if name in t.given and t in trials]
+            if (step := common_step(times)) is not None:
+                return step
+        return None
+
+    def _clock(
+        self, stage: str, chosen: Sequence[tuple[Trial, list[Check]]]
+    ) -> Iterator[Explanation]:
+        """Yield what is wrong with times of points that lie on the true path."""
+        places = [(t, p) for t, _ in chosen if (p := placed(t, self.base, stage))]
+        if len(places) < 2:
+            return
+        off = np.array([p.off for _, p in places])
+        clock = np.array([p.clock for _, p in places])
+        moved = np.array([p.moved for _, p in places])
+        left = float(off.sum() / max(moved.sum(), 1e-300))
+        times = np.array([p.time for _, p in places])
+        middle = float(np.median(clock))
+        doubt = float(np.ptp(clock)) / 2
+        on_path = f"the points lie on the true path, within {off.max():.1e} m; "
+        if doubt < 1e-3 * abs(middle):
+            yield Explanation(
+                "clock-offset",
+                on_path + f"the clock is {'ahead' if middle > 0 else 'behind'} by "
+                f"{told(abs(middle), doubt)} s in all, as if a step were counted "
+                f"{'twice' if middle > 0 else 'too late'}",
+                "let the time of a state be that of the same step", left, 0, step=abs(middle),
+                mend=_earlier(stage, middle),
+            )  # fmt: skip
+        ratio = times / np.maximum(times - clock, 1e-12)
+        if np.ptp(ratio) < 1e-3 * abs(np.median(ratio) - 1):
+            yield Explanation(
+                "clock-rate", on_path + f"the clock runs {told(float(np.median(ratio)), 0)} times "
+                "as fast", None, left, 0,
+            )  # fmt: skip
+        elif left < 1 - NAMED:
+            yield Explanation(
+                "clock", on_path + f"its times are off by {clock.min():.3g} to {clock.max():.3g} s",
+                "law and integrator are right; look at how the time of the event is counted",
+                left, 3,
+            )  # fmt: skip
+
+    def _schemes(self, stage: str, sought: _Sought) -> list[Explanation]:
+        """Return schemes in fixed steps, with the step that fits best."""
+        few = sought.some(4)
+        grid = self._grid(stage, [t for t in self.trials if t.scene.kind != "impact"])
+        # The paper's own scheme comes first: a search that runs out of time has tried it.
+        schemes: list[tuple[str, str, int, Callable[[float], Any]]] = [
+            (*_VERLET[forces], lambda dt, f=forces: Verlet(dt=dt, forces=f))  # type: ignore[misc]
+            for forces in TREATMENTS
+        ]
+        schemes += [
+            (name, f"flies by {words}", order, lambda dt, s=name: FixedStep(dt=dt, scheme=s))  # type: ignore[misc]
+            for name, (_, order, words) in SCHEMES.items()
+        ]
+        tried = []
+        for name, sentence, order, engine in schemes:
+            if self.impatient:
+                break
+            fitted = self._stepped(few, order, engine, grid)
+            if fitted is not None:
+                tried.append((fitted[1], name, sentence, engine, fitted[0]))
+        tried.sort(key=lambda one: one[0])
+        found = []
+        for _, name, sentence, engine, dt in tried[:5]:
+            if dt not in (self.dt, grid):
+                near = [r for r in ROUND_STEPS if 0.6 < r / dt < 1.7 and r >= SHORTEST]
+                lefts = [(few.left(Change(engine=engine(r))), r) for r in (dt, *near)]
+                dt = min((one for one in lefts if one[0] is not None), default=(0.0, dt))[1]
+            change = Change(engine=engine(dt))
+            left = (sought if dt > 2e-3 else few).left(change)
+            if left is not None:
+                found.append(
+                    Explanation(
+                        name, f"{sentence}, in steps of {dt:.4g} s",
+                        _REMEDY if name in _LAGGING else "take shorter steps, or a method of "
+                        "higher order", left, 1, change, step=dt,
+                    )
+                )  # fmt: skip
+        found += self._chords(few)
+        return found
+
+    def _stepped(
+        self, few: _Sought, order: int, engine: Callable[[float], Any], grid: float | None
+    ) -> tuple[float, float] | None:
+        """Return the step that fits best, and what it leaves."""
+        known = self.dt or grid
+        if known:
+            left = few.left(Change(engine=engine(max(known, SHORTEST))))
+            return None if left is None else (known, left)
+        dt, best = 0.01, None
+        for _ in range(4):
+            change = Change(engine=engine(dt))
+            left, amplitude = few.left(change), few.amplitude(change)
+            if left is None or amplitude is None or amplitude <= 0:
+                break
+            if best is None or left < best[1]:
+                best = dt, left
+            new = dt * amplitude ** (1 / order)
+            if not SHORTEST <= new <= 0.2 or abs(new / dt - 1) < 1e-4:
+                break
+            dt = new
+        if best is None:
+            return None
+        for rounded in (float(f"{best[0]:.1g}"), float(f"{best[0]:.2g}"), 1 / round(1 / best[0])):
+            if abs(rounded / best[0] - 1) < 0.05 and rounded != best[0]:
+                left = few.left(Change(engine=engine(rounded)))
+                if left is not None and left <= best[1]:
+                    best = rounded, left
+        return best
+
+    def _chords(self, few: _Sought) -> Iterator[Explanation]:
+        """Yield events that lie on the straight line between two steps on the true path."""
+        off = max((p.off for t in few.trials if (p := placed(t, self.base, few.stage))), default=0)
+        if not 0 < off < 1:
+            return
+        longest = math.sqrt(8 * off / 5)  # a ball's path bends by some 10 m/s²
+        best: tuple[float, float] = (1.0, 0.0)
+        for dt in (self.dt,) if self.dt else ROUND_STEPS:
+            if not self.impatient and 0.5 * longest < dt < 6 * longest and dt > 4e-4:
+                left = few.left(Change(engine=FixedStep(dt=dt, scheme="chords")))
+                if left is not None:
+                    best = min(best, (left, dt))
+        if best[0] < 1:
+            dt = best[1]
+            yield Explanation(
+                "linear-event", f"puts the end of the flight on the straight line between two "
+                f"steps of {dt:.4g} s; the steps themselves are on the true path",
+                "step onto the surface, or interpolate with the velocities (Hermite)", best[0], 1,
+                Change(engine=FixedStep(dt=dt, scheme="chords")), step=dt,
+            )  # fmt: skip
+
+    def _pairs(
+        self, stage: str, sought: _Sought, known: Sequence[Explanation]
+    ) -> list[Explanation]:
+        """Return two of the known mistakes and fitted numbers together."""
+        base = sought.residual(NONE)
+        if base is None or self.impatient:
+            return []
+        parts: list[tuple[Explanation, Array]] = []
+        for e in known:
+            if e.change is None:
+                continue
+            r = sought.residual(e.change)
+            if r is not None and r.shape == base.shape and np.abs(base - r).sum() > 1e-9:
+                parts.append((e, base - r))
+        found = []
+        columns: list[tuple[Explanation | str, Array]] = [*parts]
+        columns += self._slopes(stage, sought, base)
+        ranked = []
+        for (a, ea), (b, eb) in itertools.combinations(columns, 2):
+            free = [x for x, n in ((ea, a), (eb, b)) if isinstance(n, str)]
+            fixed: Any = sum((x for x, n in ((ea, a), (eb, b)) if not isinstance(n, str)), 0.0)
+            rest = base - fixed
+            if free:
+                matrix = np.array(free).T
+                amounts = np.linalg.lstsq(matrix, rest, rcond=None)[0]
+                rest = rest - matrix @ amounts
+            ranked.append((float(np.abs(rest).sum()), a, b))
+        ranked.sort(key=lambda one: one[0])
+        for _, a, b in ranked[:4]:
+            if self.impatient:
+                break
+            joined = self._joined(sought, stage, a, b)
+            if joined is not None:
+                found.append(joined)
+        return found
+
+    def _slopes(self, stage: str, sought: _Sought, base: Array) -> Iterator[tuple[str, Array]]:
+        """Yield what a small part more of each parameter does."""
+        for name, stages in PARAMETERS.items():
+            if stage in stages:
+                fit = Fit(name, "factor", 1.0 + 1e-5, 0.0, True)
+                r = sought.residual(fit.change)
+                if r is not None and r.shape == base.shape and np.abs(base - r).sum() > 1e-12:
+                    yield name, (base - r) / 1e-5
+
+    def _joined(
+        self, sought: _Sought, stage: str, a: Explanation | str, b: Explanation | str
+    ) -> Explanation | None:
+        """Return two explanations as one, the fitted numbers fitted together."""
+        fixed = [x for x in (a, b) if not isinstance(x, str)]
+        free = [x for x in (a, b) if isinstance(x, str)]
+        own = NONE
+        for x in fixed:
+            assert x.change is not None
+            own = own.then(x.change)
+        start = self.base.then(own)
+        fitted: list[Fit] = []
+        # Each in turn, with the others as they are: two numbers settle in a few rounds.
+        for _ in range(6 if len(free) > 1 else 1):
+            for name in free:
+                others = [f for f in fitted if f.parameter != name]
+                around = start
+                for f in others:
+                    around = around.then(f.change)
+                forms = fits(sought.trials, name, (stage,), around)
+                scored = [(sought.left(around.then(f.change), absolute=True), f) for f in forms]
+                good = [(left, f) for left, f in scored if left is not None]
+                if not good:
+                    return None
+                fitted = [*others, min(good, key=lambda one: one[0])[1]]
+        for f in fitted:
+            own = own.then(f.change)
+        left = sought.left(own)
+        if left is None:
+            return None
+        if left > 0.01 or any(f.roundness >= ODD / 100 for f in fitted):
+            return None
+        names = [x.name for x in fixed] + [fit_name(f) for f in fitted]
+        sentences = [x.sentence for x in fixed] + [f.sentence for f in fitted]
+        return Explanation(
+            " and ".join(names), "; and ".join(sentences), None, left, 1.9,
+            own,
+        )  # fmt: skip
+
+    # --- outcomes -------------------------------------------------------------------------------
+
+    def _outcomes(self) -> None:
+        """Say what is behind other outcomes."""
+        kinds: dict[tuple[str, str], list[Trial]] = {}
+        for t in self.confused:
+            kinds.setdefault((str(t.case.expected.outcome), str(t.outcome)), []).append(t)
+        for (expected, obtained), trials in sorted(kinds.items(), key=lambda k: -len(k[1])):
+            same = [t for t in self.trials if t.case.expected.outcome == expected]
+            few = _evenly(trials, 8)
+            share, name, reason = self._outcome_explained(few, _evenly(same, 4))
+            sentence, remedy = f"says {obtained} where {expected} is right", None
+            if share >= NAMED:
+                sentence += f": {reason}"
+            elif obtained == "missed" and expected in ("batted", "separating", "beyond_bat"):
+                sentence += ": as one who looks for the bat at the steps only"
+                remedy = (
+                    "find the closest approach within the step, where d·v changes sign, and test "
+                    "there"
+                )
+            self.findings.append(
+                Finding(
+                    stage="outcome", quantity="outcome", names=[name] if share >= NAMED else [],
+                    kind="probably" if share >= NAMED else "unexplained", sentence=sentence,
+                    remedy=remedy, share=share if share >= NAMED else 0.0, wrong=len(trials),
+                    checked=len(trials) + len(same), worst=1.0,
+                    scenes=rule([t.case for t in trials], [t.case for t in same]),
+                )
+            )  # fmt: skip
+
+    def _outcome_explained(
+        self, trials: Sequence[Trial], beside: Sequence[Trial]
+    ) -> tuple[float, str, str]:
+        """Return the share of outcomes that the best explanation makes, and what it is."""
+        whole = [*trials, *beside]
+
+        def share(change: Change) -> float:
+            right = 0
+            for t in whole:
+                try:
+                    made = solve(change.scene(t.scene), change.engine, change.model).outcome
+                except (ArithmeticError, ValueError):
+                    made = None
+                right += made == (t.outcome or t.case.expected.outcome)
+            return right / len(whole)
+
+        best = (share(self.base), "", "this follows from the above")
+        if best[0] >= NAMED and self.findings:
+            return best[0], self.findings[0].names[0] if self.findings[0].names else "", best[2]
+        for name in ("pitch.speed", "gravity", "launch.speed", "air.density", "ball.radius"):
+            for factor in FACTORS:
+                fit = Fit(name, "factor", factor, 0.0, True)
+                if self.impatient or value_of(whole[0].scene, name) is None:
+                    continue
+                found = share(self.base.then(fit.change))
+                best = max(best, (found, fit_name(fit), f"it {fit.sentence}"))
+        return best
+
+
+# The rank of relations: behind known mistakes that leave as little.
+RELATION = 0.5
+
+# Digits of a number that nobody chooses.
+ODD = 5
+
+SHORTEST = 2e-4  # s: of steps that are tried
+
+_VERLET = {
+    "old_carried": ("lagged-verlet", "flies by velocity Verlet with drag and lift at the velocity "
+                    "of the step before", 1),
+    "old_recomputed": ("lagged-verlet-recomputed", "flies by velocity Verlet with the force at the "
+                       "old velocity", 1),
+    "half_step": ("half-step-verlet", "flies by velocity Verlet with drag and lift at the "
+                  "half-step velocity, as is usual in molecular dynamics", 1),
+    "predicted_carried": ("verlet-predicted-carried", "flies by velocity Verlet with a predicted "
+                          "velocity, which is of order 2", 2),
+    "predicted_recomputed": ("verlet-predicted", "flies by velocity Verlet with a predicted "
+                             "velocity, which is of order 2", 2),
+    "implicit": ("verlet-implicit", "flies by velocity Verlet with an implicit velocity, which is "
+                 "of order 2", 2),
+}  # fmt: skip
+
+
+_LAGGING = ("lagged-verlet", "lagged-verlet-recomputed", "half-step-verlet")
+_REMEDY = (
+    "predict the velocity at the step's end, v + aΔt, or iterate, before asking for the force "
+    "there: the error then falls with Δt² instead of Δt"
+)
+
+
+def fit_name(fit: Fit) -> str:
+    """Return a fit as a name: ``air.density=1.205``, ``pitch.speed*3.6``."""
+    symbol = {"fixed": "=", "factor": "*", "offset": "+"}[fit.form]
+    return f"{fit.parameter}{symbol}{fit.value:.6g}"
+
+
+class _Sought:
+    """Trials that an explanation is sought in, and what changes leave of their errors."""
+
+    def __init__(
+        self, trials: Sequence[Trial], beside: Sequence[Trial], stages: tuple[str, ...],
+        base: Change,
+    ) -> None:  # fmt: skip
+        self.trials, self.beside = list(trials), list(beside)
+        self.stages, self.base = stages, base
+        self._first = [residuals(t, base, stages) for t in self.everything]
+
+    @property
+    def everything(self) -> list[Trial]:
+        return [*self.trials, *self.beside]
+
+    @property
+    def stage(self) -> str:
+        return self.stages[0]
+
+    def some(self, count: int) -> _Sought:
+        """Return a few of the trials, the shortest flights first."""
+        short = sorted(self.trials, key=lambda t: _duration(t.case))
+        return _Sought(_evenly(short[: 2 * count], count), (), self.stages, self.base)
+
+    def residual(self, change: Change) -> Array | None:
+        """Return all relative errors that a change leaves, in one row; None if it has none."""
+        full = self.base.then(change)
+        rows = [residuals(t, full, self.stages) for t in self.everything]
+        if any(r.shape != f.shape for r, f in zip(rows, self._first, strict=True)):
+            return None
+        return np.concatenate(rows) if rows else None
+
+    def left(self, change: Change, absolute: bool = False) -> float | None:
+        """Return the share of the error that a change leaves, none counted for more than 1."""
+        whole = sum(float(np.minimum(np.abs(f), 1.0).sum()) for f in self._first)
+        full = change if absolute else self.base.then(change)
+        left = 0.0
+        for trial, first in zip(self.everything, self._first, strict=True):
+            r = residuals(trial, full, self.stages)
+            left += (
+                float(np.minimum(np.abs(r), 1.0).sum()) if r.shape == first.shape else first.size
+            )
+        return left / whole if whole else None
+
+    def amplitude(self, change: Change) -> float | None:
+        """Return how many times the effect of a change fits best."""
+        r = self.residual(change)
+        if r is None:
+            return None
+        base = np.concatenate(self._first)
+        effect = base - r
+        size = float(effect @ effect)
+        return float(base @ effect) / size if size else None
+
+
+# --- single precision -----------------------------------------------------------------------------
+
+SINGLE = Explanation(
+    "single-precision",
+    "computes or writes in single precision",
+    "use doubles throughout, and write them with 17 digits",
+    0.0,
+    0,
+)
+
+# Single precision leaves 6e-8 a rounding; some hundred steps, amplified by bat and ball.
+SINGLE_NOISE = 1e-2
+
+# A quantity with fewer numbers than this may be in single precision by chance: 2.0 is.
+ENOUGH = 5
+
+
+def _in_single_precision(answers: Iterable[Answer]) -> bool:
+    """Tell whether most quantities hold only numbers of single precision, or such as are written.
+
+    Not all need to: a program in single precision may still take a square root in doubles.
+    """
+    numbers: dict[str, set[Decimal]] = defaultdict(set)
+    for answer in answers:
+        for name, value in answer.values.items():
+            if len(numbers[name]) < 50:
+                numbers[name].update(x for x in value if x)
+    single = [all(map(_is_single, some)) for some in numbers.values() if len(some) >= ENOUGH]
+    return 2 * sum(single) > len(single)
+
+
+def _is_single(x: Decimal) -> bool:
+    if abs(x.adjusted()) > 37:  # beyond the range of single precision
+        return False
+    single = np.float32(float(x))
+    return float(x) == float(single) or x in (Decimal(str(single)), Decimal(f"{single:.9g}"))
+
+
+# --- relations ------------------------------------------------------------------------------------
+
+
+Image = Callable[[Array], Array]
+
+
+def _images(quantity: str, expected: Array, obtained: Array) -> Iterator[tuple[str, str, Image]]:
+    """Yield simple relations between what is expected and obtained."""
+    size = float((expected * expected).sum())
+    if size > 0:
+        ratios = (obtained * expected).sum(axis=1) / np.maximum(
+            (expected * expected).sum(axis=1), 1e-300
+        )
+        ratio = float(np.median(ratios))
+        if abs(ratio - 1) > 1e-9 and np.ptp(ratios) < 1e-3 * max(abs(ratio), 1e-9):
+            what = factor_meaning(ratio)
+            text = "the sign is wrong" if what == "the sign" else (
+                f"obtained = {ratio:.8g} × expected" + (f": {what}" if what else ""))  # fmt: skip
+            yield f"{quantity}*{ratio:.6g}", f"{quantity}: {text}", lambda x: ratio * x
+    if expected.shape[1] == 3:
+        for order in itertools.permutations(range(3)):
+            for signs in itertools.product((1.0, -1.0), repeat=3):
+                if order == (0, 1, 2) and min(signs) > 0:
+                    continue
+                shown = ", ".join(
+                    f"{'-' if s < 0 else ''}{'xyz'[i]}" for i, s in zip(order, signs, strict=True)
+                )
+                yield (
+                    f"{quantity}:({shown})",
+                    f"{quantity}: ({shown}) stands where (x, y, z) belongs",
+                    _turned(order, signs),
+                )
+        for axis in range(3):
+            flat = np.ones(3)
+            flat[axis] = 0.0
+            if quantity == "plate.position" and axis == 0:
+                continue  # there it is 0
+            if not np.abs(obtained[:, axis]).any() and np.abs(expected[:, axis]).any():
+                name, told_as = (
+                    f"{quantity}:{'xyz'[axis]}=0",
+                    f"{quantity}: {'xyz'[axis]} is always 0",
+                )
+                if quantity == "landing.position" and axis == 2 and (expected[:, 2] < 0).all():
+                    name = "first-below"
+                    told_as = (
+                        "ends the flight at the first step below the ground, and says that it is "
+                        "at the ground"
+                    )
+                yield name, told_as, _turned((0, 1, 2), flat.tolist())
+    else:
+        shift = obtained - expected
+        middle = float(np.median(shift))
+        if middle and np.ptp(shift) < 1e-3 * abs(middle):
+            yield (
+                f"{quantity}+{middle:.6g}", f"{quantity}: obtained = expected + {middle:.8g}",
+                lambda x: x + middle,
+            )  # fmt: skip
+
+
+def _turned(order: Sequence[int], signs: Sequence[float]) -> Image:
+    """Return the exchange of axes, each with a factor."""
+    axes, factors = list(order), np.array(signs)
+    return lambda x: x[..., axes] * factors
+
+
+def _image_value(quantity: str, image: Image, search: _Search) -> Callable[[Trial], Numbers | None]:
+    def value(trial: Trial) -> Numbers | None:
+        for check in follow(trial, search.base):
+            if check.quantity == quantity:
+                return tuple(image(np.array(check.expected)).tolist())
+        return None
+
+    return value
+
+
+def _resolutions(chosen: Sequence[tuple[Trial, list[Check]]]) -> Iterator[Explanation]:
+    """Yield the rounding of what is written, if numbers are written with few decimals."""
+    failing = [c for _, cs in chosen for c in cs if not c.follows]
+    places = max(-int(Decimal(repr(x)).as_tuple().exponent) for c in failing for x in c.obtained)
+    resolution = max(0.5 * 10.0**-places, *(t.resolution for t, _ in chosen))
+    if places <= FEW_DECIMALS and max(c.error for c in failing) < 4 * resolution:
+        yield Explanation(
+            "few-decimals", f"writes its numbers with {places} decimals only, and errors are of "
+            "that size", "write doubles with 17 digits", 0.0, 3,
+            mend=lambda t: replace(t, resolution=resolution),
+        )  # fmt: skip
+
+
+FEW_DECIMALS = 10
+
+
+def _earlier(stage: str, seconds: float) -> Callable[[Trial], Trial]:
+    """Return what takes some seconds from the times of a stage."""
+    names = ("plate.time",) if stage == "pitch" else ("landing.time", "landing.hang_time")
+
+    def mend(trial: Trial) -> Trial:
+        times = {n: (trial.given[n][0] - seconds,) for n in names if n in trial.given}
+        return replace(trial, given={**trial.given, **times})
+
+    return mend
+
+
+# --- small things ---------------------------------------------------------------------------------
+
+
+def _tried(value: Callable[[View], Numbers], view: View | None) -> Numbers | None:
+    try:
+        return None if view is None else value(view)
+    except (KeyError, AttributeError, ZeroDivisionError, OverflowError, ValueError):
+        return None
+
+
+def _evenly(items: Sequence[Any], count: int) -> list[Any]:
+    if len(items) <= count:
+        return list(items)
+    return [items[i * len(items) // count] for i in range(count)]
+
+
+def _duration(case: Case) -> float:
+    landing = case.expected.landing
+    return 0.5 if landing is None else float(landing.time)
+
+
+def _row(stage: str, checks: Iterable[tuple[Trial, list[Check]]]) -> StageRow | None:
+    seen = [(t, c) for t, cs in checks for c in cs if c.stage == stage]
+    if not seen:
+        return None
+    bad = [(t, c) for t, c in seen if not c.follows]
+    worst = max(bad, key=lambda one: one[1].error / one[1].scale, default=None)
+    return StageRow(
+        stage=stage,
+        checked=len({t.case.id for t, _ in seen}),
+        wrong=len({t.case.id for t, _ in bad}),
+        worst=worst[1].error / worst[1].scale if worst else 0.0,
+        example=worst[0].case.id if worst else None,
     )
-    scenes: int = Field(description="how many scenes the fingerprints were taken from")
+
+
+def _sentence(first: str | None, findings: Sequence[Finding], clean: Sequence[str]) -> str:
+    if not findings:
+        return "every stage follows from the stages before it, in every scene"
+    lead = findings[0]
+    parts = []
+    if first is not None:
+        where = "all" if lead.wrong == lead.checked else f"{lead.wrong} of {lead.checked}"
+        parts.append(f"the first stage that does not follow is {first}: wrong in {where} scenes")
+    parts += [f.sentence for f in findings if f.worst >= MINOR * lead.worst][:3]
+    return "; ".join(parts)

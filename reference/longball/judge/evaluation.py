@@ -2,24 +2,30 @@
 
 from __future__ import annotations
 
+import math
 import shlex
 import time
-from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from longball.convergence import ConvergenceReport
-from longball.judge.answers import Collector, read_results
+from longball.engines.ivp import Ivp
+from longball.engines.verlet import Verlet
+from longball.judge.answers import Answer, Collector, read_results
 from longball.judge.candidate import Limits, run
-from longball.judge.cases import Case, Profile
-from longball.judge.fingerprints import Fingerprints
+from longball.judge.cases import Case, Profile, solved
+from longball.judge.diagnosis import diagnose
+from longball.judge.paths import landed
+from longball.judge.rules import shrunk
 from longball.judge.sampling import Sampling
-from longball.judge.search import diagnose
 from longball.judge.step_sweep import FAMILIES, StepSweep, sample, with_step
 from longball.judge.testing import line_of
-from longball.judge.verdict import Comparison, Submission, Verdict, compare_all, verdict
+from longball.judge.verdict import Comparison, Submission, Verdict, compare, verdict
 from longball.model.scene import Scene
+
+AGAIN = 12  # scenes that are run twice
 
 
 @dataclass(frozen=True)
@@ -50,10 +56,10 @@ class Judge:
         How near is near enough.
     truth
         Where the cases are from, for the report.
-    require
-        Names of `longball.judge.verdict.REQUIRABLE` that must not be missing.
+    partial
+        Whether scenes and quantities may be left out.
     diagnose
-        Whether known mistakes are looked for.
+        Whether it is asked where errors come from, and some scenes are run twice.
     dt
         s, the candidate's time step, for the diagnosis; None if it is not known.
     """
@@ -61,7 +67,7 @@ class Judge:
     cases: Sequence[Case]
     profile: Profile
     truth: str = "golden data"
-    require: Collection[str] = ()
+    partial: bool = False
     diagnose: bool = True
     dt: float | None = None
 
@@ -72,6 +78,7 @@ class Judge:
         progress: Callable[[int], None] = lambda answered: None,
         sweep: StepSweep | None = None,
         sampling: Sampling | None = None,
+        table: bool = False,
     ) -> Evaluation:
         """Run a candidate and judge it; see `longball.judge.candidate.run`.
 
@@ -86,17 +93,84 @@ class Judge:
             the profile. They are not tried with a candidate that does not end well.
         sampling
             How it draws at-bats, to be reported in the same verdict.
+        table
+            Whether scenes and results are CSV.
         """
-        filled = with_step(command, self.dt) if self.dt else command
-        ran = run(filled, [case.scene for case in self.cases], limits, progress)
-        report = None
-        if sweep and not any(issue.kind == "process" for issue in ran.collected.issues):
+        filled = sweep.filled(command) if sweep else command
+        filled = with_step(filled, self.dt) if self.dt else filled
+        ran = run(filled, [case.scene for case in self.cases], limits, progress, table)
+        well = not any(issue.kind == "process" for issue in ran.collected.issues)
+        report, conduct, smallest = None, [], None
+        if sweep and well:
             report = self._converge(command, sweep, ran.collected, limits)
         elif sweep:
             ran.collected.report("process", "for that, its convergence was not looked at")
-        return self.evaluate(
-            Submission(shlex.join(filled), ran.collected, ran.errors, ran.seconds, report, sampling)
+
+        def asked(scenes: Sequence[Scene]) -> Mapping[str, Answer]:
+            return run(filled, scenes, limits, table=table).collected.answers
+
+        if well and self.diagnose:
+            conduct = self._again(asked, ran.collected.answers)
+        submission = Submission(
+            shlex.join(filled), ran.collected, ran.errors, ran.seconds, report, sampling
         )
+        found = self.evaluate(submission, conduct)
+        if well and self.diagnose and not conduct and self.profile.engine() is None:
+            smallest = self._smallest(asked, found.verdict)
+        if smallest is None or found.verdict.diagnosis is None:
+            return found
+        diagnosis = found.verdict.diagnosis.model_copy(update={"smallest": smallest})
+        return replace(found, verdict=found.verdict.model_copy(update={"diagnosis": diagnosis}))
+
+    def _again(
+        self,
+        asked: Callable[[Sequence[Scene]], Mapping[str, Answer]],
+        answers: Mapping[str, Answer],
+    ) -> list[str]:
+        """Run some scenes again, backwards; say whether the answers are the same."""
+        chosen = [case.scene for case in self.cases if case.id in answers]
+        chosen = chosen[:: max(1, len(chosen) // AGAIN)][:AGAIN][::-1]
+        if len(chosen) < 2:
+            return []
+        backwards = asked(chosen)
+        differ = [
+            s.id for s in chosen if _differ(answers.get(s.id or ""), backwards.get(s.id or ""))
+        ]
+        if not differ:
+            return []
+        again = asked(chosen)
+        random = [s.id for s in chosen if _differ(backwards.get(s.id or ""), again.get(s.id or ""))]
+        if random:
+            return [
+                f"it is not deterministic: the same scenes in the same order give other numbers, "
+                f"{random[0]} for one"
+            ]
+        return [
+            f"its answer depends on the scenes before it: {len(differ)} of {len(chosen)} scenes "
+            f"give other numbers in another order, {differ[0]} for one; state is kept between them"
+        ]
+
+    def _smallest(
+        self, asked: Callable[[Sequence[Scene]], Mapping[str, Answer]], found: Verdict
+    ) -> dict[str, Any] | None:
+        """Return the smallest scene that the candidate fails still."""
+        wrong = {failure.id for failure in found.failures}
+        failing = [case.scene for case in self.cases if case.id in wrong]
+        if not failing:
+            return None
+        order = {"flight": 0, "impact": 1, "pitch": 2, "at-bat": 3}
+        start = min(failing, key=lambda s: (order[s.kind], len(str(s.model_dump()))))
+
+        def fails(scenes: Sequence[Any]) -> list[bool]:
+            answers = asked(scenes)
+            return [
+                not compare(case, answers.get(case.id), self.profile).passed
+                for case in solved(scenes, Ivp())
+            ]
+
+        return dict(shrunk(start, fails).model_dump(mode="json", exclude_defaults=True)) | {
+            "kind": start.kind
+        }
 
     def _converge(
         self,
@@ -140,18 +214,38 @@ class Judge:
         """Judge nothing but how at-bats were drawn; this needs no cases."""
         return self.evaluate(Submission(sampling.source, Collector([]), sampling=sampling))
 
-    def evaluate(self, submission: Submission) -> Evaluation:
-        """Judge what a candidate has answered."""
+    def evaluate(self, submission: Submission, conduct: Sequence[str] = ()) -> Evaluation:
+        """Judge what a candidate has answered; `conduct` is what a second run has told."""
         answers = submission.collected.answers
         truths = self.profile.truths(self.cases)
-        comparisons = compare_all(truths, answers, self.profile)
+        comparisons = [compare(case, answers.get(case.id), self.profile) for case in truths]
         diagnosis = None
-        if self.diagnose and any(not c.passed for c in comparisons):
-            prints = Fingerprints(truths, self.profile.engine(), self.dt)
-            diagnosis = diagnose(prints, answers)
         engine = self.profile.engine()
+        wrong = any(not c.passed for c in comparisons)
+        if self.diagnose and (conduct or wrong):
+            whole = {
+                case.id: landed(case.scene, answer)[0] if answer.path is not None else answer
+                for case in self.cases
+                if (answer := answers.get(case.id))
+            }
+            scheme = engine if isinstance(engine, Verlet) else None
+            diagnosis = diagnose(truths, whole, self.dt, scheme)
+            diagnosis = diagnosis.model_copy(update={"conduct": list(conduct)})
         truth = engine.description if engine else self.truth
         return Evaluation(
-            verdict(comparisons, submission, str(self.profile), truth, self.require, diagnosis),
+            verdict(comparisons, submission, str(self.profile), truth, self.partial, diagnosis),
             comparisons,
         )
+
+
+def _differ(a: Answer | None, b: Answer | None) -> bool:
+    """Tell whether two answers to a scene differ in more than the last digits."""
+    if a is None or b is None:
+        return (a is None) != (b is None)
+    if a.outcome != b.outcome or set(a.values) != set(b.values):
+        return True
+    return any(
+        not math.isclose(float(x), float(y), rel_tol=1e-13, abs_tol=1e-15)
+        for name in a.values
+        for x, y in zip(a.values[name], b.values[name], strict=True)
+    )

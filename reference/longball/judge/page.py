@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import base64
 import io
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from html import escape
+import re
+from collections.abc import Callable, Iterator, Sequence
+from functools import cache
 from itertools import zip_longest
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+from jinja2 import Environment, Template
 from numpy.typing import NDArray
 
 from longball.convergence.figure import draw_convergence
@@ -18,9 +21,9 @@ from longball.engines.ivp import Ivp
 from longball.extras import naming_extras
 from longball.judge.answers import quoted
 from longball.judge.evaluation import Evaluation
-from longball.judge.quantities import Value, values_of
+from longball.judge.quantities import values_of
 from longball.judge.text import ERRORS, LONGEST_NAME, counts, describe, error_cells, silence
-from longball.judge.verdict import Comparison, Measured, Verdict
+from longball.judge.verdict import Comparison, Measured
 from longball.model.scene import ImpactScene
 
 if TYPE_CHECKING:
@@ -33,165 +36,77 @@ SHOWN = 20  # failures and issues on the page
 NOTHING = 1e-17  # where a relative error of zero is drawn on a logarithmic axis
 WHOLE = 1.0  # where one is drawn that is as large as its quantity, or larger
 
-STYLE = """
-body { font: 15px/1.45 system-ui, sans-serif; max-width: 68em; margin: 2em auto; padding: 0 1em;
-  color: #222 }
-h1 { font-size: 1.4em } h2 { font-size: 1.1em; margin-top: 2em }
-.passed { color: #1a6b2f } .failed { color: #a3201c }
-table { border-collapse: collapse; font-size: 13px } th { text-align: left; font-weight: 600 }
-td, th { padding: .15em .7em .15em 0; border-bottom: 1px solid #ddd; vertical-align: top }
-td.n { text-align: right; font-variant-numeric: tabular-nums }
-img { max-width: 100% } pre, code { font-size: 12px; white-space: pre-wrap; word-break: break-word }
-"""
+
+@cache
+def _template() -> Template:
+    text = (Path(__file__).parent / "page.html.j2").read_text(encoding="utf-8")
+    return Environment(autoescape=True, trim_blocks=True).from_string(text)
 
 
 def page(evaluation: Evaluation) -> str:
     """Return an evaluation as HTML that needs no other file."""
-    verdict = evaluation.verdict
-    candidate = escape(quoted(verdict.candidate, LONGEST_NAME))
-    word = "passed" if verdict.passed else "failed"
-    parts = [
-        "<!doctype html>",
-        '<html lang="en"><head><meta charset="utf-8">',
-        '<meta name="viewport" content="width=device-width, initial-scale=1">',
-        f"<title>{candidate}: {word}</title><style>{STYLE}</style></head><body>",
-        f'<h1><span class="{word}">{word.upper()}</span> {candidate}</h1>',
-        *_head(verdict),
-        *_diagnosis(verdict),
-        *_pictures(evaluation),
-        *_convergence(verdict),
-        *_sampling(verdict),
-        *_errors(verdict),
-        *_failures(verdict),
-        *_rest(verdict),
-        "</body></html>",
-    ]
-    return "\n".join(parts) + "\n"
-
-
-# --- words ----------------------------------------------------------------------------------------
-
-
-def _head(verdict: Verdict) -> Iterator[str]:
-    if verdict.cases:
-        yield from _list(counts(verdict))
-        yield (
-            f"<p>Contacts missed {len(verdict.contacts_missed)}, "
-            f"invented {len(verdict.contacts_invented)}.</p>"
-        )
-    yield from _list(verdict.reasons)
-
-
-def _diagnosis(verdict: Verdict) -> Iterator[str]:
-    diagnosis = verdict.diagnosis
-    if diagnosis is None:
-        return
-    yield f"<h2>Diagnosis</h2><p>{escape(diagnosis.sentence)}</p>"
-    rows = [
+    v = evaluation.verdict
+    failures = [
         (
-            s.name,
-            "" if s.share is None else f"{max(0.0, s.share):.1%}",
-            s.sentence,
-            s.remedy,
-            ", ".join(s.twins),
+            failure.id + (f" [{', '.join(failure.flags)}]" if failure.flags else ""),
+            [describe(fault) for fault in failure.faults],
+            str(failure.scene),
         )
-        for s in diagnosis.suspects
+        for failure in v.failures[:SHOWN]
     ]
-    if rows:
-        head = ("suspect", "explains alone", "what it does", "how to mend it", "twins")
-        yield from _table(head, rows, numbers=(1,))
-    if diagnosis.invisible:
-        yield f"<p>Not to be seen in these scenes: {escape(', '.join(diagnosis.invisible))}.</p>"
+    complaints = [f"issue: {quoted(str(c), 500)}" for c in v.complaints[:SHOWN]]
+    html: str = _template().render(
+        v=v,
+        name=quoted(v.candidate, LONGEST_NAME),
+        command=quoted(v.candidate, 2_000),
+        head=list(counts(v)) if v.cases else [],
+        stages=[
+            (r.wrong, (r.stage, r.wrong or "-", r.checked, f"{r.worst:.1e}" if r.wrong else "",
+                       r.example or ""))
+            for r in (v.diagnosis.stages if v.diagnosis else ())
+        ],
+        pictures=list(_pictures(evaluation)),
+        sampled=[
+            (not f.right, ("right" if f.right else "WRONG", f.sentence, ", ".join(f.named)))
+            for f in (v.sampling.found if v.sampling else ())
+        ],
+        error_head=ERRORS,
+        errors=[(row.failed, error_cells(row)) for row in v.rows],
+        outcomes=[
+            (c.expected != c.obtained, (c.expected, c.obtained, c.cases)) for c in v.outcomes
+        ],
+        failures=failures,
+        rest=[*silence(v, SHOWN), *complaints],
+        errors_end=printable(v.standard_error) if v.complaints else "",
+    )  # fmt: skip
+    return html
 
 
-def _convergence(verdict: Verdict) -> Iterator[str]:
-    report = verdict.convergence
-    if report is None:
-        return
-    yield "<h2>Convergence: a family of time steps against the truth</h2>"
-    yield _image(lambda figure: draw_convergence(figure.add_subplot(), report), (7, 4.6), "orders")
-    yield f"<pre>{escape(report.text())}</pre>"
-
-
-def _sampling(verdict: Verdict) -> Iterator[str]:
-    sampling = verdict.sampling
-    if sampling is None:
-        return
-    yield f"<h2>Sampling: {sampling.at_bats} different at-bats of {escape(sampling.source)}</h2>"
-    rows = [
-        ("right" if found.right else "WRONG", found.sentence, ", ".join(found.named))
-        for found in sampling.found
-    ]
-    yield from _table(("", "beside the paper's", "known mistakes"), rows, numbers=())
-
-
-def _errors(verdict: Verdict) -> Iterator[str]:
-    if not verdict.rows:
-        return
-    yield "<h2>Errors</h2>"
-    yield from _table(ERRORS, map(error_cells, verdict.rows), numbers=(2, 3, 4, 5, 7, 8, 9, 10))
-    confused = [(c.expected, c.obtained, str(c.cases)) for c in verdict.outcomes]
-    yield "<h2>Outcomes</h2>"
-    yield from _table(("expected", "obtained", "scenes"), confused, numbers=(2,))
-
-
-def _failures(verdict: Verdict) -> Iterator[str]:
-    if not verdict.failures:
-        return
-    shown = verdict.failures[:SHOWN]
-    yield f"<h2>Wrong answers, the worst first ({len(shown)} of {len(verdict.failures)})</h2>"
-    for failure in shown:
-        flags = f" [{', '.join(failure.flags)}]" if failure.flags else ""
-        yield f"<details><summary>{escape(failure.id + flags)}</summary>"
-        yield from _list(describe(fault) for fault in failure.faults)
-        yield f"<pre>{escape(str(failure.scene))}</pre></details>"
-
-
-def _rest(verdict: Verdict) -> Iterator[str]:
-    sentences = [*silence(verdict, SHOWN), *(f"issue: {c}" for c in verdict.complaints[:SHOWN])]
-    if sentences:
-        yield "<h2>Other findings</h2>"
-        yield from _list(sentences)
-    if verdict.complaints and verdict.standard_error:
-        yield f"<h2>The end of its standard error</h2><pre>{escape(verdict.standard_error)}</pre>"
-
-
-def _list(sentences: Iterable[str]) -> Iterator[str]:
-    items = [f"<li>{escape(sentence)}</li>" for sentence in sentences]
-    if items:
-        yield f"<ul>{''.join(items)}</ul>"
-
-
-def _table(
-    head: Sequence[str], rows: Iterable[Sequence[str]], numbers: Sequence[int]
-) -> Iterator[str]:
-    yield "<table><tr>" + "".join(f"<th>{escape(cell)}</th>" for cell in head) + "</tr>"
-    for row in rows:
-        cells = (
-            f'<td class="n">{escape(cell)}</td>' if i in numbers else f"<td>{escape(cell)}</td>"
-            for i, cell in enumerate(row)
-        )
-        yield f"<tr>{''.join(cells)}</tr>"
-    yield "</table>"
+def printable(text: str) -> str:
+    """Return a text without control characters and the sequences that they begin."""
+    bare = re.sub(r"\x1b(\[[0-?]*[ -/]*[@-~]|\][^\x07\x1b]*(\x07|\x1b\\)|.)", "", text)
+    return "".join(c if c.isprintable() or c == "\n" else " " for c in bare).strip()
 
 
 # --- pictures -------------------------------------------------------------------------------------
 
 
-def _pictures(evaluation: Evaluation) -> Iterator[str]:
-    measured = [(c, m) for c in evaluation.comparisons for m in c.measured if m.size > 0]
-    if not measured:
-        return
-    yield "<h2>Errors by family, and over difficulty</h2>"
-    yield _image(lambda figure: draw_errors(figure, measured), (10, 4.6), "errors")
+def _pictures(evaluation: Evaluation) -> Iterator[tuple[str, str]]:
+    report = evaluation.verdict.convergence
     worst = worst_flight(evaluation.comparisons)
     if worst:
-        yield f"<h2>The worst flight against the truth: {escape(worst.case.id)}</h2>"
-        yield _image(lambda figure: draw_flight(figure, worst), (10, 4.6), "the worst flight")
+        title = f"The worst flight against the truth: {worst.case.id}"
+        yield title, _image(lambda figure: draw_flight(figure, worst), (7, 6))
+    measured = [(c, m) for c in evaluation.comparisons for m in c.measured if m.size > 0]
+    if measured:
+        title = "Errors by family, and over difficulty"
+        yield title, _image(lambda figure: draw_errors(figure, measured), (7, 7))
+    if report is not None:
+        yield "Orders", _image(lambda f: draw_convergence(f.add_subplot(), report), (7, 4.6))
 
 
 @naming_extras()
-def _image(draw: Callable[[Figure], None], size: tuple[float, float], what: str) -> str:
+def _image(draw: Callable[[Figure], None], size: tuple[float, float]) -> str:
     # A figure of its own, without pyplot: no display is asked for, and no state is left.
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
@@ -202,12 +117,12 @@ def _image(draw: Callable[[Figure], None], size: tuple[float, float], what: str)
     buffer = io.BytesIO()
     figure.savefig(buffer, format="png", dpi=110)
     data = base64.b64encode(buffer.getvalue()).decode()
-    return f'<p><img alt="{what}" src="data:image/png;base64,{data}"></p>'
+    return f"data:image/png;base64,{data}"
 
 
 def draw_errors(figure: Figure, measured: Sequence[tuple[Comparison, Measured]]) -> None:
     """Draw relative errors by family (left), and over what is attainable (right)."""
-    left, right = figure.subplots(1, 2)
+    left, right = figure.subplots(2, 1)
     families = list(dict.fromkeys(c.case.family for c, _ in measured))
     spread = np.random.default_rng(0)  # so that points do not hide each other
     for passed, marker, colour in ((True, "o", "0.55"), (False, "x", "black")):
@@ -268,46 +183,45 @@ def worst_flight(comparisons: Sequence[Comparison]) -> Comparison | None:
 
 
 def draw_flight(figure: Figure, comparison: Comparison) -> None:
-    """Draw a true flight from the side and from above, and where the candidate puts its points."""
+    """Draw a true flight from the side and from above, and a candidate's points beside it.
+
+    Their errors have a panel: a centimetre is not seen beside a hundred metres.
+    """
     assert comparison.answer is not None
-    side, above = figure.subplots(2, 1, sharex=True, height_ratios=(3, 2))
+    side, above, off = figure.subplots(3, 1, height_ratios=(3, 2, 2))
+    above.sharex(side)
     for i, (label, points) in enumerate(_paths(comparison)):
         side.plot(points[0], points[2], ("k-", "k--")[i], linewidth=1, label=f"truth, {label}")
         above.plot(points[0], points[1], ("k-", "k--")[i], linewidth=1)
     truth = values_of(comparison.case.expected)
-    labels = {
-        "plate.position": "plate",
-        "contact.position": "contact",
-        "landing.position": "landing",
-    }
-    for (name, label), marker in zip(labels.items(), "s^o", strict=True):
-        given = comparison.answer.values.get(name)
+    rows: list[tuple[str, list[float]]] = []
+    for block, marker in zip(("plate", "contact", "landing"), "s^o", strict=True):
+        given = comparison.answer.values.get(f"{block}.position")
         if given is None:
             continue
         x, y, z = map(float, given)
         for axes, height in ((side, z), (above, y)):
             axes.plot(x, height, marker, mfc="none", mec="C3", ms=8, ls="none",
-                      label=f"candidate, {label}" if axes is side else None)  # fmt: skip
-        _draw_error(side, above, truth.get(name), given)
+                      label=f"candidate, {block}" if axes is side else None)  # fmt: skip
+        expected = truth.get(f"{block}.position")
+        if expected is not None:
+            rows.append((block, [float(a - b) for a, b in zip(given, expected, strict=True)]))
+    for i, (_, errors) in enumerate(rows):
+        for j, error in enumerate(errors):
+            off.barh(i + 0.25 * (1 - j), error, height=0.22, color=f"C{j}",
+                     label="xyz"[j] if i == 0 else None)  # fmt: skip
+    if rows:
+        off.set_yticks(range(len(rows)), [name for name, _ in rows])
+        off.legend(fontsize="small", frameon=False, ncols=3)
+    off.set_xlabel("candidate - truth, m")
     outcome = comparison.answer.outcome or "no outcome"
-    title = f"expected {comparison.case.expected.outcome}, candidate: {outcome}"
-    errors = {m.quantity: m.error for m in comparison.measured}
-    if "landing.position" in errors:
-        title += f"; it lands {errors['landing.position']:.2g} m off"
-    side.set_title(title, fontsize="medium")
+    side.set_title(
+        f"expected {comparison.case.expected.outcome}, candidate: {outcome}", fontsize="medium"
+    )
     side.set_ylabel("height z, m")
     above.set_ylabel("aside y, m")
     above.set_xlabel("x, m: from the plate (0) toward the pitcher")
     side.legend(fontsize="small", frameon=False, loc="best")
-
-
-def _draw_error(side: Axes, above: Axes, expected: Value | None, given: Value) -> None:
-    if expected is None:
-        return
-    (x0, y0, z0), (x1, y1, z1) = map(float, expected), map(float, given)
-    first = not any(line.get_label() == "error" for line in side.lines)
-    side.plot([x0, x1], [z0, z1], "C3:", linewidth=2, label="error" if first else None)
-    above.plot([x0, x1], [y0, y1], "C3:", linewidth=2)
 
 
 def _paths(comparison: Comparison) -> Iterator[tuple[str, Array]]:

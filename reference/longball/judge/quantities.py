@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from decimal import Decimal
 from typing import TypeVar
 
+from longball.engines.chain import BLOCKS as MODELS
 from longball.model.quantities import numbers
 from longball.model.result import Result
 
@@ -49,40 +50,31 @@ class QuantitySpec:
         return tuple(f"{self.name}[{i}]" for i in range(self.size))
 
 
-QUANTITIES: dict[str, QuantitySpec] = {
-    quantity.name: quantity
-    for quantity in (
-        QuantitySpec("plate.time", "s"),
-        QuantitySpec("plate.position", "m", 3),
-        QuantitySpec("plate.velocity", "m/s", 3),
-        QuantitySpec("contact.time", "s"),
-        QuantitySpec("contact.position", "m", 3),
-        QuantitySpec("contact.normal", "", 3),
-        QuantitySpec("contact.bat_velocity", "m/s", 3),
-        QuantitySpec("contact.normal_speed", "m/s"),
-        QuantitySpec("contact.margin", "m"),
-        QuantitySpec("impact.restitution", ""),
-        QuantitySpec("impact.impulse", "N s"),
-        QuantitySpec("impact.velocity", "m/s", 3),
-        QuantitySpec("impact.energy_change", "J"),
-        QuantitySpec("impact.spin", "rad/s", 3),
-        QuantitySpec("impact.friction_margin", ""),
-        QuantitySpec("fence.time", "s"),
-        QuantitySpec("fence.position", "m", 3),
-        QuantitySpec("fence.velocity", "m/s", 3),
-        QuantitySpec("fence.clearance", "m"),
-        QuantitySpec("fence.margin", "m"),
-        QuantitySpec("landing.time", "s"),
-        QuantitySpec("landing.hang_time", "s"),
-        QuantitySpec("landing.position", "m", 3),
-        QuantitySpec("landing.velocity", "m/s", 3),
-        QuantitySpec("landing.distance", "m"),
-        QuantitySpec("landing.spin", "rad/s", 3),
-        QuantitySpec("landing.path", "m"),
-    )
-}
+_UNITS = ("s", "m", "m/s", "N s", "J", "rad/s", "rad")
 
-BLOCKS = tuple(dict.fromkeys(name.partition(".")[0] for name in QUANTITIES))
+
+def _specs() -> dict[str, QuantitySpec]:
+    """Return the numbers and vectors of the blocks; a field's description begins with its unit."""
+    found = {}
+    for block, model in MODELS.items():
+        for key, field in model.model_fields.items():
+            held = str(field.annotation)
+            if "Bounded" not in held:
+                continue  # a text or a flag
+            unit = (field.description or "").partition(",")[0].partition(";")[0]
+            size = 3 if "tuple" in held else 1
+            name = f"{block}.{key}"
+            found[name] = QuantitySpec(name, unit if unit in _UNITS else "", size)
+    return found
+
+
+QUANTITIES: dict[str, QuantitySpec] = _specs()
+
+BLOCKS = tuple(MODELS)
+
+# Of the points of a path that a candidate answers with: the worst of them.
+PATH = {name: QuantitySpec(name, unit, 3) for name, unit in
+        (("path.position", "m"), ("path.velocity", "m/s"))}  # fmt: skip
 
 
 def values_of(result: Result) -> dict[str, Value]:

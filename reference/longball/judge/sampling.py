@@ -20,11 +20,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
-from scipy.stats import kstest
+from scipy.stats import kstest, rankdata
 
 from longball.convergence.report import Frozen
 from longball.home_run import AtBats, Mixture, paper_at_bats
-from longball.judge.answers import LONGEST_LINE, quoted
+from longball.judge.answers import quoted
 from longball.model.quantities import at
 from longball.model.readings import SamplingReading
 from longball.model.scene import AtBatScene
@@ -43,6 +43,12 @@ LIKELIER = math.log(1e5)
 # in 995 of 1,000 trials; of 400 in 974, of 300 in 857. Of 2,000 right samplings none was called
 # wrong.
 FEWEST = 500
+
+# A rank correlation times √n is as good as normal; it exceeds this once in 10⁸ samples of
+# independent numbers, and forty are looked at.
+TOO_ALIKE = 5.7
+
+LONGEST_SCENE = 1 << 16  # bytes
 
 DRAWN = ("pitch.speed", "pitch.aim[0]", "swing.height_offset", "swing.tilt")
 
@@ -81,6 +87,22 @@ class Constant(Frozen):
         return False
 
 
+class Dependence(Frozen):
+    """Random numbers that hang together, or come again."""
+
+    quantity: str = Field(description="one, or two that hang together")
+    named: list[str]
+    statistic: float = Field(
+        description="of dependence: a rank correlation times √n; of repeats: their number"
+    )
+    sentence: str
+
+    @property
+    def right(self) -> bool:
+        """Whether it is as it should be, which it is not."""
+        return False
+
+
 class Sampling(Frozen):
     """What is right and wrong in the at-bats that a candidate draws."""
 
@@ -88,14 +110,18 @@ class Sampling(Frozen):
     at_bats: int = Field(description="different ones")
     drawn: list[Drawn]
     constants: list[Constant] = Field(description="those that are not the paper's")
+    dependences: list[Dependence] = Field(description="between numbers that should have none")
+    sees: float = Field(
+        description="the least difference of a distribution function that so many at-bats show"
+    )
 
     @property
-    def found(self) -> list[Drawn | Constant]:
+    def found(self) -> list[Drawn | Constant | Dependence]:
         """Return all that there is to say, the drawn quantities first."""
-        return [*self.drawn, *self.constants]
+        return [*self.drawn, *self.dependences, *self.constants]
 
     @property
-    def wrong(self) -> list[Drawn | Constant]:
+    def wrong(self) -> list[Drawn | Constant | Dependence]:
         """Return what is not the paper's."""
         return [found for found in self.found if not found.right]
 
@@ -117,9 +143,9 @@ def read_samples(path: Path) -> Iterator[dict[str, Any]]:
         If a line is no JSON object.
     """
     with open(path, "rb") as file:
-        for number, line in enumerate(iter(lambda: file.readline(LONGEST_LINE + 1), b""), 1):
-            if len(line) > LONGEST_LINE:
-                raise BadSamples(f"{path}: line {number}: longer than {LONGEST_LINE} bytes")
+        for number, line in enumerate(iter(lambda: file.readline(LONGEST_SCENE + 1), b""), 1):
+            if len(line) > LONGEST_SCENE:
+                raise BadSamples(f"{path}: line {number}: longer than {LONGEST_SCENE} bytes")
             if not line.strip():
                 continue
             try:
@@ -170,11 +196,12 @@ def judge_samples(scenes: Iterable[Mapping[str, Any]], source: str = "given") ->
     BadSamples
         If there are too few, or something else than numbers in them.
     """
-    draws: dict[tuple[float | None, ...], None] = {}
+    draws: dict[tuple[float | None, ...], int] = {}
     constants: dict[str, dict[float, None]] = {name: {} for name in _printed()}
     for number, scene in enumerate(scenes, 1):
         try:
-            draws[tuple(_number(scene, name) for name in DRAWN)] = None
+            draw = tuple(_number(scene, name) for name in DRAWN)
+            draws[draw] = draws.get(draw, 0) + 1
             for name, met in constants.items():
                 value = _number(scene, name)
                 if value is not None and len(met) < 3:
@@ -187,7 +214,9 @@ def judge_samples(scenes: Iterable[Mapping[str, Any]], source: str = "given") ->
         for name, column in columns.items()
     }
     most = max(map(len, given.values()), default=0)
-    if most < FEWEST:
+    total = sum(draws.values())
+    repeats = 0 < most < FEWEST <= total and total > MANY_TIMES * len(draws)
+    if most < FEWEST and not repeats:
         raise BadSamples(
             f"{source}: {most} different at-bats; {FEWEST} are needed to tell how they are drawn"
         )
@@ -200,7 +229,52 @@ def judge_samples(scenes: Iterable[Mapping[str, Any]], source: str = "given") ->
             for name, paper in _printed().items()
             if (found := _constant(name, paper, list(constants[name]))) is not None
         ],
+        dependences=[_repeating(len(draws), total)] if repeats else list(_dependences(columns)),
+        sees=min(1.0, CRITICAL / math.sqrt(max(most, 1))),
     )
+
+
+# A draw is there a few times if several restitutions are tried with it, and not so often.
+MANY_TIMES = 20
+
+
+def _repeating(different: int, total: int) -> Dependence:
+    return Dependence(
+        quantity="at-bats",
+        named=["repeating-stream"],
+        statistic=total / different,
+        sentence=f"at-bats: the stream repeats itself: {different} different ones in {total}",
+    )
+
+
+def _dependences(columns: Mapping[str, Sequence[float | None]]) -> Iterator[Dependence]:
+    """Yield pairs of quantities that hang together, and quantities that hang on their last draw.
+
+    By ranks, so that one random number behind both shows, however it is turned into them; and by
+    the distance of ranks from their middle, for one that is folded.
+    """
+    ranks = {
+        name: rankdata(np.array(values, float))
+        for name, values in columns.items()
+        if all(value is not None for value in values) and len(values) >= FEWEST
+    }
+    pairs = [(a, b, ranks[a], ranks[b]) for a, b in itertools.combinations(ranks, 2)]
+    pairs += [(a, f"the {a} before it", r[1:], r[:-1]) for a, r in ranks.items()]
+    for a, b, x, y in pairs:
+        n = len(x)
+        folded = [np.abs(r - (n + 1) / 2) for r in (x, y)]
+        sizes = [
+            abs(float(np.corrcoef(u, v)[0, 1])) * math.sqrt(n)
+            for u, v in itertools.product((x, folded[0]), (y, folded[1]))
+        ]
+        if max(sizes) > TOO_ALIKE:
+            yield Dependence(
+                quantity=f"{a} and {b}",
+                named=["dependence"],
+                statistic=max(sizes),
+                sentence=f"{a} hangs on {b}: the correlation of their ranks is "
+                f"{max(sizes) / math.sqrt(n):.2f}; draw a random number of its own for each",
+            )
 
 
 def _judge(quantity: str, values: Array) -> Drawn:

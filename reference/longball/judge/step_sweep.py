@@ -5,10 +5,11 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
-from longball.convergence import ConvergenceReport, converge
+from longball.convergence import ConvergenceReport, Sample, converge
 from longball.convergence.family import PHASES
-from longball.judge.answers import as_result
+from longball.judge.answers import Answer
 from longball.judge.candidate import Limits, run
 from longball.judge.cases import Case, decidable
 from longball.model.readings import Reading
@@ -50,6 +51,40 @@ def parse_steps(text: str) -> list[float]:
     return [coarse * (fine / coarse) ** (i / (count - 1)) for i in range(count)]
 
 
+def parse_knob(text: str) -> tuple[str, list[str]]:
+    """Return the name and the values of NAME=VALUES, the coarsest first.
+
+    VALUES are FROM:TO:COUNT, evenly spaced in their logarithm, or a list with commas, whose words
+    stand in the command as they are. They fall, as steps and tolerances do, or rise, as numbers of
+    steps and multipliers do.
+
+    Raises
+    ------
+    ValueError
+        If it is none.
+    """
+    name, _, values = text.partition("=")
+    try:
+        if not name.isidentifier():
+            raise ValueError
+        if ":" in values:
+            first, last, number = values.split(":")
+            a, b, count = float(first), float(last), int(number)
+            if not (0 < a < float("inf") and 0 < b < float("inf") and 2 <= count <= 1000):
+                raise ValueError
+            words = [repr(a * (b / a) ** (i / (count - 1))) for i in range(count)]
+        else:
+            words = [word.strip() for word in values.split(",")]
+        sizes = [float(word) for word in words]
+        if min(sizes) <= 0 or sorted(set(sizes)) not in (sizes, sizes[::-1]):
+            raise ValueError
+    except ValueError:
+        raise ValueError(
+            f"--knob {text}: NAME=FROM:TO:COUNT or NAME=VALUE,VALUE,… from coarse to fine"
+        ) from None
+    return name, words
+
+
 def sample(cases: Sequence[Case], families: Sequence[str] = ()) -> list[Case]:
     """Return the first few cases of some families, or of all, under the default reading."""
     plain = [case for case in cases if case.scene.reading == Reading() and decidable(case)]
@@ -69,6 +104,8 @@ class StepSweep:
     ----------
     steps, expected, phases
         See `longball.convergence.converge`.
+    knob, words
+        What else is varied than {dt}, and how its values are written; see `of_knob`.
     progress
         Called with the runs done, and how many there are.
     """
@@ -77,6 +114,29 @@ class StepSweep:
     expected: float | Mapping[str, float] | None = None
     phases: int = PHASES
     progress: Callable[[int, int], None] = lambda done, of: None
+    knob: str = "dt"
+    words: Sequence[str] = ()
+
+    @classmethod
+    def of_knob(cls, text: str, expected: float | None = None, **options: Any) -> StepSweep:
+        """Return a sweep over the values of NAME=VALUES; see `parse_knob`.
+
+        Where the values rise, as a number of steps does, order is counted in their inverse.
+        """
+        name, words = parse_knob(text)
+        sizes = [float(word) for word in words]
+        steps = [1 / size for size in sizes] if sizes[0] < sizes[-1] else sizes
+        return cls(steps, expected, phases=1, knob=name, words=words, **options)
+
+    def filled(self, command: Sequence[str]) -> list[str]:
+        """Return a command with the finest value of a knob in its place; as it is with {dt}."""
+        return self._with(command, min(self.steps)) if self.words else list(command)
+
+    def _with(self, command: Sequence[str], step: float) -> list[str]:
+        if not self.words:
+            return with_step(command, step)
+        word = dict(zip(self.steps, self.words, strict=True))[step]
+        return [part.replace("{" + self.knob + "}", word) for part in command]
 
     def run(
         self,
@@ -100,15 +160,20 @@ class StepSweep:
         until = time.monotonic() + limits.total_seconds
         stopped = False
 
-        def answers(step: float) -> Sequence[Result]:
+        def answers(step: float) -> Sequence[Result | Sample]:
             nonlocal stopped
             if stopped:
                 return []
             left = replace(limits, total_seconds=max(0.0, until - time.monotonic()))
-            ran = run(with_step(command, step), scenes, left)
+            ran = run(self._with(command, step), scenes, left)
             stopped = ran.status is None
-            issues.extend(f"dt = {step:g}: {issue}" for issue in ran.collected.issues)
-            return [as_result(answer) for answer in ran.collected.answers.values()]
+            issues.extend(
+                f"{self.knob} = {step:g}: {issue}"
+                for issue in ran.collected.issues
+                if issue.kind != "unknown key"
+            )
+            by_id = {scene.id: scene for scene in scenes}
+            return [_sample(answer, by_id[i]) for i, answer in ran.collected.answers.items()]
 
         report = converge(
             answers,
@@ -120,3 +185,16 @@ class StepSweep:
             progress=self.progress,
         )
         return report, issues
+
+
+def _sample(answer: Answer, scene: Scene) -> Sample:
+    """Return what is observed of an answer; points are landed first."""
+    if answer.path is not None:
+        from longball.judge.paths import landed
+
+        answer, _ = landed(scene, answer)
+    values: dict[str, Sequence[Any]] = dict(answer.values)
+    for name, value in answer.values.items():
+        if len(value) > 1:
+            values |= {f"{name}[{i}]": [x] for i, x in enumerate(value)}
+    return Sample(answer.id, answer.outcome, values, error=answer.error)

@@ -18,7 +18,7 @@ from longball.judge.answers import Answer, Collector
 from longball.judge.cases import Case, Exact, Profile
 from longball.judge.quantities import values_of
 from longball.judge.text import describe
-from longball.judge.verdict import check_requirable, compare
+from longball.judge.verdict import compare
 from longball.judge.verdict import failure as failure_of
 from longball.model.result import Result
 
@@ -27,7 +27,7 @@ def assert_case(
     case: Case,
     obtained: Any,
     profile: Profile | None = None,
-    require: tuple[str, ...] = (),
+    partial: bool = False,
 ) -> None:
     """Assert that a result is right, to the case's own tolerance.
 
@@ -37,24 +37,19 @@ def assert_case(
         From `cases`.
     obtained
         The result: a mapping with the keys of one, or what `longball.solve` returns. The id may be
-        left out, and so may whatever the implementation does not compute.
+        left out.
     profile
         How near is near enough; as near as double precision can come if not given.
-    require
-        Names of `longball.judge.verdict.REQUIRABLE` that must not be left out.
+    partial
+        Whether quantities may be left out that the implementation does not compute; not all.
 
     Raises
     ------
     AssertionError
         With a line for each quantity that is wrong: expected with its radius, obtained, the
         error and what is allowed; and the scene.
-    ValueError
-        If something required cannot be.
-    TypeError
-        If `obtained` is no result.
     """
     __tracebackhide__ = True  # pytest shows the caller's line
-    check_requirable(require)
     profile = profile or Exact()
     (truth,) = profile.truths([case])
     answer, faults = _answer(case, obtained)
@@ -63,11 +58,10 @@ def assert_case(
         if answer is not None and answer.error is not None:
             faults.append(f"no answer: {answer.error}")
         faults += [describe(fault) for fault in failure_of(comparison).faults]
-        faults += [
-            f"{name}: is missing"
-            for name in comparison.missing
-            if name in require or "all" in require
-        ]
+        if not partial:
+            faults += [f"{name}: is missing" for name in comparison.missing]
+        elif not comparison.measured and "outcome" in comparison.missing:
+            faults.append("nothing that could be judged")
     if faults:
         lines = "\n".join(f"  {fault}" for fault in dict.fromkeys(faults))
         flags = f" [{', '.join(case.flags)}]" if case.flags else ""

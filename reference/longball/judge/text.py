@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import json
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 
 from longball.convergence import ConvergenceReport
 from longball.judge.answers import quoted
-from longball.judge.diagnosis import Diagnosis
+from longball.judge.diagnosis import Diagnosis, Finding
 from longball.judge.sampling import Sampling
 from longball.judge.verdict import Failure, Fault, Row, Verdict
 
@@ -35,11 +36,15 @@ def render(verdict: Verdict, shown: int = SHOWN) -> str:
 
 def _head(verdict: Verdict) -> Iterator[str]:
     candidate = quoted(verdict.candidate, LONGEST_NAME)
-    yield f"{'PASSED' if verdict.passed else 'FAILED'}: {candidate}"
+    count = f" {verdict.complete} of {verdict.cases - len(verdict.undecidable)}"
+    whole = verdict.complete == verdict.cases - len(verdict.undecidable)
+    yield f"{verdict.status}{'' if whole and verdict.status != 'PARTIAL' else count}: {candidate}"
     if verdict.cases:
         yield from counts(verdict)
     for reason in verdict.reasons:
-        yield f"failed because: {reason}"
+        yield f"{'partial' if verdict.status == 'PARTIAL' else 'failed'} because: {reason}"
+    if verdict.would_pass_at is not None:
+        yield f"nothing would be wrong at --profile converged --tolerance {verdict.would_pass_at:g}"
 
 
 def counts(verdict: Verdict) -> Iterator[str]:
@@ -118,19 +123,38 @@ def _contacts(verdict: Verdict) -> Iterator[str]:
 def _diagnosis(diagnosis: Diagnosis | None) -> Iterator[str]:
     if diagnosis is None:
         return
-    yield f"diagnosis: {diagnosis.sentence}"
-    known = {suspect.name: suspect for suspect in diagnosis.suspects}
-    for name in diagnosis.named:
-        suspect = known[name]
-        yield f"  {name}: {suspect.remedy}"
-        if suspect.twins:
-            yield f"    the same answers to all these scenes: {', '.join(suspect.twins)}"
-    others = [s for s in diagnosis.suspects if s.name not in diagnosis.named]
-    if others:
-        listed = ", ".join(f"{s.name} {max(0.0, s.share or 0.0):.0%}" for s in others)
-        yield f"  others, each by itself: {listed}"
-    if diagnosis.invisible:
-        yield f"  not to be seen in these scenes: {', '.join(diagnosis.invisible)}"
+    if diagnosis.first:
+        yield f"where first: {diagnosis.first}"
+    yield from stage_sentences(diagnosis)
+    for finding in diagnosis.findings:
+        yield from finding_sentences(finding)
+    for sentence in diagnosis.conduct:
+        yield f"run twice: {sentence}"
+    if diagnosis.smallest:
+        yield f"a smallest scene that fails: {json.dumps(diagnosis.smallest, ensure_ascii=False)}"
+
+
+def stage_sentences(diagnosis: Diagnosis) -> Iterator[str]:
+    """Yield what follows from the candidate's own earlier values, and what does not."""
+    for row in diagnosis.stages:
+        if row.wrong:
+            yield (
+                f"  {row.stage} does not follow from what comes before it in {row.wrong} of "
+                f"{row.checked} scenes, by up to {row.worst:.1e} of the quantity ({row.example})"
+            )
+    if diagnosis.clean:
+        yield f"  follows in every scene: {', '.join(diagnosis.clean)}"
+
+
+def finding_sentences(finding: Finding) -> Iterator[str]:
+    """Yield what is behind the errors of a stage."""
+    word = {"named": "it", "probably": "probably it", "unexplained": "not explained:"}
+    share = f" (explains {finding.share:.2%} of the error)" if finding.share else ""
+    yield f"diagnosis: {finding.stage}: {word[finding.kind]} {finding.sentence}{share}"
+    if finding.remedy:
+        yield f"  {finding.remedy}"
+    if finding.scenes:
+        yield f"  exactly the scenes with {finding.scenes}"
 
 
 def _convergence(report: ConvergenceReport | None) -> Iterator[str]:
@@ -144,6 +168,7 @@ def _sampling(sampling: Sampling | None) -> Iterator[str]:
     if sampling is None:
         return
     yield f"sampling: {sampling.at_bats} different at-bats of {sampling.source}, beside the paper's"
+    yield f"  so many show differences of a distribution function of {sampling.sees:.2f} or more"
     for found in sampling.found:
         named = f" [{', '.join(found.named)}]" if found.named else ""
         yield f"  {'right' if found.right else 'WRONG'}  {found.sentence}{named}"
@@ -179,15 +204,22 @@ def describe(fault: Fault) -> str:
 
 def _joined(numbers: Sequence[str]) -> str:
     """Return numbers with no more digits than a double has."""
-    short = [n if len(n) <= 24 else f"{float(n):.17g}" for n in numbers]
+    short = [f"{float(n):.17g}" if len(n) > 24 and _is_number(n) else n for n in numbers]
     return short[0] if len(short) == 1 else f"({', '.join(short)})"
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
 
 
 def silence(verdict: Verdict, shown: int) -> Iterator[str]:
     """Yield what was not answered, or not judged."""
     for missing in verdict.missing:
-        required = " (required)" if missing.required else ""
-        yield f"left out: {missing.quantity} in {missing.cases} answers{required}"
+        yield f"left out: {missing.quantity} in {missing.cases} answers"
     if verdict.unanswered:
         yield f"without an answer: {_some(verdict.unanswered, shown)}"
     for unsolved in verdict.refused[:shown]:
@@ -198,7 +230,7 @@ def silence(verdict: Verdict, shown: int) -> Iterator[str]:
 
 def _issues(verdict: Verdict, shown: int) -> Iterator[str]:
     for issue in verdict.complaints[:shown]:
-        yield f"issue: {issue}"
+        yield f"{'note' if issue.kind == 'unknown key' else 'issue'}: {issue}"
     more = len(verdict.complaints) - shown + sum(verdict.complaints_left_out.values())
     if more > 0:
         yield f"issues: {more} more"

@@ -11,24 +11,35 @@ import json
 import math
 import sys
 from collections import Counter, defaultdict
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from datetime import UTC, datetime
+from decimal import Decimal
 from statistics import median
-from typing import Any
+from typing import Any, Literal
 
 from pydantic import Field
 
+from longball import __version__
 from longball.convergence import ConvergenceReport
 from longball.convergence.report import Frozen
 from longball.judge.answers import Answer, Collector, Issue
-from longball.judge.cases import FRAGILE, Case, Profile, attainable, decidable
+from longball.judge.cases import FRAGILE, TANGENTIAL, Case, Exact, Profile, attainable, decidable
 from longball.judge.diagnosis import Diagnosis
-from longball.judge.quantities import QUANTITIES, Value, difference, length, radii_of, values_of
+from longball.judge.quantities import (
+    BLOCKS,
+    PATH,
+    QUANTITIES,
+    Value,
+    difference,
+    length,
+    radii_of,
+    values_of,
+)
 from longball.judge.sampling import Sampling
 from longball.model.schema import FOLDER, published, text
 
-# What --require can name besides the quantities.
-REQUIRABLE = ("all", "answers", "outcome", *QUANTITIES)
+_ALL = QUANTITIES | PATH
 
 
 # --- one answer -----------------------------------------------------------------------------------
@@ -108,7 +119,8 @@ class Comparison:
         None if there was none.
     judged
         Whether there is a truth to judge by: the case has one, and not just in bits that double
-        precision does not have. A fragile case is judged if its outcome was hit.
+        precision does not have. A fragile case is judged if its outcome was hit; one whose
+        outcome hangs on errors that pass, if it was not refused.
     outcome_wrong
         Whether another outcome was given.
     measured
@@ -117,6 +129,8 @@ class Comparison:
         Quantities of the truth, or ``outcome``, that were left out.
     unreadable
         Quantities given that are no numbers.
+    superfluous
+        Blocks given that a scene with this outcome does not have.
     """
 
     case: Case
@@ -126,6 +140,7 @@ class Comparison:
     measured: tuple[Measured, ...] = ()
     missing: tuple[str, ...] = ()
     unreadable: tuple[str, ...] = ()
+    superfluous: tuple[str, ...] = ()
 
     @property
     def refused(self) -> bool:
@@ -136,16 +151,33 @@ class Comparison:
     def passed(self) -> bool:
         """Whether nothing is wrong; what is missing is not wrong."""
         return not (
-            self.outcome_wrong or self.unreadable or any(not m.passed for m in self.measured)
+            self.outcome_wrong
+            or self.unreadable
+            or self.superfluous
+            or any(not m.passed for m in self.measured)
         )
+
+    @property
+    def complete(self) -> bool:
+        """Whether there is an answer with all quantities of the truth."""
+        return self.answer is not None and not self.refused and not self.missing
 
 
 def compare(case: Case, answer: Answer | None, profile: Profile) -> Comparison:
     """Hold an answer against a case, one that the profile's `truths` returned."""
-    expected = values_of(case.expected)
     judged = decidable(case)
+    if answer is not None and answer.error is not None and _may_be_refused(case, profile):
+        judged = False
     if answer is None or answer.error is not None or not judged:
         return Comparison(case, answer, judged)
+    slack: Mapping[str, float] = {}
+    points: Mapping[str, tuple[Value, Value]] = {}
+    if answer.path is not None:
+        from longball.judge.paths import landed, worst_points
+
+        points = worst_points(case.scene, answer.path)
+        answer, slack = landed(case.scene, answer)
+    expected = values_of(case.expected)
     missing = [] if answer.outcome else ["outcome"]
     # Beside another outcome it is no wonder that a quantity is not there.
     wrong = answer.outcome not in (None, case.expected.outcome)
@@ -159,7 +191,18 @@ def compare(case: Case, answer: Answer | None, profile: Profile) -> Comparison:
             if not wrong:
                 missing.append(quantity)
             continue
-        measured.append(_measure(case, quantity, value, answer.values[quantity], profile))
+        one = _measure(case, quantity, value, answer.values[quantity], profile)
+        measured.append(_wider(one, slack.get(quantity, 0.0)))
+    for name, (true, given) in points.items():
+        allowed = profile.tolerance(case, "landing.position", true) if (
+            "landing.position" in expected) else Exact.of(length(true))  # fmt: skip
+        measured.append(
+            Measured(name, true, (Decimal(0),) * 3, given, difference(given, true), allowed,
+                     Exact.of(length(true)), length(true))
+        )  # fmt: skip
+    given_blocks = {name.partition(".")[0] for name in answer.values}
+    known_blocks = {name.partition(".")[0] for name in expected}
+    superfluous = () if wrong else tuple(b for b in BLOCKS if b in given_blocks - known_blocks)
     return Comparison(
         case,
         answer,
@@ -168,7 +211,22 @@ def compare(case: Case, answer: Answer | None, profile: Profile) -> Comparison:
         tuple(measured),
         tuple(missing),
         tuple(sorted(answer.unreadable)),
+        superfluous,
     )
+
+
+def _may_be_refused(case: Case, profile: Profile) -> bool:
+    """Tell whether errors that pass leave open what happens: nobody need answer then."""
+    if not {FRAGILE, TANGENTIAL}.isdisjoint(case.flags):
+        return True
+    margin = values_of(case.expected).get("contact.margin")
+    return margin is not None and length(margin) <= profile.tolerance(
+        case, "contact.margin", margin
+    )
+
+
+def _wider(measured: Measured, slack: float) -> Measured:
+    return Measured(**{**vars(measured), "tolerance": measured.tolerance + slack})
 
 
 def _measure(
@@ -214,7 +272,7 @@ class Row(Frozen):
 class Fault(Frozen):
     """What is wrong in one answer."""
 
-    what: str = Field(description="outcome, or a quantity")
+    what: str = Field(description="outcome, a quantity, or a block that does not belong there")
     expected: list[str]
     radius: list[str] = Field(description="proven radius of each number; 0 where none is proven")
     obtained: list[str]
@@ -253,7 +311,6 @@ class Missing(Frozen):
 
     quantity: str
     cases: int
-    required: bool
 
 
 class Unsolved(Frozen):
@@ -266,12 +323,23 @@ class Unsolved(Frozen):
 class Verdict(Frozen):
     """A candidate's answers beside the truth."""
 
+    status: Literal["PASSED", "PARTIAL", "FAILED"]
     passed: bool
     reasons: list[str] = Field(description="why it did not pass; empty if it did")
     candidate: str
+    version: str = Field(default=__version__, description="of longball")
+    date: str = Field(
+        default_factory=lambda: datetime.now(UTC).isoformat(timespec="seconds"),
+        description="when it was judged, UTC",
+    )
     profile: str
     truth: str = Field(description="where what counts as true comes from")
+    would_pass_at: float | None = Field(
+        description="the tolerance of the profile converged at which nothing would be wrong; null "
+        "if none helps, or nothing is wrong"
+    )
     cases: int
+    complete: int = Field(description="answered with all the quantities of their outcome")
     judged: int = Field(description="answered, and decidable in double precision")
     right: int = Field(description="judged, and nothing wrong")
     rows: list[Row]
@@ -290,9 +358,7 @@ class Verdict(Frozen):
     complaints_left_out: dict[str, int] = Field(description="of a kind, beyond those listed")
     standard_error: str = Field(description="its end")
     seconds: float | None
-    diagnosis: Diagnosis | None = Field(
-        default=None, description="which known mistakes explain the errors"
-    )
+    diagnosis: Diagnosis | None = Field(default=None, description="where, by how much, and why")
     convergence: ConvergenceReport | None = Field(
         default=None, description="what a family of time steps told"
     )
@@ -319,20 +385,6 @@ SCHEMA_FILE = FOLDER / "verdict.schema.json"
 def schema() -> dict[str, Any]:
     """Return the JSON Schema of a verdict; ``python -m longball.judge.verdict`` writes its file."""
     return published("verdict", Verdict.model_json_schema(mode="serialization"))
-
-
-def check_requirable(names: Iterable[str]) -> None:
-    """Raise a ValueError that names what is not in `REQUIRABLE`."""
-    for name in names:
-        if name not in REQUIRABLE:
-            raise ValueError(f"{name} cannot be required; {', '.join(REQUIRABLE)} can")
-
-
-def compare_all(
-    cases: Sequence[Case], answers: Mapping[str, Answer], profile: Profile
-) -> list[Comparison]:
-    """Hold answers, by scene, against cases that the profile's `truths` returned."""
-    return [compare(case, answers.get(case.id), profile) for case in cases]
 
 
 @dataclass(frozen=True)
@@ -366,7 +418,7 @@ def verdict(
     submission: Submission,
     profile: str,
     truth: str,
-    require: Collection[str] = (),
+    partial: bool = False,
     diagnosis: Diagnosis | None = None,
 ) -> Verdict:
     """Return the verdict on a candidate.
@@ -374,47 +426,51 @@ def verdict(
     Parameters
     ----------
     comparisons
-        From `compare_all`.
+        From `compare`.
     submission
         What was compared, and what else is known of the candidate.
     profile, truth
         By which rule it was compared, and with what.
-    require
-        What must not be missing: names of `REQUIRABLE`.
+    partial
+        Whether scenes and quantities may be left out.
     diagnosis
-        From `longball.judge.search`.
-
-    Raises
-    ------
-    ValueError
-        If something required is not in `REQUIRABLE`.
+        From `longball.judge.diagnosis`.
     """
-    check_requirable(require)
     judged = [c for c in comparisons if c.judged and c.answer is not None and not c.refused]
     failures = sorted((failure(c) for c in judged if not c.passed), key=lambda f: -f.excess)
-    unanswered = [c.case.id for c in comparisons if c.answer is None]
     refused = [
         Unsolved(id=c.case.id, reason=c.answer.error)
         for c in comparisons
         if c.judged and c.answer is not None and c.answer.error is not None
     ]
-    missing = _missing(comparisons, require)
     collected = submission.collected
     convergence, sampling = submission.convergence, submission.sampling
-    reasons = _reasons(comparisons, judged, failures, missing, collected)
-    if {"all", "answers"} & set(require) and (silent := len(unanswered) + len(refused)):
-        reasons.append(f"{silent} scenes without an answer, and answers are required")
+    reasons = _reasons(comparisons, judged, failures, collected)
     if convergence:
         reasons += [f"convergence: {fault}" for fault in convergence.faults]
     if sampling:
         reasons += [f"sampling: {found.sentence}" for found in sampling.wrong]
+    if diagnosis:
+        reasons += diagnosis.conduct
+    whole = [c for c in comparisons if c.judged]
+    complete = sum(c.complete for c in whole)
+    status: Literal["PASSED", "PARTIAL", "FAILED"] = "FAILED" if reasons else "PASSED"
+    if complete < len(whole) and not partial:
+        reasons.append(
+            f"{complete} of {len(whole)} scenes are answered with all their quantities; --partial "
+            "judges what there is"
+        )
+        status = "PARTIAL" if status == "PASSED" else status
     return Verdict(
+        status=status,
         passed=not reasons,
         reasons=reasons,
         candidate=submission.candidate,
         profile=profile,
         truth=truth,
+        would_pass_at=_would_pass_at(judged) if failures else None,
         cases=len(comparisons),
+        complete=complete,
         judged=len(judged),
         right=len(judged) - len(failures),
         rows=list(_rows(judged)),
@@ -422,8 +478,8 @@ def verdict(
         contacts_missed=[c.case.id for c in judged if _met(c) == (True, False)],
         contacts_invented=[c.case.id for c in judged if _met(c) == (False, True)],
         failures=failures,
-        missing=missing,
-        unanswered=unanswered,
+        missing=_missing(comparisons),
+        unanswered=[c.case.id for c in comparisons if c.answer is None],
         refused=refused,
         undecidable=[c.case.id for c in comparisons if not c.judged],
         complaints=sorted(collected.issues, key=lambda issue: issue.kind != "process"),
@@ -440,7 +496,6 @@ def _reasons(
     comparisons: Sequence[Comparison],
     judged: Sequence[Comparison],
     failures: Sequence[Failure],
-    missing: Sequence[Missing],
     collected: Collector,
 ) -> list[str]:
     reasons = []
@@ -450,11 +505,19 @@ def _reasons(
         reasons.append("the answers hold nothing that could be judged")
     if failures:
         reasons.append(f"{len(failures)} of {len(judged)} answers are wrong")
-    reasons += [f"{m.quantity} is missing in {m.cases} answers" for m in missing if m.required]
-    if issues := len(collected.issues) + sum(collected.left_out.values()):
+    if issues := collected.faults:
         noun = "issue" if issues == 1 else "issues"
         reasons.append(f"{issues} {noun} with its output or conduct")
     return reasons
+
+
+def _would_pass_at(judged: Sequence[Comparison]) -> float | None:
+    """Return the least error that would have to be allowed, rounded up to two digits."""
+    if any(c.outcome_wrong or c.unreadable or c.superfluous for c in judged):
+        return None
+    worst = max(m.error for c in judged for m in c.measured if not m.passed)
+    place = 10.0 ** (math.floor(math.log10(worst)) - 1)
+    return float(f"{math.ceil(worst / place) * place:.2g}")
 
 
 # A ball that stays in the air was met if there is an impact.
@@ -470,10 +533,10 @@ def _met(comparison: Comparison) -> tuple[bool | None, bool | None]:
     return expected, _MET.get(comparison.answer.outcome or "", True if struck else None)
 
 
-def _missing(comparisons: Iterable[Comparison], require: Collection[str]) -> list[Missing]:
+def _missing(comparisons: Iterable[Comparison]) -> list[Missing]:
     counted = Counter(name for c in comparisons for name in c.missing)
     return [
-        Missing(quantity=name, cases=counted[name], required="all" in require or name in require)
+        Missing(quantity=name, cases=counted[name])
         for name in ("outcome", *QUANTITIES)
         if counted[name]
     ]
@@ -498,7 +561,7 @@ def _rows(judged: Iterable[Comparison]) -> Iterable[Row]:
             groups[comparison.case.family, measured.quantity].append((comparison, measured))
     families = dict.fromkeys(family for family, _ in groups)
     for family in families:
-        for name, quantity in QUANTITIES.items():
+        for name, quantity in _ALL.items():
             if group := groups.get((family, name)):
                 yield _row(family, name, quantity.unit, group)
 
@@ -533,13 +596,17 @@ def failure(comparison: Comparison) -> Failure:
     """Return what is wrong in a comparison; nothing may be."""
     case, answer = comparison.case, comparison.answer
     expected, radii = values_of(case.expected), radii_of(case.expected)
+    outcome = case.expected.outcome
     faults = []
     if comparison.outcome_wrong:
-        outcome = answer.outcome if answer else None
-        faults.append(_fault("outcome", [case.expected.outcome], (), [outcome]))
+        faults.append(_fault("outcome", [outcome], (), [answer.outcome if answer else None]))
     faults += [
         _fault(name, expected.get(name, ()), radii.get(name, ()), ["not a number"])
         for name in comparison.unreadable
+    ]
+    faults += [
+        _fault(block, [f"nothing: a {outcome} scene has none"], (), ["numbers"])
+        for block in comparison.superfluous
     ]
     faults += [
         _fault(m.quantity, m.expected, m.radius, m.obtained, m.error, m.tolerance)

@@ -1,0 +1,305 @@
+"""Numbers that a candidate acts as if it had: by how much is it off, and of what.
+
+For every scene the value of a parameter is found that explains a stage best, by Gauss and Newton's
+method. If these values are the same in all scenes, the candidate has a number of its own, whatever
+the scene says; if they are the same multiple of the scene's value, it has a factor too many.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from longball.judge.stages import NONE, STAGES, Change, Trial, follow, with_values
+from longball.model.quantities import at
+
+Array = NDArray[np.float64]
+
+_FLIGHT = ("pitch", "flight")
+_COLLISION = STAGES[3:10]
+
+# What is fitted, at which stages: the numbers of a scene that the stage depends on.
+PARAMETERS: dict[str, tuple[str, ...]] = {
+    "gravity": _FLIGHT,
+    "air.density": _FLIGHT,
+    "air.drag_coefficient": _FLIGHT,
+    "air.lift_coefficient": _FLIGHT,
+    "launch.speed": ("flight",),
+    "launch.height": ("flight",),
+    "pitch.speed": ("pitch",),
+    "pitch.release[2]": ("pitch",),
+    "pitch.aim[0]": ("pitch",),
+    "pitch.aim[1]": ("pitch",),
+    "ball.mass": ("pitch", "flight", *_COLLISION),
+    "ball.radius": ("pitch", "touching", "flight", "landing"),
+    "ball.restitution": ("restitution", "flight"),
+    "bat.mass": ("restitution", "impulse", "energy"),
+    "bat.length": ("bat velocity", "restitution"),
+    "bat.radius": ("touching", "restitution"),
+    "swing.angular_speed": ("bat velocity",),
+    "swing.tilt": ("bat velocity",),
+    "swing.height_offset": ("touching", "normal"),
+    "ground.height": ("landing",),
+}
+
+
+def value_of(scene: Any, name: str) -> float | None:
+    """Return the scene's own value of a parameter; None if it has none."""
+    if name == "launch.speed":
+        return math.hypot(*scene.launch.velocity) if scene.kind == "flight" else None
+    if name == "launch.height":
+        return float(scene.launch.position[2]) if scene.kind == "flight" else None
+    try:
+        found = at(scene, name)
+    except ValueError:
+        return None
+    return None if found is None else float(found)
+
+
+def with_parameter(scene: Any, name: str, value: float) -> Any:
+    """Return a scene with another value of a parameter."""
+    if name == "launch.speed":
+        factor = value / math.hypot(*scene.launch.velocity)
+        velocity = tuple(factor * v for v in scene.launch.velocity)
+        return with_values(scene, {"launch.velocity": velocity})  # type: ignore[dict-item]
+    if name == "launch.height":
+        x, y, _ = scene.launch.position
+        return with_values(scene, {"launch.position": (x, y, value)})  # type: ignore[dict-item]
+    block, bracket, index = name.partition("[")
+    if not bracket:
+        return with_values(scene, {name: value})
+    held = list(at(scene, block))
+    held[int(index[:-1])] = value
+    return with_values(scene, {block: tuple(held)})  # type: ignore[dict-item]
+
+
+def residuals(trial: Trial, change: Change, stages: Iterable[str]) -> Array:
+    """Return the relative errors that a change leaves in some stages."""
+    wanted = frozenset(stages)
+    errors = np.array(
+        [
+            (o - e) / check.scale
+            for check in follow(trial, change, wanted)
+            if check.stage in wanted
+            for e, o in zip(check.expected, check.obtained, strict=True)
+        ]
+    )
+    return np.where(np.isfinite(errors), errors, 1.0)
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A parameter, what the candidate has in its place, and how far that is known.
+
+    Attributes
+    ----------
+    form
+        "fixed": the value whatever the scene says; "factor": times the scene's; "offset": added.
+    value, doubt
+        Half the range of nine tenths of the scenes.
+    varies
+        Whether the scenes have different values, so that the forms can be told apart.
+    usual
+        The scene's value, where it is always the same.
+    """
+
+    parameter: str
+    form: str
+    value: float
+    doubt: float
+    varies: bool
+    usual: float = math.nan
+
+    @property
+    def change(self) -> Change:
+        """The chain with that value."""
+
+        def change(scene: Any) -> Any:
+            own = value_of(scene, self.parameter)
+            if own is None or (own == 0.0 and self.form == "factor"):
+                return scene
+            match self.form:
+                case "fixed":
+                    new = self.value
+                case "factor":
+                    new = own * self.value
+                case _:
+                    new = own + self.value
+            return with_parameter(scene, self.parameter, new)
+
+        return Change(change)
+
+    @property
+    def roundness(self) -> float:
+        """How many digits the number needs, in hundredths: people choose round ones."""
+        if factor_meaning(self.value, self.doubt) and self.form == "factor":
+            return 0.0
+        return len(f"{self.value:.10g}".replace(".", "").strip("-0")) / 100
+
+    @property
+    def sentence(self) -> str:
+        """What the candidate does."""
+        number = told(self.value, self.doubt)
+        meant = meaning(self)
+        match self.form:
+            case "fixed":
+                whatever = "whatever the scene says" if self.varies else f"and not {self.usual:.6g}"
+                return f"acts as if {self.parameter} = {number}{meant}, {whatever}"
+            case "factor":
+                factor = f"acts as if {self.parameter} were {number} times the scene's{meant}"
+                if not self.varies:
+                    factor += f": {self.value * self.usual:.6g} for {self.usual:.6g}"
+                return factor
+        return f"acts as if {self.parameter} were the scene's plus {number}{meant}"
+
+
+def roundest(value: float, doubt: float, size: float = 1.0) -> float:
+    """Return the number with the fewest digits that is as near as the doubt; people choose those.
+
+    A usual factor comes before it, and zero for what is nothing beside `size`.
+    """
+    if abs(value) <= 1e-9 * size:
+        return 0.0
+    for factor, _ in _FACTORS:
+        if abs(value - factor) <= doubt and doubt < 1e-3 * abs(factor):
+            return factor
+    for digits in range(1, 10):
+        if abs((short := float(f"{value:.{digits}g}")) - value) <= doubt:
+            return short
+    return value
+
+
+def told(value: float, doubt: float) -> str:
+    """Return a value with its interval, to the digits that this leaves."""
+    if doubt <= 1e-9 * abs(value):
+        return f"{value:.9g}"
+    places = min(12, max(0, 1 - math.floor(math.log10(doubt))))
+    return f"{value:.{places}f} ± {doubt:.1g}"
+
+
+# What a factor is, if it is one of these.
+_FACTORS = (
+    (3.280839895, "feet for metres"), (0.3048, "metres for feet"), (3.6, "km/h for m/s"),
+    (1 / 3.6, "m/s for km/h"), (2.2369362921, "mph for m/s"), (0.44704, "m/s for mph"),
+    (180 / math.pi, "degrees for radians"), (math.pi / 180, "radians for degrees"),
+    (39.37007874, "inches for metres"), (0.0254, "metres for inches"), (1000.0, "g for kg, or mm"),
+    (0.001, "kg for g, or m"), (100.0, "cm for m"), (0.01, "m for cm"), (2.0, "doubled"),
+    (0.5, "halved"), (4.0, "a diameter for a radius, squared"), (-1.0, "the sign"),
+    (math.pi, "a π too many"), (1 / math.pi, "a π is missing"), (2.20462262, "pounds for kg"),
+    (0.45359237, "kg for pounds"), (1.466666667, "ft/s for mph"), (math.sqrt(2), "a √2 too many"),
+    (math.sqrt(0.5), "a √2 is missing"),
+)  # fmt: skip
+
+
+FACTORS = tuple(factor for factor, _ in _FACTORS)
+
+
+def factor_meaning(value: float, doubt: float = 0.0) -> str | None:
+    """Return what a factor is, if it is a usual one."""
+    for factor, name in _FACTORS:
+        if abs(value - factor) <= max(3 * doubt, 1e-6 * abs(factor)) and doubt < 0.01 * abs(factor):
+            return name
+    return None
+
+
+def meaning(fit: Fit) -> str:
+    """Return what a fitted factor is, in brackets; nothing if it is no usual one."""
+    name = factor_meaning(fit.value, fit.doubt) if fit.form == "factor" else None
+    return f" ({name})" if name else ""
+
+
+ROUNDS = 8
+
+# A parameter that explains none of so many scenes is not looked at further.
+FIRST = 3
+
+
+def implied(
+    trial: Trial, name: str, stages: Iterable[str], base: Change = NONE
+) -> tuple[float, float] | None:
+    """Return the value of a parameter that explains a trial best, and the share it leaves.
+
+    None if the trial does not depend on it.
+    """
+    own = value_of(base.scene(trial.scene), name)
+    if own is None or (own == 0.0 and name.startswith("air.")):
+        return None
+    wanted = frozenset(stages)
+
+    def off(value: float) -> Array:
+        return residuals(trial, base.then(Change(lambda s: with_parameter(s, name, value))), wanted)
+
+    value, r = own, off(own)
+    first = size = float(np.linalg.norm(r))
+    if not r.size or first == 0.0:
+        return None
+    for count in range(ROUNDS):
+        if count == 3 and size > 0.7 * first:
+            break  # it leads nowhere
+        h = 1e-6 * max(abs(value), 1e-3)
+        ahead = off(value + h)
+        if ahead.shape != r.shape:
+            return None
+        slope = (ahead - r) / h
+        steep = float(slope @ slope)
+        if steep == 0.0:
+            return None
+        move, better = -float(slope @ r) / steep, False
+        for _ in range(5):
+            trying = off(value + move)
+            if trying.shape == r.shape and float(np.linalg.norm(trying)) < size:
+                value, r, better = value + move, trying, True
+                break
+            move /= 4
+        if not better:
+            break
+        old, size = size, float(np.linalg.norm(r))
+        if size > 0.999 * old or abs(move) < 1e-12 * abs(value) or size < 1e-13:
+            break
+    return value, size / first
+
+
+def fits(
+    trials: Sequence[Trial], name: str, stages: Iterable[str], base: Change = NONE
+) -> list[Fit]:
+    """Return the forms in which a parameter may explain some trials, each with its value."""
+    found: list[tuple[float, float | None]] = []
+    for count, trial in enumerate(trials):
+        if count == FIRST and not found:
+            return []
+        one = implied(trial, name, stages, base)
+        if one is not None and one[1] < 0.5:
+            found.append((one[0], value_of(base.scene(trial.scene), name)))
+    if len(found) < max(1, len(trials) // 3):
+        return []
+    values = np.array([v for v, _ in found])
+    own = np.array([o for _, o in found], float)
+    varies = bool(np.ptp(own) > 1e-9 * np.abs(own).max(initial=0.0))
+    forms: list[tuple[str, Callable[[], Array]]] = [
+        ("fixed", lambda: values),
+        ("factor", lambda: values / own),
+        ("offset", lambda: values - own),
+    ]
+    result = []
+    for form, make in forms:
+        if form == "factor" and (own == 0).any():
+            continue
+        if form == "fixed" and not varies and factor_meaning(float(np.median(values / own))):
+            continue  # the factor says more
+        if form == "offset" and not varies and not name.endswith("height"):
+            continue
+        spread = make()
+        low, middle, high = np.quantile(spread, (0.05, 0.5, 0.95))
+        doubt = float(high - low) / 2
+        size = 1.0 if form == "factor" else float(np.abs(own).max())
+        value = roundest(float(middle), max(doubt, 1e-9 * abs(float(middle))), size)
+        fit = Fit(name, form, value, doubt, varies, float(own[0]))
+        if form == "factor" and not varies and not factor_meaning(fit.value, doubt):
+            continue  # the number itself says as much
+        result.append(fit)
+    return result

@@ -1,0 +1,137 @@
+"""Answers that are points: judged at their own times, and landed by longball.
+
+A simulator that returns the way of its ball, and no landing, answers with ``path``. Its points are
+held against the true path as they are. The landing, or the plate of a pitch, is found on a
+polynomial through those next to it: eight points, or four with velocities, if there are so many.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+from decimal import Decimal
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import KroghInterpolator
+from scipy.optimize import brentq
+
+from longball.engines.chain import solve_with_path
+from longball.engines.ivp import Ivp
+from longball.judge.answers import Answer
+from longball.judge.quantities import Value
+from longball.model.scene import ImpactScene, landing_height
+
+Array = NDArray[np.float64]
+
+MOST_JUDGED = 2_000  # points, evenly chosen
+
+
+def worst_points(scene: Any, path: Array) -> dict[str, tuple[Value, Value]]:
+    """Return the worst point, and the worst velocity, each beside the truth at its time."""
+    if isinstance(scene, ImpactScene):
+        return {}
+    _, truth = solve_with_path(scene, Ivp())
+    if not truth.legs:
+        return {}
+    inside = path[(path[:, 0] >= 0) & (path[:, 0] <= float(truth.end))]
+    if len(inside) > MOST_JUDGED:
+        inside = inside[np.linspace(0, len(inside) - 1, MOST_JUDGED).astype(int)]
+    if not len(inside):
+        return {}
+    true = np.array(truth.sample(inside[:, 0].tolist()))
+    found = {}
+    for name, given, right in (
+        ("path.position", inside[:, 1:4], true[:, :3]),
+        ("path.velocity", inside[:, 4:7], true[:, 3:]),
+    ):
+        if given.shape[1] == 3:
+            worst = int(np.linalg.norm(given - right, axis=1).argmax())
+            found[name] = _value(right[worst]), _value(given[worst])
+    return found
+
+
+def landed(scene: Any, answer: Answer) -> tuple[Answer, Mapping[str, float]]:
+    """Return an answer with what its points say of the landing or the plate.
+
+    Returns
+    -------
+    answer
+        What it says itself stays as it is.
+    slack
+        How far interpolation may be off, by quantity, in its unit.
+    """
+    path = answer.path
+    assert path is not None
+    if isinstance(scene, ImpactScene):
+        return answer, {}
+    block = "plate" if scene.kind == "pitch" else "landing"
+    heights = path[:, 1] if block == "plate" else path[:, 3] - landing_height(scene)
+    crossing = _crossing(heights)
+    if crossing is None:
+        return answer, {}
+    fine, coarse = (_met(path, crossing, order, block, scene) for order in (8, 6))
+    if fine is None or coarse is None:
+        return answer, {}
+    begin = 0.0
+    if block == "landing":
+        if "contact.time" in answer.values:
+            begin = float(answer.values["contact.time"][0])
+        fine["landing.hang_time"] = fine["landing.time"] - begin
+        coarse["landing.hang_time"] = coarse["landing.time"] - begin
+    slack = {name: float(np.linalg.norm(fine[name] - coarse[name])) for name in fine}
+    values = {name: _value(x) for name, x in fine.items()} | dict(answer.values)
+    outcome = answer.outcome or {"flight": "landed", "pitch": "crossed", "at-bat": "batted"}[
+        scene.kind
+    ]  # fmt: skip
+    return replace(answer, values=values, outcome=outcome), slack  # type: ignore[arg-type]
+
+
+def _crossing(heights: Array) -> int | None:
+    """Return the number of the point behind the crossing; of the last, if it is a step away."""
+    fallen = np.flatnonzero((heights[1:] <= 0) & (heights[:-1] > 0))
+    if fallen.size:
+        return int(fallen[0]) + 1
+    return len(heights) - 1 if 2 * heights[-1] - heights[-2] <= 0 else None
+
+
+def _met(path: Array, crossing: int, order: int, block: str, scene: Any) -> dict[str, Array] | None:
+    """Return when and where a polynomial through `order` numbers next to a crossing is met."""
+    count = order // 2 if path.shape[1] == 7 else order
+    low = max(0, min(crossing - count // 2, len(path) - count))
+    near = path[low : low + count]
+    start = near[0, 0]
+    times, places = near[:, 0] - start, near[:, 1:4]
+    if path.shape[1] == 7:
+        times = np.repeat(times, 2)
+        places = np.stack([places, near[:, 4:7]], axis=1).reshape(-1, 3)
+    curve = KroghInterpolator(times, places)
+    axis = 0 if block == "plate" else 2
+    level = 0.0 if block == "plate" else landing_height(scene)
+    before, after = path[crossing - 1, 0] - start, path[crossing, 0] - start
+    step = after - before
+
+    def height(t: float) -> float:
+        return float(curve(t)[axis]) - level
+
+    if height(after) > 0:  # the path ends above the ground: at most one step goes on
+        before, after = after, after + step
+    if not height(before) >= 0 >= height(after):
+        return None
+    time = brentq(height, before, after, xtol=1e-15)
+    position, velocity = curve(time), curve.derivative(time)
+    position[axis] = level
+    found = {
+        f"{block}.time": np.array([start + time]),
+        f"{block}.position": position,
+        f"{block}.velocity": velocity,
+    }
+    if block == "landing":
+        found["landing.distance"] = np.array([math.hypot(position[0], position[1])])
+    return found
+
+
+def _value(numbers: Array) -> Value:
+    return tuple(Decimal(repr(float(x))) for x in np.atleast_1d(numbers))

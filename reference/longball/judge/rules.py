@@ -1,0 +1,172 @@
+"""Which scenes fail: the smallest rule over their fields and flags, and the smallest such scene."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any
+
+from pydantic import ValidationError
+
+from longball.judge.cases import Case
+from longball.model.quantities import numbers, replaced
+from longball.model.readings import Reading
+from longball.model.scene import KINDS, Scene
+
+Features = dict[str, Any]
+
+
+def features(case: Case) -> Features:
+    """Return what a rule may speak of: numbers, switches, flags, kind and family."""
+    scene: Any = case.scene
+    found: Features = {name: float(value) for name, value in numbers(scene)}
+    found |= {f"reading.{name}": value for name, value in scene.reading}
+    found |= {f"flag {flag}": True for flag in case.flags}
+    found |= {"kind": scene.kind, "family": case.family}
+    found["outcome"] = case.expected.outcome
+    if hasattr(scene, "air"):
+        found["air"] = "null" if scene.air is None else "given"
+    landing = case.expected.landing
+    if landing is not None:
+        found["landing.velocity[0] > 0"] = float(landing.velocity[0]) > 0
+    return found
+
+
+def rule(failing: Sequence[Case], passing: Sequence[Case]) -> str | None:
+    """Return the smallest rule that holds for all that fail and none that pass; None without one.
+
+    One condition, or two of which both must hold.
+    """
+    if not failing or not passing:
+        return None
+    wrong, right = [*map(features, failing)], [*map(features, passing)]
+    conditions = list(_conditions(wrong, right))
+    half = []
+    for text, holds in conditions:
+        # Every failing scene must be told; those that pass are cut away.
+        if not all(map(holds, wrong)):
+            continue
+        left = [f for f in right if holds(f)]
+        if not left:
+            return text
+        half.append((len(left), text, holds, left))
+    half.sort(key=lambda one: one[0])
+    for _, text, _, left in half[:12]:
+        for _, other, holds, _ in half[:40]:
+            if not any(map(holds, left)):
+                return f"{text} and {other}"
+    return None
+
+
+Condition = tuple[str, Callable[[Features], bool]]
+
+
+def _conditions(wrong: Sequence[Features], right: Sequence[Features]) -> Iterator[Condition]:
+    everything = [*wrong, *right]
+    names = dict.fromkeys(name for f in everything for name in f)
+    for name in names:
+        values = [f[name] for f in wrong if name in f]
+        if not values:
+            if name.startswith("flag "):
+                yield f"not flagged {name[5:]}", lambda f, n=name: n not in f  # type: ignore[misc]
+            continue
+        others = [f[name] for f in right if name in f]
+        if name.startswith("flag "):
+            yield f"flagged {name[5:]}", lambda f, n=name: n in f  # type: ignore[misc]
+            continue
+        if len(set(values)) == 1:
+            text = f"{name} = {_told(values[0])}"
+            yield text, lambda f, n=name, v=values[0]: f.get(n) == v  # type: ignore[misc]
+        if not others:
+            continue
+        usual = Counter(others).most_common(1)[0][0]
+        text = f"{name} ≠ {_told(usual)}"
+        yield text, lambda f, n=name, v=usual: n in f and f[n] != v  # type: ignore[misc]
+        if isinstance(values[0], float) and not isinstance(values[0], bool):
+            low, high = min(values), max(values)
+            if below := [v for v in others if v < low]:
+                mid = _between(max(below), low)
+                text = f"{name} > {mid:g}"
+                yield text, lambda f, n=name, v=mid: n in f and f[n] > v  # type: ignore[misc]
+            if above := [v for v in others if v > high]:
+                mid = _between(high, min(above))
+                text = f"{name} < {mid:g}"
+                yield text, lambda f, n=name, v=mid: n in f and f[n] < v  # type: ignore[misc]
+
+
+def _told(value: Any) -> str:
+    return f"{value:g}" if isinstance(value, float) else str(value)
+
+
+def _between(a: float, b: float) -> float:
+    """Return a short number that is above a, and below b or b itself."""
+    for digits in range(1, 17):
+        short = float(f"{(a + b) / 2:.{digits}g}")
+        if a < short < b:
+            return short
+    return (a + b) / 2
+
+
+# --- the smallest scene ---------------------------------------------------------------------------
+
+# Of what a scene may say, what is plainest: the default where there is one, else these.
+_PLAIN = {"launch.position": (0.0, 0.0, 1.0), "launch.velocity": (30.0, 0.0, 20.0)}
+
+LARGEST_SHRINKS = 6
+
+
+def simpler(scene: Scene) -> list[Any]:
+    """Return scenes with one block or number of a scene made plain, each with an id of its own."""
+    made: list[Any] = []
+    fields = type(scene).model_fields
+
+    def add(change: Callable[[], Any]) -> None:
+        try:
+            new = change()
+        except (ValidationError, ValueError):
+            return  # together with the rest it is no scene
+        if new.line() != scene.line():
+            made.append(new)
+
+    if scene.reading != Reading():
+        add(lambda: type(scene).model_validate(scene.model_dump() | {"reading": {}}))
+    for block in ("air", "ball", "bat", "ground", "swing", "pitch", "gravity", "time_limit"):
+        if block in fields and not fields[block].is_required():
+            add(
+                lambda b=block: KINDS[scene.kind].model_validate(  # type: ignore[misc]
+                    {k: v for k, v in scene.model_dump().items() if k != b}
+                )
+            )
+    for name, value in numbers(scene):
+        for digits in (1, 2, 3):
+            short = float(f"{value:.{digits}g}")
+            if short != value:
+                add(lambda n=name, v=short: replaced(scene, {n: v}))  # type: ignore[misc]
+                break
+    unique = {new.line(): new for new in made}
+    return [new.model_copy(update={"id": f"shrunk-{i}"}) for i, new in enumerate(unique.values())]
+
+
+def shrunk(scene: Any, fails: Callable[[Sequence[Any]], Sequence[bool]]) -> Any:
+    """Return a scene that fails still, with as little in it as a few rounds take out.
+
+    Parameters
+    ----------
+    fails
+        Tells of scenes whether the candidate fails in them, all at once.
+    """
+    for _ in range(LARGEST_SHRINKS):
+        tried = simpler(scene)
+        if not tried:
+            break
+        failing = [s for s, bad in zip(tried, fails(tried), strict=True) if bad]
+        if not failing:
+            break
+        # The plainest, and whatever else is compatible comes in the next round.
+        scene = min(failing, key=lambda s: (len(_spoken(s)), len(s.line())))
+    return scene.model_copy(update={"id": "shrunk"})
+
+
+def _spoken(scene: Any) -> str:
+    """Return what a scene says besides the defaults."""
+    return str(scene.model_dump(exclude_defaults=True))

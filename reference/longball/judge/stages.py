@@ -1,0 +1,560 @@
+"""Whether each stage of an answer follows from the candidate's own earlier values.
+
+From the plate that a candidate reports, the bat's height; from its point of contact, the normal and
+the bat's velocity; from its restitution, the impulse; from its velocity after the impact, the
+flight. Every stage is computed with longball's own parts from what the candidate says of the stages
+before, so that a mistake shows where it is made and not in what comes after it. Where the candidate
+says nothing, longball's own value stands in.
+
+A flight is looked at twice: where the ball is on its path at the candidate's own time, and whether
+the event that ends it is met there. The first tests the law and the integrator, the second the
+landing.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+from longball.engines import chain
+from longball.engines.chain import MODEL, ContactState, Model, OneCase
+from longball.engines.engine import CannotSolve, Engine, Launch, Stepped
+from longball.engines.ivp import Ivp
+from longball.engines.path import Leg
+from longball.engines.verlet import Verlet
+from longball.judge.answers import Answer
+from longball.judge.cases import SLACK, Case, attainable
+from longball.judge.quantities import length, values_of
+from longball.model.bat import lever_arm
+from longball.model.impact import energy_change
+from longball.model.numbers import DOUBLES, Undecided
+from longball.model.scene import FlightScene, ImpactScene, Scene, landing_height
+
+Numbers = tuple[float, ...]
+
+# In the order in which a scene goes through them.
+STAGES = (
+    "pitch", "plate", "touching", "normal", "bat velocity", "normal speed", "restitution",
+    "impulse", "velocity after", "energy", "flight", "landing", "time", "distance",
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Change:
+    """The one chain with something else in it: what a mistake is, or a fitted number.
+
+    Attributes
+    ----------
+    scene
+        What is done to the scene before it is solved.
+    model
+        The forces and the collision.
+    engine
+        Who flies.
+    push
+        Whether the bat pushes for two steps of the paper's scheme, as Appendix B has it.
+    """
+
+    scene: Callable[[Any], Any] = lambda scene: scene
+    model: Model = MODEL
+    engine: Engine[float] = field(default_factory=Ivp)
+    push: bool = False
+
+    def then(self, other: Change) -> Change:
+        """Return this change with another one on top."""
+        # A scheme stays under another law; of two that are as good as exact the later one counts.
+        keeps = isinstance(self.engine, Verlet) and not isinstance(other.engine, Verlet)
+        return Change(
+            lambda scene: other.scene(self.scene(scene)),
+            other.model if other.model is not MODEL else self.model,
+            self.engine if keeps or other.engine == Ivp() else other.engine,
+            self.push or other.push,
+        )
+
+
+NONE = Change()
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A case, and what a candidate says of it, in doubles."""
+
+    case: Case
+    given: Mapping[str, Numbers]
+    outcome: str | None = None
+    resolution: float = 0.0
+
+    @property
+    def scene(self) -> Any:
+        """What was asked."""
+        return self.case.scene
+
+
+@dataclass(frozen=True)
+class Check:
+    """A quantity that follows from earlier ones, or does not.
+
+    Attributes
+    ----------
+    stage, quantity
+        Where, and what.
+    expected
+        What follows from the candidate's earlier values.
+    obtained
+        What it says.
+    tolerance
+        What rounding may do.
+    scale
+        The size that the error is relative to.
+    """
+
+    stage: str
+    quantity: str
+    expected: Numbers
+    obtained: Numbers
+    tolerance: float
+    scale: float
+
+    @property
+    def error(self) -> float:
+        """The length of the difference; as large as the quantity where there is none."""
+        error = math.dist(self.expected, self.obtained)
+        return error if math.isfinite(error) else self.scale
+
+    @property
+    def follows(self) -> bool:
+        """Whether the error is within the tolerance."""
+        return self.error <= self.tolerance
+
+
+# Values given that are no state that a ball can be in, or parts that contradict each other.
+_NO_STATE = (CannotSolve, Undecided, ArithmeticError, ValueError, KeyError, IndexError)
+
+
+def trial_of(case: Case, answer: Answer) -> Trial:
+    """Return a case and its answer in doubles."""
+    given = {name: tuple(map(float, value)) for name, value in answer.values.items()}
+    return Trial(case, given, answer.outcome, _resolution(answer))
+
+
+def _resolution(answer: Answer) -> float:
+    """Return half a unit in the last place written, if numbers are written with few decimals."""
+    places = [
+        -int(x.as_tuple().exponent) for value in answer.values.values() for x in value if x % 1
+    ]
+    if not places or max(places) > 12:
+        return 0.0
+    return 0.5 * 10.0 ** -max(places)
+
+
+# What the rounding of the numbers handed on does to the next stage: an impulse is thirty times a
+# restitution, and a ball lands a hundred metres away.
+HANDED_ON = 300.0
+
+
+def follow(trial: Trial, change: Change = NONE, only: Iterable[str] = STAGES) -> list[Check]:
+    """Return what follows from a candidate's own earlier values, stage by stage.
+
+    Parameters
+    ----------
+    trial
+        What the candidate says.
+    change
+        What is done otherwise than in longball.
+    only
+        The stages to look at.
+    """
+    try:
+        return list(_Following(trial, change).checks(frozenset(only)))
+    except _NO_STATE:
+        return []
+
+
+@dataclass(frozen=True)
+class Placed:
+    """Where a point that a candidate gives lies beside the true path.
+
+    Attributes
+    ----------
+    off
+        Distance from the path, m.
+    clock
+        How much later its time is than that of the nearest point of the path, s.
+    moved
+        Distance from where the ball is at its time, m.
+    time
+        The candidate's, s since the flight begins.
+    """
+
+    off: float
+    clock: float
+    moved: float
+    time: float
+
+
+def placed(trial: Trial, change: Change, stage: str) -> Placed | None:
+    """Place a landing, or with "pitch" a plate, on the true path; None if it cannot be."""
+    following = _Following(trial, change)
+    try:
+        list(following.checks(frozenset([stage])))
+    except _NO_STATE:
+        return None
+    if following.flown is None:
+        return None
+    leg, flown, point = following.flown
+    time = flown
+    try:
+        for _ in range(20):
+            place, velocity = _at(leg, time)
+            square = sum(v * v for v in velocity)
+            along = sum((p - x) * v for p, x, v in zip(point, place, velocity, strict=True))
+            time += along / square
+            if abs(along / square) < 1e-14 * max(abs(time), 1.0):
+                break
+        nearest, there = _at(leg, time)[0], _at(leg, flown)[0]
+    except (ArithmeticError, ValueError):
+        return None
+    return Placed(math.dist(nearest, point), flown - time, math.dist(there, point), flown)
+
+
+def view_values(
+    trial: Trial, change: Change
+) -> tuple[Any, Mapping[str, Numbers], Numbers, float] | None:
+    """Return what formulas are made of: scene, values so far, velocity before, bat's height."""
+    following = _Following(trial, change)
+    try:
+        list(following.checks(frozenset(STAGES)))
+        before, height = (0.0, 0.0, 0.0), 0.0
+        if trial.scene.kind in ("impact", "at-bat") and trial.case.expected.impact is not None:
+            before, height = following.before, following.height  # type: ignore[assignment]
+    except _NO_STATE:
+        return None
+    return following.scene, {**following.own, **following.given}, before, height
+
+
+class _Following:
+    """One trial under one change."""
+
+    def __init__(self, trial: Trial, change: Change) -> None:
+        self.trial, self.change = trial, change
+        self.given = trial.given
+        self.scene: Any = change.scene(trial.scene)
+        self.expected = values_of(trial.case.expected)
+        self.own: dict[str, Numbers] = {}
+        self.meeting: chain.Meeting[float] | None = None
+        # The leg that a point lies on, when, s since it begins, and the point, m.
+        self.flown: tuple[Leg[float], float, Numbers] | None = None
+
+    def checks(self, only: frozenset[str]) -> Iterable[Check]:
+        kind = self.scene.kind
+        if kind in ("pitch", "at-bat") and {"pitch", "plate"} & only:
+            yield from self._pitch()
+        outcome = self.trial.case.expected.outcome
+        struck = outcome in ("batted", "struck") or (
+            outcome == "airborne" and self.trial.case.expected.impact is not None
+        )
+        if kind == "at-bat" and "touching" in only and outcome in ("batted", "missed"):
+            yield from self._touching()
+        if struck and set(STAGES[3:10]) & only:
+            yield from self._collision(only)
+        if outcome in ("batted", "landed") and set(STAGES[10:]) & only:
+            yield from self._flight()
+
+    # --- the parts, each from what is given ---------------------------------------------------
+
+    def _case(self, scene: Any = None) -> OneCase[float]:
+        return OneCase(scene or self.scene, self.change.engine, self.change.model)
+
+    def has(self, name: str) -> Numbers | None:
+        """Return what the candidate says, or what longball computes in its place."""
+        return self.given.get(name) or self.own.get(name)
+
+    @cached_property
+    def thrown(self) -> tuple[Leg[float], dict[str, Any]]:
+        """The pitch, and the plate where it crosses it."""
+        case = self._case()
+        chain.reach_plate(case)
+        self.own |= {k: _tuple(v) for k, v in case.answer.items() if k != "outcome"}
+        return case.legs[0], case.answer
+
+    @cached_property
+    def height(self) -> float:
+        """Of the bat's axis, m, from the candidate's own plate."""
+        if isinstance(self.scene, ImpactScene):
+            return self.scene.incoming.bat_height
+        _ = self.thrown
+        plate = self.has("plate.position")
+        assert plate is not None
+        return plate[2] + float(self.scene.swing.height_offset)
+
+    @cached_property
+    def met(self) -> dict[str, Any]:
+        """How the true pitch meets the bat where the candidate's plate puts it."""
+        _, plate = self.thrown
+        offset = self.height - plate["plate.position"][2]
+        swing = self.scene.swing.model_copy(update={"height_offset": offset})
+        case = self._case(self.scene.model_copy(update={"swing": swing}))
+        _, self.meeting = chain.meet_bat(case)
+        for name in ("contact.time", "contact.position", "contact.margin"):
+            if name in case.answer:
+                self.own.setdefault(name, _tuple(case.answer[name]))
+        return case.answer
+
+    @cached_property
+    def before(self) -> Numbers:
+        """The ball's velocity at the contact, before the impact."""
+        if isinstance(self.scene, ImpactScene):
+            return self.scene.incoming.velocity
+        leg, _ = self.thrown
+        if "contact.time" not in self.given:
+            _ = self.met
+        if isinstance(self.change.engine, Verlet):  # that of the step before, as printed
+            _ = self.met
+            if self.meeting is not None:
+                return self.meeting.contact.velocity
+        time, plate = self.has("contact.time"), self.given.get("plate.velocity")
+        assert time is not None
+        velocity = _at(leg, time[0])[1]
+        if plate is None:
+            return velocity
+        at = self.given.get("plate.time") or self.own["plate.time"]
+        off = [a - b for a, b in zip(plate, _at(leg, at[0])[1], strict=True)]
+        return tuple(v + o for v, o in zip(velocity, off, strict=True))
+
+    # --- the stages -----------------------------------------------------------------------------
+
+    def _pitch(self) -> Iterable[Check]:
+        leg, plate = self.thrown
+        if "plate.time" not in plate:
+            return
+        time, position = self.given.get("plate.time"), self.given.get("plate.position")
+        if time and position:
+            place, velocity = _at(leg, time[0])
+            self.flown = leg, time[0], position
+            yield self._check("pitch", "plate.position", place)
+            yield from self._maybe("pitch", "plate.velocity", velocity)
+            yield self._event("plate", "plate.position", 0.0, position[0])
+        else:
+            for name in ("plate.time", "plate.position", "plate.velocity"):
+                yield from self._maybe("pitch", name, _tuple(plate[name]))
+
+    def _touching(self) -> Iterable[Check]:
+        met = self.met
+        yield from self._maybe("touching", "contact.margin", _tuple(met["contact.margin"]))
+        time, position = self.given.get("contact.time"), self.given.get("contact.position")
+        if "contact.time" not in met:
+            return
+        yield from self._maybe("touching", "contact.time", _tuple(met["contact.time"]))
+        if position:
+            reach = self.scene.ball.radius + self.scene.bat.radius
+            gap = math.hypot(position[0], position[2] - self.height) - reach
+            yield self._event("touching", "contact.position", 0.0, gap)
+            # In the paper's steps the ball goes to the bat on a line of its own (Appendix B).
+            exact = time is not None and not isinstance(self.change.engine, Verlet)
+            place = (
+                _at(self.thrown[0], time[0])[0]
+                if time and exact
+                else _tuple(met["contact.position"])
+            )
+            yield self._check("touching", "contact.position", place)
+
+    def _collision(self, only: frozenset[str]) -> Iterable[Check]:
+        position = self._contact_position()
+        case, before = self._case(), self.before
+        incoming = getattr(self.scene, "incoming", None)
+        spin = None if incoming is None or incoming.spin is None else _three(incoming.spin)
+        ball = chain.Ball(_three(position), _three(before), spin)
+        _, contact = chain.meet(case, ball, self.height, 0.0)[:2]
+        for key in ("normal", "bat_velocity"):
+            self.own[f"contact.{key}"] = _tuple(case.answer[f"contact.{key}"])
+            yield from self._maybe(
+                key.replace("_", " "), f"contact.{key}", self.own[f"contact.{key}"]
+            )
+        normal, bat = self.has("contact.normal"), self.has("contact.bat_velocity")
+        assert normal is not None
+        assert bat is not None
+        speed = sum((v - b) * n for v, b, n in zip(before, bat, normal, strict=True))
+        self.own["contact.normal_speed"] = (speed,)
+        yield from self._maybe("normal speed", "contact.normal_speed", (speed,))
+        if not {"restitution", "impulse", "velocity after", "energy", "flight"} & only:
+            return
+        closing = (self.has("contact.normal_speed") or (speed,))[0]
+        arm = lever_arm(position[1], self.scene.bat, DOUBLES)
+        if contact is None or closing >= 0:
+            return
+        contact = replace(
+            contact,
+            normal=_three(normal),
+            bat_velocity=_three(bat),
+            lever_arm=arm,
+            normal_speed=closing,
+        )
+        yield from self._impact(contact)
+
+    def _impact(self, contact: ContactState[float]) -> Iterable[Check]:
+        struck = self.change.model.collide(self._case(), contact, 0.0)[1]
+        yield from self._maybe("restitution", "impact.restitution", (struck.restitution,))
+        e = (self.given.get("impact.restitution") or (struck.restitution,))[0]
+        push = struck.impulse * (1 + e) / (1 + struck.restitution)
+        yield from self._maybe("impulse", "impact.impulse", (push,))
+        given = self.given.get("impact.impulse")
+        more = (given[0] if given else push) - struck.impulse
+        mass = self.scene.ball.mass
+        after = tuple(
+            v + more * n / mass for v, n in zip(struck.velocity, contact.normal, strict=True)
+        )
+        self.own["impact.velocity"] = after
+        yield from self._maybe("velocity after", "impact.velocity", after)
+        if struck.spin is not None:
+            yield from self._maybe("velocity after", "impact.spin", struck.spin)
+        energy = struck.energy_change
+        if self.scene.bat.friction is None:
+            reduced = -struck.impulse / ((1 + struck.restitution) * contact.normal_speed)
+            energy = energy_change(reduced, e, contact.normal_speed)
+        yield from self._maybe("energy", "impact.energy_change", (energy,))
+
+    def _contact_position(self) -> Numbers:
+        if isinstance(self.scene, ImpactScene):
+            return self.scene.incoming.position
+        if "contact.position" not in self.given:
+            _ = self.met
+        position = self.has("contact.position")
+        assert position is not None
+        return position
+
+    def _flight(self) -> Iterable[Check]:
+        begin = 0.0
+        if isinstance(self.scene, FlightScene):
+            start, velocity = self.scene.launch.position, self.scene.launch.velocity
+        else:
+            start = _three(self._contact_position())
+            if "contact.time" not in self.given:
+                _ = self.met
+            if "impact.velocity" not in self.given:
+                list(self._collision(frozenset(STAGES)))
+            velocity = _three(self.has("impact.velocity") or ())
+            begin = (self.has("contact.time") or (0.0,))[0]
+        given = self.given
+        case = self._case()
+        launch = self._pushed(case, Launch(start, velocity, begin, 0.0))
+        chain.land(case, launch, "batted")
+        hang, time = given.get("landing.hang_time"), given.get("landing.time")
+        position = given.get("landing.position")
+        floor = landing_height(self.scene)
+        since = [hang[0] - launch.delay] if hang else []
+        since += [time[0] - launch.time] if time else []
+        if position and since:
+            # Of two times that contradict each other the one that the place belongs to counts.
+            flown = min(since, key=lambda t: math.dist(_at(case.legs[0], t)[0], position))
+            if abs(since[0] - since[-1]) < 1e-9:
+                flown = since[0] = since[-1] = since[0]
+            place, speed = _at(case.legs[0], flown)
+            self.flown = case.legs[0], flown, position
+            yield self._check("flight", "landing.position", place)
+            yield from self._maybe("flight", "landing.velocity", speed)
+            yield self._event("landing", "landing.position", floor, position[2])
+        elif "landing.time" in case.answer:
+            for name in ("landing.position", "landing.velocity", "landing.hang_time"):
+                yield from self._maybe("flight", name, _tuple(case.answer[name]))
+        if time and hang and position and flown == since[-1] != since[0]:
+            yield self._check("time", "landing.hang_time", (time[0] - begin,))
+        elif time and hang:
+            yield self._check("time", "landing.time", (begin + hang[0],))
+        elif time and not position:
+            yield from self._maybe("flight", "landing.time", _tuple(case.answer["landing.time"]))
+        if position:
+            yield from self._maybe("distance", "landing.distance", (math.hypot(*position[:2]),))
+        elif "landing.distance" in case.answer:
+            stage = "flight"
+            yield from self._maybe(
+                stage, "landing.distance", _tuple(case.answer["landing.distance"])
+            )
+
+    def _pushed(self, case: OneCase[float], launch: Launch[float]) -> Launch[float]:
+        """Return where the ball is set free, if the bat pushes for two steps."""
+        engine = self.change.engine
+        if not (self.change.push and isinstance(engine, Stepped) and self.scene.kind == "at-bat"):
+            return launch
+        _ = self.met
+        if self.meeting is None:
+            return launch
+        pitch, touch = self.meeting.approach.pitch, self.meeting.approach.touch
+        delta_v = tuple(a - b for a, b in zip(launch.velocity, self.before, strict=True))
+        return engine.rebound(
+            pitch.frame, touch, _three(delta_v), case.law, case.ground(pitch.start)
+        )
+
+    # --- checks ---------------------------------------------------------------------------------
+
+    def _tolerance(self, quantity: str) -> float:
+        """Return what rounding may do to a quantity, and few decimals to what follows from it."""
+        case, size = self.trial.case, length(self.expected.get(quantity, ()))
+        own = attainable(case, quantity) if quantity in self.expected else 0.0
+        # Numbers handed on have been rounded: a few hundred half ulps, where the truth has none.
+        # Under another law than ours the steps of SciPy's methods err by more.
+        rounding = 1e-12 if self.change.model is MODEL else 1e-9
+        return max(SLACK * own, rounding * max(1.0, size)) + HANDED_ON * self.trial.resolution
+
+    def _scale(self, quantity: str) -> float:
+        return max(length(self.expected.get(quantity, ())), 1e-3)
+
+    def _check(self, stage: str, quantity: str, expected: Numbers) -> Check:
+        obtained = self.given[quantity]
+        return Check(
+            stage, quantity, expected, obtained, self._tolerance(quantity), self._scale(quantity)
+        )
+
+    def _maybe(self, stage: str, quantity: str, expected: Numbers) -> Iterable[Check]:
+        if quantity in self.given:
+            yield self._check(stage, quantity, expected)
+
+    def _event(self, stage: str, quantity: str, expected: float, obtained: float) -> Check:
+        return Check(
+            stage,
+            f"{quantity}: event",
+            (expected,),
+            (obtained,),
+            self._tolerance(quantity),
+            1.0,
+        )
+
+
+def _at(leg: Leg[float], time: float) -> tuple[Numbers, Numbers]:
+    """Return position and velocity at a time, s since the leg begins, or a little before."""
+    path = leg.flight.path
+    if time < 0:
+        piece = next(path.pieces())
+        state = piece.at(max(time, -piece.length))
+    else:
+        state = path.at(time)
+    return leg.frame.position(state), leg.frame.velocity(state)
+
+
+def _tuple(value: Any) -> Numbers:
+    return tuple(map(float, value)) if isinstance(value, tuple) else (float(value),)
+
+
+def _three(values: Any) -> tuple[float, float, float]:
+    x, y, z = map(float, values)
+    return x, y, z
+
+
+def with_values(scene: Scene, values: Mapping[str, float]) -> Any:
+    """Return a scene with other numbers, as they are: no one who errs validates them.
+
+    Names are those of `longball.model.quantities`; what the scene does not have stays out.
+    """
+    changed: Any = scene
+    for name, value in values.items():
+        block, _, key = name.partition(".")
+        if not key:
+            if hasattr(changed, block):
+                changed = changed.model_copy(update={block: value})
+            continue
+        held = getattr(changed, block, None)
+        if held is not None and hasattr(held, key):
+            changed = changed.model_copy(update={block: held.model_copy(update={key: value})})
+    return changed

@@ -1,0 +1,190 @@
+"""Fresh scenes, points for answers, functions for candidates, CSV for JSON."""
+
+from __future__ import annotations
+
+import io
+import json
+import math
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from longball.engines.chain import solve, solve_with_path
+from longball.engines.ivp import Ivp
+from longball.judge import serve
+from longball.judge.answers import Collector
+from longball.judge.cases import Converged, Exact, solved
+from longball.judge.evaluation import Judge
+from longball.judge.fresh import as_csv, proven, random_scenes, usual_constants
+from longball.judge.step_sweep import StepSweep, parse_knob
+from longball.judge.verdict import Submission, compare
+from longball.model.scene import Scene
+from tests.judge.material import flights, pitches
+
+
+def test_random_scenes_are_the_same_for_the_same_seed_and_of_all_kinds():
+    first, again, other = (list(random_scenes(8, seed)) for seed in (3, 3, 4))
+    assert first == again
+    assert first != other
+    assert {scene.kind for scene in first} == {"flight", "pitch", "impact", "at-bat"}
+
+
+def test_fresh_scenes_are_proven_and_right():
+    cases = proven(list(random_scenes(4, 1)))
+    assert all(float(case.expected.contact.normal_speed.radius) < 1e-15
+               for case in cases if case.scene.kind == "impact")  # fmt: skip
+    for case in cases:
+        line = solve(case.scene, Ivp()).line().encode()
+        collector = Collector([case.id])
+        collector.take_line(1, line)
+        assert compare(case, collector.answers[case.id], Exact()).passed
+
+
+def test_the_usual_constants_are_all_there():
+    scenes = usual_constants()
+    assert len({(s.gravity, s.air.density) for s in scenes}) == 16
+
+
+def path_answer(scene: Scene, step: float, width: int, beyond: float = 0.05) -> dict:
+    """Return points on the true path, a step apart."""
+    result, truth = solve_with_path(scene, Ivp())
+    end = float(truth.end)
+    times = np.arange(0.0, end + beyond, step)
+    leg = truth.legs[0]
+    rows = []
+    for t in times.tolist():
+        state = leg.flight.path.at(t)
+        rows.append([t, *leg.frame.position(state), *leg.frame.velocity(state)][:width])
+    assert result.outcome in ("landed", "crossed")
+    return {"id": scene.id, "path": rows}
+
+
+def judged(scenes: list[Scene], answers: list[dict], profile=None):
+    cases = solved(scenes, Ivp())
+    collector = Collector([case.id for case in cases])
+    for number, answer in enumerate(answers, 1):
+        collector.take_line(number, json.dumps(answer).encode())
+    judge = Judge(cases, profile or Converged(1e-6), diagnose=False)
+    return judge.evaluate(Submission("points", collector))
+
+
+@pytest.mark.parametrize("width", [4, 7])
+def test_points_are_judged_and_landed(width: int):
+    scenes = [*flights()[:5], *pitches()]
+    verdict = judged(scenes, [path_answer(s, 0.01, width) for s in scenes]).verdict
+    assert verdict.passed, verdict.reasons
+    assert {row.quantity for row in verdict.rows} >= {"path.position", "landing.distance"}
+
+
+def test_a_path_that_stops_a_step_above_the_ground_is_landed():
+    scenes = flights()[:3]
+    answers = [path_answer(s, 0.01, 7, beyond=0.0) for s in scenes]
+    assert judged(scenes, answers).verdict.passed
+
+
+def test_points_off_the_path_are_told():
+    scene = flights()[2]
+    answer = path_answer(scene, 0.01, 7)
+    answer["path"][50][2] += 0.01
+    (failure,) = judged([scene], [answer]).verdict.failures
+    fault = failure.faults[0]
+    assert fault.what == "path.position"
+    assert fault.error == pytest.approx(0.01)
+
+
+@pytest.mark.parametrize(
+    ("points", "why"),
+    [
+        ([], "two points or more"),
+        ([[0, 0, 0, 1]], "two points or more"),
+        ([[0, 0, 0, 1], [1, 0, 0, 1], [0.5, 0, 0, 1]], "time does not go on at point 2"),
+        ([[0, 0, 0, 1], [0, 0, 0, 1]], "time does not go on"),
+        ([[0, 0, 0, 1], [1, 0, math.nan, 1]], "point 1 is"),
+        ([[0, 0, 0, 1], [1, 0, 1]], "point 1 is"),
+        ([[0, 0, 0, 1], "x"], "point 1 is"),
+        ([[float(i), 0, 0, 1] for i in range(100_001)], "100001 points"),
+        (7, "two points or more"),
+    ],
+)
+def test_what_is_no_path_is_told(points: object, why: str):
+    evaluation = judged([flights()[0]], [{"id": flights()[0].id, "path": points}])
+    assert not evaluation.verdict.passed
+    assert any(why in str(issue) for issue in evaluation.verdict.complaints)
+
+
+def test_a_function_becomes_a_candidate():
+    def vacuum(state, parameters):
+        x, y, z, vx, vy, vz = state
+        g = parameters["gravity"]
+        times = np.linspace(0, 4, 401)
+        return np.array(
+            [times, x + vx * times, y + vy * times, z + vz * times - g / 2 * times**2]
+        ).T
+
+    scene = flights()[0].model_copy(update={"air": None})
+    impact = '{"kind": "impact", "id": "i", "incoming": {"position": [0.0696, 0, 1], "velocity": [-30, 0, 0], "bat_height": 1}}'  # noqa: E501
+    out = io.StringIO()
+    serve(vacuum, [scene.line(), impact], out)
+    answer, refused = map(json.loads, out.getvalue().splitlines())
+    assert judged([scene], [answer]).verdict.passed
+    assert "only flights and pitches" in refused["error"]
+
+
+def test_scenes_and_results_as_csv(tmp_path: Path):
+    source = tmp_path / "candidate.py"
+    source.write_text(
+        "import csv, sys\n"
+        "rows = csv.DictReader(sys.stdin)\n"
+        "print('id,outcome,plate.time')\n"
+        "for row in rows:\n"
+        "    print(row['id'] + ',crossed,' + str(float(row['pitch.release[0]'])))\n",
+        encoding="utf-8",
+    )
+    scenes = pitches()
+    judge = Judge(solved(scenes, Ivp()), Converged(100.0), partial=True, diagnose=False)
+    verdict = judge.evaluate_command([sys.executable, str(source)], table=True).verdict
+    assert verdict.passed, verdict.reasons
+    assert verdict.judged == len(scenes)
+    header = next(as_csv(scenes)).decode()
+    assert header.startswith("id,kind,")
+
+
+def test_state_kept_between_scenes_and_random_answers_are_told(tmp_path: Path):
+    source = tmp_path / "candidate.py"
+    text = (
+        "import json, random, sys\n"
+        "n = 0\n"
+        "for line in sys.stdin:\n"
+        "    n += 1\n"
+        "    made = {'id': json.loads(line)['id'], 'plate': {'time': VALUE}}\n"
+        "    print(json.dumps(made), flush=True)\n"
+    )
+    judge = Judge(solved(pitches(), Ivp()), Converged(100.0), partial=True)
+    for value, why in (("n / 100", "depends on the scenes before"), ("random.random()", "not det")):
+        source.write_text(text.replace("VALUE", value), encoding="utf-8")
+        verdict = judge.evaluate_command([sys.executable, str(source)]).verdict
+        assert any(why in reason for reason in verdict.reasons), verdict.reasons
+
+
+@pytest.mark.parametrize(
+    ("text", "name", "words"),
+    [
+        ("n=10,20,40,80,160", "n", ["10", "20", "40", "80", "160"]),
+        ("tol=1e-3:1e-5:3", "tol", ["0.001", "0.0001", "1e-05"]),
+    ],
+)
+def test_a_knob_has_a_name_and_values(text: str, name: str, words: list[str]):
+    found = parse_knob(text)
+    assert found[0] == name
+    assert [float(w) for w in found[1]] == pytest.approx([float(w) for w in words])
+
+
+def test_a_knob_that_rises_is_a_number_of_steps():
+    sweep = StepSweep.of_knob("n=10,20,40,80,160")
+    assert sweep.steps == pytest.approx([0.1, 0.05, 0.025, 0.0125, 0.00625])
+    assert sweep.filled(["x", "--n={n}"]) == ["x", "--n=160"]
+    for wrong in ("n=3,1,2", "n", "n=0,1", "2=1,2", "n=a,b"):
+        with pytest.raises(ValueError, match="from coarse to fine"):
+            parse_knob(wrong)
