@@ -163,7 +163,7 @@ class TestSolve:
             (["homerun", "--reading", "cell_width=-1"], "cell_width"),
             (["homerun", "--reading", "fig7_parameters=x"], "caption, text"),
             (["homerun", "--reading", "verlet_forces=implicit"], "--engine verlet --forces"),
-            (["solve", "--engine", "verlet", "--root", "middle"], "first, larger"),
+            (["solve", "--engine", "verlet", "--root", "middle"], "'first', 'larger'"),
             (["homerun", "--set", "bat.mess=1"], "bat.mess"),
             (["homerun", "--set", "pitch.speed=40"], "pitch.speed"),
             (["homerun", "--set", "air=null", "--set", "air.density=1"], "air"),
