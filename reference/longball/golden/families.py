@@ -13,6 +13,15 @@ from typing import get_args
 
 from longball.golden.case_builder import Draft, between, five_digits, shares
 from longball.golden.hard import hard
+from longball.golden.real import (
+    at_bat_real,
+    flight_real,
+    flight_spin_decay,
+    flight_spin_drag,
+    flight_spin_lift,
+    flight_weather,
+    flight_wind,
+)
 from longball.home_run import draw, paper_at_bats, scenes, with_restitution
 from longball.model.readings import EffectiveMass, Inertia, Reading, SamplingReading, readings_of
 from longball.model.scene import (
@@ -286,4 +295,11 @@ FAMILIES: dict[str, Family] = {
     "impact": impact,
     "at-bat": at_bat,
     "hard": hard,
+    "flight-spin-lift": flight_spin_lift,
+    "flight-spin-drag": flight_spin_drag,
+    "flight-spin-decay": flight_spin_decay,
+    "flight-wind": flight_wind,
+    "flight-weather": flight_weather,
+    "flight-real": flight_real,
+    "at-bat-real": at_bat_real,
 }
