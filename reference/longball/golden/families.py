@@ -15,6 +15,17 @@ from longball.golden.case_builder import Draft, between, five_digits, shares
 from longball.golden.fences import fence
 from longball.golden.hard import hard
 from longball.golden.oblique import impact_oblique
+from longball.golden.real import (
+    at_bat_real,
+    flight_kinks,
+    flight_real,
+    flight_spin_decay,
+    flight_spin_drag,
+    flight_spin_lift,
+    flight_weather,
+    flight_wind,
+    hard_real,
+)
 from longball.home_run import draw, paper_at_bats, scenes, with_restitution
 from longball.model.readings import EffectiveMass, Inertia, Reading, SamplingReading, readings_of
 from longball.model.scene import (
@@ -290,4 +301,13 @@ FAMILIES: dict[str, Family] = {
     "hard": hard,
     "impact-oblique": impact_oblique,
     "fence": fence,
+    "flight-spin-lift": flight_spin_lift,
+    "flight-spin-drag": flight_spin_drag,
+    "flight-spin-decay": flight_spin_decay,
+    "flight-wind": flight_wind,
+    "flight-weather": flight_weather,
+    "flight-real": flight_real,
+    "at-bat-real": at_bat_real,
+    "flight-kinks": flight_kinks,
+    "hard-real": hard_real,
 }

@@ -47,21 +47,25 @@ LEVELS = {
 FLAGS = {
     "airborne": "Made to be in the air still when the time limit is over.",
     "at-release": "Ball and bat touch at the release, or all but.",
-    "blown-back": "The wind takes the ball over the fence and back.",
     "bat-end": "Touching at |y| = L/2, where the bat ends, or within rounding of it.",
+    "blown-back": "The wind takes the ball over the fence and back.",
     "closed-form": "The solution is known in elementary functions (longball.model.exact).",
+    "decay": "The spin is gone after some metres.",
     "dip": "Lift turns the falling ball up again, just above or just below the ground.",
     "extreme": "Sizes far from baseball.",
     "fragile": "A step of 2^-50 of some input, a few ulps, changes the outcome or leaves none: an "
     "implementation in double precision that answers otherwise, or not at all, need not be wrong.",
     "friction": "Ball and bat rub.",
-    "grip-slide": "Friction has from 1e-3 down to 1e-15 of itself to spare, or too little by that.",
     "grazing": "The margin between touching and missing the bat is from 1e-3 down to 1e-15 m.",
+    "grip-slide": "Friction has from 1e-3 down to 1e-15 of itself to spare, or too little by that.",
+    "gyro": "The spin is along the velocity, or all but, or hardly there.",
+    "kink": "The ball comes near a kink of a law or of the wind, or crosses it.",
     "loops": "The path loops.",
     "many-digits": "30 digits of work did not decide the outcome or reach the promised radius; "
     "expected.engine says how many did, or how many were tried in vain.",
     "on-ground": "Launched from the ground's own height.",
     "perpendicular": "Ball and bat neither approach nor separate, or hardly.",
+    "profile": "A wind that grows with the logarithm of the height.",
     "reading": "A reading of the paper other than the default: see scene.reading.",
     "refused": "The scene has no solution by the contract; the expected result is an error.",
     "rest": "The speed vanishes on the way, or nearly: the equations are not smooth there.",
@@ -76,8 +80,8 @@ FLAGS = {
     "undecided": "The outcome could not be proven; the expected result is an error that says why. "
     "An implementation that answers must say how it knows.",
     "vertex": "The ball passes a corner of the fence, or its end, within 1e-3 down to 1e-15 m.",
-    "wide": "A radius is larger than the header promises.",
     "vertical": "The path is vertical, or passes the vertical.",
+    "wide": "A radius is larger than the header promises.",
 }
 
 
