@@ -30,16 +30,6 @@ from longball.model.scene import parse_scene
 from longball.model.schema import schemas as contract_schemas
 
 CASES = golden.load("all")
-# Switches of the extended model, which no family uses yet.
-EXTENDED = {
-    "spin_parameter",
-    "drag_spin",
-    "spin_decay",
-    "wind_acts_on",
-    "pressure",
-    "fence_clearance",
-    "distance_origin",
-}
 
 
 def test_the_set_is_what_its_files_say_and_a_sample_is_solved_again():
@@ -204,7 +194,7 @@ def test_all_outcomes_and_every_reading_that_matters_are_there():
         for case in CASES
         for switch, value in case.scene.reading.model_dump().items()
     }
-    assert {switch for switch, _ in used} == set(Reading.model_fields) - EXTENDED
+    assert {switch for switch, _ in used} == set(Reading.model_fields)
     assert {value for switch, value in used if switch == "inertia"} == {"thin_rod", "about_centre"}
 
 

@@ -17,7 +17,6 @@ from longball.golden.hard import hard
 from longball.golden.oblique import impact_oblique
 from longball.golden.real import (
     at_bat_real,
-    flight_kinks,
     flight_real,
     flight_spin_decay,
     flight_spin_drag,
@@ -308,6 +307,5 @@ FAMILIES: dict[str, Family] = {
     "flight-weather": flight_weather,
     "flight-real": flight_real,
     "at-bat-real": at_bat_real,
-    "flight-kinks": flight_kinks,
     "hard-real": hard_real,
 }

@@ -16,7 +16,18 @@ def header(folder: Path = DATA) -> Header:
 
 
 # Families of the extended model.
-EXTENDED = ("impact-oblique", "fence")
+EXTENDED = (
+    "impact-oblique",
+    "fence",
+    "flight-spin-lift",
+    "flight-spin-drag",
+    "flight-spin-decay",
+    "flight-wind",
+    "flight-weather",
+    "flight-real",
+    "at-bat-real",
+    "hard-real",
+)
 
 
 def load(family: str | None = None, folder: Path = DATA) -> list[Case]:

@@ -13,7 +13,6 @@ from typing import Any
 from longball.golden.case_builder import Draft, between, five_digits, shares
 from longball.model.air import (
     Air,
-    BilinearLift,
     ConstantLift,
     CrisisDrag,
     LinearLift,
@@ -134,19 +133,28 @@ def flight_spin_drag() -> Iterator[Draft]:
 
 
 def flight_wind() -> Iterator[Draft]:
-    """Wind, the same everywhere or logarithmic over grass; on drag and lift, or on drag alone."""
-
-    def air(i: int, a: float, b: float, c: float) -> Air:
-        x, y, z = _direction(a, b, between(1.0, 9.0, c))
-        wind: Point | WindProfile = (x, y, z if i % 3 == 0 else 0.0)
-        if i % 6 == 5:
-            wind = WindProfile(velocity=(x, y, 0.0), height=between(5.0, 15.0, a), roughness=0.03)
-        return Air(wind=wind, drag_coefficient=0.35, lift_coefficient=NATHAN_LIFT)
-
-    def reading(i: int) -> Reading:
-        return Reading(wind_acts_on=("both", "drag")[i // 2 % 2])
-
-    return _flights("flight-wind", "in a wind", air, reading)
+    """Wind from ahead, behind, below and aside; on drag and lift, or on drag alone."""
+    for i in range(PLANAR_COUNT):
+        a, b, c, d, e, *_ = shares(i)
+        speed, elevation = between(20.0, 52.0, a), math.radians(between(2.0, 65.0, b))
+        side = 1.0 if i % 2 else -1.0
+        aside = between(-6.0, 6.0, d) if i % 8 == 7 else 0.0
+        upwards = between(-2.0, 2.0, e) if i % 3 == 0 else 0.0
+        read = Reading(wind_acts_on=("both", "drag")[i // 2 % 2])
+        scene = FlightScene(
+            id=f"flight-wind-{i:04d}",
+            launch=Launch(
+                position=(0.6, 0.0, between(0.4, 1.4, d)),
+                velocity=(
+                    five_digits(side * speed * math.cos(elevation)),
+                    0.0,
+                    five_digits(speed * math.sin(elevation)),
+                ),
+            ),
+            air=Air(wind=(between(-9.0, 9.0, c), aside, upwards)),
+            reading=read,
+        )
+        yield Draft(scene, "in a wind", ("reading",) if read != Reading() else ())
 
 
 def flight_weather() -> Iterator[Draft]:
@@ -183,36 +191,6 @@ def flight_spin_decay() -> Iterator[Draft]:
         return Reading(spin_decay=("path", "time", "path", "nathan")[i % 4])
 
     return _flights("flight-spin-decay", "spin decays on the way", air, reading)
-
-
-def flight_kinks() -> Iterator[Draft]:
-    """Laws with kinks: tables of speed, Mach number and S, bilinear lift, wind above a height."""
-
-    def air(i: int, a: float, b: float, c: float) -> Air:
-        speeds = Table(
-            law="table",
-            of="speed",
-            at=(between(12.0, 20.0, a), between(25.0, 30.0, b), between(36.0, 44.0, c)),
-            values=(0.5, 0.47, 0.32),
-        )
-        machs = Table(law="table", of="mach", at=(0.05, 0.1, 0.13), values=(0.5, 0.45, 0.3))
-        ratios = Table(
-            law="table", of="spin_parameter", at=(0.1, 0.2, 0.4), values=(0.12, 0.2, 0.27)
-        )
-        wind = (between(-6.0, 6.0, a), between(-6.0, 6.0, b), 0.0)
-        return (
-            Air(drag_coefficient=speeds, lift_coefficient=NATHAN_LIFT),
-            Air(drag_coefficient=machs, density=Weather(temperature=between(275.0, 310.0, c))),
-            Air(drag_coefficient=0.35, lift_coefficient=ratios),
-            Air(drag_coefficient=NATHAN_DRAG, lift_coefficient=BilinearLift(law="bilinear")),
-            Air(
-                drag_coefficient=0.35,
-                lift_coefficient=NATHAN_LIFT,
-                wind=WindAbove(velocity=wind, above=between(5.0, 15.0, c)),
-            ),
-        )[i % 5]
-
-    return _flights("flight-kinks", "crosses the kinks of a law or of the wind", air)
 
 
 def flight_real() -> Iterator[Draft]:
