@@ -366,8 +366,9 @@ class _Following:
         case, before = self._case(), self.before
         incoming = getattr(self.scene, "incoming", None)
         spin = None if incoming is None or incoming.spin is None else _three(incoming.spin)
-        ball = chain.Ball(_three(position), _three(before), spin)
-        _, contact = chain.meet(case, ball, self.height, 0.0)[:2]
+        x, y, z = _three(position)
+        ball = chain.Ball((x, y, z), _three(before), spin)
+        _, contact = chain.meet(case, ball, (x, z - self.height), 0.0)[:2]
         for key in ("normal", "bat_velocity"):
             self.own[f"contact.{key}"] = _tuple(case.answer[f"contact.{key}"])
             yield from self._maybe(
