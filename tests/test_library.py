@@ -126,7 +126,6 @@ class TestSolve:
             (next(line for code, _, line in ERRORS if code == wanted), error)
             for wanted, error in (
                 ("undecided", lb.Undecided),
-                ("too_long", lb.CannotSolve),
                 ("out_of_range", lb.CannotSolve),
                 ("unsupported", lb.CannotSolve),
             )
