@@ -360,6 +360,7 @@ def _traced(forces: tuple[Term, ...], names: tuple[str, ...], motion: str) -> _T
 _STILL = {"space": "", "plane": "yv", "vertical": "uv"}
 
 
+@cache
 def _program(
     forces: tuple[Term, ...], names: tuple[str, ...], motion: str, variables: tuple[str, ...] = ()
 ) -> Program | None:
