@@ -196,9 +196,6 @@ _FACTORS = (
 )  # fmt: skip
 
 
-FACTORS = tuple(factor for factor, _ in _FACTORS)
-
-
 def factor_meaning(value: float, doubt: float = 0.0) -> str | None:
     """Return what a factor is, if it is a usual one."""
     for factor, name in _FACTORS:

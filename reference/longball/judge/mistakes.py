@@ -13,8 +13,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from longball.engines.chain import Model
-from longball.engines.ivp import Ivp
-from longball.judge.stages import Change, Numbers
+from longball.judge.stages import Change, Numbers, with_values
 from longball.model import trace
 from longball.model.aerodynamics import DRAG, LIFT
 from longball.model.bat import moment_of_inertia
@@ -59,8 +58,7 @@ def _replaced(term: Term, changed: Term) -> Change:
 
 
 def _flying(forces: tuple[Term, ...]) -> Change:
-    # Not by series: those would have to be printed for each law, and some have kinks.
-    return Change(model=Model(forces=forces), engine=Ivp("DOP853", 1e-11, 1e-11))
+    return Change(model=Model(forces=forces))
 
 
 def _without(left_out: Callable[[Term], bool]) -> Change:
@@ -105,10 +103,6 @@ def _drag(factor: Callable[[Motion, Any], Any]) -> Change:
     return _replaced(
         DRAG, Drag(DRAG.parameters, DRAG.strengths, lambda m, p: p.drag * factor(m, p))
     )
-
-
-def _thinner(motion: Motion, p: Any) -> Any:
-    return motion.speed * trace.exp(-motion.position[2] / 8500.0)
 
 
 def _vertical_drag(vertical: Callable[[Any], Any]) -> Change:
@@ -171,7 +165,7 @@ LAW: tuple[Mistake, ...] = (
         "density-falls",
         "lets the air grow thinner with height",
         "the scene's density holds at every height",
-        _drag(_thinner),
+        Change(lambda scene: with_values(scene, {"air.density_scale_height": 8500.0})),
     ),
     Mistake(
         "drag-always-down",
@@ -597,5 +591,19 @@ READINGS: tuple[Mistake, ...] = (
         "ignores-reading", "ignores the scene's reading block",
         "take the switches of scene.reading, or leave those scenes out with --golden",
         Change(lambda scene: scene.model_copy(update={"reading": Reading()})),
+    ),
+)  # fmt: skip
+
+# What shows in outcomes alone.
+OUTCOMES: tuple[Mistake, ...] = (
+    Mistake(
+        "time-limit-ignored", "flies on beyond time_limit",
+        "a ball that has not come down after time_limit seconds of flight is airborne",
+        Change(lambda scene: with_values(scene, {"time_limit": 1e4})),
+    ),
+    Mistake(
+        "ground-ignored", "has the ground at z = 0, whatever ground.height is",
+        "the ball lands at ground.height",
+        Change(lambda scene: with_values(scene, {"ground.height": 0.0})),
     ),
 )  # fmt: skip
