@@ -75,23 +75,26 @@ class AnyLaw(PathEngine[float]):
         def bend(state: Array, slope: Array) -> Array:
             """Return the second derivative, as a difference along the way."""
             ahead, behind = (rates(0.0, state + h * slope) for h in (_SHORT, -_SHORT))
-            return np.subtract(ahead, behind) / (2 * _SHORT)
+            found: Array = (np.array(ahead) - np.array(behind)) / (2 * _SHORT)
+            return found
 
         if not np.isfinite(rates(begin, state)).all():
             raise OutOfRange("the forces are beyond the range of double precision")
-        solver = DOP853(
-            rates, begin, state, limit, max_step=LONGEST, rtol=TOLERANCE, atol=TOLERANCE
-        )
-        after = bend(state, solver.f)
+        # Forces beyond all measure show in the state.
+        with np.errstate(all="ignore"):
+            solver = DOP853(
+                rates, begin, state, limit, max_step=LONGEST, rtol=TOLERANCE, atol=TOLERANCE
+            )
+            after = bend(state, solver.f)
         for _ in range(MOST_STEPS):
             time, before, slope, bent = solver.t, solver.y, solver.f, after
             with np.errstate(all="ignore"):
                 message = solver.step()
-            if message is not None or not np.isfinite(solver.y).all():
+                after = bend(solver.y, solver.f)
+                length = reaching(time, solver.t - time, solver.t)
+                between = _between(length, (before, solver.y), (slope, solver.f), (bent, after))
+            if message is not None or not np.isfinite(between).all():
                 raise OutOfRange(f"DOP853 gave up at t = {time:.6g} s")
-            length = reaching(time, solver.t - time, solver.t)
-            after = bend(solver.y, solver.f)
-            between = _between(length, (before, solver.y), (slope, solver.f), (bent, after))
             yield PolynomialPiece(time, length, law.state, between)
             if solver.status == "finished":
                 return

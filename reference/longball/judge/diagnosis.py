@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import itertools
 import math
-import time
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -31,12 +30,23 @@ from longball.judge.cases import Case, decidable
 from longball.judge.fits import (
     PARAMETERS,
     Fit,
+    Work,
     factor_meaning,
     fits,
-    residuals,
     told,
 )
-from longball.judge.mistakes import FORMULAS, LAW, OUTCOMES, READINGS, TWO_STEP_PUSH, Mistake, View
+from longball.judge.mistakes import (
+    FENCE,
+    FORMULAS,
+    IMPACT,
+    LAW,
+    OUTCOMES,
+    READINGS,
+    SPIN,
+    TWO_STEP_PUSH,
+    Mistake,
+    View,
+)
 from longball.judge.rules import rule
 from longball.judge.stages import (
     NONE,
@@ -68,8 +78,9 @@ SOUGHT, BESIDE = 10, 4
 # What leaves more than this of a few trials is not held against the others.
 SCREEN = 0.8
 
-# Processor time of a search, s; what has not been tried by then is not.
-PATIENCE = 20.0
+# Flights of a search, so that a verdict is the same on every machine and comes within ten seconds;
+# what has not been tried by then is not.
+PATIENCE = 6_000.0
 
 # Errors below this, relative, are an integrator's: no mistake of the physics is sought.
 FINE = 1e-7
@@ -198,7 +209,7 @@ class _Search:
         self.scheme = scheme
         self.findings: list[Finding] = []
         self.loose: dict[str, float] = {}
-        self.until = time.process_time() + PATIENCE
+        self.work = Work()
         self.excused: set[str] = set()  # quantities whose errors are explained
         self._followed: tuple[Any, list[tuple[Trial, list[Check]]]] = (None, [])
 
@@ -226,8 +237,8 @@ class _Search:
 
     @property
     def impatient(self) -> bool:
-        """Whether the time for the search is over."""
-        return time.process_time() > self.until
+        """Whether the search has done all that it may."""
+        return self.work.done > PATIENCE
 
     # --- following ------------------------------------------------------------------------------
 
@@ -388,7 +399,7 @@ class _Search:
             if flying:
                 sought = _Sought(
                     [t for t, _ in _evenly(wrong, SOUGHT // 2) + _evenly(flying, SOUGHT // 2)],
-                    _evenly(right, BESIDE), ("pitch", "flight"), self.base,
+                    _evenly(right, BESIDE), ("pitch", "flight"), self.base, self.work,
                 )  # fmt: skip
                 found = sorted(self._parts(stage, sought), key=order)
                 if found and found[0].left < 1 - NAMED:
@@ -484,7 +495,7 @@ class _Search:
             found += self._events(stage, chosen)
         if any(e.left < TIE for e in found):
             return found
-        sought = _Sought(trials, beside, (stage,), self.base)
+        sought = _Sought(trials, beside, (stage,), self.base, self.work)
         found += self._parts(stage, sought)
         if stage in ("pitch", "flight"):
             found += self._clock(stage, chosen)
@@ -550,21 +561,22 @@ class _Search:
         return View(*held) if held else None
 
     def _parts(self, stage: str, sought: _Sought) -> list[Explanation]:
-        """Return fitted numbers, and known mistakes if no number explains all."""
+        """Return known mistakes and fitted numbers."""
         if stage == "flight" and type(self.base.engine) is Verlet and not self.base.push:
             push = list(self._tried_changes([TWO_STEP_PUSH], sought))
             if any(e.left < TIE for e in push):
                 return push
-        found = list(self._fits(stage, sought))
-        if not any(e.left < TIE for e in found):
-            found += self._changes(stage, sought)
-        return found
+        return [*self._changes(stage, sought), *self._fits(stage, sought)]
 
     def _changes(self, stage: str, sought: _Sought) -> Iterator[Explanation]:
         """Yield the known mistakes in the law, and other readings."""
         library: list[Mistake] = []
-        if stage in ("pitch", "flight"):
+        if stage in ("pitch", "flight", "spin decay"):
             library += LAW
+        if stage == "fence":
+            library += FENCE
+        if stage in ("impulse", "velocity after", "spin after", "energy"):
+            library += (*IMPACT, *SPIN)
         if stage not in ("pitch", "plate", "touching", "normal", "bat velocity"):
             library += READINGS
         yield from self._tried_changes(library, sought)
@@ -587,7 +599,7 @@ class _Search:
         for name, stages in PARAMETERS.items():
             if (stage not in stages and not whole_chain) or self.impatient:
                 continue
-            for fit in fits(sought.trials, name, sought.stages, self.base):
+            for fit in fits(sought.trials, name, sought.stages, self.base, self.work):
                 left = sought.screened(fit.change)
                 if left is not None:
                     yield Explanation(
@@ -831,7 +843,7 @@ class _Search:
                 around = start
                 for f in others:
                     around = around.then(f.change)
-                forms = fits(sought.trials, name, (stage,), around)
+                forms = fits(sought.trials, name, (stage,), around, self.work)
                 scored = [(sought.left(around.then(f.change), absolute=True), f) for f in forms]
                 good = [(left, f) for left, f in scored if left is not None]
                 if not good:
@@ -899,9 +911,15 @@ class _Search:
 
         name = next((name for f in self.findings for name in f.names), "")
         tried = [(self.base, name, "this follows from the above")]
-        tried += [(self.base.then(m.change), m.name, m.sentence) for m in OUTCOMES]
+        library = [*OUTCOMES, *(FENCE if "home_run" in _outcomes_of(whole) else ())]
+        tried += [(self.base.then(m.change), m.name, m.sentence) for m in library]
         found = [(share(change), name, sentence) for change, name, sentence in tried]
         return max(found, key=lambda one: one[0])
+
+
+def _outcomes_of(trials: Iterable[Trial]) -> set[str | None]:
+    """Return what trials end with, and should."""
+    return {outcome for t in trials for outcome in (t.outcome, t.case.expected.outcome)}
 
 
 # The rank of relations: behind known mistakes that leave as little.
@@ -981,11 +999,11 @@ class _Sought:
 
     def __init__(
         self, trials: Sequence[Trial], beside: Sequence[Trial], stages: tuple[str, ...],
-        base: Change,
+        base: Change, work: Work,
     ) -> None:  # fmt: skip
         self.trials, self.beside = list(trials), list(beside)
-        self.stages, self.base = stages, base
-        self._first = [residuals(t, base, stages) for t in self.everything]
+        self.stages, self.base, self.work = stages, base, work
+        self._first = [work.residuals(t, base, stages) for t in self.everything]
 
     @property
     def everything(self) -> list[Trial]:
@@ -1008,12 +1026,12 @@ class _Sought:
     def some(self, count: int) -> _Sought:
         """Return a few of the trials, the shortest flights first."""
         short = sorted(self.trials, key=lambda t: _duration(t.case))
-        return _Sought(_evenly(short[: 2 * count], count), (), self.stages, self.base)
+        return _Sought(_evenly(short[: 2 * count], count), (), self.stages, self.base, self.work)
 
     def residual(self, change: Change) -> Array | None:
         """Return all relative errors that a change leaves, in one row; None if it has none."""
         full = self.base.then(change)
-        rows = [residuals(t, full, self.stages) for t in self.everything]
+        rows = [self.work.residuals(t, full, self.stages) for t in self.everything]
         if any(r.shape != f.shape for r, f in zip(rows, self._first, strict=True)):
             return None
         return np.concatenate(rows) if rows else None
@@ -1024,7 +1042,7 @@ class _Sought:
         full = change if absolute else self.base.then(change)
         left = 0.0
         for trial, first in zip(self.everything, self._first, strict=True):
-            r = residuals(trial, full, self.stages)
+            r = self.work.residuals(trial, full, self.stages)
             left += (
                 float(np.minimum(np.abs(r), 1.0).sum()) if r.shape == first.shape else first.size
             )
