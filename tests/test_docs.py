@@ -55,10 +55,10 @@ class Checker(doctest.OutputChecker):
 
 @pytest.mark.parametrize(
     ("command", "shown"),
+    # What two pages show is run once.
     [
         pytest.param(*case, id=f"{page.stem}: {case[0][:50]}")
-        for page in PAGES
-        for case in commands(page)
+        for case, page in {case: page for page in PAGES for case in commands(page)}.items()
     ],
 )
 def test_a_command_prints_what_the_page_shows(command: str, shown: str):
