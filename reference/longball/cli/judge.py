@@ -51,7 +51,7 @@ def judge(
         bool, typer.Option("--partial", help="Judge what is answered; leave out what is not.")
     ] = False,
     table: Annotated[
-        bool, typer.Option("--csv", help="Scenes to COMMAND, and its results, as CSV.")
+        bool, typer.Option("--as-csv", help="Scenes to COMMAND, and its results, as CSV.")
     ] = False,
     results: Annotated[
         Path | None,
@@ -69,7 +69,10 @@ def judge(
     ] = None,
     samples: Annotated[
         Path | None,
-        typer.Option(help="At-bats that the candidate drew, .jsonl, to test their distributions."),
+        typer.Option(
+            "--at-bats",
+            help="At-bats that the candidate drew, .jsonl, to test their distributions.",
+        ),
     ] = None,
     profile: Annotated[
         str,
@@ -115,7 +118,7 @@ def judge(
     if command and results:
         wrong_call("either --results FILE or -- COMMAND, not both")
     if not (command or results or samples):
-        wrong_call("-- COMMAND, --results FILE or --samples FILE is needed")
+        wrong_call("-- COMMAND, --results FILE or --at-bats FILE is needed")
     if column and not results:
         wrong_call("--column names the columns of --results FILE.csv")
     if sum(map(bool, (golden, scenes, random))) > 1:
