@@ -30,7 +30,7 @@ def judge(
         typer.Argument(
             metavar="-- COMMAND …",
             help="Reads scenes on stdin, writes results. {dt} in it stands for the time step: then "
-            "its order of convergence is looked at, too.",
+            "its order of convergence is judged, too.",
         ),
     ] = None,
     golden: Annotated[
@@ -44,7 +44,8 @@ def judge(
         str | None, typer.Option(help="Scenes of your own, JSON Lines, solved and proven now.")
     ] = None,
     random: Annotated[
-        int | None, typer.Option(min=1, metavar="N", help="So many fresh random scenes instead.")
+        int | None,
+        typer.Option(min=1, metavar="N", help="N random scenes instead, solved and proven now."),
     ] = None,
     seed: Seed = 1,
     partial: Annotated[
@@ -91,7 +92,7 @@ def judge(
         str | None,
         typer.Option(
             metavar="FROM:TO:COUNT",
-            help="s: the steps put for {dt} to see it converge; 0.01:0.0001:9.",
+            help="s: time steps to try in place of {dt}; 0.01:0.0001:9.",
         ),
     ] = None,
     knob: Annotated[
@@ -105,9 +106,7 @@ def judge(
     expected: Annotated[
         float | None, typer.Option(help="The order of convergence in theory.")
     ] = None,
-    timeout: Annotated[
-        float, typer.Option(min=0.001, help="s without another answer, or before the first.")
-    ] = 60.0,
+    timeout: Annotated[float, typer.Option(min=0.001, help="s to wait for each answer.")] = 60.0,
     total_timeout: Annotated[float, typer.Option(min=0.001, help="s in all.")] = 3600.0,
     as_json: Json = False,
     junit: Annotated[Path | None, typer.Option(help="Write JUnit XML here, for CI.")] = None,
