@@ -40,7 +40,7 @@ STYLES = {
     "ivp Radau": _style("#0072B2", "P", ":"),
     "verlet old_carried": _style("black", "o"),
     "verlet old_recomputed": _style("#E69F00", "s", filled=False),
-    "verlet half_step": _style("#CC79A7", "<", "--"),
+    "verlet half_step": _style("0.45", "<", "--"),
     "verlet predicted_carried": _style("#D55E00", "D", "-."),
     "verlet predicted_recomputed": _style("#0072B2", "v", ":"),
     "verlet implicit": _style("#CC79A7", ">"),
