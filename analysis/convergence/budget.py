@@ -327,7 +327,7 @@ def draw(report: Path, seen: dict[str, Array], left: dict[VerletForces, Array]) 
         panels[0].set(ylabel="error of D, m")
         panels[1].sharey(panels[0])
         panels[0].figure.legend(
-            *panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=4
+            *panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=3
         )
 
 

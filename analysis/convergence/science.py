@@ -325,8 +325,8 @@ def draw(report: Path, found: Found) -> None:
                 left.axhline(limit, color=style["color"], linestyle=":")
                 text = f"noise of {PAPER_SAMPLES:,} samples, {case.name}"
                 left.annotate(
-                    text, (1.0, limit), (0, 2), xycoords=("axes fraction", "data"),
-                    textcoords="offset points", ha="right", fontsize="x-small",
+                    text, (0.02, limit), (0, -2), xycoords=("axes fraction", "data"),
+                    textcoords="offset points", va="top", fontsize="x-small",
                 )  # fmt: skip
         left.set(xscale="log", xlabel="step Δt, s", ylabel="P(0.42) / P of the reference")
         left.set_ylim(0.0, 1.3)
