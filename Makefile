@@ -25,6 +25,7 @@ coverage: $(INSTALLED)  ## run the tests, and print what they do not reach
 lint: $(INSTALLED)  ## run the linters
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
+	$(BIN)/codespell
 	$(BIN)/mypy reference analysis
 	$(BIN)/lint-imports
 	$(BIN)/python -m longball.model.derivation --check

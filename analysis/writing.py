@@ -14,6 +14,7 @@ matplotlib.use("agg")
 
 import matplotlib.pyplot as plt
 import pandas as pd
+from cycler import cycler
 from matplotlib.axes import Axes
 
 # Told apart without colour too, for a print in black and white.
@@ -25,8 +26,11 @@ def _style(color: str, marker: str, line: object = "-", *, filled: bool = True) 
     return {"color": color, "marker": marker, "linestyle": line, "markerfacecolor": face}
 
 
-# A method, an engine or a reading of the paper looks the same in every figure. The colours are
-# those of Okabe and Ito, which colour-blind readers tell apart; marks and lines do it in grey.
+# The colours of Okabe and Ito, which colour-blind readers tell apart.
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "black")
+
+# A method, an engine, a reading of the paper, a part of its scheme or of a mixture looks the same
+# in every figure; marks and lines tell them apart in grey.
 STYLES = {
     "batch": _style("black", "o"),
     "ivp Taylor": _style("#0072B2", "s"),
@@ -36,7 +40,7 @@ STYLES = {
     "ivp Radau": _style("#0072B2", "P", ":"),
     "verlet old_carried": _style("black", "o"),
     "verlet old_recomputed": _style("#E69F00", "s", filled=False),
-    "verlet half_step": _style("#CC79A7", "<", "--"),
+    "verlet half_step": _style("0.45", "<", "--"),
     "verlet predicted_carried": _style("#D55E00", "D", "-."),
     "verlet predicted_recomputed": _style("#0072B2", "v", ":"),
     "verlet implicit": _style("#CC79A7", ">"),
@@ -57,11 +61,23 @@ STYLES = {
     "nearest": _style("#D55E00", "s", "-."),
     "paper's caption": _style("0.45", "*", "--"),
     "paper's text": _style("0.45", "X", ":", filled=False),
+    "inertia about the centre": _style("#009E73", "^", ":"),
+    "straight line to the contact": _style("#0072B2", "s"),
+    "half force over two steps": _style("#E69F00", "o", "--"),
+    "force": _style("#009E73", "^", "-."),
+    "plate on the line between steps": _style("#D55E00", "D", ":"),
+    "ground on the line between steps": _style("#CC79A7", "v", "--", filled=False),
+    "first point below the ground": _style("0.45", "*", "-."),
+    "mixture": _style("black", ""),
+    "first part": _style("#D55E00", "", "--"),
+    "second part": _style("#0072B2", "", ":"),
+    "measured": _style("black", "o", "none", filled=False),
 }
 
 plt.rcParams.update(
     {
         "axes.grid": True,
+        "axes.prop_cycle": cycler(color=COLOURS),
         "axes.spines.right": False,
         "axes.spines.top": False,
         "figure.dpi": 150,

@@ -148,7 +148,7 @@ class TestSolve:
         ("arguments", "named"),
         [
             (["solve", "--engine", "verne"], "verne"),
-            (["solve", "--method", "Euler"], "Euler"),
+            (["solve", "--integrator", "Euler"], "Euler"),
             (["solve", "--rtol", "1e-20"], "rtol"),
             (["solve", "--atol", "-1"], "atol"),
             (["solve", "/no/such/file"], "/no/such/file"),

@@ -17,6 +17,12 @@ import pytest
 
 ROOT = Path(__file__).parent.parent
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+# Templates hold links of the report, where they are checked.
+LINKED = sorted(
+    page
+    for folder in (".", "docs", "report", "tests", "reference/longball/golden/data")
+    for page in (ROOT / folder).glob("*.md")
+)
 NUMBER = re.compile(r"(?<![\w.])-?\d+\.\d+(?:e[+-]?\d+)?")
 # The last digits are the machine's: its mathematical library may round another way.
 DIGITS = 1e-9
@@ -55,10 +61,10 @@ class Checker(doctest.OutputChecker):
 
 @pytest.mark.parametrize(
     ("command", "shown"),
+    # What two pages show is run once.
     [
         pytest.param(*case, id=f"{page.stem}: {case[0][:50]}")
-        for page in PAGES
-        for case in commands(page)
+        for case, page in {case: page for page in PAGES for case in commands(page)}.items()
     ],
 )
 def test_a_command_prints_what_the_page_shows(command: str, shown: str):
@@ -86,12 +92,27 @@ def test_a_session_prints_what_the_page_shows(page: Path):
     assert not told, "".join(told)
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
-def test_what_a_page_points_to_is_there(page: Path):
-    for target in re.findall(r"\]\(([^)#]+)\)", page.read_text(encoding="utf-8")):
+def prose(page: Path) -> str:
+    """Return a page without its fences."""
+    return re.sub(r"^```.*?^```", "", page.read_text(encoding="utf-8"), flags=re.S | re.M)
+
+
+def anchors(page: Path) -> set[str]:
+    """Return what a link can name within a page, as GitHub and MyST make it of the headings."""
+    headings = re.findall(r"^#+ (.*)$", prose(page), re.M)
+    return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
+
+
+@pytest.mark.parametrize("page", LINKED, ids=lambda page: str(page.relative_to(ROOT)))
+def test_every_link_leads_somewhere(page: Path):
+    for target in re.findall(r"\]\(([^)\s]+)\)", prose(page)):
+        if target.startswith("http"):
+            continue
+        file, _, anchor = target.partition("#")
         # The report is built into the documentation from where it lies in the repository.
-        near = [page.parent / target, ROOT / target]
-        assert target.startswith("http") or any(path.exists() for path in near), target
+        near = [path for path in (page.parent / file, ROOT / file) if path.exists()]
+        assert near, target
+        assert not anchor or anchor in anchors(near[0] if file else page), target
 
 
 def test_there_is_something_to_try():

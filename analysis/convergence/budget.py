@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.convergence.pieces import TRUTH, batted, each, golden, passing
-from analysis.writing import figure, render
+from analysis.writing import STYLES, figure, render
 from longball.convergence.order import PowerLaw, fit_power_law, typical
 from longball.engines.chain import solve
 from longball.engines.contact import BatSection
@@ -317,16 +317,18 @@ def draw(report: Path, seen: dict[str, Array], left: dict[VerletForces, Array]) 
     with figure(report, "convergence_budget", columns=2, size=(9.0, 4.6)) as panels:
         for axes, treatment in zip(panels, SHOWN, strict=True):
             names = (LINE, HALF_FORCE.format(treatment), FORCE.format(treatment), PLATE, GROUND)
-            for name, marker in zip((*names, BELOW), "so^Dv*", strict=True):
-                label = name.removesuffix(f": {treatment}")
-                axes.plot(STEPS, seen[name], marker + "-", markersize=4, linewidth=1, label=label)
+            for name in (*names, BELOW):
+                part = name.removesuffix(f": {treatment}")
+                axes.plot(STEPS, seen[name], **STYLES[part], markersize=4, linewidth=1, label=part)
             whole = seen[WHOLE.format(treatment)]
             axes.plot(STEPS, whole, "k-", linewidth=2, label="the whole")
-            axes.plot(STEPS, left[treatment], "k:", label="whole less sum of parts")
-            axes.set(xscale="log", yscale="log", xlabel="step Δt, s", title=treatment)
+            axes.plot(STEPS, left[treatment], "k:", linewidth=2, label="the whole less its parts")
+            axes.set(xscale="log", yscale="log", xlabel="step Δt, s", title=f"verlet {treatment}")
         panels[0].set(ylabel="error of D, m")
         panels[1].sharey(panels[0])
-        panels[0].legend(fontsize="x-small")
+        panels[0].figure.legend(
+            *panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=3
+        )
 
 
 def engines(forces: VerletForces, dt: float, contact: float) -> dict[str, Engine[float]]:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from scipy.stats import ks_2samp
 
 from analysis.convergence.pieces import each
-from analysis.writing import figure, render, table
+from analysis.writing import LINES, STYLES, figure, render, table
 from longball.engines.ivp import Ivp
 from longball.engines.verlet import Verlet
 from longball.home_run import (
@@ -311,28 +311,33 @@ def what(distance: float) -> str:
 def draw(report: Path, found: Found) -> None:
     """Draw the bias of P, and the distribution of D."""
     with figure(report, "convergence_probability", columns=2, size=(9.0, 3.8)) as (left, right):
-        for case, marker, aside in zip(CASES, "os^", (0.97, 1.0, 1.03), strict=True):
+        for case, aside in zip(CASES, (0.95, 1.0, 1.05), strict=True):
+            style = STYLES[f"verlet {case.forces}" if case.name == IMPLICIT else case.name]
             ends = [found.bias(case.name, step, E) for step in STEPS]
             p = found.p(case.name, E)
             values = np.array([1 + one.value / p for one in ends])
             bars = np.abs(1 + np.array([one.interval for one in ends]).T / p - values)
             label = f"{case.name}, P = {p:.3f}"
-            places = np.array(STEPS) * aside
-            drawn = left.errorbar(
-                places, values, bars, fmt=marker, markersize=4, capsize=2, label=label
-            )
+            points = style | {"linestyle": "none", "markersize": 4, "capsize": 2}
+            left.errorbar(np.array(STEPS) * aside, values, bars, **points, label=label)
             if case.name != IMPLICIT:
-                colour = drawn.lines[0].get_color()
-                left.axhline(1 - noise(p) / p, color=colour, linestyle=":")
+                limit = 1 - noise(p) / p
+                left.axhline(limit, color=style["color"], linestyle=":")
+                text = f"noise of {PAPER_SAMPLES:,} samples, {case.name}"
+                left.annotate(
+                    text, (0.02, limit), (0, -2), xycoords=("axes fraction", "data"),
+                    textcoords="offset points", va="top", fontsize="x-small",
+                )  # fmt: skip
         left.set(xscale="log", xlabel="step Δt, s", ylabel="P(0.42) / P of the reference")
         left.set_ylim(0.0, 1.3)
-        left.legend(loc="lower left")
+        left.legend(loc="lower left", fontsize="small")
         edges, top = np.arange(0.0, 201.0, 10.0), 0.0
-        for step, dash in ((None, "-"), (0.01, "--"), (0.05, ":")):
+        for step, dash in zip((None, 0.01, 0.05), LINES, strict=False):
             one = found.struck[CASES[0].name, step, E]
             density = np.histogram(one.distance[one.batted], edges)[0] / (0.01 * one.batted.sum())
             label = "reference" if step is None else f"Δt = {step:g} s"
+            label += f"; first bin: {density[0]:.0f}"
             right.stairs(density, edges, linestyle=dash, linewidth=1.4, label=label)
-            top = max(top, 1.2 * density[1:].max())
+            top = max(top, 1.3 * density[1:].max())
         right.set(xlabel="D, m", ylabel="density among batted balls, 1/km", ylim=(0.0, top))
         right.legend()

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from analysis.convergence.pieces import TRUTH, each, golden, passing
-from analysis.writing import figure, render
+from analysis.writing import STYLES, figure, render
 from longball.engines.chain import approach_of
 from longball.engines.verlet import Verlet
 from longball.home_run import BLOCK, draw, draw_block, paper_at_bats, scenes, wilson
@@ -178,16 +178,15 @@ def draw_shares(
     """Draw counted shares over the closed form."""
     grid = np.geomspace(min(safe.values()) / 2, 0.06, 80)
     with figure(report, "convergence_tunnelling", size=(6.4, 3.8)) as (axes,):
-        axes.plot(grid, [expected(h, ways) for h in grid], "-", label="closed form")
-        label = "window / step of the pitches tried"
-        axes.plot(
-            STEPS, waited, "o", color="0.4", markersize=9, markerfacecolor="none", label=label
-        )
+        axes.plot(grid, [expected(h, ways) for h in grid], "--", label="closed form, all pitches")
+        label = "closed form, the pitches tried"
+        axes.plot(STEPS, waited, **STYLES["measured"], markersize=10, label=label)
         axes.plot(STEPS, share, "k.", markersize=6, label="counted")
         for rare, step in safe.items():
-            axes.plot([step], [rare], "s", color="C3", markerfacecolor="none")
+            axes.plot([step], [rare], "s", color="#D55E00")
             axes.annotate(
-                f"{rare:g}: {step:.1e} s", (step, rare), (9, -12), textcoords="offset points"
-            )
+                f"1 in {1 / rare:,.0f}: Δt = {step:.1e} s", (step, rare), (9, -9),
+                textcoords="offset points",
+            )  # fmt: skip
         axes.set(xscale="log", yscale="log", xlabel="step Δt, s", ylabel="contacts missed")
         axes.legend()

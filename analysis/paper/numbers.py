@@ -13,7 +13,7 @@ from analysis.paper.balls import Base, Share, Space, cores, strike
 from analysis.paper.combinations import Cases, Trial, trial
 from analysis.paper.distances import NEAR
 from analysis.paper.printed import P_TEXT
-from analysis.writing import figure, render
+from analysis.writing import STYLES, figure, render
 from longball.home_run import PAPER_CURVES, RESTITUTIONS, Samples, draw, paper_at_bats
 
 SAMPLES = 100_000
@@ -152,16 +152,19 @@ def draw_ranges(report: Path, found: dict[str, tuple[Share, list[Ranged]]]) -> N
             for height, one in zip(heights, ranged, strict=True):
                 ends = np.array([one.low[0], one.high[0]]) + before.p
                 axes.plot(ends, [height, height], color="0.6", linewidth=3.0)
-                axes.plot(ends[0], height, "o", color="black", markerfacecolor="white")
-                axes.plot(ends[1], height, "s", color="black", markerfacecolor="black")
-            axes.axvline(before.p, color="black", linewidth=0.8)
-            axes.axvline(PAPER_CURVES["caption"](E), color="black", linestyle=":", linewidth=1.0)
+                low, high = (None, None) if height else ("low end", "high end")
+                axes.plot(ends[0], height, **STYLES["measured"], label=low)
+                axes.plot(ends[1], height, "s", color="black", label=high)
+            axes.axvline(before.p, color="black", linewidth=0.8, label="printed or default")
+            caption = PAPER_CURVES["caption"](E)
+            axes.axvline(caption, color="black", linestyle=":", label="paper's caption")
             labels = [f"{one.name}\n{one.low:g} to {one.high:g} {one.unit}" for one in UNKNOWN]
             axes.set_yticks(heights, labels, fontsize="small")
             axes.set(
                 xlabel=f"P({E})", title=f"from the {name} reading", ylim=(-0.6, len(UNKNOWN) - 0.4)
             )
             axes.set_xlim(left=-0.004)  # a mark at 0 is seen whole
+        panels[0].legend(fontsize="small", loc="center right")
 
 
 # --- sensitivities --------------------------------------------------------------------------------

@@ -18,7 +18,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
-from analysis.writing import figure, render, table
+from analysis.writing import STYLES, figure, render, table
 from longball.pitches import EXAMPLE, Columns, FittedPitches, PitchTypes, fit_pitches, read_pitches
 from longball.pitches.fitted import AimFit, Estimate, SpeedFit
 from longball.pitches.fitting import BIN_WIDTH, normal
@@ -313,15 +313,6 @@ def vary_classes() -> Rows:
 
 # --- figures --------------------------------------------------------------------------------------
 
-# Lines that tell themselves apart without colour.
-WHOLE: dict[str, Any] = {"color": "black", "linestyle": "-", "linewidth": 1.6}
-FIRST: dict[str, Any] = {"color": "tab:red", "linestyle": "--", "linewidth": 1.3}
-SECOND: dict[str, Any] = {"color": "tab:blue", "linestyle": ":", "linewidth": 1.8}
-CIRCLES: dict[str, Any] = {
-    "color": "black", "linestyle": "none", "marker": "o", "markerfacecolor": "white",
-}  # fmt: skip
-
-
 THEIRS = f"{PITCHES:,} pitches drawn from the paper's fits"
 
 
@@ -339,12 +330,14 @@ def draw_speeds(report: Path, example: FittedPitches, synthetic: FittedPitches) 
             width = edges[1] - edges[0]
             counts = np.array(histogram.straight) + np.array(histogram.breaking)
             middles = (edges[1:] + edges[:-1]) / 2
-            axes.plot(middles, counts / counts.sum(), **CIRCLES, label="pitches")
+            axes.plot(middles, counts / counts.sum(), **STYLES["measured"], label="pitches")
             v = np.linspace(edges[0], edges[-1], 400)
             straight, breaking = _speed_curves(fit, v)
-            axes.plot(v, width * (straight + breaking), **WHOLE, label="fitted mixture, Eq. 3")
-            axes.plot(v, width * straight, **FIRST, label="straight")
-            axes.plot(v, width * breaking, **SECOND, label="breaking")
+            axes.plot(
+                v, width * (straight + breaking), **STYLES["mixture"], label="fitted mixture, Eq. 3"
+            )
+            axes.plot(v, width * straight, **STYLES["first part"], label="straight")
+            axes.plot(v, width * breaking, **STYLES["second part"], label="breaking")
             axes.set(title=title, xlabel="speed at release, km/h")
             axes.set_ylabel(f"share of pitches per {width:.2g} km/h")
             axes.text(0.03, 0.95, f"R² = {fit.r_squared:.4f}", transform=axes.transAxes, va="top")
@@ -375,8 +368,10 @@ def draw_aims(report: Path, example: FittedPitches, synthetic: FittedPitches) ->
         for axes, title in ((left, THEIRS), (right, _ours(example))):
             axes.set(title=title, xlabel="cell across the plate, from the pitcher's left")
             axes.set(xticks=range(-1, 8), ylim=(0.0, 0.4))
-            for edge in (1.5, 4.5):
-                axes.axvline(edge, ymax=0.68, color="0.4", linewidth=0.8, linestyle=(0, (1, 3)))
+            for edge, label in ((1.5, "edges of the strike zone"), (4.5, None)):
+                axes.axvline(
+                    edge, ymax=0.65, color="0.4", linewidth=0.9, dashes=(1, 3), label=label
+                )
             axes.legend(fontsize="small", loc="upper right")
         left.set_ylabel("share of a cell; density per cell")
 
@@ -386,10 +381,10 @@ def _draw_aim(axis: Axes, fitted: FittedPitches, fit: AimFit, y: Floats) -> None
     q = fit.weight.value
     left = q * normal(y, fit.left_mean.value, fit.spread.value)
     right = (1 - q) * normal(y, fit.right_mean.value, fit.spread.value)
-    axis.plot(y, left + right, **WHOLE, label="fitted mixture, Eq. 4")
-    axis.plot(y, left, **FIRST, label="left")
-    axis.plot(y, right, **SECOND, label="right")
-    axis.plot(range(1, 6), shares, **CIRCLES, label="cells (1 and 5 are open)")
+    axis.plot(y, left + right, **STYLES["mixture"], label="fitted mixture, Eq. 4")
+    axis.plot(y, left, **STYLES["first part"], label="left")
+    axis.plot(y, right, **STYLES["second part"], label="right")
+    axis.plot(range(1, 6), shares, **STYLES["measured"], label="cells (1 and 5 are open)")
 
 
 def draw_heights(report: Path, example: FittedPitches) -> None:
@@ -399,7 +394,8 @@ def draw_heights(report: Path, example: FittedPitches) -> None:
     with figure(report, "pitch_fits_fig4", size=(4.8, 3.8)) as (axes,):
         axes.errorbar(
             range(1, 6), [share.value for share in shares],
-            yerr=[2 * (share.standard_error or 0.0) for share in shares], capsize=3, **CIRCLES,
+            yerr=[2 * (share.standard_error or 0.0) for share in shares],
+            capsize=3, **STYLES["measured"],
         )  # fmt: skip
         axes.set(title=_ours(example), xticks=range(1, 6), ylim=(0.0, 0.3))
         axes.set_xlabel("cell in height, from the lowest (1 and 5 are open)")
@@ -411,7 +407,7 @@ def draw_determination(report: Path, determination: Rows) -> None:
     with figure(report, "pitch_fits_r_squared", size=(4.8, 3.8)) as (axes,):
         for what, label, color, marker, line in (
             ("speed", "normal density", "black", "o", "-"),
-            ("speed as printed", "Eq. 2 as printed", "tab:red", "s", "--"),
+            ("speed as printed", "Eq. 2 as printed", "#D55E00", "s", "--"),
         ):
             rows = pd.DataFrame([row for row in determination if row["what"] == what])
             axes.errorbar(

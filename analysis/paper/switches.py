@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib.patches import Patch
 from pydantic import ValidationError
 
 from analysis.paper.balls import (
@@ -238,9 +239,13 @@ def draw_tornado(report: Path, found: Sequence[Turns]) -> None:
                 xerr=[2 * one.change_error for one in order],
                 error_kw={"elinewidth": 0.8, "capsize": 2},
             )  # fmt: skip
-            axes.axvline(of.before.p, color="black", linewidth=0.8)
-            axes.axvline(PAPER_CURVES["caption"](E), color="black", linestyle=":", linewidth=1.0)
+            axes.axvline(of.before.p, color="black", linewidth=0.8, label="no switch turned")
+            caption = PAPER_CURVES["caption"](E)
+            axes.axvline(caption, color="black", linestyle=":", label="paper's caption")
             axes.set_yticks(heights, [one.name for one in order], fontsize="x-small")
             axes.set(xlabel=f"P({E})", title=f"from the {of.name} reading", ylim=(-0.8, longest))
             axes.set_xlim(left=0.0)
             axes.grid(visible=False, axis="y")
+        lines, _ = panels[0].get_legend_handles_labels()
+        shades = [Patch(color="0.75", label="raises P"), Patch(color="0.35", label="lowers P")]
+        panels[0].legend(handles=[*shades, *lines], loc="lower right", fontsize="small")

@@ -33,7 +33,9 @@ def draw(report: Path, whole: pd.DataFrame) -> None:
                 against_error(axes, rows, methods)
                 axes.set_xlabel("worst error of D, m")
                 axes.axvline(BEYOND, color="0.7", linewidth=0.8)
-                axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.12), ncols=3)
+                axes.legend(
+                    loc="upper center", bbox_to_anchor=(0.5, -0.12), ncols=3, fontsize="x-small"
+                )
     with figure(report, "speed_error_missed", size=(8.0, 5.5)) as (axes,):
         missed(axes, whole[whole["work"] == "at-bat"])
 

@@ -1,7 +1,7 @@
 """Scenes, solutions and P(e) for Python: what `import longball as lb` offers.
 
-Scenes may be written as models, as mappings, or as lines of JSON. What is found is held as the
-contract names it. Many scenes at once are in `longball.tables`.
+Scenes may be written as models, as mappings, or as lines of JSON. Results have the attributes that
+lines of results have as keys. `longball.tables` solves many scenes at once.
 """
 
 from __future__ import annotations
@@ -142,7 +142,7 @@ def _of_type(value: object) -> str:
 
 
 class State(NamedTuple):
-    """Where the ball is and how fast.
+    """Position and velocity of the ball at a time.
 
     Attributes
     ----------
@@ -160,9 +160,9 @@ class State(NamedTuple):
 
 
 class Path:
-    """The way of the ball from the start of a scene to its end.
+    """The trajectory of the ball from the start of a scene to its end.
 
-    At the contact the velocity jumps; there it is the one after the impulse.
+    The velocity jumps at the contact, where the one after the impulse is given.
 
     Attributes
     ----------
@@ -231,15 +231,15 @@ class Path:
 class Solution:
     """The result of a scene.
 
-    Its attributes are the blocks of the result in the contract; a block that the scene does not
-    come to is None. A number is a float, or with `digits` a `Bounded`, which `float` takes.
+    Its attributes are the keys of a line of results; a block that the outcome does not have is
+    None. A number is a float, or with `digits` a `Bounded`, which `float` converts.
 
     Attributes
     ----------
     scene
-        What was solved.
+        The scene that was solved.
     result
-        All of it as a model; ``result.line()`` is its line of JSON.
+        The whole result as a model; ``result.line()`` is its line of JSON.
     """
 
     id: str | None
@@ -274,7 +274,7 @@ class Solution:
 
     @cached_property
     def path(self) -> Path:
-        """The way of the ball.
+        """The trajectory of the ball.
 
         Raises
         ------

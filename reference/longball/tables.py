@@ -282,7 +282,7 @@ def _frame(
 
 @naming_extras()
 def results_table(results: Iterable[Mapping[str, Any]]) -> pd.DataFrame:
-    """Return results, as plain data, as a table with the columns in the contract's order."""
+    """Return results, as plain data, as a table with the columns in the order of `Result`."""
     import pandas as pd
 
     rows = (dict(flat(data)) for data in results)

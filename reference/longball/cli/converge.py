@@ -51,7 +51,7 @@ def converge(
             min=2, help="Phases of the step to average over where an error jumps with them."
         ),
     ] = 8,
-    timeout: Annotated[float, typer.Option(min=0.001, help="s without an answer.")] = 60.0,
+    timeout: Annotated[float, typer.Option(min=0.001, help="s to wait for each answer.")] = 60.0,
     as_json: Json = False,
     csv: Annotated[Path | None, typer.Option(help="Write the error at every step here.")] = None,
     figure: Annotated[Path | None, typer.Option(help="Draw error against step here.")] = None,

@@ -53,7 +53,7 @@ def fit(
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
-    """Fit the paper's distributions to a table of pitches (its Sec. II)."""
+    """Fit the paper's distributions of speeds and places to a table of pitches."""
     pairs = (split_assignment("--column", text) for text in column or [])
     columns = parsed(Columns, {name: option_value(value) for name, value in pairs})
     classes: dict[str, Any] = {}

@@ -102,8 +102,8 @@ def homerun(
     """Compute the probability of a home run P(e), from sampled at-bats or by quadrature.
 
     Quadrature integrates over the distributions that samples are drawn from, and also gives dP/de.
-    It takes some seconds for each e, or minutes under the few readings with a jagged P(e), where
-    the error shows how far it converged.
+    It takes seconds for each e, and minutes under the few readings where P(e) has many kinks; the
+    error then shows how far it has converged.
     """
     if method == "quadrature":
         for wrong, sentence in (

@@ -30,7 +30,7 @@ def judge(
         typer.Argument(
             metavar="-- COMMAND …",
             help="Reads scenes on stdin, writes results. {dt} in it stands for the time step: then "
-            "its order of convergence is looked at, too.",
+            "its order of convergence is judged, too.",
         ),
     ] = None,
     golden: Annotated[
@@ -44,14 +44,15 @@ def judge(
         str | None, typer.Option(help="Scenes of your own, JSON Lines, solved and proven now.")
     ] = None,
     random: Annotated[
-        int | None, typer.Option(min=1, metavar="N", help="So many fresh random scenes instead.")
+        int | None,
+        typer.Option(min=1, metavar="N", help="N random scenes instead, solved and proven now."),
     ] = None,
     seed: Seed = 1,
     partial: Annotated[
         bool, typer.Option("--partial", help="Judge what is answered; leave out what is not.")
     ] = False,
     table: Annotated[
-        bool, typer.Option("--csv", help="Scenes to COMMAND, and its results, as CSV.")
+        bool, typer.Option("--as-csv", help="Scenes to COMMAND, and its results, as CSV.")
     ] = False,
     results: Annotated[
         Path | None,
@@ -69,7 +70,10 @@ def judge(
     ] = None,
     samples: Annotated[
         Path | None,
-        typer.Option(help="At-bats that the candidate drew, .jsonl, to test their distributions."),
+        typer.Option(
+            "--at-bats",
+            help="At-bats that the candidate drew, .jsonl, to test their distributions.",
+        ),
     ] = None,
     profile: Annotated[
         str,
@@ -88,7 +92,7 @@ def judge(
         str | None,
         typer.Option(
             metavar="FROM:TO:COUNT",
-            help="s: the steps put for {dt} to see it converge; 0.01:0.0001:9.",
+            help="s: time steps to try in place of {dt}; 0.01:0.0001:9.",
         ),
     ] = None,
     knob: Annotated[
@@ -102,9 +106,7 @@ def judge(
     expected: Annotated[
         float | None, typer.Option(help="The order of convergence in theory.")
     ] = None,
-    timeout: Annotated[
-        float, typer.Option(min=0.001, help="s without another answer, or before the first.")
-    ] = 60.0,
+    timeout: Annotated[float, typer.Option(min=0.001, help="s to wait for each answer.")] = 60.0,
     total_timeout: Annotated[float, typer.Option(min=0.001, help="s in all.")] = 3600.0,
     as_json: Json = False,
     junit: Annotated[Path | None, typer.Option(help="Write JUnit XML here, for CI.")] = None,
@@ -115,7 +117,7 @@ def judge(
     if command and results:
         wrong_call("either --results FILE or -- COMMAND, not both")
     if not (command or results or samples):
-        wrong_call("-- COMMAND, --results FILE or --samples FILE is needed")
+        wrong_call("-- COMMAND, --results FILE or --at-bats FILE is needed")
     if column and not results:
         wrong_call("--column names the columns of --results FILE.csv")
     if sum(map(bool, (golden, scenes, random))) > 1:

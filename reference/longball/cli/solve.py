@@ -55,7 +55,8 @@ def solve(
     method: Annotated[
         str | None,
         typer.Option(
-            help="ivp: Taylor (default), or of solve_ivp: RK23, RK45, DOP853, Radau, BDF, LSODA."
+            "--integrator",
+            help="ivp: Taylor (default), or of solve_ivp: RK23, RK45, DOP853, Radau, BDF, LSODA.",
         ),
     ] = None,
     rtol: Annotated[
@@ -65,7 +66,8 @@ def solve(
         float | None, typer.Option(help="ivp: absolute tolerance of them, m and m/s; 5e-14.")
     ] = None,
     tolerance: Annotated[
-        float | None, typer.Option(help="batch: the error allowed at landing, m; 1e-13.")
+        float | None,
+        typer.Option("--landing-error", help="batch: the error allowed at landing, m; 1e-13."),
     ] = None,
     digits: Annotated[
         int | None, typer.Option(help="enclosure, multiprecision: digits of each number; 30.")

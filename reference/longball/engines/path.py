@@ -169,7 +169,7 @@ class Leg(Generic[N]):
 
 @dataclass(frozen=True)
 class Trajectory(Generic[N]):
-    """The way of the ball from the start of a scene to its end: a pitch, a batted ball, or both."""
+    """The trajectory from the start of a scene to its end: a pitch, a batted ball, or both."""
 
     legs: tuple[Leg[N], ...]
 

@@ -1,4 +1,4 @@
-"""The golden data: scenes with proven results, for anybody to hold an implementation against.
+"""The golden data: scenes with proven results, to test other implementations with.
 
 >>> from longball import golden
 >>> case = golden.load("at-bat")[0]

@@ -113,7 +113,7 @@ class Case(Strict):
         return math.inf if error is None else error
 
     def line(self) -> str:
-        """Return the case as a line of JSON, scene and result in the form of the contract."""
+        """Return the case as a line of JSON, scene and result as `longball solve` has them."""
         whole = self.model_dump(mode="json") | {
             "scene": json.loads(self.scene.line()),
             "expected": json.loads(self.expected.line()),

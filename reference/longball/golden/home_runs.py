@@ -116,7 +116,7 @@ def write_probabilities(
     )
     data = whole.model_dump(mode="json")
     for written, case in zip(data["cases"], cases, strict=True):
-        written["scene"] = json.loads(case.scene.line())  # as the contract writes it
+        written["scene"] = json.loads(case.scene.line())  # as a line of scenes has it
     content = json.dumps(data, ensure_ascii=False, allow_nan=False, indent=1) + "\n"
     write_files(folder, {PROBABILITIES: content} | schemas())
     return len(cases)

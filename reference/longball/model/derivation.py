@@ -175,7 +175,7 @@ def restitution_equation() -> sp.Expr:
 
 @cache
 def roots() -> tuple[sp.Expr, sp.Expr]:
-    """Both values of β that satisfy the restitution relation, told apart by what the ball does.
+    """Both values of β that satisfy the restitution relation, distinguished by what the ball does.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""Exact results that any engine can be held against: closed forms, invariants, balance laws.
+"""Exact results to test any engine with: closed forms, invariants, balance laws.
 
 All hold in the plane of a flight, for constant k_D, k_L and g (`longball.model.law`), and all
 run over the number system of their arguments: the functions of analysis are taken from `math` for

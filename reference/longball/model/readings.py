@@ -2,7 +2,7 @@
 
 Each entry is a named switch. It belongs to what it changes: to a scene's physics (`Reading`, a
 scene's ``reading`` block), to the sampling of at-bats (`SamplingReading`), to the paper's scheme
-(an option of the engine ``verlet``) or to the figure that P(e) is held against. The default is the
+(an option of the engine ``verlet``) or to the figure that P(e) is compared with. The default is the
 first option. Nothing in the code decides one of these silently.
 """
 

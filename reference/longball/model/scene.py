@@ -1,4 +1,4 @@
-"""The scene: everything that an engine is told, and nothing that it is not.
+"""Scenes: everything that a result depends on.
 
 A scene is one JSON object in SI units and radians. Each kind of scene takes only the blocks it
 needs; an unknown key is an error that names it; a value that is left out is the paper's. A number

@@ -1,4 +1,4 @@
-"""The contract as JSON Schema, written out from the models that the code validates with.
+"""Scenes and results as JSON Schema, written out from the models that the code validates with.
 
 ``python -m longball.model.schema`` writes the two files that are shipped with the package.
 """
@@ -28,7 +28,7 @@ def published(name: str, schema: dict[str, Any]) -> dict[str, Any]:
 def _plain(schema: Any) -> Any:
     """Return a part of a schema without OpenAPI's `discriminator`.
 
-    A block that is told from others by its constant must have it.
+    A block that is distinguished from others by its constant must have it.
     """
     if isinstance(schema, list):
         return [_plain(part) for part in schema]

@@ -118,7 +118,7 @@ _LAST = {
 
 
 class Table:
-    """Results, a row a scene: columns named as the contract names them, NaN where there is none.
+    """Results, a row a scene: columns with the names of quantities, NaN where there is none.
 
     `part` gives a table of some of the rows, which writes into this one.
     """
