@@ -17,7 +17,7 @@ docs: $(VENV)/.documented  ## write the documentation to docs/_build/html; no ne
 	$(BIN)/python -m sphinx -q -W --keep-going -b html docs docs/_build/html
 
 test: $(INSTALLED)  ## run the tests on all cores
-	$(BIN)/python -m pytest -n auto
+	$(BIN)/python -m pytest -n auto --dist worksteal
 
 coverage: $(INSTALLED)  ## run the tests, and print what they do not reach
 	$(BIN)/python -m pytest -n auto --cov --cov-report=term

@@ -40,7 +40,7 @@ DECLINED = {
     "fence-hits-1e-12",
 }
 
-# Steps are as long as the whole state allows, 40 m here; beside it, a drift of 1e-7 m has 12 digits.
+# Steps are as long as the whole state allows, of 40 m here: a drift of 1e-7 m has 12 digits.
 COARSER = {"hard-real-parallel-nearly-30"}
 
 

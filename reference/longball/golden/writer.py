@@ -64,6 +64,7 @@ def write(
     progress
         Called with the numbers of cases done, those of an interrupted run included, and of all.
     """
+    line = _remembered(folder)  # which may need an extra, and says so before anything is solved
     chosen = families if only is None else {name: families[name] for name in only}
     drafts = plan(chosen)
     total = sum(map(len, drafts.values()))
@@ -71,7 +72,7 @@ def write(
         name: [] if name in drafts else load(name, folder) for name in families
     }
     for name, family in drafts.items():
-        for case in _cases(folder, name, family, workers):
+        for case in _cases(line, name, family, workers):
             made[name].append(case)
             progress(sum(len(made[name]) for name in drafts), total)
     files = {
@@ -97,16 +98,23 @@ def _histories(made: Mapping[str, list[Case]]) -> Iterator[tuple[str, str]]:
             yield f"{HISTORIES}/{case.id}.csv", table
 
 
-def _cases(folder: Path, family: str, drafts: list[Draft], workers: int) -> Iterator[Case]:
-    """Yield the cases of a family in order; those that an earlier run has finished are kept."""
+def _cases(
+    line: Callable[..., str], family: str, drafts: list[Draft], workers: int
+) -> Iterator[Case]:
+    """Yield the cases of a family in order."""
+    stamp = fingerprint()
+    calls = ((stamp, family, draft) for draft in drafts)
+    for text in in_parallel(line, calls, workers):
+        yield Case.model_validate_json(text)
+
+
+def _remembered(folder: Path) -> Callable[..., str]:
+    """Return `_line`, which returns what an interrupted run has finished."""
     with naming_extras():
         from joblib import Memory  # slow to import
 
-    finished = Memory(folder / PARTIAL, verbose=0).cache(_line)
-    stamp = fingerprint()
-    calls = ((stamp, family, draft) for draft in drafts)
-    for line in in_parallel(finished, calls, workers):
-        yield Case.model_validate_json(line)
+    remembered: Callable[..., str] = Memory(folder / PARTIAL, verbose=0).cache(_line)
+    return remembered
 
 
 def _line(stamp: str, family: str, draft: Draft) -> str:
