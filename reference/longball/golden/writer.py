@@ -21,7 +21,7 @@ from longball.golden.families import FAMILIES, Family
 from longball.golden.files import DOCUMENTS, HEADER, HISTORIES, PARTIAL, schemas, write_files
 from longball.golden.headers import header, made_by
 from longball.golden.history import ABOUT, history
-from longball.golden.reader import DATA, load
+from longball.golden.reader import DATA, read_cases
 from longball.golden.truth import make
 from longball.model.scene import FlightScene
 
@@ -68,7 +68,7 @@ def write(
     drafts = plan(chosen)
     total = sum(map(len, drafts.values()))
     made: dict[str, list[Case]] = {
-        name: [] if name in drafts else load(name, folder) for name in families
+        name: [] if name in drafts else read_cases(folder / f"{name}.jsonl") for name in families
     }
     for name, family in drafts.items():
         for case in _cases(folder, name, family, workers):
@@ -84,7 +84,10 @@ def write(
     files |= {name: (DATA / name).read_text(encoding="utf-8") for name in DOCUMENTS}
     files |= tables | schemas() | {HEADER: top.model_dump_json(indent=2) + "\n"}
     write_files(folder, files)
-    shutil.rmtree(folder / PARTIAL, ignore_errors=True)
+    for name in drafts:
+        shutil.rmtree(folder / PARTIAL / name, ignore_errors=True)
+    if (folder / PARTIAL).is_dir() and not any((folder / PARTIAL).iterdir()):
+        (folder / PARTIAL).rmdir()
     return sum(map(len, made.values()))
 
 
@@ -102,7 +105,7 @@ def _cases(folder: Path, family: str, drafts: list[Draft], workers: int) -> Iter
     with naming_extras():
         from joblib import Memory  # slow to import
 
-    finished = Memory(folder / PARTIAL, verbose=0).cache(_line)
+    finished = Memory(folder / PARTIAL / family, verbose=0).cache(_line)
     stamp = fingerprint()
     calls = ((stamp, family, draft) for draft in drafts)
     for line in in_parallel(finished, calls, workers):
