@@ -32,7 +32,7 @@ NUMBERS = {
     "the bat's height and the result once makes unavoidable. A careful implementation in double "
     "precision stays within a small multiple.",
     "digits": "-log10(attainable / |Q|), at least 0; |Q| of a component the length of its vector.",
-    "derivatives": "Central differences over steps of 2^-50, from 30 digits; three digits.",
+    "derivatives": "Central differences; three digits (longball.golden.condition).",
     "agreement": "Largest |value - independent value| over all numbers, in units of 1e-30 of the "
     "quantity's size. The value's own rounding, up to 0.5 of a unit in its 31st digit, is in it.",
 }

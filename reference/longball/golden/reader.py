@@ -24,6 +24,7 @@ EXTENDED = (
     "flight-spin-decay",
     "flight-wind",
     "flight-weather",
+    "flight-kinks",
     "flight-real",
     "at-bat-real",
     "hard-real",
@@ -46,11 +47,12 @@ def load(family: str | None = None, folder: Path = DATA) -> list[Case]:
     chosen = [family] if family not in (None, "all") else list(families)
     if family is None:
         chosen = [name for name in chosen if name not in EXTENDED]
-    return [
-        Case.model_validate_json(line)
-        for name in chosen
-        for line in (folder / families[name].file).read_bytes().splitlines()
-    ]
+    return [case for name in chosen for case in read_cases(folder / families[name].file)]
+
+
+def read_cases(file: Path) -> list[Case]:
+    """Return the cases of a file, one a line."""
+    return [Case.model_validate_json(line) for line in file.read_bytes().splitlines()]
 
 
 def probabilities(folder: Path = DATA) -> Probabilities:

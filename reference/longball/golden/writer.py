@@ -21,7 +21,7 @@ from longball.golden.families import FAMILIES, Family
 from longball.golden.files import DOCUMENTS, HEADER, HISTORIES, PARTIAL, schemas, write_files
 from longball.golden.headers import header, made_by
 from longball.golden.history import ABOUT, history
-from longball.golden.reader import DATA, load
+from longball.golden.reader import DATA, read_cases
 from longball.golden.truth import make
 from longball.model.scene import FlightScene
 
@@ -64,15 +64,16 @@ def write(
     progress
         Called with the numbers of cases done, those of an interrupted run included, and of all.
     """
-    line = _remembered(folder)  # which may need an extra, and says so before anything is solved
     chosen = families if only is None else {name: families[name] for name in only}
+    # This may need an extra, and says so before anything is solved.
+    lines = {name: _remembered(folder / PARTIAL / name) for name in chosen}
     drafts = plan(chosen)
     total = sum(map(len, drafts.values()))
     made: dict[str, list[Case]] = {
-        name: [] if name in drafts else load(name, folder) for name in families
+        name: [] if name in drafts else read_cases(folder / f"{name}.jsonl") for name in families
     }
     for name, family in drafts.items():
-        for case in _cases(line, name, family, workers):
+        for case in _cases(lines[name], name, family, workers):
             made[name].append(case)
             progress(sum(len(made[name]) for name in drafts), total)
     files = {
@@ -85,7 +86,10 @@ def write(
     files |= {name: (DATA / name).read_text(encoding="utf-8") for name in DOCUMENTS}
     files |= tables | schemas() | {HEADER: top.model_dump_json(indent=2) + "\n"}
     write_files(folder, files)
-    shutil.rmtree(folder / PARTIAL, ignore_errors=True)
+    for name in drafts:
+        shutil.rmtree(folder / PARTIAL / name, ignore_errors=True)
+    if (folder / PARTIAL).is_dir() and not any((folder / PARTIAL).iterdir()):
+        (folder / PARTIAL).rmdir()
     return sum(map(len, made.values()))
 
 
@@ -113,7 +117,7 @@ def _remembered(folder: Path) -> Callable[..., str]:
     with naming_extras():
         from joblib import Memory  # slow to import
 
-    remembered: Callable[..., str] = Memory(folder / PARTIAL, verbose=0).cache(_line)
+    remembered: Callable[..., str] = Memory(folder, verbose=0).cache(_line)
     return remembered
 
 
