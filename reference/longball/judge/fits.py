@@ -8,8 +8,8 @@ the scene says; if they are the same multiple of the scene's value, it has a fac
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -228,6 +228,14 @@ def roundest(value: float, doubt: float, size: float = 1.0) -> float:
         if abs((short := float(f"{value:.{digits}g}")) - value) <= doubt:
             return short
     return value
+
+
+def snapped(fit: Fit) -> Iterator[Fit]:
+    """Yield fits of usual factors that are near, within a hundredth."""
+    if fit.form == "factor":
+        for factor, _ in _FACTORS:
+            if factor != fit.value and abs(fit.value / factor - 1) < 0.01:
+                yield replace(fit, value=factor, doubt=0.0)
 
 
 def told(value: float, doubt: float) -> str:

@@ -16,7 +16,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -100,6 +100,7 @@ class Trial:
     outcome: str | None = None
     resolution: float = 0.0
     right: bool = False
+    told: Mapping[str, object] = field(default_factory=dict)
 
     @property
     def scene(self) -> Any:
@@ -158,7 +159,7 @@ def trial_of(case: Case, answer: Answer) -> Trial:
         <= SLACK * attainable(case, name) + length(radii[name])
         for name, value in answer.values.items()
     )
-    return Trial(case, given, answer.outcome, _resolution(answer), right)
+    return Trial(case, given, answer.outcome, _resolution(answer), right, answer.told)
 
 
 def _resolution(answer: Answer) -> float:
@@ -195,7 +196,7 @@ def follow(trial: Trial, change: Change = NONE, only: Iterable[str] = STAGES) ->
 
 
 # Of which stage a quantity is, where it is told from the others by its block alone.
-_STAGE_OF = {
+STAGE_OF = {
     "plate": "pitch", "contact.normal": "normal", "contact.bat_velocity": "bat velocity",
     "contact.normal_speed": "normal speed", "contact": "touching",
     "impact.restitution": "restitution", "impact.impulse": "impulse",
@@ -214,7 +215,7 @@ def followed(trial: Trial) -> list[Check]:
         expected = values_of(trial.case.expected)
         return [
             Check(
-                _STAGE_OF.get(name) or _STAGE_OF[name.partition(".")[0]], name,
+                STAGE_OF.get(name) or STAGE_OF[name.partition(".")[0]], name,
                 tuple(map(float, expected[name])), value, math.inf, 1.0,
             )
             for name, value in trial.given.items()
@@ -238,12 +239,18 @@ class Placed:
         Distance from where the ball is at its time, m.
     time
         The candidate's, s since the flight begins.
+    point
+        The candidate's, m.
+    way
+        The true path: from the time to the place.
     """
 
     off: float
     clock: float
     moved: float
     time: float
+    point: Numbers
+    way: Callable[[float], Numbers]
 
 
 def placed(trial: Trial, change: Change, stage: str) -> Placed | None:
@@ -268,7 +275,8 @@ def placed(trial: Trial, change: Change, stage: str) -> Placed | None:
         nearest, there = _at(leg, time)[0], _at(leg, flown)[0]
     except (ArithmeticError, ValueError):
         return None
-    return Placed(math.dist(nearest, point), flown - time, math.dist(there, point), flown)
+    off, moved = math.dist(nearest, point), math.dist(there, point)
+    return Placed(off, flown - time, moved, flown, point, lambda t: _at(leg, t)[0])
 
 
 def view_values(
