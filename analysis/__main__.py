@@ -59,7 +59,8 @@ that writes it. The tables are in `tables/` as CSV, in SI units.
 [The paper, reproduced](paper.md) has a page of its own: its figures and tables with their
 counterparts, and which reading of it comes nearest to its numbers. [Measured baseball](reality.md):
 what models of flight say of a day of measured pitches and batted balls. [The seasons](seasons.md):
-whether the coefficient of restitution explains the home runs of the paper's Table I.
+whether the coefficient of restitution explains the home runs of the paper's Table I. [Simulators
+in the wild](wild.md): programs from a package index, held against the golden data.
 
 """,
         {
@@ -110,6 +111,14 @@ The tables are in `tables/` as CSV.
 
 """,
         {"seasons": False},
+    ),
+    "simulators": Page(
+        "wild.md",
+        "analysis",
+        """# Simulators in the wild
+
+""",
+        {"wild": False},
     ),
 }  # fmt: skip
 

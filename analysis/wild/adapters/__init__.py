@@ -1,0 +1,1 @@
+"""Adapters: each turns a simulator into a candidate of ``longball judge``."""
