@@ -22,8 +22,10 @@ import contextlib
 import csv
 import importlib
 import json
+import math
 import os
 import random
+import resource
 import shutil
 import signal
 import sys
@@ -64,8 +66,8 @@ CALLERS = {
     "engines/verlet_steps.py": "engines/verlet.py",
 }
 LIMIT = 60.0  # s of tests for a mutant
-SLOWER = 5.0  # times as long as without a mutant: no end
-COMPILING = 120.0  # s beyond that
+SLOWER = 3.0  # times as long as without a mutant: no end
+COMPILING = 30.0  # s beyond that
 # Imported once, before the processes of the mutants are forked.
 WARM = (
     "flint",
@@ -213,15 +215,15 @@ class Reach:
     def tests(self, mutant: Mutant) -> list[str]:
         """Return the tests of a mutant, in their order."""
         reached = self.lines.get(mutant.module, {})
-        own = {test for line in mutant.lines for test in reached.get(str(line), ())}
+        own = [test for line in mutant.lines for test in reached.get(str(line), ())]
         caller = self.lines.get(CALLERS.get(mutant.module, ""), {})
-        near = {test for part in (reached, caller) for of in part.values() for test in of}
+        near = [test for part in (reached, caller) for of in part.values() for test in of]
+        ordered = (test for of in (own, near) for test in sorted(of, key=self.seconds.__getitem__))
         chosen, total = [], 0.0
-        for group in (own, near - own):
-            for test in sorted(group, key=self.seconds.__getitem__):
-                total += self.seconds[test]
-                if total < LIMIT or not chosen:
-                    chosen.append(test)
+        for test in dict.fromkeys(ordered):
+            total += self.seconds[test]
+            if total < LIMIT or not chosen:
+                chosen.append(test)
         return chosen
 
 
@@ -297,8 +299,8 @@ def record(file: Path) -> Reach:
     return Reach(**json.loads(file.read_text(encoding="utf-8")))
 
 
-def killed(mutant: Mutant, reach: Reach) -> bool:
-    """Tell whether the tests notice a mutant."""
+def fate(mutant: Mutant, reach: Reach) -> str:
+    """Return what the tests make of a mutant: ``killed``, ``no end`` or ``SURVIVED``."""
     tests = reach.tests(mutant)
     files = dict.fromkeys(test.partition("::")[0] for test in tests)
     seconds = COMPILING + SLOWER * sum(reach.seconds[test] for test in tests)
@@ -318,7 +320,8 @@ def killed(mutant: Mutant, reach: Reach) -> bool:
             os.environ["PYTHONPATH"] = os.pathsep.join([folder, os.environ.get("PYTHONPATH", "")])
             return _pytest(("-x", *files), Chosen(tests))
 
-        return not tests or _forked(run, seconds) != 0
+        status = _forked(run, seconds) if tests else 0
+        return {0: "SURVIVED", _NO_END: "no end"}.get(status, "killed")
 
 
 def _pytest(files: tuple[str, ...], plugin: object) -> int:
@@ -328,11 +331,16 @@ def _pytest(files: tuple[str, ...], plugin: object) -> int:
     return int(pytest.main([*options, *files], plugins=[plugin]))
 
 
+_NO_END = -signal.SIGXCPU
+
+
 def _forked(run: Callable[[], int], seconds: float | None) -> int:
-    """Return the exit status of a process of its own; -1 if it does not end in time."""
+    """Return the exit status of a process of its own; `_NO_END` if it takes more seconds."""
     process = os.fork()
     if process == 0:
-        os.setsid()
+        if seconds is not None:
+            # Of the processor, so that a busy machine ends none too early.
+            resource.setrlimit(resource.RLIMIT_CPU, (math.ceil(seconds), resource.RLIM_INFINITY))
         with (SPACE / "output").open("w", encoding="utf-8") as output:
             os.dup2(output.fileno(), 1)
             os.dup2(output.fileno(), 2)
@@ -344,15 +352,8 @@ def _forked(run: Callable[[], int], seconds: float | None) -> int:
             sys.stdout.flush()
             sys.stderr.flush()
             os._exit(status)
-    end = time.monotonic() + (seconds or float("inf"))
-    while time.monotonic() < end:
-        done, status = os.waitpid(process, os.WNOHANG)
-        if done:
-            return os.waitstatus_to_exitcode(status)
-        time.sleep(0.02)
-    os.killpg(process, signal.SIGKILL)
-    os.waitpid(process, 0)
-    return -1
+    _, status = os.waitpid(process, 0)
+    return os.waitstatus_to_exitcode(status)
 
 
 # --- table ----------------------------------------------------------------------------------------
@@ -410,17 +411,16 @@ def main() -> None:
     with contextlib.suppress(KeyboardInterrupt):
         for mutant in every[: options.sample]:
             start = time.monotonic()
-            dead = killed(mutant, reach)
+            word = fate(mutant, reach)
             tried.append(mutant)
-            survivors += [] if dead else [mutant]
-            equivalent = sum(bool(reasons.get(m.key)) for m in survivors)
-            dead_count, count = len(tried) - len(survivors), len(tried) - equivalent
-            word = "killed" if dead else "equivalent" if reasons.get(mutant.key) else "SURVIVED"
-            print(f"{word:10} {time.monotonic() - start:5.1f} s  {mutant}", flush=True)
+            survivors += [mutant] if word == "SURVIVED" else []
+            print(f"{word:8} {time.monotonic() - start:5.1f} s  {mutant}", flush=True)
     write(survivors, tried)
+    equivalent = sum(bool(reasons.get(mutant.key)) for mutant in survivors)
+    killed, count = len(tried) - len(survivors), len(tried) - equivalent
     print(f"{len(tried)} of {len(every)} mutants, {equivalent} of them equivalent")
-    low, high = binomtest(dead_count, count).proportion_ci(method="wilson")
-    print(f"{dead_count} of {count} killed: {dead_count / count:.1%} ({low:.1%} to {high:.1%})")
+    low, high = binomtest(killed, count).proportion_ci(method="wilson")
+    print(f"{killed} of {count} killed: {killed / count:.1%} ({low:.1%} to {high:.1%})")
 
 
 if __name__ == "__main__":

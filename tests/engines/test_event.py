@@ -69,7 +69,7 @@ def make(surface, at, start, numbers):
         case "ground":
             return event.ground(numbers.exact(at[0]), start, numbers)
         case "plate":
-            return event.plate(frame_of(at, numbers), numbers)
+            return event.plate(frame_of(at, numbers), start, numbers)
         case "vertical":
             return event.vertical(numbers)
         case "fence":

@@ -39,7 +39,7 @@ def ground(height=0.0):
 
 def plate(distance):
     zero, one = exact(0.0), exact(1.0)
-    return event.plate(Frame(exact(distance), zero, -one, zero), NUMBERS)
+    return event.plate(Frame(exact(distance), zero, -one, zero), launched(1.0, 0.0, 0.0), NUMBERS)
 
 
 # ---- closed forms: every digit -------------------------------------------------------------------

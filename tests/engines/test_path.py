@@ -307,7 +307,7 @@ def test_a_ball_dropped_into_a_wind():
     )
     assert found.time == pytest.approx(wanted.time, abs=1e-10)
     assert found.state == pytest.approx(wanted.state, abs=1e-9)
-    crossing = plate(Frame(3.0, 0.0, -1.0, 0.0), DOUBLES)
+    crossing = plate(Frame(3.0, 0.0, -1.0, 0.0), start, DOUBLES)
     assert IVP.fly(law, start, [crossing], 60.0).stop == "plate"
 
 
@@ -334,7 +334,7 @@ def test_a_path_is_sampled_and_asked_for_another_event():
     flight = flown("batted", IVP)
     times = [0.0, 0.5, 1.0]
     assert flight.path.sample(times) == [flight.path.at(t) for t in times]
-    ahead = plate(Frame(20.0, 0.0, -1.0, 0.0), DOUBLES)
+    ahead = plate(Frame(20.0, 0.0, -1.0, 0.0), flight.path.at(0.0), DOUBLES)
     met = flight.path.first([ahead], LIMIT, IVP.flight_error, DOUBLES)
     assert (met.event.name, met.state.s) == ("plate", 20.0)
     assert_same(met.state, flight.path.at(met.time))

@@ -60,7 +60,7 @@ def ground(height=0.0):
 
 def plate(way):
     """Return the plate of a pitch that is released so many metres in front of it."""
-    return event.plate(Frame(way, 0.0, -1.0, 0.0), DOUBLES)
+    return event.plate(Frame(way, 0.0, -1.0, 0.0), START, DOUBLES)
 
 
 def after_steps(engine, count, start=START, law=AIR):

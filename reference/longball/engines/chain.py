@@ -341,7 +341,7 @@ def _ground(cases: Cases[N], frame: Frame[N], start: State[N]) -> Event[N]:
 
 
 def _plate(cases: Cases[N], frame: Frame[N], start: State[N]) -> Event[N]:
-    return plate(frame, cases.numbers)
+    return plate(frame, start, cases.numbers)
 
 
 def _fence(cases: Cases[N], frame: Frame[N], start: State[N]) -> Event[N]:

@@ -35,6 +35,8 @@ class Event(Generic[N]):
         Puts a state that is within rounding of the event onto it.
     size
         What the error of the value is relative to, in its unit.
+    slope
+        By how much the value changes at most if a coordinate does, by 1 m.
     """
 
     name: str
@@ -42,6 +44,7 @@ class Event(Generic[N]):
     value: Callable[[Any], Any]
     place: Callable[[Any], Any]
     size: N
+    slope: N | float = 1.0
 
 
 def ground(height: N, start: State[N], numbers: Numbers[N]) -> Event[N]:
@@ -55,15 +58,19 @@ def ground(height: N, start: State[N], numbers: Numbers[N]) -> Event[N]:
     )
 
 
-def plate(frame: Frame[N], numbers: Numbers[N]) -> Event[N]:
-    """Return the crossing of the plane x = 0 by a pitch in a frame."""
+def plate(frame: Frame[N], start: State[N], numbers: Numbers[N]) -> Event[N]:
+    """Return the crossing of the plane x = 0 by a pitch in a frame, from a state.
+
+    A pitch that flies along the plate's plane, from beside it, has an x far smaller than the way.
+    """
     way = -frame.x / frame.cos
 
     def place(state: State[N]) -> State[N]:
         return state._replace(s=way) if in_plane(state) else state
 
-    size = _size(numbers, frame.x)
-    return Event("plate", "the ball reaches the plate", frame.towards_x, place, size)
+    slope = absolute(frame.cos) if in_plane(start) else numbers.exact(1.0)
+    size = slope * _size(numbers, frame.x / slope)
+    return Event("plate", "the ball reaches the plate", frame.towards_x, place, size, slope)
 
 
 def vertical(numbers: Numbers[N]) -> Event[N]:
@@ -218,8 +225,9 @@ def first_met(
         if numbers.rounding:
             start = piece.at(numbers.exact(0.0))
             rounded = _ROUNDINGS * numbers.rounding * _size(numbers, start.s, start.z)
-            for name, known in errors.items():
-                errors[name] = numbers.where(rounded > known, rounded, known)
+            for event in events:
+                kept, known = event.slope * rounded, errors[event.name]
+                errors[event.name] = numbers.where(kept > known, kept, known)
         found = [
             Met(event, piece.begin + t, event.place(piece.at(t)))
             for event in events

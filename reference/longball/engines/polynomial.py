@@ -66,22 +66,30 @@ class PolynomialCurve(NamedTuple):
     piece
     value
         Of a state.
+    origin
+        The value of a state of zeros: how large what cancels in the value of a state is.
     unit
         s, a power of 2 no shorter than the piece.
     coefficients
         Of the value, as a polynomial in the time on the piece, in that unit: so they do not
         overflow where the value does not. Where a distance is small at the end of a long piece they
-        cancel, and so a single value is that of a state.
+        cancel, and so a single value is that of a state; unless it is far smaller than the
+        coordinates, whose rounding it would have.
     """
 
     piece: PolynomialPiece
     value: Callable[[Any], Any]
+    origin: float
     unit: float
     coefficients: Array
 
     def __call__(self, t: float) -> float:
         """Return the value."""
-        return float(self.value(self.piece.at(t)) if t else self.coefficients[0])
+        if t:
+            terms = value(abs(self.coefficients), abs(t) / self.unit)
+            if terms > _FAR_SMALLER * abs(self.origin):
+                return float(self.value(self.piece.at(t)))
+        return value(self.coefficients, t / self.unit)
 
     def _from(self, begin: float) -> Array:
         return shifted(self.coefficients, begin / self.unit) if begin else self.coefficients
@@ -149,7 +157,8 @@ class PolynomialPiece(NamedTuple):
         power = math.frexp(self.length)[1]
         scaled = np.ldexp(self.coefficients, power * np.arange(self.coefficients.shape[1]))
         along: Polynomial = value(self.state(*map(Polynomial, scaled)))
-        return PolynomialCurve(self, value, math.ldexp(1.0, power), along.coefficients)
+        origin = float(value(self.state(*[0.0] * len(scaled))))
+        return PolynomialCurve(self, value, origin, math.ldexp(1.0, power), along.coefficients)
 
 
 # --- compiled: a polynomial is an array of its coefficients ---------------------------------------
@@ -242,6 +251,9 @@ def zero(p: Array, left: float, right: float) -> float:
 
 
 _ROUNDING = 2.0**-53
+# Of six digits and more that a single value would lose: a hop of a nanometre off the ground, or a
+# bat that is met a hundred kilometres up.
+_FAR_SMALLER = 2.0**-20
 # Six are enough at a simple zero; rounding could lead Newton's method on without end.
 _MOST_NEWTON_STEPS = 50
 # Of the times on a piece: hundreds of roundings. Newton's method doubles the digits, so that what

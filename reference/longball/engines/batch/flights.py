@@ -792,6 +792,7 @@ def _meets_bat(s: _Setup, slot: _Slot, time: float, end: float, last: bool) -> b
     approaching = s.slope[0] < 0.0
     if mark[_STEPS] <= 1:
         gap = _distance(s, 0.0) - reach
+        arrival[_MARGIN] = -gap
         if gap < -error:
             mark[_STOP], arrival[_DOUBT] = INSIDE_BAT, gap
             return True
