@@ -1,46 +1,84 @@
 """Mutation testing: small faults are planted in the package, and the tests have to notice each.
 
-    python tests/mutants.py --sample 100 --seed 1 [--jobs 2] [--only model/impact.py]
+    python tests/mutants.py [--sample 300] [--seed 1] [--only model/bat.py] [--map FILE]
 
 A mutant is one module with one operator, comparison or constant changed, in a copy of the package
-that stands before the real one on the path. It runs the tests of the folder that its module belongs
-to. Killed: a test fails, or none ends in time. Survivors are written to report/mutants.csv, where
-the column `reason` says why a mutant is no fault; reasons are kept from run to run.
+that stands before the real one on the path. A first run of the tests of `TESTS` records which test
+reaches which line, and in what time. Each mutant then runs the tests that reach its line, followed
+by those that reach its module, the quickest first, up to `LIMIT` seconds in all. Killed: a test
+fails, or none ends in time. The others are survivors, whether another test would kill them or not.
+
+Mutants are drawn at random from `FOLDERS`, from each in proportion to its mutants, in an order of
+which any beginning is such a sample. Survivors are written to tests/mutants.csv, where the column
+`reason` says why a mutant is equivalent to the module; those do not count for the score, which is
+printed with its 95 % interval (Wilson). Reasons are kept from run to run.
 """
 
 from __future__ import annotations
 
 import argparse
 import ast
+import contextlib
 import csv
+import importlib
+import json
 import os
 import random
 import shutil
-import subprocess
+import signal
 import sys
 import tempfile
+import time
+import traceback
 from collections.abc import Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from copy import deepcopy
+from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
+from typing import Any
+
+import pytest
+from scipy.stats import binomtest
 
 ROOT = Path(__file__).parent.parent
 PACKAGE = ROOT / "reference" / "longball"
-TABLE = ROOT / "report" / "mutants.csv"
+SPACE = ROOT / "build" / "mutants"
+TABLE = ROOT / "tests" / "mutants.csv"
 COLUMNS = ("module", "line", "change", "code", "reason")
 FOLDERS = ("model", "engines", "convergence")
+TESTS = (
+    "tests/model",
+    "tests/engines",
+    "tests/convergence",
+    "tests/test_properties.py",
+    "tests/analysis/test_survival.py",
+)
 # Written by a program from another module, which is mutated in its place.
 GENERATED = {"model/impact.py"}
-
-# Tests of a module, the quickest first: they stop at the first failure.
-TESTS = {
-    "model": ("tests/model", "tests/engines/test_chain.py"),
-    "engines/batch": ("tests/engines/test_batch.py", "tests/engines/test_columns.py"),
-    "engines/enclosure": ("tests/engines/enclosure", "tests/engines/test_enclosure.py"),
-    "engines": ("tests/engines",),
-    "convergence": ("tests/convergence",),
+# Compiled code leaves no trace: its tests are those of the module that calls it.
+CALLERS = {
+    "engines/batch/flights.py": "engines/batch/records.py",
+    "engines/batch/jit.py": "engines/batch/records.py",
+    "engines/batch/roots.py": "engines/batch/records.py",
+    "engines/polynomial.py": "engines/event.py",
+    "engines/verlet_steps.py": "engines/verlet.py",
 }
-SECONDS = 900.0  # of the tests of a mutant: several times what they take
+LIMIT = 60.0  # s of tests for a mutant
+SLOWER = 5.0  # times as long as without a mutant: no end
+COMPILING = 120.0  # s beyond that
+# Imported once, before the processes of the mutants are forked.
+WARM = (
+    "flint",
+    "hypothesis",
+    "joblib",
+    "mpmath",
+    "numba",
+    "pandas",
+    "pydantic",
+    "scipy.integrate",
+    "scipy.optimize",
+    "sympy",
+)
 
 SWAPS: dict[type[ast.AST], tuple[type[ast.AST], ...]] = {
     ast.Add: (ast.Sub,),
@@ -58,133 +96,266 @@ SWAPS: dict[type[ast.AST], tuple[type[ast.AST], ...]] = {
 }
 
 
+# --- mutants --------------------------------------------------------------------------------------
+
+
 @dataclass(frozen=True)
 class Mutant:
-    """A change of a module: its path in the package, where, what, and which of which node's."""
+    """A change of a module: its path in the package, lines, what changes, and the new source."""
 
     module: str
-    line: int
+    lines: range
     change: str
     code: str
-    node: int
-    number: int
+    source: str = field(repr=False)
 
     @property
     def key(self) -> tuple[str, str, str]:
         """What a reason belongs to; lines move."""
         return self.module, self.change, self.code
 
+    def __str__(self) -> str:
+        return f"{self.module}:{self.lines.start}  {self.change}  {self.code}"
 
-def mutants(module: str, source: str) -> Iterator[Mutant]:
+
+def mutants(module: str) -> Iterator[Mutant]:
     """Yield every mutant of a module."""
+    source = (PACKAGE / module).read_text(encoding="utf-8")
     tree, lines = ast.parse(source), source.splitlines()
     passive = {id(node) for part in _passive(tree) for node in ast.walk(part)}
-    for index, node in enumerate(ast.walk(tree)):
-        if id(node) in passive:
-            continue
-        for number, (change, _) in enumerate(_changes(node)):
-            line = node.lineno  # type: ignore[attr-defined]
-            yield Mutant(module, line, change, lines[line - 1].strip(), index, number)
+    for node in ast.walk(tree):
+        if id(node) not in passive:
+            for change, changed in _changes(node):
+                assert isinstance(node, ast.expr)
+                reach = range(node.lineno, (node.end_lineno or node.lineno) + 1)
+                code = lines[node.lineno - 1].strip()
+                yield Mutant(module, reach, change, code, _replaced(source, node, changed))
 
 
-def source_of(mutant: Mutant) -> str:
-    """Return the source of the module with the change."""
-    tree = ast.parse((PACKAGE / mutant.module).read_text(encoding="utf-8"))
-    node = list(ast.walk(tree))[mutant.node]
-    _, apply = list(_changes(node))[mutant.number]
-    apply(node)
-    return ast.unparse(tree)
+def _replaced(source: str, node: ast.expr, other: ast.expr) -> str:
+    """Return a source with another expression; the lines before it do not move."""
+    lines = source.encode().splitlines(keepends=True)
+    last = (node.end_lineno or node.lineno) - 1
+    head = b"".join(lines[: node.lineno - 1]) + lines[node.lineno - 1][: node.col_offset]
+    tail = lines[last][node.end_col_offset :] + b"".join(lines[last + 1 :])
+    return (head + f"({ast.unparse(other)})".encode() + tail).decode()
 
 
 def _passive(tree: ast.Module) -> Iterator[ast.AST]:
-    """Yield the parts of a module that no test can see: annotations, and what an error says."""
+    """Yield the parts of a module that no test can see.
+
+    They are annotations, what an error says, and what only states that the program is right.
+    """
     for node in ast.walk(tree):
         match node:
             case ast.FunctionDef():
                 yield from filter(None, [node.returns])
             case ast.arg() | ast.AnnAssign():
                 yield from filter(None, [node.annotation])
-            case ast.JoinedStr() | ast.Raise():
+            case ast.JoinedStr() | ast.Raise() | ast.Assert():
+                yield node
+            case ast.keyword(arg="frozen" | "strict" | "slots"):
                 yield node
             case ast.If(test=ast.Name(id="TYPE_CHECKING")):
                 yield node
 
 
-def _changes(node: ast.AST) -> Iterator[tuple[str, Callable[[ast.AST], None]]]:
-    """Yield what may be changed of a node: in words, and as a function of the node's copy."""
+def _changes(node: ast.AST) -> Iterator[tuple[str, ast.expr]]:
+    """Yield what may be changed of a node: in words, and the other node."""
     match node:
-        case ast.BinOp() | ast.BoolOp():
-            for other in SWAPS.get(type(node.op), ()):
-                yield _words(node.op, other), lambda n, o=other: setattr(n, "op", o())
+        case ast.BinOp(op=op) | ast.BoolOp(op=op):
+            for other in SWAPS.get(type(op), ()):
+                yield _words(op, other), _with(node, op=other())
         case ast.Compare(ops=[op]):
             for other in SWAPS.get(type(op), ()):
-                yield _words(op, other), lambda n, o=other: setattr(n, "ops", [o()])
-        case ast.UnaryOp(op=ast.USub()):
-            yield "without -", lambda n: setattr(n, "op", ast.UAdd())
-        case ast.UnaryOp(op=ast.Not()):
-            yield "without not", lambda n: vars(n).update(op=ast.Not(), operand=_negated(n))
+                yield _words(op, other), _with(node, ops=[other()])
+        case ast.UnaryOp(op=ast.USub() | ast.Not(), operand=operand):
+            yield f"without {'-' if isinstance(node.op, ast.USub) else 'not'}", operand
         case ast.Constant(value=bool() as value):
-            yield f"{value} -> {not value}", lambda n: setattr(n, "value", not value)
+            yield f"{value} -> {not value}", ast.Constant(not value)
         case ast.Constant(value=int() | float() as value):
             other = value + 1 if isinstance(value, int) else 1.5 * value + (value == 0.0)
-            yield f"{value} -> {other}", lambda n: setattr(n, "value", other)
+            yield f"{value} -> {other}", ast.Constant(other)
 
 
-def _negated(node: ast.AST) -> ast.UnaryOp:
-    return ast.UnaryOp(op=ast.Not(), operand=node.operand)  # type: ignore[attr-defined]
+def _with(node: ast.expr, **parts: Any) -> ast.expr:
+    changed = deepcopy(node)
+    vars(changed).update(parts)
+    return changed
 
 
 def _words(before: ast.AST, after: type[ast.AST]) -> str:
     return f"{type(before).__name__} -> {after.__name__}"
 
 
-def every_mutant(only: str | None) -> Iterator[Mutant]:
-    """Yield the mutants of the package's folders, or of one module."""
+def sample(only: str | None, seed: int) -> list[Mutant]:
+    """Return all mutants of the folders, or of one module, in an order as the head says."""
+    generator, placed = random.Random(seed), []
     for folder in FOLDERS:
-        for path in sorted((PACKAGE / folder).rglob("*.py")):
-            module = path.relative_to(PACKAGE).as_posix()
-            if "__pycache__" not in module and module not in GENERATED and only in (None, module):
-                yield from mutants(module, path.read_text(encoding="utf-8"))
+        names = (path.relative_to(PACKAGE).as_posix() for path in (PACKAGE / folder).rglob("*.py"))
+        chosen = [name for name in sorted(names) if name not in GENERATED and only in (None, name)]
+        every = [mutant for name in chosen for mutant in mutants(name)]
+        generator.shuffle(every)
+        placed += [((i + generator.random()) / len(every), m) for i, m in enumerate(every)]
+    return [mutant for _, mutant in sorted(placed, key=lambda pair: pair[0])]
 
 
-def tests_of(module: str) -> tuple[str, ...]:
-    """Return the tests that cover a module: its own file first, if there is one."""
-    own = Path("tests") / Path(module).with_name(f"test_{Path(module).name}")
-    folder = max((f for f in TESTS if module.startswith(f)), key=len)
-    first = (own.as_posix(),) if (ROOT / own).exists() else ()
-    return *first, *TESTS[folder]
+# --- tests ----------------------------------------------------------------------------------------
 
 
-def killed(mutant: Mutant) -> bool:
+@dataclass(frozen=True)
+class Reach:
+    """Which tests reach which line, and how long each takes, s."""
+
+    seconds: dict[str, float]
+    lines: dict[str, dict[str, list[str]]]  # by module and line
+
+    def tests(self, mutant: Mutant) -> list[str]:
+        """Return the tests of a mutant, in their order."""
+        reached = self.lines.get(mutant.module, {})
+        own = {test for line in mutant.lines for test in reached.get(str(line), ())}
+        caller = self.lines.get(CALLERS.get(mutant.module, ""), {})
+        near = {test for part in (reached, caller) for of in part.values() for test in of}
+        chosen, total = [], 0.0
+        for group in (own, near - own):
+            for test in sorted(group, key=self.seconds.__getitem__):
+                total += self.seconds[test]
+                if total < LIMIT or not chosen:
+                    chosen.append(test)
+        return chosen
+
+
+@dataclass(eq=False)
+class Recorder:
+    """A plugin of pytest: records what each test reaches, and its time."""
+
+    seconds: dict[str, float] = field(default_factory=dict)
+    failed: list[str] = field(default_factory=list)
+
+    @cached_property
+    def coverage(self) -> Any:
+        """The measurement, begun when it is first asked for."""
+        coverage = importlib.import_module("coverage").Coverage(
+            data_file=None, config_file=False, source_pkgs=["longball"], messages=False
+        )
+        coverage.start()
+        return coverage
+
+    def pytest_sessionstart(self) -> None:
+        """Begin."""
+        assert self.coverage
+
+    def pytest_runtest_logstart(self, nodeid: str) -> None:
+        """Record for a test."""
+        self.coverage.switch_context(nodeid)
+
+    def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
+        """Add the time of a part of a test."""
+        self.seconds[report.nodeid] = self.seconds.get(report.nodeid, 0.0) + report.duration
+        if report.failed:
+            self.failed.append(report.nodeid)
+
+    def reach(self) -> Reach:
+        """Return what was recorded."""
+        self.coverage.stop()
+        data, lines = self.coverage.get_data(), {}
+        for name in data.measured_files():
+            module = Path(name).as_posix().partition("/longball/")[2]
+            found = data.contexts_by_lineno(name)
+            lines[module] = {
+                str(n): [t for t in tests if t and t not in self.failed]
+                for n, tests in found.items()
+            }
+        return Reach(self.seconds, lines)
+
+
+@dataclass(eq=False)
+class Chosen:
+    """A plugin of pytest: runs some tests only, in their order."""
+
+    tests: list[str]
+
+    def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
+        """Choose among the tests."""
+        place = {test: i for i, test in enumerate(self.tests)}
+        items[:] = sorted((i for i in items if i.nodeid in place), key=lambda i: place[i.nodeid])
+
+
+def record(file: Path) -> Reach:
+    """Return what the tests reach; it is written to a file."""
+
+    def recorded() -> int:
+        recorder = Recorder()
+        _pytest(TESTS, recorder)
+        file.write_text(json.dumps(vars(recorder.reach())), encoding="utf-8")
+        for test in recorder.failed:
+            print(f"fails without a mutant, and is left out: {test}")
+        return 0
+
+    if not file.exists() and _forked(recorded, None) != 0:
+        sys.exit(f"no test was run; see {SPACE / 'output'}")
+    return Reach(**json.loads(file.read_text(encoding="utf-8")))
+
+
+def killed(mutant: Mutant, reach: Reach) -> bool:
     """Tell whether the tests notice a mutant."""
-    return fails(mutant.module, source_of(mutant))
+    tests = reach.tests(mutant)
+    files = dict.fromkeys(test.partition("::")[0] for test in tests)
+    seconds = COMPILING + SLOWER * sum(reach.seconds[test] for test in tests)
+    with tempfile.TemporaryDirectory(dir=SPACE) as folder:
+        shutil.copytree(PACKAGE, Path(folder) / "longball", copy_function=os.link)
+        # Code that does not depend on the mutated module need not be compiled again; what a mutant
+        # compiles, no other finds.
+        kept = Path(folder) / "compiled"
+        shutil.copytree(SPACE / "compiled", kept, copy_function=os.link)
+        module = Path(folder) / "longball" / mutant.module
+        module.unlink()
+        module.write_text(mutant.source, encoding="utf-8")
+
+        def run() -> int:
+            os.environ["NUMBA_CACHE_DIR"] = str(kept)
+            sys.path.insert(0, folder)
+            os.environ["PYTHONPATH"] = os.pathsep.join([folder, os.environ.get("PYTHONPATH", "")])
+            return _pytest(("-x", *files), Chosen(tests))
+
+        return not tests or _forked(run, seconds) != 0
 
 
-def fails(module: str, source: str) -> bool:
-    """Tell whether the tests of a module fail with another source of it, or do not end in time."""
-    with tempfile.TemporaryDirectory() as folder:
-        away = shutil.ignore_patterns("__pycache__")
-        shutil.copytree(PACKAGE, Path(folder) / "longball", ignore=away)
-        (Path(folder) / "longball" / module).write_text(source, encoding="utf-8")
-        environment = os.environ | {
-            "PYTHONPATH": os.pathsep.join([folder, str(ROOT)]),
-            "PYTHONDONTWRITEBYTECODE": "1",
-            # A mutant's code must not be found in the cache by the next one.
-            "NUMBA_CACHE_DIR": str(Path(folder) / "numba"),
-        }
-        command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider"]
-        try:
-            done = subprocess.run(
-                [*command, *tests_of(module)],
-                cwd=ROOT,
-                env=environment,
-                capture_output=True,
-                timeout=SECONDS,
-                check=False,
-            )
-        except subprocess.TimeoutExpired:
-            return True
-        return done.returncode != 0
+def _pytest(files: tuple[str, ...], plugin: object) -> int:
+    options = [f"-pno:{name}" for name in ("cacheprovider", "faulthandler", "xdist", "cov")]
+    # Hypothesis is warm.
+    options += ["-q", "--tb=short", "-Wignore::pytest.PytestAssertRewriteWarning"]
+    return int(pytest.main([*options, *files], plugins=[plugin]))
+
+
+def _forked(run: Callable[[], int], seconds: float | None) -> int:
+    """Return the exit status of a process of its own; -1 if it does not end in time."""
+    process = os.fork()
+    if process == 0:
+        os.setsid()
+        with (SPACE / "output").open("w", encoding="utf-8") as output:
+            os.dup2(output.fileno(), 1)
+            os.dup2(output.fileno(), 2)
+            status = 1
+            try:
+                status = run()
+            except BaseException:
+                traceback.print_exc()
+            sys.stdout.flush()
+            sys.stderr.flush()
+            os._exit(status)
+    end = time.monotonic() + (seconds or float("inf"))
+    while time.monotonic() < end:
+        done, status = os.waitpid(process, os.WNOHANG)
+        if done:
+            return os.waitstatus_to_exitcode(status)
+        time.sleep(0.02)
+    os.killpg(process, signal.SIGKILL)
+    os.waitpid(process, 0)
+    return -1
+
+
+# --- table ----------------------------------------------------------------------------------------
 
 
 def known_reasons() -> dict[tuple[str, str, str], str]:
@@ -198,14 +369,12 @@ def known_reasons() -> dict[tuple[str, str, str], str]:
 def write(survivors: list[Mutant], tried: list[Mutant]) -> None:
     """Write the table: the survivors, and earlier ones that were not tried again."""
     reasons, again = known_reasons(), {mutant.key for mutant in tried}
-    rows = [(m.module, str(m.line), m.change, m.code, reasons.get(m.key, "")) for m in survivors]
-    rows += [
-        (key[0], "", key[1], key[2], reason) for key, reason in reasons.items() if key not in again
-    ]
+    rows = {m.key: (m.module, str(m.lines.start), m.change, m.code) for m in survivors}
+    rows |= {key: (key[0], "", *key[1:]) for key in reasons if key not in again}
     with TABLE.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(COLUMNS)
-        writer.writerows(sorted(rows))
+        writer.writerows(sorted((*row, reasons.get(key, "")) for key, row in rows.items()))
 
 
 def main() -> None:
@@ -213,30 +382,45 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="Mutation testing of longball.")
     parser.add_argument("--sample", type=int, help="how many mutants; by default all")
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--jobs", type=int, default=1, help="how many at a time")
     parser.add_argument("--only", help="a module, as model/bat.py")
-    options = parser.parse_args()
-    every = list(every_mutant(options.only))
-    count = min(options.sample or len(every), len(every))
-    tried = random.Random(options.seed).sample(every, count)
-    for module in sorted({mutant.module for mutant in tried}):
-        if fails(module, (PACKAGE / module).read_text(encoding="utf-8")):
-            sys.exit(f"the tests of {module} fail without a mutant: {' '.join(tests_of(module))}")
-    survivors, reasons = [], known_reasons()
-    with ThreadPoolExecutor(options.jobs) as pool:
-        for mutant, dead in zip(tried, pool.map(killed, tried), strict=True):
-            if not dead:
-                survivors.append(mutant)
-            word = "killed" if dead else "SURVIVED"
-            print(
-                f"{word}  {mutant.module}:{mutant.line}  {mutant.change}  {mutant.code}", flush=True
-            )
-    write(survivors, tried)
-    unexplained = [mutant for mutant in survivors if not reasons.get(mutant.key)]
-    print(
-        f"{count} of {len(every)} mutants: {count - len(survivors)} killed, "
-        f"{len(survivors)} survived, {len(unexplained)} of them without a reason"
+    parser.add_argument(
+        "--map", type=Path, help="what the tests reach: read from a file, or written to it"
     )
+    parser.add_argument("--again", action="store_true", help="only survivors without a reason")
+    options = parser.parse_args()
+    os.chdir(ROOT)
+    (SPACE / "compiled").mkdir(parents=True, exist_ok=True)
+    os.environ |= {
+        "PYTHONPATH": os.pathsep.join([str(PACKAGE.parent), str(ROOT)]),
+        "PYTHONDONTWRITEBYTECODE": "1",
+        "NUMBA_CACHE_DIR": str(SPACE / "compiled"),
+    }
+    sys.path.insert(0, str(PACKAGE.parent))
+    sys.dont_write_bytecode = True
+    for name in WARM:
+        importlib.import_module(name)
+    every, reasons = sample(options.only, options.seed), known_reasons()
+    if options.again:
+        every = [mutant for mutant in every if reasons.get(mutant.key) == ""]
+    fresh = SPACE / "map.json"
+    if options.map is None:
+        fresh.unlink(missing_ok=True)
+    reach = record(options.map or fresh)
+    tried, survivors = [], []
+    with contextlib.suppress(KeyboardInterrupt):
+        for mutant in every[: options.sample]:
+            start = time.monotonic()
+            dead = killed(mutant, reach)
+            tried.append(mutant)
+            survivors += [] if dead else [mutant]
+            equivalent = sum(bool(reasons.get(m.key)) for m in survivors)
+            dead_count, count = len(tried) - len(survivors), len(tried) - equivalent
+            word = "killed" if dead else "equivalent" if reasons.get(mutant.key) else "SURVIVED"
+            print(f"{word:10} {time.monotonic() - start:5.1f} s  {mutant}", flush=True)
+    write(survivors, tried)
+    print(f"{len(tried)} of {len(every)} mutants, {equivalent} of them equivalent")
+    low, high = binomtest(dead_count, count).proportion_ci(method="wilson")
+    print(f"{dead_count} of {count} killed: {dead_count / count:.1%} ({low:.1%} to {high:.1%})")
 
 
 if __name__ == "__main__":

@@ -621,7 +621,7 @@ def test_a_block_of_another_kind_of_scene_is_an_unknown_key(data, block):
 
 @given(as_data, st.data())
 def test_a_missing_key_is_refused_by_name(data, draw):
-    required = [("id",), ("kind",)]
+    required = [("kind",)]
     for block in ("launch", "incoming"):
         if block in data:
             required += [(block,), *((block, key) for key in data[block])]

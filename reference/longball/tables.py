@@ -24,7 +24,6 @@ from longball.api import Solution, as_engine, as_scene
 from longball.engines import chain
 from longball.engines.chain import BLOCKS, DISCRETE
 from longball.engines.engine import Engine, ManyAtOnce
-from longball.engines.parallel import in_parallel
 from longball.extras import naming_extras
 from longball.model.quantities import flat, nested, replaced
 from longball.model.result import Result
@@ -119,17 +118,17 @@ def solve_many(
         raise TypeError("solve_many takes a list of scenes or columns; lb.solve takes one scene")
     return [
         Solution(asked if isinstance(asked, BaseModel) else None, result, flyer)
-        for asked, result in solve_each(scenes, solver, workers)
+        for asked, result in _asked_and_results(scenes, solver, workers)
     ]
 
 
-def solve_each(
+def _asked_and_results(
     written: Iterable[object], solver: Engine[Any] | ManyAtOnce, workers: int
 ) -> Iterator[tuple[Scene | InvalidScene, Result]]:
     """Yield scenes, or why they are none, with their results."""
     asked = [*map(_as_scene_or_error, written)]
     valid = [scene for scene in asked if not isinstance(scene, InvalidScene)]
-    results = iter(_solve_valid(valid, solver, workers))
+    results = iter(chain.solve_each(valid, solver, workers))
     for scene in asked:
         if isinstance(scene, InvalidScene):
             yield scene, Result(id=scene.scene_id, error=str(scene), code=scene.code)
@@ -142,20 +141,6 @@ def _as_scene_or_error(written: object) -> Scene | InvalidScene:
         return as_scene(written)
     except InvalidScene as error:
         return error
-
-
-# Starting processes takes a second or two: as long as so many scenes take some engines.
-_FEW = 100
-
-
-def _solve_valid(
-    scenes: list[Scene], solver: Engine[Any] | ManyAtOnce, workers: int
-) -> Iterable[Result]:
-    if isinstance(solver, ManyAtOnce):
-        return solver.solve_all(scenes, workers)
-    if workers == 1 or len(scenes) < _FEW:
-        return (chain.solve(scene, solver) for scene in scenes)
-    return in_parallel(chain.solve, ((scene, solver) for scene in scenes), workers)
 
 
 # --- columns --------------------------------------------------------------------------------------
@@ -174,7 +159,7 @@ def _solve_table(
         if frame is not None:
             return frame
     rows = [*_rows(fixed, varied)]
-    solved = [*solve_each((_scene_of(row) for row in rows), solver, workers)]
+    solved = [*_asked_and_results((_scene_of(row) for row in rows), solver, workers)]
     errors = [asked for asked, _ in solved if isinstance(asked, InvalidScene)]
     if errors and len(errors) == len(rows):
         raise errors[0]

@@ -10,6 +10,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import scipy.integrate
+import scipy.optimize
 
 from longball.engines.batch import Batch, solve_columns
 from longball.engines.chain import solve, solve_with_path
@@ -403,6 +404,44 @@ def test_the_paper_is_level_spin_of_any_size(engine, error):
 
 
 # --- where it is not smooth -----------------------------------------------------------------------
+
+
+@all_engines
+def test_where_the_wind_sets_in_airspeeds_jump_over_nodes(engine, error):
+    """Without weight, along a wind aloft that ends in still air: 1/U grows by κ a second."""
+    radius, mass, fall, blows, above = 0.0366, 0.145, 29.0, 10.0, 10.0
+    way = np.array([20.0, 0.0, -21.0]) / fall
+    # From U = 19, below both nodes, to beyond both, and towards them from there.
+    drag = {"law": "table", "of": "speed", "at": (20.0, 22.0), "values": (0.6, 0.2)}
+    flight = scene(
+        tuple(fall * way),
+        position=(0.0, 0.0, above + 10.0),
+        ball={"mass": mass, "radius": radius},
+        gravity=0.0,
+        air={
+            "density": 1.2,
+            "drag_coefficient": drag,
+            "lift_coefficient": 0.0,
+            "wind": {"velocity": tuple(blows * way), "above": above},
+        },
+    )
+    unit = 1.2 * math.pi * radius**2 / (2 * mass)
+    slow, fast = 0.6 * unit, 0.2 * unit
+
+    def drifted(t):
+        return math.log1p(slow * (fall - blows) * t) / slow + blows * t - 10.0 / -way[2]
+
+    met = scipy.optimize.brentq(drifted, 0.0, 1.0, xtol=1e-15, rtol=1e-15)
+    speed = (fall - blows) / (1 + slow * (fall - blows) * met) + blows
+    left = math.expm1(fast * above / -way[2]) / (fast * speed)
+    assert speed > speed / (1 + fast * speed * left) > 22.0
+    found = landing(flight, engine)
+    # Verlet's scheme takes the step that passes the height by the law above it: Δt times 10 m/s.
+    error = 1e-2 if isinstance(engine, Verlet) else 100 * error
+    assert found.time == pytest.approx(met + left, abs=error)
+    assert found.position == pytest.approx(
+        20 / 21 * (above + 10.0) * np.array([1, 0, 0]), abs=error
+    )
 
 
 @all_engines

@@ -76,7 +76,7 @@ ERRORS = [
     (
         "too_long",
         ("ivp", "batch"),
-        '{"id":"x","kind":"flight","air":{"density":1e9,"drag_coefficient":0},'
+        '{"id":"x","kind":"flight","air":{"density":1e9,"drag_coefficient":1e-6},'
         '"launch":{"position":[0,0,1000],"velocity":[40,0,1]}}',
     ),
     (

@@ -182,6 +182,15 @@ def test_a_force_that_leaves_the_plane_is_flown_in_space():
             assert abs(getattr(flight.state, name) - x) < mp.mpf(10) ** -37, name
 
 
+def height_law(force):
+    """Return the law of an upward acceleration that is a function of the height."""
+
+    def acceleration(motion, p):
+        return ZERO, ZERO, p.strength * force(motion.position[2])
+
+    return law_with({"strength": exact(1.0)}, (made_up(acceleration, "strength"),))
+
+
 @pytest.mark.parametrize(
     ("force", "potential"),
     [
@@ -193,7 +202,7 @@ def test_a_force_that_leaves_the_plane_is_flown_in_space():
 )
 def test_a_force_of_the_height_keeps_its_energy(force, potential):
     """Unlike drag, lift and weight it depends on the position."""
-    law = law_with({}, (made_up(lambda motion, p: (ZERO, ZERO, force(motion.position[2]))),))
+    law = height_law(force)
     start = launched(2.0, 3.0, -0.5)
     end = ENGINE.fly(law, start, [], exact(3.0)).state
 
@@ -205,7 +214,7 @@ def test_a_force_of_the_height_keeps_its_energy(force, potential):
 
 
 def test_a_spring_swings():
-    law = law_with({}, (made_up(lambda motion, p: (ZERO, ZERO, -4 * motion.position[2])),))
+    law = height_law(lambda z: -4 * z)
     flight = ENGINE.fly(law, launched(1.0, 3.0, 0.0), [ground()], exact(3.0))
     assert printed(flight.time) == printed(mp.pi / 4)
     assert printed(flight.state.w) == printed(exact(-2.0))

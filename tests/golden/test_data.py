@@ -242,7 +242,8 @@ def test_every_decisive_quantity_has_a_derivative_by_every_input():
             assert set(case.condition.derivatives) == set(decisive(case.expected))
         if case.expected.outcome == "batted":
             derivatives = case.condition.derivatives["landing.distance"]
-            assert {"pitch.speed", "bat.mass", "ball.restitution", "gravity"} <= set(derivatives)
+            assert {"bat.mass", "ball.restitution", "gravity"} <= set(derivatives)
+            assert any(name.startswith("pitch.") for name in derivatives)
             assert set(case.condition.rates) == {"plate", "contact", "landing"}
 
 

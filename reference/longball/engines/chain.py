@@ -27,6 +27,7 @@ from longball.engines.engine import (
 )
 from longball.engines.event import Event, Piece, ground, plate, vertical
 from longball.engines.fence import Place, Stop, at_stop, first_crossing, stop_at
+from longball.engines.parallel import in_parallel
 from longball.engines.path import Flight, Leg, Path, Trajectory
 from longball.model import result as written
 from longball.model.aerodynamics import DRAG, LIFT
@@ -168,8 +169,8 @@ def _rub(
     rubbed = numbers.sqrt(wanted[1] * wanted[1] + wanted[2] * wanted[2])
     doubt = 2 * (1 + friction) * mass * (2 + e + absolute(e_t)) * off
     question = "whether the ball grips the bat or slides on it"
-    room = friction * wanted[0] - rubbed
-    grips, slides = cases.decide(room, doubt, question)
+    margin = friction * wanted[0] - rubbed
+    grips, slides = cases.decide(margin, doubt, question)
 
     if scene.reading.slide_direction == "initial":
         way, speed, off_way = (g_y, g_t), numbers.sqrt(g_y * g_y + g_t * g_t), off
@@ -200,7 +201,7 @@ def _rub(
         push_energy(push, g, k),
         spin_after_push(spin, push, normal, mass, radius, inertia_factor(ball, numbers)),
         numbers.where(grips, *modes),
-        room / (friction * absolute(wanted[0])),
+        margin / (friction * absolute(wanted[0])),
     )
     return cases.take((grips | slides) & known & parts, impact, *carried)
 
@@ -631,7 +632,7 @@ def _meet_fence(
     heading = _heading_error(cases) if landing is None else _flight_error(cases)
     question = "on which side the ball passes a vertex where the fence ends or has two heights"
     aside = heading * (1 + absolute(x) + absolute(y))
-    known, at_vertex = cases.decide(place.room, aside, question)
+    known, at_vertex = cases.decide(place.to_break, aside, question)
     (ended,) = cases.take(at_vertex)
     ended.refuse(Undecided(f"{question} cannot be said: it passes over the vertex itself"))
     # What the place is off, the ball's way makes of it by its steepness, and the top by its own.
@@ -1131,13 +1132,22 @@ def solve(scene: Scene, engine: Engine[N], model: Model = MODEL) -> Result:
     return _answer(case, CHAINS[scene.kind])
 
 
+# Starting processes takes a second or two: as long as so many scenes take some engines.
+_FEW = 100
+
+
 def solve_each(
-    scenes: Sequence[Scene], engine: Engine[N] | ManyAtOnce, threads: int = 1
+    scenes: Sequence[Scene], engine: Engine[N] | ManyAtOnce, workers: int = 1
 ) -> Iterable[Result]:
-    """Return the results of scenes, in order; of most engines each when it is asked for."""
+    """Return the results of scenes, in order; of most engines each when it is asked for.
+
+    Workers are threads of an engine that solves many scenes at once, and processes of another.
+    """
     if isinstance(engine, ManyAtOnce):
-        return engine.solve_all(scenes, threads)
-    return (solve(scene, engine) for scene in scenes)
+        return engine.solve_all(scenes, workers)
+    if workers == 1 or len(scenes) < _FEW:
+        return (solve(scene, engine) for scene in scenes)
+    return in_parallel(solve, ((scene, engine) for scene in scenes), workers)
 
 
 def solve_with_path(

@@ -32,8 +32,8 @@ class Place(Generic[N]):
         Number of the chord.
     margin
         m, along the chord to the next vertex; None on a circle.
-    room
-        m, to the side of the next vertex at which the fence ends or has two heights.
+    to_break
+        m, to the next vertex at which the fence ends or has two heights.
     slope
         Of the height along the chord.
     """
@@ -41,7 +41,7 @@ class Place(Generic[N]):
     height: N
     segment: Any
     margin: N | None
-    room: N
+    to_break: N
     slope: N
 
 
@@ -58,13 +58,13 @@ class Chord(Generic[N]):
     open_a: bool
     open_b: bool
 
-    def place(self, share: N, to_end: N, room: N, numbers: Numbers[N]) -> Place[N]:
+    def place(self, share: N, to_end: N, to_break: N, numbers: Numbers[N]) -> Place[N]:
         """Return the place at a share of the way from a to b; `to_end` is the other share."""
         x, y, rise = (b - a for a, b in zip(self.a, self.b, strict=True))
         length = numbers.sqrt(x * x + y * y)
         shorter = numbers.where(to_end < share, to_end, share)
         height = self.a[2] + share * rise
-        return Place(height, self.segment, shorter * length, room, rise / length)
+        return Place(height, self.segment, shorter * length, to_break, rise / length)
 
 
 # m: what stands for the way to a vertex where there is none to be missed.
@@ -139,7 +139,7 @@ def stop_at(
             Place(
                 *(
                     numbers.where(nearer, getattr(place, name), getattr(first.place, name))
-                    for name in ("height", "segment", "margin", "room", "slope")
+                    for name in ("height", "segment", "margin", "to_break", "slope")
                 )
             ),
         )
@@ -270,11 +270,11 @@ def _on_piece(
         slack = error * (1 + absolute(x) + absolute(y))
         if ahead < -slack or ahead > length + slack:
             continue
-        room_a = absolute(ahead) if chord.open_a else far
-        room_b = absolute(length - ahead) if chord.open_b else far
-        room = zero if doubtful else room_b if room_b < room_a else room_a
+        to_a = absolute(ahead) if chord.open_a else far
+        to_b = absolute(length - ahead) if chord.open_b else far
+        to_break = zero if doubtful else to_b if to_b < to_a else to_a
         share, to_end = ahead / length, (length - ahead) / length
-        yield Crossing(piece.begin + t, state, chord.place(share, to_end, room, numbers))
+        yield Crossing(piece.begin + t, state, chord.place(share, to_end, to_break, numbers))
 
 
 def falls(curve: Curve[N], end: N, error: N) -> Iterator[tuple[N, bool]]:

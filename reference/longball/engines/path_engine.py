@@ -7,10 +7,11 @@ the apex of a vertical flight, the first event, the first touching of the bat.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import pairwise
+from types import MappingProxyType
 from typing import Any, Generic, cast
 
 from longball.engines.contact import (
@@ -103,6 +104,8 @@ class PathEngine(ABC, Generic[N]):
                     yield Part(piece, time)
                 begin, start = piece.begin + time, piece.at(time)
                 branches[which] += way
+                if law.bends[which].blows:
+                    branches = branches_at(law, start, self.numbers, {which: branches[which]})
                 break
             if met is None:
                 return
@@ -303,26 +306,35 @@ def passing(
 _RATIONAL = ("variable", "sum", "product")
 
 
-def branches_at(law: Law[N], state: State[N], numbers: Numbers[N]) -> list[int]:
+def branches_at(
+    law: Law[N],
+    state: State[N],
+    numbers: Numbers[N],
+    known: Mapping[int, int] = MappingProxyType({}),
+) -> list[int]:
     """Return which forms the terms of a law have in a state; on a level, that which it goes to.
+
+    The wind's first, on which airspeeds depend; forms that are `known` stay.
 
     Raises
     ------
     Undecided
         If a state is on a level, and does not move beyond it or back.
     """
-    found = []
-    for bend in law.bends:
-        count = 0
+    branches = [known.get(which, 0) for which in range(len(law.bends))]
+    for which, bend in sorted(enumerate(law.bends), key=lambda numbered: not numbered[1].blows):
+        if which in known:
+            continue
+        form = law.on(branches)
         for level in bend.branches.levels:
-            value = passing(law, bend, level, 1, numbers)
+            value = passing(form, bend, level, 1, numbers)
             there = value(state)
             if cast(Any, there) == 0:
-                moving: Any = map(Dual, state, law.rates(numbers)(*state))
+                moving: Any = map(Dual, state, form.rates(numbers)(*state))
                 there = value(law.state(*moving)).rate
-            count += numbers.positive(there, there * 0, f"whether {bend.piecewise.question}")
-        found.append(count)
-    return found
+            question = f"whether {bend.piecewise.question}"
+            branches[which] += numbers.positive(there, there * 0, question)
+    return branches
 
 
 RESTS_WITH_SPIN = (

@@ -54,7 +54,7 @@ _HALVINGS = 20
 # that remain are as what is left of an offset to the power 3/2, of a speed to the power 5/2.
 _SECTIONS, _OF_OFFSETS, _OF_SPEEDS = 9, 6, 3
 _STEEPER = 10.0  # how much larger than that of P the error of dP/de may be
-_PAIRS = 24  # of speed and tilt, that a thread takes at a time: some tenths of a second
+_PAIRS = 240  # of speed and tilt, that a thread takes at a time: a second or two
 
 
 class Nodes(NamedTuple):

@@ -11,11 +11,11 @@ from __future__ import annotations
 
 import itertools
 import math
-import time
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from decimal import Decimal
+from functools import cached_property, partial
 from typing import Any, Literal
 
 import numpy as np
@@ -24,20 +24,29 @@ from pydantic import Field
 
 from longball.convergence.report import Frozen
 from longball.engines.chain import solve
-from longball.engines.verlet import TREATMENTS, Verlet
+from longball.engines.verlet import Verlet
 from longball.judge.answers import Answer
 from longball.judge.cases import Case, decidable
 from longball.judge.fits import (
-    FACTORS,
     PARAMETERS,
     Fit,
+    Work,
     factor_meaning,
     fits,
-    residuals,
     told,
-    value_of,
 )
-from longball.judge.mistakes import FORMULAS, LAW, READINGS, TWO_STEP_PUSH, View
+from longball.judge.mistakes import (
+    FENCE,
+    FORMULAS,
+    IMPACT,
+    LAW,
+    OUTCOMES,
+    READINGS,
+    SPIN,
+    TWO_STEP_PUSH,
+    Mistake,
+    View,
+)
 from longball.judge.rules import rule
 from longball.judge.stages import (
     NONE,
@@ -47,6 +56,7 @@ from longball.judge.stages import (
     Numbers,
     Trial,
     follow,
+    followed,
     placed,
     trial_of,
     view_values,
@@ -65,8 +75,12 @@ TIE = 1e-4
 # Scenes that an explanation is sought in, failing and passing ones; it is then held against all.
 SOUGHT, BESIDE = 10, 4
 
-# Processor time of a search, s; what has not been tried by then is not.
-PATIENCE = 20.0
+# What leaves more than this of a few trials is not held against the others.
+SCREEN = 0.8
+
+# Flights of a search, so that a verdict is the same on every machine and comes within ten seconds;
+# what has not been tried by then is not.
+PATIENCE = 6_000.0
 
 # Errors below this, relative, are an integrator's: no mistake of the physics is sought.
 FINE = 1e-7
@@ -195,7 +209,7 @@ class _Search:
         self.scheme = scheme
         self.findings: list[Finding] = []
         self.loose: dict[str, float] = {}
-        self.until = time.process_time() + PATIENCE
+        self.work = Work()
         self.excused: set[str] = set()  # quantities whose errors are explained
         self._followed: tuple[Any, list[tuple[Trial, list[Check]]]] = (None, [])
 
@@ -223,15 +237,17 @@ class _Search:
 
     @property
     def impatient(self) -> bool:
-        """Whether the time for the search is over."""
-        return time.process_time() > self.until
+        """Whether the search has done all that it may."""
+        return self.work.done > PATIENCE
 
     # --- following ------------------------------------------------------------------------------
 
     def _follow(self) -> list[tuple[Trial, list[Check]]]:
         """Return what follows in every trial under the chain as far as it is explained."""
         if self._followed[0] is not self.trials:
-            found = [(trial, follow(trial, self.base)) for trial in self.trials]
+            found = [
+                (t, followed(t) if self.base is NONE else follow(t, self.base)) for t in self.trials
+            ]
             self._followed = (
                 self.trials,
                 [
@@ -258,12 +274,18 @@ class _Search:
     def _explain(self, stage: str, checks: Sequence[tuple[Trial, list[Check]]]) -> bool:
         """Explain what does not follow at a stage; tell whether there may be more."""
         seen = [(t, [c for c in cs if c.stage == stage]) for t, cs in checks]
-        wrong = [(t, cs) for t, cs in seen if any(not c.follows for c in cs)]
-        if not wrong:
+        sizes = [
+            max((c.error / c.scale for c in cs if not c.follows), default=0.0) for _, cs in seen
+        ]
+        worst = max(sizes, default=0.0)
+        if not worst:
             return False
-        right = [t for t, cs in seen if cs and all(c.follows for c in cs)]
+        # Beside large errors small ones are another matter.
+        wrong = [one for one, size in zip(seen, sizes, strict=True) if size > MINOR * worst]
+        right = [
+            t for (t, cs), size in zip(seen, sizes, strict=True) if cs and size <= MINOR * worst
+        ]
         before = [f for f in self.findings if f.stage == stage]
-        worst = max(c.error / c.scale for _, cs in wrong for c in cs if not c.follows)
         if before and worst < MINOR * before[0].worst and len(before) > 1:
             self._leave(stage, wrong)
             return False
@@ -377,7 +399,7 @@ class _Search:
             if flying:
                 sought = _Sought(
                     [t for t, _ in _evenly(wrong, SOUGHT // 2) + _evenly(flying, SOUGHT // 2)],
-                    _evenly(right, BESIDE), ("pitch", "flight"), self.base,
+                    _evenly(right, BESIDE), ("pitch", "flight"), self.base, self.work,
                 )  # fmt: skip
                 found = sorted(self._parts(stage, sought), key=order)
                 if found and found[0].left < 1 - NAMED:
@@ -473,7 +495,7 @@ class _Search:
             found += self._events(stage, chosen)
         if any(e.left < TIE for e in found):
             return found
-        sought = _Sought(trials, beside, (stage,), self.base)
+        sought = _Sought(trials, beside, (stage,), self.base, self.work)
         found += self._parts(stage, sought)
         if stage in ("pitch", "flight"):
             found += self._clock(stage, chosen)
@@ -539,26 +561,31 @@ class _Search:
         return View(*held) if held else None
 
     def _parts(self, stage: str, sought: _Sought) -> list[Explanation]:
-        """Return fitted numbers, and known mistakes if no number explains all."""
-        found = list(self._fits(stage, sought))
-        if not any(e.left < TIE for e in found):
-            found += self._changes(stage, sought)
-        return found
+        """Return known mistakes and fitted numbers."""
+        if stage == "flight" and type(self.base.engine) is Verlet and not self.base.push:
+            push = list(self._tried_changes([TWO_STEP_PUSH], sought))
+            if any(e.left < TIE for e in push):
+                return push
+        return [*self._changes(stage, sought), *self._fits(stage, sought)]
 
     def _changes(self, stage: str, sought: _Sought) -> Iterator[Explanation]:
         """Yield the known mistakes in the law, and other readings."""
-        library = []
-        engine = self.base.engine
-        if stage == "flight" and isinstance(engine, Verlet) and not isinstance(engine, FixedStep):
-            library.append(TWO_STEP_PUSH)
-        if stage in ("pitch", "flight"):
+        library: list[Mistake] = []
+        if stage in ("pitch", "flight", "spin decay"):
             library += LAW
+        if stage == "fence":
+            library += FENCE
+        if stage in ("impulse", "velocity after", "spin after", "energy"):
+            library += (*IMPACT, *SPIN)
         if stage not in ("pitch", "plate", "touching", "normal", "bat velocity"):
             library += READINGS
+        yield from self._tried_changes(library, sought)
+
+    def _tried_changes(self, library: Iterable[Mistake], sought: _Sought) -> Iterator[Explanation]:
         for mistake in library:
             if self.impatient:
                 return
-            left = sought.left(mistake.change)
+            left = sought.screened(mistake.change)
             if left is not None:
                 yield Explanation(
                     mistake.name, mistake.sentence, mistake.remedy, left, 1, mistake.change
@@ -572,8 +599,8 @@ class _Search:
         for name, stages in PARAMETERS.items():
             if (stage not in stages and not whole_chain) or self.impatient:
                 continue
-            for fit in fits(sought.trials, name, sought.stages, self.base):
-                left = sought.left(fit.change)
+            for fit in fits(sought.trials, name, sought.stages, self.base, self.work):
+                left = sought.screened(fit.change)
                 if left is not None:
                     yield Explanation(
                         fit_name(fit), fit.sentence, f"take the scene's {fit.parameter}", left,
@@ -681,73 +708,55 @@ class _Search:
             )  # fmt: skip
 
     def _schemes(self, stage: str, sought: _Sought) -> list[Explanation]:
-        """Return schemes in fixed steps, with the step that fits best."""
+        """Return schemes in fixed steps, with the step that fits best.
+
+        The errors of a scheme of order p go with the p-th power of its step, so that one trial of
+        each tells which step fits best and how well; the best few are then tried with theirs.
+        """
         few = sought.some(4)
-        grid = self._grid(stage, [t for t in self.trials if t.scene.kind != "impact"])
-        # The paper's own scheme comes first: a search that runs out of time has tried it.
-        schemes: list[tuple[str, str, int, Callable[[float], Any]]] = [
-            (*_VERLET[forces], lambda dt, f=forces: Verlet(dt=dt, forces=f))  # type: ignore[misc]
-            for forces in TREATMENTS
-        ]
-        schemes += [
-            (name, f"flies by {words}", order, lambda dt, s=name: FixedStep(dt=dt, scheme=s))  # type: ignore[misc]
-            for name, (_, order, words) in SCHEMES.items()
-        ]
-        tried = []
-        for name, sentence, order, engine in schemes:
-            if self.impatient:
-                break
-            fitted = self._stepped(few, order, engine, grid)
-            if fitted is not None:
-                tried.append((fitted[1], name, sentence, engine, fitted[0]))
-        tried.sort(key=lambda one: one[0])
+        known = self.dt or self._grid(stage, [t for t in self.trials if t.scene.kind != "impact"])
+        first = max(known or 0.01, SHORTEST)
+        base, ranked = few.residual(NONE), []
+        for scheme in _schemes():
+            r = few.residual(Change(engine=scheme.engine(first)))
+            if r is None or base is None or self.impatient:
+                continue
+            amount = 1.0 if known else _amount(base, base - r)
+            if amount > 0:
+                ranked.append((float(np.linalg.norm(base - amount * (base - r))), scheme))
+        ranked.sort(key=lambda one: one[0])
         found = []
-        for _, name, sentence, engine, dt in tried[:5]:
-            if dt not in (self.dt, grid):
-                near = [r for r in ROUND_STEPS if 0.6 < r / dt < 1.7 and r >= SHORTEST]
-                lefts = [(few.left(Change(engine=engine(r))), r) for r in (dt, *near)]
-                dt = min((one for one in lefts if one[0] is not None), default=(0.0, dt))[1]
-            change = Change(engine=engine(dt))
+        for _, scheme in ranked[:4]:
+            dt = first if known else self._step(few, base, scheme, first)
+            change = Change(engine=scheme.engine(dt))
             left = (sought if dt > 2e-3 else few).left(change)
             if left is not None:
                 found.append(
                     Explanation(
-                        name, f"{sentence}, in steps of {dt:.4g} s",
-                        _REMEDY if name in _LAGGING else "take shorter steps, or a method of "
-                        "higher order", left, 1, change, step=dt,
+                        scheme.name, f"{scheme.sentence}, in steps of {dt:.4g} s", scheme.remedy,
+                        left, 1, change, step=dt,
                     )
                 )  # fmt: skip
-        found += self._chords(few)
-        return found
+        return [*found, *self._chords(few)]
 
-    def _stepped(
-        self, few: _Sought, order: int, engine: Callable[[float], Any], grid: float | None
-    ) -> tuple[float, float] | None:
-        """Return the step that fits best, and what it leaves."""
-        known = self.dt or grid
-        if known:
-            left = few.left(Change(engine=engine(max(known, SHORTEST))))
-            return None if left is None else (known, left)
-        dt, best = 0.01, None
+    def _step(self, few: _Sought, base: Array | None, scheme: _Scheme, dt: float) -> float:
+        """Return the step that a scheme fits best with: a round one, if that fits as well."""
+        best = (math.inf, dt)
         for _ in range(4):
-            change = Change(engine=engine(dt))
-            left, amplitude = few.left(change), few.amplitude(change)
-            if left is None or amplitude is None or amplitude <= 0:
+            r = few.residual(Change(engine=scheme.engine(dt)))
+            if r is None or base is None or self.impatient:
                 break
-            if best is None or left < best[1]:
-                best = dt, left
-            new = dt * amplitude ** (1 / order)
+            best = min(best, (float(np.abs(r).sum()), dt))
+            amount = _amount(base, base - r)
+            new = dt * amount ** (1 / scheme.order) if amount > 0 else 0.0
             if not SHORTEST <= new <= 0.2 or abs(new / dt - 1) < 1e-4:
                 break
             dt = new
-        if best is None:
-            return None
-        for rounded in (float(f"{best[0]:.1g}"), float(f"{best[0]:.2g}"), 1 / round(1 / best[0])):
-            if abs(rounded / best[0] - 1) < 0.05 and rounded != best[0]:
-                left = few.left(Change(engine=engine(rounded)))
-                if left is not None and left <= best[1]:
-                    best = rounded, left
-        return best
+        for near in sorted(ROUND_STEPS, key=lambda step: abs(math.log(step / best[1])))[:3]:
+            if near >= SHORTEST and abs(near / best[1] - 1) < 0.2:
+                r = few.residual(Change(engine=scheme.engine(near)))
+                best = best if r is None else min(best, (float(np.abs(r).sum()), near))
+        return best[1]
 
     def _chords(self, few: _Sought) -> Iterator[Explanation]:
         """Yield events that lie on the straight line between two steps on the true path."""
@@ -834,7 +843,7 @@ class _Search:
                 around = start
                 for f in others:
                     around = around.then(f.change)
-                forms = fits(sought.trials, name, (stage,), around)
+                forms = fits(sought.trials, name, (stage,), around, self.work)
                 scored = [(sought.left(around.then(f.change), absolute=True), f) for f in forms]
                 good = [(left, f) for left, f in scored if left is not None]
                 if not good:
@@ -900,17 +909,17 @@ class _Search:
                 right += made == (t.outcome or t.case.expected.outcome)
             return right / len(whole)
 
-        best = (share(self.base), "", "this follows from the above")
-        if best[0] >= NAMED and self.findings:
-            return best[0], self.findings[0].names[0] if self.findings[0].names else "", best[2]
-        for name in ("pitch.speed", "gravity", "launch.speed", "air.density", "ball.radius"):
-            for factor in FACTORS:
-                fit = Fit(name, "factor", factor, 0.0, True)
-                if self.impatient or value_of(whole[0].scene, name) is None:
-                    continue
-                found = share(self.base.then(fit.change))
-                best = max(best, (found, fit_name(fit), f"it {fit.sentence}"))
-        return best
+        name = next((name for f in self.findings for name in f.names), "")
+        tried = [(self.base, name, "this follows from the above")]
+        library = [*OUTCOMES, *(FENCE if "home_run" in _outcomes_of(whole) else ())]
+        tried += [(self.base.then(m.change), m.name, m.sentence) for m in library]
+        found = [(share(change), name, sentence) for change, name, sentence in tried]
+        return max(found, key=lambda one: one[0])
+
+
+def _outcomes_of(trials: Iterable[Trial]) -> set[str | None]:
+    """Return what trials end with, and should."""
+    return {outcome for t in trials for outcome in (t.outcome, t.case.expected.outcome)}
 
 
 # The rank of relations: behind known mistakes that leave as little.
@@ -920,6 +929,18 @@ RELATION = 0.5
 ODD = 5
 
 SHORTEST = 2e-4  # s: of steps that are tried
+
+
+@dataclass(frozen=True)
+class _Scheme:
+    """A scheme in fixed steps: its engine for a step, and the order of its errors."""
+
+    name: str
+    sentence: str
+    order: int
+    engine: Callable[[float], Verlet]
+    remedy: str = "take shorter steps, or a method of higher order"
+
 
 _VERLET = {
     "old_carried": ("lagged-verlet", "flies by velocity Verlet with drag and lift at the velocity "
@@ -944,6 +965,29 @@ _REMEDY = (
 )
 
 
+def _schemes() -> Iterator[_Scheme]:
+    """Yield the schemes; the paper's own comes first."""
+    for forces, (name, sentence, order) in _VERLET.items():
+        remedy = {"remedy": _REMEDY} if name in _LAGGING else {}
+        yield _Scheme(name, sentence, order, partial(_verlet, forces), **remedy)
+    for name, (_, order, words) in SCHEMES.items():
+        yield _Scheme(name, f"flies by {words}", order, partial(_fixed, name))
+
+
+def _verlet(forces: Any, dt: float) -> Verlet:
+    return Verlet(dt=dt, forces=forces)
+
+
+def _fixed(scheme: str, dt: float) -> Verlet:
+    return FixedStep(dt=dt, scheme=scheme)
+
+
+def _amount(errors: Array, effect: Array) -> float:
+    """Return how many times an effect explains errors best."""
+    size = float(effect @ effect)
+    return float(errors @ effect) / size if size else 0.0
+
+
 def fit_name(fit: Fit) -> str:
     """Return a fit as a name: ``air.density=1.205``, ``pitch.speed*3.6``."""
     symbol = {"fixed": "=", "factor": "*", "offset": "+"}[fit.form]
@@ -955,11 +999,11 @@ class _Sought:
 
     def __init__(
         self, trials: Sequence[Trial], beside: Sequence[Trial], stages: tuple[str, ...],
-        base: Change,
+        base: Change, work: Work,
     ) -> None:  # fmt: skip
         self.trials, self.beside = list(trials), list(beside)
-        self.stages, self.base = stages, base
-        self._first = [residuals(t, base, stages) for t in self.everything]
+        self.stages, self.base, self.work = stages, base, work
+        self._first = [work.residuals(t, base, stages) for t in self.everything]
 
     @property
     def everything(self) -> list[Trial]:
@@ -969,15 +1013,25 @@ class _Sought:
     def stage(self) -> str:
         return self.stages[0]
 
+    def screened(self, change: Change) -> float | None:
+        """Return what a change leaves; of a few trials only, if it leaves most of them."""
+        left = self.few.left(change)
+        return left if left is None or left > SCREEN else self.left(change)
+
+    @cached_property
+    def few(self) -> _Sought:
+        """Three of the trials."""
+        return self.some(3)
+
     def some(self, count: int) -> _Sought:
         """Return a few of the trials, the shortest flights first."""
         short = sorted(self.trials, key=lambda t: _duration(t.case))
-        return _Sought(_evenly(short[: 2 * count], count), (), self.stages, self.base)
+        return _Sought(_evenly(short[: 2 * count], count), (), self.stages, self.base, self.work)
 
     def residual(self, change: Change) -> Array | None:
         """Return all relative errors that a change leaves, in one row; None if it has none."""
         full = self.base.then(change)
-        rows = [residuals(t, full, self.stages) for t in self.everything]
+        rows = [self.work.residuals(t, full, self.stages) for t in self.everything]
         if any(r.shape != f.shape for r, f in zip(rows, self._first, strict=True)):
             return None
         return np.concatenate(rows) if rows else None
@@ -988,21 +1042,11 @@ class _Sought:
         full = change if absolute else self.base.then(change)
         left = 0.0
         for trial, first in zip(self.everything, self._first, strict=True):
-            r = residuals(trial, full, self.stages)
+            r = self.work.residuals(trial, full, self.stages)
             left += (
                 float(np.minimum(np.abs(r), 1.0).sum()) if r.shape == first.shape else first.size
             )
         return left / whole if whole else None
-
-    def amplitude(self, change: Change) -> float | None:
-        """Return how many times the effect of a change fits best."""
-        r = self.residual(change)
-        if r is None:
-            return None
-        base = np.concatenate(self._first)
-        effect = base - r
-        size = float(effect @ effect)
-        return float(base @ effect) / size if size else None
 
 
 # --- single precision -----------------------------------------------------------------------------

@@ -198,10 +198,23 @@ class Law(Generic[N]):
 
     def branches(self, state: Any, numbers: Numbers[N]) -> list[Any]:
         """Return which forms the terms have in a state, or in many: by the levels passed."""
+        blowing = [bend.blows for bend in self.bends]
+        calm = [self._passed(bend, state, numbers) for bend in self.bends]
+        if not any(blowing):
+            return calm
+        aloft = self.on([int(blows) for blows in blowing])
+        above = calm[blowing.index(True)]
         return [
-            sum((self.beyond(bend, x, numbers)(state) > 0 for x in bend.branches.levels), start=0)
-            for bend in self.bends
+            above
+            if bend.blows
+            else below * (1 - above) + above * aloft._passed(bend, state, numbers)
+            for bend, below in zip(self.bends, calm, strict=True)
         ]
+
+    def _passed(self, bend: Bend[N], state: Any, numbers: Numbers[N]) -> Any:
+        """Return how many levels of a bend are passed, in the wind of this form of the law."""
+        levels = bend.branches.levels
+        return sum((self.beyond(bend, x, numbers)(state) > 0 for x in levels), start=0)
 
     def without(self, force: Term) -> Law[N]:
         """Return the law without one of its forces."""
@@ -228,6 +241,11 @@ class Bend(Generic[N]):
 
     piecewise: Piecewise
     branches: Branches
+
+    @property
+    def blows(self) -> bool:
+        """Whether the term is a wind: where its form changes, airspeeds jump."""
+        return isinstance(self.piecewise.term, Wind)
 
 
 def law_of(
@@ -360,6 +378,7 @@ def _traced(forces: tuple[Term, ...], names: tuple[str, ...], motion: str) -> _T
 _STILL = {"space": "", "plane": "yv", "vertical": "uv"}
 
 
+@cache
 def _program(
     forces: tuple[Term, ...], names: tuple[str, ...], motion: str, variables: tuple[str, ...] = ()
 ) -> Program | None:

@@ -41,7 +41,7 @@ WIDTH = 16
 # position can get from where it was.
 LENGTH, TIME, WAITED, CLEARANCE, FARTHEST, RANGES = range(6)
 
-# Sums that one loop carries: two of 32 registers each, and room for what is multiplied. With more,
+# Sums that one loop carries: two of 32 registers each; others hold what is multiplied. With more,
 # registers are spilled: for spin, wind and drag crisis in space, one loop for all took 1.5 times as
 # long, and limits of 8 to 12 sums as long as this one within a tenth.
 MOST_CHAINS = 10
@@ -504,12 +504,12 @@ def _in_loops(rows: dict[Node, tuple[Node, Node]]) -> Iterator[dict[Node, tuple[
     left = dict(rows)
     while left:
         some: dict[Node, tuple[Node, Node]] = {}
-        room = MOST_CHAINS
-        while fitting := [node for node in left if _chains(left[node]) <= room]:
+        free = MOST_CHAINS
+        while fitting := [node for node in left if _chains(left[node]) <= free]:
             loaded = {row_of(x) for factors in some.values() for x in factors}
             best = min(fitting, key=lambda node: len({*map(row_of, left[node])} - loaded))
             some[best] = left.pop(best)
-            room -= _chains(some[best])
+            free -= _chains(some[best])
         yield some
 
 

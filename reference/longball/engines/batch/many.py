@@ -208,6 +208,8 @@ def _with_columns(value: Any, columns: Mapping[str, Array], name: str) -> Any:
         return value
     if isinstance(value, BaseModel):
         way = f"{name}." if name else ""
+        if name and not any(column.startswith(way) for column in columns):
+            return value  # none of its numbers differs
         parts = {
             key: _with_columns(getattr(value, key), columns, way + key)
             for key in type(value).model_fields
@@ -320,8 +322,13 @@ def _in_blocks(solve_block: Callable[[slice], None], count: int, threads: int) -
         with np.errstate(all="ignore"):  # what overflows is withdrawn
             solve_block(slice(start, min(start + BLOCK, count)))
 
+    starts = range(0, count, BLOCK)
+    if threads == 1 or len(starts) == 1:
+        for start in starts:
+            quietly(start)
+        return
     with ThreadPoolExecutor(threads) as pool:
-        list(pool.map(quietly, range(0, count, BLOCK)))
+        list(pool.map(quietly, starts))
 
 
 def _rows(table: Table) -> Iterator[tuple[Outcome | None, dict[str, Any]]]:

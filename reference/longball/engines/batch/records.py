@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,7 +16,7 @@ from longball.engines.batch import flights
 from longball.engines.batch.flights import Records, new_flights
 from longball.engines.contact import BatSection
 from longball.engines.event import Event
-from longball.model.force import cross
+from longball.model.force import Term, cross
 from longball.model.law import FORCES, PAPER, Law, State, law_with
 
 # m before the plate: a pitch is expanded anew there, and the search for the bat starts there. A
@@ -50,11 +51,12 @@ def flies_in_lanes(law: Law[Any]) -> bool:
     """
     if law.bends or "path" in law.program.variables:
         return False
-    return not _is_extended(law) or law.gravity is not None
+    return not _is_extended(law.forces) or law.gravity is not None
 
 
-def _is_extended(law: Law[Any]) -> bool:
-    return not set(law.forces).isdisjoint(FORCES[len(PAPER) :])
+@cache
+def _is_extended(forces: tuple[Term, ...]) -> bool:
+    return not set(forces).isdisjoint(FORCES[len(PAPER) :])
 
 
 def starts_at_corner(law: Law[Any], start: State[Any]) -> Any:
@@ -62,7 +64,7 @@ def starts_at_corner(law: Law[Any], start: State[Any]) -> Any:
 
     Straight up or down through the air, or along their spin.
     """
-    if not _is_extended(law):
+    if not _is_extended(law.forces):
         return np.False_
     wind = [law.strengths.get(f"wind_{name}", 0.0) for name in "syz"]
     u, v, w = (
@@ -83,7 +85,7 @@ def general(law: Law[Any]) -> Law[Any]:
     So that the same compiled code serves all of the paper's scenes. A law of the extended model is
     as it is.
     """
-    if _is_extended(law):
+    if _is_extended(law.forces):
         return law
     paper = {name: 0.0 for force in PAPER for name in force.parameters}
     absent = [f for f in PAPER if not any(name in law.strengths for name in f.parameters)]
