@@ -6,6 +6,7 @@ Python; "..." stands for any text. The fences of one page are one session.
 
 from __future__ import annotations
 
+import csv
 import doctest
 import os
 import re
@@ -113,6 +114,33 @@ def test_every_link_leads_somewhere(page: Path):
         near = [path for path in (page.parent / file, ROOT / file) if path.exists()]
         assert near, target
         assert not anchor or anchor in anchors(near[0] if file else page), target
+
+
+def test_the_readme_quotes_the_report():
+    methods = {
+        "longball `batch`": ("batch", "1e-13 m"),
+        "longball `ivp` (default)": ("ivp Taylor", "default"),
+        "longball `enclosure`, 30 digits, proven": ("enclosure", "30 digits"),
+        "heyoka, batches of 16": ("heyoka batch", "default"),
+        "diffrax, Dopri8 at 1e-12": ("diffrax Dopri8", "1e-12"),
+        "CVODE, Adams at 1e-12": ("CVODE Adams", "1e-12"),
+        "plain `solve_ivp`, DOP853 at 1e-12": ("scipy DOP853", "1e-12"),
+    }
+    with (ROOT / "report/tables/speed_error.csv").open(encoding="utf-8", newline="") as file:
+        table = {(row["work"], row["method"], row["setting"]): row for row in csv.DictReader(file)}
+    quoted = re.findall(
+        r"^\| (.*) \| ([\d.,]+) \| ([\d.e-]+) \| (\d+) % \|$", prose(PAGES[0]), re.M
+    )
+    assert [name for name, *_ in quoted] == list(methods)
+    for name, time, error, missed in quoted:
+        flight, at_bat = table["flight", *methods[name]], table["at-bat", *methods[name]]
+        # Rounding to two digits changes a number by a twentieth at most.
+        assert float(time.replace(",", "")) == pytest.approx(
+            float(flight["time each, µs"]), rel=0.02
+        )
+        assert float(error) == pytest.approx(float(flight["worst error, m"]), rel=0.05)
+        share = 100 * int(at_bat["missed"]) / int(at_bat["contacts"])
+        assert int(missed) == pytest.approx(share, abs=0.5)
 
 
 def test_there_is_something_to_try():
