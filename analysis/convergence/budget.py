@@ -119,7 +119,7 @@ class Smooth(StruckAtOnce, Verlet):
         count = max(0, math.floor(early / self.dt))
         if count:
             near = self.fly(law, near, [], (count - 0.5) * self.dt).state
-        rest = TRUTH.fly(law, near, [plate(bat.frame, DOUBLES)], limit)
+        rest = TRUTH.fly(law, near, [plate(bat.frame, near, DOUBLES)], limit)
         touch = TRUTH.touch(rest, law, bat, events, limit)
         time = None if touch.time is None else count * self.dt + touch.time
         return replace(touch, time=time)
