@@ -145,7 +145,12 @@ class Piece(Protocol[N]):
 
 
 def first_fall(
-    curve: Curve[N], end: N, error: N, question: str, numbers: Numbers[N], launch: bool = False
+    curve: Curve[N],
+    end: N,
+    error: N,
+    question: str | None,
+    numbers: Numbers[N],
+    launch: bool = False,
 ) -> N | None:
     """Return when a value first falls through zero on a piece; None if it does not.
 
@@ -155,6 +160,8 @@ def first_fall(
         Until when, s since the piece begins.
     error
         How far the value may be off.
+    question
+        What happens there, as a clause; None if a touch within the error is as good as none.
     launch
         Whether the piece begins with the launch, whose value is exact. It may lie on the surface:
         then it is an arrival, at 0, only if the value does not rise from there.
@@ -182,7 +189,7 @@ def first_fall(
             continue
         if value < -error:
             return curve.zero(left, right)
-        if right is not end:
+        if right is not end and question is not None:
             _require_positive(value, error, f"whether {question}", numbers)
     return None
 

@@ -95,7 +95,7 @@ class PathEngine(ABC, Generic[N]):
             met = None
             stops = [*(event for event, *_ in ends), *events]
             for piece in self._smooth(form, start, begin, limit, stops):
-                met = self._first_end(piece, ends)
+                met = self._first_end(piece, ends, form.bends)
                 if met is None:
                     yield piece
                     continue
@@ -129,15 +129,22 @@ class PathEngine(ABC, Generic[N]):
         return found
 
     def _first_end(
-        self, piece: Piece[N], ends: Sequence[tuple[Event[N], int, int]]
+        self,
+        piece: Piece[N],
+        ends: Sequence[tuple[Event[N], int, int]],
+        bends: Sequence[Bend[N]],
     ) -> tuple[N, int, int] | None:
         """Return the first of such events on a piece: when, of which bend, which way."""
         found: tuple[N, int, int] | None = None
         for event, which, way in ends:
             error = self.numbers.exact(self.flight_error) * event.size
             curve = piece.curve(event.value)
+            # Forces are the same on both sides of a node: a touch within an error that is not
+            # proven changes them by as little.
+            touch_matters = self.flight_error == 0.0 or bends[which].blows
+            question = event.question if touch_matters else None
             # As at a launch: a piece may begin on the level that the one before ended on.
-            time = first_fall(curve, piece.length, error, event.question, self.numbers, launch=True)
+            time = first_fall(curve, piece.length, error, question, self.numbers, launch=True)
             if time is not None and (found is None or time < found[0]):
                 found = time, which, way
         return found

@@ -14,6 +14,7 @@ from typing import get_args
 from longball.golden.case_builder import Draft, between, five_digits, shares
 from longball.golden.fences import fence
 from longball.golden.hard import hard
+from longball.golden.kinks import flight_kinks
 from longball.golden.oblique import impact_oblique
 from longball.golden.real import (
     at_bat_real,
@@ -305,6 +306,7 @@ FAMILIES: dict[str, Family] = {
     "flight-spin-decay": flight_spin_decay,
     "flight-wind": flight_wind,
     "flight-weather": flight_weather,
+    "flight-kinks": flight_kinks,
     "flight-real": flight_real,
     "at-bat-real": at_bat_real,
     "hard-real": hard_real,

@@ -72,7 +72,8 @@ FLAGS = {
     "restitution": "The restitution between ball and bat is 0, 1, or above.",
     "second-touching": "After its impact the ball would touch the bat again; the model has one "
     "impact and flies on as if the bat were gone.",
-    "tangential": "The ball comes to the ground, or passes it, at a small angle.",
+    "tangential": "The ball comes to the ground, or passes it, at a small angle; or its apex is at "
+    "the height where a wind sets in.",
     "threshold": "The distance is 150 m, a home run's, within 1e-9 m.",
     "tie": "Two events at the same instant, or within rounding of it.",
     "unconfirmed": "The independent method has another outcome or none, or differs by more than "
