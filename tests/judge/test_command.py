@@ -99,11 +99,11 @@ def test_samples_are_judged_alone_and_beside_answers(tmp_path: Path):
     samples = tmp_path / "samples.jsonl"
     lines = [json.dumps(scene) for scene in at_bats(offset_spread=0.0732)]
     samples.write_text("\n".join(lines), encoding="utf-8")
-    alone = judge("--at-bats", samples)
+    alone = judge("--samples", samples)
     assert alone.returncode == 1
     assert alone.stdout.startswith("FAILED: samples.jsonl\nfailed because: sampling: swing.height")
     both = judge(
-        "--golden", "pitch", "--results", results(tmp_path), "--at-bats", samples, "--json"
+        "--golden", "pitch", "--results", results(tmp_path), "--samples", samples, "--json"
     )
     assert both.returncode == 1
     verdict = json.loads(both.stdout)
@@ -187,7 +187,7 @@ def test_a_step_that_hangs_is_the_last_that_is_tried():
         ([], "COMMAND"),
         (["--results", "r.jsonl", "--", "true"], "not both"),
         (["--results", "/no/such/file"], "/no/such/file"),
-        (["--at-bats", "/no/such/file"], "/no/such/file"),
+        (["--samples", "/no/such/file"], "/no/such/file"),
         (["--golden", "nonsense", "--", "true"], "nonsense"),
         (["--profile", "nonsense", "--", "true"], "exact, converged, paper"),
         (["--tolerance", "1", "--", "true"], "takes no tolerance"),
