@@ -49,7 +49,7 @@ def test_what_was_wrong_once_is_right(family, number):
 @pytest.mark.parametrize("part", range(2))
 @pytest.mark.parametrize("family", FAMILIES)
 def test_engines_agree_with_each_other(family, part, monkeypatch):
-    # Two thousand scenes; the study has more. What takes more steps or work than nearly all of them is declined.
+    # Two thousand scenes; the study has more. What takes many steps or much work is declined.
     monkeypatch.setattr("longball.engines.ivp._MOST_STEPS", 300)
     monkeypatch.setattr("longball.engines.enclosure.engine._MOST_WORK", 200_000)
     for number in range(24 + 250 * part, 274 + 250 * part):
