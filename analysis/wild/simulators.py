@@ -9,7 +9,7 @@ from importlib.metadata import PackageNotFoundError, version
 import numpy as np
 
 AIR = ("flight-drag", "flight-both")  # families of the golden data, of those that take a lift
-DRAG = ("flight-vacuum", "flight-drag")  # of those that take none
+DRAG = ("flight-drag",)  # of those that take none
 CALLBACK = "air, by a callback"
 
 
