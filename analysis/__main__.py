@@ -117,6 +117,8 @@ The tables are in `tables/` as CSV.
         "analysis",
         """# Simulators in the wild
 
+`python -m analysis wild` writes this page anew.
+
 """,
         {"wild": False},
     ),
