@@ -56,7 +56,9 @@ def judge(
     ] = False,
     table: Annotated[
         bool,
-        typer.Option("--as-csv", help="Send scenes to COMMAND as CSV, and read its results as CSV."),
+        typer.Option(
+            "--as-csv", help="Send scenes to COMMAND as CSV, and read its results as CSV."
+        ),
     ] = False,
     results: Annotated[
         Path | None,
