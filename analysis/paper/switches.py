@@ -248,4 +248,4 @@ def draw_tornado(report: Path, found: Sequence[Turns]) -> None:
             axes.grid(visible=False, axis="y")
         lines, _ = panels[0].get_legend_handles_labels()
         shades = [Patch(color="0.75", label="raises P"), Patch(color="0.35", label="lowers P")]
-        panels[0].legend(handles=[*shades, *lines], loc="lower right", fontsize="small")
+        panels[0].legend(handles=[*shades, *lines], loc="lower center", fontsize="small")
