@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import multiprocessing.resource_tracker
 import signal
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from itertools import starmap
 from typing import Any, TypeVar
 
@@ -45,7 +46,7 @@ def in_parallel(
             raise
     tasks = (delayed(function)(*arguments) for arguments in calls)
     prefer = "threads" if threads else "processes"
-    with _interrupts_held():
+    with nullcontext() if threads or workers == 1 else _interrupts_held():
         found: Iterator[T] = Parallel(n_jobs=workers, return_as="generator", prefer=prefer)(tasks)
     return found
 
@@ -59,6 +60,11 @@ def _interrupts_held() -> Iterator[None]:
     if not hasattr(signal, "pthread_sigmask"):  # not POSIX
         yield
         return
+    from joblib.externals.loky.backend import resource_tracker
+
+    # Whoever starts one of these lets interrupts through again, so they are started before.
+    for tracker in (resource_tracker, multiprocessing.resource_tracker):
+        tracker.ensure_running()
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
