@@ -184,7 +184,7 @@ SIMULATORS = (
         "py-ballisticcalc",
         "LGPL-3.0",
         "small arms",
-        "one C_D at every Mach number; an atmosphere that is even",
+        "one C_D at every Mach number; one density at every height",
         DRAG,
         (
             Method("Euler", "python+euler", 1, 1.0, (8.0, 0.5, 7), 0.5 / 100),

@@ -1,4 +1,4 @@
-"""py-ballisticcalc: a table with one C_D, an atmosphere that is the same at every height."""
+"""py-ballisticcalc: a table with one C_D, one density at every height."""
 
 import math
 import sys
