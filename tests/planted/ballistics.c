@@ -24,7 +24,7 @@ typedef long double real;
 #define MISTAKES(X) \
     /* constants and parameters of the flight */ \
     X(gravity_981) X(gravity_fixed_98) X(density_1225) X(density_fixed_129) X(mass_fixed) \
-    X(mass_in_grams_late) X(radius_fixed) X(area_from_diameter) X(area_without_pi) \
+    X(mass_five_ounces) X(radius_fixed) X(area_from_diameter) X(area_without_pi) \
     X(area_of_sphere) X(half_forgotten) X(drag_fixed_05) X(coefficients_swapped) X(pi_314) \
     X(lift_ignored) X(lift_sign) X(lift_twice) \
     /* directions and forms of the forces */ \
@@ -64,7 +64,7 @@ typedef long double real;
     /* units and output */ \
     X(distance_feet) X(velocity_mph) X(rounded_2) X(distance_3d) X(distance_x) \
     X(distance_from_launch) X(hang_time_total) X(time_is_hang_time) X(y_sign) X(axes_yz_swapped) \
-    X(time_ms) X(angles_not_needed) X(landing_speed_sign) \
+    X(time_ms) X(landing_speed_sign) \
     /* conduct */ \
     X(state_between_scenes) X(random_noise) X(cached_by_speed) X(only_outcome) X(camel_case) \
     X(landing_for_missed) X(refuses_readings) X(nan_after_bat) X(prints_banner) X(position_short) \
@@ -326,7 +326,7 @@ static void runge_kutta(const Law *law, real y[6], real h) {
     for (int i = 0; i < 6; i++) y[i] += h / 6 * sum[i];
 }
 
-/* The step length of the chosen method: 0.01 s, shorter where the ball nearly rests. */
+/* The step length of the chosen method: 0.03 s, shorter where the ball nearly rests. */
 static real step_length(const Law *law, const State *s) {
     if (wrong[euler] || wrong[semi_implicit_euler] || wrong[verlet_old_velocity]) return 1e-3L;
     if (wrong[euler_fine]) return 1e-4L;
@@ -335,7 +335,9 @@ static real step_length(const Law *law, const State *s) {
     if (wrong[midpoint] || wrong[heun] || wrong[rk4_equal_weights] || wrong[adams_bashforth] ||
         wrong[leapfrog_lagged] || wrong[rk4_position_euler] || wrong[rk4_frozen_speed])
         return 0.01L;
-    real a[3], h = 0.01L;
+    bool grid = wrong[first_below] || wrong[last_above] || wrong[linear_landing] || wrong[clock_step_late] ||
+                wrong[velocity_stale] || wrong[plate_first_beyond] || wrong[touching_step_late];
+    real a[3], h = grid ? 0.01L : 0.03L;
     acceleration(law, s->r, s->v, a);
     real u[3] = {s->v[0] - law->wind[0], s->v[1] - law->wind[1], s->v[2] - law->wind[2]};
     real slow = 0.05L * norm(u) / (norm(a) + 1e-30L);
@@ -470,7 +472,7 @@ static Law law_of(const Scene *s, const real v[3], const real *spin) {
     if (wrong[density_1225]) rho = 1.225L;
     if (wrong[density_fixed_129]) rho = 1.29L;
     if (wrong[mass_fixed]) m = 0.145L;
-    if (wrong[mass_in_grams_late]) m = 0.1417L; /* 5 oz */
+    if (wrong[mass_five_ounces]) m = 0.1417L; /* 5 oz */
     if (wrong[radius_fixed]) R = 0.0366L;
     real A = (wrong[pi_314] ? 3.14L : PI) * R * R;
     if (wrong[area_from_diameter]) A = PI * (2 * R) * (2 * R);
@@ -957,7 +959,7 @@ static const char *strike(const Scene *scene, const real r[3], const real v[3], 
     }
     out->impulse = J;
     for (int i = 0; i < 3; i++) out->after[i] = v[i] + P[i] / (wrong[velocity_by_bat_mass] ? M : scene->m);
-    if (wrong[velocity_reflected_whole]) for (int i = 0; i < 3; i++) out->after[i] = -et * v[i] + 0 * P[i];
+    if (wrong[velocity_reflected_whole]) for (int i = 0; i < 3; i++) out->after[i] = -et * v[i] ;
     if (wrong[velocity_relative]) for (int i = 0; i < 3; i++) out->after[i] -= vb[i];
     if (wrong[velocity_bat_added]) for (int i = 0; i < 3; i++) out->after[i] += vb[i];
     if (wrong[velocity_normal_only]) { real s = dot(out->after, n); for (int i = 0; i < 3; i++) out->after[i] = s * n[i]; }
