@@ -1,6 +1,6 @@
 """Flights and impacts by Gauss-Legendre steps of order 8, which can be told to be wrong.
 
-``python batter.py [--mistake NAME[,NAME]]`` reads a JSON scene per line (kinds flight and impact) and
+``python batter.py [--mistake NAME[,NAME]]`` reads a JSON scene per line, of kind flight or impact, and
 writes a JSON result per line. Equations: docs/model.md. mistakes.csv says what each mistake is.
 """
 
@@ -13,7 +13,7 @@ WRONG = set(sys.argv[2].replace("+", ",").split(",")) if len(sys.argv) > 2 else 
 
 
 def gauss_legendre(stages):
-    """Return nodes, weights and the matrix of the collocation method, from Legendre's polynomial."""
+    """Return nodes, weights and matrix of the method, from Legendre's polynomial."""
     nodes = []
     for i in range(stages):
         x = math.cos(math.pi * (i + 0.75) / (stages + 0.5))
@@ -38,7 +38,10 @@ def collocation(nodes):
         polynomial = [1.0]
         for j, b in enumerate(nodes):
             if i != j:
-                low, high = [-b * c / (a - b) for c in polynomial], [c / (a - b) for c in polynomial]
+                low, high = (
+                    [-b * c / (a - b) for c in polynomial],
+                    [c / (a - b) for c in polynomial],
+                )
                 polynomial = [p + q for p, q in zip([*low, 0.0], [0.0, *high])]
         basis.append(polynomial)
     weights = [integral(each, 1.0) for each in basis]
@@ -117,9 +120,13 @@ def step(law, state, h):
             break
     moved = [x + h * sum(w * s[i] for w, s in zip(WEIGHTS, stages)) for i, x in enumerate(position)]
     if "position_by_mean_velocity" in WRONG:
-        last = [v + h * sum(w * k[i] for w, k in zip(WEIGHTS, slopes)) for i, v in enumerate(velocity)]
+        last = [
+            v + h * sum(w * k[i] for w, k in zip(WEIGHTS, slopes)) for i, v in enumerate(velocity)
+        ]
         moved = [x + h * (v + u) / 2 for x, v, u in zip(position, velocity, last)]
-    return moved, [v + h * sum(w * k[i] for w, k in zip(WEIGHTS, slopes)) for i, v in enumerate(velocity)]
+    return moved, [
+        v + h * sum(w * k[i] for w, k in zip(WEIGHTS, slopes)) for i, v in enumerate(velocity)
+    ]
 
 
 HISTORY = []
@@ -158,7 +165,13 @@ def fly(scene):
     distance = math.hypot(position[0], position[1])
     if "distance_int" in WRONG:
         distance = float(int(distance))
-    landing = {"time": t + b, "hang_time": t + b, "position": position, "velocity": velocity, "distance": distance}
+    landing = {
+        "time": t + b,
+        "hang_time": t + b,
+        "position": position,
+        "velocity": velocity,
+        "distance": distance,
+    }
     if "position_reversed" in WRONG:
         landing["position"] = position[::-1]
     if "landing_nested" in WRONG:
@@ -210,7 +223,11 @@ def strike(scene):
     restitution = e * (1 + ratio) + ratio if kind == "as_printed" else e
     if "ratio_forgotten" in WRONG and kind == "as_printed":
         restitution = e * (1 + ratio)
-    mass = effective if kind == "nathan" or (kind != "plain" and reading.get("reduced_mass") == "effective_mass") else big
+    mass = (
+        effective
+        if kind == "nathan" or (kind != "plain" and reading.get("reduced_mass") == "effective_mass")
+        else big
+    )
     mu = m * mass / (m + mass)
     if "mu_squared" in WRONG:
         mu = m * mass / math.sqrt(m * m + mass * mass)
@@ -221,7 +238,12 @@ def strike(scene):
     energy = -mu * (1 - restitution**2) * closing**2 / 2
     if "energy_e_not_squared" in WRONG:
         energy = -mu * (1 - restitution) * closing**2 / 2
-    impact = {"restitution": restitution, "impulse": impulse, "velocity": after, "energy_change": energy}
+    impact = {
+        "restitution": restitution,
+        "impulse": impulse,
+        "velocity": after,
+        "energy_change": energy,
+    }
     return {"outcome": "struck", "contact": contact, "impact": impact}
 
 

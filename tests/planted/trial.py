@@ -1,9 +1,10 @@
 """Judge every planted mistake, and grade the verdicts by what mistakes.csv expects.
 
-    python tests/planted/trial.py [--out FOLDER] [--only NAME …] [--trial N] [--workers N]
+    python tests/planted/trial.py [--out FOLDER] [--only NAME …] [--trial N] [--page FILE]
 
-builds the programs, runs ``longball judge`` on each mistake, keeps the verdicts as JSON in FOLDER (one
-that is there is not run again) and prints a table in Markdown. No verdict is graded by hand:
+builds the programs, runs ``longball judge`` on each mistake, keeps the verdicts as JSON in FOLDER,
+where one that is there is not run again, and prints a table in Markdown. No verdict is graded by
+hand:
 
 caught
     The status is FAILED or PARTIAL.
@@ -74,11 +75,13 @@ def families(row):
 
 
 def judged(row, binary):
-    """Run the judge on a row's mistake and return the verdict, with its cost in `processor_time`."""
+    """Run the judge on a row's mistake; return the verdict, with its cost in `processor_time`."""
     sets = [word for family in families(row) for word in ("--golden", family)]
     call = [sys.executable, "-m", "longball", "judge", "--json", "--quiet", *sets, "--"]
     before = os.times()
-    answer = subprocess.run([*call, *command(row, binary)], capture_output=True, text=True, check=False)
+    answer = subprocess.run(
+        [*call, *command(row, binary)], capture_output=True, text=True, check=False
+    )
     after = os.times()
     if answer.returncode not in (0, 1):
         return {"status": "CRASHED", "standard_error": answer.stderr[-2000:]}
@@ -101,7 +104,11 @@ class Grade:
 
     @property
     def helped(self):
-        return self.caught and (self.stage or self.explained) and not (self.false_name or self.false_reassurance)
+        return (
+            self.caught
+            and (self.stage or self.explained)
+            and not (self.false_name or self.false_reassurance)
+        )
 
 
 def spoken(finding):
@@ -121,7 +128,9 @@ def conduct(verdict):
 def at_fault(verdict):
     """Return whether a verdict finds lines, keys or repeated runs at fault."""
     kinds = ("complaints", "missing", "unanswered", "contacts_invented", "refused")
-    return bool(verdict["diagnosis"] and verdict["diagnosis"]["conduct"]) or any(verdict[k] for k in kinds)
+    return bool(verdict["diagnosis"] and verdict["diagnosis"]["conduct"]) or any(
+        verdict[k] for k in kinds
+    )
 
 
 def grade(row, verdict):
@@ -130,20 +139,29 @@ def grade(row, verdict):
         return Grade(False, False, False, False, False)
     if verdict["status"] == "PASSED":
         return Grade(False, False, False, False, True)
-    verdict = verdict | {"diagnosis": verdict["diagnosis"] or {"findings": [], "conduct": [], "sentence": "", "first": None}}
+    verdict = verdict | {
+        "diagnosis": verdict["diagnosis"]
+        or {"findings": [], "conduct": [], "sentence": "", "first": None}
+    }
     findings, sentences = verdict["diagnosis"]["findings"], conduct(verdict)
     stages = {each["stage"] for each in findings} | {verdict["diagnosis"]["first"]} - {None}
     if at_fault(verdict):
         stages.add("conduct")
     parts = list(zip(row["stage"].split(" + "), row["pattern"].split(" + "), strict=True))
-    right_stage = any(stages & set(stage.split("|")) or (stage == "*" and stages) for stage, _ in parts)
+    right_stage = any(
+        stages & set(stage.split("|")) or (stage == "*" and stages) for stage, _ in parts
+    )
     explained = any(
         re.search(pattern, text)
         for _, pattern in parts
-        for text in [*(spoken(each) for each in findings if each["kind"] != "unexplained"), *sentences]
+        for text in [
+            *(spoken(each) for each in findings if each["kind"] != "unexplained"),
+            *sentences,
+        ]
     )
     false_name = any(
-        each["names"] and not any(re.search(pattern, spoken(each)) for _, pattern in parts) for each in findings
+        each["names"] and not any(re.search(pattern, spoken(each)) for _, pattern in parts)
+        for each in findings
     )
     noise = any(re.search("noise|as rounding", each["sentence"]) for each in findings)
     return Grade(True, bool(right_stage), explained, false_name, noise or not stages)
@@ -157,17 +175,30 @@ def mark(value):
 def table(rows, verdicts):
     """Return the table of all mistakes, in Markdown."""
     lines = [
-        "| mistake | program | what is wrong | caught | stage | explained | false name | false reassurance | what the verdict says |",
+        "| mistake | program | what is wrong | caught | stage | explained "
+        "| false name | false reassurance | what the verdict says |",
         "|---|---|---|---|---|---|---|---|---|",
     ]
     for row in rows:
         verdict = verdicts[row["name"], row["program"]]
         g = grade(row, verdict)
-        says = (verdict.get("diagnosis") or {}).get("sentence") or "; ".join(verdict.get("reasons", []))
+        says = (verdict.get("diagnosis") or {}).get("sentence") or "; ".join(
+            verdict.get("reasons", [])
+        )
         if not says:
             says = verdict.get("standard_error", "")[-200:]
-        cells = [row["name"], row["program"], row["wrong"], *map(mark, (g.caught, g.stage, g.explained, g.false_name, g.false_reassurance)), says]
-        lines.append("| " + " | ".join(str(cell).replace("|", "\\|").replace("\n", " ") for cell in cells) + " |")
+        cells = [
+            row["name"],
+            row["program"],
+            row["wrong"],
+            *map(mark, (g.caught, g.stage, g.explained, g.false_name, g.false_reassurance)),
+            says,
+        ]
+        lines.append(
+            "| "
+            + " | ".join(str(cell).replace("|", "\\|").replace("\n", " ") for cell in cells)
+            + " |"
+        )
     return "\n".join(lines)
 
 
@@ -175,17 +206,33 @@ def summary(rows, verdicts):
     """Return the counts, in Markdown."""
     grades = [(row, grade(row, verdicts[row["name"], row["program"]])) for row in rows]
     lines = [
-        "| mistakes | number | caught | right stage | right fit, rule or name | helped | false names | false reassurances |",
+        "| mistakes | number | caught | right stage | right fit, rule or name | helped "
+        "| false names | false reassurances |",
         "|---|---|---|---|---|---|---|---|",
     ]
-    groups = {"first trial, alone": [], "first trial, in pairs": [], "second trial, alone": [], "second trial, in pairs": []}
+    groups = {
+        "first trial, alone": [],
+        "first trial, in pairs": [],
+        "second trial, alone": [],
+        "second trial, in pairs": [],
+    }
     for row, g in grades:
         trial = "first" if row["trial"] == "1" else "second"
         groups[f"{trial} trial, {'in pairs' if '+' in row['name'] else 'alone'}"].append(g)
     groups["all"] = [g for _, g in grades]
     for name, group in groups.items():
         if group:
-            counts = [sum(getattr(g, key) for g in group) for key in ("caught", "stage", "explained", "helped", "false_name", "false_reassurance")]
+            counts = [
+                sum(getattr(g, key) for g in group)
+                for key in (
+                    "caught",
+                    "stage",
+                    "explained",
+                    "helped",
+                    "false_name",
+                    "false_reassurance",
+                )
+            ]
             lines.append(f"| {name} | {len(group)} | " + " | ".join(map(str, counts)) + " |")
     return "\n".join(lines)
 
@@ -196,7 +243,9 @@ def main():
     parser.add_argument("--only", nargs="*", help="names of mistakes")
     parser.add_argument("--trial", help="1 or 2")
     parser.add_argument("--page", type=Path, help="write docs/planted.md here")
-    parser.add_argument("--grade-only", action="store_true", help="run nothing; grade the verdicts that are there")
+    parser.add_argument(
+        "--grade-only", action="store_true", help="run nothing; grade the verdicts that are there"
+    )
     options = parser.parse_args()
     options.out.mkdir(parents=True, exist_ok=True)
     rows = [row for row in mistakes() if not options.only or row["name"] in options.only]
@@ -215,15 +264,18 @@ def main():
     text = f"{summary(done, verdicts)}\n\n{table(done, verdicts)}\n"
     print(text)
     if options.page:
-        options.page.write_text(PAGE.format(summary=summary(done, verdicts), table=table(done, verdicts)), encoding="utf-8")
+        options.page.write_text(
+            PAGE.format(summary=summary(done, verdicts), table=table(done, verdicts)),
+            encoding="utf-8",
+        )
 
 
 PAGE = """# Planted mistakes
 
 The judge is tried with simulators that are known to be wrong. Three programs of their own, in C,
 JavaScript and Python (`tests/planted` in the repository), solve the model of [](model.md) and pass
-without a mistake; told to, they make one of those that authors of simulators make, or two. What a good
-verdict would say was written down before the judge was run. Whether it says so is decided by a
+without a mistake; told to, they make one of those that authors of simulators make, or two. What a
+good verdict would say was written down before the judge was run. Whether it says so is decided by a
 script, `tests/planted/trial.py`.
 
 {summary}
