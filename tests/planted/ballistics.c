@@ -611,7 +611,6 @@ static void land(const Scene *scene, State s, real t, const real *spin, Result *
     if (text_is(scene->reading, "ground_contact", "surface") || wrong[ground_at_radius]) ground += scene->R;
     if (wrong[ground_zero]) ground = 0;
     if (wrong[lands_descending_through_launch]) ground = s.r[2];
-    if (wrong[time_limit_ignored]) limit = 300;
     if (wrong[stops_at_20s] && limit > 20) limit = 20;
     const Json *wind = member(scene->air, "wind");
     if (wrong[wind_added_to_ball] && wind) {
@@ -1185,6 +1184,7 @@ int main(int argc, char **argv) {
         scene.e = number(scene.ball, "restitution", 0.42L);
         scene.gravity = number(json, "gravity", 9.8L);
         scene.time_limit = number(json, "time_limit", 60);
+        if (wrong[time_limit_ignored]) scene.time_limit = 300;
         scene.ground = number(member(json, "ground"), "height", 0);
         static const Json usual_air = {.type = J_OBJECT};
         if (!scene.air) scene.air = &usual_air;

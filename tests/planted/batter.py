@@ -1,6 +1,6 @@
 """Flights and impacts by Gauss-Legendre steps of order 8, which can be told to be wrong.
 
-``python batter.py [--mistake NAME[,NAME]]`` reads a JSON scene per line, of kind flight or impact, and
+``python batter.py [--mistake NAME[,NAME]]`` reads a JSON scene per line (flights and impacts), and
 writes a JSON result per line. Equations: docs/model.md. mistakes.csv says what each mistake is.
 """
 
