@@ -13,7 +13,7 @@ import io
 import json
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from decimal import Decimal, InvalidOperation
 from pathlib import Path
 from typing import Any, BinaryIO, Literal, cast, get_args
@@ -75,6 +75,8 @@ class Answer:
         Why the candidate gives no answer, in its own words, if it refuses the scene.
     path
         Points ``t, x, y, z`` or ``t, x, y, z, vx, vy, vz``, a row each; None if none are given.
+    told
+        What is told and not measured, by name: ``landing.fair``, ``impact.mode``.
     """
 
     id: str
@@ -83,6 +85,7 @@ class Answer:
     unreadable: frozenset[str] = frozenset()
     error: str | None = None
     path: NDArray[np.float64] | None = None
+    told: Mapping[str, object] = field(default_factory=dict)
 
 
 class Collector:
@@ -204,6 +207,7 @@ class Collector:
             if key not in _TOP:
                 self._report_key(number, key, _TOP)
         values: dict[str, Value] = {}
+        told: dict[str, object] = {}
         unreadable = set()
         for block in BLOCKS:
             held = data.get(block)
@@ -218,6 +222,8 @@ class Collector:
                 if name not in QUANTITIES:
                     if key not in MODELS[block].model_fields:
                         self._report_key(number, name, QUANTITIES)
+                    elif given is not None:
+                        told[name] = int(given) if isinstance(given, Decimal) else given
                     continue
                 if given is None:
                     continue
@@ -246,6 +252,7 @@ class Collector:
             frozenset(unreadable),
             None if error is None else quoted(error, 200),
             path,
+            told,
         )
 
     def _report_key(self, number: int, key: str, known: Iterable[str]) -> None:

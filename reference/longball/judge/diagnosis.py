@@ -11,11 +11,11 @@ from __future__ import annotations
 
 import itertools
 import math
-import time
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from decimal import Decimal
+from functools import cached_property, partial
 from typing import Any, Literal
 
 import numpy as np
@@ -24,34 +24,49 @@ from pydantic import Field
 
 from longball.convergence.report import Frozen
 from longball.engines.chain import solve
-from longball.engines.verlet import TREATMENTS, Verlet
+from longball.engines.verlet import Verlet
 from longball.judge.answers import Answer
 from longball.judge.cases import Case, decidable
 from longball.judge.fits import (
-    FACTORS,
     PARAMETERS,
     Fit,
+    Work,
     factor_meaning,
     fits,
-    residuals,
+    snapped,
     told,
-    value_of,
 )
-from longball.judge.mistakes import FORMULAS, LAW, READINGS, TWO_STEP_PUSH, View
+from longball.judge.mistakes import (
+    FENCE,
+    FORMULAS,
+    IMPACT,
+    LAW,
+    OUTCOMES,
+    READINGS,
+    SPIN,
+    TWO_STEP_PUSH,
+    Mistake,
+    View,
+)
+from longball.judge.quantities import told_by
 from longball.judge.rules import rule
 from longball.judge.stages import (
     NONE,
+    STAGE_OF,
     STAGES,
     Change,
     Check,
     Numbers,
+    Placed,
     Trial,
     follow,
+    followed,
     placed,
     trial_of,
     view_values,
 )
 from longball.judge.steps import ROUND_STEPS, SCHEMES, FixedStep, common_step
+from longball.model.readings import Reading
 
 Array = NDArray[np.float64]
 
@@ -65,8 +80,15 @@ TIE = 1e-4
 # Scenes that an explanation is sought in, failing and passing ones; it is then held against all.
 SOUGHT, BESIDE = 10, 4
 
-# Processor time of a search, s; what has not been tried by then is not.
-PATIENCE = 20.0
+# A usual number may leave so much more than the fitted one.
+SNAP = 0.01
+
+# What leaves more than this of a few trials is not held against the others.
+SCREEN = 0.8
+
+# Flights of a search, so that a verdict is the same on every machine and comes within ten seconds;
+# what has not been tried by then is not.
+PATIENCE = 6_000.0
 
 # Errors below this, relative, are an integrator's: no mistake of the physics is sought.
 FINE = 1e-7
@@ -137,6 +159,8 @@ class Explanation:
         What the quantity then is, of a trial; None if it is a change of the chain.
     mend
         What makes a trial right again for all that follows, where neither of these does.
+    against
+        The error that it makes in scenes that pass, in the same unit as `left`.
     """
 
     name: str
@@ -150,6 +174,7 @@ class Explanation:
     step: float | None = None
     doubtful: bool = False
     mend: Callable[[Trial], Trial] | None = None
+    against: float = 0.0
 
 
 def diagnose(
@@ -178,6 +203,7 @@ def diagnose(
     ]
     search = _Search(trials, dt, scheme)
     search.single = _in_single_precision(answers.values())
+    search.unread = sum(bool(answer.unreadable) for answer in answers.values())
     return search.diagnosis()
 
 
@@ -187,7 +213,7 @@ class _Search:
     def __init__(
         self, trials: Sequence[Trial], dt: float | None, scheme: Verlet | None = None
     ) -> None:
-        self.single = False
+        self.single, self.unread = False, 0
         self.confused = [t for t in trials if t.outcome not in (None, t.case.expected.outcome)]
         self.trials = [t for t in trials if t.outcome in (None, t.case.expected.outcome)]
         self.dt = dt
@@ -195,7 +221,7 @@ class _Search:
         self.scheme = scheme
         self.findings: list[Finding] = []
         self.loose: dict[str, float] = {}
-        self.until = time.process_time() + PATIENCE
+        self.work = Work()
         self.excused: set[str] = set()  # quantities whose errors are explained
         self._followed: tuple[Any, list[tuple[Trial, list[Check]]]] = (None, [])
 
@@ -211,27 +237,51 @@ class _Search:
                     break
         if self.confused:
             self._outcomes()
+        self._told()
         clean = [r.stage for r in rows if not r.wrong]
         self.findings.sort(key=lambda f: f.worst < MINOR * largest)
         return Diagnosis(
-            sentence=_sentence(first, self.findings, clean),
+            sentence=self._sentence(first, clean),
             first=first,
             stages=rows,
             clean=clean,
             findings=self.findings,
         )
 
+    def _sentence(self, first: str | None, clean: Sequence[str]) -> str:
+        """Return it all in a sentence."""
+        unread = ""
+        if self.unread:
+            unread = f"{self.unread} answers hold values that are no numbers"
+        if not self.findings:
+            if not clean:
+                return unread or "nothing is answered that could be followed"
+            if unread:
+                return f"{unread}; what could be read follows from what comes before it"
+            return "every stage follows from the stages before it, in every scene"
+        lead = self.findings[0]
+        parts = [unread] if unread else []
+        if first is not None:
+            where = "all" if lead.wrong == lead.checked else f"{lead.wrong} of {lead.checked}"
+            parts.append(
+                f"the first stage that does not follow is {first}: wrong in {where} scenes"
+            )
+        parts += [f.sentence for f in self.findings if f.worst >= MINOR * lead.worst][:3]
+        return "; ".join(parts)
+
     @property
     def impatient(self) -> bool:
-        """Whether the time for the search is over."""
-        return time.process_time() > self.until
+        """Whether the search has done all that it may."""
+        return self.work.done > PATIENCE
 
     # --- following ------------------------------------------------------------------------------
 
     def _follow(self) -> list[tuple[Trial, list[Check]]]:
         """Return what follows in every trial under the chain as far as it is explained."""
         if self._followed[0] is not self.trials:
-            found = [(trial, follow(trial, self.base)) for trial in self.trials]
+            found = [
+                (t, followed(t) if self.base is NONE else follow(t, self.base)) for t in self.trials
+            ]
             self._followed = (
                 self.trials,
                 [
@@ -258,25 +308,37 @@ class _Search:
     def _explain(self, stage: str, checks: Sequence[tuple[Trial, list[Check]]]) -> bool:
         """Explain what does not follow at a stage; tell whether there may be more."""
         seen = [(t, [c for c in cs if c.stage == stage]) for t, cs in checks]
-        wrong = [(t, cs) for t, cs in seen if any(not c.follows for c in cs)]
-        if not wrong:
+        sizes = [
+            max((c.error / c.scale for c in cs if not c.follows), default=0.0) for _, cs in seen
+        ]
+        worst = max(sizes, default=0.0)
+        if not worst:
             return False
-        right = [t for t, cs in seen if cs and all(c.follows for c in cs)]
+        # Beside large errors small ones are another matter.
+        wrong = [one for one, size in zip(seen, sizes, strict=True) if size > MINOR * worst]
+        good = [
+            one for one, size in zip(seen, sizes, strict=True) if one[1] and size <= MINOR * worst
+        ]
+        right = [t for t, _ in good]
         before = [f for f in self.findings if f.stage == stage]
-        worst = max(c.error / c.scale for _, cs in wrong for c in cs if not c.follows)
         if before and worst < MINOR * before[0].worst and len(before) > 1:
             self._leave(stage, wrong)
             return False
         failing = [t for t, _ in wrong]
-        found = (
-            [SINGLE]
-            if self.single and worst < SINGLE_NOISE
-            else self._sorted_explanations(stage, wrong, right, checks)
-            if worst > FINE
-            else []
-        )
-        best = next((e for e in found if e.left < 1 - PROBABLE and self._likely(e, before)), None)
-        found = [best, *(e for e in found if e is not best)] if best else []
+        scenes = rule([t.case for t in failing], [t.case for t in right])
+        found: list[Explanation] = []
+        if self.single and worst < SINGLE_NOISE:
+            found = [SINGLE]
+        elif worst > FINE:
+            # A formula must not be contradicted by scenes that pass: but a part of it may be, if a
+            # rule tells them, and it explains the others.
+            beside = _evenly([o for o in good if o[0].scene.reading == Reading()], SOUGHT)
+            found = self._sorted_explanations(stage, wrong, right, beside, checks)
+            for i, e in enumerate(found):
+                if not (scenes and e.left < 1 - NAMED):
+                    found[i] = replace(e, left=e.left + e.against)
+            found.sort(key=_order)
+        found = [e for e in found if e.left < 1 - PROBABLE and self._likely(e, before)]
         quantity = max(
             (c for _, cs in wrong for c in cs), key=lambda c: c.error / c.scale
         ).quantity.partition(":")[0]
@@ -286,9 +348,9 @@ class _Search:
             "wrong": len(wrong),
             "checked": len(wrong) + len(right),
             "worst": worst,
-            "scenes": rule([t.case for t in failing], [t.case for t in right]),
+            "scenes": scenes,
         }
-        if best is None:
+        if not found:
             self.findings.append(
                 Finding(
                     kind="unexplained",
@@ -300,27 +362,29 @@ class _Search:
             )
             self._leave(stage, wrong)
             return False
-        share = 1 - best.left
+        same = [e for e in found if e.left < max(TIE, found[0].left + TIE)][:6]
+        broken = [self._breaks(e, stage) for e in same]
+        same = [e for e, n in zip(same, broken, strict=True) if n == min(broken)]
+        best = same[0]
+        # Numbers that come to the same are told, whichever is rounder.
         ties = [
-            e for e in found[1:]
-            if e.left < max(TIE, best.left + TIE)
-            and e.name != best.name
-            and e.rank <= best.rank + 0.01
-        ][:4]  # fmt: skip
-        best, ties = self._told_apart(best, ties)
+            e for e in same[1:]
+            if e.name != best.name and (e.rank <= best.rank + 0.01 or min(e.rank, best.rank) >= 2)
+        ][:3]  # fmt: skip
         sentence = best.sentence
         if ties:
             sentence += "; or, which comes to the same here: " + "; or ".join(
                 e.sentence for e in ties
             )
-        named = share >= NAMED and not best.doubtful
+        alone = min(broken) > 0
+        named = 1 - best.left >= NAMED and not best.doubtful
         self.findings.append(
             Finding(
                 kind="named" if named else "probably",
                 names=list(dict.fromkeys([best.name, *(e.name for e in ties)])),
-                sentence=sentence,
+                sentence=f"{stage} alone: {sentence}" if alone else sentence,
                 remedy=best.remedy,
-                share=share,
+                share=1 - best.left,
                 step=best.step,
                 **common,
             )
@@ -328,7 +392,11 @@ class _Search:
         if not named:
             self._leave(stage, wrong)
             return False
-        self._accept(best)
+        if alone:
+            self.excused.add(stage)
+            self._followed = (None, [])
+        else:
+            self._accept(best)
         return True
 
     def _likely(self, e: Explanation, before: Sequence[Finding]) -> bool:
@@ -340,34 +408,33 @@ class _Search:
         odd = e.rank >= 2 + ODD / 100 or e.rank == RELATION
         return not odd or (e.left < 1 - NAMED and not before and not e.doubtful)
 
-    def _told_apart(
-        self, best: Explanation, ties: Sequence[Explanation]
-    ) -> tuple[Explanation, list[Explanation]]:
-        """Return which of several equals makes most of the later stages follow, and its equals."""
-        if not ties or any(e.change is None for e in (best, *ties)):
-            return best, list(ties)
-        few = _evenly([t for t in self.trials if t.scene.kind in ("at-bat", "impact")], 16)
-        counts = []
-        for e in (best, *ties):
-            assert e.change is not None
-            full = self.base.then(e.change)
-            counts.append(sum(not c.follows for t in few for c in follow(t, full)))
-        least = min(counts)
-        good = [e for e, n in zip((best, *ties), counts, strict=True) if n == least]
-        return good[0], good[1:]
+    def _breaks(self, e: Explanation, stage: str) -> int:
+        """Return how many checks of other stages would no longer follow with an explanation."""
+        if e.change is None or isinstance(e.change.engine, Verlet):
+            return 0
+        full, count = self.base.then(e.change), 0
+        known = {t.case.id: cs for t, cs in self._follow()}
+        kinds: dict[str, list[Trial]] = defaultdict(list)
+        for t in self.trials:
+            kinds[t.scene.kind].append(t)
+        for trial in (t for some in kinds.values() for t in _evenly(some, SOUGHT)):
+            followed = {(c.stage, c.quantity) for c in known[trial.case.id] if c.follows}
+            count += sum(
+                c.stage != stage and c.error > max(c.tolerance, FINE * c.scale)
+                and (c.stage, c.quantity) in followed
+                for c in follow(trial, full)
+            )  # fmt: skip
+        return count
 
     def _sorted_explanations(
         self,
         stage: str,
         wrong: Sequence[tuple[Trial, list[Check]]],
         right: Sequence[Trial],
+        beside: Sequence[tuple[Trial, list[Check]]],
         checks: Sequence[tuple[Trial, list[Check]]],
     ) -> list[Explanation]:
         """Return explanations, the best first."""
-
-        def order(e: Explanation) -> tuple[float, ...]:
-            return (0 if e.left <= TIE else round(e.left / TIE), e.rank)
-
         if stage == "pitch":  # pitch and batted ball fly by one law: one explanation for both
             both = [(t, [c for c in cs if c.stage in ("pitch", "flight")]) for t, cs in checks]
             flying = [
@@ -377,12 +444,14 @@ class _Search:
             if flying:
                 sought = _Sought(
                     [t for t, _ in _evenly(wrong, SOUGHT // 2) + _evenly(flying, SOUGHT // 2)],
-                    _evenly(right, BESIDE), ("pitch", "flight"), self.base,
+                    _evenly(right, BESIDE), ("pitch", "flight"), self.base, self.work,
                 )  # fmt: skip
-                found = sorted(self._parts(stage, sought), key=order)
+                found = sorted(self._parts(stage, sought), key=_order)
                 if found and found[0].left < 1 - NAMED:
                     return found
-        return sorted(self._explanations(stage, wrong, _evenly(right, BESIDE)), key=order)
+        chosen = _evenly(wrong, SOUGHT)
+        found = self._explanations(stage, chosen, _evenly(right, BESIDE), beside)
+        return sorted(found, key=_order)
 
     def _accept(self, best: Explanation) -> None:
         """Make an explanation part of the chain, or mend the quantity that it is in.
@@ -460,20 +529,23 @@ class _Search:
     # --- explanations ---------------------------------------------------------------------------
 
     def _explanations(
-        self, stage: str, wrong: Sequence[tuple[Trial, list[Check]]], beside: Sequence[Trial]
+        self,
+        stage: str,
+        chosen: Sequence[tuple[Trial, list[Check]]],
+        right: Sequence[Trial],
+        beside: Sequence[tuple[Trial, list[Check]]],
     ) -> list[Explanation]:
-        chosen = _evenly(wrong, SOUGHT)
         trials = [t for t, _ in chosen]
         found = [
-            *self._relations(chosen),
-            *self._formulas(chosen),
+            *self._relations(chosen, beside),
+            *self._formulas(chosen, beside),
             *_resolutions(chosen),
         ]
         if stage in ("landing", "plate"):
             found += self._events(stage, chosen)
         if any(e.left < TIE for e in found):
             return found
-        sought = _Sought(trials, beside, (stage,), self.base)
+        sought = _Sought(trials, right, (stage,), self.base, self.work)
         found += self._parts(stage, sought)
         if stage in ("pitch", "flight"):
             found += self._clock(stage, chosen)
@@ -483,7 +555,11 @@ class _Search:
                 found += self._pairs(stage, sought, found)
         return found
 
-    def _relations(self, chosen: Sequence[tuple[Trial, list[Check]]]) -> Iterator[Explanation]:
+    def _relations(
+        self,
+        chosen: Sequence[tuple[Trial, list[Check]]],
+        beside: Sequence[tuple[Trial, list[Check]]],
+    ) -> Iterator[Explanation]:
         """Yield constant ratios, exchanged axes and signs of the quantities."""
         for quantity in dict.fromkeys(c.quantity for _, cs in chosen for c in cs):
             pairs = [
@@ -499,38 +575,43 @@ class _Search:
             expected = np.array([c.expected for _, c in pairs])
             obtained = np.array([c.obtained for _, c in pairs])
             scale = np.array([c.scale for _, c in pairs])
+            true = [c for _, cs in beside for c in cs if c.quantity == quantity]
             for name, sentence, image in _images(quantity, expected, obtained):
                 off = np.linalg.norm(obtained - image(expected), axis=1) / scale
                 left = (others + float(np.minimum(off, 1.0).sum())) / whole
+                against = sum(_off(image(np.array(c.expected)), c) for c in true) / whole
                 yield Explanation(
                     name, sentence, None, left, RELATION, quantity=quantity,
-                    value=_image_value(quantity, image, self),
+                    value=_image_value(quantity, image, self), against=against,
                 )  # fmt: skip
 
-    def _formulas(self, chosen: Sequence[tuple[Trial, list[Check]]]) -> Iterator[Explanation]:
+    def _formulas(
+        self,
+        chosen: Sequence[tuple[Trial, list[Check]]],
+        beside: Sequence[tuple[Trial, list[Check]]],
+    ) -> Iterator[Explanation]:
         """Yield the known mistakes in formulas."""
         failing = {c.quantity for _, cs in chosen for c in cs if not c.follows}
         wanted = [f for f in FORMULAS if f.quantity in failing]
         if "landing.position" in failing:  # where the ball is at a time counted otherwise
             wanted += [f for f in FORMULAS if f.quantity == "landing.hang_time"]
-        views = [(t, cs, self._view(t)) for t, cs in chosen] if wanted else []
+        views = [(cs, self._view(t)) for t, cs in (*chosen, *beside)] if wanted else []
         for formula in wanted:
-            left = whole = 0.0
-            for _, checks, view in views:
+            sums = {
+                True: [0.0, 0.0],
+                False: [0.0, 0.0],
+            }  # of what is left, and was: of failing ones
+            for number, (checks, view) in enumerate(views):
                 for c in checks:
                     error = min(c.error / c.scale, 1.0)
-                    whole += error
-                    if c.quantity == formula.quantity:
-                        value = _tried(formula.value, view)
-                        if value is None or len(value) != len(c.obtained):
-                            left += error
-                            continue
-                        error = min(math.dist(value, c.obtained) / c.scale, 1.0)
-                    left += error
-            if whole:
+                    value = _tried(formula.value, view) if c.quantity == formula.quantity else None
+                    of = sums[number < len(chosen)]
+                    of[0] += error if value is None else _off(value, c)
+                    of[1] += error
+            if whole := sums[True][1]:
                 yield Explanation(
-                    formula.name, formula.sentence, formula.remedy, left / whole, 0,
-                    quantity=formula.quantity,
+                    formula.name, formula.sentence, formula.remedy, sums[True][0] / whole, 0,
+                    quantity=formula.quantity, against=sums[False][0] / whole,
                     value=lambda t, f=formula: _tried(f.value, self._view(t)),  # type: ignore[misc]
                 )  # fmt: skip
 
@@ -539,26 +620,31 @@ class _Search:
         return View(*held) if held else None
 
     def _parts(self, stage: str, sought: _Sought) -> list[Explanation]:
-        """Return fitted numbers, and known mistakes if no number explains all."""
-        found = list(self._fits(stage, sought))
-        if not any(e.left < TIE for e in found):
-            found += self._changes(stage, sought)
-        return found
+        """Return known mistakes and fitted numbers."""
+        if stage == "flight" and type(self.base.engine) is Verlet and not self.base.push:
+            push = list(self._tried_changes([TWO_STEP_PUSH], sought))
+            if any(e.left < TIE for e in push):
+                return push
+        return [*self._changes(stage, sought), *self._fits(stage, sought)]
 
     def _changes(self, stage: str, sought: _Sought) -> Iterator[Explanation]:
         """Yield the known mistakes in the law, and other readings."""
-        library = []
-        engine = self.base.engine
-        if stage == "flight" and isinstance(engine, Verlet) and not isinstance(engine, FixedStep):
-            library.append(TWO_STEP_PUSH)
-        if stage in ("pitch", "flight"):
+        library: list[Mistake] = []
+        if stage in ("pitch", "flight", "spin decay"):
             library += LAW
+        if stage == "fence":
+            library += FENCE
+        if stage in ("impulse", "velocity after", "spin after", "energy"):
+            library += (*IMPACT, *SPIN)
         if stage not in ("pitch", "plate", "touching", "normal", "bat velocity"):
             library += READINGS
+        yield from self._tried_changes(library, sought)
+
+    def _tried_changes(self, library: Iterable[Mistake], sought: _Sought) -> Iterator[Explanation]:
         for mistake in library:
             if self.impatient:
                 return
-            left = sought.left(mistake.change)
+            left = sought.screened(mistake.change)
             if left is not None:
                 yield Explanation(
                     mistake.name, mistake.sentence, mistake.remedy, left, 1, mistake.change
@@ -572,14 +658,20 @@ class _Search:
         for name, stages in PARAMETERS.items():
             if (stage not in stages and not whole_chain) or self.impatient:
                 continue
-            for fit in fits(sought.trials, name, sought.stages, self.base):
-                left = sought.left(fit.change)
-                if left is not None:
-                    yield Explanation(
-                        fit_name(fit), fit.sentence, f"take the scene's {fit.parameter}", left,
-                        2 + fit.roundness, fit.change,
-                        doubtful=fit.doubt > 1e-2 * max(abs(fit.value), 1e-6),
-                    )  # fmt: skip
+            for fit in fits(sought.trials, name, sought.stages, self.base, self.work):
+                left = sought.screened(fit.change)
+                if left is None or left > 1 - PROBABLE:
+                    continue
+                # What is left may be another mistake, which has moved the number a little.
+                for usual in snapped(fit):
+                    there = sought.left(usual.change)
+                    if there is not None and there < left + SNAP:
+                        fit, left = usual, there
+                yield Explanation(
+                    fit_name(fit), fit.sentence, f"take the scene's {fit.parameter}", left,
+                    2 + fit.roundness, fit.change,
+                    doubtful=fit.doubt > 1e-2 * max(abs(fit.value), 1e-6),
+                )  # fmt: skip
 
     def _events(
         self, stage: str, chosen: Sequence[tuple[Trial, list[Check]]]
@@ -681,92 +773,69 @@ class _Search:
             )  # fmt: skip
 
     def _schemes(self, stage: str, sought: _Sought) -> list[Explanation]:
-        """Return schemes in fixed steps, with the step that fits best."""
+        """Return schemes in fixed steps, with the step that fits best.
+
+        The errors of a scheme of order p go with the p-th power of its step, so that one trial of
+        each tells which step fits best and how well; the best few are then tried with theirs.
+        """
         few = sought.some(4)
-        grid = self._grid(stage, [t for t in self.trials if t.scene.kind != "impact"])
-        # The paper's own scheme comes first: a search that runs out of time has tried it.
-        schemes: list[tuple[str, str, int, Callable[[float], Any]]] = [
-            (*_VERLET[forces], lambda dt, f=forces: Verlet(dt=dt, forces=f))  # type: ignore[misc]
-            for forces in TREATMENTS
-        ]
-        schemes += [
-            (name, f"flies by {words}", order, lambda dt, s=name: FixedStep(dt=dt, scheme=s))  # type: ignore[misc]
-            for name, (_, order, words) in SCHEMES.items()
-        ]
-        tried = []
-        for name, sentence, order, engine in schemes:
-            if self.impatient:
-                break
-            fitted = self._stepped(few, order, engine, grid)
-            if fitted is not None:
-                tried.append((fitted[1], name, sentence, engine, fitted[0]))
-        tried.sort(key=lambda one: one[0])
+        known = self.dt or self._grid(stage, [t for t in self.trials if t.scene.kind != "impact"])
+        first = max(known or 0.01, SHORTEST)
+        base, ranked = few.residual(NONE), []
+        for scheme in _schemes():
+            r = few.residual(Change(engine=scheme.engine(first)))
+            if r is None or base is None or self.impatient:
+                continue
+            amount = 1.0 if known else _amount(base, base - r)
+            if amount > 0:
+                ranked.append((float(np.linalg.norm(base - amount * (base - r))), scheme))
+        ranked.sort(key=lambda one: one[0])
         found = []
-        for _, name, sentence, engine, dt in tried[:5]:
-            if dt not in (self.dt, grid):
-                near = [r for r in ROUND_STEPS if 0.6 < r / dt < 1.7 and r >= SHORTEST]
-                lefts = [(few.left(Change(engine=engine(r))), r) for r in (dt, *near)]
-                dt = min((one for one in lefts if one[0] is not None), default=(0.0, dt))[1]
-            change = Change(engine=engine(dt))
+        for _, scheme in ranked[:4]:
+            dt = first if known else self._step(few, base, scheme, first)
+            change = Change(engine=scheme.engine(dt))
             left = (sought if dt > 2e-3 else few).left(change)
             if left is not None:
                 found.append(
                     Explanation(
-                        name, f"{sentence}, in steps of {dt:.4g} s",
-                        _REMEDY if name in _LAGGING else "take shorter steps, or a method of "
-                        "higher order", left, 1, change, step=dt,
+                        scheme.name, f"{scheme.sentence}, in steps of {dt:.4g} s", scheme.remedy,
+                        left, 1, change, step=dt,
                     )
                 )  # fmt: skip
-        found += self._chords(few)
-        return found
+        return [*found, *self._chords(few)]
 
-    def _stepped(
-        self, few: _Sought, order: int, engine: Callable[[float], Any], grid: float | None
-    ) -> tuple[float, float] | None:
-        """Return the step that fits best, and what it leaves."""
-        known = self.dt or grid
-        if known:
-            left = few.left(Change(engine=engine(max(known, SHORTEST))))
-            return None if left is None else (known, left)
-        dt, best = 0.01, None
+    def _step(self, few: _Sought, base: Array | None, scheme: _Scheme, dt: float) -> float:
+        """Return the step that a scheme fits best with: a round one, if that fits as well."""
+        best = (math.inf, dt)
         for _ in range(4):
-            change = Change(engine=engine(dt))
-            left, amplitude = few.left(change), few.amplitude(change)
-            if left is None or amplitude is None or amplitude <= 0:
+            r = few.residual(Change(engine=scheme.engine(dt)))
+            if r is None or base is None or self.impatient:
                 break
-            if best is None or left < best[1]:
-                best = dt, left
-            new = dt * amplitude ** (1 / order)
+            best = min(best, (float(np.abs(r).sum()), dt))
+            amount = _amount(base, base - r)
+            new = dt * amount ** (1 / scheme.order) if amount > 0 else 0.0
             if not SHORTEST <= new <= 0.2 or abs(new / dt - 1) < 1e-4:
                 break
             dt = new
-        if best is None:
-            return None
-        for rounded in (float(f"{best[0]:.1g}"), float(f"{best[0]:.2g}"), 1 / round(1 / best[0])):
-            if abs(rounded / best[0] - 1) < 0.05 and rounded != best[0]:
-                left = few.left(Change(engine=engine(rounded)))
-                if left is not None and left <= best[1]:
-                    best = rounded, left
-        return best
+        for near in sorted(ROUND_STEPS, key=lambda step: abs(math.log(step / best[1])))[:3]:
+            if near >= SHORTEST and abs(near / best[1] - 1) < 0.2:
+                r = few.residual(Change(engine=scheme.engine(near)))
+                best = best if r is None else min(best, (float(np.abs(r).sum()), near))
+        return best[1]
 
     def _chords(self, few: _Sought) -> Iterator[Explanation]:
         """Yield events that lie on the straight line between two steps on the true path."""
-        off = max((p.off for t in few.trials if (p := placed(t, self.base, few.stage))), default=0)
-        if not 0 < off < 1:
+        places = [p for t in few.trials if (p := placed(t, self.base, few.stage))]
+        whole = sum(p.moved for p in places)
+        if not whole or max(p.off for p in places) > 1:
             return
-        longest = math.sqrt(8 * off / 5)  # a ball's path bends by some 10 m/s²
-        best: tuple[float, float] = (1.0, 0.0)
-        for dt in (self.dt,) if self.dt else ROUND_STEPS:
-            if not self.impatient and 0.5 * longest < dt < 6 * longest and dt > 4e-4:
-                left = few.left(Change(engine=FixedStep(dt=dt, scheme="chords")))
-                if left is not None:
-                    best = min(best, (left, dt))
-        if best[0] < 1:
-            dt = best[1]
+        tried = (self.dt,) if self.dt else [step for step in ROUND_STEPS if step >= SHORTEST]
+        left, dt = min((sum(map(partial(_off_chord, dt), places)) / whole, dt) for dt in tried)
+        if left < 1 - PROBABLE:
             yield Explanation(
                 "linear-event", f"puts the end of the flight on the straight line between two "
                 f"steps of {dt:.4g} s; the steps themselves are on the true path",
-                "step onto the surface, or interpolate with the velocities (Hermite)", best[0], 1,
+                "step onto the surface, or interpolate with the velocities (Hermite)", left, 1,
                 Change(engine=FixedStep(dt=dt, scheme="chords")), step=dt,
             )  # fmt: skip
 
@@ -834,7 +903,7 @@ class _Search:
                 around = start
                 for f in others:
                     around = around.then(f.change)
-                forms = fits(sought.trials, name, (stage,), around)
+                forms = fits(sought.trials, name, (stage,), around, self.work)
                 scored = [(sought.left(around.then(f.change), absolute=True), f) for f in forms]
                 good = [(left, f) for left, f in scored if left is not None]
                 if not good:
@@ -866,7 +935,10 @@ class _Search:
             few = _evenly(trials, 8)
             share, name, reason = self._outcome_explained(few, _evenly(same, 4))
             sentence, remedy = f"says {obtained} where {expected} is right", None
-            if share >= NAMED:
+            if against := _against_itself(trials):
+                share, name = 0.0, ""
+                sentence += f", against {against}"
+            elif share >= NAMED:
                 sentence += f": {reason}"
             elif obtained == "missed" and expected in ("batted", "separating", "beyond_bat"):
                 sentence += ": as one who looks for the bat at the steps only"
@@ -880,6 +952,26 @@ class _Search:
                     kind="probably" if share >= NAMED else "unexplained", sentence=sentence,
                     remedy=remedy, share=share if share >= NAMED else 0.0, wrong=len(trials),
                     checked=len(trials) + len(same), worst=1.0,
+                    scenes=rule([t.case for t in trials], [t.case for t in same]),
+                )
+            )  # fmt: skip
+
+    def _told(self) -> None:
+        """Say what is told besides numbers, and is not so."""
+        wrong: dict[tuple[str, object, object], list[Trial]] = defaultdict(list)
+        for t in self.trials:
+            right = told_by(t.case.expected)
+            for name, given in t.told.items():
+                if given != right.get(name):
+                    wrong[name, right.get(name), given].append(t)
+        for (name, true, given), trials in wrong.items():
+            same = [t for t in self.trials if name in t.told and t not in trials]
+            self.findings.append(
+                Finding(
+                    stage=STAGE_OF.get(name) or STAGE_OF[name.partition(".")[0]], quantity=name,
+                    kind="unexplained", names=[], share=0.0, wrong=len(trials),
+                    checked=len(trials) + len(same), worst=1.0,
+                    sentence=f"{name} is told to be {given} where {true} is right",
                     scenes=rule([t.case for t in trials], [t.case for t in same]),
                 )
             )  # fmt: skip
@@ -900,17 +992,45 @@ class _Search:
                 right += made == (t.outcome or t.case.expected.outcome)
             return right / len(whole)
 
-        best = (share(self.base), "", "this follows from the above")
-        if best[0] >= NAMED and self.findings:
-            return best[0], self.findings[0].names[0] if self.findings[0].names else "", best[2]
-        for name in ("pitch.speed", "gravity", "launch.speed", "air.density", "ball.radius"):
-            for factor in FACTORS:
-                fit = Fit(name, "factor", factor, 0.0, True)
-                if self.impatient or value_of(whole[0].scene, name) is None:
-                    continue
-                found = share(self.base.then(fit.change))
-                best = max(best, (found, fit_name(fit), f"it {fit.sentence}"))
-        return best
+        name = next((name for f in self.findings for name in f.names), "")
+        tried = [(self.base, name, "this follows from the above")]
+        clear = "home_run" in _outcomes_of(whole) and not any(
+            "fence.clearance" in t.given for t in whole
+        )
+        library = [*OUTCOMES, *(FENCE if clear else ())]
+        tried += [(self.base.then(m.change), m.name, m.sentence) for m in library]
+        found = [(share(change), name, sentence) for change, name, sentence in tried]
+        return max(found, key=lambda one: one[0])
+
+
+def _against_itself(trials: Sequence[Trial]) -> str:
+    """Return which of their own values wrong outcomes contradict, with what it says; else ""."""
+    for quantity, outcomes, says in (
+        ("fence.clearance", {True: "home_run", False: "wall"}, "above the fence"),
+        ("contact.margin", {True: "batted", False: "missed"}, "nearer than the bat's surface"),
+    ):
+        given = [(t, t.given[quantity][0] > 0) for t in trials if quantity in t.given]
+        if (
+            given
+            and all(t.outcome in outcomes.values() for t, _ in given)
+            and all(outcomes[above] != t.outcome for t, above in given)
+        ):
+            return f"its own {quantity}: positive is {says}"
+    speeds = [
+        t.given["contact.normal_speed"][0] for t in trials if "contact.normal_speed" in t.given
+    ]
+    if speeds and min(speeds) >= 0 and all(t.outcome in ("struck", "batted") for t in trials):
+        return "its own contact.normal_speed: where it is not negative, ball and bat separate"
+    return ""
+
+
+def _outcomes_of(trials: Iterable[Trial]) -> set[str | None]:
+    """Return what trials end with, and should."""
+    return {outcome for t in trials for outcome in (t.outcome, t.case.expected.outcome)}
+
+
+def _order(e: Explanation) -> tuple[float, ...]:
+    return (0 if e.left <= TIE else round(e.left / TIE), e.rank)
 
 
 # The rank of relations: behind known mistakes that leave as little.
@@ -920,6 +1040,18 @@ RELATION = 0.5
 ODD = 5
 
 SHORTEST = 2e-4  # s: of steps that are tried
+
+
+@dataclass(frozen=True)
+class _Scheme:
+    """A scheme in fixed steps: its engine for a step, and the order of its errors."""
+
+    name: str
+    sentence: str
+    order: int
+    engine: Callable[[float], Verlet]
+    remedy: str = "take shorter steps, or a method of higher order"
+
 
 _VERLET = {
     "old_carried": ("lagged-verlet", "flies by velocity Verlet with drag and lift at the velocity "
@@ -944,6 +1076,29 @@ _REMEDY = (
 )
 
 
+def _schemes() -> Iterator[_Scheme]:
+    """Yield the schemes; the paper's own comes first."""
+    for forces, (name, sentence, order) in _VERLET.items():
+        remedy = {"remedy": _REMEDY} if name in _LAGGING else {}
+        yield _Scheme(name, sentence, order, partial(_verlet, forces), **remedy)
+    for name, (_, order, words) in SCHEMES.items():
+        yield _Scheme(name, f"flies by {words}", order, partial(_fixed, name))
+
+
+def _verlet(forces: Any, dt: float) -> Verlet:
+    return Verlet(dt=dt, forces=forces)
+
+
+def _fixed(scheme: str, dt: float) -> Verlet:
+    return FixedStep(dt=dt, scheme=scheme)
+
+
+def _amount(errors: Array, effect: Array) -> float:
+    """Return how many times an effect explains errors best."""
+    size = float(effect @ effect)
+    return float(errors @ effect) / size if size else 0.0
+
+
 def fit_name(fit: Fit) -> str:
     """Return a fit as a name: ``air.density=1.205``, ``pitch.speed*3.6``."""
     symbol = {"fixed": "=", "factor": "*", "offset": "+"}[fit.form]
@@ -955,11 +1110,11 @@ class _Sought:
 
     def __init__(
         self, trials: Sequence[Trial], beside: Sequence[Trial], stages: tuple[str, ...],
-        base: Change,
+        base: Change, work: Work,
     ) -> None:  # fmt: skip
         self.trials, self.beside = list(trials), list(beside)
-        self.stages, self.base = stages, base
-        self._first = [residuals(t, base, stages) for t in self.everything]
+        self.stages, self.base, self.work = stages, base, work
+        self._first = [work.residuals(t, base, stages) for t in self.everything]
 
     @property
     def everything(self) -> list[Trial]:
@@ -969,15 +1124,25 @@ class _Sought:
     def stage(self) -> str:
         return self.stages[0]
 
+    def screened(self, change: Change) -> float | None:
+        """Return what a change leaves; of a few trials only, if it leaves most of them."""
+        left = self.few.left(change)
+        return left if left is None or left > SCREEN else self.left(change)
+
+    @cached_property
+    def few(self) -> _Sought:
+        """Three of the trials."""
+        return self.some(3)
+
     def some(self, count: int) -> _Sought:
         """Return a few of the trials, the shortest flights first."""
         short = sorted(self.trials, key=lambda t: _duration(t.case))
-        return _Sought(_evenly(short[: 2 * count], count), (), self.stages, self.base)
+        return _Sought(_evenly(short[: 2 * count], count), (), self.stages, self.base, self.work)
 
     def residual(self, change: Change) -> Array | None:
         """Return all relative errors that a change leaves, in one row; None if it has none."""
         full = self.base.then(change)
-        rows = [residuals(t, full, self.stages) for t in self.everything]
+        rows = [self.work.residuals(t, full, self.stages) for t in self.everything]
         if any(r.shape != f.shape for r, f in zip(rows, self._first, strict=True)):
             return None
         return np.concatenate(rows) if rows else None
@@ -988,21 +1153,11 @@ class _Sought:
         full = change if absolute else self.base.then(change)
         left = 0.0
         for trial, first in zip(self.everything, self._first, strict=True):
-            r = residuals(trial, full, self.stages)
+            r = self.work.residuals(trial, full, self.stages)
             left += (
                 float(np.minimum(np.abs(r), 1.0).sum()) if r.shape == first.shape else first.size
             )
         return left / whole if whole else None
-
-    def amplitude(self, change: Change) -> float | None:
-        """Return how many times the effect of a change fits best."""
-        r = self.residual(change)
-        if r is None:
-            return None
-        base = np.concatenate(self._first)
-        effect = base - r
-        size = float(effect @ effect)
-        return float(base @ effect) / size if size else None
 
 
 # --- single precision -----------------------------------------------------------------------------
@@ -1145,7 +1300,22 @@ def _earlier(stage: str, seconds: float) -> Callable[[Trial], Trial]:
     return mend
 
 
+def _off_chord(dt: float, place: Placed) -> float:
+    """Return how far a point is from the line between two steps on the true path, at its time."""
+    first = math.floor(place.time / dt)
+    share = place.time / dt - first
+    a, b = place.way(first * dt), place.way((first + 1) * dt)
+    return math.dist([p + (q - p) * share for p, q in zip(a, b, strict=True)], place.point)
+
+
 # --- small things ---------------------------------------------------------------------------------
+
+
+def _off(value: Sequence[float] | Array, check: Check) -> float:
+    """Return how far a value is from what a candidate says, relative, and at most 1."""
+    if len(value) != len(check.obtained):
+        return 1.0
+    return min(math.dist(value, check.obtained) / check.scale, 1.0)
 
 
 def _tried(value: Callable[[View], Numbers], view: View | None) -> Numbers | None:
@@ -1179,15 +1349,3 @@ def _row(stage: str, checks: Iterable[tuple[Trial, list[Check]]]) -> StageRow | 
         worst=worst[1].error / worst[1].scale if worst else 0.0,
         example=worst[0].case.id if worst else None,
     )
-
-
-def _sentence(first: str | None, findings: Sequence[Finding], clean: Sequence[str]) -> str:
-    if not findings:
-        return "every stage follows from the stages before it, in every scene"
-    lead = findings[0]
-    parts = []
-    if first is not None:
-        where = "all" if lead.wrong == lead.checked else f"{lead.wrong} of {lead.checked}"
-        parts.append(f"the first stage that does not follow is {first}: wrong in {where} scenes")
-    parts += [f.sentence for f in findings if f.worst >= MINOR * lead.worst][:3]
-    return "; ".join(parts)

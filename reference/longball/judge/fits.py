@@ -8,20 +8,33 @@ the scene says; if they are the same multiple of the scene's value, it has a fac
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from longball.judge.stages import NONE, STAGES, Change, Trial, follow, with_values
+from longball.judge.stages import COLLISION, FLYING, Change, Trial, follow, with_values
+from longball.model.air import (
+    ConstantDrag,
+    ConstantLift,
+    CrisisDrag,
+    LinearLift,
+    RationalLift,
+    SpinDrag,
+    Table,
+    Weather,
+)
 from longball.model.quantities import at
 
 Array = NDArray[np.float64]
 
 _FLIGHT = ("pitch", "flight")
-_COLLISION = STAGES[3:10]
+DRAGS = ConstantDrag, SpinDrag, CrisisDrag, Table
+LIFTS = ConstantLift, RationalLift, LinearLift, Table
+
+_IMPULSE = ("impulse", "velocity after", "spin after", "energy", "flight")
 
 # What is fitted, at which stages: the numbers of a scene that the stage depends on.
 PARAMETERS: dict[str, tuple[str, ...]] = {
@@ -35,7 +48,7 @@ PARAMETERS: dict[str, tuple[str, ...]] = {
     "pitch.release[2]": ("pitch",),
     "pitch.aim[0]": ("pitch",),
     "pitch.aim[1]": ("pitch",),
-    "ball.mass": ("pitch", "flight", *_COLLISION),
+    "ball.mass": ("pitch", "flight", *COLLISION),
     "ball.radius": ("pitch", "touching", "flight", "landing"),
     "ball.restitution": ("restitution", "flight"),
     "bat.mass": ("restitution", "impulse", "energy"),
@@ -45,51 +58,94 @@ PARAMETERS: dict[str, tuple[str, ...]] = {
     "swing.tilt": ("bat velocity",),
     "swing.height_offset": ("touching", "normal"),
     "ground.height": ("landing",),
+    "spin": (*_FLIGHT, "spin decay", *_IMPULSE),
+    "wind": _FLIGHT,
+    **dict.fromkeys(
+        (
+            *(f"air.density.{key}" for key in Weather.model_fields),
+            *(f"air.{way}_coefficient.{key}" for way, laws in (("drag", DRAGS), ("lift", LIFTS))
+              for law in laws for key in law.model_fields if key not in ("law", "of")),
+            "air.wind[0]", "air.wind[1]", "air.wind[2]", "air.wind.above", "air.wind.height",
+            "air.wind.roughness", "air.density_scale_height", "earth.latitude", "earth.azimuth",
+        ),
+        _FLIGHT,
+    ),
+    "air.spin_decay_length": (*_FLIGHT, "spin decay"),
+    "ball.inertia_factor": _IMPULSE,
+    "bat.friction": _IMPULSE,
+    "bat.tangential_restitution": _IMPULSE,
+    "fence.radius": ("fence",),
+}  # fmt: skip
+
+# Parameters that stand for a vector's size, or for whichever a scene has.
+_PLACES: dict[str, tuple[str, ...]] = {
+    "launch.speed": ("launch.velocity",),
+    "pitch.speed": ("pitch.velocity", "pitch.speed"),
+    "launch.height": ("launch.position[2]",),
+    "spin": ("launch.spin", "pitch.spin", "incoming.spin"),
+    "wind": ("air.wind", "air.wind.velocity"),
 }
 
 
+def _held(scene: Any, name: str) -> tuple[str, Any]:
+    """Return where a scene has a parameter, and the number or the vector there, if it has it."""
+    for place in _PLACES.get(name, (name,)):
+        try:
+            found = at(scene, place)
+        except ValueError:
+            continue
+        if isinstance(found, float | int | tuple):
+            return place, found
+    return name, None
+
+
 def value_of(scene: Any, name: str) -> float | None:
-    """Return the scene's own value of a parameter; None if it has none."""
-    if name == "launch.speed":
-        return math.hypot(*scene.launch.velocity) if scene.kind == "flight" else None
-    if name == "launch.height":
-        return float(scene.launch.position[2]) if scene.kind == "flight" else None
-    try:
-        found = at(scene, name)
-    except ValueError:
-        return None
+    """Return the scene's own value of a parameter, of a vector its size; None if it has none."""
+    found = _held(scene, name)[1]
+    if isinstance(found, tuple):
+        return math.hypot(*found)
     return None if found is None else float(found)
 
 
 def with_parameter(scene: Any, name: str, value: float) -> Any:
     """Return a scene with another value of a parameter."""
-    if name == "launch.speed":
-        factor = value / math.hypot(*scene.launch.velocity)
-        velocity = tuple(factor * v for v in scene.launch.velocity)
-        return with_values(scene, {"launch.velocity": velocity})  # type: ignore[dict-item]
-    if name == "launch.height":
-        x, y, _ = scene.launch.position
-        return with_values(scene, {"launch.position": (x, y, value)})  # type: ignore[dict-item]
-    block, bracket, index = name.partition("[")
-    if not bracket:
-        return with_values(scene, {name: value})
-    held = list(at(scene, block))
-    held[int(index[:-1])] = value
-    return with_values(scene, {block: tuple(held)})  # type: ignore[dict-item]
+    place, found = _held(scene, name)
+    new: Any = value
+    if isinstance(found, tuple):
+        size = math.hypot(*found)
+        new = tuple(value / size * x for x in found) if size else found
+    return with_values(scene, {place: new})
 
 
-def residuals(trial: Trial, change: Change, stages: Iterable[str]) -> Array:
-    """Return the relative errors that a change leaves in some stages."""
-    wanted = frozenset(stages)
-    errors = np.array(
-        [
-            (o - e) / check.scale
-            for check in follow(trial, change, wanted)
-            if check.stage in wanted
-            for e, o in zip(check.expected, check.obtained, strict=True)
-        ]
-    )
-    return np.where(np.isfinite(errors), errors, 1.0)
+class Work:
+    """What a search has done: so many flights, or what takes as long.
+
+    Attributes
+    ----------
+    done
+        Flights.
+    """
+
+    done = 0.0
+
+    def residuals(self, trial: Trial, change: Change, stages: Iterable[str]) -> Array:
+        """Return the relative errors that a change leaves in some stages."""
+        wanted, step = frozenset(stages), getattr(change.engine, "dt", LONG_STEP)
+        landing = trial.case.expected.landing
+        seconds = 0.5 if landing is None else float(landing.time)
+        self.done += 0.2 if wanted.isdisjoint(FLYING) else seconds * LONG_STEP / step
+        errors = np.array(
+            [
+                (o - e) / check.scale
+                for check in follow(trial, change, wanted)
+                if check.stage in wanted
+                for e, o in zip(check.expected, check.obtained, strict=True)
+            ]
+        )
+        return np.where(np.isfinite(errors), errors, 1.0)
+
+
+LONG_STEP = 5e-3  # s: with such steps a second of flight takes as long as a flight under any law
 
 
 @dataclass(frozen=True)
@@ -174,6 +230,14 @@ def roundest(value: float, doubt: float, size: float = 1.0) -> float:
     return value
 
 
+def snapped(fit: Fit) -> Iterator[Fit]:
+    """Yield fits of usual factors that are near, within a hundredth."""
+    if fit.form == "factor":
+        for factor, _ in _FACTORS:
+            if factor != fit.value and abs(fit.value / factor - 1) < 0.01:
+                yield replace(fit, value=factor, doubt=0.0)
+
+
 def told(value: float, doubt: float) -> str:
     """Return a value with its interval, to the digits that this leaves."""
     if doubt <= 1e-9 * abs(value):
@@ -190,13 +254,11 @@ _FACTORS = (
     (39.37007874, "inches for metres"), (0.0254, "metres for inches"), (1000.0, "g for kg, or mm"),
     (0.001, "kg for g, or m"), (100.0, "cm for m"), (0.01, "m for cm"), (2.0, "doubled"),
     (0.5, "halved"), (4.0, "a diameter for a radius, squared"), (-1.0, "the sign"),
+    (30 / math.pi, "rpm for rad/s"), (math.pi / 30, "rad/s for rpm"),
     (math.pi, "a π too many"), (1 / math.pi, "a π is missing"), (2.20462262, "pounds for kg"),
     (0.45359237, "kg for pounds"), (1.466666667, "ft/s for mph"), (math.sqrt(2), "a √2 too many"),
     (math.sqrt(0.5), "a √2 is missing"),
 )  # fmt: skip
-
-
-FACTORS = tuple(factor for factor, _ in _FACTORS)
 
 
 def factor_meaning(value: float, doubt: float = 0.0) -> str | None:
@@ -220,7 +282,7 @@ FIRST = 3
 
 
 def implied(
-    trial: Trial, name: str, stages: Iterable[str], base: Change = NONE
+    trial: Trial, name: str, stages: Iterable[str], base: Change, work: Work
 ) -> tuple[float, float] | None:
     """Return the value of a parameter that explains a trial best, and the share it leaves.
 
@@ -232,7 +294,9 @@ def implied(
     wanted = frozenset(stages)
 
     def off(value: float) -> Array:
-        return residuals(trial, base.then(Change(lambda s: with_parameter(s, name, value))), wanted)
+        return work.residuals(
+            trial, base.then(Change(lambda s: with_parameter(s, name, value))), wanted
+        )
 
     value, r = own, off(own)
     first = size = float(np.linalg.norm(r))
@@ -265,14 +329,14 @@ def implied(
 
 
 def fits(
-    trials: Sequence[Trial], name: str, stages: Iterable[str], base: Change = NONE
+    trials: Sequence[Trial], name: str, stages: Iterable[str], base: Change, work: Work
 ) -> list[Fit]:
     """Return the forms in which a parameter may explain some trials, each with its value."""
     found: list[tuple[float, float | None]] = []
     for count, trial in enumerate(trials):
         if count == FIRST and not found:
             return []
-        one = implied(trial, name, stages, base)
+        one = implied(trial, name, stages, base, work)
         if one is not None and one[1] < 0.5:
             found.append((one[0], value_of(base.scene(trial.scene), name)))
     if len(found) < max(1, len(trials) // 3):
@@ -291,6 +355,8 @@ def fits(
             continue
         if form == "fixed" and not varies and factor_meaning(float(np.median(values / own))):
             continue  # the factor says more
+        if form == "fixed" and not values.any():
+            continue  # so it does here
         if form == "offset" and not varies and not name.endswith("height"):
             continue
         spread = make()

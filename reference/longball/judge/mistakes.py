@@ -8,19 +8,22 @@ Numbers of the scene that are taken for others are not listed here: `longball.ju
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Any
 
-from longball.engines.chain import Model
-from longball.engines.ivp import Ivp
-from longball.judge.stages import Change, Numbers
+from longball.engines.chain import Model, collide
+from longball.judge.stages import Change, Numbers, with_values
 from longball.model import trace
 from longball.model.aerodynamics import DRAG, LIFT
+from longball.model.air import CrisisDrag, Weather
+from longball.model.atmosphere import ZERO_CELSIUS, density
 from longball.model.bat import moment_of_inertia
 from longball.model.force import Drag, Force, Lift, Motion, Piecewise, Term
 from longball.model.law import FORCES, GRAVITY
 from longball.model.numbers import DOUBLES, Vector
+from longball.model.quantities import at
 from longball.model.readings import Reading
 
 
@@ -59,8 +62,7 @@ def _replaced(term: Term, changed: Term) -> Change:
 
 
 def _flying(forces: tuple[Term, ...]) -> Change:
-    # Not by series: those would have to be printed for each law, and some have kinks.
-    return Change(model=Model(forces=forces), engine=Ivp("DOP853", 1e-11, 1e-11))
+    return Change(model=Model(forces=forces))
 
 
 def _without(left_out: Callable[[Term], bool]) -> Change:
@@ -107,10 +109,6 @@ def _drag(factor: Callable[[Motion, Any], Any]) -> Change:
     )
 
 
-def _thinner(motion: Motion, p: Any) -> Any:
-    return motion.speed * trace.exp(-motion.position[2] / 8500.0)
-
-
 def _vertical_drag(vertical: Callable[[Any], Any]) -> Change:
     """Return the change of the drag's vertical component to ``-k V vertical(w)``."""
 
@@ -133,6 +131,11 @@ def _lift(direction: Callable[[Any, Any, Any], Vector[Any]]) -> Change:
     return _instead(LIFT, acceleration)
 
 
+def _scene(values: Callable[[Any], Mapping[str, Any]]) -> Change:
+    """Return the change of a scene's values, by their names."""
+    return Change(lambda scene: with_values(scene, values(scene)))
+
+
 def _reading(**switches: str) -> Change:
     def change(scene: Any) -> Any:
         reading = Reading.model_validate(scene.reading.model_dump() | switches)
@@ -141,7 +144,7 @@ def _reading(**switches: str) -> Change:
     return Change(change)
 
 
-LAW: tuple[Mistake, ...] = (
+_PAPERS_LAW: tuple[Mistake, ...] = (
     Mistake(
         "drag-per-component",
         "drags each component by itself, with its own square",
@@ -171,7 +174,7 @@ LAW: tuple[Mistake, ...] = (
         "density-falls",
         "lets the air grow thinner with height",
         "the scene's density holds at every height",
-        _drag(_thinner),
+        _scene(lambda scene: {"air.density_scale_height": 8500.0}),
     ),
     Mistake(
         "drag-always-down",
@@ -266,6 +269,251 @@ LAW: tuple[Mistake, ...] = (
         _reading(lift_direction="fixed_spin_axis"),
     ),
 )
+
+
+# --- spin, air and wind ---------------------------------------------------------------------------
+
+
+def _seeing(which: Callable[[Term], bool], change: Callable[[Any], Any]) -> Change:
+    """Return the change that gives some terms their strengths in another scene."""
+
+    def under(f: Any) -> Any:
+        if not which(f.term if isinstance(f, Piecewise) else f):
+            return f
+        name = "branches" if isinstance(f, Piecewise) else "strengths"
+        given = getattr(f, name)
+        return replace(f, **{name: lambda scene, *rest: given(change(scene), *rest)})
+
+    return _flying(tuple(map(under, FORCES)))
+
+
+def _spins(change: Callable[[Any, Numbers], Any], *places: str) -> Change:
+    """Return the change of the ball's spin, where a scene gives one."""
+
+    def values(scene: Any) -> Mapping[str, Any]:
+        spins = {f"{place}.spin": at(scene, f"{place}.spin") for place in places}
+        return {name: change(scene, spin) for name, spin in spins.items() if spin is not None}
+
+    return _scene(values)
+
+
+_ANYWHERE = "launch", "pitch", "incoming"
+
+
+def _times(factor: float) -> Callable[[Any, Numbers], Numbers]:
+    return lambda scene, spin: tuple(factor * w for w in spin)
+
+
+def _backspin(scene: Any, spin: Numbers) -> Numbers:
+    """Return a backspin of that size."""
+    if scene.kind == "flight":
+        x, y, _ = scene.launch.velocity
+    else:
+        x, y = -1.0, 0.0
+    across = math.hypot(x, y)
+    size = math.hypot(*spin)
+    return (size * y / across, -size * x / across, 0.0) if across else spin
+
+
+def _winds(change: Callable[[Numbers], Numbers]) -> Change:
+    def values(scene: Any) -> Mapping[str, Any]:
+        wind = None if getattr(scene, "air", None) is None else scene.air.wind
+        if isinstance(wind, tuple):
+            return {"air.wind": change(wind)}
+        return {} if wind is None else {"air.wind.velocity": change(wind.velocity)}
+
+    return _scene(values)
+
+
+def _air(term: Term) -> bool:
+    return isinstance(term, Drag | Lift) or term in (DRAG, LIFT) or _lifts(term)
+
+
+def _density(formula: Callable[[Any, Any], float]) -> Change:
+    """Return the change of the density to that of a formula of the scene and its weather."""
+
+    def change(scene: Any) -> Any:
+        if scene.air is None or not isinstance(scene.air.density, Weather):
+            return scene
+        # What the air does goes with density over mass.
+        ratio = density(scene, DOUBLES) / formula(scene, scene.air.density)
+        return with_values(scene, {"ball.mass": scene.ball.mass * ratio})
+
+    return _seeing(_air, change)
+
+
+def _of_weather(scene: Any, **other: float) -> float:
+    named = {f"air.density.{name}": value for name, value in other.items()}
+    return float(density(with_values(scene, named), DOUBLES))
+
+
+def _dry_of_celsius(scene: Any, weather: Any) -> float:
+    """Return the density with T in °C where K belongs, but for the vapour's pressure."""
+    t = weather.temperature
+    return _of_weather(scene) * float(t / (t - ZERO_CELSIUS))
+
+
+def _vapour_of_kelvin(scene: Any, weather: Any) -> float:
+    """Return the density with the vapour's pressure at T in K where °C belongs."""
+    t = weather.temperature
+    dry, hot = (_of_weather(scene, humidity=0.0, temperature=x) for x in (t, t + ZERO_CELSIUS))
+    vapour = hot - _of_weather(scene, temperature=t + ZERO_CELSIUS)
+    return dry - vapour * float((t + ZERO_CELSIUS) / t)
+
+
+def _over_ground(term: Drag) -> Force:
+    """Return a drag along the velocity over the ground, by the airspeed."""
+
+    def acceleration(motion: Motion, p: Any) -> Vector[Any]:
+        rate = motion.density * term.rate(motion, p)
+        x, y, z = motion.velocity
+        return -rate * x, -rate * y, -rate * z
+
+    return Force(term.parameters, term.strengths, acceleration)
+
+
+_DIRECTION = "take the direction of spin from the scene's vector, whichever way the ball flies"
+_UNIT = "spin is in rad/s"
+_WEATHER = (
+    "ρ = 1.2929 (273.15/T)(p e^(-βh) - 0.3783 φ p_s)/101325, T in K, φ from 0 to 1, "
+    "p_s of T - 273.15 in °C"
+)
+_WIND = "the wind is subtracted from the ball's velocity, in drag and lift alike: u = v - W"
+
+EXTENDED: tuple[Mistake, ...] = (
+    Mistake("spin-in-rpm", "takes the spin for rpm", _UNIT,
+            _spins(_times(math.pi / 30), *_ANYWHERE)),
+    Mistake("spin-to-rpm", "turns the spin into rpm", _UNIT,
+            _spins(_times(30 / math.pi), *_ANYWHERE)),
+    Mistake("spin-in-revolutions", "takes the spin for revolutions per second", _UNIT,
+            _spins(_times(2 * math.pi), *_ANYWHERE)),
+    Mistake("spin-sign", "turns the ball the other way round", _DIRECTION,
+            _spins(_times(-1.0), *_ANYWHERE)),
+    Mistake("spin-sign-of-pitches", "turns a ball that flies toward the plate the other way round",
+            _DIRECTION, _spins(_times(-1.0), "pitch", "incoming")),
+    Mistake("spin-sign-of-flights", "turns a ball that flies away from the plate the other way "
+            "round", _DIRECTION, _spins(_times(-1.0), "launch")),
+    Mistake("spin-all-back", "takes the size of the spin for backspin", _DIRECTION,
+            _spins(_backspin, *_ANYWHERE)),
+    Mistake("spin-total", "takes the whole spin, gyro spin included, where the part across the "
+            "velocity belongs", "S = R ω_T/U with ω_T = |ω × u|/U",
+            _reading(spin_parameter="total", drag_spin="total")),
+    Mistake("spin-parameter-total", "takes the whole spin for the spin parameter of the lift",
+            "S = R ω_T/U with ω_T = |ω × u|/U", _reading(spin_parameter="total")),
+    Mistake("drag-spin-total", "takes the whole spin for that which adds to the drag",
+            "ω_T = |ω × u|/U", _reading(drag_spin="total")),
+    Mistake("spin-parameter-of-diameter", "takes the diameter for the radius in the spin parameter",
+            "S = R ω_T/U", _seeing(_lifts, lambda s: with_values(
+                s, {"ball.radius": 2 * s.ball.radius, "ball.mass": 4 * s.ball.mass}))),
+    Mistake("spin-decay-in-time", "lets the spin decay with time",
+            "spin falls by e along spin_decay_length of path through the air",
+            _reading(spin_decay="time")),
+    Mistake("spin-decay-at-speed", "takes e^(-t U/L) with the present speed U",
+            "spin falls by e along spin_decay_length of path through the air",
+            _reading(spin_decay="nathan")),
+    Mistake("no-spin-decay", "lets the spin stay as it is at the launch",
+            "spin falls by e along spin_decay_length of path through the air",
+            _scene(lambda scene: {"air.spin_decay_length": None})),
+    Mistake("wind-sign", "takes the wind for where it blows from", "wind is where it blows to",
+            _winds(lambda w: tuple(-x for x in w))),
+    Mistake("wind-side-sign", "has the wind's y the other way round", "+y is left of the catcher",
+            _winds(lambda w: (w[0], -w[1], w[2]))),
+    Mistake("wind-exchanged", "exchanges x and y of the wind", "wind is [x, y, z], +x outwards",
+            _winds(lambda w: (w[1], w[0], w[2]))),
+    Mistake("wind-ignored", "flies without the wind", _WIND,
+            _scene(lambda scene: {"air.wind": None})),
+    Mistake("wind-level", "leaves the wind's vertical part out", _WIND,
+            _winds(lambda w: (w[0], w[1], 0.0))),
+    Mistake("wind-not-in-lift", "leaves the wind out of the lift", _WIND,
+            _reading(wind_acts_on="drag")),
+    Mistake("wind-in-size-only", "drags by the airspeed, but along the velocity over the ground",
+            _WIND, _flying(tuple(_over_ground(f) if isinstance(f, Drag) else f for f in FORCES))),
+    Mistake("wind-everywhere", "has the same wind at all heights",
+            "a wind with `above` blows above that height, one with `height` grows with ln z",
+            _scene(lambda scene: {"air.wind": getattr(scene.air.wind, "velocity", scene.air.wind)}
+                   if getattr(scene, "air", None) else {})),
+    Mistake("celsius-for-kelvin", "takes the temperature for °C: adds 273.15 once more", _WEATHER,
+            _density(lambda s, w: _of_weather(s, temperature=w.temperature + ZERO_CELSIUS))),
+    Mistake("celsius-in-gas-law", "divides by the temperature in °C", _WEATHER,
+            _density(_dry_of_celsius)),
+    Mistake("kelvin-in-vapour", "takes the vapour pressure at the temperature in K", _WEATHER,
+            _density(_vapour_of_kelvin)),
+    Mistake("humidity-per-cent", "takes the humidity for per cent", _WEATHER,
+            _density(lambda s, w: _of_weather(s, humidity=w.humidity / 100))),
+    Mistake("humidity-to-per-cent", "turns the humidity into per cent", _WEATHER,
+            _density(lambda s, w: _of_weather(s, humidity=w.humidity * 100))),
+    Mistake("dry-air", "leaves the humidity out", _WEATHER,
+            _density(lambda s, w: _of_weather(s, humidity=0.0))),
+    Mistake("elevation-ignored", "takes the pressure for that of the park",
+            "pressure is that at sea level, unless the reading `pressure` says station",
+            _density(lambda s, w: _of_weather(s, elevation=0.0))),
+    Mistake("elevation-at-station", "lowers a station's pressure by the elevation",
+            "with the reading pressure = station the elevation does nothing",
+            _reading(pressure="sea_level")),
+    Mistake("weather-ignored", "has air of 1.2929 kg/m³, whatever the weather", _WEATHER,
+            _density(lambda s, w: 1.2929)),
+    Mistake("density-the-same-aloft", "has the same density at all heights",
+            "the density falls by e in density_scale_height",
+            _scene(lambda scene: {"air.density_scale_height": None})),
+    Mistake("no-earth", "leaves the Earth's rotation out", "add -2 Ω × v",
+            _scene(lambda scene: {"earth": None})),
+    Mistake("crisis-reversed", "exchanges the drag at high and at low speed",
+            "C_D falls from low_speed to high_speed",
+            _scene(lambda scene: {
+                "air.drag_coefficient.high_speed": scene.air.drag_coefficient.low_speed,
+                "air.drag_coefficient.low_speed": scene.air.drag_coefficient.high_speed}
+                if isinstance(getattr(scene.air, "drag_coefficient", None), CrisisDrag) else {})),
+)  # fmt: skip
+
+LAW = (*_PAPERS_LAW, *EXTENDED)
+SPIN = tuple(mistake for mistake in EXTENDED if mistake.name.startswith("spin-"))
+
+
+# --- the fence ------------------------------------------------------------------------------------
+
+
+def _fence(change: Callable[[Any], Any]) -> Change:
+    """Return the change of the vertices of a fence."""
+
+    def values(scene: Any) -> Mapping[str, Any]:
+        fence = getattr(scene, "fence", None)
+        if fence is None or fence.polyline is None:
+            return {}
+        return {"fence.polyline": tuple(change(fence.polyline))}
+
+    return _scene(values)
+
+
+_PARTS = 64  # of a chord that is bent
+
+
+def _by_angle(vertices: Sequence[Numbers]) -> Iterator[Numbers]:
+    polar = [(math.hypot(x, y), math.atan2(y, x), height) for x, y, height in vertices]
+    for a, b in pairwise(polar):
+        for i in range(_PARTS):
+            r, angle, height = (p + (q - p) * i / _PARTS for p, q in zip(a, b, strict=True))
+            yield r * math.cos(angle), r * math.sin(angle), height
+    yield vertices[-1]
+
+
+FENCE: tuple[Mistake, ...] = (
+    Mistake("fence-by-angle", "bends the fence: its distance is linear in the angle",
+            "vertices are joined by straight chords", _fence(_by_angle)),
+    Mistake("fence-without-height", "takes the fence for a line on the ground",
+            "the third number of a vertex is the fence's height there",
+            _fence(lambda v: ((x, y, 0.0) for x, y, _ in v))),
+    Mistake("fence-height-of-first", "has a chord as high as its first vertex",
+            "the height is linear along a chord",
+            _fence(lambda v: [w for a, b in pairwise(v) for w in (a, (b[0], b[1], a[2]))])),
+    Mistake("fence-height-of-last", "has a chord as high as its last vertex",
+            "the height is linear along a chord",
+            _fence(lambda v: [w for a, b in pairwise(v) for w in ((a[0], a[1], b[2]), b)])),
+    Mistake("fence-cleared-by-surface", "asks the ball's whole surface to clear the fence",
+            "the centre does, unless the reading fence_clearance says surface",
+            _reading(fence_clearance="surface")),
+    Mistake("fence-cleared-by-centre", "asks the ball's centre alone to clear the fence",
+            "take reading.fence_clearance from the scene", _reading(fence_clearance="centre")),
+)  # fmt: skip
 
 
 # --- the collision --------------------------------------------------------------------------------
@@ -382,6 +630,7 @@ _V_B = "V_b = ω r̃ (cos θ, 0, sin θ) with r̃ = L/2 - y"
 _J = "J = -μ(1 + ẽ)(Ṽ·n) with 1/μ = 1/m + 1/M"
 _V = "V' = V + (J/m) n"
 _DE = "ΔE = -½ μ (1 - ẽ²)(Ṽ·n)²"
+_SPUN = "ω' = ω - (R/I) n × P with I = inertia_factor m R²"
 _D = "D is the horizontal distance from the origin to the landing"
 
 
@@ -529,6 +778,22 @@ FORMULAS: tuple[Formula, ...] = (
                 sum(x * x for x in v["impact.velocity"]) - sum(x * x for x in v.before)),)),
     Formula("impact.energy_change", "energy-with-ball-mass", "takes the ball's mass for μ", _DE,
             _energy(lambda v: v.scene.ball.mass, lambda v: 1 - v.restitution**2)),
+    Formula("impact.energy_change", "energy-without-friction", "counts what the normal impulse "
+            "does, and not what friction does", "ΔE = P·(g + K P/2), with the whole impulse P",
+            _energy(lambda v: _mu(v, v.scene.bat.mass), lambda v: 1 - v.restitution**2)),
+    Formula("impact.velocity", "friction-left-out", "leaves the friction's part of the impulse out",
+            "V' = V + P/m with the whole impulse P", _after(lambda v: 1 / v.scene.ball.mass)),
+    Formula("impact.spin", "spin-kept", "keeps the spin that the ball came with",
+            _SPUN, lambda v: v["contact.spin"]),
+    Formula("impact.spin", "spin-change-sign", "changes the spin the other way", _SPUN,
+            lambda v: tuple(2 * a - b for a, b in zip(
+                v["contact.spin"], v["impact.spin:follows"], strict=True))),
+    Formula("impact.spin", "spin-before-forgotten", "forgets the spin that the ball came with",
+            _SPUN, lambda v: tuple(b - a for a, b in zip(
+                v["contact.spin"], v["impact.spin:follows"], strict=True))),
+    Formula("landing.spin", "spin-of-launch", "gives the spin of the launch for that at landing",
+            "spin falls by e along spin_decay_length of path through the air",
+            lambda v: tuple(v.scene.launch.spin)),
     Formula("landing.time", "time-since-contact", "counts landing.time from the contact",
             "landing.time is since the start of the scene; landing.hang_time since the contact",
             lambda v: v["landing.hang_time"]),
@@ -598,4 +863,45 @@ READINGS: tuple[Mistake, ...] = (
         "take the switches of scene.reading, or leave those scenes out with --golden",
         Change(lambda scene: scene.model_copy(update={"reading": Reading()})),
     ),
+)  # fmt: skip
+
+# What shows in outcomes alone.
+OUTCOMES: tuple[Mistake, ...] = (
+    Mistake(
+        "time-limit-ignored", "flies on beyond time_limit",
+        "a ball that has not come down after time_limit seconds of flight is airborne",
+        _scene(lambda scene: {"time_limit": 1e4}),
+    ),
+    Mistake(
+        "ground-ignored", "has the ground at z = 0, whatever ground.height is",
+        "the ball lands at ground.height",
+        _scene(lambda scene: {"ground.height": 0.0}),
+    ),
+)  # fmt: skip
+
+
+# --- friction -------------------------------------------------------------------------------------
+
+
+def _rubbed_without_spin(cases: Any, contact: Any, error: Any, *carried: Any) -> tuple[Any, ...]:
+    """Apply the oblique impulse as if the ball came without spin."""
+    if contact.spin is None:
+        return collide(cases, contact, error, *carried)
+    cases, impact, *rest = collide(cases, replace(contact, spin=(0.0, 0.0, 0.0)), error, *carried)
+    spin = tuple(a + b for a, b in zip(impact.spin, contact.spin, strict=True))
+    return cases, replace(impact, spin=spin), *rest
+
+
+IMPACT: tuple[Mistake, ...] = (
+    Mistake("friction-without-spin", "leaves the ball's spin out of the slip",
+            "g = V + ω × (-R n) - V_b: the surface moves with the spin",
+            Change(model=Model(collide=_rubbed_without_spin))),
+    Mistake("friction-ignored", "strikes without friction", "see bat.friction",
+            _scene(lambda scene: {"bat.friction": None})),
+    Mistake("slides-finally", "lets the friction act along what would end the slip",
+            "against the slip as it begins, unless the reading slide_direction says final",
+            _reading(slide_direction="final")),
+    Mistake("pivot-for-free", "has a free bat turn about its end",
+            "bat.support = free: it moves and turns about its centre",
+            _scene(lambda scene: {"bat.support": "pivot"})),
 )  # fmt: skip

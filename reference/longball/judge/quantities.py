@@ -82,6 +82,17 @@ def values_of(result: Result) -> dict[str, Value]:
     return _quantities(result, lambda x: Decimal(repr(x) if isinstance(x, float) else x.value))
 
 
+def told_by(result: Result) -> dict[str, object]:
+    """Return what a result tells besides numbers that are measured, by name."""
+    found = {}
+    for block in BLOCKS:
+        held = getattr(result, block)
+        for key in () if held is None else type(held).model_fields:
+            if f"{block}.{key}" not in QUANTITIES and getattr(held, key) is not None:
+                found[f"{block}.{key}"] = getattr(held, key)
+    return found
+
+
 def radii_of(result: Result) -> dict[str, Value]:
     """Return the proven radius of every quantity that a result holds; 0 where none is proven."""
     return _quantities(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any
@@ -26,9 +27,17 @@ def features(case: Case) -> Features:
     found["outcome"] = case.expected.outcome
     if hasattr(scene, "air"):
         found["air"] = "null" if scene.air is None else "given"
-    landing = case.expected.landing
+    landing, contact, impact = case.expected.landing, case.expected.contact, case.expected.impact
     if landing is not None:
         found["landing.velocity[0] > 0"] = float(landing.velocity[0]) > 0
+        found["landing.time"] = float(landing.time)
+    if impact is not None:
+        found["impact.restitution"] = float(impact.restitution)
+    if contact is not None and contact.normal_speed is not None:
+        found["contact.normal_speed"] = float(contact.normal_speed)
+    if scene.kind == "flight" and any(scene.launch.velocity):
+        x, y, z = scene.launch.velocity
+        found["launch angle in degrees"] = math.degrees(math.atan2(z, math.hypot(x, y)))
     return found
 
 

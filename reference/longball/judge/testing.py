@@ -16,7 +16,7 @@ from typing import Any
 
 from longball.judge.answers import Answer, Collector
 from longball.judge.cases import Case, Exact, Profile
-from longball.judge.quantities import values_of
+from longball.judge.quantities import told_by, values_of
 from longball.judge.text import describe
 from longball.judge.verdict import compare
 from longball.judge.verdict import failure as failure_of
@@ -70,7 +70,8 @@ def assert_case(
 
 def _answer(case: Case, obtained: Any) -> tuple[Answer | None, list[str]]:
     if isinstance(obtained, Result):
-        answer = Answer(case.id, obtained.outcome, values_of(obtained), error=obtained.error)
+        values, told = values_of(obtained), told_by(obtained)
+        answer = Answer(case.id, obtained.outcome, values, error=obtained.error, told=told)
         return answer, []
     collector = Collector([case.id])
     collector.take_line(1, line_of(case.id, obtained))

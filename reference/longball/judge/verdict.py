@@ -34,6 +34,7 @@ from longball.judge.quantities import (
     difference,
     length,
     radii_of,
+    told_by,
     values_of,
 )
 from longball.judge.sampling import Sampling
@@ -131,6 +132,8 @@ class Comparison:
         Quantities given that are no numbers.
     superfluous
         Blocks given that a scene with this outcome does not have.
+    untrue
+        What is told besides numbers, and is not so: its name, what is right, what was told.
     """
 
     case: Case
@@ -141,6 +144,7 @@ class Comparison:
     missing: tuple[str, ...] = ()
     unreadable: tuple[str, ...] = ()
     superfluous: tuple[str, ...] = ()
+    untrue: tuple[tuple[str, object, object], ...] = ()
 
     @property
     def refused(self) -> bool:
@@ -154,6 +158,7 @@ class Comparison:
             self.outcome_wrong
             or self.unreadable
             or self.superfluous
+            or self.untrue
             or any(not m.passed for m in self.measured)
         )
 
@@ -212,6 +217,18 @@ def compare(case: Case, answer: Answer | None, profile: Profile) -> Comparison:
         tuple(missing),
         tuple(sorted(answer.unreadable)),
         superfluous,
+        () if wrong else untrue(case, answer),
+    )
+
+
+def untrue(case: Case, answer: Answer) -> tuple[tuple[str, object, object], ...]:
+    """Return what an answer tells that is not so: its name, what is right, what was told."""
+    right, expected = told_by(case.expected), values_of(case.expected)
+    blocks = {name.partition(".")[0] for name in expected}
+    return tuple(
+        (name, right.get(name), given)
+        for name, given in answer.told.items()
+        if given != right.get(name) and name.partition(".")[0] in blocks
     )
 
 
@@ -513,7 +530,7 @@ def _reasons(
 
 def _would_pass_at(judged: Sequence[Comparison]) -> float | None:
     """Return the least error that would have to be allowed, rounded up to two digits."""
-    if any(c.outcome_wrong or c.unreadable or c.superfluous for c in judged):
+    if any(c.outcome_wrong or c.unreadable or c.superfluous or c.untrue for c in judged):
         return None
     worst = max(m.error for c in judged for m in c.measured if not m.passed)
     place = 10.0 ** (math.floor(math.log10(worst)) - 1)
@@ -604,6 +621,7 @@ def failure(comparison: Comparison) -> Failure:
         _fault(name, expected.get(name, ()), radii.get(name, ()), ["not a number"])
         for name in comparison.unreadable
     ]
+    faults += [_fault(name, [true], (), [told]) for name, true, told in comparison.untrue]
     faults += [
         _fault(block, [f"nothing: a {outcome} scene has none"], (), ["numbers"])
         for block in comparison.superfluous

@@ -1,0 +1,133 @@
+"""Flights under any law, without compiled code for it.
+
+A candidate's mistakes are tried by the hundred, each a law of its own. Taylor's method would print
+and compile each, for a second or so; SciPy's DOP853 takes any law as it is. Its steps are made
+polynomials of degree five by the states at their ends, and their first and second derivatives.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.integrate import DOP853
+
+from longball.engines.contact import BatSection
+from longball.engines.engine import OutOfRange, TooLong
+from longball.engines.event import Event
+from longball.engines.ivp import Ivp
+from longball.engines.path import Flight, reaching
+from longball.engines.path_engine import PathEngine, View
+from longball.engines.polynomial import PolynomialPiece
+from longball.engines.taylor import right_hand_side
+from longball.model.law import PAPER, Law, State
+from longball.model.numbers import DOUBLES, Doubles
+
+Array = NDArray[np.float64]
+
+TOLERANCE = 1e-11
+
+# s: a polynomial of degree five is off by 1e-9 m on such a step of a baseball's flight.
+LONGEST = 0.3
+
+# s: half of what a derivative is a difference over.
+_SHORT = 1e-4
+
+# A baseball's flight takes twenty.
+MOST_STEPS = 2_000
+
+
+@dataclass(frozen=True)
+class AnyLaw(PathEngine[float]):
+    """Flights by SciPy's DOP853; of the paper's own law, by Taylor's method."""
+
+    @property
+    def numbers(self) -> Doubles:
+        """Double precision."""
+        return DOUBLES
+
+    @property
+    def description(self) -> str:
+        """Name and tolerance."""
+        return f"any-law DOP853 {TOLERANCE:g}"
+
+    @property
+    def flight_error(self) -> float:
+        """Relative error of a state at the end of a flight."""
+        return 10 * TOLERANCE
+
+    def steps(
+        self,
+        law: Law[float],
+        start: State[float],
+        begin: float,
+        limit: float,
+        events: Sequence[Event[float]],
+    ) -> Iterator[PolynomialPiece]:
+        """Yield the pieces of a flight; see `longball.engines.path_engine.PathEngine.steps`."""
+        if is_papers(law):
+            yield from Ivp().steps(law, start, begin, limit, events)
+            return
+        state, rates = np.array(start, dtype=float), right_hand_side(law)
+
+        def bend(state: Array, slope: Array) -> Array:
+            """Return the second derivative, as a difference along the way."""
+            ahead, behind = (rates(0.0, state + h * slope) for h in (_SHORT, -_SHORT))
+            found: Array = (np.array(ahead) - np.array(behind)) / (2 * _SHORT)
+            return found
+
+        if not np.isfinite(rates(begin, state)).all():
+            raise OutOfRange("the forces are beyond the range of double precision")
+        # Forces beyond all measure show in the state.
+        with np.errstate(all="ignore"):
+            solver = DOP853(
+                rates, begin, state, limit, max_step=LONGEST, rtol=TOLERANCE, atol=TOLERANCE
+            )
+            after = bend(state, solver.f)
+        for _ in range(MOST_STEPS):
+            time, before, slope, bent = solver.t, solver.y, solver.f, after
+            with np.errstate(all="ignore"):
+                message = solver.step()
+                after = bend(solver.y, solver.f)
+                length = reaching(time, solver.t - time, solver.t)
+                between = _between(length, (before, solver.y), (slope, solver.f), (bent, after))
+            if message is not None or not np.isfinite(between).all():
+                raise OutOfRange(f"DOP853 gave up at t = {time:.6g} s")
+            yield PolynomialPiece(time, length, law.state, between)
+            if solver.status == "finished":
+                return
+        raise TooLong(f"the flight takes over {MOST_STEPS} steps")
+
+    def views(
+        self, pitch: Flight[float], law: Law[float], bat: BatSection[float]
+    ) -> Iterator[View[float]]:
+        """Yield the pieces of a pitch; see `longball.engines.path_engine.PathEngine.views`."""
+        yield from (
+            Ivp().views(pitch, law, bat) if is_papers(law) else super().views(pitch, law, bat)
+        )
+
+
+ANY_LAW = AnyLaw()
+
+
+def is_papers(law: Law[float]) -> bool:
+    """Tell whether a law is made of the paper's own terms."""
+    return set(law.forces) <= set(PAPER)
+
+
+def _between(
+    h: float, states: tuple[Array, Array], slopes: tuple[Array, Array], bends: tuple[Array, Array]
+) -> Array:
+    """Return the coefficients of polynomials with these values and derivatives at both ends."""
+    (a, b), (da, db), (dda, ddb) = states, slopes, bends
+    gap = b - a - h * da - h * h * dda / 2
+    rate = h * (db - da) - h * h * dda
+    bend = h * h * (ddb - dda) / 2
+    return np.column_stack([
+        a, da, dda / 2,
+        (10 * gap - 4 * rate + bend) / h**3,
+        (-15 * gap + 7 * rate - 2 * bend) / h**4,
+        (6 * gap - 3 * rate + bend) / h**5,
+    ])  # fmt: skip
