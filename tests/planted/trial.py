@@ -15,7 +15,8 @@ explained
 false name
     A name or fit is given, and none of the row's patterns matches it.
 false reassurance
-    PASSED; or no stage and no line is found at fault; or the error is called noise or rounding.
+    PASSED; or stages are called right and none is found at fault, nor any line; or the error is
+    called noise or rounding.
 
 Pairs of mistakes hold the stages and patterns of both, joined by " + ".
 """
@@ -111,6 +112,16 @@ class Grade:
         )
 
 
+KEYS = {
+    "caught": "caught",
+    "stage": "right stage",
+    "explained": "explained",
+    "helped": "helped",
+    "false_name": "false name",
+    "false_reassurance": "false reassurance",
+}
+
+
 def spoken(finding):
     """Return all that a finding says, as one text."""
     return " ".join([*finding["names"], finding["sentence"], str(finding["scenes"] or "")])
@@ -164,77 +175,51 @@ def grade(row, verdict):
         for each in findings
     )
     noise = any(re.search("noise|as rounding", each["sentence"]) for each in findings)
-    return Grade(True, bool(right_stage), explained, false_name, noise or not stages)
+    all_well = not stages and verdict["diagnosis"].get("clean")
+    return Grade(True, bool(right_stage), explained, false_name, noise or bool(all_well))
 
 
-def mark(value):
-    """Return a cell of the table."""
-    return "yes" if value else "–"
+def markdown(head, rows):
+    """Return a table in Markdown; booleans become "yes" or a dash."""
+    words = {True: "yes", False: "–"}
+    lines = [head, ["---"] * len(head)]
+    lines += [
+        [words[cell] if isinstance(cell, bool) else str(cell) for cell in row] for row in rows
+    ]
+    return "\n".join(
+        "| " + " | ".join(cell.replace("|", "\\|").replace("\n", " ") for cell in line) + " |"
+        for line in lines
+    )
 
 
 def table(rows, verdicts):
-    """Return the table of all mistakes, in Markdown."""
-    lines = [
-        "| mistake | program | what is wrong | caught | stage | explained "
-        "| false name | false reassurance | what the verdict says |",
-        "|---|---|---|---|---|---|---|---|---|",
-    ]
+    """Return the table of all mistakes."""
+    head = ["mistake", "program", "what is wrong", *KEYS.values(), "what the verdict says"]
+    lines = []
     for row in rows:
         verdict = verdicts[row["name"], row["program"]]
-        g = grade(row, verdict)
-        says = (verdict.get("diagnosis") or {}).get("sentence") or "; ".join(
-            verdict.get("reasons", [])
-        )
-        if not says:
-            says = verdict.get("standard_error", "")[-200:]
-        cells = [
-            row["name"],
-            row["program"],
-            row["wrong"],
-            *map(mark, (g.caught, g.stage, g.explained, g.false_name, g.false_reassurance)),
-            says,
-        ]
-        lines.append(
-            "| "
-            + " | ".join(str(cell).replace("|", "\\|").replace("\n", " ") for cell in cells)
-            + " |"
-        )
-    return "\n".join(lines)
+        given = grade(row, verdict)
+        sentence = (verdict.get("diagnosis") or {}).get("sentence")
+        said = sentence or "; ".join(verdict.get("reasons", [verdict["status"]]))
+        marks = [getattr(given, key) for key in KEYS]
+        lines.append([row["name"], row["program"], row["wrong"], *marks, said])
+    return markdown(head, lines)
 
 
 def summary(rows, verdicts):
-    """Return the counts, in Markdown."""
-    grades = [(row, grade(row, verdicts[row["name"], row["program"]])) for row in rows]
+    """Return the counts."""
+    groups = {}
+    for row in rows:
+        ordinal = "first" if row["trial"] == "1" else "second"
+        group = f"{ordinal} set, {'in pairs' if '+' in row['name'] else 'alone'}"
+        given = grade(row, verdicts[row["name"], row["program"]])
+        groups.setdefault(group, []).append(given)
+    groups["all"] = [given for group in groups.values() for given in group]
     lines = [
-        "| mistakes | number | caught | right stage | right fit, rule or name | helped "
-        "| false names | false reassurances |",
-        "|---|---|---|---|---|---|---|---|",
+        [name, len(group), *(str(sum(getattr(given, key) for given in group)) for key in KEYS)]
+        for name, group in groups.items()
     ]
-    groups = {
-        "first trial, alone": [],
-        "first trial, in pairs": [],
-        "second trial, alone": [],
-        "second trial, in pairs": [],
-    }
-    for row, g in grades:
-        trial = "first" if row["trial"] == "1" else "second"
-        groups[f"{trial} trial, {'in pairs' if '+' in row['name'] else 'alone'}"].append(g)
-    groups["all"] = [g for _, g in grades]
-    for name, group in groups.items():
-        if group:
-            counts = [
-                sum(getattr(g, key) for g in group)
-                for key in (
-                    "caught",
-                    "stage",
-                    "explained",
-                    "helped",
-                    "false_name",
-                    "false_reassurance",
-                )
-            ]
-            lines.append(f"| {name} | {len(group)} | " + " | ".join(map(str, counts)) + " |")
-    return "\n".join(lines)
+    return markdown(["mistakes", "number", *KEYS.values()], lines)
 
 
 def main():
@@ -273,14 +258,24 @@ def main():
 PAGE = """# Planted mistakes
 
 The judge is tried with simulators that are known to be wrong. Three programs of their own, in C,
-JavaScript and Python (`tests/planted` in the repository), solve the model of [](model.md) and pass
-without a mistake; told to, they make one of those that authors of simulators make, or two. What a
-good verdict would say was written down before the judge was run. Whether it says so is decided by a
-script, `tests/planted/trial.py`.
+JavaScript and Python (`tests/planted` in the repository), solve the equations of [](model.md) and
+pass without a mistake; told to, they make one of those that authors of simulators make, or two.
+
+Each mistake is judged by the families of golden data in which it shows. What a good verdict would
+say, and at which stage the mistake acts, was written down before the judge was run; a script,
+`tests/planted/trial.py`, compares the verdicts with that. Mistakes of the first set were known when
+the judge was last changed; those of the second set were not.
 
 {summary}
 
-*Helped* means caught, with the right stage, fit, rule or name, and nothing false.
+| word | means |
+|---|---|
+| caught | the verdict is FAILED or PARTIAL |
+| stage | the verdict says of the stage where the mistake acts that it is wrong |
+| explained | a fit, rule, name or complaint says what was expected |
+| helped | caught, with the right stage or explanation, and nothing false |
+| false name | a name or fit is given that is not what was planted |
+| false reassurance | PASSED, or all stages called right, or the error called noise |
 
 {table}
 """
