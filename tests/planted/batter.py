@@ -152,7 +152,7 @@ def fly(scene):
         if after[0][2] <= ground and after[1][2] <= 0:
             break
         n += 1
-        state, t = after, (n * size if "clock_rounded" not in WRONG else round((n * size), 2))
+        state, t = after, (n * size if "clock_rounded" not in WRONG else round(n * size, 1))
     a, b = 0.0, h
     while b - a > 1e-17 and a < (a + b) / 2 < b:
         middle = (a + b) / 2

@@ -123,8 +123,9 @@ KEYS = {
 
 
 def spoken(finding):
-    """Return all that a finding says, as one text."""
-    return " ".join([*finding["names"], finding["sentence"], str(finding["scenes"] or "")])
+    """Return all that a finding says, as one text, but for the stage that it says it of."""
+    sentence = re.sub(r"^[a-z ]+ alone: ", "", finding["sentence"])
+    return " ".join([*finding["names"], sentence, str(finding["scenes"] or "")])
 
 
 def conduct(verdict):
