@@ -29,89 +29,106 @@ def judge(
         list[str] | None,
         typer.Argument(
             metavar="-- COMMAND …",
-            help="Reads scenes on stdin, writes results. {dt} in it stands for the time step: then "
-            "its order of convergence is looked at, too.",
+            help="The program to judge: it reads scenes on standard input and writes results on "
+            "standard output. If {dt} is in it, it is also run with several time steps, and its "
+            "order of convergence is measured.",
         ),
     ] = None,
     golden: Annotated[
         list[str] | None,
         typer.Option(
             metavar="SET",
-            help="A family of the golden data, or usual-constants; repeatable; by default all.",
+            help="Judge by one family of the golden data, or by usual-constants. May be given "
+            "several times. Default: all families of the paper's model.",
         ),
     ] = None,
     scenes: Annotated[
-        str | None, typer.Option(help="Scenes of your own, JSON Lines, solved and proven now.")
+        str | None,
+        typer.Option(help="Judge by the scenes of this file (JSON Lines), which are solved first."),
     ] = None,
     random: Annotated[
-        int | None, typer.Option(min=1, metavar="N", help="So many fresh random scenes instead.")
+        int | None,
+        typer.Option(min=1, metavar="N", help="Judge by N random scenes, drawn from --seed."),
     ] = None,
     seed: Seed = 1,
     partial: Annotated[
-        bool, typer.Option("--partial", help="Judge what is answered; leave out what is not.")
+        bool, typer.Option("--partial", help="Scenes and quantities may be left out.")
     ] = False,
     table: Annotated[
-        bool, typer.Option("--csv", help="Scenes to COMMAND, and its results, as CSV.")
+        bool,
+        typer.Option("--csv", help="Send scenes to COMMAND as CSV, and read its results as CSV."),
     ] = False,
     results: Annotated[
         Path | None,
         typer.Option(
-            help="Answers in a file, .jsonl or .csv, instead of a COMMAND. Columns of a .csv: id, "
-            "outcome, landing.distance, landing.position[0], …"
+            help="Judge the results in this file, .jsonl or .csv, instead of running a COMMAND. "
+            "Columns of a .csv: id, outcome, landing.distance, landing.position[0], …"
         ),
     ] = None,
     column: Annotated[
         list[str] | None,
         typer.Option(
             metavar="COLUMN=QUANTITY",
-            help="What a column of a .csv holds that has another name; repeatable.",
+            help="Which quantity a column of the .csv holds, if its name does not say so. May be "
+            "given several times.",
         ),
     ] = None,
     samples: Annotated[
         Path | None,
-        typer.Option(help="At-bats that the candidate drew, .jsonl, to test their distributions."),
+        typer.Option(
+            help="At-bats that the program has drawn, as .jsonl: test their distributions."
+        ),
     ] = None,
     profile: Annotated[
         str,
         typer.Option(
-            help="exact: what doubles can attain; converged: an error below --tolerance; paper: "
-            "the printed scheme at its time step, 0.05 s or --dt."
+            help="How near is near enough. exact: as good as double precision can be; converged: "
+            "errors below --tolerance; paper: the same as the paper's scheme at its time step, "
+            "0.05 s or --dt."
         ),
     ] = "exact",
     tolerance: Annotated[
-        float | None, typer.Option(help="converged: the error allowed, m, s, m/s, J; 1e-6.")
+        float | None,
+        typer.Option(help="The error that profile converged allows, in SI units. Default: 1e-6."),
     ] = None,
     dt: Annotated[
-        float | None, typer.Option(help="s: the candidate's time step, which {dt} stands for.")
+        float | None,
+        typer.Option(help="The program's time step, s. It replaces {dt} in the COMMAND."),
     ] = None,
     steps: Annotated[
         str | None,
         typer.Option(
             metavar="FROM:TO:COUNT",
-            help="s: the steps put for {dt} to see it converge; 0.01:0.0001:9.",
+            help="The time steps, s, that replace {dt} one after the other. Default: "
+            "0.01:0.0001:9.",
         ),
     ] = None,
     knob: Annotated[
         str | None,
         typer.Option(
             metavar="NAME=VALUES",
-            help="What {NAME} in the COMMAND stands for: FROM:TO:COUNT or a list with commas, of "
-            "tolerances, multipliers, numbers of steps, from coarse to fine.",
+            help="The values that replace {NAME} in the COMMAND one after the other, from coarse "
+            "to fine: FROM:TO:COUNT, or a list with commas. For tolerances, numbers of steps and "
+            "the like.",
         ),
     ] = None,
     expected: Annotated[
-        float | None, typer.Option(help="The order of convergence in theory.")
+        float | None, typer.Option(help="The order of convergence that the method should have.")
     ] = None,
     timeout: Annotated[
-        float, typer.Option(min=0.001, help="s without another answer, or before the first.")
+        float, typer.Option(min=0.001, help="Longest wait for the next result, s.")
     ] = 60.0,
-    total_timeout: Annotated[float, typer.Option(min=0.001, help="s in all.")] = 3600.0,
+    total_timeout: Annotated[float, typer.Option(min=0.001, help="Longest run, s.")] = 3600.0,
     as_json: Json = False,
-    junit: Annotated[Path | None, typer.Option(help="Write JUnit XML here, for CI.")] = None,
-    html: Annotated[Path | None, typer.Option(help="Write a page with pictures here.")] = None,
+    junit: Annotated[
+        Path | None, typer.Option(help="Write the verdict to this file as JUnit XML.")
+    ] = None,
+    html: Annotated[
+        Path | None, typer.Option(help="Write the verdict to this file as a page with pictures.")
+    ] = None,
     quiet: Quiet = False,
 ) -> None:
-    """Compare another implementation with the truth, and tell what is wrong with it."""
+    """Compare another simulator with the truth, and say what is wrong with it, where and why."""
     if command and results:
         wrong_call("either --results FILE or -- COMMAND, not both")
     if not (command or results or samples):

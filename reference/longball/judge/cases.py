@@ -8,16 +8,21 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import islice
 from typing import Protocol
 
 from longball.engines.chain import solve
 from longball.engines.engine import Engine
+from longball.engines.ivp import Ivp
 from longball.engines.verlet import Verlet
 from longball.judge.quantities import QUANTITIES, Value, length, radii_of, values_of
+from longball.model.frame import launch_frame
+from longball.model.law import law_of
+from longball.model.numbers import DOUBLES
 from longball.model.quantities import number
 from longball.model.result import Result
-from longball.model.scene import Scene
+from longball.model.scene import FlightScene, Scene, landing_height
 
 
 class Case(Protocol):
@@ -97,8 +102,11 @@ def attainable(case: Case, quantity: str) -> float:
 # another one, in double precision, need not be wrong (header.json).
 FRAGILE = "fragile"
 
-# The flag of a ball that comes to the ground, or passes it, at a small angle.
+# The flag of a ball that comes to the ground or a fence, or passes it, at a small angle.
 TANGENTIAL = "tangential"
+
+# Pieces of a flight that are looked at: a loop has some six.
+MOST_PIECES = 1000
 
 
 def decidable(case: Case) -> bool:
@@ -106,6 +114,33 @@ def decidable(case: Case) -> bool:
     return case.expected.outcome is not None and all(
         math.isfinite(attainable(case, quantity)) for quantity in values_of(case.expected)
     )
+
+
+def touches_within_errors(case: Case) -> bool:
+    """Tell whether doubles leave open if a flight touches the ground where it turns.
+
+    Half an ulp of each number of the launch moves a flight by 2⁻⁵³ of its height and of the way
+    flown so far, or a few times that; an engine may add `SLACK` times as much and pass. Where the
+    height turns from falling to rising nearer to the ground than this, it may be hit or not.
+    """
+    scene = case.scene
+    if not isinstance(scene, FlightScene):
+        return False
+    frame, start = launch_frame(scene.launch.position, scene.launch.velocity, DOUBLES)
+    frame = replace(frame, spin=scene.launch.spin)
+    law, floor = law_of(scene, frame, DOUBLES), landing_height(scene)
+    way = abs(start.z) + abs(floor)
+    path = Ivp().path(law, law.state_of(start), scene.time_limit)
+    for piece in islice(path.pieces(), MOST_PIECES):
+        heights = piece.curve(lambda state: state.z - floor)
+        state = piece.at(0.0)
+        for t in heights.turns(0.0, piece.length):
+            if abs(heights(t)) <= SLACK * 2.0**-53 * (way + t * math.hypot(state.u, state.w)):
+                return True
+        if heights(piece.length) < 0:
+            return False
+        way += piece.length * math.hypot(state.u, state.w)
+    return False
 
 
 # --- how near is near enough ----------------------------------------------------------------------

@@ -16,6 +16,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from decimal import Decimal
 from functools import cached_property, partial
+from statistics import median
 from typing import Any, Literal
 
 import numpy as np
@@ -48,7 +49,7 @@ from longball.judge.mistakes import (
     Mistake,
     View,
 )
-from longball.judge.quantities import told_by
+from longball.judge.quantities import told_by, untrue
 from longball.judge.rules import rule
 from longball.judge.stages import (
     NONE,
@@ -67,6 +68,7 @@ from longball.judge.stages import (
 )
 from longball.judge.steps import ROUND_STEPS, SCHEMES, FixedStep, common_step
 from longball.model.readings import Reading
+from longball.model.result import Result
 
 Array = NDArray[np.float64]
 
@@ -88,13 +90,16 @@ SCREEN = 0.8
 
 # Flights of a search, so that a verdict is the same on every machine and comes within ten seconds;
 # what has not been tried by then is not.
-PATIENCE = 6_000.0
+PATIENCE = 2_500.0
 
 # Errors below this, relative, are an integrator's: no mistake of the physics is sought.
 FINE = 1e-7
 
 # Of the largest relative error of any stage: a stage below it is not where the trouble begins.
 MINOR = 1e-3
+
+# Steps of all flights together that are followed with a scheme.
+MOST_STEPS = 50_000
 
 Kind = Literal["named", "probably", "unexplained"]
 
@@ -403,10 +408,12 @@ class _Search:
         """Tell whether an explanation is one that people would give.
 
         A number that nobody would choose is none for a part of the errors, or for what another
-        explanation has left.
+        explanation has left; and no number is one that differs from scene to scene.
         """
+        if e.doubtful:
+            return False
         odd = e.rank >= 2 + ODD / 100 or e.rank == RELATION
-        return not odd or (e.left < 1 - NAMED and not before and not e.doubtful)
+        return not odd or (e.left < 1 - NAMED and not before)
 
     def _breaks(self, e: Explanation, stage: str) -> int:
         """Return how many checks of other stages would no longer follow with an explanation."""
@@ -466,6 +473,8 @@ class _Search:
             if isinstance(best.change.engine, Verlet):
                 # Where steps find the bat is the scheme's, and what is computed there inherits it.
                 self.excused.add("touching")
+                steps = [_duration(t.case) / best.change.engine.dt for t in self.trials]
+                self.trials = _evenly(self.trials, max(SOUGHT, int(MOST_STEPS / median(steps))))
                 worst = self.findings[-1].worst
                 self.loose = {
                     t.case.id: max(worst, self.loose.get(t.case.id, 0.0)) for t in self.trials
@@ -578,7 +587,9 @@ class _Search:
             true = [c for _, cs in beside for c in cs if c.quantity == quantity]
             for name, sentence, image in _images(quantity, expected, obtained):
                 off = np.linalg.norm(obtained - image(expected), axis=1) / scale
-                left = (others + float(np.minimum(off, 1.0).sum())) / whole
+                lefts = np.minimum(off, 1.0)
+                wholes = [min(c.error / c.scale, 1.0) for _, c in pairs]
+                left = _unless_alike((others + float(lefts.sum())) / whole, lefts, wholes)
                 against = sum(_off(image(np.array(c.expected)), c) for c in true) / whole
                 yield Explanation(
                     name, sentence, None, left, RELATION, quantity=quantity,
@@ -597,21 +608,24 @@ class _Search:
             wanted += [f for f in FORMULAS if f.quantity == "landing.hang_time"]
         views = [(cs, self._view(t)) for t, cs in (*chosen, *beside)] if wanted else []
         for formula in wanted:
-            sums = {
-                True: [0.0, 0.0],
-                False: [0.0, 0.0],
-            }  # of what is left, and was: of failing ones
+            left = whole = against = 0.0
+            own: list[tuple[float, float]] = []  # of the quantity itself, what is left and was
             for number, (checks, view) in enumerate(views):
                 for c in checks:
                     error = min(c.error / c.scale, 1.0)
                     value = _tried(formula.value, view) if c.quantity == formula.quantity else None
-                    of = sums[number < len(chosen)]
-                    of[0] += error if value is None else _off(value, c)
-                    of[1] += error
-            if whole := sums[True][1]:
+                    off = error if value is None else _off(value, c)
+                    if number >= len(chosen):
+                        against += off
+                        continue
+                    left, whole = left + off, whole + error
+                    if c.quantity == formula.quantity:
+                        own.append((off, error))
+            if whole:
                 yield Explanation(
-                    formula.name, formula.sentence, formula.remedy, sums[True][0] / whole, 0,
-                    quantity=formula.quantity, against=sums[False][0] / whole,
+                    formula.name, formula.sentence, formula.remedy,
+                    _unless_alike(left / whole, *zip(*own, strict=True)) if own else left / whole,
+                    0, quantity=formula.quantity, against=against / whole,
                     value=lambda t, f=formula: _tried(f.value, self._view(t)),  # type: ignore[misc]
                 )  # fmt: skip
 
@@ -956,14 +970,19 @@ class _Search:
                 )
             )  # fmt: skip
 
+    def _solved(self, trial: Trial) -> Result:
+        """Return a scene's result under the chain as far as it is explained."""
+        return solve(self.base.scene(trial.scene), self.base.engine, self.base.model)
+
     def _told(self) -> None:
         """Say what is told besides numbers, and is not so."""
         wrong: dict[tuple[str, object, object], list[Trial]] = defaultdict(list)
         for t in self.trials:
-            right = told_by(t.case.expected)
-            for name, given in t.told.items():
-                if given != right.get(name):
-                    wrong[name, right.get(name), given].append(t)
+            facts = untrue(t.case.expected, t.told)
+            made = told_by(self._solved(t)) if facts and self.base is not NONE else {}
+            for fact in facts:
+                if made.get(fact[0]) != fact[2]:  # else it follows from what is explained
+                    wrong[fact].append(t)
         for (name, true, given), trials in wrong.items():
             same = [t for t in self.trials if name in t.told and t not in trials]
             self.findings.append(
@@ -1149,15 +1168,17 @@ class _Sought:
 
     def left(self, change: Change, absolute: bool = False) -> float | None:
         """Return the share of the error that a change leaves, none counted for more than 1."""
-        whole = sum(float(np.minimum(np.abs(f), 1.0).sum()) for f in self._first)
+        wholes = [float(np.minimum(np.abs(f), 1.0).sum()) for f in self._first]
         full = change if absolute else self.base.then(change)
-        left = 0.0
+        lefts = []
         for trial, first in zip(self.everything, self._first, strict=True):
             r = self.work.residuals(trial, full, self.stages)
-            left += (
-                float(np.minimum(np.abs(r), 1.0).sum()) if r.shape == first.shape else first.size
-            )
-        return left / whole if whole else None
+            same = r.shape == first.shape
+            lefts.append(float(np.minimum(np.abs(r), 1.0).sum()) if same else float(first.size))
+        if not sum(wholes):
+            return None
+        count = len(self.trials)
+        return _unless_alike(sum(lefts) / sum(wholes), lefts[:count], wholes[:count])
 
 
 # --- single precision -----------------------------------------------------------------------------
@@ -1304,11 +1325,23 @@ def _off_chord(dt: float, place: Placed) -> float:
     """Return how far a point is from the line between two steps on the true path, at its time."""
     first = math.floor(place.time / dt)
     share = place.time / dt - first
-    a, b = place.way(first * dt), place.way((first + 1) * dt)
+    try:
+        a, b = place.way(first * dt), place.way((first + 1) * dt)
+    except (ArithmeticError, ValueError):  # the flight cannot be followed beyond its end
+        return place.moved
     return math.dist([p + (q - p) * share for p, q in zip(a, b, strict=True)], place.point)
 
 
 # --- small things ---------------------------------------------------------------------------------
+
+
+def _unless_alike(left: float, lefts: Iterable[float], wholes: Iterable[float]) -> float:
+    """Return what an explanation leaves, but 1 if it leaves much in most of the scenes.
+
+    One that only looks alike does; with a real one, what is left is in some scenes, or is little.
+    """
+    ratios = [a / b for a, b in zip(lefts, wholes, strict=True) if b]
+    return left if left < 1 - NAMED or (ratios and median(ratios) < 1 - NAMED) else 1.0
 
 
 def _off(value: Sequence[float] | Array, check: Check) -> float:

@@ -277,6 +277,9 @@ def meaning(fit: Fit) -> str:
 
 ROUNDS = 8
 
+# Digits of a number that one or two scenes are enough to believe.
+FEW_DIGITS = 3
+
 # A parameter that explains none of so many scenes is not looked at further.
 FIRST = 3
 
@@ -365,6 +368,8 @@ def fits(
         size = 1.0 if form == "factor" else float(np.abs(own).max())
         value = roundest(float(middle), max(doubt, 1e-9 * abs(float(middle))), size)
         fit = Fit(name, form, value, doubt, varies, float(own[0]))
+        if len(found) < FIRST and fit.roundness > FEW_DIGITS / 100:
+            continue  # nothing tells how much it differs from scene to scene
         if form == "factor" and not varies and not factor_meaning(fit.value, doubt):
             continue  # the number itself says as much
         result.append(fit)

@@ -13,6 +13,8 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
 
+from pydantic import ValidationError
+
 from longball.engines.chain import Model, collide
 from longball.judge.stages import Change, Numbers, with_values
 from longball.model import trace
@@ -138,7 +140,10 @@ def _scene(values: Callable[[Any], Mapping[str, Any]]) -> Change:
 
 def _reading(**switches: str) -> Change:
     def change(scene: Any) -> Any:
-        reading = Reading.model_validate(scene.reading.model_dump() | switches)
+        try:
+            reading = Reading.model_validate(scene.reading.model_dump() | switches)
+        except ValidationError:  # the scene's own switches leave no room for it
+            return scene
         return scene.model_copy(update={"reading": reading})
 
     return Change(change)
@@ -654,7 +659,8 @@ def _unit(v: Numbers) -> Numbers:
 
 def _bare(v: View) -> float:
     """Return μ with the bat's effective mass."""
-    return _mu(v, v.inertia() / v.lever**2)
+    power = 1 if v.scene.reading.effective_mass == "as_printed" else 2
+    return _mu(v, v.inertia() / v.lever**power)
 
 
 FORMULAS: tuple[Formula, ...] = (

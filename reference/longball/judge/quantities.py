@@ -8,7 +8,7 @@ candidate's seventeen are rounded before they are compared.
 from __future__ import annotations
 
 import decimal
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from decimal import Decimal
 from typing import TypeVar
@@ -82,6 +82,9 @@ def values_of(result: Result) -> dict[str, Value]:
     return _quantities(result, lambda x: Decimal(repr(x) if isinstance(x, float) else x.value))
 
 
+AT_VERTEX = 1e-9  # m
+
+
 def told_by(result: Result) -> dict[str, object]:
     """Return what a result tells besides numbers that are measured, by name."""
     found = {}
@@ -90,7 +93,22 @@ def told_by(result: Result) -> dict[str, object]:
         for key in () if held is None else type(held).model_fields:
             if f"{block}.{key}" not in QUANTITIES and getattr(held, key) is not None:
                 found[f"{block}.{key}"] = getattr(held, key)
+    if result.fence is not None and abs(float(result.fence.margin or 1.0)) < AT_VERTEX:
+        del found["fence.segment"]  # it is the one as well as the other
     return found
+
+
+def untrue(result: Result, told: Mapping[str, object]) -> list[tuple[str, object, object]]:
+    """Return what is told besides numbers and is not so: its name, what is right, what was told.
+
+    What the result does not have is not judged, but that ball and bat meet again.
+    """
+    right = told_by(result)
+    return [
+        (name, right.get(name), given)
+        for name, given in told.items()
+        if given != right.get(name) and (name in right or name == "impact.recontact")
+    ]
 
 
 def radii_of(result: Result) -> dict[str, Value]:

@@ -24,7 +24,16 @@ from longball import __version__
 from longball.convergence import ConvergenceReport
 from longball.convergence.report import Frozen
 from longball.judge.answers import Answer, Collector, Issue
-from longball.judge.cases import FRAGILE, TANGENTIAL, Case, Exact, Profile, attainable, decidable
+from longball.judge.cases import (
+    FRAGILE,
+    TANGENTIAL,
+    Case,
+    Exact,
+    Profile,
+    attainable,
+    decidable,
+    touches_within_errors,
+)
 from longball.judge.diagnosis import Diagnosis
 from longball.judge.quantities import (
     BLOCKS,
@@ -34,7 +43,7 @@ from longball.judge.quantities import (
     difference,
     length,
     radii_of,
-    told_by,
+    untrue,
     values_of,
 )
 from longball.judge.sampling import Sampling
@@ -217,28 +226,19 @@ def compare(case: Case, answer: Answer | None, profile: Profile) -> Comparison:
         tuple(missing),
         tuple(sorted(answer.unreadable)),
         superfluous,
-        () if wrong else untrue(case, answer),
-    )
-
-
-def untrue(case: Case, answer: Answer) -> tuple[tuple[str, object, object], ...]:
-    """Return what an answer tells that is not so: its name, what is right, what was told."""
-    right, expected = told_by(case.expected), values_of(case.expected)
-    blocks = {name.partition(".")[0] for name in expected}
-    return tuple(
-        (name, right.get(name), given)
-        for name, given in answer.told.items()
-        if given != right.get(name) and name.partition(".")[0] in blocks
+        () if wrong else tuple(untrue(case.expected, answer.told)),
     )
 
 
 def _may_be_refused(case: Case, profile: Profile) -> bool:
     """Tell whether errors that pass leave open what happens: nobody need answer then."""
-    if not {FRAGILE, TANGENTIAL}.isdisjoint(case.flags):
+    if FRAGILE in case.flags or (TANGENTIAL in case.flags and touches_within_errors(case)):
         return True
-    margin = values_of(case.expected).get("contact.margin")
-    return margin is not None and length(margin) <= profile.tolerance(
-        case, "contact.margin", margin
+    expected = values_of(case.expected)
+    return any(
+        length(expected[name]) <= profile.tolerance(case, name, expected[name])
+        for name in ("contact.margin", "fence.clearance")
+        if name in expected
     )
 
 
