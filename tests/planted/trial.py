@@ -123,9 +123,8 @@ KEYS = {
 
 
 def spoken(finding):
-    """Return all that a finding says, as one text, but for the stage that it says it of."""
-    sentence = re.sub(r"^[a-z ]+ alone: ", "", finding["sentence"])
-    return " ".join([*finding["names"], sentence, str(finding["scenes"] or "")])
+    """Return a finding's names and sentence as one text, but for the stage that it speaks of."""
+    return " ".join([*finding["names"], re.sub(r"^[a-z ]+ alone: ", "", finding["sentence"])])
 
 
 def conduct(verdict):
@@ -155,7 +154,7 @@ def grade(row, verdict):
         "diagnosis": verdict["diagnosis"]
         or {"findings": [], "conduct": [], "sentence": "", "first": None}
     }
-    findings, sentences = verdict["diagnosis"]["findings"], conduct(verdict)
+    findings = verdict["diagnosis"]["findings"]
     stages = {each["stage"] for each in findings} | {verdict["diagnosis"]["first"]} - {None}
     if at_fault(verdict):
         stages.add("conduct")
@@ -163,14 +162,11 @@ def grade(row, verdict):
     right_stage = any(
         stages & set(stage.split("|")) or (stage == "*" and stages) for stage, _ in parts
     )
-    explained = any(
-        re.search(pattern, text)
-        for _, pattern in parts
-        for text in [
-            *(spoken(each) for each in findings if each["kind"] != "unexplained"),
-            *sentences,
-        ]
-    )
+    told = [spoken(each) for each in findings if each["kind"] != "unexplained"]
+    told += [each["scenes"] or "" for each in findings]
+    if re.search("conduct|\\*", row["stage"]):
+        told += conduct(verdict)
+    explained = any(re.search(pattern, text) for _, pattern in parts for text in told)
     false_name = any(
         each["names"] and not any(re.search(pattern, spoken(each)) for _, pattern in parts)
         for each in findings
