@@ -8,7 +8,7 @@ const wrong = new Set();
 process.argv.forEach((word, i) => {
   if (word === '--mistake') process.argv[i + 1].split(/[,+]/).forEach((name) => wrong.add(name));
 });
-const { PI, sin, cos, sqrt, hypot, abs, atan2, min, max } = Math;
+const { PI, sin, cos, sqrt, hypot, abs, min, max } = Math;
 
 const ORDER = wrong.has('order_3') ? 3 : 26;
 
