@@ -1,0 +1,44 @@
+"""The planted programs pass without a mistake, and a few mistakes are told."""
+
+import json
+import re
+import shutil
+import subprocess
+
+import pytest
+
+from longball.judge import judge
+from tests.planted import trial
+
+pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="there is no C compiler")
+
+
+@pytest.fixture(scope="module")
+def binary(tmp_path_factory):
+    return trial.build(tmp_path_factory.mktemp("planted"))
+
+
+@pytest.mark.parametrize("name", ["normal_horizontal", "tilt_sign", "inertia_centre"])
+def test_mistake_is_told(binary, name):
+    row = next(row for row in trial.mistakes() if row["name"] == name)
+    verdict = judge(trial.command(row, binary), "impact")
+    assert trial.grade(row, json.loads(verdict.model_dump_json())).helped
+
+
+def test_without_a_mistake_all_is_right(binary):
+    assert judge([str(binary)], "impact").passed
+
+
+def test_all_rows_are_mistakes_of_their_program(binary):
+    known = subprocess.run(
+        [binary, "--list"], capture_output=True, text=True, check=True
+    ).stdout.split()
+    sources = {
+        name: (trial.HERE / name).read_text(encoding="utf-8") for name in ("flight.js", "batter.py")
+    }
+    for row in trial.mistakes():
+        for name in row["name"].split("+"):
+            if row["program"] == "ballistics.c":
+                assert name in known
+            else:
+                assert re.search(f"['\"]{name}['\"]", sources[row["program"]])

@@ -1,0 +1,281 @@
+"""Judge every planted mistake, and grade the verdicts by what mistakes.csv expects.
+
+    python tests/planted/trial.py [--out FOLDER] [--only NAME …] [--trial N] [--page FILE]
+
+builds the programs, runs ``longball judge`` on each mistake, keeps the verdicts as JSON in FOLDER,
+where one that is there is not run again, and prints a table in Markdown. No verdict is graded by
+hand:
+
+caught
+    The status is FAILED or PARTIAL.
+stage
+    The first wrong stage is the one where the mistake acts, or one of the findings names it.
+explained
+    A finding's name, fit, rule or sentence matches the row's `pattern`.
+false name
+    A name or fit is given, and none of the row's patterns matches it.
+false reassurance
+    PASSED; or stages are called right and none is found at fault, nor any line; or the error is
+    called noise or rounding.
+
+Pairs of mistakes hold the stages and patterns of both, joined by " + ".
+"""
+
+import argparse
+import csv
+import json
+import os
+import re
+import subprocess
+import sys
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+PAPER = [
+    "flight-vacuum",
+    "flight-drag",
+    "flight-lift",
+    "flight-both",
+    "flight-vertical",
+    "flight-weightless",
+    "pitch",
+    "impact",
+    "at-bat",
+]
+
+
+def mistakes():
+    """Return the rows of mistakes.csv."""
+    with (HERE / "mistakes.csv").open(encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def build(folder):
+    """Compile the program in C into a folder and return its path."""
+    program = Path(folder) / "ballistics"
+    source = HERE / "ballistics.c"
+    subprocess.run(["cc", "-O2", "-o", program, source, "-lm"], check=True)
+    return program
+
+
+def command(row, binary):
+    """Return the command that makes the mistake of a row."""
+    programs = {
+        "ballistics.c": [str(binary)],
+        "flight.js": ["node", str(HERE / "flight.js")],
+        "batter.py": [sys.executable, str(HERE / "batter.py")],
+    }
+    return [*programs[row["program"]], "--mistake", row["name"]]
+
+
+def families(row):
+    """Return the families of golden data that a row is judged by."""
+    return PAPER if row["golden"] == "paper" else row["golden"].split()
+
+
+def judged(row, binary):
+    """Run the judge on a row's mistake; return the verdict, with its cost in `processor_time`."""
+    sets = [word for family in families(row) for word in ("--golden", family)]
+    call = [sys.executable, "-m", "longball", "judge", "--json", "--quiet", *sets, "--"]
+    before = os.times()
+    answer = subprocess.run(
+        [*call, *command(row, binary)], capture_output=True, text=True, check=False
+    )
+    after = os.times()
+    if answer.returncode not in (0, 1):
+        return {"status": "CRASHED", "standard_error": answer.stderr[-2000:]}
+    verdict = json.loads(answer.stdout)
+    verdict["processor_time"] = (after.children_user + after.children_system) - (
+        before.children_user + before.children_system
+    )
+    return verdict
+
+
+@dataclass(frozen=True)
+class Grade:
+    """What a verdict did for the author of a mistake."""
+
+    caught: bool
+    stage: bool
+    explained: bool
+    false_name: bool
+    false_reassurance: bool
+
+    @property
+    def helped(self):
+        return (
+            self.caught
+            and (self.stage or self.explained)
+            and not (self.false_name or self.false_reassurance)
+        )
+
+
+KEYS = {
+    "caught": "caught",
+    "stage": "right stage",
+    "explained": "explained",
+    "helped": "helped",
+    "false_name": "false name",
+    "false_reassurance": "false reassurance",
+}
+
+
+def spoken(finding):
+    """Return a finding's names and sentence as one text, but for the stage that it speaks of."""
+    return " ".join([*finding["names"], re.sub(r"^[a-z ]+ alone: ", "", finding["sentence"])])
+
+
+def conduct(verdict):
+    """Return what a verdict says of lines, keys and repeated runs, as texts."""
+    said = [*verdict["diagnosis"]["conduct"], *verdict["complaints"], *verdict["reasons"]]
+    said += [f"missing {each}" for each in verdict["missing"][:20]]
+    said += [f"unanswered {each}" for each in verdict["unanswered"][:20]]
+    said += [f"{each}" for each in verdict["contacts_invented"][:20]]
+    return [each if isinstance(each, str) else json.dumps(each) for each in said]
+
+
+def at_fault(verdict):
+    """Return whether a verdict finds lines, keys or repeated runs at fault."""
+    kinds = ("complaints", "missing", "unanswered", "contacts_invented", "refused")
+    return bool(verdict["diagnosis"] and verdict["diagnosis"]["conduct"]) or any(
+        verdict[k] for k in kinds
+    )
+
+
+def grade(row, verdict):
+    """Grade a verdict by the stage and pattern of its row."""
+    if verdict["status"] == "CRASHED":
+        return Grade(False, False, False, False, False)
+    if verdict["status"] == "PASSED":
+        return Grade(False, False, False, False, True)
+    verdict = verdict | {
+        "diagnosis": verdict["diagnosis"]
+        or {"findings": [], "conduct": [], "sentence": "", "first": None}
+    }
+    findings = verdict["diagnosis"]["findings"]
+    stages = {each["stage"] for each in findings} | {verdict["diagnosis"]["first"]} - {None}
+    if at_fault(verdict):
+        stages.add("conduct")
+    parts = list(zip(row["stage"].split(" + "), row["pattern"].split(" + "), strict=True))
+    right_stage = any(
+        stages & set(stage.split("|")) or (stage == "*" and stages) for stage, _ in parts
+    )
+    told = [spoken(each) for each in findings if each["kind"] != "unexplained"]
+    told += [each["scenes"] or "" for each in findings]
+    if re.search("conduct|\\*", row["stage"]):
+        told += conduct(verdict)
+    explained = any(re.search(pattern, text) for _, pattern in parts for text in told)
+    false_name = any(
+        each["names"] and not any(re.search(pattern, spoken(each)) for _, pattern in parts)
+        for each in findings
+    )
+    noise = any(re.search("noise|as rounding", each["sentence"]) for each in findings)
+    all_well = not stages and verdict["diagnosis"].get("clean")
+    return Grade(True, bool(right_stage), explained, false_name, noise or bool(all_well))
+
+
+def markdown(head, rows):
+    """Return a table in Markdown; booleans become "yes" or a dash."""
+    words = {True: "yes", False: "–"}
+    lines = [head, ["---"] * len(head)]
+    lines += [
+        [words[cell] if isinstance(cell, bool) else str(cell) for cell in row] for row in rows
+    ]
+    return "\n".join(
+        "| " + " | ".join(cell.replace("|", "\\|").replace("\n", " ") for cell in line) + " |"
+        for line in lines
+    )
+
+
+def table(rows, verdicts):
+    """Return the table of all mistakes."""
+    head = ["mistake", "program", "what is wrong", *KEYS.values(), "what the verdict says"]
+    lines = []
+    for row in rows:
+        verdict = verdicts[row["name"], row["program"]]
+        given = grade(row, verdict)
+        sentence = (verdict.get("diagnosis") or {}).get("sentence")
+        said = sentence or "; ".join(verdict.get("reasons", [verdict["status"]]))
+        marks = [getattr(given, key) for key in KEYS]
+        lines.append([row["name"], row["program"], row["wrong"], *marks, said])
+    return markdown(head, lines)
+
+
+def summary(rows, verdicts):
+    """Return the counts."""
+    groups = {}
+    for row in rows:
+        ordinal = "first" if row["trial"] == "1" else "second"
+        group = f"{ordinal} set, {'in pairs' if '+' in row['name'] else 'alone'}"
+        given = grade(row, verdicts[row["name"], row["program"]])
+        groups.setdefault(group, []).append(given)
+    groups["all"] = [given for group in groups.values() for given in group]
+    lines = [
+        [name, len(group), *(str(sum(getattr(given, key) for given in group)) for key in KEYS)]
+        for name, group in groups.items()
+    ]
+    return markdown(["mistakes", "number", *KEYS.values()], lines)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--out", type=Path, default=Path("planted"), help="folder of the verdicts")
+    parser.add_argument("--only", nargs="*", help="names of mistakes")
+    parser.add_argument("--trial", help="1 or 2")
+    parser.add_argument("--page", type=Path, help="write docs/planted.md here")
+    parser.add_argument(
+        "--grade-only", action="store_true", help="run nothing; grade the verdicts that are there"
+    )
+    options = parser.parse_args()
+    options.out.mkdir(parents=True, exist_ok=True)
+    rows = [row for row in mistakes() if not options.only or row["name"] in options.only]
+    rows = [row for row in rows if options.trial in (None, row["trial"])]
+    binary = build(options.out)
+    verdicts = {}
+    for row in rows:
+        path = options.out / f"{row['name']}.{row['program']}.json"
+        if not path.exists() and not options.grade_only:
+            began = time.monotonic()
+            path.write_text(json.dumps(judged(row, binary)), encoding="utf-8")
+            print(f"{row['name']}: {time.monotonic() - began:.0f} s", file=sys.stderr)
+        if path.exists():
+            verdicts[row["name"], row["program"]] = json.loads(path.read_text(encoding="utf-8"))
+    done = [row for row in rows if (row["name"], row["program"]) in verdicts]
+    text = f"{summary(done, verdicts)}\n\n{table(done, verdicts)}\n"
+    print(text)
+    if options.page:
+        options.page.write_text(
+            PAGE.format(summary=summary(done, verdicts), table=table(done, verdicts)),
+            encoding="utf-8",
+        )
+
+
+PAGE = """# Planted mistakes
+
+The judge is tried with simulators that are known to be wrong. Three programs of their own, in C,
+JavaScript and Python (`tests/planted` in the repository), solve the equations of [](model.md) and
+pass without a mistake; told to, they make one of those that authors of simulators make, or two.
+
+Each mistake is judged by the families of golden data in which it shows. What a good verdict would
+say, and at which stage the mistake acts, was written down before the judge was run; a script,
+`tests/planted/trial.py`, compares the verdicts with that. Mistakes of the first set were known when
+the judge was last changed; those of the second set were not.
+
+{summary}
+
+| word | means |
+|---|---|
+| caught | the verdict is FAILED or PARTIAL |
+| stage | the verdict says of the stage where the mistake acts that it is wrong |
+| explained | a fit, rule, name or complaint says what was expected |
+| helped | caught, with the right stage or explanation, and nothing false |
+| false name | a name or fit is given that is not what was planted |
+| false reassurance | PASSED, or all stages called right, or the error called noise |
+
+{table}
+"""
+
+if __name__ == "__main__":
+    main()
