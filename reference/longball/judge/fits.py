@@ -280,6 +280,9 @@ ROUNDS = 8
 # Digits of a number that one or two scenes are enough to believe.
 FEW_DIGITS = 3
 
+# The doubt of a fit beside what it differs from the scene: with more it explains nothing.
+UNSURE = 0.2
+
 # A parameter that explains none of so many scenes is not looked at further.
 FIRST = 3
 
@@ -368,9 +371,21 @@ def fits(
         size = 1.0 if form == "factor" else float(np.abs(own).max())
         value = roundest(float(middle), max(doubt, 1e-9 * abs(float(middle))), size)
         fit = Fit(name, form, value, doubt, varies, float(own[0]))
+        if doubt > UNSURE * _difference(form, value, own):
+            continue  # scene after scene acts as if it were another number
         if len(found) < FIRST and fit.roundness > FEW_DIGITS / 100:
             continue  # nothing tells how much it differs from scene to scene
         if form == "factor" and not varies and not factor_meaning(fit.value, doubt):
             continue  # the number itself says as much
         result.append(fit)
     return result
+
+
+def _difference(form: str, value: float, own: Array) -> float:
+    """Return how much a fit differs from what the scenes say, in its own unit."""
+    match form:
+        case "factor":
+            return abs(value - 1.0)
+        case "offset":
+            return abs(value)
+    return float(np.abs(value - own).max())
