@@ -167,24 +167,27 @@ def fence(scene, ball, start, landed, wrong):
                 angle = math.atan2(ay, ax) * (1 - q) + math.atan2(by, bx) * q
                 bent.append([r * math.cos(angle), r * math.sin(angle), a + (b - a) * q])
         vertices = [*bent, vertices[-1]]
-    for (ax, ay, a), (bx, by, b) in itertools.pairwise(vertices):
+    chords, time, state = list(itertools.pairwise(vertices)), 0.0, start
+    while time < landed:
+        after = ball.step(state, H)
+        for (ax, ay, a), (bx, by, b) in chords:
 
-        def inside(s, ax=ax, ay=ay, bx=bx, by=by):
-            return (by - ay) * (s[0] - ax) - (bx - ax) * (s[1] - ay)
+            def inside(s, ax=ax, ay=ay, bx=bx, by=by):
+                return (by - ay) * (s[0] - ax) - (bx - ax) * (s[1] - ay)
 
-        if inside(start) <= 0:
-            continue
-        met = ball.until(start, lambda s, inside=inside: min(inside(s), 1.0 if s[2] > -50 else 0.0))
-        if not met or met[0] >= min(landed, found["time"] if found else landed):
-            continue
-        time, s = met
-        share = ((s[0] - ax) * (bx - ax) + (s[1] - ay) * (by - ay)) / (
-            (bx - ax) ** 2 + (by - ay) ** 2
-        )
-        if 0 <= share <= 1:
-            found = {"time": time, "position": s[:3], "velocity": s[3:6],
-                     "clearance": s[2] - a - (b - a) * share}  # fmt: skip
-    return found
+            if not inside(state) > 0.0 >= inside(after):
+                continue
+            at, s = ball.until(state, inside, time)
+            share = ((s[0] - ax) * (bx - ax) + (s[1] - ay) * (by - ay)) / (
+                (bx - ax) ** 2 + (by - ay) ** 2
+            )
+            if 0 <= share <= 1 and at < (found["time"] if found else landed):
+                found = {"time": at, "position": s[:3], "velocity": s[3:6],
+                         "clearance": s[2] - a - (b - a) * share}  # fmt: skip
+        if found:
+            return found
+        state, time = after, time + H
+    return None
 
 
 def pitch(scene, wrong):
