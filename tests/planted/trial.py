@@ -262,11 +262,11 @@ Each mistake is judged by the families of golden data in which it shows. What a 
 say, and at which stage the mistake acts, was written down before the judge was run. A script,
 `tests/planted/trial.py`, compares the verdicts with the stage and a pattern of words; patterns were
 made wider or narrower after verdicts had been read, where they missed a right explanation in other
-words or let a wrong one pass. Verdicts on the first set were read by those who wrote the judge,
-verdicts on the second set were not.
+words or let a wrong one pass. Verdicts on the first set were read by those who wrote the judge;
+those on the second set were not.
 
-One mistake is not in the counts: a bat whose mass is always 0.9 kg passes the family `impact`, where
-no scene has another mass.
+One mistake is not in the counts: a bat whose mass is always 0.9 kg passes the family `impact`,
+where no scene has another mass.
 
 {summary}
 
