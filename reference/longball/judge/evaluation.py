@@ -22,7 +22,7 @@ from longball.judge.rules import shrunk
 from longball.judge.sampling import Sampling
 from longball.judge.step_sweep import FAMILIES, StepSweep, sample, with_step
 from longball.judge.testing import line_of
-from longball.judge.verdict import Comparison, Submission, Verdict, compare, verdict
+from longball.judge.verdict import Comparison, Submission, Verdict, compare, failure, verdict
 from longball.model.scene import Scene
 
 AGAIN = 12  # scenes that are run twice
@@ -231,6 +231,10 @@ class Judge:
             scheme = engine if isinstance(engine, Verlet) else None
             diagnosis = diagnose(truths, whole, self.dt, scheme)
             diagnosis = diagnosis.model_copy(update={"conduct": list(conduct)})
+            wrong_in = {f.what for c in comparisons if not c.passed for f in failure(c).faults}
+            if wrong_in and not diagnosis.findings:
+                said = f"no cause is known; what is wrong is {', '.join(sorted(wrong_in))}"
+                diagnosis = diagnosis.model_copy(update={"sentence": said})
         truth = engine.description if engine else self.truth
         return Evaluation(
             verdict(comparisons, submission, str(self.profile), truth, self.partial, diagnosis),
