@@ -159,6 +159,7 @@ class TestSignals:
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             start_new_session=True,
+            preexec_fn=hear_interrupts,
         )
 
     @pytest.mark.parametrize(
@@ -195,13 +196,23 @@ class TestSignals:
             "from longball.__main__ import main\n"
             "main()\n"
         )
-        run = subprocess.run([sys.executable, "-c", code], capture_output=True, check=False)
+        run = subprocess.run(
+            [sys.executable, "-c", code],
+            capture_output=True,
+            check=False,
+            preexec_fn=hear_interrupts,
+        )
         assert run.returncode == -signal.SIGINT
         assert run.stderr == b""
 
 
+def hear_interrupts() -> None:
+    """Undo what a shell does for jobs in the background: they ignore Ctrl-C."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
 def children(pid: int) -> bool:
     """Tell whether a process has started worker processes."""
-    found = subprocess.run(["ps", "-axo", "pgid,args"], capture_output=True, check=True).stdout
+    found = subprocess.run(["ps", "-axwwo", "pgid,args"], capture_output=True, check=True).stdout
     lines = (line.split(maxsplit=1) for line in found.decode().splitlines()[1:])
     return any(int(group) == pid and "popen_loky" in args for group, args in lines)

@@ -29,7 +29,7 @@ ENGINE = Ivp()
 DIGITS = 20
 
 CHUNKS = 8  # for pytest-xdist to share
-PITCHES, GRAZES = 10_000 // CHUNKS, 2_000 // CHUNKS
+PITCHES, GRAZES = 6_000 // CHUNKS, 1_200 // CHUNKS
 
 
 def pitch_of_the_paper(rng):

@@ -38,6 +38,7 @@ DECLINED = {
     "fence-end-right-1e-15",
     "fence-clears-1e-12",
     "fence-hits-1e-12",
+    "flight-kinks-wind-at",
 }
 
 # Steps are as long as the whole state allows, of 40 m here: a drift of 1e-7 m has 12 digits.

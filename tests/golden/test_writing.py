@@ -243,10 +243,28 @@ def test_probabilities_come_into_a_set_without_changing_its_other_files(
     assert files(with_probabilities) == together
 
 
+@pytest.fixture(scope="module")
+def computed() -> dict[str, object]:
+    """What both methods have given, by their arguments: the same in each of these tests."""
+    return {}
+
+
 @pytest.fixture
-def few_lines(monkeypatch) -> None:
-    """Fewer lines of the second method, which is then right to 2e-4."""
+def few_lines(monkeypatch, computed) -> None:
+    """Fewer lines of the second method, which is then right to 2e-4; nothing computed twice."""
     monkeypatch.setattr(home_runs, "LINES", 64)
+
+    def once(method):
+        def found(*args, **kwargs):
+            key = repr((method.__name__, args, kwargs))
+            if key not in computed:
+                computed[key] = method(*args, **kwargs)
+            return computed[key]
+
+        return found
+
+    for method in (home_runs.integrals, home_runs.scrambled):
+        monkeypatch.setattr(home_runs, method.__name__, once(method))
 
 
 @pytest.mark.usefixtures("few_lines")

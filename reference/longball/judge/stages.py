@@ -316,6 +316,9 @@ class _Following:
         struck = self.trial.case.expected.impact is not None
         if kind == "at-bat" and "touching" in only and (struck or outcome == "missed"):
             yield from self._touching()
+        if kind == "impact" and "touching" in only:
+            place = self.scene.incoming.position
+            yield from self._maybe("touching", "contact.position", place)
         if struck and set(COLLISION) & only:
             yield from self._collision(only)
         if outcome in ("batted", "landed", "home_run", "wall") and set(FLYING) & only:
