@@ -10,6 +10,7 @@ import io
 import os
 import signal
 import sys
+import warnings
 from types import FrameType
 from typing import NoReturn
 
@@ -65,6 +66,7 @@ def main() -> None:
     def stop(number: int, frame: FrameType | None) -> NoReturn:
         # An exception, so that worker processes end, too; a second signal ends at once.
         signal.signal(number, signal.SIG_DFL)
+        warnings.simplefilter("ignore")  # such as that tasks of the workers are cancelled
         stopped_by.append(number)
         raise SystemExit
 
