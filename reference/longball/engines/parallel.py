@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import multiprocessing.resource_tracker
 import signal
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, nullcontext
@@ -60,10 +59,12 @@ def _interrupts_held() -> Iterator[None]:
     if not hasattr(signal, "pthread_sigmask"):  # not POSIX
         yield
         return
-    from joblib.externals.loky.backend import resource_tracker
+    from multiprocessing import resource_tracker  # slow to import, as joblib is
+
+    from joblib.externals.loky.backend import resource_tracker as tracker_of_joblib
 
     # Whoever starts one of these lets interrupts through again, so they are started before.
-    for tracker in (resource_tracker, multiprocessing.resource_tracker):
+    for tracker in (resource_tracker, tracker_of_joblib):
         tracker.ensure_running()
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:

@@ -51,7 +51,7 @@ def load(family: str | None = None, folder: Path = DATA) -> list[Case]:
 
 
 def read_cases(file: Path) -> list[Case]:
-    """Return the cases of a file, one a line."""
+    """Return the cases of a file, which has a line for each."""
     return [Case.model_validate_json(line) for line in file.read_bytes().splitlines()]
 
 

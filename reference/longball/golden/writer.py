@@ -10,6 +10,7 @@ import hashlib
 import inspect
 import shutil
 from collections.abc import Callable, Collection, Iterator, Mapping
+from contextlib import suppress
 from pathlib import Path
 
 import longball
@@ -88,7 +89,7 @@ def write(
     write_files(folder, files)
     for name in drafts:
         shutil.rmtree(folder / PARTIAL / name, ignore_errors=True)
-    if (folder / PARTIAL).is_dir() and not any((folder / PARTIAL).iterdir()):
+    with suppress(OSError):  # what other families have left there is kept
         (folder / PARTIAL).rmdir()
     return sum(map(len, made.values()))
 

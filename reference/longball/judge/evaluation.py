@@ -231,10 +231,11 @@ class Judge:
             scheme = engine if isinstance(engine, Verlet) else None
             diagnosis = diagnose(truths, whole, self.dt, scheme)
             diagnosis = diagnosis.model_copy(update={"conduct": list(conduct)})
-            wrong_in = {f.what for c in comparisons if not c.passed for f in failure(c).faults}
-            if wrong_in and not diagnosis.findings:
-                said = f"no cause is known; what is wrong is {', '.join(sorted(wrong_in))}"
-                diagnosis = diagnosis.model_copy(update={"sentence": said})
+            if not diagnosis.findings:
+                wrong_in = {f.what for c in comparisons if not c.passed for f in failure(c).faults}
+                if wrong_in:
+                    said = f"no cause is known; what is wrong is {', '.join(sorted(wrong_in))}"
+                    diagnosis = diagnosis.model_copy(update={"sentence": said})
         truth = engine.description if engine else self.truth
         return Evaluation(
             verdict(comparisons, submission, str(self.profile), truth, self.partial, diagnosis),

@@ -142,7 +142,7 @@ def _reading(**switches: str) -> Change:
     def change(scene: Any) -> Any:
         try:
             reading = Reading.model_validate(scene.reading.model_dump() | switches)
-        except ValidationError:  # the scene's own switches leave no room for it
+        except ValidationError:  # it excludes another switch of the scene
             return scene
         return scene.model_copy(update={"reading": reading})
 
