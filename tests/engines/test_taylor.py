@@ -62,7 +62,8 @@ def test_it_has_few_steps_and_lands_exactly():
     found = by_taylor(BALL, (0, 60), START, events=height)
     assert len(found.t) < 12
     assert found.status == 1
-    assert abs(found.y[1, -1]) < 1e-14
+    # The time is a double; so the height is as good as zero.
+    assert abs(found.y[1, -1]) <= abs(found.y[3, -1]) * np.spacing(found.t[-1])
     assert found.t[-1] == fly(START, BALL, ground()).time
 
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 import re
+import sys
 import warnings
 from collections.abc import Callable, Sequence
 from functools import cache
@@ -227,7 +228,8 @@ def _printed(program: Program) -> _Printed:
 
 # Names in printed code.
 _TAKEN = re.compile(
-    "[xjkmn]|[crsxy][0-9]+|abs|bend|exp|expand|inf|last|log|min|nan|order|power|reach|rtol|size|sqrt"
+    "[xjkmn]|[crsxy][0-9]+|abs|bend|exp|expand|inf|last|log|max|min|nan|order|own|power|range|reach|"
+    "rtol|size|sqrt"
 )
 
 
@@ -235,7 +237,8 @@ def _source(program: Program, at_rest: bool) -> str:
     """Print ``step(x, order, rtol, *parameters)``, which expands and returns the reach.
 
     The last two terms of what changes stay below `rtol` times its size, which is that of the first
-    term that is not zero.
+    term that is not zero; and in each component below `rtol` times the largest term, so that a
+    drift that is small beside the flight is as exact as the flight.
 
     Along a circle, whose series converges at any time, that would be half a turn, with terms so
     large that their roundings show: the term of second order stays below twice the size, and so a
@@ -274,6 +277,16 @@ def _source(program: Program, at_rest: bool) -> str:
         "        if last > 0.0:",
         "            reach = min(reach, (rtol * size / last) ** (1.0 / (n - power)))",
     ]
+    for i in changing:
+        lines += [
+            "    for n in (order - 1, order):",
+            f"        last = abs(x[{i}][n])",
+            "        own = 0.0",
+            "        for k in range(n - 1, -1, -1) if last > 0.0 else range(0):",
+            f"            own = max(own * reach, abs(x[{i}][k]))",
+            f"        if last > 0.0 and rtol * own > {sys.float_info.min}:",
+            "            reach = min(reach, (rtol * own / last) ** (1.0 / n))",
+        ]
     for i in roots:
         lines += [
             f"    bend = x[{i}][1] * x[{i}][1] + 2.0 * x[{i}][0] * x[{i}][2]",

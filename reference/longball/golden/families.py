@@ -207,21 +207,30 @@ def impact_readings() -> list[Reading]:
 def impact() -> Iterator[Draft]:
     """Ball and bat at the touching, all around the bat and along it, in every reading."""
     readings = impact_readings()
-    for i in range(80):
-        a, b, c, d, e, f, g, h, j, _ = shares(i)
+    for i in range(120):
+        a, b, c, d, e, f, g, h, j, k = shares(i)
         reading = readings[i % len(readings)] if i >= 20 else Reading()
-        reach, height = Ball().radius + Bat().radius, between(0.5, 1.5, a)
+        ball, bat = Ball(), Bat()
+        if i >= 80:  # of other masses and sizes, up to those of softball
+            ball = Ball(mass=between(0.12, 0.19, d), radius=between(0.034, 0.0485, h))
+            bat = Bat(
+                mass=between(0.6, 1.2, j),
+                length=between(0.7, 1.1, k),
+                radius=between(0.028, 0.035, e),
+            )
+        reach, height = ball.radius + bat.radius, between(0.5, 1.5, a)
         # From behind and below through the front to behind and above, mostly in front.
         angle = math.radians(240 * b - 120)
         scene = ImpactScene(
             id=f"impact-{i:04d}",
             reading=reading,
-            ball=Ball(restitution=between(0.3, 0.6, c)),
+            ball=ball.model_copy(update={"restitution": between(0.3, 0.6, c)}),
+            bat=bat,
             swing=Rotation(angular_speed=between(0.0, 45.0, d), tilt=between(0.0, 0.2, e)),
             incoming=Incoming(
                 position=(
                     round(reach * math.cos(angle), 12),
-                    between(-0.499, 0.499, f),
+                    round(bat.length * between(-0.499, 0.499, f), 12),
                     round(height + reach * math.sin(angle), 12),
                 ),
                 velocity=(between(-45.0, -20.0, g), between(-3.0, 3.0, h), between(-12.0, 4.0, j)),
