@@ -54,6 +54,8 @@ _HALVINGS = 20
 # that remain are as what is left of an offset to the power 3/2, of a speed to the power 5/2.
 _SECTIONS, _OF_OFFSETS, _OF_SPEEDS = 9, 6, 3
 _STEEPER = 10.0  # how much larger than that of P the error of dP/de may be
+# How much more than the tolerance two rules without cuts at kinks may differ: others follow them.
+_KINKED = 100.0
 _PAIRS = 240  # of speed and tilt, that a thread takes at a time: a second or two
 
 
@@ -182,10 +184,14 @@ def _refined(home_runs: Clearance, at_bats: AtBats, tolerance: float, workers: i
 def _share(clearance: Clearance, at_bats: AtBats, tolerance: float, workers: int) -> Share:
     """Refine the rules until two in a row agree about the probability of what is counted."""
     before = _over_speeds(clearance, at_bats, LEVELS[0], tolerance, workers)
+    off = slope_off = np.zeros(())
     for nodes in LEVELS[1:]:
+        if nodes.least is None and off > _KINKED * tolerance:
+            continue
         now = _over_speeds(clearance, at_bats, nodes, tolerance, workers)
         off, slope_off = abs(now.p - before.p), abs(now.slope - before.slope)
-        if off <= tolerance and slope_off <= _STEEPER * tolerance:
+        # More nodes do not mend what is left open at each of them.
+        if off <= tolerance + now.error and slope_off <= _STEEPER * tolerance + now.slope_error:
             break
         before = now
     return Share(
