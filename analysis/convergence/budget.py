@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import Any, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis import Array
 from analysis.convergence.pieces import TRUTH, batted, each, golden, passing
 from analysis.writing import STYLES, figure, render
 from longball.convergence.order import PowerLaw, fit_power_law, typical
@@ -31,8 +31,6 @@ from longball.model.law import Law, State
 from longball.model.numbers import DOUBLES, Vector
 from longball.model.readings import VerletForces
 from longball.model.scene import AtBatScene
-
-Array = NDArray[np.float64]
 
 SCENES, FULL_SCENES = 8, 60
 PHASES, FULL_PHASES = 4, 16
@@ -210,18 +208,10 @@ class HalfForce(Ivp, Stepped[float]):
 
 @dataclass(frozen=True)
 class GroundBetweenSteps(Ivp):
-    """The landing from the steps around it, that are counted from the release; all else exact.
+    """The landing from the steps around it, that are counted from the release; all else exact."""
 
-    Attributes
-    ----------
-    scheme
-        The one whose rule for the ground it is.
-    contact
-        s, when the flight that lands begins.
-    """
-
-    scheme: Verlet = field(default_factory=Verlet)
-    contact: float = 0.0
+    scheme: Verlet = field(default_factory=Verlet)  # whose rule for the ground it is
+    contact: float = 0.0  # s, when the flight that lands begins
 
     def fly(self, law: Air, start: State[float], events: Events, limit: float) -> Flown:
         """Fly exactly, and land by the scheme's rule."""
@@ -250,45 +240,25 @@ def run(report: Path, full: bool) -> str:
     scenes = batted(FULL_SCENES if full else SCENES, SEED)
     phases = FULL_PHASES if full else PHASES
     calls = [(scene, step, phases) for scene in scenes for step in STEPS]
-    measured = iter(each(report, "error budget", errors, calls))
-    # (part, scene, step, phase), m; the sum and what it leaves of the whole are parts too
-    names = list(IN_THEORY) + [WHOLE.format(t) for t in SHOWN]
-    off = np.full((len(names), len(scenes), len(STEPS), phases), np.nan)
-    for scene in range(len(scenes)):
-        for step in range(len(STEPS)):
-            for phase, found in enumerate(next(measured)):
-                off[:, scene, step, phase] = [found[name] for name in names]
-    parts = dict(zip(names, off, strict=True))
+    measured = each(report, "error budget", errors, calls)
+    shape = (len(scenes), len(STEPS), phases)
+    # By part: (scene, step, phase), m; the sum and what it leaves of the whole are parts too.
+    parts = {
+        name: np.array([found[name] for rows in measured for found in rows]).reshape(shape)
+        for name in (*IN_THEORY, *map(WHOLE.format, SHOWN))
+    }
     seen = {name: typical(rms(part)) for name, part in parts.items()}
-    laws = {name: fit_power_law(np.array(STEPS), seen[name]) for name in names}
     left = {treatment: unexplained(parts, treatment) for treatment in SHOWN}
     draw(report, seen, left)
-    largest, second = sorted(IN_THEORY, key=lambda name: -float(seen[name][0]))[:2]
     coarse, fine = (int(np.argmin(np.abs(np.array(STEPS) - h))) for h in (0.05, 1e-3))
+    laws = {name: fit_power_law(np.array(STEPS), of) for name, of in seen.items()}
+    largest, second = sorted(IN_THEORY, key=lambda name: -float(seen[name][0]))[:2]
     return render(
-        report,
-        "budget",
-        scenes=len(scenes),
-        seed=SEED,
-        phases=phases,
-        seen=seen,
-        largest=largest,
-        second=second,
+        report, "budget", globals(), scenes=len(scenes), phases=phases, seen=seen, laws=laws,
+        largest=largest, second=second, coarse=coarse, fine=fine,
         missed=[name for name in IN_THEORY if not as_in_theory(name, laws[name])],
-        steps=STEPS,
-        fine=STEPS[fine],
         shares={t: 100 * left[t][fine] / seen[WHOLE.format(t)][fine] for t in SHOWN},
-        rows=[
-            {
-                "name": name,
-                "law": laws[name],
-                "theory": IN_THEORY.get(name, ""),
-                "coarse": seen[name][coarse],
-                "fine": seen[name][fine],
-            }
-            for name in names
-        ],
-    )
+    )  # fmt: skip
 
 
 def rms(errors: Array) -> Array:
@@ -358,7 +328,7 @@ def errors(scene: AtBatScene, step: float, phases: int) -> list[dict[str, float]
     for share in golden(phases):
         inside = way.time + share * way.window
         dt = inside / max(1, round(inside / step))
-        row = {"step": dt}
+        row = {}
         for treatment in SHOWN:
             for name, engine in engines(treatment, dt, way.time).items():
                 landing = solve(scene, engine).landing
