@@ -58,6 +58,7 @@ IN_THEORY = {
 # --- engines that are the reference but for one part ----------------------------------------------
 
 Flown = Flight[float]
+Touched = Touch[float]
 Air = Law[float]
 Section = BatSection[float]
 Ground = Event[float]
@@ -68,9 +69,9 @@ LawOf = Callable[[Frame[float]], Air]
 class StruckAtOnce(Stepped[float]):
     """The whole impulse at once, where the ball is at `struck`."""
 
-    def struck(self, touch: Any) -> Touch[float]:
+    def struck(self, touch: Any) -> Touched:
         """Return when, and in what state, the ball goes on."""
-        exact: Touch[float] = touch
+        exact: Touched = touch
         return exact
 
     def rebound(
@@ -108,9 +109,7 @@ class Smooth(StruckAtOnce, Verlet):
         assert met is not None
         return met.event.name, met.time, met.state
 
-    def touch(
-        self, pitch: Flown, law: Air, bat: Section, events: Events, limit: float
-    ) -> Touch[float]:
+    def touch(self, pitch: Flown, law: Air, bat: Section, events: Events, limit: float) -> Touched:
         """Touch as the reference does, from a step that is surely before the bat."""
         near = pitch.path.at(0.0)
         early = pitch.time - 2 * bat.reach / pitch.state.u
@@ -138,9 +137,7 @@ class PlateOnTheLine(Ivp):
         share = (exact.state.s - before.s) / (after.s - before.s)
         return replace(exact, state=exact.state._replace(z=interpolate(before.z, after.z, share)))
 
-    def touch(
-        self, pitch: Flown, law: Air, bat: Section, events: Events, limit: float
-    ) -> Touch[float]:
+    def touch(self, pitch: Flown, law: Air, bat: Section, events: Events, limit: float) -> Touched:
         """Touch on the exact path a bat that is put on the chord."""
         exact = replace(pitch, state=pitch.path.at(pitch.time))
         return super().touch(exact, law, bat, events, limit)
@@ -167,9 +164,7 @@ class StraightToTheBat(StruckAtOnce, Ivp):
         """Return the true touching."""
         return cast(Touch[float], touch.exact)
 
-    def touch(
-        self, pitch: Flown, law: Air, bat: Section, events: Events, limit: float
-    ) -> Touch[float]:
+    def touch(self, pitch: Flown, law: Air, bat: Section, events: Events, limit: float) -> Touched:
         """Touch as Appendix B does; see `longball.engines.engine.Engine.touch`."""
         exact = super().touch(pitch, law, bat, events, limit)
         assert exact.time is not None
@@ -187,9 +182,7 @@ class HalfForce(Ivp, Stepped[float]):
 
     scheme: Verlet = field(default_factory=Verlet)
 
-    def touch(
-        self, pitch: Flown, law: Air, bat: Section, events: Events, limit: float
-    ) -> Touch[float]:
+    def touch(self, pitch: Flown, law: Air, bat: Section, events: Events, limit: float) -> Touched:
         """Touch exactly, and remember the step before."""
         exact = super().touch(pitch, law, bat, events, limit)
         assert exact.time is not None
