@@ -158,7 +158,7 @@ def run(report: Path, full: bool) -> str:
     true, coarse = struck[default, None, E], struck[default, printed, E]
     return render(
         report, "science", globals(), count=len(chunks) * CHUNK, found=found, coarse=coarse,
-        true=true, p=found.p(default, E), bias=found.bias(default, printed, E).value,
+        exact=true, p=found.p(default, E), bias=found.bias(default, printed, E).value,
         paper=PAPER_CURVES["caption"](E), off=np.abs(errors_of_both(coarse, true)),
         failed=sum(int(struck[default, step, E].failed.sum()) for step in STEPS),
         crossing=crossing, kinds=crossing["what"].value_counts(), harmless=harmless(found),
