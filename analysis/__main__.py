@@ -10,119 +10,42 @@ from __future__ import annotations
 import argparse
 import sys
 import time
-from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
+from typing import NamedTuple
+
+from analysis.writing import render
 
 REPORT = Path(__file__).parent.parent / "report"
 
 
-@dataclass(frozen=True)
-class Page:
-    """A page of the report.
+class Page(NamedTuple):
+    """A page of the report: its file, and its studies in order, which are in a package."""
 
-    Attributes
-    ----------
-    file
-        Its name in report/.
-    package
-        Where the modules of its studies are.
-    head
-        What stands above the sections.
-    studies
-        In the order of the page. Those marked run without being named.
-    """
-
-    file: str
-    package: str
-    head: str
-    studies: dict[str, bool]
-
-    def put_together(self, report: Path) -> None:
-        """Write the page from the sections that are there."""
-        written = [path for name in self.studies if (path := section_path(report, name)).exists()]
-        sections = [path.read_text(encoding="utf-8").strip() for path in written]
-        page = self.head + "\n\n".join(sections) + "\n"
-        (report / self.file).write_text(page, encoding="utf-8")
+    name: str
+    studies: tuple[str, ...]
+    package: str = "analysis"
 
 
+# By the word that stands for all studies of a page.
 PAGES = {
     "report": Page(
-        "README.md",
-        "analysis",
-        """# The longball report
-
-What the studies of `python -m analysis` found. Every number, table and figure on this page was
-written by them; `make report` writes the first sections anew, and each section names the command
-that writes it. The tables are in `tables/` as CSV, in SI units.
-
-[The paper, reproduced](paper.md) has a page of its own: its figures and tables with their
-counterparts, and which reading of it comes nearest to its numbers. [Measured baseball](reality.md):
-what models of flight say of a day of measured pitches and batted balls. [The seasons](seasons.md):
-whether the coefficient of restitution explains the home runs of the paper's Table I. [Simulators
-in the wild](wild.md): programs from a package index, held against the golden data.
-
-""",
-        {
-            "derivation": True,
-            "at_bats": True,
-            "home_runs": True,
-            "ledger": True,
-            "accuracy": True,
-            "speed_error": False,
-            "quadrature": False,
-            "convergence": False,
-            "stability": False,
-            "survival": False,
-            "certificates": False,
-        },
+        "README",
+        (
+            *("derivation", "at_bats", "home_runs", "ledger", "accuracy"),
+            *("speed_error", "quadrature", "convergence", "stability", "survival", "certificates"),
+        ),
     ),
     "paper": Page(
-        "paper.md",
+        "paper",
+        ("counterparts", "pitch_fits", "home_run_figures", "readings", "argument"),
         "analysis.paper",
-        """# The paper, reproduced
-
-Kuninaka, Kosaka and Mizutani, *Home-run probability as a function of the coefficient of
-restitution of baseballs*: what it prints, what we get, and why the two differ where they do.
-`make paper` writes this page anew; every number, verdict, table and figure on it was computed.
-The tables are in `tables/` as CSV.
-
-""",
-        {
-            "counterparts": False,
-            "pitch_fits": False,
-            "home_run_figures": False,
-            "readings": False,
-            "argument": False,
-        },
     ),
-    "measured": Page(
-        "reality.md",
-        "analysis",
-        """# Measured baseball
-
-""",
-        {"reality": False},
-    ),
-    "question": Page(
-        "seasons.md",
-        "analysis",
-        """# Does the coefficient of restitution explain the seasons?
-
-""",
-        {"seasons": False},
-    ),
-    "simulators": Page(
-        "wild.md",
-        "analysis",
-        """# Simulators in the wild
-
-`python -m analysis wild` writes this page anew.
-
-""",
-        {"wild": False},
-    ),
-}  # fmt: skip
+    "measured": Page("reality", ("reality",)),
+    "question": Page("seasons", ("seasons",)),
+    "simulators": Page("wild", ("wild",)),
+}
+QUICK = PAGES["report"].studies[:5]  # run without being named
 
 
 def main() -> None:
@@ -139,27 +62,24 @@ def main() -> None:
             f"no study {unknown[0]!r}; the studies are {', '.join(modules)}; "
             f"{' and '.join(PAGES)} stand for all of a page"
         )
+    sections = arguments.report / "sections"
+    sections.mkdir(parents=True, exist_ok=True)
     for name in chosen(arguments.studies):
         start = time.monotonic()
         section = import_module(modules[name]).run(arguments.report, arguments.full)
-        path = section_path(arguments.report, name)
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(section, encoding="utf-8")
+        (sections / f"{name}.md").write_text(section, encoding="utf-8")
         print(f"{name}: {time.monotonic() - start:.1f} s", file=sys.stderr)
     for page in PAGES.values():
-        page.put_together(arguments.report)
+        written = [path for name in page.studies if (path := sections / f"{name}.md").exists()]
+        there = "\n\n".join(path.read_text(encoding="utf-8").strip() for path in written)
+        text = render(arguments.report, f"pages/{page.name}", {}, sections=there)
+        (arguments.report / f"{page.name}.md").write_text(text, encoding="utf-8")
 
 
 def chosen(names: list[str]) -> list[str]:
     """Return the studies that names of studies and pages stand for; without one, the quick ones."""
-    if not names:
-        return [name for page in PAGES.values() for name, quick in page.studies.items() if quick]
-    return [study for name in names for study in (PAGES[name].studies if name in PAGES else [name])]
-
-
-def section_path(report: Path, name: str) -> Path:
-    """Return where a study's section of the report is kept."""
-    return report / "sections" / f"{name}.md"
+    pages = [PAGES[name].studies if name in PAGES else (name,) for name in names]
+    return [study for studies in pages or [QUICK] for study in studies]
 
 
 if __name__ == "__main__":

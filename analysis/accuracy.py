@@ -9,9 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from analysis.speed_error import contenders
-from analysis.speed_error.measuring import difference, measure, ratio
-from analysis.speed_error.work import TRUE_DIGITS, Work, at_bats, known, truth
+from analysis.speed_error import contenders, measuring, work
+from analysis.speed_error.work import Work
 from analysis.writing import render
 from longball.engines.chain import solve
 from longball.engines.ivp import Ivp
@@ -40,36 +39,30 @@ QUANTITIES: dict[str, Callable[[Any], Any]] = {
 def run(report: Path, full: bool) -> str:
     """Measure on batted balls of the paper's distributions."""
     struck, results = batted(FULL_COUNT if full else COUNT)
-    flights = known(flights_of(results), len(results))
+    flights = work.known(flights_of(results), len(results))
+    plain = {f"solve_ivp DOP853 {rtol:g}, its own event": rtol for rtol in TOLERANCES}
     candidates = {
-        **{
-            f"solve_ivp DOP853 {rtol:g}, its own event": contenders.plain("DOP853", rtol)
-            for rtol in TOLERANCES
-        },
+        **{name: contenders.plain("DOP853", rtol) for name, rtol in plain.items()},
         **{f"longball ivp DOP853 {r:g}": contenders.ivp("DOP853", r) for r in TOLERANCES[1:]},
         "longball ivp DOP853": contenders.ivp("DOP853"),
         "longball ivp, Taylor's method": contenders.ivp("Taylor"),
     }
     turns = [(replace(one, turn=len(results)), flights) for one in candidates.values()]
-    measured = dict(zip(candidates, measure(turns, ROUNDS), strict=True))
+    measured = dict(zip(candidates, measuring.measure(turns, ROUNDS), strict=True))
+    pairs = list(zip(results, work.truth(struck), strict=True))
     return render(
-        report,
-        "accuracy",
-        count=len(results),
-        seed=SEED,
-        digits=TRUE_DIGITS,
-        rounds=ROUNDS,
-        measured=measured,
-        ratio=ratio,
-        unit=measured[UNIT],
-        default=measured["longball ivp, Taylor's method"],
-        at_bats=at_bat_errors(results, truth(struck)),
-    )
+        report, "accuracy", globals(), count=len(results), measured=measured,
+        unit=measured[UNIT], default=measured["longball ivp, Taylor's method"],
+        at_bats={
+            name: max(measuring.difference(of(ours), of(best)) for ours, best in pairs)
+            for name, of in QUANTITIES.items()
+        },
+    )  # fmt: skip
 
 
 def batted(count: int) -> tuple[Work, list[Result]]:
     """Return the first batted at-bats of a seed, and what the reference engine makes of them."""
-    drawn = at_bats(2 * count, SEED)
+    drawn = work.at_bats(2 * count, SEED)
     results = [solve(scene, Ivp()) for scene in drawn.scenes]
     rows = [row for row, result in enumerate(results) if result.outcome == "batted"][:count]
     return drawn.part(rows), [results[row] for row in rows]
@@ -84,11 +77,3 @@ def flights_of(results: list[Result]) -> Work:
             columns[f"launch.{name}[{i}]"] = np.array(values)
     anywhere = Launch(position=(0.0, 0.0, 1.0), velocity=(1.0, 0.0, 0.0))
     return Work(FlightScene(id="flight", launch=anywhere), columns)
-
-
-def at_bat_errors(results: list[Result], true: list[Result]) -> dict[str, float]:
-    """Return the worst errors of plate, contact and landing of whole at-bats."""
-    return {
-        name: max(difference(of(ours), of(best)) for ours, best in zip(results, true, strict=True))
-        for name, of in QUANTITIES.items()
-    }

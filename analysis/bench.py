@@ -47,7 +47,17 @@ def main() -> None:
             f"{ratio(found.seconds, unit):8.2f}   {wrong.worst:.1e}             {missed}"
         )
     print(f"an at-bat takes as long as {ratio(units['at-bat'], units['flight']):.2f} flights")
-    print(laws.compared(LAW_ROUNDS, LAW_TRUE).set_index("law").T.to_string())
+    of_laws = laws.compared(LAW_ROUNDS, LAW_TRUE)
+    first = next(iter(laws.LAWS))
+    print(f"{'':56} µs each    ratio to the first law, to batch   max error of D, m")
+    for (law, method), found in of_laws.items():
+        beside = [
+            ratio(found.seconds, of_laws[x].seconds) for x in ((first, method), (law, "batch"))
+        ]
+        print(
+            f"{law:40} {method:13} {found.microseconds:10.2f} "
+            f"{beside[0]:8.2f} {beside[1]:8.2f}   {found.errors.worst:.1e}"
+        )
 
 
 if __name__ == "__main__":

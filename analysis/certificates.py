@@ -22,6 +22,7 @@ from longball.engines.certify import certify
 from longball.engines.chain import solve
 from longball.engines.enclosure import Enclosure
 from longball.engines.ivp import Ivp
+from longball.golden.case import vector_of
 from longball.home_run.at_bats import draw_block, paper_at_bats, scenes
 from longball.model.quantities import numbers
 from longball.model.readings import SamplingReading
@@ -40,30 +41,10 @@ def run(report: Path, full: bool) -> str:
     certify(next(_paper(0)), solve(next(_paper(0)), Ivp()))  # compiles, and is not timed
     blocks = Parallel(n_jobs=-1)(delayed(_block)(block) for block in range(number // BLOCK))
     seen = pd.DataFrame([row for block in blocks for row in block])
+    groups = seen.groupby("scenes", sort=False)
     return render(
-        report,
-        "certificates",
-        number=number,
-        seed=SEED,
-        numbers=int(seen["numbers"].sum()),
-        wrong=int(seen["wrong"].sum()),
-        rows=[_row(name, group) for name, group in seen.groupby("scenes", sort=False)],
-        full=full,
+        report, "certificates", globals(), number=number, seen=seen, groups=groups, full=full
     )
-
-
-def _row(name: object, seen: pd.DataFrame) -> dict[str, object]:
-    """Return what is known of the scenes of a kind."""
-    certified = seen[seen["answer"] == "certified"]
-    return {
-        "scenes": name,
-        "certified": len(certified),
-        "not_certified": int((seen["answer"] == "not certified").sum()),
-        "no_answer": int((seen["answer"] == "error").sum()),
-        "radius": certified["radius"].median(),
-        "median": seen["seconds"].median(),
-        "most": seen["seconds"].quantile(0.99),
-    }
 
 
 def _block(block: int) -> list[dict[str, object]]:
@@ -104,14 +85,10 @@ def _held(found: Result, truth: Result) -> list[tuple[float, bool]]:
     """Return for each number its radius, relative to its size, and whether it holds the truth."""
     if found.outcome != truth.outcome:
         raise ValueError(f"{found.id}: {found.outcome} is certified, the truth is {truth.outcome}")
-    true = dict(numbers(truth))
-    values: dict[str, float] = {}
-    for name, number in numbers(found):
-        stem = name.partition("[")[0]
-        values[stem] = float(np.hypot(values.get(stem, 0.0), float(number)))
+    true, certified = dict(numbers(truth)), dict(numbers(found))
     held = []
-    for name, number in numbers(found):
+    for name, number in certified.items():
         off = abs(Decimal(number.value) - Decimal(true[name].value)) - Decimal(true[name].radius)
-        size = values[name.partition("[")[0]]
+        size = np.hypot.reduce([float(certified[part]) for part in vector_of(name)])
         held.append((float(number.radius) / (size or 1.0), off <= Decimal(number.radius)))
     return held

@@ -8,17 +8,10 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from analysis.writing import LINES, figure, render, table
-from longball.home_run import (
-    HOME_RUN_DISTANCE,
-    PAPER_CURVES,
-    RESTITUTIONS,
-    Struck,
-    estimate,
-    fit,
-    monte_carlo,
-    paper_at_bats,
-)
+from analysis import Array
+from analysis.writing import LINES, figure, render, write_table
+from longball import home_run
+from longball.home_run import HOME_RUN_DISTANCE, PAPER_CURVES, RESTITUTIONS
 from longball.model.readings import SamplingReading
 from longball.model.scene import AtBatScene
 from longball.pictures import draw_probability
@@ -30,13 +23,11 @@ BIN = 10.0  # m
 
 def run(report: Path, full: bool) -> str:
     """Sample at-bats, count home runs, draw both figures."""
-    base = AtBatScene(id="base")
+    base, at_bats = AtBatScene(id="base"), home_run.paper_at_bats(SamplingReading())
     count = FULL_SAMPLES if full else SAMPLES
-    struck = monte_carlo(
-        base, paper_at_bats(SamplingReading()), RESTITUTIONS, count, SEED, workers=-1
-    )
-    rows = [estimate(e, one) for e, one in zip(RESTITUTIONS, struck, strict=True)]
-    fitted = fit(rows)
+    struck = home_run.monte_carlo(base, at_bats, RESTITUTIONS, count, SEED, workers=-1)
+    rows = [home_run.estimate(e, one) for e, one in zip(RESTITUTIONS, struck, strict=True)]
+    fitted = home_run.fit(rows)
     with figure(report, "probability", columns=2, size=(9.0, 4.2)) as (ours, papers):
         for axes in (ours, papers):
             draw_probability(axes, rows, fitted)
@@ -48,28 +39,20 @@ def run(report: Path, full: bool) -> str:
             handles[:printed], labels[:printed], fontsize="small",
             loc="lower center", bbox_to_anchor=(0.5, 0.15),
         )  # fmt: skip
-    caption = PAPER_CURVES["caption"]
+    ends = {e: struck[RESTITUTIONS.index(e)] for e in (min(RESTITUTIONS), max(RESTITUTIONS))}
     return render(
-        report,
-        "home_runs",
-        count=count,
-        seed=SEED,
-        bin=BIN,
-        ends=draw_distances(report, dict(zip(RESTITUTIONS, struck, strict=True))),
-        rows=rows,
-        fitted=fitted,
-        curves=PAPER_CURVES,
-        factor=caption(0.42) / next(row.p for row in rows if row.e == 0.42),
-    )
+        report, "home_runs", globals(), count=count, rows=rows, fitted=fitted,
+        ends=draw_distances(report, {e: one.distance[one.batted] for e, one in ends.items()}),
+        factor=PAPER_CURVES["caption"](0.42) / next(row.p for row in rows if row.e == 0.42),
+    )  # fmt: skip
 
 
-def draw_distances(report: Path, struck: dict[float, Struck]) -> list[dict[str, Any]]:
-    """Draw the density of D for the lowest and the highest e (Fig. 6), and describe them."""
-    ends = {e: struck[e].distance[struck[e].batted] for e in (min(struck), max(struck))}
-    last = BIN * np.ceil(max(d.max() for d in ends.values()) / BIN)
+def draw_distances(report: Path, distances: dict[float, Array]) -> list[dict[str, Any]]:
+    """Draw the density of D by restitution (Fig. 6), and describe it."""
+    last = BIN * np.ceil(max(d.max() for d in distances.values()) / BIN)
     edges = np.arange(0.0, last + BIN, BIN)
     columns: dict[str, object] = {"D from, m": edges[:-1], "D to, m": edges[1:]}
-    densities = {e: np.histogram(d, edges)[0] / (BIN * len(d)) for e, d in ends.items()}
+    densities = {e: np.histogram(d, edges)[0] / (BIN * len(d)) for e, d in distances.items()}
     top = 1.3e3 * max(density[1:].max() for density in densities.values())
     described = []
     with figure(report, "distances", size=(6.4, 3.6)) as (axes,):
@@ -79,19 +62,15 @@ def draw_distances(report: Path, struck: dict[float, Struck]) -> list[dict[str, 
             axes.stairs(1e3 * density, edges, linestyle=LINES[i], linewidth=1.4, label=label)
             cut = f"{label}: {1e3 * density[0]:.1f} per km"
             axes.annotate(cut, (BIN + 2.0, (0.93 - 0.07 * i) * top), fontsize="small")
+            beyond = np.mean(distances[e] >= HOME_RUN_DISTANCE)
+            highest, median = edges[int(np.argmax(density))], np.median(distances[e])
             described.append(
-                {
-                    "e": e,
-                    "d": ends[e],
-                    "highest": edges[int(np.argmax(density))],
-                    "median": np.median(ends[e]),
-                    "beyond": np.mean(ends[e] >= HOME_RUN_DISTANCE),
-                }
+                {"e": e, "d": distances[e], "highest": highest, "median": median, "beyond": beyond}
             )
         axes.axvline(HOME_RUN_DISTANCE, color="black", linewidth=0.8, linestyle=":")
         axes.annotate("home run", (HOME_RUN_DISTANCE + 2.0, 0.9 * top), fontsize="small")
         axes.set(xlabel="distance D from the plate, m", ylabel="probability density, 1/km")
         axes.set_ylim(0.0, top)
         axes.legend(loc="center right")
-    table(report, "distances", pd.DataFrame(columns))
+    write_table(report, "distances", pd.DataFrame(columns))
     return described

@@ -31,11 +31,6 @@ def size(generator: Generator, low: float, high: float) -> float:
     return math.exp(generator.uniform(math.log(low), math.log(high)))
 
 
-def size_or_nothing(generator: Generator, low: float, high: float) -> float:
-    """Return one, or 0 in one of ten cases."""
-    return 0.0 if generator.random() < 0.1 else size(generator, low, high)
-
-
 def random_reading(generator: Generator) -> dict[str, str]:
     """Return an option of every switch that scenes have."""
     reading: dict[str, str] = {
@@ -50,21 +45,14 @@ def random_reading(generator: Generator) -> dict[str, str]:
 def baseball(kind: str, generator: Generator) -> Written:
     """Return a scene of the paper's kind, under any reading."""
     scene: Written = {"id": "baseball", "kind": kind, "reading": random_reading(generator)}
-    swing = {
-        "angular_speed": generator.uniform(20.0, 45.0),
-        "tilt": generator.uniform(0.0, 0.3),
-    }
+    swing = {"angular_speed": generator.uniform(20.0, 45.0), "tilt": generator.uniform(0.0, 0.3)}
     if kind == "impact":
         velocity = [generator.uniform(-50.0, -20.0), generator.normal(), generator.normal(0.0, 3.0)]
         return scene | {"swing": swing, "incoming": touching(generator, 0.0366, 0.033, velocity)}
     if kind == "flight":
         speed, rise = generator.uniform(5.0, 60.0), generator.uniform(-0.5, 1.5)
         level, heading = speed * math.cos(rise), generator.uniform(-3.1, 3.1)
-        velocity = [
-            level * math.cos(heading),
-            level * math.sin(heading),
-            speed * math.sin(rise),
-        ]
+        velocity = [level * math.cos(heading), level * math.sin(heading), speed * math.sin(rise)]
         return scene | {
             "launch": {"position": [0.0, 0.0, size(generator, 0.04, 3.0)], "velocity": velocity}
         }
@@ -214,10 +202,7 @@ def _sized(kind: str, generator: Generator, spread: float) -> Written:
         "aim": [generator.normal(0.0, 0.5), any_size(0.1, 10.0)],
     }
     if kind == "at-bat":
-        return scene | {
-            "bat": bat,
-            "swing": swing | {"height_offset": generator.normal(0.0, 0.05)},
-        }
+        return scene | {"bat": bat, "swing": swing | {"height_offset": generator.normal(0.0, 0.05)}}
     return scene
 
 

@@ -2,32 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.optimize import least_squares
 from scipy.stats import bootstrap
 
-from analysis.writing import figure, render, shown, table
+from analysis.writing import figure, render
 from longball.model.scene import Ball
 from longball.pictures import draw_errors
 from longball.pitches import EXAMPLE
 from longball.pitches.models import MODELS, STANDARD_GRAVITY, FlightModel, regression_spin
-from longball.pitches.prediction import (
-    ANGLES,
-    INCH,
-    Prediction,
-    bands,
-    predict,
-    solve,
-    summaries,
-)
+from longball.pitches.prediction import ANGLES, INCH, Prediction, bands, predict, solve, summaries
 from longball.pitches.statcast import FOOT, RPM, MeasuredFlies, MeasuredPitches, read_measured
 from longball.pitches.table import Booleans
 from longball.pitches.table import Floats as Array
@@ -40,6 +30,12 @@ SHARES, SOLVED_SHARES = np.linspace(0.05, 1.0, 951), np.linspace(0.05, 1.0, 7)
 REPLICATES, SEED = 999, 11
 CATCH = 1.5  # m, a height at which flies are caught
 CAUGHT = ("field_out", "sac_fly", "double_play", "field_error")
+EVENTS = {
+    "caught or dropped": CAUGHT,
+    "single": ("single",),
+    "double or triple": ("double", "triple"),
+    "home run": ("home_run",),
+}
 
 
 def run(report: Path, full: bool) -> str:
@@ -48,49 +44,49 @@ def run(report: Path, full: bool) -> str:
     launch = launched(flies)
     of_flies = fly_predictions(flies, launch)
     shares, held_out, spread = held_out_shares(pitches)
-    of_pitches = pitch_predictions(pitches) | {
-        "Nathan, the active share of its type, fitted to the other games": held_out
-    }
-    nathan = of_flies["Nathan, backspin and side spin"]
-    events = pd.read_csv(EXAMPLE)["events"].to_numpy()[flies.rows - 1]
+    of_pitches = pitch_predictions(pitches)
+    of_pitches["Nathan, the active share of its type, fitted to the other games"] = held_out
+    off = of_flies["Nathan, backspin and side spin"].error[:, 0]
+    day = pd.read_csv(EXAMPLE).iloc[flies.rows - 1]
+    caught = day["events"].isin(CAUGHT).to_numpy()
+    drawn = np.asarray(np.hypot(day["hc_x"] - 125.42, 198.27 - day["hc_y"]))
+
+    def correlation(which: Booleans) -> float:
+        """Return that of the distance and of where the drawing has the fielder."""
+        return float(np.corrcoef(flies.measured[which, 0], drawn[which])[0, 1])
+
     draw_flies(report, flies, of_flies)
     with figure(report, "reality_pitches", size=(5.6, 4.2)) as (axes,):
         draw_errors(axes, held_out)
-    best = best_constants(flies)
     by_place, by_place_and_bearing = scatter(flies)
-    caught = np.isin(events, CAUGHT)
     return render(
-        report,
-        "reality",
-        n_flies=len(flies),
-        n_pitches=len(pitches),
-        rows_read=pitches.rows_read,
+        report, "reality", globals(),
+        flies=flies, pitches=pitches,
         bounced=next(x.count for x in pitches.left_out if "bounced" in x.reason),
         spinless=next(x.count for x in pitches.left_out if "spin" in x.reason),
-        flies=table(report, "reality_flies", fly_table(of_flies)),
-        flies_figure=shown("reality_flies", FLIES_CAPTION),
-        angles=table(report, "reality_angles", angle_table(flies, of_flies)),
-        events=table(report, "reality_events", event_table(nathan, events)),
-        pitches=table(report, "reality_pitches", pitch_table(of_pitches)),
-        types=table(report, "reality_types", type_table(pitches, held_out, shares, spread)),
-        pitches_figure=shown("reality_pitches", PITCHES_CAPTION),
+        of_flies=[(name, x.error[x.solved, 0] / FOOT) for name, x in of_flies.items()],
+        angles=list(bands(np.degrees(flies.angle), ANGLES)),
+        compared={name: of_flies[name].error[:, 0] / FOOT for name in COMPARED},
+        events={name: off[day["events"].isin(kinds)] / FOOT for name, kinds in EVENTS.items()},
+        of_pitches={name: summaries(x)[-1] for name, x in of_pitches.items()},
+        types=summaries(held_out)[:-1], shares=shares, spread=spread,
         paper=error(of_flies["the paper"]) / FOOT,
-        nathan=error(nathan) / FOOT,
+        nathan=error(of_flies["Nathan, backspin and side spin"]) / FOOT,
         launched=error(of_flies[LAUNCHED]) / FOOT,
         mean_spin=mean_rate(regression_spin(flies)),
         launched_spin=mean_rate(regression_spin(launch)),
-        turned=turned(launch, flies),
+        turned=np.degrees(np.abs(launch.bearing - flies.bearing)).mean(),
         held_out=error(held_out) / INCH,
         paper_pitches=error(of_pitches["the paper"]) / INCH,
         floor=error(of_pitches[FLOOR]) / INCH,
-        best=best,
+        best=best_constants(flies),
         by_place=by_place / FOOT,
         by_place_and_bearing=by_place_and_bearing / FOOT,
-        drawn=drawn_correlation(flies, caught),
-        not_drawn=drawn_correlation(flies, events == "single"),
-        caught_bias=nathan.error[caught].mean() / FOOT,
+        drawn=correlation(caught),
+        not_drawn=correlation((day["events"] == "single").to_numpy()),
+        caught_bias=off[caught].mean() / FOOT,
         catch=catch_shift(flies)[caught].mean() / FOOT,
-    )
+    )  # fmt: skip
 
 
 def measured_flies() -> MeasuredFlies:
@@ -124,17 +120,15 @@ LAUNCHED = "the same, launched so that it comes down where it was fielded"
 
 def fly_predictions(flies: MeasuredFlies, launch: MeasuredFlies) -> dict[str, Prediction]:
     """Return what each model says of the flies, and of their launches as `launched` has them."""
-    none = np.zeros(len(flies))
-    backspin = flies.spin(np.full(len(flies), ONE_SPIN), none)
+    backspin = flies.spin(np.full(len(flies), ONE_SPIN), np.zeros(len(flies)))
+    by_angle = regression_spin(flies, side_spin=False)
     return {
         "no air": predict(flies, MODELS["vacuum"]),
         "the paper": predict(flies, MODELS["paper"]),
         "best constants": predict(flies, MODELS["constants"]),
         "Giordano and Nakanishi": predict(flies, MODELS["giordano"]),
         "Nathan, 2,000 rpm of backspin for all": predict(flies, NATHAN, backspin),
-        "Nathan, backspin by the angle": predict(
-            flies, NATHAN, regression_spin(flies, side_spin=False)
-        ),
+        "Nathan, backspin by the angle": predict(flies, NATHAN, by_angle),
         "Nathan, backspin and side spin": predict(flies, NATHAN),
         LAUNCHED: predict(launch, NATHAN),
         "drag crisis fitted to the day": predict(flies, MODELS["crisis"]),
@@ -202,87 +196,23 @@ def scatter(flies: MeasuredFlies) -> tuple[float, float]:
     return found[0], found[1]
 
 
-def drawn_correlation(flies: MeasuredFlies, which: Booleans) -> float:
-    """Return the correlation of the distance and of where the drawing has the fielder."""
-    raw = pd.read_csv(EXAMPLE).iloc[flies.rows[which] - 1]
-    drawn = np.hypot(raw["hc_x"] - 125.42, 198.27 - raw["hc_y"])
-    return float(np.corrcoef(flies.measured[which, 0], drawn)[0, 1])
-
-
 def mean_rate(spin: Array) -> float:
     """Return the mean size of spins, rpm."""
     return float(np.linalg.norm(spin, axis=1).mean() / RPM)
 
 
-def turned(launch: MeasuredFlies, flies: MeasuredFlies) -> float:
-    """Return how far balls turn from their launch, on the average of sizes, degrees."""
-    return float(np.degrees(np.abs(launch.bearing - flies.bearing)).mean())
+def rms(x: Array, axis: int = -1) -> Array:
+    """Return the root mean square."""
+    return np.asarray(np.sqrt(np.mean(x**2, axis=axis)))
 
 
-def fly_table(predictions: Mapping[str, Prediction]) -> pd.DataFrame:
-    """Return bias and RMS of the distance by model, with an interval of the RMS."""
-
-    def rms(x: Array, axis: int = -1) -> Array:
-        return np.asarray(np.sqrt(np.mean(x**2, axis=axis)))
-
-    rows = []
-    for name, prediction in predictions.items():
-        off = prediction.error[prediction.solved, 0] / FOOT
-        interval = bootstrap(
-            (off,), rms, n_resamples=REPLICATES, method="percentile", rng=SEED
-        ).confidence_interval
-        rows.append(
-            {
-                "model": name,
-                "bias, ft": f"{off.mean():+.1f}",
-                "RMS, ft": f"{rms(off):.1f}",
-                "95 % of it": f"{interval.low:.1f} to {interval.high:.1f}",
-                "RMS, m": f"{rms(off) * FOOT:.2f}",
-            }
-        )
-    return pd.DataFrame(rows)
+def rms_interval(off: Array) -> Any:
+    """Return the 95 % interval of an RMS by a bootstrap."""
+    drawn = bootstrap((off,), rms, n_resamples=REPLICATES, method="percentile", rng=SEED)
+    return drawn.confidence_interval
 
 
-def angle_table(flies: MeasuredFlies, predictions: Mapping[str, Prediction]) -> pd.DataFrame:
-    """Return the bias by the angle of launch."""
-    chosen = {name: predictions[name] for name in COMPARED}
-    rows = []
-    for low, high, which in bands(np.degrees(flies.angle), ANGLES):
-        rows.append(
-            {"angle": f"{low}° to {high}°", "n": int(which.sum())}
-            | {
-                f"{name}: bias, ft": f"{x.error[which, 0].mean() / FOOT:+.1f}"
-                for name, x in chosen.items()
-            }
-        )
-    return pd.DataFrame(rows)
-
-
-def event_table(prediction: Prediction, events: NDArray[Any]) -> pd.DataFrame:
-    """Return bias and RMS by what came of the ball."""
-    groups = {
-        "caught or dropped": CAUGHT,
-        "single": ("single",),
-        "double or triple": ("double", "triple"),
-        "home run": ("home_run",),
-    }
-    rows = []
-    for name, kinds in groups.items():
-        off = prediction.error[np.isin(events, kinds), 0] / FOOT
-        rms = np.sqrt(np.mean(off**2))
-        rows.append(
-            {"ball": name, "n": len(off), "bias, ft": f"{off.mean():+.1f}", "RMS, ft": f"{rms:.1f}"}
-        )
-    return pd.DataFrame(rows)
-
-
-FLIES_CAPTION = (
-    "Predicted minus measured distance by the angle of launch, a point for each ball, and the mean "
-    "of each group of angles."
-)
-
-
-def draw_flies(report: Path, flies: MeasuredFlies, predictions: Mapping[str, Prediction]) -> None:
+def draw_flies(report: Path, flies: MeasuredFlies, predictions: dict[str, Prediction]) -> None:
     """Draw the errors of three models by the angle of launch."""
     with figure(report, "reality_flies", columns=3, size=(9.0, 3.4)) as axes:
         for name, one in zip(COMPARED, axes, strict=True):
@@ -303,13 +233,11 @@ FLOOR = "each pitch's own constant C_D, C_L and axis"
 def pitch_predictions(pitches: MeasuredPitches) -> dict[str, Prediction]:
     """Return what each model says of the pitches, with nothing fitted to other pitches."""
     whole = pitches.spin(np.ones(len(pitches)))
-    paper = MODELS["paper"]
+    across = replace(MODELS["paper"], spin=True)
     return {
         "no air": predict(pitches, MODELS["vacuum"]),
-        "the paper": predict(pitches, paper),
-        "the paper, its lift across the measured axis": predict(
-            pitches, replace(paper, spin=True), whole
-        ),
+        "the paper": predict(pitches, MODELS["paper"]),
+        "the paper, its lift across the measured axis": predict(pitches, across, whole),
         "Nathan, all of the spin active": predict(pitches, NATHAN, whole),
         FLOOR: own_constants(pitches),
     }
@@ -344,11 +272,8 @@ def held_out_shares(
 ) -> tuple[dict[str, float], Prediction, dict[str, tuple[float, float]]]:
     """Fit the active share of each type of pitch, and predict games that it was not fitted to.
 
-    Returns
-    -------
-    tuple
-        The share of each type that fits all games best; the prediction of each game with the
-        shares that fit the other ones best; and the range of those shares.
+    Returns the share of each type that fits all games best; the prediction of each game with the
+    shares that fit the other ones best; and the range of those shares.
     """
     tried = [
         predict(pitches, NATHAN, pitches.spin(np.full(len(pitches), share))).predicted
@@ -371,52 +296,3 @@ def held_out_shares(
             found[which] = predicted[best, which]
         spread[str(kind)] = float(SHARES[min(fitted)]), float(SHARES[max(fitted)])
     return shares, Prediction(pitches, found, {}, 0), spread
-
-
-def pitch_table(predictions: Mapping[str, Prediction]) -> pd.DataFrame:
-    """Return bias and RMS at the plate by model."""
-    rows = []
-    for name, prediction in predictions.items():
-        every = summaries(prediction)[-1]
-        rows.append(
-            {
-                "model": name,
-                "n": every.count,
-                "to the right, in": f"{-every.bias[0] / INCH:+.2f}",
-                "up, in": f"{every.bias[1] / INCH:+.2f}",
-                "RMS, in": f"{every.rms / INCH:.2f}",
-                "RMS, cm": f"{100 * every.rms:.2f}",
-            }
-        )
-    return pd.DataFrame(rows)
-
-
-def type_table(
-    pitches: MeasuredPitches,
-    prediction: Prediction,
-    shares: Mapping[str, float],
-    spread: Mapping[str, tuple[float, float]],
-) -> pd.DataFrame:
-    """Return the active share by type of pitch, and how well games held out are predicted."""
-    rows = []
-    for each in summaries(prediction)[:-1]:
-        low, high = spread[each.group]
-        rows.append(
-            {
-                "type": each.group,
-                "n": each.count,
-                "games": len(np.unique(pitches.games[pitches.labels == each.group])),
-                "active share": f"{shares[each.group]:.3f}",
-                "one game left out": f"{low:.3f} to {high:.3f}",
-                "to the right, in": f"{-each.bias[0] / INCH:+.2f}",
-                "up, in": f"{each.bias[1] / INCH:+.2f}",
-                "RMS, in": f"{each.rms / INCH:.2f}",
-            }
-        )
-    return pd.DataFrame(rows)
-
-
-PITCHES_CAPTION = (
-    "Predicted minus measured place at the plate, games held out, as a catcher sees it: every "
-    "pitch, and the mean of each type with a standard deviation either way."
-)

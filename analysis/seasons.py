@@ -3,23 +3,24 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
 from scipy.optimize import brentq
 from scipy.stats import norm
 
-from analysis.paper.printed import CARRIES, PAIRS, SEASONS, Season
+from analysis.paper.printed import CARRIES, PAIRS, Season
 from analysis.reality import NATHAN, landings, launched, measured_flies, measured_pitches
-from analysis.writing import figure, render, shown, table
+from analysis.writing import figure, render
+from longball import home_run
 from longball.engines import create
 from longball.engines.chain import solve_with_restitutions
-from longball.home_run import PAPER_CURVES, Integral, draw, integrals, paper_at_bats, scenes
+from longball.home_run import PAPER_CURVES
 from longball.model.readings import Reading, SamplingReading
 from longball.model.scene import AtBatScene
 from longball.pitches import EXAMPLE
@@ -35,9 +36,8 @@ FENCE = ((-45, 330), (-30, 365), (-15, 392), (0, 402), (15, 392), (30, 365), (45
 FENCE_HEIGHT = 8.0 * FOOT
 
 # Table I: the livelier ball and the duller one of each pair, the recent pair first.
-_OF = {season.year: season for season in SEASONS}
-SEASON_PAIRS = tuple((_OF[lively], _OF[dull]) for lively, dull in reversed(PAIRS))
-DULL = SEASON_PAIRS[0][1]
+SEASON_PAIRS = PAIRS[::-1]
+LIVELY, DULL = SEASON_PAIRS[0]
 E_LOW = DULL.restitution
 
 GAMES = 864  # of a season in Japan, 2010 to 2013: 12 teams of 144 games
@@ -47,21 +47,11 @@ STEP = 2e-3  # of e, over which home runs are differentiated: they are smooth ov
 
 @dataclass(frozen=True)
 class Hits:
-    """Measured flies with what a livelier ball would do to them.
+    """Measured flies with what a livelier ball would do to them."""
 
-    Attributes
-    ----------
-    flies
-        As they were hit.
-    pitch
-        Velocity of the pitch at the plate, m/s, shape (n, 3).
-    home_run
-        Whether it was one.
-    """
-
-    flies: MeasuredFlies
-    pitch: Array
-    home_run: Booleans
+    flies: MeasuredFlies  # as they were hit
+    pitch: Array  # velocity at the plate, m/s, shape (n, 3)
+    home_run: Booleans  # whether it was one
 
     def per_restitution(self, e: float) -> Array:
         """Return dV/de of the velocity off the bat, m/s, shape (n, 3).
@@ -82,13 +72,9 @@ class Hits:
 
     def _with(self, velocity: Array) -> Hits:
         speed = np.linalg.norm(velocity, axis=1)
-        flies = replace(
-            self.flies,
-            speed=speed,
-            angle=np.arcsin(velocity[:, 2] / speed),
-            bearing=np.arctan2(-velocity[:, 1], velocity[:, 0]),
-        )
-        return replace(self, flies=flies)
+        angle = np.arcsin(velocity[:, 2] / speed)
+        bearing = np.arctan2(-velocity[:, 1], velocity[:, 0])
+        return replace(self, flies=replace(self.flies, speed=speed, angle=angle, bearing=bearing))
 
 
 def measured_hits(change: Callable[[MeasuredFlies], MeasuredFlies] = lambda x: x) -> Hits:
@@ -104,34 +90,17 @@ def measured_hits(change: Callable[[MeasuredFlies], MeasuredFlies] = lambda x: x
 
 @dataclass(frozen=True)
 class Variant:
-    """A way to carry hits to the fence.
-
-    Attributes
-    ----------
-    name
-        As the report has it.
-    hits
-        As they are struck by the duller ball.
-    model
-        Of flight.
-    scatter
-        m, standard deviation of where a ball comes down about where it is expected.
-    fence
-        By how much the fence is moved out, m.
-    by_place
-        Whether a ball passes the fence at the bearing where it is expected to come down, and not
-        at that of its launch.
-    restitution
-        e of the duller ball.
-    """
+    """A way to carry hits to the fence."""
 
     name: str
-    hits: Hits
+    hits: Hits  # as they are struck by the duller ball
     model: FlightModel
-    scatter: float
-    fence: float = 0.0
+    scatter: float  # m, standard deviation of a ball's place of landing about the expected one
+    fence: float = 0.0  # m, by which it is moved out
+    # Whether a ball passes the fence at the bearing where it is expected to come down, and not at
+    # that of its launch.
     by_place: bool = False
-    restitution: float = E_LOW
+    restitution: float = E_LOW  # of the duller ball
 
     def margins(self, hits: Hits) -> Array:
         """Return how much further than needed each ball carries, m, before the fence is moved.
@@ -172,17 +141,8 @@ def fence_distance(bearing: Array) -> Array:
     return distance
 
 
-@dataclass(frozen=True)
-class Estimate:
-    """A number, and what it could as well have been.
-
-    Attributes
-    ----------
-    value
-        The number.
-    draws
-        It again, from resampled games, or from counts drawn anew.
-    """
+class Estimate(NamedTuple):
+    """A number; and it again, from resampled games, or from counts drawn anew."""
 
     value: float
     draws: Array
@@ -226,20 +186,20 @@ def restitution_slope(variant: Variant) -> tuple[float, Estimate]:
     return float((below + above).sum() / 2.0), slope(variant, STEP, below, above)
 
 
-def speed_slope(variant: Variant) -> Estimate:
+def speed_slope(variant: Variant) -> float:
     """Return d ln(home runs) by the speed off the bat of all balls, s/m."""
-    return slope(variant, 0.1, *(variant.chances(variant.hits.harder(x)) for x in (-0.1, 0.1)))
+    around = (variant.chances(variant.hits.harder(x)) for x in (-0.1, 0.1))
+    return slope(variant, 0.1, *around).value
 
 
-def drag_slope(variant: Variant) -> Estimate:
+def drag_slope(variant: Variant) -> float:
     """Return d ln(home runs) by the part of C_D that depends on nothing."""
     drag = variant.model.drag
     assert isinstance(drag, Mapping)
-    others = (
-        replace(variant, model=replace(variant.model, drag={**drag, "constant": c}))
-        for c in (drag["constant"] - 0.002, drag["constant"] + 0.002)
-    )
-    return slope(variant, 0.002, *(other.chances(variant.hits) for other in others))
+    constants = (drag["constant"] - 0.002, drag["constant"] + 0.002)
+    models = [replace(variant.model, drag={**drag, "constant": c}) for c in constants]
+    around = (replace(variant, model=model).chances(variant.hits) for model in models)
+    return slope(variant, 0.002, *around).value
 
 
 def season_ratios(variant: Variant, changes: Sequence[float]) -> list[Estimate]:
@@ -289,45 +249,26 @@ def run(report: Path, full: bool) -> str:
     variants = [plain, fitted, *(with_fence_for(x, day) for x in others), further, slower]
     slopes = {variant.name: restitution_slope(variant) for variant in variants}
     changes = [lively.restitution - E_LOW for lively, _ in SEASON_PAIRS]
-    ratios = {
-        variant.name: season_ratios(variant, changes) for variant in (fitted, further, slower)
-    }
+    ratios = {x.name: season_ratios(x, changes) for x in (fitted, further, slower)}
     counted = [counted_ratio(*pair) for pair in SEASON_PAIRS]
     seen, expected = counted[0], ratios[slower.name][0]
-    by_speed, by_drag = speed_slope(slower), drag_slope(slower)
+    by_speed, slope = speed_slope(slower) * MPH, slopes[slower.name][1]
     per_e = float(np.linalg.norm(hits.per_restitution(E_LOW)[hits.home_run], axis=1).mean())
     gap = math.log(seen.value / expected.value)
     draw_ratios(report, counted, ratios[slower.name])
     return render(
-        report,
-        "seasons",
-        n=len(hits.flies),
-        day=day,
-        games=games,
-        per_game=DULL.home_runs / GAMES,
-        scatter=scatter,
-        fence_moved=fitted.fence,
-        slower_by=-change / MPH,
-        proportional=proportionality(),
-        per_e=per_e,
-        speed_gain=changes[0] * per_e,
-        carry=carry_slope(plain),
-        carries=", ".join(f"{x.slope:.0f} ± {x.slope_error:.0f} m ({x.who})" for x in CARRIES),
-        slopes=table(report, "seasons_slopes", slope_table(slopes, counted)),
-        ratios=table(report, "seasons_ratios", ratio_table(counted, ratios)),
-        figure=shown("seasons", CAPTION),
-        slope=slopes[slower.name][1],
+        report, "seasons", globals(), n=len(hits.flies), day=day, games=games, scatter=scatter,
+        fence_moved=fitted.fence, slower_by=-change / MPH, proportional=proportionality(),
+        per_e=per_e, speed_gain=changes[0] * per_e, carry=carry_slope(plain), carries=CARRIES,
+        slopes=list(slope_rows(slopes, counted)),
+        ratios=ratios, counted_ratios=counted, counted=seen, expected=expected, slope=slope,
         counted_slope=math.log(seen.value) / changes[0],
-        counted=seen,
-        expected=expected,
         paper=PAPER_CURVES["caption"](E_LOW + changes[0]) / PAPER_CURVES["caption"](E_LOW),
         explained=expected.map(lambda x, y: np.log(x) / np.log(y), seen),
-        by_speed=by_speed.value * MPH,
-        rest_speed=gap / (by_speed.value * MPH),
-        rest_drag=-gap / by_drag.value,
-        rest_e=math.log(seen.value) / slopes[slower.name][1].value,
+        by_speed=by_speed, rest_speed=gap / by_speed, rest_drag=-gap / drag_slope(slower),
+        rest_e=math.log(seen.value) / slope.value,
         rounding=math.log(expected.value) * 0.001 / changes[0],
-    )
+    )  # fmt: skip
 
 
 def counted_ratio(lively: Season, dull: Season) -> Estimate:
@@ -351,9 +292,10 @@ def proportionality() -> float:
 
     The largest difference over sampled at-bats and all readings of the collision.
     """
-    worst, at_bats = 0.0, draw(paper_at_bats(SamplingReading()), AT_BATS, SEED)
+    worst, base = 0.0, AtBatScene(id="base")
+    at_bats = home_run.draw(home_run.paper_at_bats(SamplingReading()), AT_BATS, SEED)
     for reading in COLLISIONS:
-        for scene in scenes(AtBatScene(id="base", reading=reading), at_bats):
+        for scene in home_run.scenes(base.model_copy(update={"reading": reading}), at_bats):
             assert scene is not None  # every speed is positive under this reading of Table II
             low, high = solve_with_restitutions(scene, [E_LOW, 0.5], create("ivp"))
             if low.impact and high.impact:
@@ -372,107 +314,61 @@ def carry_slope(variant: Variant) -> float:
     return float((reach[1] - reach[0]).mean() / (2.0 * STEP))
 
 
-def slope_table(
+def slope_rows(
     slopes: Mapping[str, tuple[float, Estimate]], counted: Sequence[Estimate]
-) -> pd.DataFrame:
-    """Return d ln(home runs)/de by variant, of the paper's curves, and as counted."""
+) -> Iterator[tuple[str, str, float, Sequence[float]]]:
+    """Yield d ln(home runs)/de with its interval, and the name and the home runs.
 
-    def row(name: str, home_runs: str, value: float, interval: Sequence[float] = ()) -> list[str]:
-        return [name, home_runs, f"{value:.1f}", " to ".join(f"{x:.1f}" for x in interval)]
-
-    rows = []
+    By variant, of the paper's curves, and as counted.
+    """
     for name, (expected, slope) in slopes.items():
-        rows.append(row(name, f"{expected:.1f}", slope.value, slope.interval))
-    rows += [row(name, "", value) for name, value in paper_slopes().items()]
-    for (lively, dull), ratio in zip(SEASON_PAIRS, counted, strict=True):
-        change = lively.restitution - dull.restitution
-        slope = ratio.map(lambda x, change=change: np.log(x) / change)
-        name = f"counted, {dull.year} and {lively.year}"
+        yield name, f"{expected:.1f}", slope.value, slope.interval
+    low, high = E_LOW, LIVELY.restitution
+    paper = {f"the paper's curve, its {name}": c(high) / c(low) for name, c in PAPER_CURVES.items()}
+    paper["the paper's model as we read it"] = model_ratios()[0]
+    for name, ratio in paper.items():
+        yield name, "", math.log(ratio) / (high - low), ()
+    for (lively, dull), seen in zip(SEASON_PAIRS, counted, strict=True):
         home_runs = f"{dull.home_runs:,} and {lively.home_runs:,}"
-        rows.append(row(name, home_runs, slope.value, slope.interval))
-    return pd.DataFrame(
-        rows, columns=["balls, fence and flight", "home runs", "d ln(home runs)/de", "95 %"]
-    )
-
-
-def paper_slopes() -> dict[str, float]:
-    """Return d ln P/de of the paper's curves and of its model, between the pair of seasons."""
-    low, high = DULL.restitution, SEASON_PAIRS[0][0].restitution
-    found = {
-        f"the paper's curve, its {name}": math.log(curve(high) / curve(low)) / (high - low)
-        for name, curve in PAPER_CURVES.items()
-    }
-    p = [row.p for row in paper_integrals()]
-    found["the paper's model as we read it"] = math.log(p[1] / p[0]) / (high - low)
-    return found
+        change = lively.restitution - dull.restitution
+        slope = seen.map(lambda x, change=change: np.log(x) / change)
+        yield f"counted, {dull.year} and {lively.year}", home_runs, slope.value, slope.interval
 
 
 @cache
-def paper_integrals() -> Sequence[Integral]:
-    """Return P(e) of the default reading at the restitutions of Table I that pairs share."""
-    low, high = DULL.restitution, SEASON_PAIRS[0][0].restitution
-    at_bats = paper_at_bats(SamplingReading())
-    return integrals(AtBatScene(id="base"), at_bats, [low, high, SEASON_PAIRS[1][0].restitution])
+def model_ratios() -> list[float]:
+    """Return what the paper's model, in the default reading, makes of each pair of seasons."""
+    at_bats = home_run.paper_at_bats(SamplingReading())
+    restitutions = [E_LOW, *(lively.restitution for lively, _ in SEASON_PAIRS)]
+    dull, *lively = home_run.integrals(AtBatScene(id="base"), at_bats, restitutions)
+    return [row.p / dull.p for row in lively]
 
 
-def ratio_table(
-    counted: Sequence[Estimate], ratios: Mapping[str, Sequence[Estimate]]
-) -> pd.DataFrame:
-    """Return the ratios of the seasons: counted, the paper's, and expected of measured balls."""
-    p = [row.p for row in paper_integrals()]
-    rows = []
-    for i, (lively, dull) in enumerate(SEASON_PAIRS):
-        curves = {
-            f"paper's {name}": f"{curve(lively.restitution) / curve(dull.restitution):.3f}"
-            for name, curve in PAPER_CURVES.items()
-        }
-        expected = {name: f"{each[i]:.2f}" for name, each in ratios.items()}
-        rows.append(
-            {
-                "seasons": f"{dull.year} to {lively.year}",
-                "e": f"{dull.restitution:.3f} to {lively.restitution:.3f}",
-                "counted": f"{counted[i]:.2f}",
-            }
-            | curves
-            | {"paper's model": f"{p[i + 1] / p[0]:.3f}"}
-            | expected
-        )
-    return pd.DataFrame(rows)
-
-
-CAPTION = (
-    "Home runs of a season with the livelier ball by those with the duller one: counted, and what "
-    "the restitution alone makes of measured balls, of the paper's curve and of its model."
-)
+def curve_ratio(name: str, pair: tuple[Season, Season]) -> float:
+    """Return what one of the paper's curves makes of a pair of seasons."""
+    lively, dull = (PAPER_CURVES[name](season.restitution) for season in pair)
+    return lively / dull
 
 
 def draw_ratios(report: Path, counted: Sequence[Estimate], expected: Sequence[Estimate]) -> None:
     """Draw the ratios of both pairs of seasons."""
-    p = [row.p for row in paper_integrals()]
     with figure(report, "seasons", size=(6.4, 3.2)) as (axes,):
-        for i, (lively, dull) in enumerate(SEASON_PAIRS):
-            for j, (slope, marker, label) in enumerate(
-                (
-                    (counted[i], "ks", "counted"),
-                    (expected[i], "C0o", "measured balls, e alone"),
-                )
+        rows = zip(SEASON_PAIRS, counted, expected, model_ratios(), strict=True)
+        for i, (pair, seen, alone, model) in enumerate(rows):
+            for estimate, y, marker, label in (
+                (seen, i + 0.075, "ks", "counted"),
+                (alone, i - 0.075, "C0o", "measured balls, e alone"),
             ):
-                axes.errorbar(
-                    slope.value, i + 0.15 * (0.5 - j),
-                    xerr=np.abs(np.array([slope.interval]).T - slope.value),
-                    fmt=marker, capsize=3, label=label if i == 0 else None,
-                )  # fmt: skip
-            curve = PAPER_CURVES["caption"]
+                bars = np.abs(np.array([estimate.interval]).T - estimate.value)
+                style: Any = {"fmt": marker, "capsize": 3, "label": label if i == 0 else None}
+                axes.errorbar(estimate.value, y, xerr=bars, **style)
             for value, marker, label in (
-                (curve(lively.restitution) / curve(dull.restitution), "C1^", "the paper's curve"),
-                (p[i + 1] / p[0], "C2v", "the paper's model, as we read it"),
+                (curve_ratio("caption", pair), "C1^", "the paper's curve"),
+                (model, "C2v", "the paper's model, as we read it"),
             ):
                 axes.plot(value, i - 0.2, marker, label=label if i == 0 else None)
         axes.axvline(1.0, color="black", linewidth=0.8)
-        axes.set(
-            yticks=range(len(SEASON_PAIRS)),
-            yticklabels=[f"{dull.year} to {lively.year}" for lively, dull in SEASON_PAIRS],
-            ylim=(-0.6, len(SEASON_PAIRS) - 0.4),
-            xlabel="ratio of home runs",
-        )
+        years = [f"{dull.year} to {lively.year}" for lively, dull in SEASON_PAIRS]
+        axes.set_yticks(range(len(years)), years)
+        axes.set(ylim=(-0.6, len(years) - 0.4), xlabel="ratio of home runs")
         axes.legend(fontsize="small", loc="upper center", ncols=2, bbox_to_anchor=(0.5, 1.25))

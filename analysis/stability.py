@@ -4,18 +4,16 @@ from __future__ import annotations
 
 import math
 import time
-from dataclasses import dataclass
 from decimal import Decimal
 from itertools import groupby
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
-import numpy as np
 import pandas as pd
 from joblib import Parallel, delayed
 from matplotlib.colors import ListedColormap
 
-from analysis.writing import figure, render, table
+from analysis.writing import figure, render, write_table
 from longball import engines
 from longball.engines.chain import solve
 from longball.engines.engine import CannotSolve
@@ -42,8 +40,7 @@ ALLOWED = 100.0
 MOST_DIGITS = 30.0  # of the golden values
 
 
-@dataclass(frozen=True)
-class Trial:
+class Trial(NamedTuple):
     """One engine on one case: digits right (NaN if it gave no number), and how long it took."""
 
     case: str
@@ -59,24 +56,18 @@ def run(report: Path, full: bool) -> str:
     """Solve the golden set's hard family by every engine; `full` adds all other families."""
     cases = load() if full else load("hard")
     tasks = (delayed(try_case)(case, name) for name in ENGINES for case in cases)
-    trials: list[Trial] = list(Parallel(n_jobs=-1, batch_size=16)(tasks))
-    frame = pd.DataFrame([trial.__dict__ for trial in trials])
-    rounded = frame.assign(
-        digits=frame["digits"].round(1),
-        attainable=frame["attainable"].round(1),
-        seconds=[float(f"{s:.2g}") for s in frame["seconds"]],
-    )
-    table(report, "stability", rounded)
+    frame = pd.DataFrame(Parallel(n_jobs=-1, batch_size=16)(tasks), columns=Trial._fields)
+    rounded = frame.round({"digits": 1, "attainable": 1})
+    rounded["seconds"] = [float(f"{s:.2g}") for s in frame["seconds"]]
+    write_table(report, "stability", rounded)
     draw(report, frame)
+    # What the engines of doubles that aim at the truth fall short of.
+    fallen = frame[frame["verdict"].isin(["short", "wrong"])]
+    failures = pd.concat([fallen[fallen["engine"] == name] for name in ("ivp Taylor", "batch")])
     return render(
-        report,
-        "stability",
-        cases=len(cases),
-        allowed=ALLOWED,
-        verdicts=VERDICTS,
-        engines=[summary(name, frame[frame["engine"] == name]) for name in ENGINES],
-        failures=failures(frame),
-    )
+        report, "stability", globals(), cases=len(cases), failures=list(failures.itertuples()),
+        engines=frame.groupby("engine", sort=False),
+    )  # fmt: skip
 
 
 def try_case(case: Case, name: str) -> Trial:
@@ -122,45 +113,16 @@ def digits_of(relative_error: float) -> float:
     return max(0.0, -math.log10(relative_error))
 
 
-def summary(name: str, trials: pd.DataFrame) -> dict[str, Any]:
-    """Return how many of each verdict an engine has, and its times."""
-    return {
-        "name": name,
-        "counts": [int((trials["verdict"] == verdict).sum()) for verdict in VERDICTS],
-        "median": trials["seconds"].median(),
-        "longest": trials["seconds"].max(),
-    }
-
-
-def failures(frame: pd.DataFrame) -> list[list[str]]:
-    """Return what the engines of doubles that aim at the truth fall short of, case by case."""
-    rows: list[list[str]] = []
-    columns = ["case", "verdict", "digits", "attainable", "answer"]
-    for name in ("ivp Taylor", "batch"):
-        of = frame[(frame["engine"] == name) & frame["verdict"].isin(["short", "wrong"])]
-        rows += [
-            [name, case, verdict, *(f"{x:.1f}".replace("nan", "") for x in digits), answer]
-            for case, verdict, *digits, answer in of[columns].to_numpy().tolist()
-        ]
-    return rows
-
-
 def draw(report: Path, frame: pd.DataFrame) -> None:
     """Draw the verdicts, cases across and engines down; darker is worse."""
-    cases = list(dict.fromkeys(frame["case"]))
-    place = {case: i for i, case in enumerate(cases)}
-    grid = np.zeros((len(ENGINES), len(cases)))
-    for trial in frame.itertuples():
-        row = list(ENGINES).index(str(trial.engine))
-        grid[row, place[str(trial.case)]] = VERDICTS.index(str(trial.verdict))
+    cases = list(frame["case"].unique())
+    grid = frame["verdict"].map(VERDICTS.index).to_numpy().reshape(len(ENGINES), len(cases))
     shades = ListedColormap(["0.95", "0.7", "0.4", "black"])
     with figure(report, "stability", size=(9.0, 4.6)) as (axes,):
-        image = axes.imshow(
-            grid, aspect="auto", interpolation="nearest", cmap=shades, vmin=-0.5, vmax=3.5
-        )
+        style: dict[str, Any] = {"aspect": "auto", "interpolation": "nearest", "cmap": shades}
+        image = axes.imshow(grid, **style, vmin=-0.5, vmax=3.5)
         axes.set_yticks(range(len(ENGINES)), list(ENGINES))
-        start = -0.5
-        ticks = {}
+        start, ticks = -0.5, {}
         for group, members in groupby(cases, key=lambda case: "-".join(case.split("-")[:2])):
             edge = start + len(list(members))
             axes.axvline(edge, color="0.8", linewidth=0.4)

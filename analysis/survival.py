@@ -23,7 +23,7 @@ from pydantic import ValidationError
 
 from analysis.random_scenes import FAMILIES, random_scene
 from analysis.stability import ALLOWED, exactly
-from analysis.writing import render, table
+from analysis.writing import render, write_table
 from longball.engines import create
 from longball.engines.chain import solve
 from longball.golden.case import ROUNDING, vector_of
@@ -48,12 +48,8 @@ _ROUNDINGS = 4
 # Two engines agree on a number to so many roundings of its vector's length: 1e-11 of it.
 _AGREE = 100_000
 
-# The last three are faults.
-VERDICTS = (
-    *("right", "agree", "declined", "not compared"),
-    *("wrong outcome", "number off", "exception"),
-)
-FAULTS = VERDICTS[4:]
+FAULTS = ("wrong outcome", "number off", "exception")
+VERDICTS = ("right", "agree", "declined", "not compared", *FAULTS)
 
 
 def run(report: Path, full: bool) -> str:
@@ -62,29 +58,11 @@ def run(report: Path, full: bool) -> str:
     blocks = Parallel(n_jobs=-1)(delayed(survive)(n, stride) for n in range(count // BLOCK))
     seen = pd.DataFrame([row for block in blocks for row in block])
     counts = seen.groupby(["engine", "family", "answer"]).size().unstack("family", fill_value=0)
-    table(report, "survival", counts.reset_index())
+    write_table(report, "survival", counts.reset_index())
     return render(
-        report,
-        "survival",
-        count=count,
-        seed=SEED,
-        stride=stride,
-        digits=DIGITS,
-        allowed=ALLOWED,
-        verdicts=VERDICTS,
-        engines=[
-            {
-                "name": engine,
-                "counts": [(of["verdict"] == verdict).sum() for verdict in VERDICTS],
-                "median": of["seconds"].median(),
-                "most": of["seconds"].quantile(0.99),
-                "longest": of["seconds"].max(),
-            }
-            for engine, of in seen.groupby("engine")
-        ],
-        faults=list(seen[seen["verdict"].isin(FAULTS)].itertuples()),
-        full=full,
-    )
+        report, "survival", globals(), count=count, stride=stride, full=full,
+        engines=seen.groupby("engine"), faults=seen[seen["verdict"].isin(FAULTS)],
+    )  # fmt: skip
 
 
 def survive(block: int, stride: int) -> list[dict[str, object]]:
@@ -175,7 +153,7 @@ def _least(scene: Scene, truth: Result, name: str) -> float:
         return _ROUNDINGS * ROUNDING * _start(scene)
     if name == "contact.margin" and isinstance(scene, AtBatScene) and truth.plate is not None:
         # A height less that of the bat, as `longball.engines.contact.margin_error` counts.
-        height = abs(float(exactly(truth.plate.position[2])))
+        height = abs(float(truth.plate.position[2]))
         return 8 * ROUNDING * (height + abs(scene.swing.height_offset))
     return 0.0
 
@@ -209,7 +187,7 @@ def moved_errors(scene: Scene, truth: Result) -> dict[str, float] | None:
     sizes = {name: abs(x) for name, x in values.items()}
     if isinstance(scene, AtBatScene) and truth.plate is not None:
         # A double holds z_b, and the way of the ball, no better, however small the offset is.
-        height = abs(float(exactly(truth.plate.position[2])))
+        height = abs(float(truth.plate.position[2]))
         sizes["swing.height_offset"] += max(height, _start(scene))
     moved: dict[str, float] = defaultdict(float)
     for name, move in sizes.items():

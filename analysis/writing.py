@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+import re
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -101,12 +102,13 @@ def figure(
     plt.close(drawn)
 
 
-def render(report: Path, name: str, **values: object) -> str:
+def render(report: Path, name: str, study: Mapping[str, object], **values: object) -> str:
     """Return the Markdown of analysis/templates/NAME.md, a Jinja template, with values put in.
 
-    A template has, besides Jinja's own: the filter ``f``, which formats as the function `format`
-    does, ``{{ rms | f(".1f") }}``; ``shown(figure, caption)``; and ``{% call table(name) %}``
-    around a Markdown table, whose rows become report/tables/NAME.csv, too.
+    A template sees these values, and what the study's module defines, its ``globals()``; besides
+    Jinja's own, it has the filter ``f``, which formats as the function `format` does,
+    ``{{ rms | f(".1f") }}``; ``shown(figure, caption)``; and ``{% call table(name) %}`` around a
+    Markdown table, whose rows become report/tables/NAME.csv, too.
 
     Raises
     ------
@@ -117,40 +119,28 @@ def render(report: Path, name: str, **values: object) -> str:
     def table(name: str, caller: Callable[[], str]) -> str:
         markdown = caller()
         header, _, *rows = (_cells(line) for line in markdown.strip().splitlines())
-        _write_table(report, name, pd.DataFrame(rows, columns=header))
+        write_table(report, name, pd.DataFrame(rows, columns=header))
         return markdown
 
-    return _TEMPLATES.get_template(f"{name}.md").render(**values, table=table)
+    return _TEMPLATES.get_template(f"{name}.md").render(**{**study, **values, "table": table})
 
 
 def _cells(line: str) -> list[str]:
-    return [cell.strip() for cell in line.strip().removeprefix("|").removesuffix("|").split("|")]
+    """Return the cells of a line of a Markdown table; a bar in a cell is escaped."""
+    cells = re.split(r"(?<!\\)\|", line.strip())[1:-1]
+    return [cell.strip().replace("\\|", "|") for cell in cells]
 
 
-def shown(name: str, caption: str) -> str:
-    """Return the Markdown that shows a figure of the report."""
-    return f"![{caption}](figures/{name}.png)\n\n*{caption}*\n"
-
-
-def table(report: Path, name: str, frame: pd.DataFrame) -> str:
-    """Write report/tables/NAME.csv and return the same rows as Markdown."""
-    _write_table(report, name, frame)
-    return markdown_table(list(frame.columns), frame.to_numpy().tolist())
-
-
-def _write_table(report: Path, name: str, frame: pd.DataFrame) -> None:
+def write_table(report: Path, name: str, frame: pd.DataFrame) -> None:
+    """Write report/tables/NAME.csv."""
     path = report / "tables" / f"{name}.csv"
     path.parent.mkdir(parents=True, exist_ok=True)
     frame.to_csv(path, index=False, lineterminator="\n")
 
 
-def markdown_table(header: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
-    """Return rows as a Markdown table; a bar in a cell is escaped."""
-
-    def line(cells: Sequence[object]) -> str:
-        return "| " + " | ".join(str(cell).replace("|", "\\|") for cell in cells) + " |"
-
-    return "\n".join([line(header), line(["---"] * len(header)), *map(line, rows)]) + "\n"
+def _shown(name: str, caption: str) -> str:
+    """Return the Markdown that shows a figure of the report."""
+    return f"![{caption}](figures/{name}.png)\n\n*{caption}*\n"
 
 
 _TEMPLATES = jinja2.Environment(
@@ -162,4 +152,4 @@ _TEMPLATES = jinja2.Environment(
     autoescape=False,
 )
 _TEMPLATES.filters["f"] = format
-_TEMPLATES.globals["shown"] = shown
+_TEMPLATES.globals["shown"] = _shown

@@ -10,16 +10,10 @@ from __future__ import annotations
 from pathlib import Path
 
 from analysis.convergence import budget, flights, science, tunnelling
-
-HEAD = """## The paper's scheme, and what its time step does
-
-Velocity Verlet as the paper prints it (`longball solve --engine verlet`), in every reading of
-what it leaves open. Flights are held against 20 proven digits, at-bats against the reference
-engine.
-"""
+from analysis.writing import render
 
 
 def run(report: Path, full: bool) -> str:
     """Run the four studies."""
-    studies = (flights, budget, tunnelling, science)
-    return "\n".join([HEAD, *(study.run(report, full) for study in studies)])
+    studies = [study.run(report, full) for study in (flights, budget, tunnelling, science)]
+    return render(report, "convergence", {}, studies=studies)

@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import Any, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis import Array
 from analysis.convergence.pieces import TRUTH, batted, each, golden, passing
 from analysis.writing import STYLES, figure, render
 from longball.convergence.order import PowerLaw, fit_power_law, typical
@@ -31,8 +31,6 @@ from longball.model.law import Law, State
 from longball.model.numbers import DOUBLES, Vector
 from longball.model.readings import VerletForces
 from longball.model.scene import AtBatScene
-
-Array = NDArray[np.float64]
 
 SCENES, FULL_SCENES = 8, 60
 PHASES, FULL_PHASES = 4, 16
@@ -60,6 +58,7 @@ IN_THEORY = {
 # --- engines that are the reference but for one part ----------------------------------------------
 
 Flown = Flight[float]
+Touched = Touch[float]
 Air = Law[float]
 Section = BatSection[float]
 Ground = Event[float]
@@ -70,9 +69,9 @@ LawOf = Callable[[Frame[float]], Air]
 class StruckAtOnce(Stepped[float]):
     """The whole impulse at once, where the ball is at `struck`."""
 
-    def struck(self, touch: Any) -> Touch[float]:
+    def struck(self, touch: Any) -> Touched:
         """Return when, and in what state, the ball goes on."""
-        exact: Touch[float] = touch
+        exact: Touched = touch
         return exact
 
     def rebound(
@@ -110,9 +109,7 @@ class Smooth(StruckAtOnce, Verlet):
         assert met is not None
         return met.event.name, met.time, met.state
 
-    def touch(
-        self, pitch: Flown, law: Air, bat: Section, events: Events, limit: float
-    ) -> Touch[float]:
+    def touch(self, pitch: Flown, law: Air, bat: Section, events: Events, limit: float) -> Touched:
         """Touch as the reference does, from a step that is surely before the bat."""
         near = pitch.path.at(0.0)
         early = pitch.time - 2 * bat.reach / pitch.state.u
@@ -140,9 +137,7 @@ class PlateOnTheLine(Ivp):
         share = (exact.state.s - before.s) / (after.s - before.s)
         return replace(exact, state=exact.state._replace(z=interpolate(before.z, after.z, share)))
 
-    def touch(
-        self, pitch: Flown, law: Air, bat: Section, events: Events, limit: float
-    ) -> Touch[float]:
+    def touch(self, pitch: Flown, law: Air, bat: Section, events: Events, limit: float) -> Touched:
         """Touch on the exact path a bat that is put on the chord."""
         exact = replace(pitch, state=pitch.path.at(pitch.time))
         return super().touch(exact, law, bat, events, limit)
@@ -169,9 +164,7 @@ class StraightToTheBat(StruckAtOnce, Ivp):
         """Return the true touching."""
         return cast(Touch[float], touch.exact)
 
-    def touch(
-        self, pitch: Flown, law: Air, bat: Section, events: Events, limit: float
-    ) -> Touch[float]:
+    def touch(self, pitch: Flown, law: Air, bat: Section, events: Events, limit: float) -> Touched:
         """Touch as Appendix B does; see `longball.engines.engine.Engine.touch`."""
         exact = super().touch(pitch, law, bat, events, limit)
         assert exact.time is not None
@@ -189,9 +182,7 @@ class HalfForce(Ivp, Stepped[float]):
 
     scheme: Verlet = field(default_factory=Verlet)
 
-    def touch(
-        self, pitch: Flown, law: Air, bat: Section, events: Events, limit: float
-    ) -> Touch[float]:
+    def touch(self, pitch: Flown, law: Air, bat: Section, events: Events, limit: float) -> Touched:
         """Touch exactly, and remember the step before."""
         exact = super().touch(pitch, law, bat, events, limit)
         assert exact.time is not None
@@ -210,18 +201,10 @@ class HalfForce(Ivp, Stepped[float]):
 
 @dataclass(frozen=True)
 class GroundBetweenSteps(Ivp):
-    """The landing from the steps around it, that are counted from the release; all else exact.
+    """The landing from the steps around it, that are counted from the release; all else exact."""
 
-    Attributes
-    ----------
-    scheme
-        The one whose rule for the ground it is.
-    contact
-        s, when the flight that lands begins.
-    """
-
-    scheme: Verlet = field(default_factory=Verlet)
-    contact: float = 0.0
+    scheme: Verlet = field(default_factory=Verlet)  # whose rule for the ground it is
+    contact: float = 0.0  # s, when the flight that lands begins
 
     def fly(self, law: Air, start: State[float], events: Events, limit: float) -> Flown:
         """Fly exactly, and land by the scheme's rule."""
@@ -250,45 +233,25 @@ def run(report: Path, full: bool) -> str:
     scenes = batted(FULL_SCENES if full else SCENES, SEED)
     phases = FULL_PHASES if full else PHASES
     calls = [(scene, step, phases) for scene in scenes for step in STEPS]
-    measured = iter(each(report, "error budget", errors, calls))
-    # (part, scene, step, phase), m; the sum and what it leaves of the whole are parts too
-    names = list(IN_THEORY) + [WHOLE.format(t) for t in SHOWN]
-    off = np.full((len(names), len(scenes), len(STEPS), phases), np.nan)
-    for scene in range(len(scenes)):
-        for step in range(len(STEPS)):
-            for phase, found in enumerate(next(measured)):
-                off[:, scene, step, phase] = [found[name] for name in names]
-    parts = dict(zip(names, off, strict=True))
+    measured = each(report, "error budget", errors, calls)
+    shape = (len(scenes), len(STEPS), phases)
+    # By part: (scene, step, phase), m; the sum and what it leaves of the whole are parts too.
+    parts = {
+        name: np.array([found[name] for rows in measured for found in rows]).reshape(shape)
+        for name in (*IN_THEORY, *map(WHOLE.format, SHOWN))
+    }
     seen = {name: typical(rms(part)) for name, part in parts.items()}
-    laws = {name: fit_power_law(np.array(STEPS), seen[name]) for name in names}
     left = {treatment: unexplained(parts, treatment) for treatment in SHOWN}
     draw(report, seen, left)
-    largest, second = sorted(IN_THEORY, key=lambda name: -float(seen[name][0]))[:2]
     coarse, fine = (int(np.argmin(np.abs(np.array(STEPS) - h))) for h in (0.05, 1e-3))
+    laws = {name: fit_power_law(np.array(STEPS), of) for name, of in seen.items()}
+    largest, second = sorted(IN_THEORY, key=lambda name: -float(seen[name][0]))[:2]
     return render(
-        report,
-        "budget",
-        scenes=len(scenes),
-        seed=SEED,
-        phases=phases,
-        seen=seen,
-        largest=largest,
-        second=second,
+        report, "budget", globals(), scenes=len(scenes), phases=phases, seen=seen, laws=laws,
+        largest=largest, second=second, coarse=coarse, fine=fine,
         missed=[name for name in IN_THEORY if not as_in_theory(name, laws[name])],
-        steps=STEPS,
-        fine=STEPS[fine],
         shares={t: 100 * left[t][fine] / seen[WHOLE.format(t)][fine] for t in SHOWN},
-        rows=[
-            {
-                "name": name,
-                "law": laws[name],
-                "theory": IN_THEORY.get(name, ""),
-                "coarse": seen[name][coarse],
-                "fine": seen[name][fine],
-            }
-            for name in names
-        ],
-    )
+    )  # fmt: skip
 
 
 def rms(errors: Array) -> Array:
@@ -358,7 +321,7 @@ def errors(scene: AtBatScene, step: float, phases: int) -> list[dict[str, float]
     for share in golden(phases):
         inside = way.time + share * way.window
         dt = inside / max(1, round(inside / step))
-        row = {"step": dt}
+        row = {}
         for treatment in SHOWN:
             for name, engine in engines(treatment, dt, way.time).items():
                 landing = solve(scene, engine).landing

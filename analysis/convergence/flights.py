@@ -17,12 +17,14 @@ from longball.engines import create
 from longball.engines.chain import solve
 from longball.engines.engine import Engine
 from longball.engines.verlet import TREATMENTS, Verlet
-from longball.model.readings import VerletForces, VerletLanding
+from longball.model.readings import VerletForces
 from longball.model.scene import FlightScene, Launch
 
 PRINTED = 0.05  # s, the paper's step
 FINEST, FULL_FINEST = 5e-7, 5e-8  # s
 PER_DECADE = 4
+# Proves its digits: what is shown goes down to 1e-11 m and less.
+PROVEN: Engine[Any] = create("enclosure", digits=20)
 
 IN_THEORY: dict[VerletForces, int] = {
     "old_carried": 1,
@@ -40,61 +42,31 @@ def run(report: Path, full: bool) -> str:
     found = each(report, "orders", order, [(t, finest) for t in TREATMENTS])
     orders = dict(zip(TREATMENTS, found, strict=True))
     draw(report, orders)
-    rows = []
-    for treatment, theory in IN_THEORY.items():
-        seen = orders[treatment]
-        assert seen.order is not None
-        rows.append(
-            {
-                "treatment": treatment,
-                "order": seen,
-                "theory": theory,
-                "off": error_at(PRINTED, treatment),
-                "best": best(seen),
-                "agrees": abs(seen.order - theory) < 0.1,
-            }
-        )
+    below = Verlet(PRINTED, "implicit", "first_below")
     return render(
-        report,
-        "flights",
-        rows=rows,
-        distance=proven_distance(ONE),
-        loss=[-error_at(PRINTED, name) for name in ("old_recomputed", "old_carried")],
-        rounding=best(orders["implicit"])[1],
-        below=error_at(PRINTED, "implicit", "first_below") - error_at(PRINTED, "implicit"),
-        jump=converge_below(),
-    )
+        report, "flights", globals(), orders=orders,
+        distance=distance(ONE, PROVEN),
+        off={name: error_at_printed(Verlet(PRINTED, name)) for name in TREATMENTS},
+        below=distance(ONE, below) - distance(ONE, Verlet(PRINTED, "implicit")),
+        jump=converged(below, step_family(1e-4), phases=8),
+    )  # fmt: skip
 
 
-def flight(name: str, speed: float, degrees: float) -> FlightScene:
+def flight(speed: float, degrees: float) -> FlightScene:
     """Return a flight launched 1 m over the plate."""
     angle = math.radians(degrees)
     velocity = (speed * math.cos(angle), 0.0, speed * math.sin(angle))
     launch = Launch(position=(0.0, 0.0, 1.0), velocity=velocity)
-    return FlightScene(id=name, launch=launch)
+    return FlightScene(id=f"{speed:g} m/s, {degrees:g}°", launch=launch)
 
 
-ONE = flight("45 m/s, 30°", 45.0, 30)
-
-
-def four() -> list[FlightScene]:
-    """Return the flights that the orders are taken from."""
-    return [
-        flight(f"{speed:g} m/s, {angle}°", speed, angle)
-        for speed in (30.0, 45.0)
-        for angle in (25, 45)
-    ]
+ONE = flight(45.0, 30.0)
+FOUR = [flight(speed, angle) for speed in (30.0, 45.0) for angle in (25.0, 45.0)]
 
 
 def order(treatment: VerletForces, finest: float) -> Order:
     """Return how D converges with a treatment, down to a finest step."""
-    return distance(Verlet(forces=treatment), step_family(finest), phases=2)
-
-
-def converge_below() -> Order:
-    """Return how D converges if the ball lands at the first step below the ground."""
-    below = Verlet(forces="implicit", landing="first_below")
-    return distance(below, step_family(1e-4), phases=8)
+    return converged(Verlet(forces=treatment), step_family(finest), phases=2)
 
 
 def step_family(finest: float) -> list[float]:
@@ -103,38 +75,25 @@ def step_family(finest: float) -> list[float]:
     return [float(step) for step in np.geomspace(PRINTED, finest, count)]
 
 
-def distance(scheme: Verlet, steps: list[float], phases: int) -> Order:
+def converged(scheme: Verlet, steps: list[float], phases: int) -> Order:
     """Return how D converges by a scheme, whatever its own step."""
-    scenes = four()
     report = converge(
-        lambda step: [solve(scene, replace(scheme, dt=step)) for scene in scenes],
-        scenes,
-        steps,
-        [solve(scene, proven()) for scene in scenes],
-        phases=phases,
-    )
+        lambda step: [solve(scene, replace(scheme, dt=step)) for scene in FOUR],
+        FOUR, steps, [solve(scene, PROVEN) for scene in FOUR], phases=phases,
+    )  # fmt: skip
     return next(found for found in report.orders if found.quantity == "distance")
 
 
-def error_at(
-    step: float, treatment: VerletForces, landing: VerletLanding = "interpolated"
-) -> float:
+def error_at_printed(scheme: Verlet) -> float:
     """Return the error of D, m, of the one flight."""
-    found = solve(ONE, Verlet(step, treatment, landing)).landing
-    assert found is not None
-    return float(found.distance) - proven_distance(ONE)
+    return distance(ONE, scheme) - distance(ONE, PROVEN)
 
 
-def proven_distance(scene: FlightScene) -> float:
-    """Return D, m, to all digits of a double."""
-    true = solve(scene, proven()).landing
-    assert true is not None
-    return float(true.distance)
-
-
-def proven() -> Engine[Any]:
-    """Return the engine that proves its digits: what is shown goes down to 1e-11 m and less."""
-    return create("enclosure", digits=20)
+def distance(scene: FlightScene, engine: Engine[Any]) -> float:
+    """Return D, m."""
+    landing = solve(scene, engine).landing
+    assert landing is not None
+    return float(landing.distance)
 
 
 def best(found: Order) -> tuple[float, float]:

@@ -5,9 +5,8 @@ from __future__ import annotations
 import hashlib
 import math
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import joblib
 import numpy as np
@@ -65,24 +64,13 @@ def batted(count: int, seed: int) -> list[AtBatScene]:
     return [scene for scene, _ in zip(hits, range(count), strict=False)]
 
 
-@dataclass(frozen=True)
-class Pass:
-    """A pitch that touches the bat.
+class Pass(NamedTuple):
+    """A pitch that touches the bat."""
 
-    Attributes
-    ----------
-    time
-        s, of the touching.
-    window
-        s, during which the undisturbed pitch overlaps the bat: a chord at constant speed.
-    speed, level
-        m/s in the plane across the bat, and its horizontal share.
-    """
-
-    time: float
-    window: float
-    speed: float
-    level: float
+    time: float  # s, of the touching
+    window: float  # s, in which the undisturbed pitch overlaps the bat: a chord at constant speed
+    speed: float  # m/s in the plane across the bat
+    level: float  # its horizontal share
 
 
 def passing(scene: AtBatScene) -> Pass | None:

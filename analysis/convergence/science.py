@@ -7,15 +7,14 @@ import math
 from dataclasses import dataclass
 from pathlib import Path
 from statistics import NormalDist
-from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 from scipy.stats import ks_2samp
 
+from analysis import Array
 from analysis.convergence.pieces import each
-from analysis.writing import LINES, STYLES, figure, render, table
+from analysis.writing import LINES, STYLES, figure, render, write_table
 from longball.engines.ivp import Ivp
 from longball.engines.verlet import Verlet
 from longball.home_run import (
@@ -28,8 +27,6 @@ from longball.home_run import (
 )
 from longball.model.readings import Inertia, Reading, SamplingReading, VerletForces
 from longball.model.scene import AtBatScene
-
-Array = NDArray[np.float64]
 
 CHUNK = 500  # samples of one seed
 CHUNKS, FULL_CHUNKS = 6, 100
@@ -154,51 +151,20 @@ def run(report: Path, full: bool) -> str:
     found = Found(struck)
     draw(report, found)
     crossing = crossings(found)
-    table(report, "convergence_crossings", crossing)
+    write_table(report, "convergence_crossings", crossing)
     rows = probability_rows(found)
-    table(report, "convergence_probability", rows)
-    short = rows[(rows["e"] == E) & (rows["step, s"] >= 0.002)]
+    write_table(report, "convergence_probability", rows)
     default, printed = CASES[0].name, STEPS[0]
-    true = found.struck[default, None, E]
-    coarse = found.struck[default, printed, E]
-    off = np.abs(errors_of_both(coarse, true))
-    kinds = crossing["what"].value_counts()
+    true, coarse = struck[default, None, E], struck[default, printed, E]
     return render(
-        report,
-        "science",
-        count=len(chunks) * CHUNK,
-        e=E,
-        printed=printed,
-        share=coarse.batted.mean(),
-        exactly=true.batted.mean(),
-        p=found.p(default, E),
-        stepped_p=found.p(default, E) + found.bias(default, printed, E).value,
-        paper=PAPER_CURVES["caption"](E),
-        median=np.median(off),
-        twentieth=np.quantile(off, 0.95),
-        failed=sum(int(found.struck[default, step, E].failed.sum()) for step in STEPS),
-        paper_samples=PAPER_SAMPLES,
-        small=SMALL_BIAS,
-        limits=[limits(found, case.name) for case in CASES],
-        crossing=crossing,
-        kinds=kinds,
-        unbatted=kinds.get("lost: not batted", 0),
-        harmless=harmless(found),
-        rows=short.to_numpy().tolist(),
-        distances=distance_rows(found),
-    )
-
-
-def limits(found: Found, case: str) -> dict[str, Any]:
-    """Return the largest steps with a bias within the noise of the paper's samples, and a small."""
-    p = found.p(case, E)
-    return {
-        "name": case,
-        "p": p,
-        "noise": noise(p),
-        "within_noise": found.largest_step(case, E, noise(p)),
-        "within_small": found.largest_step(case, E, SMALL_BIAS),
-    }
+        report, "science", globals(), count=len(chunks) * CHUNK, found=found, coarse=coarse,
+        exact=true, p=found.p(default, E), bias=found.bias(default, printed, E).value,
+        paper=PAPER_CURVES["caption"](E), off=np.abs(errors_of_both(coarse, true)),
+        failed=sum(int(struck[default, step, E].failed.sum()) for step in STEPS),
+        crossing=crossing, kinds=crossing["what"].value_counts(), harmless=harmless(found),
+        rows=rows[(rows["e"] == E) & (rows["step, s"] >= 0.002)].to_numpy().tolist(),
+        stepped=[(step, struck[default, step, E]) for step in STEPS],
+    )  # fmt: skip
 
 
 def harmless(found: Found) -> dict[str, float] | None:
@@ -214,10 +180,9 @@ def harmless(found: Found) -> dict[str, float] | None:
 
 def together(chunks: list[list[Struck]]) -> list[Struck]:
     """Return one `Struck` for each restitution from those of the chunks."""
+    columns = ("x", "y", "failed")
     return [
-        Struck(
-            *(np.concatenate([getattr(one, name) for one in same]) for name in ("x", "y", "failed"))
-        )
+        Struck(*(np.concatenate([getattr(one, name) for one in same]) for name in columns))
         for same in zip(*chunks, strict=True)
     ]
 
@@ -230,45 +195,14 @@ def noise(p: float) -> float:
 def probability_rows(found: Found) -> pd.DataFrame:
     """Return bias against step, a line for each case, restitution and step."""
     rows = []
-    for case, e, step in (
-        (c.name, e, step) for c in CASES for e in c.restitutions for step in STEPS
-    ):
-        one = found.bias(case, step, e)
-        rows.append(
-            {
-                "reading": case,
-                "e": e,
-                "step, s": step,
-                "P, reference": f"{found.p(case, e):.5f}",
-                "bias": f"{one.value:+.5f}",
-                "95 %": "{:+.5f} to {:+.5f}".format(*one.interval),
-                "gained": one.gained,
-                "lost": one.lost,
-                "of": one.trials,
-            }
-        )
+    for case in CASES:
+        for e, step in itertools.product(case.restitutions, STEPS):
+            one = found.bias(case.name, step, e)
+            row = {"reading": case.name, "e": e, "step, s": step}
+            row |= {"P, reference": f"{found.p(case.name, e):.5f}", "bias": f"{one.value:+.5f}"}
+            row |= {"95 %": "{:+.5f} to {:+.5f}".format(*one.interval)}
+            rows.append(row | {"gained": one.gained, "lost": one.lost, "of": one.trials})
     return pd.DataFrame(rows)
-
-
-def distance_rows(found: Found) -> list[dict[str, float]]:
-    """Return how the distances differ, a row a step."""
-    true = found.struck[CASES[0].name, None, E]
-    rows = []
-    for step in STEPS:
-        one = found.struck[CASES[0].name, step, E]
-        off = errors_of_both(one, true)
-        rows.append(
-            {
-                "step": step,
-                "batted": float(one.batted.mean()),
-                "failed": float(one.failed.mean()),
-                "median": float(np.median(off)),
-                "size": float(np.median(np.abs(off))),
-                "most": float(np.quantile(np.abs(off), 0.95)),
-                "apart": apart(one, true),
-            }
-        )
-    return rows
 
 
 def errors_of_both(one: Struck, true: Struck) -> Array:
@@ -287,25 +221,12 @@ def crossings(found: Found) -> pd.DataFrame:
     for e, step in itertools.product(case.restitutions, STEPS):
         true, now = (found.struck[case.name, which, e].distance for which in (None, step))
         for index in np.flatnonzero((now >= HOME_RUN_DISTANCE) != (true >= HOME_RUN_DISTANCE)):
-            rows.append(
-                {
-                    "e": e,
-                    "step_s": step,
-                    "seed": SEED + index // CHUNK,
-                    "sample": index % CHUNK,
-                    "distance_reference_m": true[index],
-                    "distance_m": now[index],
-                    "what": what(now[index]),
-                }
-            )
+            lost = "lost: not batted" if math.isnan(now[index]) else "lost: shorter"
+            what = "gained" if now[index] >= HOME_RUN_DISTANCE else lost
+            place = {"e": e, "step_s": step, "seed": SEED + index // CHUNK, "sample": index % CHUNK}
+            distances = {"distance_reference_m": true[index], "distance_m": now[index]}
+            rows.append(place | distances | {"what": what})
     return pd.DataFrame(rows)
-
-
-def what(distance: float) -> str:
-    """Say how a sample crossed."""
-    if math.isnan(distance):
-        return "lost: not batted"
-    return "gained" if distance >= HOME_RUN_DISTANCE else "lost: shorter"
 
 
 def draw(report: Path, found: Found) -> None:
@@ -323,10 +244,10 @@ def draw(report: Path, found: Found) -> None:
             if case.name != IMPLICIT:
                 limit = 1 - noise(p) / p
                 left.axhline(limit, color=style["color"], linestyle=":")
-                text = f"noise of {PAPER_SAMPLES:,} samples, {case.name}"
                 left.annotate(
-                    text, (0.02, limit), (0, -2), xycoords=("axes fraction", "data"),
-                    textcoords="offset points", va="top", fontsize="x-small",
+                    f"noise of {PAPER_SAMPLES:,} samples, {case.name}", (0.02, limit), (0, -2),
+                    xycoords=("axes fraction", "data"), textcoords="offset points",
+                    va="top", fontsize="x-small",
                 )  # fmt: skip
         left.set(xscale="log", xlabel="step Δt, s", ylabel="P(0.42) / P of the reference")
         left.set_ylim(0.0, 1.3)

@@ -12,9 +12,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 
+from analysis import Array
 from analysis.convergence.pieces import TRUTH, each, golden, passing
 from analysis.writing import STYLES, figure, render
 from longball.engines.chain import approach_of
@@ -22,8 +22,6 @@ from longball.engines.verlet import Verlet
 from longball.home_run import BLOCK, draw, draw_block, paper_at_bats, scenes, wilson
 from longball.model.readings import SamplingReading
 from longball.model.scene import AtBatScene, Swing
-
-Array = NDArray[np.float64]
 
 BLOCKS, FULL_BLOCKS = 40, 1000  # of 50 pitches each
 SEED = 11
@@ -121,23 +119,9 @@ def run(report: Path, full: bool) -> str:
     """Count the missed contacts, and find the steps that miss few."""
     blocks = range(FULL_BLOCKS if full else BLOCKS)
     found = each(report, "tunnelling", count_block, [(block,) for block in blocks])
-    trials, missed, waited = sum(counts for counts, _ in found)
+    counts = sum(counts for counts, _ in found)
+    trials, missed, waited = counts
     ways = np.array([way for _, some in found for way in some])
-    rows = []
-    for column, step in enumerate(STEPS):
-        low, high = wilson(int(missed[column]), int(trials[column]))
-        rows.append(
-            {
-                "step": step,
-                "trials": int(trials[column]),
-                "missed": int(missed[column]),
-                "share": missed[column] / trials[column],
-                "low": low,
-                "high": high,
-                "waited": waited[column] / trials[column],
-                "expected": expected(step, ways),
-            }
-        )
     safe = {
         rare: float(brentq(lambda h, r=rare: math.log(expected(h, ways) / r), 1e-7, 0.05))
         for rare in RARE
@@ -147,29 +131,25 @@ def run(report: Path, full: bool) -> str:
     grazes = np.array(each(report, "grazes", count_grazes, calls)).reshape(len(RARE), 4, 3)
     draw_shares(report, missed / trials, waited / trials, ways, safe)
     return render(
-        report,
-        "tunnelling",
-        pitches=len(blocks) * BLOCK,
-        touching=len(ways),
-        phases=PHASES,
+        report, "tunnelling", globals(), pitches=len(blocks) * BLOCK, ways=ways,
         window=2e3 * REACH / ways[:, 0].mean(),
-        printed=STEPS[0],
-        rows=rows,
-        held=sum(row["low"] <= row["waited"] <= row["high"] for row in rows),
-        grazes=[
-            describe_grazes(rare, step, counts)
-            for (rare, step), counts in zip(safe.items(), grazes, strict=True)
+        rows=[
+            {"step": step, "expected": expected(step, ways)} | described(*column)
+            for step, column in zip(STEPS, counts.T, strict=True)
         ],
-    )
+        grazes=[
+            {"rare": rare, "step": safe[rare]} | described(*of.sum(axis=0))
+            for rare, of in zip(RARE, grazes, strict=True)
+        ],
+    )  # fmt: skip
 
 
-def describe_grazes(rare: float, step: float, counts: Array) -> dict[str, Any]:
-    """Return how many grazes a step misses, and whether as many as the closed form says."""
-    trials, missed, waited = counts.sum(axis=0)
+def described(trials: float, missed: float, waited: float) -> dict[str, Any]:
+    """Return counts with their share and its interval, and whether it has the closed form's."""
     low, high = wilson(int(missed), int(trials))
-    agrees = low <= waited / trials <= high
-    seen = {"trials": trials, "missed": missed, "waited": waited, "agrees": agrees}
-    return {"rare": rare, "step": step, **seen}
+    share = waited / trials
+    counts = {"trials": int(trials), "missed": int(missed), "waited": waited, "share": share}
+    return counts | {"low": low, "high": high, "agrees": low <= share <= high}
 
 
 def draw_shares(
@@ -184,9 +164,7 @@ def draw_shares(
         axes.plot(STEPS, share, "k.", markersize=6, label="counted")
         for rare, step in safe.items():
             axes.plot([step], [rare], "s", color="#D55E00")
-            axes.annotate(
-                f"1 in {1 / rare:,.0f}: Δt = {step:.1e} s", (step, rare), (9, -9),
-                textcoords="offset points",
-            )  # fmt: skip
+            text = f"1 in {1 / rare:,.0f}: Δt = {step:.1e} s"
+            axes.annotate(text, (step, rare), (9, -9), textcoords="offset points")
         axes.set(xscale="log", yscale="log", xlabel="step Δt, s", ylabel="contacts missed")
         axes.legend()

@@ -4,99 +4,63 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from statistics import NormalDist
+from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis import Array
 from analysis.paper import combinations
 from analysis.paper.balls import Balls, Base, Space, cores, strike
 from analysis.paper.printed import CARRIES
 from analysis.writing import STYLES, figure, render
+from longball import home_run
 from longball.engines.batch import solve_columns
-from longball.home_run import (
-    HOME_RUN_DISTANCE,
-    PAPER_CURVES,
-    RESTITUTIONS,
-    draw,
-    fit,
-    paper_at_bats,
-)
+from longball.home_run import HOME_RUN_DISTANCE, PAPER_CURVES, RESTITUTIONS, draw, paper_at_bats
 from longball.model.scene import FlightScene, Launch
-
-Array = NDArray[np.float64]
 
 SAMPLES = 400_000
 SEED = 21
 E, STEP = 0.43, 0.01  # the middle of the paper's range, and the step of the differences
 WINDOW = (100.0, 200.0)  # m, "approximately D = 150 m"
+MIDDLE = RESTITUTIONS.index(E)
 NORMAL = NormalDist()
-
 
 # --- is D near 150 m normal, with mean C₁ e? ------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class Tail:
+class Tail(NamedTuple):
     """What a reading has at the fence, against the normal distribution that the paper assumes.
 
     A normal density of D with mean m and deviation σ is fixed by P = Φ((m - 150)/σ) and by its
     density p at 150 m; and P changes with e by p(150) times the mean of dD/de there, whatever
     the density (Leibniz' rule). The paper's form says that both are C₁: m = C₁ e, and dm/de = C₁.
-
-    Attributes
-    ----------
-    p, density
-        P(D ≥ 150 m) and the density at 150 m, 1/m, of the balls in the sample space.
-    sigma, mean
-        m, of the normal distribution that has both.
-    shift
-        m, dP/de over the density: the mean of dD/de at the fence.
-    curvature
-        m, of the density in the window about 150 m: 1/√(-d² ln p/dD²), which is σ for a normal
-        one; NaN if the logarithm of the density curves upwards.
-    c1, c1_sigma
-        m, the paper's form fitted to P(e).
     """
 
-    p: float
-    density: float
-    sigma: float
-    mean: float
-    shift: float
-    curvature: float
-    c1: float
-    c1_sigma: float
-
-    @property
-    def c1_of_the_mean(self) -> float:
-        """Return C₁ = mean / e, m."""
-        return self.mean / E
+    p: float  # P(D ≥ 150 m) of the balls in the sample space
+    density: float  # 1/m, theirs at 150 m
+    sigma: float  # m, of the normal distribution that has both
+    mean: float  # m, of the same
+    shift: float  # m, dP/de over the density: the mean of dD/de at the fence
+    curvature: float  # m, the σ of a normal density that bends like this one in the window
+    c1: float  # m, of the paper's form fitted to P(e)
+    c1_sigma: float  # m, of the same
 
 
 def tail(space: Space, struck: Sequence[Balls]) -> Tail:
     """Compare the balls of a sample space, struck at the paper's restitutions, with the form."""
     rows = [space.estimate(e, balls) for e, balls in zip(RESTITUTIONS, struck, strict=True)]
-    middle = RESTITUTIONS.index(E)
-    row, distances = rows[middle], space.distances(struck[middle])
-    p, density = row.p, density_at_fence(distances) * len(distances) / row.trials
+    p, distances = rows[MIDDLE].p, space.distances(struck[MIDDLE])
+    density = density_at_fence(distances) * len(distances) / rows[MIDDLE].trials
     z = NORMAL.inv_cdf(1 - p)
     sigma = NORMAL.pdf(z) / density
-    slope = (rows[middle + 1].p - rows[middle - 1].p) / (2 * STEP)
-    fitted = fit(rows)
-    return Tail(
-        p=p,
-        density=density,
-        sigma=sigma,
-        mean=HOME_RUN_DISTANCE - z * sigma,
-        shift=slope / density,
-        curvature=width(distances),
-        c1=fitted.curve.c1 if fitted else math.nan,
-        c1_sigma=fitted.curve.sigma if fitted else math.nan,
-    )
+    slope = (rows[MIDDLE + 1].p - rows[MIDDLE - 1].p) / (2 * STEP)
+    fitted = home_run.fit(rows)
+    form = (fitted.curve.c1, fitted.curve.sigma) if fitted else (math.nan, math.nan)
+    mean = HOME_RUN_DISTANCE - z * sigma
+    return Tail(p, density, sigma, mean, slope / density, width(distances), *form)
 
 
 def log_density(distances: Array) -> Array:
@@ -124,30 +88,13 @@ def width(distances: Array) -> float:
 # --- is the pitch's speed at contact nearly constant? ---------------------------------------------
 
 
-@dataclass(frozen=True)
-class Contact:
-    """Speeds at the bat.
+class Contact(NamedTuple):
+    """Speeds at the bat, m/s."""
 
-    Attributes
-    ----------
-    mean, deviation
-        m/s, of the ball's speed as it meets the bat.
-    by_speed
-        m/s, how much faster a ball leaves the bat for one deviation of the pitch's speed, all
-        else equal.
-    by_restitution
-        m/s, how much faster at e = 0.45 than at 0.41.
-    """
-
-    mean: float
+    mean: float  # of the ball's speed as it meets the bat
     deviation: float
-    by_speed: float
-    by_restitution: float
-
-    @property
-    def share(self) -> float:
-        """What one deviation of the pitch's speed does, of what the restitution does."""
-        return abs(self.by_speed / self.by_restitution)
+    by_speed: float  # gained by one deviation of the pitch's speed, all else equal
+    by_restitution: float  # gained from e = 0.41 to 0.45
 
 
 def contact(base: Base, struck: Sequence[Balls]) -> Contact:
@@ -156,37 +103,23 @@ def contact(base: Base, struck: Sequence[Balls]) -> Contact:
     speeds = struck[0].pitch_speed[flies]
     samples = draw(paper_at_bats(base.sampling), SAMPLES // 10, SEED)
     factor = 1 + float(speeds.std() / speeds.mean())
-    faster = type(samples)(samples.speed * factor, samples.aim, samples.offset, samples.tilt)
+    faster = home_run.Samples(samples.speed * factor, samples.aim, samples.offset, samples.tilt)
     usual, quick = (strike(base, one, [E], threads=cores())[0] for one in (samples, faster))
-    return Contact(
-        mean=float(speeds.mean()),
-        deviation=float(speeds.std()),
-        by_speed=float(np.nanmedian(quick.exit_speed - usual.exit_speed)),
-        by_restitution=float(np.median(struck[-1].exit_speed[flies] - struck[0].exit_speed[flies])),
-    )
+    by_speed = np.nanmedian(quick.exit_speed - usual.exit_speed)
+    by_restitution = np.median(struck[-1].exit_speed[flies] - struck[0].exit_speed[flies])
+    return Contact(*map(float, (speeds.mean(), speeds.std(), by_speed, by_restitution)))
 
 
 # --- is D linear in the exit speed? ---------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class Line:
-    """A straight line laid through D against a speed or a restitution.
-
-    Attributes
-    ----------
-    slope, intercept
-        Of D, in m.
-    off
-        m, the largest distance of a point from it.
-    power
-        d ln D / d ln x in the middle: 1 if D is proportional to x.
-    """
+class Line(NamedTuple):
+    """A straight line laid through D, m, against a speed or a restitution."""
 
     slope: float
     intercept: float
-    off: float
-    power: float
+    off: float  # m, the largest distance of a point from it
+    power: float  # d ln D / d ln x in the middle: 1 if D is proportional to x
 
 
 def line(x: Array, d: Array) -> Line:
@@ -194,8 +127,7 @@ def line(x: Array, d: Array) -> Line:
     slope, intercept = map(float, np.polyfit(x, d, 1))
     middle = len(x) // 2
     power = np.gradient(d, x)[middle] * x[middle] / d[middle]
-    off = np.abs(d - slope * x - intercept).max()
-    return Line(slope, intercept, float(off), float(power))
+    return Line(slope, intercept, float(np.abs(d - slope * x - intercept).max()), float(power))
 
 
 SPEEDS = np.linspace(40.0, 60.0, 21)  # m/s
@@ -205,73 +137,60 @@ STRAIGHT = 0.05  # off a line by less than this share of the whole change: linea
 
 def ranges(base: Base, elevation: float) -> Array:
     """Return D, m, of flights from 1 m above the ground at the speeds above."""
-    angle = math.radians(elevation)
-    scene = FlightScene(
-        id="flight",
-        ball=base.scene.ball,
-        air=base.scene.air,
-        reading=base.scene.reading,
-        launch=Launch(position=(0.0, 0.0, 1.0), velocity=(1.0, 0.0, 0.0)),
-    )
+    angle, launch = math.radians(elevation), Launch(position=(0, 0, 1), velocity=(1, 0, 0))
+    same = {name: getattr(base.scene, name) for name in ("ball", "air", "reading")}
     columns = {
         "launch.velocity[0]": SPEEDS * math.cos(angle),
         "launch.velocity[2]": SPEEDS * math.sin(angle),
     }
-    found: Array = solve_columns(scene, columns)["landing.distance"]
+    found: Array = solve_columns(FlightScene(launch=launch, **same), columns)["landing.distance"]
     return found
+
+
+def exit_line(balls: Balls) -> Line:
+    """Lay a line through the mean D of fair flies against their exit speed, m/s."""
+    flies = balls.fair & (balls.elevation > 0)
+    speed, d = balls.exit_speed[flies], balls.distance[flies]
+    edges = np.quantile(speed, np.linspace(0.02, 0.98, 25))
+    where = np.digitize(speed, edges)
+    means = [(speed[where == i].mean(), d[where == i].mean()) for i in range(1, len(edges))]
+    return line(*np.array(means).T)
 
 
 # --- what does dD/de come to? ---------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class Shift:
-    """dD/de of single at-bats that land at some distance, by differences over the same swing.
+class Shift(NamedTuple):
+    """dD/de of single at-bats that land at some distance, by differences over the same swing."""
 
-    Attributes
-    ----------
-    distance
-        m, the middle of where they land, ± 5 m.
-    balls
-        How many.
-    median, low, high
-        m, dD/de: half of them lie between low and high.
-    power
-        Median of d ln D / d ln e: 1 if D is proportional to e, as in D = C₁ e.
-    bend
-        Largest share of dD/de that changes from e = 0.42 to 0.44, for 95 % of them: 0 if D is
-        linear in e.
-    """
-
-    distance: float
+    distance: float  # m, the middle of where they land, ± 5 m
     balls: int
-    median: float
-    low: float
+    median: float  # m, dD/de
+    low: float  # m: half of them lie between low and high
     high: float
-    power: float
+    power: float  # median of d ln D / d ln e: 1 if D is proportional to e, as in D = C₁ e
+    # Largest share of dD/de that changes from e = 0.42 to 0.44, for 95 % of them: 0 if linear.
     bend: float
 
 
 def shift(distance: float, struck: Sequence[Balls]) -> Shift | None:
     """Return dD/de of the fair flies that land at a distance; None if there are too few."""
-    middle = RESTITUTIONS.index(E)
-    below, at, above = (struck[middle + i] for i in (-1, 0, 1))
+    at = struck[MIDDLE]
     here = at.fair & (at.elevation > 0) & (np.abs(at.distance - distance) < 5.0)
     if here.sum() < 100:
         return None
-    d = np.array([one.distance[here] for one in (below, at, above)])
-    slope = (d[2] - d[0]) / (2 * STEP)
-    low, median, high = map(float, np.quantile(slope, (0.25, 0.5, 0.75)))
-    bend = np.quantile(np.abs((d[2] - 2 * d[1] + d[0]) / STEP / slope), 0.95)
-    power = np.median(slope * E / d[1])
-    return Shift(distance, int(here.sum()), median, low, high, float(power), float(bend))
+    below, d, above = (struck[MIDDLE + i].distance[here] for i in (-1, 0, 1))
+    slope = (above - below) / (2 * STEP)
+    low, median, high = np.quantile(slope, (0.25, 0.5, 0.75))
+    bend = np.quantile(np.abs((above - 2 * d + below) / STEP / slope), 0.95)
+    power = np.median(slope * E / d)
+    return Shift(distance, int(here.sum()), *map(float, (median, low, high, power, bend)))
 
 
 # --- the report -----------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class Tested:
+class Tested(NamedTuple):
     """What was found for a reading."""
 
     name: str
@@ -280,9 +199,9 @@ class Tested:
     tail: Tail
     contact: Contact
     shifts: list[Shift]
-    flights: dict[float, Line]
+    flights: dict[float, Line]  # by elevation
     exit: Line
-    density: Array
+    density: Array  # of D, 1/m, in bins of 5 m
 
     @property
     def lines(self) -> dict[str, Line]:
@@ -294,18 +213,8 @@ class Tested:
     @property
     def bent(self) -> float:
         """How far the flights are off their lines at most, as a share of the change of D."""
-        rise = SPEEDS[-1] - SPEEDS[0]
-        return max(laid.off / (laid.slope * float(rise)) for laid in self.flights.values())
-
-    @property
-    def powers(self) -> list[float]:
-        """D ln D / d ln v by elevation."""
-        return [laid.power for laid in self.flights.values()]
-
-    @property
-    def proportional(self) -> bool:
-        """Whether D is proportional to the exit speed, within a tenth of the power."""
-        return all(abs(power - 1) < 0.1 for power in self.powers)
+        rise = float(SPEEDS[-1] - SPEEDS[0])
+        return max(laid.off / (laid.slope * rise) for laid in self.flights.values())
 
     def covers(self, slope: float) -> bool:
         """Tell whether a dD/de lies in the middle half of those of the balls that land at 110 m."""
@@ -317,32 +226,14 @@ def tested(name: str, base: Base, space: Space) -> Tested:
     samples = draw(paper_at_bats(base.sampling), SAMPLES, SEED)
     struck = strike(base, samples, RESTITUTIONS, threads=cores())
     shifts = [shift(distance, struck) for distance in (75.0, 110.0, 150.0)]
-    middle = struck[RESTITUTIONS.index(E)]
+    counts = np.histogram(space.distances(struck[MIDDLE]), np.arange(0.0, 301.0, 5.0))[0]
     return Tested(
-        name=name,
-        base=base,
-        space=space,
-        tail=tail(space, struck),
-        contact=contact(base, struck),
+        name, base, space, tail(space, struck), contact(base, struck),
         shifts=[one for one in shifts if one is not None],
         flights={angle: line(SPEEDS, ranges(base, angle)) for angle in ELEVATIONS},
-        exit=exit_line(middle),
-        density=np.histogram(space.distances(middle), np.arange(0.0, 301.0, 5.0))[0]
-        / (5.0 * space.estimate(E, middle).trials),
-    )
-
-
-def exit_line(balls: Balls) -> Line:
-    """Lay a line through the mean D of fair flies against their exit speed, m/s."""
-    flies = balls.fair & (balls.elevation > 0)
-    speed, d = balls.exit_speed[flies], balls.distance[flies]
-    edges = np.quantile(speed, np.linspace(0.02, 0.98, 25))
-    where = np.digitize(speed, edges)
-    groups = [where == i for i in range(1, len(edges))]
-    return line(
-        np.array([speed[group].mean() for group in groups]),
-        np.array([d[group].mean() for group in groups]),
-    )
+        exit=exit_line(struck[MIDDLE]),
+        density=counts / (5.0 * space.estimate(E, struck[MIDDLE]).trials),
+    )  # fmt: skip
 
 
 @cache
@@ -355,21 +246,7 @@ def run(report: Path, full: bool) -> str:
     """Write the section; `full` changes nothing."""
     found = everything()
     draw_argument(report, found)
-    return render(
-        report,
-        "argument",
-        found=found,
-        samples=SAMPLES,
-        seed=SEED,
-        e=E,
-        first_e=min(RESTITUTIONS),
-        last_e=max(RESTITUTIONS),
-        caption=PAPER_CURVES["caption"],
-        curves=PAPER_CURVES,
-        carries=CARRIES,
-        straight=STRAIGHT,
-        fence=HOME_RUN_DISTANCE,
-    )
+    return render(report, "argument", globals(), found=found, carries=CARRIES, curves=PAPER_CURVES)
 
 
 def draw_argument(report: Path, found: Sequence[Tested]) -> None:
@@ -378,18 +255,16 @@ def draw_argument(report: Path, found: Sequence[Tested]) -> None:
     near = (d > WINDOW[0] - 50) & (d < WINDOW[1] + 50)
     with figure(report, "paper_argument", columns=2, size=(9.0, 4.0)) as (left, right):
         for one in found:
-            style = STYLES[one.name]
-            line = {"color": style["color"], "linestyle": style["linestyle"]}
+            line = {key: STYLES[one.name][key] for key in ("color", "linestyle")}
             left.plot(d, 1e3 * one.density, **line, linewidth=1.6, label=f"{one.name} reading")
             normal = NormalDist(one.tail.mean, one.tail.sigma)
             densities = [1e3 * normal.pdf(x) for x in d[near]]
             left.plot(d[near], densities, **line, linewidth=0.7, label="normal, same P and density")
+            marked: Any = {"markersize": 4, "markevery": 5}
             for marker, (angle, laid) in zip("v^s", one.flights.items(), strict=True):
-                flown = ranges(one.base, angle)
                 label = f"{one.name}, {angle:g}°"
-                right.plot(
-                    SPEEDS, flown, **line, marker=marker, markersize=4, markevery=5, label=label
-                )
+                flown = ranges(one.base, angle)
+                right.plot(SPEEDS, flown, **line, marker=marker, **marked, label=label)
                 right.plot(SPEEDS, laid.slope * SPEEDS + laid.intercept, ":", color="0.5")
         left.axvline(HOME_RUN_DISTANCE, color="black", linewidth=0.8, linestyle=":")
         left.set(xlabel="distance D, m", ylabel="probability density, 1/km", xlim=(0.0, 250.0))

@@ -12,24 +12,16 @@ import joblib
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis import Array
+from longball import home_run
 from longball.engines.batch import solve_columns_with_restitutions
 from longball.engines.chain import solve_with_restitutions
 from longball.engines.verlet import Verlet
-from longball.home_run import (
-    HOME_RUN_DISTANCE,
-    Estimate,
-    Samples,
-    Struck,
-    draw,
-    estimate,
-    paper_at_bats,
-    scenes,
-)
+from longball.home_run import Estimate, Samples, Struck
 from longball.model.quantities import number, replaced
 from longball.model.readings import SampleSpace, SamplingReading
 from longball.model.scene import AtBatScene
 
-Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 
@@ -53,21 +45,11 @@ class Base(NamedTuple):
 
 @dataclass(frozen=True)
 class Balls(Struck):
-    """What became of at-bats, an array element each, NaN where the ball was not batted.
+    """What became of at-bats, an array element each, NaN where the ball was not batted."""
 
-    Attributes
-    ----------
-    pitch_speed
-        m/s, of the ball as it meets the bat.
-    exit_speed
-        m/s, of the ball as it leaves it.
-    elevation
-        rad, of its direction then.
-    """
-
-    pitch_speed: Array
-    exit_speed: Array
-    elevation: Array
+    pitch_speed: Array  # m/s, of the ball as it meets the bat
+    exit_speed: Array  # m/s, of the ball as it leaves it
+    elevation: Array  # rad, of its direction then
 
     def chosen(self, which: Flags) -> Balls:
         """Return some of them."""
@@ -91,24 +73,22 @@ def strike(
         full[pitched] = column
         return full
 
-    struck = []
-    for table in tables:
+    def one(table: Mapping[str, Array]) -> Balls:
         after = np.array([table[f"impact.velocity[{i}]"] for i in range(3)])
         normal = np.array([table[f"contact.normal[{i}]"] for i in range(3)])
         before = after - table["impact.impulse"] / base.scene.ball.mass * normal
         failed = np.zeros(len(pitched), bool)
         failed[pitched] = table["outcome"] == ""
-        struck.append(
-            Balls(
-                x=whole(table["landing.position[0]"]),
-                y=whole(table["landing.position[1]"]),
-                failed=failed,
-                pitch_speed=whole(np.sqrt((before * before).sum(axis=0))),
-                exit_speed=whole(np.sqrt((after * after).sum(axis=0))),
-                elevation=whole(np.arctan2(after[2], np.hypot(after[0], after[1]))),
-            )
+        return Balls(
+            x=whole(table["landing.position[0]"]),
+            y=whole(table["landing.position[1]"]),
+            failed=failed,
+            pitch_speed=whole(np.sqrt((before * before).sum(axis=0))),
+            exit_speed=whole(np.sqrt((after * after).sum(axis=0))),
+            elevation=whole(np.arctan2(after[2], np.hypot(after[0], after[1]))),
         )
-    return struck
+
+    return [one(table) for table in tables]
 
 
 CHUNK = 500  # at-bats that a process takes at a time by the paper's scheme
@@ -128,18 +108,13 @@ def strike_in_steps(
 
 
 def _chunk_in_steps(
-    base: Base,
-    first: int,
-    count: int,
-    seed: int,
-    restitutions: tuple[float, ...],
-    scheme: Verlet,
+    base: Base, first: int, count: int, seed: int, restitutions: tuple[float, ...], scheme: Verlet
 ) -> Array:
     """Return the fields of `Balls` for some of the samples: (restitution, field, sample)."""
     found = np.full((len(restitutions), len(fields(Balls)), count), np.nan)
     found[:, 2] = 0.0
-    drawn = scenes(base.scene, draw(paper_at_bats(base.sampling), count, seed, first), first)
-    for i, scene in enumerate(drawn):
+    samples = home_run.draw(home_run.paper_at_bats(base.sampling), count, seed, first)
+    for i, scene in enumerate(home_run.scenes(base.scene, samples, first)):
         if scene is None:
             continue
         for k, result in enumerate(solve_with_restitutions(scene, restitutions, scheme)):
@@ -167,15 +142,8 @@ def cores() -> int:
 class Space:
     """Which at-bats are among the samples that P(e) is a share of.
 
-    Attributes
-    ----------
-    name
-        As the report calls it.
-    ledger
-        The option of the ledger.
-    flies
-        Whether only balls that leave the bat upwards are among them. The ledger does not have
-        this: the paper nowhere says so, but its Fig. 6 does (see the report).
+    `flies` tells whether only balls that leave the bat upwards are among them. The ledger does not
+    have this: the paper nowhere says so, but its Fig. 6 does (see the report).
     """
 
     name: str
@@ -194,31 +162,25 @@ class Space:
 
     def estimate(self, e: float, balls: Balls) -> Estimate:
         """Count the home runs."""
-        return estimate(e, self.members(balls), self.ledger)
+        return home_run.estimate(e, self.members(balls), self.ledger)
 
     def share(self, balls: Balls) -> Share:
         """Return P with what each at-bat has to do with it; there must be a member."""
-        flags = {
-            "pitches": np.ones_like(balls.batted), "batted": balls.batted, "fair": balls.fair,
-        }  # fmt: skip
-        member = flags[self.ledger] & ((balls.elevation > 0) | (not self.flies))
-        home_run = member & (balls.distance >= HOME_RUN_DISTANCE)
-        p = float(home_run.sum() / member.sum())
-        return Share(p, (home_run - p * member) / member.mean())
+        everyone = np.ones_like(balls.batted)
+        members = {"pitches": everyone, "batted": balls.batted, "fair": balls.fair}
+        member = members[self.ledger] & ((balls.elevation > 0) | (not self.flies))
+        over = member & (balls.distance >= home_run.HOME_RUN_DISTANCE)
+        p = float(over.sum() / member.sum())
+        return Share(p, (over - p * member) / member.mean())
 
 
 @dataclass(frozen=True)
 class Share:
-    """P and what each at-bat has to do with it.
+    """P, home runs over members of the sample space, and what each at-bat has to do with it.
 
-    Attributes
-    ----------
-    p
-        Home runs over members of the sample space.
-    influence
-        One number for each at-bat pitched, with the mean 0: p's standard error is their standard
-        deviation over √n, and that of the difference of two shares of the same at-bats is found
-        from the difference of theirs (the delta method for a ratio).
+    `influence` has one number for each at-bat pitched, with the mean 0: p's standard error is their
+    standard deviation over √n, and that of the difference of two shares of the same at-bats is
+    found from the difference of theirs (the delta method for a ratio).
     """
 
     p: float
@@ -242,15 +204,11 @@ SPACES = (
 def describe(base: Base, space: Space) -> str:
     """Say in which readings and numbers an at-bat differs from the default ones."""
     default = AtBatScene(id="default")
-    blocks = [
-        (name, getattr(base.scene, name).model_dump(), getattr(default, name).model_dump())
-        for name in ("ball", "bat", "air")
-    ]
     numbers = [
         f"{name}.{key} = {value:g}"
-        for name, block, usual in blocks
-        for key, value in block.items()
-        if value != usual[key] and key != "restitution"
+        for name in ("ball", "bat", "air")
+        for key, value in getattr(base.scene, name).model_dump().items()
+        if value != getattr(getattr(default, name), key) and key != "restitution"
     ]
     turned = base.scene.reading.model_dump() | base.sampling.model_dump()
     switches = [f"{key} = {value}" for key, value in turned.items()]

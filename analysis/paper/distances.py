@@ -10,10 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
+from analysis import Array
 from analysis.paper.printed import PEAKS, SAMPLES
 from longball.home_run import RESTITUTIONS, Curve, Estimate
-
-Array = NDArray[np.float64]
 
 # Of 20 correct readings, one is farther off: from Fig. 7, and from it and both peaks of Fig. 6.
 NEAR, NEAR_BOTH = float(chi2.ppf(0.95, df=2)), float(chi2.ppf(0.95, df=6))
@@ -43,13 +42,9 @@ def covariance(p: Array, shared: bool) -> Array:
 class Distance:
     """How far the paper's curve lies from a reading, if it was fitted to 1,000 samples a point.
 
-    Attributes
-    ----------
-    level, slope
-        The curve's mean and slope over the five restitutions, less the reading's, each in its
-        own standard errors.
-    squared
-        Of both together: χ² with 2 degrees of freedom if the reading is the paper's.
+    Level and slope are the curve's mean and slope over the five restitutions, less the reading's,
+    each in its own standard errors. The square is of both together: χ² with 2 degrees of freedom if
+    the reading is the paper's.
     """
 
     level: float
@@ -65,14 +60,9 @@ class Distance:
 def distance(rows: Sequence[Estimate], curve: Curve, shared: bool = False) -> Distance:
     """Return how far the paper's curve lies from a reading.
 
-    Parameters
-    ----------
-    rows
-        The reading's P at the five restitutions, from the same samples.
-    curve
-        As the paper prints it; the rounding of its parameters is a tenth of the noise.
-    shared
-        Whether the paper took the same samples for all restitutions, which it does not say.
+    The rows are its P at the five restitutions, from the same samples. The rounding of a printed
+    curve's parameters is a tenth of the noise. `shared` is whether the paper took the same samples
+    for all restitutions, which it does not say.
     """
     # Half a home run more and half a miss: a share of 0 is not certain either.
     p = np.array([(row.home_runs + 0.5) / (row.trials + 1) for row in rows])
@@ -97,12 +87,7 @@ def highest(distances: Array) -> float:
 def peak_chances(distances: Array, share: float, generator: np.random.Generator) -> Array:
     """Return the chance of each bin to be the highest of a histogram of 1,000 samples.
 
-    Parameters
-    ----------
-    distances
-        D, m, of many samples: those that have one.
-    share
-        Of the samples that have one.
+    The distances, m, are those of many samples of which a share has one.
     """
     counts = histogram(distances)
     shares = np.append(counts * (share / counts.sum()), 1 - share)
@@ -116,16 +101,11 @@ def peak_chances(distances: Array, share: float, generator: np.random.Generator)
 class Peak:
     """The highest peak of D at one restitution.
 
-    Attributes
-    ----------
-    ours
-        m, the middle of the bin that is most often the highest.
-    p_value
-        Twice the chance of a peak as near as the paper's or nearer, or as far or farther,
-        whichever is smaller: small if the reading does not have it there.
+    The p value is twice the chance of a peak as near as the paper's or nearer, or as far or
+    farther, whichever is smaller: small if the reading does not have it there.
     """
 
-    ours: float
+    ours: float  # m, the middle of the bin that is most often the highest
     p_value: float
 
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -40,30 +41,14 @@ def share(problem: Problem, space: Space) -> Share:
 # --- what is not printed --------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class Unknown:
-    """A number that the paper does not print, or prints for other balls than its own.
+class Unknown(NamedTuple):
+    """A number that the paper does not print, or prints for other balls than its own."""
 
-    Attributes
-    ----------
-    name, unit
-        In a scene or its sampling.
-    low, high
-        Its range.
-    source
-        Where that comes from.
-    """
-
-    name: str
+    name: str  # in a scene or its sampling
     unit: str
-    low: float
+    low: float  # its range
     high: float
-    source: str
-
-    @property
-    def labelled(self) -> str:
-        """Its name, and its unit if it has one."""
-        return f"{self.name}, {self.unit}".rstrip(", ")
+    source: str  # where that comes from
 
 
 UNKNOWN = (
@@ -84,27 +69,17 @@ UNKNOWN = (
         "printed 0.2; baseballs with spin parameters of about 0.1 to 0.4 (its Ref. by Nathan)",
     ),
 )  # fmt: skip
+Change = tuple[float, float]  # of P(0.42), with its standard error
 
 
-@dataclass(frozen=True)
-class Ranged:
-    """What one number does to P(0.42) over its range: (change, standard error) at its ends."""
-
-    unknown: Unknown
-    low: tuple[float, float]
-    high: tuple[float, float]
-
-
-def over_ranges(base: Base, space: Space) -> tuple[Share, list[Ranged]]:
-    """Return P(0.42), and what each number alone does to it."""
+def over_ranges(base: Base, space: Space) -> tuple[Share, list[tuple[Change, Change]]]:
+    """Return P(0.42), and what each number alone does to it at the ends of its range."""
     before = share(drawn(base), space)
 
-    def moved(name: str, value: float) -> tuple[float, float]:
+    def moved(name: str, value: float) -> Change:
         return share(drawn(base.replaced({name: value})), space).above(before)
 
-    return before, [
-        Ranged(one, moved(one.name, one.low), moved(one.name, one.high)) for one in UNKNOWN
-    ]
+    return before, [(moved(one.name, one.low), moved(one.name, one.high)) for one in UNKNOWN]
 
 
 def at_corners(base: Base, space: Space) -> list[Trial]:
@@ -122,35 +97,25 @@ def section(report: Path, cases: Cases) -> str:
     """Write the section: what the unknown numbers do, alone and together."""
     cases = {name: (base.replaced({"ball.restitution": E}), s) for name, (base, s) in cases.items()}
     found = {name: over_ranges(*case) for name, case in cases.items()}
-    corners = {name: at_corners(*case) for name, case in cases.items()}
     draw_ranges(report, found)
-    return render(
-        report,
-        "numbers",
-        found=found,
-        unknown=UNKNOWN,
-        samples=SAMPLES,
-        seed=SEED,
-        e=E,
-        corner_samples=CORNER_SAMPLES,
-        near=NEAR,
-        all=corners,
-        p={name: [one.p(E) for one in trials] for name, trials in corners.items()},
-        nearest={
-            name: min(trials, key=lambda one: one.to["caption"].squared)
-            for name, trials in corners.items()
-        },
-        wanted=PAPER_CURVES["caption"](E),
-    )
+    corners = {name: at_corners(*case) for name, case in cases.items()}
+    nearest = {
+        name: min(trials, key=lambda one: one.to["caption"].squared)
+        for name, trials in corners.items()
+    }
+    p = {name: [one.p(E) for one in trials] for name, trials in corners.items()}
+    wanted = PAPER_CURVES["caption"](E)
+    values = {"found": found, "corners": corners, "nearest": nearest, "p": p, "wanted": wanted}
+    return render(report, "numbers", globals(), near=NEAR, **values)
 
 
-def draw_ranges(report: Path, found: dict[str, tuple[Share, list[Ranged]]]) -> None:
+def draw_ranges(report: Path, found: dict[str, tuple[Share, list[tuple[Change, Change]]]]) -> None:
     """Draw P at both ends of each range."""
     heights = np.arange(len(UNKNOWN))[::-1]
     with figure(report, "paper_numbers", columns=len(found), size=(9.0, 3.2)) as panels:
         for axes, (name, (before, ranged)) in zip(panels, found.items(), strict=True):
-            for height, one in zip(heights, ranged, strict=True):
-                ends = np.array([one.low[0], one.high[0]]) + before.p
+            for height, (low_end, high_end) in zip(heights, ranged, strict=True):
+                ends = np.array([low_end[0], high_end[0]]) + before.p
                 axes.plot(ends, [height, height], color="0.6", linewidth=3.0)
                 low, high = (None, None) if height else ("low end", "high end")
                 axes.plot(ends[0], height, **STYLES["measured"], label=low)
@@ -170,29 +135,14 @@ def draw_ranges(report: Path, found: dict[str, tuple[Share, list[Ranged]]]) -> N
 # --- sensitivities --------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class Parameter:
-    """A number that P depends on.
-
-    Attributes
-    ----------
-    name, unit
-        As the report calls it.
-    value
-        Of it in a problem.
-    scaled
-        The problem with the number multiplied by a factor, the random numbers left alone.
-    """
+class Parameter(NamedTuple):
+    """A number that P depends on."""
 
     name: str
     unit: str
     value: Callable[[Problem], float]
+    # The problem with the number multiplied by a factor, the random numbers left alone.
     scaled: Callable[[Problem, float], Problem]
-
-    @property
-    def labelled(self) -> str:
-        """Its name, and its unit if it has one."""
-        return f"{self.name}, {self.unit}".rstrip(", ")
 
 
 def of_scene(name: str, unit: str) -> Parameter:
@@ -245,8 +195,7 @@ PARAMETERS = (
 )  # fmt: skip
 
 
-@dataclass(frozen=True)
-class Sensitivity:
+class Sensitivity(NamedTuple):
     """∂P/∂x of a parameter x with its standard error, and d ln P / d ln x with its own."""
 
     parameter: Parameter
@@ -259,34 +208,19 @@ class Sensitivity:
 
 def sensitivity(parameter: Parameter, problem: Problem, space: Space, p: float) -> Sensitivity:
     """Return the central difference over ± 2 % with the same random numbers."""
-    above, below = (
-        share(parameter.scaled(problem, factor), space) for factor in (1 + STEP, 1 - STEP)
-    )
+    above, below = (share(parameter.scaled(problem, 1 + s), space) for s in (STEP, -STEP))
     rise, error = above.above(below)
     value = parameter.value(problem)
-    by_value, by_share = 2 * STEP * value, 2 * STEP * p
-    return Sensitivity(
-        parameter, value, rise / by_value, error / by_value, rise / by_share, error / by_share
-    )
+    x, share_of = 2 * STEP * value, 2 * STEP * p
+    return Sensitivity(parameter, value, rise / x, error / x, rise / share_of, error / share_of)
 
 
 def sensitivities(report: Path, cases: Cases) -> str:
     """Write the section: ∂P/∂parameter at the default and the nearest reading."""
-    found = {}
+    found, strongest = {}, {}
     for name, (base, space) in cases.items():
         problem = drawn(base.replaced({"ball.restitution": E}))
         p = share(problem, space).p
         found[name] = [sensitivity(one, problem, space, p) for one in PARAMETERS]
-    return render(
-        report,
-        "sensitivities",
-        found=found,
-        parameters=PARAMETERS,
-        samples=SAMPLES,
-        seed=SEED,
-        e=E,
-        step=STEP,
-        strongest={
-            name: sorted(here, key=lambda one: -abs(one.power))[:3] for name, here in found.items()
-        },
-    )
+        strongest[name] = sorted(found[name], key=lambda one: -abs(one.power))[:3]
+    return render(report, "sensitivities", globals(), found=found, strongest=strongest)

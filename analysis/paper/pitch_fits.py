@@ -8,7 +8,7 @@ another league, which show what is the paper's and what is baseball's.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -18,9 +18,9 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
-from analysis.writing import STYLES, figure, render, table
+from analysis.writing import STYLES, figure, render, write_table
 from longball.pitches import EXAMPLE, Columns, FittedPitches, PitchTypes, fit_pitches, read_pitches
-from longball.pitches.fitted import AimFit, Estimate, SpeedFit
+from longball.pitches.fitted import AimFit, Estimate
 from longball.pitches.fitting import BIN_WIDTH, normal
 from longball.pitches.table import Floats
 
@@ -43,29 +43,16 @@ CHART = Columns(
 KINDS = PitchTypes(straight=("straight",), breaking=("breaking",), left_out=())
 
 
-@dataclass(frozen=True)
-class Printed:
-    """A number that the paper prints, and how ours is found in a fit.
+class Printed(NamedTuple):
+    """A number that the paper prints, and how ours is found in a fit."""
 
-    Attributes
-    ----------
-    name, unit
-        As the report calls it.
-    value
-        As printed, in that unit.
-    part, key, scale
-        Block and field of `FittedPitches`, and what brings the field to the unit.
-    bin_width
-        In the unit: of the bins that widen the number if a curve is laid through a histogram; 0
-        if they do not.
-    """
-
-    name: str
+    name: str  # as the report calls it
     unit: str
-    value: float
-    part: str
-    key: str
-    scale: float = 1.0
+    value: float  # as printed, in that unit
+    part: str  # block of `FittedPitches`
+    key: str  # its field
+    scale: float = 1.0  # brings the field to the unit
+    # In the unit: of the bins that widen the number if a curve is laid through a histogram.
     bin_width: float = 0.0
 
     def ours(self, fitted: FittedPitches, method: str) -> tuple[float, float | None]:
@@ -93,11 +80,12 @@ def run(report: Path, full: bool) -> str:
     draws = FULL_DRAWS if full else DRAWS
     example, synthetic = fit_pitches(EXAMPLE), synthetic_fit()
     found = Found(compared(), cover(draws), determine(draws), vary_grid(), vary_classes())
+
+    def rounded(x: object) -> object:
+        return f"{x:.6g}" if isinstance(x, float) and x == x else x
+
     for name, rows in found._asdict().items():
-        frame = pd.DataFrame(rows).map(
-            lambda x: f"{x:.6g}" if isinstance(x, float) and x == x else x
-        )
-        table(report, f"pitch_fits_{name}", frame)
+        write_table(report, f"pitch_fits_{name}", pd.DataFrame(rows).map(rounded))
     draw_speeds(report, example, synthetic)
     draw_aims(report, example, synthetic)
     draw_heights(report, example)
@@ -140,24 +128,20 @@ def draw_pitches(count: int, seed: int) -> pd.DataFrame:
     )
     left = random.random(count) < Q
     place = np.where(left, LEFT, RIGHT) + random.normal(0.0, SPREAD, count)
-    return pd.DataFrame(
-        {
-            "type": np.where(straight, "straight", "breaking"),
-            "speed_kmh": np.rint(speed),
-            "y": np.clip(np.rint(place), 1, 5),
-        }
-    )
+    kind = np.where(straight, "straight", "breaking")
+    cells = np.clip(np.rint(place), 1, 5)
+    return pd.DataFrame({"type": kind, "speed_kmh": np.rint(speed), "y": cells})
 
 
-def printed_density(y: Floats) -> Floats:
-    """Return ψ(y) of Eq. 4 with the printed numbers."""
+def printed_density() -> Floats:
+    """Return ψ(y) of Eq. 4 with the printed numbers at the five cells."""
+    y = np.arange(1.0, 6.0)
     return Q * normal(y, LEFT, SPREAD) + (1.0 - Q) * normal(y, RIGHT, SPREAD)
 
 
 def printed_shares() -> Floats:
     """Return the shares of the five cells if the printed ψ is their curve, scaled to add to 1."""
-    density = printed_density(np.arange(1.0, 6.0))
-    shares: Floats = density / density.sum()
+    shares: Floats = printed_density() / printed_density().sum()
     return shares
 
 
@@ -223,22 +207,15 @@ def cover(draws: int) -> Rows:
     for printed in PRINTED:
         found = [printed.ours(fitted, "maximum_likelihood") for fitted in fits]
         z = np.array([(value - printed.value) / error for value, error in found if error])
-        rows.append(
-            {
-                "quantity": printed.name,
-                "draws": len(z),
-                "mean_of_z": z.mean(),
-                "deviation_of_z": z.std(ddof=1),
-                "within_1.96": np.mean(np.abs(z) < 1.96),
-            }
-        )
+        row = {"quantity": printed.name, "draws": len(z), "mean_of_z": z.mean()}
+        within = np.mean(np.abs(z) < 1.96)
+        rows.append(row | {"deviation_of_z": z.std(ddof=1), "within_1.96": within})
     return rows
 
 
 @cache
 def determine(draws: int) -> Rows:
     """Return what R² the paper's fits would have if they were the truth, by width of bin."""
-    rows: Rows = []
     tables = [draw_pitches(PITCHES, 10_000 + seed) for seed in range(draws)]
     widths = (1.0, 2.0, 3.0, 4.0, 5.0, 6.0)
     everything = joblib.Parallel(n_jobs=-1)(
@@ -246,22 +223,17 @@ def determine(draws: int) -> Rows:
         for width in widths
         for table in tables
     )
+    rows: Rows = []
     for i, width in enumerate(widths):
-        fits = everything[i * draws : (i + 1) * draws]
-        for what, values in (
-            ("speed", [fitted.speed.least_squares.r_squared for fitted in fits]),
-            ("speed as printed", [f.speed.least_squares_as_printed.r_squared for f in fits]),
-        ):
-            rows.append(_quantiles(what, width, values))
-    random = np.random.default_rng(0)
-    on_the_curve = [
-        table.assign(y=random.choice(np.arange(1, 6), size=len(table), p=printed_shares()))
-        for table in tables
-    ]
+        fits = [fitted.speed for fitted in everything[i * draws : (i + 1) * draws]]
+        rows.append(_quantiles("speed", width, [x.least_squares.r_squared for x in fits]))
+        as_printed = [x.least_squares_as_printed.r_squared for x in fits]
+        rows.append(_quantiles("speed as printed", width, as_printed))
+    random, p = np.random.default_rng(0), printed_shares()
+    on_the_curve = [x.assign(y=random.choice(range(1, 6), len(x), p=p)) for x in tables]
     for what, drawn in (("aim", tables), ("aim on the curve", on_the_curve)):
-        fits = [fit_pitches(table, CHART, KINDS, replicates=2) for table in drawn]
-        values = [fitted.aim.least_squares_at_edges.r_squared for fitted in fits]
-        rows.append(_quantiles(what, 1.0, values))
+        aims = [fit_pitches(table, CHART, KINDS, replicates=2).aim for table in drawn]
+        rows.append(_quantiles(what, 1.0, [x.least_squares_at_edges.r_squared for x in aims]))
     return rows
 
 
@@ -285,16 +257,11 @@ def vary_grid() -> Rows:
     rows: Rows = []
     for name, chosen, width in cases:
         aim = fit_pitches(chosen, Columns(cell_width=width), replicates=2).aim
-        shares = np.array(aim.cells) / sum(aim.cells)
-        rows.append(
-            {
-                "case": name,
-                "pitches": sum(aim.cells),
-                **{f"share_{cell}": share for cell, share in enumerate(shares, start=1)},
-                "peaks": aim.maximum_likelihood.peaks,
-                "gain_over_one_normal": aim.gain_over_one_normal,
-            }
-        )
+        count = sum(aim.cells)
+        shares = {f"share_{cell}": n / count for cell, n in enumerate(aim.cells, start=1)}
+        gain = {"gain_over_one_normal": aim.gain_over_one_normal}
+        peaks = {"peaks": aim.maximum_likelihood.peaks}
+        rows.append({"case": name, "pitches": count, **shares, **peaks, **gain})
     return rows
 
 
@@ -320,24 +287,29 @@ def _ours(example: FittedPitches) -> str:
     return f"{example.rows_used:,} MLB pitches of 11 June 2023"
 
 
+def _mixture(axes: Axes, x: Floats, first: Floats, second: Floats, labels: Sequence[str]) -> None:
+    """Draw a fitted mixture and its two parts."""
+    parts = {"mixture": first + second, "first part": first, "second part": second}
+    for (style, y), label in zip(parts.items(), labels, strict=True):
+        axes.plot(x, y, **STYLES[style], label=label)
+
+
 def draw_speeds(report: Path, example: FittedPitches, synthetic: FittedPitches) -> None:
     """Draw the counterpart of Fig. 2."""
+    panels_of = {THEIRS: synthetic.speed, _ours(example): example.speed}
     with figure(report, "pitch_fits_fig2", columns=2, size=(9.6, 3.8)) as panels:
-        titles = (THEIRS, _ours(example))
-        for axes, fitted, title in zip(panels, (synthetic, example), titles, strict=True):
-            histogram, fit = fitted.speed.histogram, fitted.speed.least_squares
+        for axes, (title, fitted) in zip(panels, panels_of.items(), strict=True):
+            histogram, fit, p = fitted.histogram, fitted.least_squares, fitted.least_squares.weight
             edges = np.array(histogram.edges) * 3.6
             width = edges[1] - edges[0]
             counts = np.array(histogram.straight) + np.array(histogram.breaking)
             middles = (edges[1:] + edges[:-1]) / 2
             axes.plot(middles, counts / counts.sum(), **STYLES["measured"], label="pitches")
             v = np.linspace(edges[0], edges[-1], 400)
-            straight, breaking = _speed_curves(fit, v)
-            axes.plot(
-                v, width * (straight + breaking), **STYLES["mixture"], label="fitted mixture, Eq. 3"
-            )
-            axes.plot(v, width * straight, **STYLES["first part"], label="straight")
-            axes.plot(v, width * breaking, **STYLES["second part"], label="breaking")
+            straight = normal(v, 3.6 * fit.straight_mean.value, 3.6 * fit.straight_spread.value)
+            breaking = normal(v, 3.6 * fit.breaking_mean.value, 3.6 * fit.breaking_spread.value)
+            parts = width * p.value * straight, width * (1 - p.value) * breaking
+            _mixture(axes, v, *parts, ("fitted mixture, Eq. 3", "straight", "breaking"))
             axes.set(title=title, xlabel="speed at release, km/h")
             axes.set_ylabel(f"share of pitches per {width:.2g} km/h")
             axes.text(0.03, 0.95, f"R² = {fit.r_squared:.4f}", transform=axes.transAxes, va="top")
@@ -345,58 +317,41 @@ def draw_speeds(report: Path, example: FittedPitches, synthetic: FittedPitches) 
         panels[0].legend(fontsize="small", loc="center left")
 
 
-def _speed_curves(fit: SpeedFit, v: Floats) -> tuple[Floats, Floats]:
-    """Return p f₁ and (1 - p) f₂ at speeds in km/h, per km/h."""
-    p = fit.weight.value
-    return (
-        p * normal(v, 3.6 * fit.straight_mean.value, 3.6 * fit.straight_spread.value),
-        (1 - p) * normal(v, 3.6 * fit.breaking_mean.value, 3.6 * fit.breaking_spread.value),
-    )
-
-
 def draw_aims(report: Path, example: FittedPitches, synthetic: FittedPitches) -> None:
     """Draw the counterpart of Fig. 3."""
-    y = np.linspace(-1.5, 7.5, 500)
     with figure(report, "pitch_fits_fig3", columns=2, size=(9.6, 3.8)) as (left, right):
-        _draw_aim(left, synthetic, synthetic.aim.least_squares, y)
+        _draw_aim(left, THEIRS, synthetic.aim.cells, synthetic.aim.least_squares)
         right.hist(
             read_pitches(EXAMPLE).across, np.arange(-1.5, 7.51, 0.25).tolist(), density=True,
             histtype="stepfilled", facecolor="0.85", edgecolor="0.6",
             label="places in quarters of a cell",
         )  # fmt: skip
-        _draw_aim(right, example, example.aim.maximum_likelihood, y)
-        for axes, title in ((left, THEIRS), (right, _ours(example))):
-            axes.set(title=title, xlabel="cell across the plate, from the pitcher's left")
-            axes.set(xticks=range(-1, 8), ylim=(0.0, 0.4))
-            for edge, label in ((1.5, "edges of the strike zone"), (4.5, None)):
-                axes.axvline(
-                    edge, ymax=0.65, color="0.4", linewidth=0.9, dashes=(1, 3), label=label
-                )
-            axes.legend(fontsize="small", loc="upper right")
+        _draw_aim(right, _ours(example), example.aim.cells, example.aim.maximum_likelihood)
         left.set_ylabel("share of a cell; density per cell")
 
 
-def _draw_aim(axis: Axes, fitted: FittedPitches, fit: AimFit, y: Floats) -> None:
-    shares = np.array(fitted.aim.cells) / sum(fitted.aim.cells)
-    q = fit.weight.value
+def _draw_aim(axes: Axes, title: str, cells: Sequence[int], fit: AimFit) -> None:
+    y, q = np.linspace(-1.5, 7.5, 500), fit.weight.value
     left = q * normal(y, fit.left_mean.value, fit.spread.value)
     right = (1 - q) * normal(y, fit.right_mean.value, fit.spread.value)
-    axis.plot(y, left + right, **STYLES["mixture"], label="fitted mixture, Eq. 4")
-    axis.plot(y, left, **STYLES["first part"], label="left")
-    axis.plot(y, right, **STYLES["second part"], label="right")
-    axis.plot(range(1, 6), shares, **STYLES["measured"], label="cells (1 and 5 are open)")
+    _mixture(axes, y, left, right, ("fitted mixture, Eq. 4", "left", "right"))
+    shares = np.array(cells) / sum(cells)
+    axes.plot(range(1, 6), shares, **STYLES["measured"], label="cells (1 and 5 are open)")
+    axes.set(title=title, xlabel="cell across the plate, from the pitcher's left")
+    axes.set(xticks=range(-1, 8), ylim=(0.0, 0.4))
+    dotted: Any = {"ymax": 0.65, "color": "0.4", "linewidth": 0.9, "dashes": (1, 3)}
+    axes.axvline(1.5, **dotted, label="edges of the strike zone")
+    axes.axvline(4.5, **dotted)
+    axes.legend(fontsize="small", loc="upper right")
 
 
 def draw_heights(report: Path, example: FittedPitches) -> None:
     """Draw the counterpart of Fig. 4."""
     assert example.height is not None
-    shares = example.height.shares
+    shares = [share.value for share in example.height.shares]
+    bars = [2 * (share.standard_error or 0.0) for share in example.height.shares]
     with figure(report, "pitch_fits_fig4", size=(4.8, 3.8)) as (axes,):
-        axes.errorbar(
-            range(1, 6), [share.value for share in shares],
-            yerr=[2 * (share.standard_error or 0.0) for share in shares],
-            capsize=3, **STYLES["measured"],
-        )  # fmt: skip
+        axes.errorbar(range(1, 6), shares, yerr=bars, capsize=3, **STYLES["measured"])
         axes.set(title=_ours(example), xticks=range(1, 6), ylim=(0.0, 0.3))
         axes.set_xlabel("cell in height, from the lowest (1 and 5 are open)")
         axes.set_ylabel("share of pitches ± 2 standard errors")
@@ -404,12 +359,13 @@ def draw_heights(report: Path, example: FittedPitches) -> None:
 
 def draw_determination(report: Path, determination: Rows) -> None:
     """Draw R² against the width of the bins."""
+    frame = pd.DataFrame(determination)
     with figure(report, "pitch_fits_r_squared", size=(4.8, 3.8)) as (axes,):
         for what, label, color, marker, line in (
             ("speed", "normal density", "black", "o", "-"),
             ("speed as printed", "Eq. 2 as printed", "#D55E00", "s", "--"),
         ):
-            rows = pd.DataFrame([row for row in determination if row["what"] == what])
+            rows = frame[frame["what"] == what]
             axes.errorbar(
                 rows["bin_width"], rows["median"],
                 yerr=[rows["median"] - rows["low"], rows["high"] - rows["median"]],
@@ -430,29 +386,12 @@ def write(report: Path, example: FittedPitches, synthetic: FittedPitches, found:
     """Return the report in Markdown; every number and verdict in it comes from the fits."""
     of = {what: [r for r in found.r_squared if r["what"] == what] for what in WHAT}
     printed = PRINTED_R_SQUARED["speed"]
-    heights = example.height
-    assert heights is not None  # the example has them
-    shares = [share.value for share in heights.shares]
     return render(
-        report,
-        "pitch_fits",
-        count=PITCHES,
-        example=example,
-        synthetic=synthetic,
-        found=found,
-        printed=PRINTED_R_SQUARED,
+        report, "pitch_fits", globals(), example=example, synthetic=synthetic, found=found,
         within=float(np.mean([row["within_1.96"] for row in found.coverage])),
-        speed=of["speed"],
+        speed=of["speed"], aim=of["aim"][0], on_the_curve=of["aim on the curve"][0],
         fitting=[f"{r['bin_width']:g}" for r in of["speed"] if r["low"] <= printed <= r["high"]],
-        bin_width=BIN_WIDTH,
         as_printed=max(row["high"] for row in of["speed as printed"]),
-        aim=of["aim"][0],
-        on_the_curve=of["aim on the curve"][0],
-        spread=spread_behind_figure_3(),
-        curve_spread=SPREAD,
-        curve=printed_density(np.arange(1.0, 6.0)),
+        spread=spread_behind_figure_3(), curve=printed_density(), heights=example.height,
         two=[row["case"] for row in found.grid if row["peaks"] == 2],
-        heights=heights,
-        rarest=shares.index(min(shares)) + 1,
-        differ=max(shares[:4]) / min(shares[:4]) - 1,
-    )
+    )  # fmt: skip

@@ -6,7 +6,7 @@ What it prints about pitches stands in `analysis.paper.pitch_fits`, the numbers 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 SAMPLES = 1_000  # behind each density of Fig. 6 and each point of Fig. 7 (Sec. IV)
 PEAKS = {0.41: 75.0, 0.45: 125.0}  # m, highest peak of Fig. 6 by restitution (Sec. IV)
@@ -15,8 +15,7 @@ P_TEXT = (0.42, 0.17)  # P(0.42) ≈ 0.17 (Sec. V)
 UZR_SPAN, UZR_SHARE = (91.44, 121.92), 0.179  # m; share of batted balls found there (Sec. V)
 
 
-@dataclass(frozen=True)
-class Season:
+class Season(NamedTuple):
     """A line of Table I."""
 
     year: int
@@ -24,18 +23,17 @@ class Season:
     home_runs: int
 
 
-SEASONS = (
-    Season(2010, 0.418, 1605),
-    Season(2011, 0.408, 939),
-    Season(2012, 0.408, 881),
-    Season(2013, 0.416, 1311),
-)
+SEASONS = {
+    2010: Season(2010, 0.418, 1605),
+    2011: Season(2011, 0.408, 939),
+    2012: Season(2012, 0.408, 881),
+    2013: Season(2013, 0.416, 1311),
+}
 # Seasons that Table I invites to compare: a livelier ball, and a duller one.
-PAIRS = ((2010, 2011), (2013, 2012))
+PAIRS = ((SEASONS[2010], SEASONS[2011]), (SEASONS[2013], SEASONS[2012]))
 
 
-@dataclass(frozen=True)
-class Carry:
+class Carry(NamedTuple):
     """What somebody else says a change of the restitution does to the carry of a ball."""
 
     who: str

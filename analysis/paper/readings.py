@@ -13,7 +13,6 @@ def run(report: Path, full: bool) -> str:
     What is said of the nearest reading needs all combinations first, so that they come first in
     time, and below in the section.
     """
-    found, default = combinations.study(), combinations.default_trial()
     cases = combinations.cases()
     return "\n".join(
         [
@@ -21,7 +20,7 @@ def run(report: Path, full: bool) -> str:
             "Written by `python -m analysis readings`.\n",
             switches.section(report, cases),
             numbers.section(report, cases),
-            combinations.section(report, found, default, [combinations.stepped(found.best)]),
+            combinations.section(report),
             numbers.sensitivities(report, cases),
             variance.section(report, {name: base for name, (base, _) in cases.items()}),
         ]

@@ -3,25 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.patches import Patch
 from pydantic import ValidationError
 
-from analysis.paper.balls import (
-    SPACES,
-    Balls,
-    Base,
-    Share,
-    Space,
-    cores,
-    describe,
-    strike,
-    strike_in_steps,
-)
+from analysis.paper import balls
+from analysis.paper.balls import SPACES, Base, Share, Space, cores, strike
 from analysis.paper.combinations import RADII, STEP, Cases
 from analysis.paper.printed import P_TEXT
 from analysis.writing import figure, render
@@ -37,27 +27,15 @@ E = P_TEXT[0]
 ELSEWHERE = ("extended model", "not in the paper")
 
 
-@dataclass(frozen=True)
-class Turned:
-    """A reading with one switch turned.
-
-    Attributes
-    ----------
-    switch, option
-        Which, and to what.
-    p, change, change_error
-        P(0.42), and by how much it is larger than before, with the standard error for the same
-        at-bats.
-    slope
-        dP/de over e = 0.41 to 0.45.
-    """
+class Turned(NamedTuple):
+    """A reading with one switch turned to an option."""
 
     switch: str
     option: str
-    p: float
-    change: float
-    change_error: float
-    slope: float
+    p: float  # P(0.42)
+    change: float  # by how much it is larger than before
+    change_error: float  # standard error of that, for the same at-bats
+    slope: float  # dP/de over e = 0.41 to 0.45
 
     @property
     def name(self) -> str:
@@ -102,88 +80,58 @@ def turned_to(base: Base, switch: str, option: str) -> Base | None:
 
 def turn(base: Base, space: Space) -> tuple[Share, list[Turned]]:
     """Return P(0.42) of a reading, and all that comes of turning one switch."""
-    before = [space.share(balls) for balls in struck(base)]
+
+    def shares(base: Base, space: Space) -> list[Share]:
+        samples = draw(paper_at_bats(base.sampling), SAMPLES, SEED)
+        struck = strike(base, samples, RESTITUTIONS, threads=cores())
+        return [space.share(one) for one in struck]
+
     at = RESTITUTIONS.index(E)
+    before = shares(base, space)[at]
     found = []
     for switch, option, other, other_space in options(base, space):
-        shares = [other_space.share(balls) for balls in struck(other)]
-        change, error = shares[at].above(before[at])
-        found.append(Turned(switch, option, shares[at].p, change, error, slope(shares)))
-    return before[at], found
-
-
-def struck(base: Base) -> list[Balls]:
-    """Return what becomes of the same random numbers under a reading."""
-    samples = draw(paper_at_bats(base.sampling), SAMPLES, SEED)
-    return strike(base, samples, RESTITUTIONS, threads=cores())
-
-
-def slope(shares: Sequence[Share]) -> float:
-    """Return dP/de from the first restitution to the last."""
-    return (shares[-1].p - shares[0].p) / (RESTITUTIONS[-1] - RESTITUTIONS[0])
+        after = shares(other, other_space)
+        slope = (after[-1].p - after[0].p) / (RESTITUTIONS[-1] - RESTITUTIONS[0])
+        found.append(Turned(switch, option, after[at].p, *after[at].above(before), slope))
+    return before, found
 
 
 # --- the printed scheme ---------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class Scheme:
-    """The printed scheme with one of its switches turned.
-
-    Attributes
-    ----------
-    switch, option
-        Which, and to what; the first option is the default.
-    batted
-        The share of pitches that it finds to meet the bat.
-    p, p_error
-        P(0.42) in the reading's sample space.
-    change, change_error
-        Against the defaults.
-    """
+class Scheme(NamedTuple):
+    """The printed scheme with one of its switches turned; the default has no option."""
 
     switch: str
     option: str
-    batted: float
-    p: float
+    batted: float  # the share of pitches that it finds to meet the bat
+    p: float  # P(0.42) in the reading's sample space
     p_error: float
-    change: float
+    change: float  # against the defaults
     change_error: float
 
 
 def turn_scheme(base: Base, space: Space) -> list[Scheme]:
     """Return what becomes of a reading by the printed scheme, under each of its switches."""
-    found = []
-    before: Share | None = None
-    for entry in (one for one in LEDGER if one.belongs == "scheme"):
-        for option in entry.options:
-            usual = option == entry.options[0]
-            if usual and before:
-                continue
-            scheme: Any = {"dt": STEP, SCHEME_OPTIONS[entry.switch]: option}
-            (balls,) = strike_in_steps(base, STEPPED_SAMPLES, SEED, [E], Verlet(**scheme))
-            share = space.share(balls)
-            before = before or share
-            change, error = share.above(before)
-            found.append(
-                Scheme(
-                    switch="default" if usual else entry.switch,
-                    option="" if usual else option,
-                    batted=float(balls.batted.mean()),
-                    p=share.p,
-                    p_error=float(share.influence.std() / np.sqrt(STEPPED_SAMPLES)),
-                    change=change,
-                    change_error=error,
-                )
-            )
+    turns = [("default", "")]
+    turns += [(x.switch, o) for x in LEDGER if x.belongs == "scheme" for o in x.options[1:]]
+    found, before = [], None
+    for switch, option in turns:
+        chosen: Any = {SCHEME_OPTIONS[switch]: option} if option else {}
+        scheme = Verlet(dt=STEP, **chosen)
+        (struck,) = balls.strike_in_steps(base, STEPPED_SAMPLES, SEED, [E], scheme)
+        share = space.share(struck)
+        before = before or share
+        error = float(share.influence.std() / np.sqrt(STEPPED_SAMPLES))
+        batted = float(struck.batted.mean())
+        found.append(Scheme(switch, option, batted, share.p, error, *share.above(before)))
     return found
 
 
 # --- the report -----------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class Turns:
+class Turns(NamedTuple):
     """A reading, and all that comes of turning one of its switches."""
 
     name: str
@@ -204,25 +152,15 @@ class Turns:
 
 def section(report: Path, cases: Cases) -> str:
     """Write the section: each reading with each switch turned."""
-    found = [Turns(name, describe(*case), *turn(*case)) for name, case in cases.items()]
+    found = [Turns(name, balls.describe(*case), *turn(*case)) for name, case in cases.items()]
     draw_tornado(report, found)
-    *_, nearest = cases.values()
-    schemes = turn_scheme(*nearest)
+    schemes = turn_scheme(*cases["nearest"])
+    seen = [one for one in schemes if one.option and abs(one.change) > 2 * one.change_error]
     caption = PAPER_CURVES["caption"]
     return render(
-        report,
-        "switches",
-        found=found,
-        samples=SAMPLES,
-        seed=SEED,
-        e=E,
-        wanted=caption(E),
-        steep=(caption(0.45) - caption(0.41)) / 0.04,
-        step=STEP,
-        stepped_samples=STEPPED_SAMPLES,
-        schemes=schemes,
-        seen=[one for one in schemes if one.option and abs(one.change) > 2 * one.change_error],
-    )
+        report, "switches", globals(), found=found, schemes=schemes, seen=seen,
+        wanted=caption(E), steep=(caption(0.45) - caption(0.41)) / 0.04,
+    )  # fmt: skip
 
 
 def draw_tornado(report: Path, found: Sequence[Turns]) -> None:

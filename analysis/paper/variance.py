@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis import Array
 from analysis.paper.balls import SPACES, Base, cores, describe, strike
 from analysis.writing import render
 from longball.home_run import HOME_RUN_DISTANCE, Samples, draw, paper_at_bats
-
-Array = NDArray[np.float64]
 
 INPUTS = {"speed": "pitch's speed", "aim": "aim", "tilt": "tilt", "offset": "offset"}
 SAMPLES = 50_000  # of each of the two sets; six times as many at-bats are solved
@@ -21,21 +20,12 @@ RESAMPLES = 200
 E = 0.42
 
 
-@dataclass(frozen=True)
-class Indices:
-    """Shares of a variance that inputs have, with standard errors; arrays of shape (inputs,).
+class Indices(NamedTuple):
+    """Shares of a variance that inputs have, with standard errors; arrays of shape (inputs,)."""
 
-    Attributes
-    ----------
-    first, first_error
-        What an input explains alone.
-    total, total_error
-        What it has a part in.
-    """
-
-    first: Array
+    first: Array  # what an input explains alone
     first_error: Array
-    total: Array
+    total: Array  # what it has a part in
     total_error: Array
 
 
@@ -79,18 +69,16 @@ def quantities(base: Base, samples: Samples) -> dict[str, Array]:
     """Return what is asked of at-bats: D, 0 for a miss, and whether it is a home run's."""
     (balls,) = strike(base, samples, [E], threads=cores())
     distance = np.where(balls.batted, balls.distance, 0.0)
-    upwards = np.where(balls.elevation > 0, distance, 0.0)
     return {
         "D": distance,
-        "D of balls hit upwards": upwards,
+        "D of balls hit upwards": np.where(balls.elevation > 0, distance, 0.0),
         "D ≥ 150 m": (distance >= HOME_RUN_DISTANCE).astype(float),
     }
 
 
 def analyse(base: Base) -> dict[str, Indices]:
     """Return the indices of each quantity."""
-    at_bats = paper_at_bats(base.sampling)
-    one, other = (draw(at_bats, SAMPLES, seed) for seed in SEEDS)
+    one, other = (draw(paper_at_bats(base.sampling), SAMPLES, seed) for seed in SEEDS)
     a, b = quantities(base, one), quantities(base, other)
     mixed = [quantities(base, replace(one, **{name: getattr(other, name)})) for name in INPUTS]
     return {
@@ -104,14 +92,8 @@ def section(report: Path, bases: dict[str, Base]) -> str:
     found = {name: analyse(base) for name, base in bases.items()}
     labels = list(INPUTS.values())
     return render(
-        report,
-        "variance",
-        found=found,
+        report, "variance", globals(), found=found, inputs=labels,
         bases={name: describe(base, SPACES[0]) for name, base in bases.items()},
-        inputs=labels,
         ranked={n: [labels[i] for i in np.argsort(-of["D"].total)] for n, of in found.items()},
-        speed=labels.index(INPUTS["speed"]),
-        e=E,
-        resamples=RESAMPLES,
-        samples=SAMPLES,
-    )
+        speed=list(INPUTS).index("speed"),
+    )  # fmt: skip

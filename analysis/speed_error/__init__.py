@@ -11,17 +11,16 @@ from typing import Any
 
 import pandas as pd
 
-from analysis.speed_error import contenders, laws, measuring, pictures
-from analysis.speed_error.peers import HeyokaBatch
-from analysis.speed_error.work import SEED, TRUE_DIGITS, Known, at_bats, flights, known
-from analysis.writing import render, table
+from analysis.speed_error import contenders, laws, measuring, peers, pictures, work
+from analysis.speed_error.work import Known, at_bats, flights, known
+from analysis.writing import render, write_table
 from longball.engines.batch import Batch
 
 ROUNDS, FULL_ROUNDS = 5, 7
 SCENES, FULL_SCENES = 100, 300  # of which the errors are looked at
 
 # Who stands in the short table: the measure of all first.
-_SHORT = (
+SHORT = (
     f"batch, {Batch().tolerance:g} m",
     "batch, 1e-08 m",
     "heyoka batch, default",
@@ -47,11 +46,11 @@ def run(report: Path, full: bool) -> str:
     """Measure flights and at-bats; write tables, pictures and the section."""
     rounds, count = (FULL_ROUNDS, FULL_SCENES) if full else (ROUNDS, SCENES)
     size = max(count, contenders.COMPILED)
-    measured = [measure(known(work, count), rounds) for work in (flights(size), at_bats(size))]
-    table(report, "speed_error_timings", pd.concat([timings for timings, _ in measured]))
+    measured = [measure(known(one, count), rounds) for one in (flights(size), at_bats(size))]
+    write_table(report, "speed_error_timings", pd.concat([timings for timings, _ in measured]))
     whole = pd.concat([rows for _, rows in measured], ignore_index=True)
     rounded = whole.map(lambda value: float(f"{value:.3g}") if isinstance(value, float) else value)
-    table(report, "speed_error", rounded)
+    write_table(report, "speed_error", rounded)
     of_laws = laws.section(report, rounds, count // 4)
     return section(report, rounded, rounds, count, full) + of_laws
 
@@ -63,26 +62,14 @@ def section(report: Path, whole: pd.DataFrame, rounds: int, count: int, full: bo
     shares: dict[str, list[float]] = {}
     for row in at_bat.values():
         shares.setdefault(row["method"], []).append(row["missed"] / row["contacts"])
-    dear = at_bat[contenders.SHORTEST]["ratio"] / at_bat["ivp DOP853, 1e-08"]["ratio"]
     return render(
-        report,
-        "speed_error",
-        seed=SEED,
-        digits=TRUE_DIGITS,
-        count=count,
-        rounds=rounds,
-        machine=measuring.machine(),
-        versions=measuring.versions(),
-        full=full,
-        absent=contenders.missing_peers(),
-        best=flight[_SHORT[0]],
+        report, "speed_error", globals(), count=count, rounds=rounds, full=full,
+        flight=flight, at_bat=at_bat, work=work, peers=peers,
         dial=[row["ratio"] for row in flight.values() if row["method"] == "batch"],
         never=[method for method, share in shares.items() if max(share) == 0.0],
         missing={method: share for method, share in shares.items() if max(share) > 0.0},
-        dear=dear,
-        short=table(report, "speed_error_short", short(whole)),
-        lanes=HeyokaBatch.lanes,
-    )
+        dear=at_bat[contenders.SHORTEST]["ratio"] / at_bat["ivp DOP853, 1e-08"]["ratio"],
+    )  # fmt: skip
 
 
 def measure(given: Known, rounds: int) -> tuple[pd.DataFrame, pd.DataFrame]:
@@ -93,47 +80,20 @@ def measure(given: Known, rounds: int) -> tuple[pd.DataFrame, pd.DataFrame]:
         *contenders.installed_peers(),
     ]
     measured = measuring.measure([(entrant, given) for entrant in entrants], rounds)
-    unit = next(found for found in measured if found.contender.name == _SHORT[0])
+    unit = next(found for found in measured if found.contender.name == SHORT[0])
     timings, rows = [], []
     for found in measured:
         entrant = found.contender
-        whose: dict[str, object] = {
-            "work": given.work.base.kind,
-            "method": entrant.family,
-            "setting": entrant.setting,
-        }
-        times = {
-            "time each, µs": found.microseconds,
-            "ratio": measuring.ratio(found.seconds, unit.seconds),
-        }
+        whose: dict[str, object] = {"work": given.work.base.kind, "method": entrant.family}
+        whose["setting"] = entrant.setting
+        ratio = measuring.ratio(found.seconds, unit.seconds)
+        times = {"time each, µs": found.microseconds, "ratio": ratio}
         rows.append(whose | times | found.errors.row())
         timings += [
             whose | {"round": i, "scenes": entrant.turn, "time, s": f"{entrant.turn * s:.6g}"}
             for i, s in enumerate(found.seconds, 1)
         ]
     return pd.DataFrame(timings), pd.DataFrame(rows)
-
-
-def short(whole: pd.DataFrame) -> pd.DataFrame:
-    """Return the table of a few."""
-    flight, at_bat = by_name(whole, "flight"), by_name(whole, "at-bat")
-    return pd.DataFrame(
-        [
-            {
-                "method": name,
-                "flight, µs": f"{flight[name]['time each, µs']:.3g}",
-                "ratio": f"{flight[name]['ratio']:.3g}",
-                "worst error of D, m": f"{flight[name]['worst error, m']:.1e}",
-                "at-bat, µs": f"{at_bat[name]['time each, µs']:.3g}",
-                "at-bats: worst error of D, m": f"{at_bat[name]['worst error, m']:.1e}".replace(
-                    "nan", "–"
-                ),
-                "contacts missed": f"{at_bat[name]['missed'] / at_bat[name]['contacts']:.1%}",
-            }
-            for name in _SHORT
-            if name in flight
-        ]
-    )
 
 
 def by_name(whole: pd.DataFrame, kind: str) -> dict[str, dict[str, Any]]:

@@ -38,27 +38,13 @@ class Answers:
 
 @dataclass(frozen=True)
 class Contender:
-    """Someone who can solve the work, at one setting.
+    """Someone who can solve the work, at one setting."""
 
-    Attributes
-    ----------
-    family
-        What the settings belong to: a line of a diagram.
-    setting
-        Tolerance or step.
-    solve
-        Solves scenes.
-    turn
-        How many scenes a turn of the timing has.
-    most
-        How many scenes its error is looked at over; None: all.
-    """
-
-    family: str
-    setting: str
+    family: str  # what the settings belong to: a line of a diagram
+    setting: str  # tolerance or step
     solve: Callable[[Work], Answers]
-    turn: int
-    most: int | None = None
+    turn: int  # scenes that a turn of the timing has
+    most: int | None = None  # scenes that its error is looked at over; None: all
 
     @property
     def name(self) -> str:
@@ -86,10 +72,10 @@ def one_by_one(engine: Engine[Any]) -> Callable[[Work], Answers]:
 
     def solved(work: Work) -> Answers:
         results = [solve(scene, engine) for scene in work.scenes]
+        outcomes, landings = [x.outcome or "" for x in results], [x.landing for x in results]
+        distances = [landing.distance if landing else None for landing in landings]
         return Answers(
-            [result.outcome or "" for result in results],
-            [result.landing.distance if result.landing else None for result in results],
-            [result.landing.time if result.landing else None for result in results],
+            outcomes, distances, [landing.time if landing else None for landing in landings]
         )
 
     return solved
@@ -112,9 +98,7 @@ def ivp(method: str, rtol: float | None = None) -> Contender:
     return Contender(f"ivp {method}", setting, one_by_one(engine), turn, most)
 
 
-def enclosure() -> Contender:
-    """Return the proven engine, scene by scene."""
-    return Contender("enclosure", "30 digits", one_by_one(Enclosure(30)), 5, 50)
+ENCLOSURE = Contender("enclosure", "30 digits", one_by_one(Enclosure(30)), 5, 50)
 
 
 def longball_engines() -> Iterator[Contender]:
@@ -131,7 +115,7 @@ def longball_engines() -> Iterator[Contender]:
         for dt in (0.05, 0.01, 2e-3, 4e-4):
             verlet = one_by_one(Verlet(dt, treatment))
             yield Contender(f"verlet {treatment}", f"{dt:g} s", verlet, QUICK)
-    yield enclosure()
+    yield ENCLOSURE
     yield Contender("multiprecision", "30 digits", one_by_one(Multiprecision(30)), 1, 5)
 
 
@@ -168,10 +152,9 @@ def installed_peers() -> Iterator[Contender]:
     for rtol in (1e-6, 1e-9, 1e-12):
         if "scikit-sundae" not in absent:
             yield Contender("CVODE Adams", f"{rtol:g}", in_columns(peers.Cvode(rtol)), SLOW)
-        if "diffrax" not in absent:
-            for name in ("Tsit5", "Dopri8"):
-                solver = in_columns(peers.Diffrax(name, rtol))
-                yield Contender(f"diffrax {name}", f"{rtol:g}", solver, peers.LOCKSTEP)
+        for name in ("Tsit5", "Dopri8") if "diffrax" not in absent else ():
+            solver = in_columns(peers.Diffrax(name, rtol))
+            yield Contender(f"diffrax {name}", f"{rtol:g}", solver, peers.LOCKSTEP)
         if "heyoka" not in absent:
             yield from heyoka(rtol)
     if "heyoka" not in absent:

@@ -7,13 +7,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import pandas as pd
-
 from analysis.speed_error import contenders
 from analysis.speed_error.contenders import Answers, Contender
 from analysis.speed_error.measuring import Measured, measure, ratio
 from analysis.speed_error.work import Work, flights, known
-from analysis.writing import render, table
+from analysis.writing import render
 from longball.engines.batch import Batch, solve_columns
 from longball.engines.batch.flights import Records
 from longball.engines.batch.many import BLOCK
@@ -21,22 +19,17 @@ from longball.model.air import Air
 from longball.model.scene import FlightScene
 from longball.model.trace import Program
 
-RATIONAL = {"law": "rational"}
+RATIONAL: dict[str, Any] = {"lift_coefficient": {"law": "rational"}}
+CRISIS = {"drag_coefficient": {"law": "crisis"}}
 ACROSS, ASKEW = (0.0, -200.0, 0.0), (30.0, -200.0, 60.0)  # rad/s, spins
 AHEAD, ASIDE = (-4.0, 0.0, 0.0), (-4.0, 3.0, 0.0)  # m/s, winds
 
 # The first is the measure of the others: spin, air.
 LAWS: dict[str, tuple[tuple[float, float, float] | None, dict[str, Any]]] = {
     "the paper's, planar": (None, {}),
-    "spin across, C_L(S), head wind, planar": (
-        ACROSS,
-        {"lift_coefficient": RATIONAL, "wind": AHEAD},
-    ),
-    "spin vector, C_L(S), wind, in space": (ASKEW, {"lift_coefficient": RATIONAL, "wind": ASIDE}),
-    "the same, and a drag crisis": (
-        ASKEW,
-        {"lift_coefficient": RATIONAL, "wind": ASIDE, "drag_coefficient": {"law": "crisis"}},
-    ),
+    "spin across, C_L(S), head wind, planar": (ACROSS, RATIONAL | {"wind": AHEAD}),
+    "spin vector, C_L(S), wind, in space": (ASKEW, RATIONAL | {"wind": ASIDE}),
+    "the same, and a drag crisis": (ASKEW, RATIONAL | {"wind": ASIDE} | CRISIS),
 }
 
 
@@ -44,14 +37,11 @@ def works(count: int) -> dict[str, Work]:
     """Return the same launches under each law."""
     level = flights(count)
     assert isinstance(level.base, FlightScene)
-    launch = level.base.launch
-    return {
-        law: Work(
-            FlightScene(launch=launch.model_copy(update={"spin": spin}), air=Air(**air)),
-            level.columns,
-        )
-        for law, (spin, air) in LAWS.items()
-    }
+    launch, found = level.base.launch, {}
+    for law, (spin, air) in LAWS.items():
+        base = FlightScene(launch=launch.model_copy(update={"spin": spin}), air=Air(**air))
+        found[law] = Work(base, level.columns)
+    return found
 
 
 @dataclass(frozen=True)
@@ -87,13 +77,13 @@ def entrants(work: Work) -> Iterator[Contender]:
     """Yield who flies under a law: the kernel, batch, enclosure, and heyoka if it is installed."""
     yield kernel(work)
     yield contenders.batch(Batch().tolerance)
-    yield contenders.enclosure()
+    yield contenders.ENCLOSURE
     if "heyoka" not in contenders.missing_peers():
         yield from contenders.heyoka()
 
 
-def compared(rounds: int, count: int) -> pd.DataFrame:
-    """Time all under each law, in the same rounds; return a row a law.
+def compared(rounds: int, count: int) -> dict[tuple[str, str], Measured]:
+    """Time all under each law, in the same rounds; return what is found by law and method.
 
     Errors are those of the first `count` flights.
     """
@@ -103,33 +93,10 @@ def compared(rounds: int, count: int) -> pd.DataFrame:
         for given in [known(work, count)]
         for entrant in entrants(work)
     }
-    found = dict(zip(turns, measure([*turns.values()], rounds), strict=True))
-    return pd.DataFrame([row(found, law) for law in LAWS])
-
-
-def row(found: dict[tuple[str, str], Measured], law: str) -> dict[str, str]:
-    """Return what was found under a law, beside the first law."""
-    ours, first = found[law, "batch"], next(iter(LAWS))
-
-    def beside(method: str, unit: Measured) -> str:
-        return f"{ratio(found[law, method].seconds, unit.seconds):.3g}"
-
-    cells = {
-        "law": law,
-        "batch, µs": f"{ours.microseconds:.3g}",
-        "ratio to the first": beside("batch", found[first, "batch"]),
-        "kernel, µs": f"{found[law, 'kernel'].microseconds:.3g}",
-        "kernel: ratio to the first": beside("kernel", found[first, "kernel"]),
-        "batch: worst error of D, m": f"{ours.errors.worst:.1e}",
-    }
-    for method in ("heyoka batch", "heyoka scalar"):
-        if (law, method) in found:
-            cells[f"{method} / batch"] = beside(method, ours)
-            cells[f"{method}: worst error of D, m"] = f"{found[law, method].errors.worst:.1e}"
-    return cells | {"30 digits, ms": f"{found[law, 'enclosure'].microseconds / 1e3:.3g}"}
+    return dict(zip(turns, measure([*turns.values()], rounds), strict=True))
 
 
 def section(report: Path, rounds: int, count: int) -> str:
     """Measure, and write the table and the Markdown about it."""
-    rows = table(report, "speed_error_laws", compared(rounds, count))
-    return render(report, "speed_error_laws", rows=rows, count=count)
+    found = compared(rounds, count)
+    return render(report, "speed_error_laws", globals(), found=found, count=count, ratio=ratio)

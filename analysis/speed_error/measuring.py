@@ -9,8 +9,8 @@ import platform
 import statistics
 import time
 from collections.abc import Iterable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
-from decimal import Decimal
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
@@ -18,7 +18,8 @@ import numpy as np
 
 from analysis.speed_error.contenders import Answers, Contender
 from analysis.speed_error.work import Known
-from longball.model.result import Bounded, Certified, Number, Result
+from analysis.stability import exactly
+from longball.model.result import Number, Result
 
 VERSIONS = ("numpy", "scipy", "numba", "python-flint", "heyoka", "diffrax", "jax", "scikit-sundae")
 
@@ -68,31 +69,17 @@ def ratio(mine: Sequence[float], measure: Sequence[float]) -> float:
 class Errors:
     """What a contender made of scenes whose truth is known.
 
-    Attributes
-    ----------
-    scenes
-        How many there were.
-    median, most, worst
-        m, of |D - true D| where both have landed: the middle, the 99th percentile, the largest;
-        NaN if there is none.
-    worst_time
-        s, the same of the time of landing.
-    contacts
-        In how many the ball truly meets the bat between its ends.
-    missed
-        In how many of those the answer is that it does not.
-    unanswered
-        In how many there is no answer.
+    Errors are |D - true D| where both have landed, m; NaN if there is none.
     """
 
     scenes: int
     median: float
-    most: float
+    most: float  # the 99th percentile
     worst: float
-    worst_time: float
-    contacts: int
-    missed: int
-    unanswered: int
+    worst_time: float  # s, the same of the time of landing
+    contacts: int  # scenes in which the ball truly meets the bat between its ends
+    missed: int  # of those, how many are answered with that it does not
+    unanswered: int  # scenes without an answer
 
     def row(self) -> dict[str, object]:
         """Return the numbers as columns of a table."""
@@ -136,11 +123,7 @@ def _differences(found: Iterable[Number | None], true: Iterable[Number | None]) 
 
 def difference(found: Number, true: Number) -> float:
     """Return the size of a difference, whatever kinds of numbers the two are."""
-    return abs(float(_decimal(found) - _decimal(true)))
-
-
-def _decimal(number: Number) -> Decimal:
-    return Decimal(number.value if isinstance(number, Bounded | Certified) else number)
+    return abs(float(exactly(found) - exactly(true)))
 
 
 def machine() -> str:
@@ -157,8 +140,6 @@ def versions() -> str:
     """Return the versions of what is compared."""
     found = [f"Python {platform.python_version()}"]
     for package in VERSIONS:
-        try:
+        with suppress(PackageNotFoundError):
             found.append(f"{package} {version(package)}")
-        except PackageNotFoundError:
-            continue
     return ", ".join(found)

@@ -20,68 +20,47 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.integrate
-from numpy.typing import NDArray
 
+from analysis import Array
 from longball.engines.batch.flights import TIME_LIMIT, TOUCH, Records, arrival_dtype
 from longball.model import trace
 from longball.model.trace import Node, Program
 
-Array = NDArray[np.float64]
+Function = Callable[..., tuple[Any, ...]]
 
 
 class Problem(NamedTuple):
-    """What flights have in common.
+    """What flights have in common."""
 
-    Attributes
-    ----------
-    law
-        Program of the law of motion.
-    strengths
-        Values of its parameters.
-    stops
-        What falls through zero where a flight ends, m: a program each, of the law's variables and
-        of the numbers that a flight has for itself.
-    bat
-        Whether the last of them is the touching of the bat.
-    """
-
-    law: Program
-    strengths: tuple[float, ...]
+    law: Program  # the law of motion
+    strengths: tuple[float, ...]  # values of its parameters
+    # What falls through zero where a flight ends, m: a program each, of the law's variables and of
+    # the numbers that a flight has for itself.
     stops: tuple[Program, ...]
-    bat: bool
+    bat: bool  # whether the last of them is the touching of the bat
 
     @property
     def state(self) -> slice:
         """The columns of a flight that hold its state; its own numbers are behind them."""
         return slice(2, 2 + len(self.law.variables))
 
-    def rates(self, numbers: Any) -> Callable[..., tuple[Any, ...]]:
-        """Return longball's law of motion, for the numbers that a module has functions of."""
+    def bound(self, numbers: Any) -> tuple[Function, list[Function]]:
+        """Return the functions of the flights, for the numbers that a module has functions of.
+
+        Longball's law of motion; and those of a state and a flight's own numbers that fall through
+        zero.
+        """
         strengths = dict(zip(self.law.parameters, self.strengths, strict=True))
-        return self.law.bind(strengths, _functions(numbers))
-
-    def heights(self, numbers: Any) -> list[Callable[..., tuple[Any, ...]]]:
-        """Return the functions of a state and a flight's own numbers that fall through zero."""
-        return [stop.bind({}, _functions(numbers)) for stop in self.stops]
-
-
-def _functions(numbers: Any) -> dict[str, Callable[[Any], Any]]:
-    return {name: getattr(numbers, name) for name in ("sqrt", "exp", "log")}
+        functions = {name: getattr(numbers, name) for name in ("sqrt", "exp", "log")}
+        stops = [stop.bind({}, functions) for stop in self.stops]
+        return self.law.bind(strengths, functions), stops
 
 
 def problem_of(starts: Records, law: Program) -> tuple[Problem, Array]:
-    """Return what flights have in common, and their numbers.
+    """Return what flights have in common, and their numbers: an array of shape (n, m).
 
-    Returns
-    -------
-    problem
-    array, shape (n, m)
-        A row a flight: time and time limit, s; the state; the numbers that it has for itself.
-
-    Raises
-    ------
-    ValueError
-        If not all are under the same forces.
+    It has a row a flight: time and time limit, s; the state; the numbers that it has for itself. A
+    ValueError says that not all are under the same forces.
     """
     names = ("time", "time_limit", *law.variables)
     columns, variables = [starts[name] for name in names], [*map(trace.variable, law.variables)]
@@ -128,17 +107,10 @@ class Peer(ABC):
 
     @abstractmethod
     def land(self, problem: Problem, flights: Array) -> Array:
-        """Fly each flight to its first stop.
+        """Fly each flight, as from `problem_of`, to its first stop.
 
-        Parameters
-        ----------
-        flights
-            As from `problem_of`.
-
-        Returns
-        -------
-        array, shape (n, 2 + variables)
-            Which of the stops was met (-1: none); when, s, and in what state.
+        Returns an array of shape (n, 2 + variables): which of the stops was met (-1: none); when,
+        s, and in what state.
         """
 
     def fly_all(self, starts: Records, program: Program) -> Records:
@@ -163,21 +135,15 @@ class Peer(ABC):
 
 @dataclass(frozen=True)
 class Scipy(Peer):
-    """`scipy.integrate.solve_ivp` with terminal events.
-
-    Attributes
-    ----------
-    max_step
-        s, of its steps while the bat is looked for.
-    """
+    """`scipy.integrate.solve_ivp` with terminal events."""
 
     method: str
     rtol: float
-    max_step: float = math.inf
+    max_step: float = math.inf  # s, while the bat is looked for
 
     def land(self, problem: Problem, flights: Array) -> Array:
         """Fly one after the other."""
-        rates, heights = problem.rates(math), problem.heights(math)
+        rates, heights = problem.bound(math)
 
         def motion(_: float, y: Array) -> tuple[float, ...]:
             return rates(*y.tolist())
@@ -191,16 +157,12 @@ class Scipy(Peer):
             return event
 
         def one(flight: list[float]) -> tuple[float, ...]:
+            options = {"method": self.method, "rtol": self.rtol, "atol": self.rtol}
             found = scipy.integrate.solve_ivp(
-                motion,
-                flight[:2],
-                np.array(flight[problem.state]),
-                method=self.method,
-                rtol=self.rtol,
-                atol=self.rtol,
+                motion, flight[:2], np.array(flight[problem.state]), **options,
                 max_step=self.max_step if problem.bat else math.inf,
                 events=[stop(height, flight[problem.state.stop :]) for height in heights],
-            )
+            )  # fmt: skip
             met = [place for place, times in enumerate(found.t_events) if len(times)]
             return (met[0] if met else -1, found.t[-1], *found.y[:, -1])
 
@@ -218,7 +180,7 @@ class Cvode(Peer):
 
     def land(self, problem: Problem, flights: Array) -> Array:
         """Fly one after the other, by one solver."""
-        rates, falling = problem.rates(math), problem.heights(math)
+        rates, falling = problem.bound(math)
         own: list[float] = []
 
         def motion(_: float, y: Array, rate: Array) -> None:
@@ -232,14 +194,9 @@ class Cvode(Peer):
         stop.terminal = [True] * len(falling)  # type: ignore[attr-defined]
         stop.direction = [-1] * len(falling)  # type: ignore[attr-defined]
         solver = import_module("sksundae.cvode").CVODE(
-            motion,
-            method="Adams",
-            rtol=self.rtol,
-            atol=self.rtol,
-            eventsfn=stop,
-            num_events=len(falling),
-            max_num_steps=100_000,
-        )
+            motion, method="Adams", rtol=self.rtol, atol=self.rtol, max_num_steps=100_000,
+            eventsfn=stop, num_events=len(falling),
+        )  # fmt: skip
         arrived = np.empty((len(flights), problem.state.stop))
         for flight, end in zip(flights, arrived, strict=True):
             own[:] = flight[problem.state.stop :].tolist()
@@ -306,16 +263,10 @@ class HeyokaBatch(Heyoka):
             pars[:] = group[:, problem.state.stop :].T
             met, limits = [flying] * self.lanes, group[:, 1].tolist()
             while flying in met:
-                integrator.propagate_until(
-                    [
-                        limit if outcome == flying else time
-                        for outcome, limit, time in zip(met, limits, times.tolist(), strict=True)
-                    ]
-                )
-                met = [
-                    int(found[0]) if outcome == flying else outcome
-                    for outcome, found in zip(met, integrator.propagate_res, strict=True)
-                ]
+                still = np.array(met) == flying
+                integrator.propagate_until(np.where(still, limits, times).tolist())
+                ended = [int(found[0]) for found in integrator.propagate_res]
+                met = np.where(still, ended, met).tolist()
             end[:, 0] = [places.get(outcome, -1) for outcome in met]
             end[:, 1], end[:, 2:] = times, state.T
         arrived = np.empty((len(flights), problem.state.stop))
@@ -326,10 +277,10 @@ class HeyokaBatch(Heyoka):
 def _duration(problem: Problem, flights: Array) -> Array:
     """Return about how long flights will take, s: as long as if their acceleration stayed."""
     state, own = flights[:, problem.state].T, flights[:, problem.state.stop :].T
-    rates = np.broadcast_arrays(*problem.rates(np)(*state))
+    law, heights = problem.bound(np)
+    rates = np.broadcast_arrays(*law(*state))
     half = len(state) // 2
     shortest = np.full(len(flights), math.inf)
-    heights = problem.heights(np)
     for height in heights[:-1] if problem.bat else heights:
 
         def ahead(change: Any, height: Any = height) -> Any:
@@ -355,14 +306,14 @@ def _heyoka(problem: Problem, tolerance: float, lanes: int = 0) -> Any:
     names = problem.law.variables
     state = hy.make_vars(*names)
     own = [hy.par[i] for i in range(len(problem.stops[0].variables) - len(names))]
+    rates, heights = problem.bound(hy)
     event, integrator = (
         (hy.t_event_batch, hy.taylor_adaptive_batch) if lanes else (hy.t_event, hy.taylor_adaptive)
     )
     events = [
-        event(height(*state, *own)[0], direction=hy.event_direction.negative)
-        for height in problem.heights(hy)
+        event(height(*state, *own)[0], direction=hy.event_direction.negative) for height in heights
     ]
-    motion = list(zip(state, problem.rates(hy)(*state), strict=True))
+    motion = list(zip(state, rates(*state), strict=True))
     start = np.ones((len(names), lanes) if lanes else len(names))
     return integrator(motion, start, t_events=events, tol=tolerance)
 
@@ -382,11 +333,9 @@ class Diffrax(Peer):
         """Fly in groups; the last one is filled up with its last flight."""
         fly = _diffrax(self.solver, problem)
         full = np.pad(flights, ((0, -len(flights) % LOCKSTEP), (0, 0)), "edge")
-        groups = [
-            np.column_stack(fly(full[i : i + LOCKSTEP], self.rtol))
-            for i in range(0, len(full), LOCKSTEP)
-        ]
-        return np.concatenate(groups)[: len(flights)]
+        groups = np.split(full, len(full) // LOCKSTEP)
+        flown = [np.column_stack(fly(group, self.rtol)) for group in groups]
+        return np.concatenate(flown)[: len(flights)]
 
 
 @cache
@@ -398,7 +347,7 @@ def _diffrax(solver: str, problem: Problem) -> Any:
     diffrax: Any = import_module("diffrax")
     optimistix: Any = import_module("optimistix")
     jnp = jax.numpy
-    rates = problem.rates(jnp)
+    rates, heights = problem.bound(jnp)
 
     def one(row: Any, rtol: Any) -> Any:
         own = row[problem.state.stop :]
@@ -406,22 +355,13 @@ def _diffrax(solver: str, problem: Problem) -> Any:
         def stop(height: Any) -> Any:
             return lambda t, y, args, **_: height(*y, *own)[0]
 
+        events = [stop(height) for height in heights]
         found = diffrax.diffeqsolve(
-            diffrax.ODETerm(lambda t, y, args: jnp.stack(rates(*y))),
-            getattr(diffrax, solver)(),
-            row[0],
-            row[1],
-            None,
-            row[problem.state],
+            diffrax.ODETerm(lambda t, y, args: jnp.stack(rates(*y))), getattr(diffrax, solver)(),
+            row[0], row[1], None, row[problem.state], max_steps=100_000, throw=False,
             stepsize_controller=diffrax.PIDController(rtol=rtol, atol=rtol),
-            event=diffrax.Event(
-                [stop(height) for height in problem.heights(jnp)],
-                optimistix.Newton(rtol, rtol),
-                direction=False,
-            ),
-            max_steps=100_000,
-            throw=False,
-        )
+            event=diffrax.Event(events, optimistix.Newton(rtol, rtol), direction=False),
+        )  # fmt: skip
         met = jnp.stack(found.event_mask)
         sure = found.result == diffrax.RESULTS.event_occurred
         return jnp.where(sure, met.argmax(), -1), found.ts[-1], found.ys[-1]

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis import Array
 from longball import engines
 from longball.engines.chain import solve
 from longball.home_run import draw, paper_at_bats
@@ -16,7 +16,6 @@ from longball.model.readings import SamplingReading
 from longball.model.result import Result
 from longball.model.scene import AtBatScene, FlightScene, Launch
 
-Array = NDArray[np.float64]
 Scene = FlightScene | AtBatScene
 
 SEED = 1
@@ -26,18 +25,10 @@ TRUE_DIGITS = 40
 
 @dataclass(frozen=True)
 class Work:
-    """Scenes that differ in some of their numbers.
+    """Scenes that differ in some of their numbers."""
 
-    Attributes
-    ----------
-    base
-        Says what is the same in all.
-    columns
-        What differs, as `longball.engines.batch.solve_columns` takes it.
-    """
-
-    base: Scene
-    columns: dict[str, Array]
+    base: Scene  # what is the same in all
+    columns: dict[str, Array]  # what differs, as `longball.engines.batch.solve_columns` takes it
 
     def __len__(self) -> int:
         return min(map(len, self.columns.values()))
@@ -62,10 +53,8 @@ def flights(count: int) -> Work:
     rng = np.random.default_rng(SEED)
     speed, rise = rng.uniform(25.0, 50.0, count), np.radians(rng.uniform(5.0, 60.0, count))
     level = Launch(position=(0.0, 0.0, HEIGHT), velocity=(30.0, 0.0, 30.0))
-    columns = {
-        "launch.velocity[0]": speed * np.cos(rise),
-        "launch.velocity[2]": speed * np.sin(rise),
-    }
+    velocity = {0: speed * np.cos(rise), 2: speed * np.sin(rise)}
+    columns = {f"launch.velocity[{i}]": column for i, column in velocity.items()}
     return Work(FlightScene(id="flight", launch=level), columns)
 
 

@@ -1,12 +1,9 @@
 """ballistics-engine: a table with one C_D; density by its atmosphere, g as it is built in."""
 
 import math
-import sys
 from typing import Any
 
 import ballistics_engine as be
-
-from longball.judge import serve
 
 INCH, GRAIN, YARD = 0.0254, 6.479891e-5, 0.9144
 
@@ -32,7 +29,3 @@ def fly(state: Any, p: Any, method: str, step: float) -> Any:
     solver.set_max_range(1000.0)
     c, s, points = YARD * vx / along, YARD * vy / along, solver.solve().points
     return [[d.time, x + c * d.x, y + s * d.x, ground + YARD * d.y] for d in points]
-
-
-if __name__ == "__main__":
-    serve(lambda state, p: fly(state, p, sys.argv[1], float(sys.argv[2])))

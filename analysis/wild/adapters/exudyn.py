@@ -1,13 +1,11 @@
 """Exudyn: a mass point; drag, lift and weight by a load of the user's."""
 
-import sys
 from typing import Any
 
 import exudyn
 from exudyn import itemInterface as Items
 
 from analysis.wild.air import push_of_air
-from longball.judge import serve
 
 
 def fly(state: Any, p: Any, method: str, step: float) -> Any:
@@ -37,7 +35,3 @@ def fly(state: Any, p: Any, method: str, step: float) -> Any:
     time.verboseMode = 0
     mbs.SolveDynamic(settings, solverType=getattr(exudyn.DynamicSolverType, method))
     return points
-
-
-if __name__ == "__main__":
-    serve(lambda state, p: fly(state, p, sys.argv[1], float(sys.argv[2])))

@@ -1,12 +1,9 @@
 """freefall, in two dimensions: its points, up to the first below the ground."""
 
 import math
-import sys
 from typing import Any
 
 from freefall import falling_objects, simulators
-
-from longball.judge import serve
 
 
 def fly(state: Any, p: Any, _: str, step: float) -> Any:
@@ -23,7 +20,3 @@ def fly(state: Any, p: Any, _: str, step: float) -> Any:
     return [
         [t, x + c * r, y + s * r, up] for t, r, up in zip(flown.t, flown.x, flown.y, strict=True)
     ]
-
-
-if __name__ == "__main__":
-    serve(lambda state, p: fly(state, p, "", float(sys.argv[1])))

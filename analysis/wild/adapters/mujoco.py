@@ -1,12 +1,10 @@
 """MuJoCo: its own drag of an ellipsoid; lift, which it has for spinning bodies, by a callback."""
 
-import sys
 from typing import Any
 
 import mujoco
 
 from analysis.wild.air import push_of_air
-from longball.judge import serve
 
 BALL = """<mujoco><option timestep="{}" integrator="{}" gravity="0 0 {}" density="{}"/><worldbody>
 <body><joint type="slide" axis="1 0 0"/><joint type="slide" axis="0 1 0"/>
@@ -34,7 +32,3 @@ def fly(state: Any, p: Any, method: str, step: float) -> Any:
         mujoco.mj_step(model, data)
         points.append([data.time, *data.qpos, *data.qvel])
     return points
-
-
-if __name__ == "__main__":
-    serve(lambda state, p: fly(state, p, sys.argv[1], float(sys.argv[2])))

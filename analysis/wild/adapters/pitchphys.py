@@ -1,6 +1,5 @@
 """pitchphys: constant coefficients, its own plate; its y points to the plate."""
 
-import sys
 from typing import Any
 
 import numpy as np
@@ -9,8 +8,6 @@ from pitchphys.core.ball import Baseball
 from pitchphys.core.environment import Environment
 from pitchphys.core.pitch import PitchRelease
 from pitchphys.core.simulate import simulate
-
-from longball.judge import serve
 
 TURN = np.array([[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
 
@@ -33,7 +30,3 @@ def fly(state: Any, p: Any, method: str, tolerance: float) -> Any:
     flown = simulate(pitch, air, ball, model, plate_distance_m=0.0, **options)
     last = flown.position[-1] @ TURN, flown.velocity[-1] @ TURN
     return {"time": flown.flight_time_s, "position": last[0], "velocity": last[1]}
-
-
-if __name__ == "__main__":
-    serve(lambda state, p: fly(state, p, sys.argv[1], float(sys.argv[2])))

@@ -1,12 +1,9 @@
 """ProjectilePy, in two dimensions: its landing, and a table of densities that are all the same."""
 
 import math
-import sys
 from typing import Any
 
 import projectilepy
-
-from longball.judge import serve
 
 
 def fly(state: Any, p: Any, _: str, step: float) -> Any:
@@ -28,7 +25,3 @@ def fly(state: Any, p: Any, _: str, step: float) -> Any:
     reach, (c, s) = flight.final_position()[0], (vx / along, vy / along)
     place = [x + c * reach, y + s * reach, z + flight.final_position()[1]]
     return {"time": flight.time_of_flight(), "position": place, "distance": math.hypot(*place[:2])}
-
-
-if __name__ == "__main__":
-    serve(lambda state, p: fly(state, p, "", float(sys.argv[1])))

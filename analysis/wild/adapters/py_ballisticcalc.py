@@ -1,12 +1,9 @@
 """py-ballisticcalc: a table with one C_D, one density at every height."""
 
 import math
-import sys
 from typing import Any
 
 import py_ballisticcalc as pbc
-
-from longball.judge import serve
 
 FOOT, INCH, POUND = 0.3048, 0.0254, 0.45359237
 
@@ -37,7 +34,3 @@ def fly(state: Any, p: Any, method: str, multiplier: float) -> Any:
     return [
         [t, x + c * r, y + s * r, z + FOOT * h, c * u, s * u, FOOT * w] for t, r, h, u, w, _ in rows
     ]
-
-
-if __name__ == "__main__":
-    serve(lambda state, p: fly(state, p, sys.argv[1], float(sys.argv[2])))

@@ -1,12 +1,10 @@
 """PyBullet: its damping, which is linear in the speed, is off; drag and lift are pushed in."""
 
-import sys
 from typing import Any
 
 import pybullet
 
 from analysis.wild.air import push_of_air
-from longball.judge import serve
 
 
 def fly(state: Any, p: Any, _: str, step: float) -> Any:
@@ -31,7 +29,3 @@ def fly(state: Any, p: Any, _: str, step: float) -> Any:
         )
         points.append([len(points) * step, *place, *velocity])
     return points
-
-
-if __name__ == "__main__":
-    serve(lambda state, p: fly(state, p, "", float(sys.argv[1])))

@@ -1,13 +1,11 @@
 """Pymunk, in two dimensions: along the launch, and up; drag and lift by its velocity function."""
 
 import math
-import sys
 from typing import Any
 
 import pymunk
 
 from analysis.wild.air import push_of_air
-from longball.judge import serve
 
 
 def fly(state: Any, p: Any, _: str, step: float) -> Any:
@@ -32,7 +30,3 @@ def fly(state: Any, p: Any, _: str, step: float) -> Any:
         r, up = ball.position
         points.append([len(points) * step, x + c * r, y + s * r, up])
     return points
-
-
-if __name__ == "__main__":
-    serve(lambda state, p: fly(state, p, "", float(sys.argv[1])))

@@ -1,12 +1,10 @@
 """REBOUND: one particle; gravity, drag and lift are its additional forces."""
 
-import sys
 from typing import Any
 
 import rebound
 
 from analysis.wild.air import push_of_air
-from longball.judge import serve
 
 
 def fly(state: Any, p: Any, method: str, step: float) -> Any:
@@ -26,7 +24,3 @@ def fly(state: Any, p: Any, method: str, step: float) -> Any:
         sim.integrate(len(points) * step)
         points.append([sim.t, ball.x, ball.y, ball.z, ball.vx, ball.vy, ball.vz])
     return points
-
-
-if __name__ == "__main__":
-    serve(lambda state, p: fly(state, p, sys.argv[1], float(sys.argv[2])))

@@ -20,6 +20,7 @@ from rich.table import Table
 
 from longball import engines
 from longball.model.scene import explain
+from longball.pitches import TableError
 
 M = TypeVar("M", bound=BaseModel)
 
@@ -81,6 +82,18 @@ def refusing(what: str = "") -> Iterator[None]:
         yield
     except ValueError as error:
         wrong_call(f"{what}{error}")
+
+
+@contextmanager
+def reading_table() -> Iterator[None]:
+    """Say what is wrong with a table, with status 1; one that cannot be opened is a wrong call."""
+    try:
+        yield
+    except TableError as error:
+        if isinstance(error.__cause__, OSError):
+            wrong_call(str(error))
+        tell(str(error))
+        raise typer.Exit(1) from None
 
 
 @contextmanager

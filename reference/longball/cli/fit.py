@@ -13,11 +13,10 @@ from longball.cli.common import (
     Seed,
     option_value,
     parsed,
+    reading_table,
     split_assignment,
-    tell,
-    wrong_call,
 )
-from longball.pitches import EXAMPLE, Columns, PitchTypes, TableError, as_text, fit_pitches
+from longball.pitches import EXAMPLE, Columns, PitchTypes, as_text, fit_pitches
 from longball.pitches.fitted import Method
 from longball.pitches.fitting import BIN_WIDTH
 
@@ -63,13 +62,8 @@ def fit(
         classes["breaking"] = tuple(breaking.split(","))
     types = parsed(PitchTypes, classes)
     table = EXAMPLE if example else sys.stdin if pitches == "-" else pitches
-    try:
+    with reading_table():
         fitted = fit_pitches(
             table, columns, types, bin_width=bin_width, draw_from=draw_from, seed=seed
         )
-    except TableError as error:
-        if isinstance(error.__cause__, OSError):  # there is no such file: the call is wrong
-            wrong_call(str(error))
-        tell(str(error))
-        raise typer.Exit(1) from None
     print(fitted.model_dump_json(indent=2) if as_json else as_text(fitted).rstrip())

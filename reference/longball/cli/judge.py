@@ -208,10 +208,7 @@ def cases_of(
 
 
 def sweep_of(
-    command: Sequence[str],
-    steps: str | None,
-    knob: str | None,
-    expected: float | None,
+    command: Sequence[str], steps: str | None, knob: str | None, expected: float | None
 ) -> StepSweep | None:
     """Return what is to be put for {dt} or {NAME}; None if the command has no place for either."""
     from longball.judge.step_sweep import PLACE, STEPS, StepSweep, parse_steps, takes_step

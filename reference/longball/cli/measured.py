@@ -10,8 +10,8 @@ from typing import Annotated
 import typer
 
 from longball import engines
-from longball.cli.common import Json, Quiet, refusing, tell, wrong_call
-from longball.pitches import EXAMPLE, TableError
+from longball.cli.common import Json, Quiet, reading_table, refusing, tell, wrong_call
+from longball.pitches import EXAMPLE
 from longball.pitches.models import MODELS
 from longball.pitches.prediction import as_data, as_frame, as_text, predict, scenes
 from longball.pitches.statcast import GAMES, Kind, read_measured
@@ -61,18 +61,13 @@ def measured(
     law = MODELS[model]
     with refusing():
         solver = engines.create(engine)
-    try:
+    with reading_table():
         source = EXAMPLE if example else sys.stdin if table == "-" else table
         rows = read_measured(source, kind, games or GAMES)
         if scenes_file:
             lines = [scene.line() + "\n" for scene in scenes(rows, law)]
             scenes_file.write_text("".join(lines), encoding="utf-8")
         prediction = predict(rows, law, engine=solver)
-    except TableError as error:
-        if isinstance(error.__cause__, OSError):  # there is no such file: the call is wrong
-            wrong_call(str(error))
-        tell(str(error))
-        raise typer.Exit(1) from None
     if csv_file:
         as_frame(prediction).to_csv(csv_file, index=False, lineterminator="\n")
     if figure:

@@ -538,11 +538,7 @@ def _least(
 
 
 def _aim_fit(
-    aim: _Aim,
-    errors: Errors,
-    counts: Counts,
-    fitted: Floats,
-    free: tuple[bool, ...] = _EVERYTHING,
+    aim: _Aim, errors: Errors, counts: Counts, fitted: Floats, free: tuple[bool, ...] = _EVERYTHING
 ) -> AimFit:
     statuses: list[Status] = [
         "held" if not moved else "fitted" if inside else "at_bound"

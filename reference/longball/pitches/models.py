@@ -58,11 +58,7 @@ class FlightModel:
                     "humidity": 0.5,
                     "elevation": elevation,
                 }
-            air = {
-                "density": density,
-                "drag_coefficient": self.drag,
-                "lift_coefficient": self.lift,
-            }
+            air = {"density": density, "drag_coefficient": self.drag, "lift_coefficient": self.lift}
         return {"air": air, "gravity": self.gravity, "ball": dict(self.ball)}
 
 

@@ -214,9 +214,7 @@ def directions(angle: Floats, bearing: Floats) -> Floats:
 
 
 def read_measured(
-    table: str | Path | TextIO | pd.DataFrame,
-    kind: Kind,
-    games: str | Path | pd.DataFrame = GAMES,
+    table: str | Path | TextIO | pd.DataFrame, kind: Kind, games: str | Path | pd.DataFrame = GAMES
 ) -> MeasuredPitches | MeasuredFlies:
     """Read measured pitches or batted balls from a table in Statcast's columns.
 

@@ -13,7 +13,7 @@ from analysis.paper.combinations import BLOWS, bases
 from analysis.paper.counterparts import Counterpart
 from analysis.paper.home_run_figures import curve_share, fit_noise, flatness, printed_ratio
 from analysis.paper.numbers import PARAMETERS, UNKNOWN, drawn
-from analysis.paper.printed import CARRIES, SAMPLES
+from analysis.paper.printed import CARRIES, PAIRS, SAMPLES
 from analysis.paper.switches import options, turned_to
 from analysis.paper.variance import indices
 from longball.home_run import PAPER_CURVES, RESTITUTIONS, Curve, Estimate, fit
@@ -107,7 +107,7 @@ def test_shares_of_a_curve():
 
 
 def test_ratio_of_seasons():
-    ratio = printed_ratio((2010, 2011))
+    ratio = printed_ratio(PAIRS[0])
     assert ratio.value == pytest.approx(1605 / 939)
     assert ratio.error == pytest.approx(1605 / 939 * math.sqrt(1 / 1605 + 1 / 939))
 
