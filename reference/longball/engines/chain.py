@@ -287,7 +287,12 @@ class Cases(ABC, Generic[N]):
 
     @abstractmethod
     def land_in_space(
-        self, launch: Launch[N], frame: Frame[N], start: PlaneState[N], outcome: Outcome
+        self,
+        launch: Launch[N],
+        frame: Frame[N],
+        law: Law[N],
+        start: PlaneState[N],
+        outcome: Outcome,
     ) -> None:
         """Do what `land` does, of flights that a fence may end and that leave their plane."""
 
@@ -317,11 +322,11 @@ class Cases(ABC, Generic[N]):
         """Return the law of motion of a flight in a frame."""
         return law_of(self.scene, frame, self.numbers, self.model.forces)
 
-    def spin_at(self, frame: Frame[N], state: State[N]) -> Vector[N] | None:
+    def spin_at(self, frame: Frame[N], law: Law[N], state: State[N]) -> Vector[N] | None:
         """Return the spin of the ball in a state of a flight, rad/s."""
         if frame.spin is None:
             return None
-        left = self.law(frame).spin_left(state, self.numbers)
+        left = law.spin_left(state, self.numbers)
         return frame.spin[0] * left, frame.spin[1] * left, frame.spin[2] * left
 
     def ground(self, start: State[N]) -> Event[N]:
@@ -354,6 +359,7 @@ def _fence_behind(cases: Cases[N], frame: Frame[N], start: State[N]) -> Event[N]
 
 def fly(
     cases: Cases[N],
+    law: Law[N],
     frame: Frame[N],
     start: State[N],
     *surfaces: Surface[N],
@@ -366,7 +372,6 @@ def fly(
     (the sliding solution in Filippov's sense; on the way down it is the symmetric one of two). From
     rest, or straight up or down, it is there already.
     """
-    law = cases.law(frame)
     limit = cases.time_limit if limit is None else limit
     leg = law, law.state_of(start), limit, frame, surfaces
     flight: Flight[N] = cases.either(_is_always_up(cases, law), _fly_upwards, _fly, *leg)
@@ -430,24 +435,26 @@ def solve_flights(cases: Cases[N]) -> None:
 
 @dataclass(frozen=True)
 class Batted(Generic[N]):
-    """A ball in the air: its launch, its frame, and its flight as far as it is known."""
+    """A ball in the air: its launch, frame and law, and its flight as far as it is known."""
 
     launch: Launch[N]
     frame: Frame[N]
+    law: Law[N]
     flight: Flight[N]
 
 
 def land(cases: Cases[N], launch: Launch[N], outcome: Outcome) -> None:
     """Fly from launches to the ground, or to a fence; the `outcome` if the ball lands."""
     frame, start = launch_frame(launch.position, launch.velocity, cases.numbers, launch.spin)
+    law = cases.law(frame)
     if launch.landed:
-        _come_down(cases, Batted(launch, frame, _landed(start, cases.numbers)), outcome)
+        _come_down(cases, Batted(launch, frame, law, _landed(start, cases.numbers)), outcome)
     elif cases.scene.fence is None:
-        _land(cases, launch, frame, start, outcome)
-    elif "v" not in cases.law(frame).program.variables and not isinstance(cases.engine, Stepped):
-        flight = fly(cases, frame, start, _ground, _fence, _fence_behind)
+        _land(cases, launch, frame, law, start, outcome)
+    elif "v" not in law.program.variables and not isinstance(cases.engine, Stepped):
+        flight = fly(cases, law, frame, start, _ground, _fence, _fence_behind)
         ahead, behind = flight.stopped("fence"), flight.stopped("fence_behind")
-        ball = Batted(launch, frame, flight)
+        ball = Batted(launch, frame, law, flight)
         inside, stayed = cases.take((ahead | behind) ^ True, ball)
         _come_down(inside, stayed, outcome)
         for sense, there in ((1, ahead), (-1, behind)):
@@ -456,24 +463,29 @@ def land(cases: Cases[N], launch: Launch[N], outcome: Outcome) -> None:
                 place = _stop(some, out.frame, begun, sense).place
                 _meet_fence(some, out, place, outcome)
     else:
-        cases.land_in_space(launch, frame, start, outcome)
+        cases.land_in_space(launch, frame, law, start, outcome)
 
 
 def _land(
-    cases: Cases[N], launch: Launch[N], frame: Frame[N], start: PlaneState[N], outcome: Outcome
+    cases: Cases[N],
+    launch: Launch[N],
+    frame: Frame[N],
+    law: Law[N],
+    start: PlaneState[N],
+    outcome: Outcome,
 ) -> None:
     """Fly from launches to the ground, but for balls that loop above it for ever."""
-    law = cases.law(frame)
     if _may_loop(cases, law):
         aloft, others = _stays_aloft(cases, law, start, _ground(cases, frame, start))
         (looping,) = cases.take(aloft)
         path = Path(_when_asked(cases.engine, law, law.state_of(start), cases.time_limit))
         looping.follow(frame, Flight(path, "time", cases.time_limit, start), launch.time)
         looping.conclude("airborne")
-        cases, frame, start, launch = cases.take(others, frame, start, launch)
+        cases, launch, frame, law, start = cases.take(others, launch, frame, law, start)
         if cases.empty:
             return
-    _come_down(cases, Batted(launch, frame, fly(cases, frame, start, _ground)), outcome)
+    flight = fly(cases, law, frame, start, _ground)
+    _come_down(cases, Batted(launch, frame, law, flight), outcome)
 
 
 def _come_down(
@@ -483,53 +495,53 @@ def _come_down(
 
     `fair` is known where the ball has left the field.
     """
-    launch, frame, flight = ball.launch, ball.frame, ball.flight
-    cases.follow(frame, flight, launch.time)
-    cases, launch, frame, flight = _in_time(cases, launch, frame, flight)
-    (airborne,) = cases.take(flight.stopped("time"))
+    cases.follow(ball.frame, ball.flight, ball.launch.time)
+    cases, ball = _in_time(cases, ball)
+    (airborne,) = cases.take(ball.flight.stopped("time"))
     airborne.conclude("home_run" if outcome == "home_run" else "airborne")
-    cases, flight, frame, launch = cases.take(flight.stopped("ground"), flight, frame, launch)
+    cases, ball = cases.take(ball.flight.stopped("ground"), ball)
     if cases.empty:
         return
-    x, y, z = frame.position(flight.state)
+    launch, frame, flight = ball.launch, ball.frame, ball.flight
+    state: Any = flight.state
+    x, y, z = frame.position(state)
     cases.record("landing.time", launch.time + flight.time)
     cases.record("landing.hang_time", launch.delay + flight.time)
     cases.record("landing.position", (x, y, z))
-    cases.record("landing.velocity", frame.velocity(flight.state))
+    cases.record("landing.velocity", frame.velocity(state))
     if cases.scene.reading.distance_origin == "launch":
         # Of the frame, which begins at the launch: no difference of places that are far away.
-        x = flight.state.s
-        y = x * 0 if in_plane(flight.state) else flight.state.y
+        x = state.s
+        y = x * 0 if in_plane(state) else state.y
     cases.record("landing.distance", cases.numbers.sqrt(x * x + y * y))
     if frame.spin is not None:
-        cases.record("landing.spin", cases.spin_at(frame, flight.state))
-    if hasattr(flight.state, "path") and cases.scene.reading.spin_decay == "path":
-        cases.record("landing.path", flight.state.path)
+        cases.record("landing.spin", cases.spin_at(frame, ball.law, state))
+    if hasattr(state, "path") and cases.scene.reading.spin_decay == "path":
+        cases.record("landing.path", state.path)
     if fair is not None:
         cases.record("landing.fair", fair)
     elif cases.scene.fence is not None:
-        lands_foul, lands_fair = _foul(cases, frame.position(flight.state), "lands fair")
+        lands_foul, lands_fair = _foul(cases, frame.position(state), "lands fair")
         cases.record("landing.fair", lands_fair)
         (cases,) = cases.take(lands_foul | lands_fair)
     cases.conclude(outcome)
 
 
-def _in_time(
-    cases: Cases[N], launch: Launch[N], frame: Frame[N], flight: Flight[N]
-) -> tuple[Any, ...]:
+def _in_time(cases: Cases[N], ball: Batted[N]) -> tuple[Any, ...]:
     """Return those of which it is certain whether the ball lands in the time limit.
 
     The engine knows of the errors of its flight, but not of that of the launch.
     """
+    launch, flight = ball.launch, ball.flight
     if launch.error is None:
-        return cases, launch, frame, flight
+        return cases, ball
     state = flight.state
     left = (cases.time_limit - flight.time) * absolute(state.w)
     above = state.z - cases.numbers.exact(landing_height(cases.scene))
     margin = cases.numbers.where(flight.stopped("time"), above, left)
     question = "whether the ball touches the ground in the time limit"
     certain, never = cases.decide(margin, launch.error * flight.time, question)
-    return cases.take(certain | never, launch, frame, flight)
+    return cases.take(certain | never, ball)
 
 
 def _may_loop(cases: Cases[N], law: Law[N]) -> bool:
@@ -649,7 +661,7 @@ def _meet_fence(
     frame, flight = ball.frame, ball.flight
     if landing is None:
         left = cases.time_limit - flight.time
-        landing = flight.then(fly(cases, frame, flight.state, _ground, limit=left))
+        landing = flight.then(fly(cases, ball.law, frame, flight.state, _ground, limit=left))
     conditions = _foul(cases, frame.position(flight.state), "leaves the field fair")
     around = cases.scene.fence.polyline is None
     for fair, condition in zip((False, True), conditions, strict=True):
@@ -671,6 +683,7 @@ class Pitch(Generic[N]):
     """A pitch up to the plate, or to wherever it ended before."""
 
     frame: Frame[N]
+    law: Law[N]
     start: State[N]
     flight: Flight[N]
 
@@ -687,7 +700,8 @@ def throw(cases: Cases[N]) -> Pitch[N]:
     else:
         velocity = cases.vector(pitch.velocity)
     frame, start = launch_frame(release, velocity, numbers, cases.spin(pitch.spin))
-    return Pitch(frame, start, fly(cases, frame, start, _ground, _plate))
+    law = cases.law(frame)
+    return Pitch(frame, law, start, fly(cases, law, frame, start, _ground, _plate))
 
 
 def reach_plate(cases: Cases[N]) -> tuple[Cases[N], Pitch[N]]:
@@ -875,20 +889,18 @@ def approach_bat(cases: Cases[N]) -> tuple[Cases[N], Approach[N] | None]:
     height = pitch.flight.state.z + numbers.exact(scene.swing.height_offset)
     reach = numbers.exact(scene.ball.radius) + numbers.exact(scene.bat.radius)
     bat = BatSection(pitch.frame, height, reach)
-    law = cases.law(pitch.frame)
-    touch = cases.either(_is_always_up(cases, law), _find_upwards, _find, pitch, bat, law)
+    upwards = _is_always_up(cases, pitch.law)
+    touch = cases.either(upwards, _find_upwards, _find, pitch, bat)
     return cases, Approach(pitch, bat, touch)
 
 
-def _find(
-    cases: Cases[N], pitch: Pitch[N], bat: BatSection[N], law: Law[N], *others: Event[N]
-) -> Touch[N]:
+def _find(cases: Cases[N], pitch: Pitch[N], bat: BatSection[N], *others: Event[N]) -> Touch[N]:
     events = [cases.ground(pitch.start), *others]
-    return cases.engine.touch(pitch.flight, law, bat, events, cases.time_limit)
+    return cases.engine.touch(pitch.flight, pitch.law, bat, events, cases.time_limit)
 
 
-def _find_upwards(cases: Cases[N], *parts: Any) -> Touch[N]:
-    return _find(cases, *parts, vertical(cases.numbers))
+def _find_upwards(cases: Cases[N], pitch: Pitch[N], bat: BatSection[N]) -> Touch[N]:
+    return _find(cases, pitch, bat, vertical(cases.numbers))
 
 
 def meet_bat(cases: Cases[N]) -> tuple[Cases[N], Meeting[N] | None]:
@@ -904,11 +916,11 @@ def meet_bat(cases: Cases[N]) -> tuple[Cases[N], Meeting[N] | None]:
     cases, approach = cases.take(touched, approach)
     if cases.empty:
         return cases, None
-    touch, frame = approach.touch, approach.pitch.frame
+    touch, frame, law = approach.touch, approach.pitch.frame, approach.pitch.law
     ball = Ball(
         frame.position(touch.state),
         frame.velocity(touch.state),
-        cases.spin_at(frame, touch.state),
+        cases.spin_at(frame, law, touch.state),
         aside=frame.position(touch.detected)[1],
         leaving=touch.leaving,
     )
@@ -1036,11 +1048,16 @@ class OneCase(Cases[N]):
         return (yes if condition else no)(self, *values)
 
     def land_in_space(
-        self, launch: Launch[N], frame: Frame[N], start: PlaneState[N], outcome: Outcome
+        self,
+        launch: Launch[N],
+        frame: Frame[N],
+        law: Law[N],
+        start: PlaneState[N],
+        outcome: Outcome,
     ) -> None:
         """See `Cases`."""
-        flight = fly(self, frame, start, _ground)
-        ball, error = Batted(launch, frame, flight), self.numbers.exact(_flight_error(self))
+        flight = fly(self, law, frame, start, _ground)
+        ball, error = Batted(launch, frame, law, flight), self.numbers.exact(_flight_error(self))
         fence, pieces = cast(Any, self.scene).fence, flight.path.pieces()
         met = first_crossing(fence, frame, pieces, flight.time, error, self.numbers)
         if met is None:

@@ -317,7 +317,9 @@ class ManyCases(Cases[Any]):
         """See `Cases`."""
         self.table.outcome[self.rows] = OUTCOMES.index(outcome)
 
-    def land_in_space(self, launch: Any, frame: Any, start: Any, outcome: Outcome) -> None:
+    def land_in_space(
+        self, launch: Any, frame: Any, law: Any, start: Any, outcome: Outcome
+    ) -> None:
         """See `Cases`. Each alone: what it may cross depends on where it curves to."""
         for i, row in enumerate(self.rows):
 
