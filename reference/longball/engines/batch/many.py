@@ -253,17 +253,17 @@ def solve_as_data(scenes: Sequence[Scene], solver: Any, threads: int = 1) -> lis
 
 def _structure(scene: Any) -> tuple[Any, ...]:
     """Return what scenes have in common that differ in nothing but their numbers."""
-    bat, incoming = getattr(scene, "bat", None), getattr(scene, "incoming", None)
-    named = (
-        (scene.ball, "inertia_factor"),
-        (scene, "air"),
-        (bat, "friction"),
-        (bat, "tangential_restitution"),
-        (incoming, "spin"),
+    # A block that a scene does not have takes long to be asked for.
+    has = type(scene).model_fields
+    bat, incoming, air, fence = (
+        getattr(scene, name) if name in has else None
+        for name in ("bat", "incoming", "air", "fence")
     )
-    absent = tuple(getattr(block, key, None) is None for block, key in named)
-    kind, fence = type(scene), getattr(scene, "fence", None)
-    return kind, scene.reading, getattr(bat, "support", None), fence, absent
+    known = scene.ball.inertia_factor is None, air is None
+    if bat is not None:
+        known += (bat.support, bat.friction is None, bat.tangential_restitution is None)
+    spins = incoming is not None and incoming.spin is not None
+    return type(scene), scene.reading, fence, known, spins
 
 
 def _zeros(scene: Scene, place: int) -> tuple[Any, ...]:
