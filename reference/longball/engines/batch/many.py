@@ -255,15 +255,12 @@ def _structure(scene: Any) -> tuple[Any, ...]:
     """Return what scenes have in common that differ in nothing but their numbers."""
     # A block that a scene does not have takes long to be asked for.
     has = type(scene).model_fields
-    bat, incoming, air, fence = (
-        getattr(scene, name) if name in has else None
-        for name in ("bat", "incoming", "air", "fence")
-    )
-    known = scene.ball.inertia_factor is None, air is None
-    if bat is not None:
-        known += (bat.support, bat.friction is None, bat.tangential_restitution is None)
+    names = ("bat", "incoming", "air", "fence")
+    bat, incoming, air, fence = (getattr(scene, name) if name in has else None for name in names)
+    support = bat and (bat.support, bat.friction is None, bat.tangential_restitution is None)
     spins = incoming is not None and incoming.spin is not None
-    return type(scene), scene.reading, fence, known, spins
+    known = scene.ball.inertia_factor is None, air is None, support, spins
+    return type(scene), scene.reading, fence, known
 
 
 def _zeros(scene: Scene, place: int) -> tuple[Any, ...]:

@@ -214,6 +214,6 @@ def placed(end: Records, law: Law[Any], events: Sequence[Event[Any]]) -> Start:
 
 def stops(end: Records, events: Sequence[Event[Any]]) -> Any:
     """Return what stopped flights: of `STOPS`, or why there is no answer."""
-    numbers = np.array([STOPS[event.name] for event in events], np.int64)
+    numbers = np.array([STOPS[event.name] for event in events] or [0], np.int64)
     by_event = end["stop"] < len(events)
     return np.where(by_event, numbers[np.where(by_event, end["stop"], 0)], end["stop"])[()]
