@@ -116,7 +116,7 @@ class Ivp(PathEngine[float]):
         limit: float,
         events: Sequence[Event[float]],
     ) -> Iterator[PolynomialPiece]:
-        """Yield the pieces of a flight; see `longball.engines.path.PathEngine.steps`.
+        """Yield the pieces of a flight; see `longball.engines.path_engine.PathEngine.steps`.
 
         Raises
         ------

@@ -9,13 +9,14 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from longball.engines.arithmetic import Arithmetic
 from longball.engines.compiled import compiled
 from longball.model.law import State
 
 Array = NDArray[np.float64]
 
 
-class Polynomial:
+class Polynomial(Arithmetic):
     """A polynomial in doubles, for the formulas of events: + - * with another or with a number.
 
     Attributes
@@ -39,23 +40,13 @@ class Polynomial:
         total[: len(short)] += short
         return Polynomial(total)
 
-    __radd__ = __add__
-
     def __neg__(self) -> Polynomial:
         return Polynomial(-self.coefficients)
-
-    def __sub__(self, other: Polynomial | float) -> Polynomial:
-        return self + -other
-
-    def __rsub__(self, other: float) -> Polynomial:
-        return (-self) + other
 
     def __mul__(self, other: Polynomial | float) -> Polynomial:
         if isinstance(other, Polynomial):
             return Polynomial(np.convolve(self.coefficients, other.coefficients))
         return Polynomial(self.coefficients * other)
-
-    __rmul__ = __mul__
 
 
 class PolynomialCurve(NamedTuple):

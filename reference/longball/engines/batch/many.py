@@ -118,7 +118,7 @@ def solve_columns_with_restitutions(
 
     def solve_block(rows: slice) -> None:
         met = Table(rows.stop - rows.start)
-        cases, meeting = chain.meet_bat(_cases(met, _rows_of(view, rows), flyer))
+        cases, meeting = chain.meet_bat(_cases(met, select(view, rows), flyer))
         struck = cast(ManyCases, cases)
         for table, e in zip(tables, restitutions, strict=True):
             part = table.part(rows)
@@ -220,10 +220,6 @@ def _with_columns(value: Any, columns: Mapping[str, Array], name: str) -> Any:
     return columns.get(name, value)
 
 
-def _rows_of(view: SimpleNamespace, rows: slice) -> Any:
-    return select(view, rows)
-
-
 def _named(table: Table) -> dict[str, NDArray[Any]]:
     names = np.array([*OUTCOMES, ""])
     return {"outcome": names[table.outcome]} | table.columns
@@ -305,7 +301,7 @@ def _solve(
 
     def solve_block(rows: slice) -> None:
         part = table.part(rows)
-        chain.CHAINS[kind](_cases(part, _rows_of(view, rows), flyer, model))
+        chain.CHAINS[kind](_cases(part, select(view, rows), flyer, model))
         part.withdraw_what_is_not_finite()
 
     _in_blocks(solve_block, count, threads)
