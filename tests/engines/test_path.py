@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from longball.engines.batch import Batch
-from longball.engines.chain import solve_with_path
+from longball.engines.chain import solve_with_path, solve_with_points
 from longball.engines.enclosure import Enclosure
 from longball.engines.event import ground, plate, vertical
 from longball.engines.ivp import Ivp
@@ -347,3 +347,24 @@ def test_a_trajectory_is_sampled_in_space():
     assert first[:3] == scene.pitch.release
     assert last == (*way.at(way.end)[0], *way.at(way.end)[1])
     assert last[:3] == pytest.approx(result.landing.position, abs=ULPS)
+
+
+NO_DRAG = '"air": {"drag_coefficient": 0.0, "lift_coefficient": 4.0},'
+
+
+@pytest.mark.parametrize("engine", [Ivp(), Batch()])
+def test_a_ball_that_loops_for_ever_has_a_path(engine):
+    launch = '{"position": [0, 0, 5], "velocity": [40, 0, 10]}'
+    scene = parse_scene(f'{{"kind": "flight", {NO_DRAG} "launch": {launch}}}')
+    result = solve_with_points(scene, engine, 5)
+    assert result.outcome == "airborne"
+    assert [row[0] for row in result.path] == [0.0, 15.0, 30.0, 45.0, 60.0]
+    for _, _, _, z, u, _, w in result.path:
+        assert 9.8 * z + (u * u + w * w) / 2 == pytest.approx(899.0, rel=1e-10)
+
+
+@pytest.mark.parametrize("engine", [Ivp(), Batch()])
+def test_a_ball_that_is_down_at_its_launch_has_a_path(engine):
+    launch = '{"position": [0, 0, 0], "velocity": [5, 0, -5]}'
+    result = solve_with_points(parse_scene(f'{{"kind": "flight", "launch": {launch}}}'), engine, 3)
+    assert result.path == ((0.0, 0.0, 0.0, 0.0, 5.0, 0.0, -5.0),) * 3

@@ -21,7 +21,7 @@ N. J. Higham, Accuracy and Stability of Numerical Algorithms, Ch. 12: refinement
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Container, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from operator import mul
@@ -32,7 +32,7 @@ import scipy.linalg
 from mpmath import MPContext
 from numpy.typing import NDArray
 
-from longball.engines.dual import Dual
+from longball.engines.arithmetic import ARRAYS, Dual
 from longball.engines.engine import OutOfRange
 from longball.model.law import Law, State
 from longball.model.numbers import Numbers
@@ -238,8 +238,8 @@ class Dynamics:
         in_doubles: Law[Any] = replace(
             law, strengths={k: float(x) for k, x in law.strengths.items()}
         )
-        self._rates = in_doubles.rates(_ARRAYS)
-        self._jacobian = in_doubles.jacobian(_ARRAYS)
+        self._rates = in_doubles.rates(ARRAYS)
+        self._jacobian = in_doubles.jacobian(ARRAYS)
 
     @cached_property
     def used(self) -> frozenset[int]:
@@ -255,20 +255,6 @@ class Dynamics:
         size, nodes = state.shape
         wide = np.array([np.broadcast_to(rates[i], nodes) for i in self.free])
         return wide, {(i, k): jacobian[i * size + k] for i, k in self.partials}
-
-
-class _Arrays:
-    """As much of a number system as a traced law asks for, over arrays of doubles."""
-
-    functions: Mapping[str, Callable[..., Any]] = {
-        "sqrt": np.sqrt,
-        "exp": np.exp,
-        "log": np.log,
-        "unit": lambda x, r: np.divide(x, r, out=np.zeros_like(r), where=r != 0),
-    }
-
-
-_ARRAYS: Any = _Arrays()
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import gc
 from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from io import BufferedIOBase
 from itertools import islice
 from typing import Any, NamedTuple, cast
@@ -44,11 +46,12 @@ def solve_lines(
     talk through pipes: of a file or a pipe, what is there is taken at once; of anything else a line
     at a time.
     """
+    at_once = isinstance(engine, ManyAtOnce) and not points
     if workers == 1:
         for chunk in _numbered(_as_they_come(lines)):
-            yield from _solve_in_turn(chunk, engine, points)
+            yield from (_solve_chunk if at_once else _solve_in_turn)(chunk, engine, points)
         return
-    size = CHUNK_AT_ONCE if isinstance(engine, ManyAtOnce) else CHUNK
+    size = CHUNK_AT_ONCE if at_once else CHUNK
     numbered = (line for chunk in _numbered(_as_they_come(lines)) for line in chunk)
     chunks = iter(lambda: list(islice(numbered, size)), [])
     tasks = ((chunk, engine, points) for chunk in chunks)
@@ -91,7 +94,20 @@ def solve_line(number: int, line: bytes, engine: Engine[N] | ManyAtOnce) -> Answ
 def _solve_chunk(
     chunk: list[Line], engine: Engine[N] | ManyAtOnce, points: int | None = None
 ) -> list[Answer]:
-    return list(_solve_in_turn(chunk, engine, points))
+    with _no_collections():
+        return list(_solve_in_turn(chunk, engine, points))
+
+
+@contextmanager
+def _no_collections() -> Iterator[None]:
+    """Keep Python from looking for cycles among many objects that have none, which takes long."""
+    was_enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was_enabled:
+            gc.enable()
 
 
 def _solve_in_turn(

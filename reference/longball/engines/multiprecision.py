@@ -144,7 +144,7 @@ class Multiprecision(PathEngine[Mpf]):
         limit: Mpf,
         events: Sequence[Event[Mpf]],
     ) -> Iterator[Segment]:
-        """Yield the pieces of a flight; see `longball.engines.path.PathEngine.steps`.
+        """Yield the pieces of a flight; see `longball.engines.path_engine.PathEngine.steps`.
 
         A flight that comes near V = 0 is followed by steps as short as it takes.
 

@@ -14,6 +14,7 @@ from itertools import pairwise
 from types import MappingProxyType
 from typing import Any, Generic, cast
 
+from longball.engines.arithmetic import Dual
 from longball.engines.contact import (
     STARTS_INSIDE,
     TOUCHES,
@@ -22,34 +23,15 @@ from longball.engines.contact import (
     inside_bat,
     margin_error,
 )
-from longball.engines.dual import Dual
-from longball.engines.engine import CannotSolve, Touch
+from longball.engines.engine import CannotSolve, Engine, Touch
 from longball.engines.event import Event, Piece, first_fall, past
 from longball.engines.path import Flight, Part, Path, Rest
 from longball.model.law import Bend, Law, State
 from longball.model.numbers import N, Numbers, doubt
 
 
-class PathEngine(ABC, Generic[N]):
+class PathEngine(Engine[N], ABC):
     """An engine whose flights are smooth, piece by piece."""
-
-    @property
-    @abstractmethod
-    def description(self) -> str:
-        """Name and settings, as the result states them."""
-
-    @property
-    @abstractmethod
-    def numbers(self) -> Numbers[N]:
-        """The number system."""
-
-    @property
-    @abstractmethod
-    def flight_error(self) -> float:
-        """Error of a state at the end of a flight, relative to its size.
-
-        0 where the number carries its own error.
-        """
 
     @abstractmethod
     def steps(
@@ -190,12 +172,7 @@ class PathEngine(ABC, Generic[N]):
         yield from self.steps(down, start, begin, limit, events)
 
     def fly(self, law: Law[N], start: State[N], events: Sequence[Event[N]], limit: N) -> Flight[N]:
-        """Fly until the first of several events, or to the time limit, s.
-
-        Raises
-        ------
-        CannotSolve, Undecided
-        """
+        """Fly until the first of several events; see `Engine.fly`."""
         path = self.path(law, start, limit, events)
         met = path.first(events, limit, self.flight_error, self.numbers)
         if met is None:

@@ -9,13 +9,14 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from longball.engines.arithmetic import Arithmetic
 from longball.engines.compiled import compiled
 from longball.model.law import State
 
 Array = NDArray[np.float64]
 
 
-class Polynomial:
+class Polynomial(Arithmetic):
     """A polynomial in doubles, for the formulas of events: + - * with another or with a number.
 
     Attributes
@@ -39,23 +40,13 @@ class Polynomial:
         total[: len(short)] += short
         return Polynomial(total)
 
-    __radd__ = __add__
-
     def __neg__(self) -> Polynomial:
         return Polynomial(-self.coefficients)
-
-    def __sub__(self, other: Polynomial | float) -> Polynomial:
-        return self + -other
-
-    def __rsub__(self, other: float) -> Polynomial:
-        return (-self) + other
 
     def __mul__(self, other: Polynomial | float) -> Polynomial:
         if isinstance(other, Polynomial):
             return Polynomial(np.convolve(self.coefficients, other.coefficients))
         return Polynomial(self.coefficients * other)
-
-    __rmul__ = __mul__
 
 
 class PolynomialCurve(NamedTuple):
@@ -66,20 +57,17 @@ class PolynomialCurve(NamedTuple):
     piece
     value
         Of a state.
-    origin
-        The value of a state of zeros: how large what cancels in the value of a state is.
     unit
         s, a power of 2 no shorter than the piece.
     coefficients
         Of the value, as a polynomial in the time on the piece, in that unit: so they do not
         overflow where the value does not. Where a distance is small at the end of a long piece they
         cancel, and so a single value is that of a state; unless it is far smaller than the
-        coordinates, whose rounding it would have.
+        value at the origin is, whose rounding it would have.
     """
 
     piece: PolynomialPiece
     value: Callable[[Any], Any]
-    origin: float
     unit: float
     coefficients: Array
 
@@ -87,7 +75,8 @@ class PolynomialCurve(NamedTuple):
         """Return the value."""
         if t:
             terms = value(abs(self.coefficients), abs(t) / self.unit)
-            if terms > _FAR_SMALLER * abs(self.origin):
+            origin = self.piece.state(*[0.0] * len(self.piece.coefficients))
+            if terms > _FAR_SMALLER * abs(float(self.value(origin))):
                 return float(self.value(self.piece.at(t)))
         return value(self.coefficients, t / self.unit)
 
@@ -155,10 +144,10 @@ class PolynomialPiece(NamedTuple):
     def curve(self, value: Callable[[Any], Any]) -> PolynomialCurve:
         """Return the value of an event along the piece."""
         power = math.frexp(self.length)[1]
-        scaled = np.ldexp(self.coefficients, power * np.arange(self.coefficients.shape[1]))
+        columns = np.arange(self.coefficients.shape[1], dtype=np.intc)
+        scaled = np.ldexp(self.coefficients, power * columns)
         along: Polynomial = value(self.state(*map(Polynomial, scaled)))
-        origin = float(value(self.state(*[0.0] * len(scaled))))
-        return PolynomialCurve(self, value, origin, math.ldexp(1.0, power), along.coefficients)
+        return PolynomialCurve(self, value, math.ldexp(1.0, power), along.coefficients)
 
 
 # --- compiled: a polynomial is an array of its coefficients ---------------------------------------

@@ -80,7 +80,7 @@ class Taylor(OdeSolver):  # type: ignore[misc]
 
     def __init__(
         self,
-        fun: Callable[..., Any],
+        fun: Callable[..., Any] | None,
         t0: float,
         y0: Any,
         t_bound: float,

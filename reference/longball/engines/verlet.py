@@ -37,15 +37,15 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path as File
-from types import ModuleType, SimpleNamespace
+from types import ModuleType
 from typing import Any, NamedTuple, TypeVar, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
+from longball.engines.arithmetic import ARRAYS, Dual
 from longball.engines.compiled import module_of
 from longball.engines.contact import TURNS_VERTICAL, BatSection, inside_bat
-from longball.engines.dual import Dual
 from longball.engines.engine import CannotSolve, Launch, OutOfRange, Stepped, Touch
 from longball.engines.event import Event
 from longball.engines.path import Flight, Path
@@ -327,7 +327,7 @@ class Verlet(Stepped[float]):
                 [
                     there != now
                     for there, now in zip(
-                        law.branches(states[:, 1:], _ARRAYS), branches, strict=True
+                        law.branches(states[:, 1:], ARRAYS), branches, strict=True
                     )
                 ],
                 axis=0,
@@ -361,9 +361,6 @@ class Verlet(Stepped[float]):
                 "implicit step does not settle: the step is too long for these forces"
             )
 
-
-# As much of a number system as a traced law asks for, over arrays.
-_ARRAYS: Any = SimpleNamespace(functions={"sqrt": np.sqrt, "exp": np.exp, "log": np.log})
 
 # Steps that are taken at a time: some more than a flight of the paper's steps has, so that it takes
 # one array; and what a processor's cache holds.

@@ -399,9 +399,10 @@ class _Following:
             return None if given is None else _three(given)
         leg, _ = self.thrown
         time = self.has("contact.time")
-        return (
-            None if time is None else self._case().spin_at(leg.frame, leg.flight.path.at(time[0]))
-        )
+        if time is None:
+            return None
+        case = self._case()
+        return case.spin_at(leg.frame, case.law(leg.frame), leg.flight.path.at(time[0]))
 
     # --- the stages -----------------------------------------------------------------------------
 
@@ -589,7 +590,8 @@ class _Following:
         if flown is None or leg.frame.spin is None:
             return
         state: Any = leg.flight.path.at(max(flown, 0.0))
-        yield from self._maybe("spin decay", "landing.spin", case.spin_at(leg.frame, state) or ())
+        spin = case.spin_at(leg.frame, case.law(leg.frame), state)
+        yield from self._maybe("spin decay", "landing.spin", spin or ())
         if "landing.path" in self.given and hasattr(state, "path"):
             yield self._check("spin decay", "landing.path", (state.path,))
 

@@ -78,13 +78,18 @@ def _lift(scene: Any, frame: Any, numbers: Numbers[N]) -> tuple[N] | None:
     return _alone(per_metre(scene, _value(scene.air.lift_coefficient, "value"), numbers))
 
 
+def _spins(frame: Any, numbers: Numbers[N]) -> bool:
+    """Tell whether a ball is launched with a spin that is not zero."""
+    return frame.spin is not None and not all(map(numbers.absent, frame.spin))
+
+
 def _spinning(
     law: str, strengths: Callable[[Any, Numbers[N]], tuple[Any, ...] | None], reading: str = ""
 ) -> Callable[[Any, Any, Numbers[N]], tuple[Any, ...] | None]:
     """Return the strengths of a term of a spinning ball: under a law of lift, and a reading."""
 
     def of_scene(scene: Any, frame: Any, numbers: Numbers[N]) -> tuple[Any, ...] | None:
-        if scene.air is None or frame.spin is None or all(map(numbers.absent, frame.spin)):
+        if scene.air is None or not _spins(frame, numbers):
             return None
         if law_name(scene.air.lift_coefficient) != law and law != "any":
             return None
@@ -134,7 +139,7 @@ def _linear_lift(scene: Any, numbers: Numbers[N]) -> tuple[Any] | None:
 
 def _spin_of(scene: Any, frame: Any, numbers: Numbers[N]) -> tuple[Any, ...] | None:
     """Return the components of the spin at launch, and its size."""
-    if scene.air is None or frame.spin is None or all(map(numbers.absent, frame.spin)):
+    if scene.air is None or not _spins(frame, numbers):
         return None
     x, y, z = frame.spin
     found = present(frame.turned(frame.spin), numbers)
@@ -283,7 +288,7 @@ def _table(
         known = getattr(law, "of", "spin_parameter" if law_name(law) == "bilinear" else "")
         if known != of:
             return None
-        spins = frame.spin is not None and not all(map(numbers.absent, frame.spin))
+        spins = _spins(frame, numbers)
         if whole is None:
             if coefficient == "lift_coefficient" and frame.spin is not None:
                 return None

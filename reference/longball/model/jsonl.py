@@ -12,18 +12,20 @@ from pydantic_core import to_json
 LONGEST_LINE = 1 << 20
 
 # JSON leaves them as they are, but some readers of lines end one there: str.splitlines, JavaScript.
-_BREAKS = {ord(c): f"\\u{ord(c):04x}" for c in "\x85\u2028\u2029"}
+_BREAKS = {c: f"\\u{ord(c):04x}" for c in "\x85\u2028\u2029"}
+_IN_TEXT = str.maketrans(_BREAKS)
+_IN_BYTES = [(point.encode(), escape.encode()) for point, escape in _BREAKS.items()]
 
 
 def json_line(data: Mapping[str, Any], separators: tuple[str, str] | None = None) -> str:
     """Return data as one line of JSON, whatever a reader takes for the end of one."""
     text = json.dumps(data, ensure_ascii=False, allow_nan=False, separators=separators)
-    return text.translate(_BREAKS)
+    return text.translate(_IN_TEXT)
 
 
 def json_bytes(data: Mapping[str, Any]) -> bytes:
     """Return the same as UTF-8 without spaces, in a tenth of the time."""
     text = to_json(data)
-    for point, escape in _BREAKS.items():
-        text = text.replace(chr(point).encode(), escape.encode())
+    for point, escape in _IN_BYTES:
+        text = text.replace(point, escape)
     return text

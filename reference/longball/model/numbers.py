@@ -40,6 +40,16 @@ N = TypeVar("N", bound=Real)
 Vector = tuple[N, N, N]
 
 
+def dot(a: Vector[N], b: Vector[N]) -> N:
+    """Return ``a · b``."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def minus(a: Vector[N], b: Vector[N]) -> Vector[N]:
+    """Return ``a - b``."""
+    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
+
+
 def absolute(x: N) -> N:
     """Return the size of a number."""
     return cast(N, abs(x))

@@ -317,7 +317,7 @@ class ManyCases(Cases[Any]):
         """See `Cases`."""
         self.table.outcome[self.rows] = OUTCOMES.index(outcome)
 
-    def land_in_space(self, launch: Any, frame: Any, start: Any, outcome: Outcome) -> None:
+    def land_in_space(self, ball: Any, outcome: Outcome) -> None:
         """See `Cases`. Each alone: what it may cross depends on where it curves to."""
         for i, row in enumerate(self.rows):
 
@@ -326,7 +326,7 @@ class ManyCases(Cases[Any]):
 
             case = OneCase(_mapped(one, self.scene), self.engine.flyer, self.model)
             with contextlib.suppress(ArithmeticError):
-                land(case, _mapped(one, launch), outcome)
+                land(case, _mapped(one, ball.launch), outcome)
                 for name, value in case.answer.items():
                     if name != "outcome":
                         self.table.put(name, row, value)

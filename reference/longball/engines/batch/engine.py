@@ -37,7 +37,7 @@ from longball.engines.contact import (
 from longball.engines.engine import CannotSolve, ManyAtOnce, OutOfRange, TooLong, Touch
 from longball.engines.event import Event, Piece, past
 from longball.engines.ivp import Ivp
-from longball.engines.path import Flight, Path
+from longball.engines.path import Flight, Path, Rest
 from longball.engines.polynomial import PolynomialPiece
 from longball.engines.series import recurrence
 from longball.model.law import Law, State
@@ -187,6 +187,9 @@ class Batch(ManyAtOnce):
         series = recurrence(program)
         rest = len(program.variables) // 2
         ends = [*way[1:, 0].tolist(), arrival["time"].item()]
+        if ends[-1] == way[0, 0]:  # it ends where it begins
+            begin, *state = way[0].tolist()
+            yield Rest(begin, 0.0, law.state(*state))
         strengths = [flight[name].item() for name in program.parameters]
         for (begin, *state), end in zip(way.tolist(), ends, strict=True):
             if begin == end:  # a step too short to be seen in the time

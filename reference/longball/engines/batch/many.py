@@ -118,7 +118,7 @@ def solve_columns_with_restitutions(
 
     def solve_block(rows: slice) -> None:
         met = Table(rows.stop - rows.start)
-        cases, meeting = chain.meet_bat(_cases(met, _rows_of(view, rows), flyer))
+        cases, meeting = chain.meet_bat(_cases(met, select(view, rows), flyer))
         struck = cast(ManyCases, cases)
         for table, e in zip(tables, restitutions, strict=True):
             part = table.part(rows)
@@ -220,10 +220,6 @@ def _with_columns(value: Any, columns: Mapping[str, Array], name: str) -> Any:
     return columns.get(name, value)
 
 
-def _rows_of(view: SimpleNamespace, rows: slice) -> Any:
-    return select(view, rows)
-
-
 def _named(table: Table) -> dict[str, NDArray[Any]]:
     names = np.array([*OUTCOMES, ""])
     return {"outcome": names[table.outcome]} | table.columns
@@ -253,17 +249,14 @@ def solve_as_data(scenes: Sequence[Scene], solver: Any, threads: int = 1) -> lis
 
 def _structure(scene: Any) -> tuple[Any, ...]:
     """Return what scenes have in common that differ in nothing but their numbers."""
-    bat, incoming = getattr(scene, "bat", None), getattr(scene, "incoming", None)
-    named = (
-        (scene.ball, "inertia_factor"),
-        (scene, "air"),
-        (bat, "friction"),
-        (bat, "tangential_restitution"),
-        (incoming, "spin"),
-    )
-    absent = tuple(getattr(block, key, None) is None for block, key in named)
-    kind, fence = type(scene), getattr(scene, "fence", None)
-    return kind, scene.reading, getattr(bat, "support", None), fence, absent
+    # A block that a scene does not have takes long to be asked for.
+    has = type(scene).model_fields
+    names = ("bat", "incoming", "air", "fence")
+    bat, incoming, air, fence = (getattr(scene, name) if name in has else None for name in names)
+    support = bat and (bat.support, bat.friction is None, bat.tangential_restitution is None)
+    spins = incoming is not None and incoming.spin is not None
+    known = scene.ball.inertia_factor is None, air is None, support, spins
+    return type(scene), scene.reading, fence, known
 
 
 def _zeros(scene: Scene, place: int) -> tuple[Any, ...]:
@@ -308,7 +301,7 @@ def _solve(
 
     def solve_block(rows: slice) -> None:
         part = table.part(rows)
-        chain.CHAINS[kind](_cases(part, _rows_of(view, rows), flyer, model))
+        chain.CHAINS[kind](_cases(part, select(view, rows), flyer, model))
         part.withdraw_what_is_not_finite()
 
     _in_blocks(solve_block, count, threads)

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from longball.engines.arithmetic import Arithmetic
 from longball.engines.batch import flights
 from longball.engines.batch.flights import Records, new_flights
 from longball.engines.contact import BatSection
@@ -96,7 +97,7 @@ def general(law: Law[Any]) -> Law[Any]:
 
 
 @dataclass(frozen=True)
-class _Linear:
+class _Linear(Arithmetic):
     """A linear function of the variables: their coefficients, by name, and a constant."""
 
     coefficients: Mapping[str, Any]
@@ -112,22 +113,12 @@ class _Linear:
         added = {name: sum(part[name] for part in both if name in part) for name in names}
         return _Linear(added, self.constant + other.constant)
 
-    __radd__ = __add__
-
     def __mul__(self, factor: Any) -> _Linear:
         scaled = {name: x * factor for name, x in self.coefficients.items()}
         return _Linear(scaled, self.constant * factor)
 
-    __rmul__ = __mul__
-
     def __neg__(self) -> _Linear:
         return self * -1.0
-
-    def __sub__(self, other: Any) -> _Linear:
-        return self.__add__(other * -1.0)
-
-    def __rsub__(self, other: Any) -> _Linear:
-        return self.__mul__(-1.0).__add__(other)
 
 
 class Bat(NamedTuple):
@@ -214,6 +205,6 @@ def placed(end: Records, law: Law[Any], events: Sequence[Event[Any]]) -> Start:
 
 def stops(end: Records, events: Sequence[Event[Any]]) -> Any:
     """Return what stopped flights: of `STOPS`, or why there is no answer."""
-    numbers = np.array([STOPS[event.name] for event in events], np.int64)
+    numbers = np.array([STOPS[event.name] for event in events] or [0], np.int64)
     by_event = end["stop"] < len(events)
     return np.where(by_event, numbers[np.where(by_event, end["stop"], 0)], end["stop"])[()]

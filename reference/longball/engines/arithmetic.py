@@ -1,0 +1,70 @@
+"""What stands for numbers in formulas that are written for numbers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+
+class Arithmetic:
+    """As much arithmetic as an event is made of, from ``a + b``, ``-a`` and ``a * b``."""
+
+    __slots__ = ()
+
+    def __add__(self, other: Any) -> Any:
+        raise NotImplementedError
+
+    def __neg__(self) -> Any:
+        raise NotImplementedError
+
+    def __mul__(self, other: Any) -> Any:
+        raise NotImplementedError
+
+    def __radd__(self, other: Any) -> Any:
+        return self + other
+
+    def __sub__(self, other: Any) -> Any:
+        return self + -other
+
+    def __rsub__(self, other: Any) -> Any:
+        return -self + other
+
+    def __rmul__(self, other: Any) -> Any:
+        return self * other
+
+
+@dataclass(frozen=True)
+class Dual(Arithmetic):
+    """A number and its rate of change."""
+
+    value: Any
+    rate: Any
+
+    def __add__(self, other: Any) -> Dual:
+        other = _dual(other)
+        return Dual(self.value + other.value, self.rate + other.rate)
+
+    def __neg__(self) -> Dual:
+        return Dual(-self.value, -self.rate)
+
+    def __mul__(self, other: Any) -> Dual:
+        other = _dual(other)
+        return Dual(self.value * other.value, self.rate * other.value + self.value * other.rate)
+
+
+def _dual(x: Any) -> Dual:
+    return x if isinstance(x, Dual) else Dual(x, 0 * x)
+
+
+# As much of a number system as a traced law asks for, over arrays of doubles.
+ARRAYS: Any = SimpleNamespace(
+    functions={
+        "sqrt": np.sqrt,
+        "exp": np.exp,
+        "log": np.log,
+        "unit": lambda x, r: np.divide(x, r, out=np.zeros_like(r), where=r != 0),
+    }
+)

@@ -1,0 +1,59 @@
+"""The chain of an at-bat: pitch, plate, contact, impact, landing.
+
+Written once, over any engine, any number system, and one scene or columns of scenes (`cases`). It
+follows the paper's Sec. III: the throw, the swing that is aimed at where the throw would cross the
+plate (`at_bat`), the collision of Sec. III.C and Appendix A (`collision`), the flight (`flying`) to
+the ground or the fence (`landing`). Its parts, the forces and the collision, are handed in: a known
+mistake is the same chain with another part. `single` makes results of scenes, one by one.
+"""
+
+from longball.engines.chain.at_bat import (
+    CHAINS,
+    Approach,
+    Meeting,
+    finish,
+    meet_bat,
+    reach_plate,
+)
+from longball.engines.chain.cases import Cases
+from longball.engines.chain.collision import MODEL, Ball, ContactState, Model, collide, meet
+from longball.engines.chain.landing import land
+from longball.engines.chain.single import (
+    BLOCKS,
+    DISCRETE,
+    OneCase,
+    approach_of,
+    quantities_of,
+    solve,
+    solve_each,
+    solve_with_path,
+    solve_with_points,
+    solve_with_restitutions,
+)
+
+__all__ = [
+    "BLOCKS",
+    "CHAINS",
+    "DISCRETE",
+    "MODEL",
+    "Approach",
+    "Ball",
+    "Cases",
+    "ContactState",
+    "Meeting",
+    "Model",
+    "OneCase",
+    "approach_of",
+    "collide",
+    "finish",
+    "land",
+    "meet",
+    "meet_bat",
+    "quantities_of",
+    "reach_plate",
+    "solve",
+    "solve_each",
+    "solve_with_path",
+    "solve_with_points",
+    "solve_with_restitutions",
+]
