@@ -1,17 +1,18 @@
-"""The reference engine: SciPy's integrators, and Taylor's method as one of them.
+"""The reference engine: `scipy.integrate.solve_ivp` with terminal events.
 
-`scipy.integrate.solve_ivp` looks for a change of an event's sign between its steps, so that a ball
-that dips and comes back within a step is not seen, and finds the event on its interpolant, whose
-order may be lower than that of its steps. Here its terminal events only end the integration in
-time; Taylor's method takes its steps as they are asked for, and needs none. Steps are handed on as
-Taylor polynomials, in which `longball.engines.event` searches for the first event, and misses none.
+solve_ivp looks for a change of an event's sign between its steps, so that a ball that dips and
+comes back within a step is not seen, and finds the event on its interpolant, whose order may be
+lower than that of its steps. Here its terminal events only end the integration in time. What they
+ended is handed on as Taylor polynomials, step by step, in which `longball.engines.event` searches
+for the first event, and misses none.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import scipy.integrate
@@ -42,7 +43,7 @@ _BEYOND = "the forces are beyond the range of double precision"
 
 @dataclass(frozen=True)
 class Ivp(PathEngine[float]):
-    """Flights by Taylor's method, or by a method of `scipy.integrate.solve_ivp`.
+    """Flights by `scipy.integrate.solve_ivp`.
 
     Attributes
     ----------
@@ -121,62 +122,54 @@ class Ivp(PathEngine[float]):
         Raises
         ------
         OutOfRange, TooLong
-            If an integrator gives up, or the flight takes too many steps.
+            If solve_ivp gives up, or the flight takes too many steps.
         """
-        for number, piece in enumerate(self._steps(law, start, begin, limit, events)):
-            if number == _MOST_STEPS:
-                raise TooLong(
-                    f"the flight takes over {_MOST_STEPS} steps; try a shorter time_limit"
-                )
-            yield piece
-
-    def _steps(
-        self,
-        law: Law[float],
-        start: State[float],
-        begin: float,
-        limit: float,
-        events: Sequence[Event[float]],
-    ) -> Iterator[PolynomialPiece]:
-        """Yield the pieces of a flight; the last may be that of a ball that has settled."""
         time, state = begin, np.array(start, dtype=float)
+        taken = 0
         while time < limit:
-            if time > begin and _has_settled(law, state):
+            if taken > 0 and _has_settled(law, state):
                 yield _uniform(law, time, state, limit)
                 return
-            if self.method == "Taylor":
-                time, state = yield from _by_taylor(law, time, state, limit)
-            else:
-                time, state = yield from self._by_solve_ivp(law, time, state, limit, events)
-                events = ()  # whoever asks for more did not stop there
+            solution, pieces = self._integrate(law, time, state, limit, events)
+            for piece in pieces:
+                taken += 1
+                if taken > _MOST_STEPS:
+                    raise TooLong(
+                        f"the flight takes over {_MOST_STEPS} steps; try a shorter time_limit"
+                    )
+                yield piece
+            if solution.status < 0:
+                raise OutOfRange(
+                    f"solve_ivp gave up at t = {solution.t[-1]:.6g} s: {solution.message}"
+                )
+            time, state = float(solution.t[-1]), solution.y[:, -1]
+            events = ()  # whoever asks for more did not stop there
 
-    def _by_solve_ivp(
+    def _integrate(
         self,
         law: Law[float],
         time: float,
         state: Array,
         limit: float,
         events: Sequence[Event[float]],
-    ) -> Generator[PolynomialPiece, None, tuple[float, Array]]:
-        """Yield the pieces up to an event, or of many steps; return when and where they end."""
+    ) -> tuple[Any, Iterable[PolynomialPiece]]:
+        """Return what solve_ivp returns, and the polynomials of its steps."""
+        span, ends = (time, limit), _ends(events, law)
+        if self.method == "Taylor":
+            pieces: list[PolynomialPiece] = []
+            solution = scipy.integrate.solve_ivp(
+                None, span, state, method=_TaylorPieces, law=law, events=ends, pieces=pieces
+            )
+            return solution, pieces
         rates = right_hand_side(law)
         if not np.isfinite(rates(time, state)).all():
             raise OutOfRange(_BEYOND)
         # A trial step may overflow; the step control then takes a shorter one or gives up.
         with np.errstate(all="ignore"):
             solution = scipy.integrate.solve_ivp(
-                rates,
-                (time, limit),
-                state,
-                method=self.method,
-                events=_ends(events, law),
-                **self.tolerances,
+                rates, span, state, method=self.method, events=ends, **self.tolerances
             )
-        times, states = solution.t.tolist(), solution.y.T
-        yield from _expanded(law, times, states)
-        if solution.status < 0:
-            raise OutOfRange(f"solve_ivp gave up at t = {times[-1]:.6g} s: {solution.message}")
-        return times[-1], states[-1]
+        return solution, _expanded(law, solution.t.tolist(), solution.y.T)
 
     def views(
         self, pitch: Flight[float], law: Law[float], bat: BatSection[float]
@@ -226,21 +219,22 @@ class Ivp(PathEngine[float]):
 _NEAR = 4.0
 
 
-def _by_taylor(
-    law: Law[float], time: float, state: Array, limit: float
-) -> Generator[PolynomialPiece, None, tuple[float, Array]]:
-    """Yield the pieces of many steps at most; return when and where they end."""
-    solver = Taylor(None, time, state, limit, law=law)
-    for _ in range(_MANY_STEPS):
-        begin = solver.t
-        message = solver.step()
-        if solver.status == "failed":
-            raise OutOfRange(f"Taylor's method gave up at t = {begin:.6g} s: {message}")
-        length = _length(begin, solver.t)
-        yield PolynomialPiece(begin, length, law.state, solver.dense_output().coefficients)
-        if solver.status == "finished":
-            break
-    return solver.t, solver.y
+class _TaylorPieces(Taylor):
+    """Taylor's method that hands on its steps: solve_ivp is slower with its own dense output."""
+
+    def __init__(
+        self, *given: Any, law: Law[float], pieces: list[PolynomialPiece], **options: Any
+    ) -> None:
+        super().__init__(*given, law=law, **options)
+        self._state, self._pieces = law.state, pieces
+
+    def _step_impl(self) -> tuple[bool, str | None]:
+        begin = self.t
+        success, message = super()._step_impl()
+        if success:
+            length = _length(begin, self.t)
+            self._pieces.append(PolynomialPiece(begin, length, self._state, self._x))
+        return success, message
 
 
 def _expanded(
