@@ -34,7 +34,7 @@ from longball.judge.cases import (
     decidable,
     touches_within_errors,
 )
-from longball.judge.diagnosis import Diagnosis
+from longball.judge.findings import Diagnosis
 from longball.judge.quantities import (
     BLOCKS,
     PATH,
