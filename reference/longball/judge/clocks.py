@@ -180,7 +180,7 @@ def on_chords(few: Sought, base: Change, dt: float | None) -> Iterator[Explanati
     yield Explanation(
         "linear-event", f"puts the end of the flight on the straight line between two steps of "
         f"{best:.4g} s; the steps themselves are on the true path",
-        "step onto the surface, or interpolate with the velocities (Hermite)", share, 1,
+        "step onto the surface, or interpolate with the velocities (Hermite)", share, 0.9,
         Change(engine=FixedStep(dt=best, scheme="chords")), step=best,
     )  # fmt: skip
 

@@ -75,7 +75,7 @@ SNAP = 1e-4
 
 # Flights of a search, so that a verdict is the same on every machine and comes within ten seconds;
 # what has not been tried by then is not.
-PATIENCE = 2_000.0
+PATIENCE = 1_300.0
 
 # Errors below this, relative, are an integrator's: no mistake of the physics is sought.
 FINE = 1e-7
@@ -266,7 +266,9 @@ class _Search:
             scenes=rule([t.case for t in failing], [t.case for t in right]),
         )  # fmt: skip
         found = []
-        searched = self.causes and not (before and worst < MINOR * min(before[0].worst, 1.0))
+        rest = before and worst < MINOR * min(before[0].worst, 1.0)
+        stepped = before and isinstance(self.base.engine, Verlet)
+        searched = self.causes and not (rest or stepped)
         if searched and self.single and worst < SINGLE_NOISE:
             found = [SINGLE]
         elif searched and worst > FINE:
@@ -448,7 +450,8 @@ class _Search:
             if not any(e.named for e in found) and self.scheme is None:
                 known = self.dt or grid(stage, self.trials)
                 found += on_chords(sought.some(4), self.base, known)
-                found += schemes(sought, known)
+                if not any(e.named for e in found):
+                    found += schemes(sought, known)
             if not any(e.named for e in found):
                 found += self._pairs(stage, sought, found)
         return found

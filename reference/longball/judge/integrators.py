@@ -34,8 +34,11 @@ Array = NDArray[np.float64]
 # find the one that fits; what is shorter follows from the order.
 FIRST, FINE_STEP, LONGEST = 0.01, 1e-3, 0.2
 
-# Schemes that are tried with the step that fits them best.
-BEST = 4
+# Trials that schemes are tried in, and schemes that are tried with the step that fits them best.
+FEW, BEST = 3, 6
+
+# Round steps are tried that differ from a fitted one by less than this, as a logarithm.
+NEAR = math.log(1.5)
 
 # With steps longer than this, s, what a scheme leaves is seen in all trials, and not in a few.
 LONG = 2e-3
@@ -75,65 +78,59 @@ class _Way:
 
 def schemes(sought: Sought, known: float | None) -> Iterator[Explanation]:
     """Yield schemes with the step that fits best; `known` is the candidate's, s, if it is known."""
-    few = sought.some(4)
+    few = sought.some(FEW)
     base = few.residual()
     if base is None:
         return
-    first = max(known or FIRST, FINE_STEP)
     ranked = []
-    for name in SCHEMES:
-        way = _Way(name, "step")
-        r = few.residual(way.change(first))
-        if r is None:
-            continue
-        amount = (known / first) ** way.order if known else _amount(base, base - r)
-        if amount > 0:
-            ranked.append((float(np.abs(base - amount * (base - r)).sum()), name))
-    ranked.sort()
-    for way in (_Way(name, ends) for ends in get_args(Ends) for _, name in ranked[:BEST]):
-        dt = known or _step(few, base, way)
-        change = way.change(dt)
-        left = sought.screened(change) if dt > LONG else sought.some(2).left(change)
+    for way in (_Way(name, ends) for name in SCHEMES for ends in get_args(Ends)):
+        dt = known or _scaled(few, base, way, FIRST)
+        if dt and way.ends == "line":  # where events are, between two steps, hangs on the step
+            dt = known or min(ROUND_STEPS, key=partial(_far, dt))
+        r = few.residual(way.change(max(dt, FINE_STEP))) if dt else None
+        if dt and r is not None:
+            # Where the step is shorter than those tried, the error follows from the order.
+            rest = base - min(1.0, (dt / FINE_STEP) ** way.order) * (base - r)
+            ranked.append((float(np.abs(rest).sum()), way, dt))
+    for _, way, dt in sorted(ranked, key=lambda one: one[0])[:BEST]:
+        fitted = known or _fitted(few, base, way, dt)
+        change = way.change(fitted)
+        left = sought.screened(change) if fitted > LONG else sought.some(2).left(change)
         if left is not None:
-            yield way.explanation(dt, left)
+            yield way.explanation(fitted, left)
 
 
-def _step(few: Sought, base: Array, way: _Way) -> float:
+def _scaled(few: Sought, base: Array, way: _Way, dt: float) -> float | None:
+    """Return the step with which a scheme errs as much as the candidate, seen from another step."""
+    r = few.residual(way.change(dt))
+    effect = 0.0 if r is None else base - r
+    size = float(np.sum(effect * effect))
+    amount = float(np.sum(base * effect)) / size if size else 0.0
+    return min(dt * amount ** (1 / way.order), LONGEST) if amount > 0 else None
+
+
+def _fitted(few: Sought, base: Array, way: _Way, dt: float) -> float:
     """Return the step that a scheme fits best with: a round one, if one is near."""
-    tried: dict[float, float] = {}
-
-    def left(dt: float) -> tuple[float, Array | None]:
-        r = few.residual(way.change(dt))
-        tried[dt] = math.inf if r is None else float(np.abs(r).sum())
-        return tried[dt], r
-
-    dt = FIRST
-    for _ in range(4):
-        _, r = left(dt)
-        amount = 0.0 if r is None else _amount(base, base - r)
-        if amount <= 0:
+    if dt < FINE_STEP:
+        dt = _scaled(few, base, way, FINE_STEP) or dt
+        return max(min(ROUND_STEPS, key=partial(_far, dt)), SHORTEST)
+    steps = [dt]
+    for _ in range(3):
+        new = _scaled(few, base, way, steps[-1])
+        if new is None or new < FINE_STEP:
             break
-        new = min(dt * amount ** (1 / way.order), LONGEST)
-        if new < FINE_STEP:
-            if dt > FINE_STEP:
-                dt = FINE_STEP
-                continue
-            return max(min(ROUND_STEPS, key=partial(_far, new)), SHORTEST)
-        if abs(new / dt - 1) < 1e-4:
+        steps.append(new)
+        if _far(new, steps[-2]) < 1e-4:
             break
-        dt = new
-    best = min(tried, key=lambda h: tried[h])
-    for near in sorted(ROUND_STEPS, key=partial(_far, best))[:4]:
-        if near >= FINE_STEP and _far(best, near) < math.log(1.5):
-            left(near)
-    return min(tried, key=lambda h: tried[h])
+    near = sorted(ROUND_STEPS, key=partial(_far, steps[-1]))[:4]
+    steps += [step for step in near if step >= FINE_STEP and _far(step, steps[-1]) < NEAR]
+
+    def left(step: float) -> float:
+        r = few.residual(way.change(step))
+        return math.inf if r is None else float(np.abs(r).sum())
+
+    return min(steps, key=left)
 
 
 def _far(a: float, b: float) -> float:
     return abs(math.log(a / b))
-
-
-def _amount(errors: Array, effect: Array) -> float:
-    """Return how many times an effect explains errors best."""
-    size = float(effect @ effect)
-    return float(errors @ effect) / size if size else 0.0

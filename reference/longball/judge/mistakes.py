@@ -754,6 +754,8 @@ FORMULAS: tuple[Formula, ...] = (
             lambda v: _spun(v, v.lever, 1.0, 0.0)),
     Formula("contact.bat_velocity", "tilt-swapped", "exchanges sine and cosine of the tilt", _V_B,
             lambda v: _spun(v, v.lever, _sin(v), _cos(v))),
+    Formula("contact.bat_velocity", "tilt-cosine-left-out", "leaves the cosine of the tilt out",
+            _V_B, lambda v: _spun(v, v.lever, 1.0, _sin(v))),
     Formula("contact.bat_velocity", "tilt-in-degrees", "takes the tilt of the swing for degrees",
             "swing.tilt is in radians",
             lambda v: _spun(v, v.lever, math.cos(math.radians(v.scene.swing.tilt)),
@@ -795,6 +797,9 @@ FORMULAS: tuple[Formula, ...] = (
     Formula("impact.restitution", "ratio-once", "leaves m/M_eff out behind e(1 + m/M_eff)",
             _EFFECTIVE, lambda v: (v.scene.ball.restitution * (
                 1 + v.scene.ball.mass * v.lever**2 / v.inertia()),)),
+    Formula("impact.restitution", "ratio-inverted", "takes M_eff/m for m/M_eff", _EFFECTIVE,
+            lambda v: (v.scene.ball.restitution + (1 + v.scene.ball.restitution) * v.inertia()
+                       / (v.scene.ball.mass * v.lever**2),)),
     Formula("impact.restitution", "ratio-subtracted", "subtracts m/M_eff", _EFFECTIVE,
             lambda v: (v.scene.ball.restitution * (1 + v.scene.ball.mass * v.lever**2 / v.inertia())
                        - v.scene.ball.mass * v.lever**2 / v.inertia(),)),

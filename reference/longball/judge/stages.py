@@ -307,7 +307,7 @@ def view_values(
     try:
         list(following.checks(frozenset(STAGES)))
         before, height = (0.0, 0.0, 0.0), 0.0
-        if trial.scene.kind in ("impact", "at-bat") and trial.case.expected.impact is not None:
+        if "contact.normal" in trial.expected:
             before, height = following.before, following.height  # type: ignore[assignment]
     except _NO_STATE:
         return None
