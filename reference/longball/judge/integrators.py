@@ -37,8 +37,8 @@ FIRST, FINE_STEP, LONGEST = 0.01, 1e-3, 0.2
 # Trials that schemes are tried in, and schemes that are tried with the step that fits them best.
 FEW, BEST = 3, 6
 
-# Round steps are tried that differ from a fitted one by less than this, as a logarithm.
-NEAR = math.log(1.5)
+# Round steps are tried that differ from a fitted one by less than this factor.
+NEAR = 1.5
 
 # With steps longer than this, s, what a scheme leaves is seen in all trials, and not in a few.
 LONG = 2e-3
@@ -85,13 +85,17 @@ def schemes(sought: Sought, known: float | None) -> Iterator[Explanation]:
     ranked = []
     for way in (_Way(name, ends) for name in SCHEMES for ends in get_args(Ends)):
         dt = known or _scaled(few, base, way, FIRST)
-        if dt and way.ends == "line":  # where events are, between two steps, hangs on the step
-            dt = known or min(ROUND_STEPS, key=partial(_far, dt))
-        r = few.residual(way.change(max(dt, FINE_STEP))) if dt else None
-        if dt and r is not None:
-            # Where the step is shorter than those tried, the error follows from the order.
-            rest = base - min(1.0, (dt / FINE_STEP) ** way.order) * (base - r)
-            ranked.append((float(np.abs(rest).sum()), way, dt))
+        if not dt or dt < SHORTEST / NEAR:
+            continue
+        # Where the step is shorter than those tried, the error follows from the order.
+        share, steps = min(1.0, (dt / FINE_STEP) ** way.order), [max(dt, FINE_STEP)]
+        if way.ends == "line" and not known:  # what is between two steps hangs on the step itself
+            steps = [step for step in _round(dt, 3) if step >= FINE_STEP] or steps
+        for step in steps:
+            r = few.residual(way.change(step))
+            if r is not None:
+                rest = float(np.abs(base - share * (base - r)).sum())
+                ranked.append((rest, way, dt if dt < FINE_STEP else step))
     for _, way, dt in sorted(ranked, key=lambda one: one[0])[:BEST]:
         fitted = known or _fitted(few, base, way, dt)
         change = way.change(fitted)
@@ -113,7 +117,7 @@ def _fitted(few: Sought, base: Array, way: _Way, dt: float) -> float:
     """Return the step that a scheme fits best with: a round one, if one is near."""
     if dt < FINE_STEP:
         dt = _scaled(few, base, way, FINE_STEP) or dt
-        return max(min(ROUND_STEPS, key=partial(_far, dt)), SHORTEST)
+        return max((*_round(dt, 1), SHORTEST)[0], SHORTEST)
     steps = [dt]
     for _ in range(3):
         new = _scaled(few, base, way, steps[-1])
@@ -122,14 +126,19 @@ def _fitted(few: Sought, base: Array, way: _Way, dt: float) -> float:
         steps.append(new)
         if _far(new, steps[-2]) < 1e-4:
             break
-    near = sorted(ROUND_STEPS, key=partial(_far, steps[-1]))[:4]
-    steps += [step for step in near if step >= FINE_STEP and _far(step, steps[-1]) < NEAR]
+    steps += [step for step in _round(steps[-1], 4) if step >= FINE_STEP]
 
     def left(step: float) -> float:
         r = few.residual(way.change(step))
         return math.inf if r is None else float(np.abs(r).sum())
 
     return min(steps, key=left)
+
+
+def _round(dt: float, count: int) -> list[float]:
+    """Return the round steps that are nearest, and near."""
+    near = [step for step in ROUND_STEPS if _far(step, dt) < math.log(NEAR)]
+    return sorted(near, key=partial(_far, dt))[:count]
 
 
 def _far(a: float, b: float) -> float:
