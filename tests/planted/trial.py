@@ -2,7 +2,7 @@
 
     python tests/planted/trial.py [--out FOLDER] [--only NAME …] [--trial N] [--page FILE]
 
-builds the programs, runs ``longball judge`` on each mistake, keeps the verdicts as JSON in FOLDER,
+builds the programs, runs the judge on each mistake, keeps the verdicts as JSON in FOLDER,
 where one that is there is not run again, and prints a table in Markdown. No verdict is graded by
 hand:
 
@@ -29,8 +29,15 @@ import re
 import subprocess
 import sys
 import time
+import traceback
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
+from statistics import median
+
+from longball.golden import load
+from longball.judge.cases import Exact
+from longball.judge.evaluation import Judge
 
 HERE = Path(__file__).resolve().parent
 PAPER = [
@@ -75,22 +82,20 @@ def families(row):
     return PAPER if row["golden"] == "paper" else row["golden"].split()
 
 
+golden = cache(load)
+
+
 def judged(row, binary):
     """Run the judge on a row's mistake; return the verdict, with its cost in `processor_time`."""
-    sets = [word for family in families(row) for word in ("--golden", family)]
-    call = [sys.executable, "-m", "longball", "judge", "--json", "--quiet", *sets, "--"]
+    judge = Judge([case for family in families(row) for case in golden(family)], Exact())
     before = os.times()
-    answer = subprocess.run(
-        [*call, *command(row, binary)], capture_output=True, text=True, check=False
-    )
-    after = os.times()
-    if answer.returncode not in (0, 1):
-        return {"status": "CRASHED", "standard_error": answer.stderr[-2000:]}
-    verdict = json.loads(answer.stdout)
-    verdict["processor_time"] = (after.children_user + after.children_system) - (
-        before.children_user + before.children_system
-    )
-    return verdict
+    try:
+        verdict = judge.evaluate_command(command(row, binary)).verdict
+    except Exception:
+        return {"status": "CRASHED", "standard_error": traceback.format_exc()}
+    # Of this process and the candidate's, user and system; not the last one, which is wall time.
+    spent = sum(os.times()[:4]) - sum(before[:4])
+    return json.loads(verdict.line()) | {"processor_time": spent}
 
 
 @dataclass(frozen=True)
@@ -245,6 +250,9 @@ def main():
     done = [row for row in rows if (row["name"], row["program"]) in verdicts]
     text = f"{summary(done, verdicts)}\n\n{table(done, verdicts)}\n"
     print(text)
+    cost = sorted(verdict.get("processor_time", 0.0) for verdict in verdicts.values())
+    if cost:
+        print(f"processor time: median {median(cost):.1f} s, at most {cost[-1]:.1f} s")
     if options.page:
         options.page.write_text(
             PAGE.format(summary=summary(done, verdicts), table=table(done, verdicts)),

@@ -3,30 +3,26 @@
 Stage by stage (`longball.judge.stages`), in the order in which a scene goes through them. A stage
 that does not follow from the candidate's own earlier values is explained, if anything explains its
 errors in every scene (`longball.judge.explanations`): a relation or a formula in the quantity
-itself (`relations`), a known mistake in the chain (`mistakes`), a number of its own (`fits`), when
-it ends or how time is counted (`clocks`), a scheme in steps (`integrators`), or two of these. The
-explanation is then part of the chain that later stages are computed with, so that one mistake does
-not show twice and two do not hide each other. What is left is told, with its size.
+itself (`relations`), a known mistake in the chain or a number of its own (`changes`), when it ends
+or how time is counted (`clocks`), or a scheme in steps (`integrators`). The explanation is then
+part of the chain that later stages are computed with, so that one mistake does not show twice and
+two do not hide each other. What is left is told, with its size.
 """
 
 from __future__ import annotations
 
-import itertools
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from statistics import median
-from typing import Any
-
-import numpy as np
 
 from longball.engines.verlet import Verlet
 from longball.judge.answers import Answer
 from longball.judge.cases import Case, decidable
+from longball.judge.changes import pairs, parts
 from longball.judge.clocks import clocks, ends, grid, on_chords
 from longball.judge.explanations import (
     ALIKE,
-    Array,
     Checked,
     Explanation,
     Sought,
@@ -36,9 +32,8 @@ from longball.judge.explanations import (
     told_together,
 )
 from longball.judge.findings import Diagnosis, Finding, StageRow
-from longball.judge.fits import PARAMETERS, Fit, Work, fits, snapped
+from longball.judge.fits import Work
 from longball.judge.integrators import schemes
-from longball.judge.mistakes import FENCE, IMPACT, LAW, READINGS, SPIN, TWO_STEP_PUSH, Mistake
 from longball.judge.outcomes import outcome_findings, told_findings
 from longball.judge.relations import (
     SINGLE,
@@ -69,13 +64,6 @@ SOUGHT, BESIDE = 10, 4
 
 # Scenes of each kind in which it is seen what an explanation does to other stages.
 OTHERS = 3
-
-# A usual number may leave so much more than the fitted one.
-SNAP = 1e-4
-
-# Flights of a search, so that a verdict is the same on every machine and comes within ten seconds;
-# what has not been tried by then is not.
-PATIENCE = 1_300.0
 
 # Errors below this, relative, are an integrator's: no mistake of the physics is sought.
 FINE = 1e-7
@@ -407,11 +395,6 @@ class _Search:
 
     # --- explanations ---------------------------------------------------------------------------
 
-    @property
-    def _impatient(self) -> bool:
-        """Whether the search has done all that it may."""
-        return self.work.done > PATIENCE
-
     def _explanations(
         self,
         stage: str,
@@ -440,11 +423,11 @@ class _Search:
                 both = Sought(
                     [t for t, _ in some], right, ("pitch", "flight"), self.base, self.work
                 )
-                found += self._parts(stage, both)
+                found += parts(stage, both)
                 if any(e.named for e in found):
                     return found
         sought = Sought([t for t, _ in chosen], right, (stage,), self.base, self.work)
-        found += self._parts(stage, sought)
+        found += parts(stage, sought)
         if stage in ("pitch", "flight"):
             found += clocks(stage, chosen, self.base)
             if not any(e.named for e in found) and self.scheme is None:
@@ -453,135 +436,8 @@ class _Search:
                 if not any(e.named for e in found):
                     found += schemes(sought, known)
             if not any(e.named for e in found):
-                found += self._pairs(stage, sought, found)
+                found += pairs(stage, sought, found)
         return found
-
-    def _parts(self, stage: str, sought: Sought) -> list[Explanation]:
-        """Return known mistakes and fitted numbers."""
-        if stage == "flight" and type(self.base.engine) is Verlet and not self.base.push:
-            push = list(self._tried([TWO_STEP_PUSH], sought))
-            if any(e.named for e in push):
-                return push
-        library: list[Mistake] = []
-        if stage in ("pitch", "flight", "spin decay"):
-            library += LAW
-        if stage == "fence":
-            library += FENCE
-        if stage in ("impulse", "velocity after", "spin after", "energy"):
-            library += (*IMPACT, *SPIN)
-        if stage not in ("pitch", "plate", "touching", "normal", "bat velocity"):
-            library += READINGS
-        return [*self._tried(library, sought), *self._fits(stage, sought)]
-
-    def _tried(self, library: Iterable[Mistake], sought: Sought) -> Iterator[Explanation]:
-        for mistake in library:
-            if self._impatient:
-                return
-            left = sought.screened(mistake.change)
-            if left is not None:
-                yield Explanation(
-                    mistake.name, mistake.sentence, mistake.remedy, left, 1, mistake.change
-                )
-
-    def _fits(self, stage: str, sought: Sought) -> Iterator[Explanation]:
-        """Yield what numbers the candidate acts as if it had."""
-        whole_chain = stage == "flight" and any(
-            t.scene.kind == "at-bat" and "impact.velocity" not in t.given for t in sought.trials
-        )
-        for name, stages in PARAMETERS.items():
-            if (stage not in stages and not whole_chain) or self._impatient:
-                continue
-            for fit in fits(sought.trials, name, sought.stages, self.base, self.work):
-                left = sought.screened(fit.change)
-                if left is None or fit.doubt > 1e-2 * max(abs(fit.value), 1e-6):
-                    continue
-                # What is left may be another mistake, which has moved the number a little.
-                for usual in snapped(fit):
-                    there = sought.left(usual.change)
-                    if there is not None and there < left + SNAP:
-                        fit, left = usual, there
-                yield Explanation(
-                    fit.name, fit.sentence, f"take the scene's {fit.parameter}", left,
-                    2 + fit.roundness, fit.change,
-                )  # fmt: skip
-
-    # --- two at once ------------------------------------------------------------------------------
-
-    def _pairs(
-        self, stage: str, sought: Sought, known: Sequence[Explanation]
-    ) -> Iterator[Explanation]:
-        """Yield two of the known mistakes and fitted numbers together."""
-        few = sought.few
-        base = few.residual()
-        if base is None or self._impatient:
-            return
-        columns: list[tuple[Explanation | str, Array]] = []
-        for e in known:
-            if e.change is None:
-                continue
-            r = few.residual(e.change)
-            if r is not None and np.abs(base - r).sum() > 1e-9:
-                columns.append((e, base - r))
-        columns += self._slopes(stage, few, base)
-        ranked = []
-        for (a, ea), (b, eb) in itertools.combinations(columns, 2):
-            free = [x for x, n in ((ea, a), (eb, b)) if isinstance(n, str)]
-            fixed: Any = sum((x for x, n in ((ea, a), (eb, b)) if not isinstance(n, str)), 0.0)
-            rest = base - fixed
-            if free:
-                matrix = np.array(free).T
-                amounts = np.linalg.lstsq(matrix, rest, rcond=None)[0]
-                rest = rest - matrix @ amounts
-            ranked.append((float(np.abs(rest).sum()), a, b))
-        ranked.sort(key=lambda one: one[0])
-        for _, a, b in ranked[:4]:
-            if not self._impatient and (joined := self._joined(sought, stage, a, b)):
-                yield joined
-
-    def _slopes(self, stage: str, sought: Sought, base: Array) -> Iterator[tuple[str, Array]]:
-        """Yield what a small part more of each parameter does."""
-        for name, stages in PARAMETERS.items():
-            if stage in stages:
-                r = sought.residual(Fit(name, "factor", 1.0 + 1e-5, 0.0, True).change)
-                if r is not None and np.abs(base - r).sum() > 1e-12:
-                    yield name, (base - r) / 1e-5
-
-    def _joined(
-        self, sought: Sought, stage: str, a: Explanation | str, b: Explanation | str
-    ) -> Explanation | None:
-        """Return two explanations as one, the fitted numbers fitted together."""
-        fixed = [x for x in (a, b) if not isinstance(x, str)]
-        free = [x for x in (a, b) if isinstance(x, str)]
-        own = NONE
-        for x in fixed:
-            assert x.change is not None
-            own = own.then(x.change)
-        fitted: list[Fit] = []
-        # Each in turn, with the others as they are: two numbers settle in a few rounds.
-        for _ in range(6 if len(free) > 1 else 1):
-            for name in free:
-                others = [f for f in fitted if f.parameter != name]
-                around = own
-                for f in others:
-                    around = around.then(f.change)
-                forms = fits(sought.trials, name, (stage,), self.base.then(around), self.work)
-                scored = [(sought.left(around.then(f.change)), f) for f in forms]
-                good = [(left, f) for left, f in scored if left is not None]
-                if not good:
-                    return None
-                fitted = [*others, min(good, key=lambda one: one[0])[1]]
-        for f in fitted:
-            own = own.then(f.change)
-        left = sought.left(own)
-        if left is None or any(f.roundness >= ODD / 100 for f in fitted):
-            return None
-        names = [x.name for x in fixed] + [f.name for f in fitted]
-        sentences = [x.sentence for x in fixed] + [f.sentence for f in fitted]
-        return Explanation(" and ".join(names), "; and ".join(sentences), None, left, 1.9, own)
-
-
-# Digits of a number that nobody chooses.
-ODD = 5
 
 
 def _unknown(stage: str, wrong: int, worst: float, rest: bool) -> str:

@@ -128,6 +128,11 @@ class Work:
 
     done = 0.0
 
+    @property
+    def exhausted(self) -> bool:
+        """Whether the search has done all that it may."""
+        return self.done > PATIENCE
+
     def residuals(self, trial: Trial, change: Change, stages: Iterable[str]) -> Array:
         """Return the relative errors that a change leaves in some stages."""
         wanted, step = frozenset(stages), getattr(change.engine, "dt", LONG_STEP)
@@ -144,6 +149,10 @@ class Work:
         )
         return np.where(np.isfinite(errors), errors, 1.0)
 
+
+# Flights of a search, so that a verdict is the same on every machine and comes within ten seconds;
+# what has not been tried by then is not.
+PATIENCE = 1_300.0
 
 LONG_STEP = 5e-3  # s: with such steps a second of flight takes as long as a flight under any law
 
