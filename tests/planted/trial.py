@@ -224,6 +224,16 @@ def summary(rows, verdicts):
     return markdown(["mistakes", "number", *KEYS.values()], lines)
 
 
+def cost(rows, verdicts):
+    """Return what verdicts cost, as a sentence."""
+    times = [verdicts[row["name"], row["program"]].get("processor_time", 0.0) for row in rows]
+    return (
+        f"A verdict with its diagnosis took {median(times):.1f} s of processor time in the median "
+        f"and {max(times):.1f} s at most,\nthe candidate's included; Python and longball start in "
+        "two seconds more."
+    )
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--out", type=Path, default=Path("planted"), help="folder of the verdicts")
@@ -250,14 +260,9 @@ def main():
     done = [row for row in rows if (row["name"], row["program"]) in verdicts]
     text = f"{summary(done, verdicts)}\n\n{table(done, verdicts)}\n"
     print(text)
-    cost = sorted(verdict.get("processor_time", 0.0) for verdict in verdicts.values())
-    if cost:
-        print(f"processor time: median {median(cost):.1f} s, at most {cost[-1]:.1f} s")
     if options.page:
-        options.page.write_text(
-            PAGE.format(summary=summary(done, verdicts), table=table(done, verdicts)),
-            encoding="utf-8",
-        )
+        parts = {part.__name__: part(done, verdicts) for part in (summary, cost, table)}
+        options.page.write_text(PAGE.format(**parts), encoding="utf-8")
 
 
 PAGE = """# Planted mistakes
@@ -270,13 +275,20 @@ Each mistake is judged by the families of golden data in which it shows. What a 
 say, and at which stage the mistake acts, was written down before the judge was run. A script,
 `tests/planted/trial.py`, compares the verdicts with the stage and a pattern of words; patterns were
 made wider or narrower after verdicts had been read, where they missed a right explanation in other
-words or let a wrong one pass. Verdicts on the first set were read by those who wrote the judge;
-those on the second set were not.
+words or let a wrong one pass.
+
+The first set was there while the judge was written; the second one was new to it then. In that run
+9 of 203 mistakes of the first set and 4 of 32 of the second had a false name or a false
+reassurance. The verdicts were then read, the judge's rules of what is named were changed, and some
+names were added; the patterns stayed as they were. The table is of the judge after that: it tells
+what the judge makes of mistakes that its authors have seen, in the second set too.
 
 One mistake is not in the counts: a bat whose mass is always 0.9 kg passes the family `impact`,
 where no scene has another mass.
 
 {summary}
+
+{cost}
 
 | word | means |
 |---|---|

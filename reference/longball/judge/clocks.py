@@ -86,17 +86,17 @@ def _at_steps(
     speeds = [abs(t.given[velocity][axis]) if velocity in t.given else math.inf for t in trials]
     if dt is None or any(abs(o) > 1.1 * v * dt for o, v in zip(offs, speeds, strict=True)):
         return
-    late = offs.max() <= 0
-    where = {
-        ("landing", True): "below the ground", ("landing", False): "above the ground",
-        ("plate", True): "behind the plate", ("plate", False): "in front of the plate",
-    }[stage, bool(late)]  # fmt: skip
+    name, where = {
+        ("landing", True): ("first-below", "first step below the ground"),
+        ("landing", False): ("last-above", "last step above the ground"),
+        ("plate", True): ("first-below-x", "first step behind the plate"),
+        ("plate", False): ("last-above-x", "last step in front of the plate"),
+    }[stage, bool(offs.max() <= 0)]
     yield Explanation(
-        ("first-below" if late else "last-above") + ("" if stage == "landing" else "-x"),
-        f"ends the flight at the {'first' if late else 'last'} step {where}, in steps of "
-        f"{dt:.6g} s: by up to {np.abs(offs).max():.2g} m",
+        name, f"ends the flight at the {where}, in steps of {dt:.6g} s: by up to "
+        f"{np.abs(offs).max():.2g} m",
         "interpolate to the surface between the last two steps, in time and velocity too",
-        0.0, 1, quantity=f"{'landing' if stage == 'landing' else 'plate'}.position: event", step=dt,
+        0.0, 1, quantity=f"{stage}.position: event", step=dt,
     )  # fmt: skip
 
 

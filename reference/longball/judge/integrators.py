@@ -40,6 +40,9 @@ FEW, BEST = 3, 6
 # Round steps are tried that differ from a fitted one by less than this factor.
 NEAR = 1.5
 
+# A round step may leave so many times what the one leaves that fits best.
+ALMOST = 1.1
+
 # With steps longer than this, s, what a scheme leaves is seen in all trials, and not in a few.
 LONG = 2e-3
 
@@ -132,7 +135,11 @@ def _fitted(few: Sought, base: Array, way: _Way, dt: float) -> float:
         r = few.residual(way.change(step))
         return math.inf if r is None else float(np.abs(r).sum())
 
-    return min(steps, key=left)
+    # People choose round steps; another mistake may have moved the one that fits best.
+    lefts = {step: left(step) for step in steps}
+    best = min(lefts, key=lambda step: lefts[step])
+    near = [step for step in _round(best, 4) if lefts.get(step, math.inf) <= ALMOST * lefts[best]]
+    return near[0] if near else best
 
 
 def _round(dt: float, count: int) -> list[float]:

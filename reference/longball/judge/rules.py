@@ -137,9 +137,6 @@ def _between(a: float, b: float) -> float:
 
 # --- the smallest scene ---------------------------------------------------------------------------
 
-# Of what a scene may say, what is plainest: the default where there is one, else these.
-_PLAIN = {"launch.position": (0.0, 0.0, 1.0), "launch.velocity": (30.0, 0.0, 20.0)}
-
 LARGEST_SHRINKS = 6
 
 
