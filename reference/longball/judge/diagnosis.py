@@ -120,6 +120,8 @@ class _Search:
         The chain as far as it is explained.
     excused
         Stages and quantities whose errors are explained.
+    stepless
+        Whether no scheme in steps explains the flights.
     loose
         Relative errors that are left unexplained and handed on, by scene.
     """
@@ -131,6 +133,7 @@ class _Search:
         self.trials, self.dt, self.scheme, self.causes = list(trials), dt, scheme, causes
         self.base = NONE if scheme is None else Change(engine=scheme, push=True)
         self.findings: list[Finding] = []
+        self.stepless = False
         self.loose: dict[str, float] = {}
         self.excused: set[str] = set()
         self.work = Work()
@@ -430,11 +433,13 @@ class _Search:
         found += parts(stage, sought)
         if stage in ("pitch", "flight"):
             found += clocks(stage, chosen, self.base)
-            if not any(e.named for e in found) and self.scheme is None:
+            if not any(e.named for e in found) and self.scheme is None and not self.stepless:
                 known = self.dt or grid(stage, self.trials)
                 found += on_chords(sought.some(4), self.base, known)
                 if not any(e.named for e in found):
                     found += schemes(sought, known)
+                # What flies the pitch flies the batted ball.
+                self.stepless = not any(e.named for e in found)
             if not any(e.named for e in found):
                 found += pairs(stage, sought, found)
         return found

@@ -88,8 +88,8 @@ def schemes(sought: Sought, known: float | None) -> Iterator[Explanation]:
     ranked = []
     for way in (_Way(name, ends) for name in SCHEMES for ends in get_args(Ends)):
         dt = known or _scaled(few, base, way, FIRST)
-        if not dt or dt < SHORTEST / NEAR:
-            continue
+        if not dt or dt < SHORTEST / NEAR or (way.ends == "line" and dt < FINE_STEP):
+            continue  # with such steps, the line between two of them is the path
         # Where the step is shorter than those tried, the error follows from the order.
         share, steps = min(1.0, (dt / FINE_STEP) ** way.order), [max(dt, FINE_STEP)]
         if way.ends == "line" and not known:  # what is between two steps hangs on the step itself
