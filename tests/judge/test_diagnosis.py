@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
+from dataclasses import replace
 
 import pytest
 
@@ -15,7 +16,9 @@ from longball.engines.ivp import Ivp
 from longball.golden import load
 from longball.judge.answers import Answer, Collector
 from longball.judge.cases import Case, decidable
-from longball.judge.diagnosis import FINE, Diagnosis, Finding, diagnose
+from longball.judge.diagnosis import FINE, diagnose
+from longball.judge.findings import Diagnosis, Finding
+from longball.judge.rules import rule
 from longball.judge.steps import common_step
 from tests.candidates.mistaken import MISTAKES, switches
 from tests.candidates.mistaken import solve as simulate
@@ -61,7 +64,7 @@ EXPECTED = {
     "g-9.80665": ("pitch", "gravity=9.80665"),
     "mass-0.145": ("pitch", "ball.mass=0.145"),
     "drag-per-component": ("pitch", "drag-per-component"),
-    "nathan": ("restitution", "plain-restitution"),
+    "nathan": ("restitution", "nathan"),
     "other-end": ("bat velocity", "other-pivot"),
     "bat-at-rest": ("normal speed", "bat-at-rest"),
     "over-bat-mass": ("velocity after", "impulse-over-bat-mass"),
@@ -115,6 +118,29 @@ def test_what_nothing_explains_is_never_called_nothing(gold: list[Case]):
     diagnosis = diagnose(gold, bent)
     assert diagnosis.findings
     assert "noise" not in diagnosis.sentence
+
+
+def test_axes_exchanged_in_all_vectors_are_one_mistake(gold: list[Case]):
+    turned = {
+        i: replace(a, values={n: (v[0], v[2], v[1]) if len(v) == 3 else v
+                              for n, v in a.values.items()})
+        for i, a in answers(gold).items()
+    }  # fmt: skip
+    (first, *rest) = found(diagnose(gold, turned))
+    assert first.names == ["axes:(x, z, y)"]
+    assert rest == []
+
+
+def test_no_cause_is_sought_in_answers_that_change_from_run_to_run(gold: list[Case]):
+    findings = found(diagnose(gold, answers(gold, "g-9.80665"), causes=False))
+    assert {f.kind for f in findings} == {"unexplained"}
+
+
+def test_a_rule_is_told_only_if_chance_would_hardly_make_one(gold: list[Case]):
+    flights = [case for case in gold if case.scene.kind == "flight"]
+    others = [case for case in gold if case.scene.kind != "flight"]
+    assert "kind = flight" in (rule(flights, others) or "")
+    assert rule(flights[:1], others) is None
 
 
 def test_there_are_eighty_mistakes_to_plant():

@@ -13,7 +13,8 @@ import pytest
 from longball.golden import load
 from longball.judge.answers import Answer, Collector
 from longball.judge.cases import Case, decidable
-from longball.judge.diagnosis import FINE, Finding, diagnose
+from longball.judge.diagnosis import FINE, diagnose
+from longball.judge.findings import Finding
 from tests.candidates.real_ball import solve as simulate
 
 FAMILIES = (

@@ -2,7 +2,7 @@
 
     python tests/planted/trial.py [--out FOLDER] [--only NAME …] [--trial N] [--page FILE]
 
-builds the programs, runs ``longball judge`` on each mistake, keeps the verdicts as JSON in FOLDER,
+builds the programs, runs the judge on each mistake, keeps the verdicts as JSON in FOLDER,
 where one that is there is not run again, and prints a table in Markdown. No verdict is graded by
 hand:
 
@@ -29,8 +29,15 @@ import re
 import subprocess
 import sys
 import time
+import traceback
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
+from statistics import median
+
+from longball.golden import load
+from longball.judge.cases import Exact
+from longball.judge.evaluation import Judge
 
 HERE = Path(__file__).resolve().parent
 PAPER = [
@@ -75,22 +82,20 @@ def families(row):
     return PAPER if row["golden"] == "paper" else row["golden"].split()
 
 
+golden = cache(load)
+
+
 def judged(row, binary):
     """Run the judge on a row's mistake; return the verdict, with its cost in `processor_time`."""
-    sets = [word for family in families(row) for word in ("--golden", family)]
-    call = [sys.executable, "-m", "longball", "judge", "--json", "--quiet", *sets, "--"]
+    judge = Judge([case for family in families(row) for case in golden(family)], Exact())
     before = os.times()
-    answer = subprocess.run(
-        [*call, *command(row, binary)], capture_output=True, text=True, check=False
-    )
-    after = os.times()
-    if answer.returncode not in (0, 1):
-        return {"status": "CRASHED", "standard_error": answer.stderr[-2000:]}
-    verdict = json.loads(answer.stdout)
-    verdict["processor_time"] = (after.children_user + after.children_system) - (
-        before.children_user + before.children_system
-    )
-    return verdict
+    try:
+        verdict = judge.evaluate_command(command(row, binary)).verdict
+    except Exception:
+        return {"status": "CRASHED", "standard_error": traceback.format_exc()}
+    # Of this process and the candidate's, user and system; not the last one, which is wall time.
+    spent = sum(os.times()[:4]) - sum(before[:4])
+    return json.loads(verdict.line()) | {"processor_time": spent}
 
 
 @dataclass(frozen=True)
@@ -219,6 +224,16 @@ def summary(rows, verdicts):
     return markdown(["mistakes", "number", *KEYS.values()], lines)
 
 
+def cost(rows, verdicts):
+    """Return what verdicts cost, as a sentence."""
+    times = [verdicts[row["name"], row["program"]].get("processor_time", 0.0) for row in rows]
+    return (
+        f"A verdict with its diagnosis took {median(times):.1f} s of processor time in the median "
+        f"and {max(times):.1f} s at most,\nthe candidate's included; Python and longball start in "
+        "two seconds more."
+    )
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--out", type=Path, default=Path("planted"), help="folder of the verdicts")
@@ -246,10 +261,8 @@ def main():
     text = f"{summary(done, verdicts)}\n\n{table(done, verdicts)}\n"
     print(text)
     if options.page:
-        options.page.write_text(
-            PAGE.format(summary=summary(done, verdicts), table=table(done, verdicts)),
-            encoding="utf-8",
-        )
+        parts = {part.__name__: part(done, verdicts) for part in (summary, cost, table)}
+        options.page.write_text(PAGE.format(**parts), encoding="utf-8")
 
 
 PAGE = """# Planted mistakes
@@ -262,13 +275,20 @@ Each mistake is judged by the families of golden data in which it shows. What a 
 say, and at which stage the mistake acts, was written down before the judge was run. A script,
 `tests/planted/trial.py`, compares the verdicts with the stage and a pattern of words; patterns were
 made wider or narrower after verdicts had been read, where they missed a right explanation in other
-words or let a wrong one pass. Verdicts on the first set were read by those who wrote the judge;
-those on the second set were not.
+words or let a wrong one pass.
+
+The first set was there while the judge was written; the second one was new to it then. In that run
+9 of 203 mistakes of the first set and 4 of 32 of the second had a false name or a false
+reassurance. The verdicts were then read, the judge's rules of what is named were changed, and some
+names were added; the patterns stayed as they were. The table is of the judge after that: it tells
+what the judge makes of mistakes that its authors have seen, in the second set too.
 
 One mistake is not in the counts: a bat whose mass is always 0.9 kg passes the family `impact`,
 where no scene has another mass.
 
 {summary}
+
+{cost}
 
 | word | means |
 |---|---|

@@ -229,7 +229,7 @@ class Judge:
                 if (answer := answers.get(case.id))
             }
             scheme = engine if isinstance(engine, Verlet) else None
-            diagnosis = diagnose(truths, whole, self.dt, scheme)
+            diagnosis = diagnose(truths, whole, self.dt, scheme, causes=not conduct)
             diagnosis = diagnosis.model_copy(update={"conduct": list(conduct)})
             if not diagnosis.findings:
                 wrong_in = {f.what for c in comparisons if not c.passed for f in failure(c).faults}

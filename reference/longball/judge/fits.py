@@ -128,6 +128,11 @@ class Work:
 
     done = 0.0
 
+    @property
+    def exhausted(self) -> bool:
+        """Whether the search has done all that it may."""
+        return self.done > PATIENCE
+
     def residuals(self, trial: Trial, change: Change, stages: Iterable[str]) -> Array:
         """Return the relative errors that a change leaves in some stages."""
         wanted, step = frozenset(stages), getattr(change.engine, "dt", LONG_STEP)
@@ -144,6 +149,10 @@ class Work:
         )
         return np.where(np.isfinite(errors), errors, 1.0)
 
+
+# Flights of a search, so that a verdict is the same on every machine and comes within ten seconds;
+# what has not been tried by then is not.
+PATIENCE = 1_300.0
 
 LONG_STEP = 5e-3  # s: with such steps a second of flight takes as long as a flight under any law
 
@@ -189,6 +198,12 @@ class Fit:
             return with_parameter(scene, self.parameter, new)
 
         return Change(change)
+
+    @property
+    def name(self) -> str:
+        """Parameter and value: ``air.density=1.205``, ``pitch.speed*3.6``."""
+        symbol = {"fixed": "=", "factor": "*", "offset": "+"}[self.form]
+        return f"{self.parameter}{symbol}{self.value:.6g}"
 
     @property
     def roundness(self) -> float:
@@ -240,7 +255,7 @@ def snapped(fit: Fit) -> Iterator[Fit]:
 
 def told(value: float, doubt: float) -> str:
     """Return a value with its interval, to the digits that this leaves."""
-    if doubt <= 1e-9 * abs(value):
+    if doubt <= 1e-9 * max(abs(value), 1e-3):
         return f"{value:.9g}"
     places = min(12, max(0, 1 - math.floor(math.log10(doubt))))
     return f"{value:.{places}f} ± {doubt:.1g}"
@@ -283,7 +298,10 @@ FEW_DIGITS = 3
 # The doubt of a fit beside what it differs from the scene: with more it explains nothing.
 UNSURE = 0.2
 
-# A parameter that explains none of so many scenes is not looked at further.
+# A parameter that leaves so much of a scene, whatever its value, does not explain that scene.
+MISSED = 0.3
+
+# With so many scenes a number is believed that has many digits.
 FIRST = 3
 
 
@@ -339,12 +357,13 @@ def fits(
 ) -> list[Fit]:
     """Return the forms in which a parameter may explain some trials, each with its value."""
     found: list[tuple[float, float | None]] = []
-    for count, trial in enumerate(trials):
-        if count == FIRST and not found:
-            return []
+    for trial in trials:
         one = implied(trial, name, stages, base, work)
-        if one is not None and one[1] < 0.5:
-            found.append((one[0], value_of(base.scene(trial.scene), name)))
+        if one is None:
+            continue
+        if one[1] > MISSED:
+            return []
+        found.append((one[0], value_of(base.scene(trial.scene), name)))
     if len(found) < max(1, len(trials) // 3):
         return []
     values = np.array([v for v, _ in found])

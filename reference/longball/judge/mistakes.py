@@ -10,12 +10,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from itertools import pairwise
 from typing import Any
 
 from pydantic import ValidationError
 
-from longball.engines.chain import Model, collide
+from longball.engines.chain import OneCase, collide
 from longball.judge.stages import Change, Numbers, with_values
 from longball.model import trace
 from longball.model.aerodynamics import DRAG, LIFT
@@ -23,7 +24,7 @@ from longball.model.air import CrisisDrag, Weather
 from longball.model.atmosphere import ZERO_CELSIUS, density
 from longball.model.bat import moment_of_inertia
 from longball.model.force import Drag, Force, Lift, Motion, Piecewise, Term
-from longball.model.law import FORCES, GRAVITY
+from longball.model.law import GRAVITY
 from longball.model.numbers import DOUBLES, Vector
 from longball.model.quantities import at
 from longball.model.readings import Reading
@@ -54,23 +55,32 @@ class Mistake:
 # --- the law of motion ----------------------------------------------------------------------------
 
 
+def _terms(change: Callable[[Term], Term | None]) -> Change:
+    """Return the change of each term that may act on a ball in flight; None leaves it out."""
+    changed = cache(change)  # the same terms each time, so that their law is traced once
+    return Change(
+        model=lambda model: replace(
+            model, forces=tuple(new for f in model.forces if (new := changed(f)) is not None)
+        )
+    )
+
+
+def _form(term: Term) -> Term:
+    return term.term if isinstance(term, Piecewise) else term
+
+
+def _replaced(term: Term, changed: Term) -> Change:
+    return _terms(lambda f: changed if f is term else f)
+
+
 def _instead(term: Term, acceleration: Callable[[Motion, Any], Vector[Any]]) -> Change:
     """Return the change of one term into a force with that acceleration."""
     return _replaced(term, Force(term.parameters, term.strengths, acceleration))
 
 
-def _replaced(term: Term, changed: Term) -> Change:
-    return _flying(tuple(changed if f is term else f for f in FORCES))
-
-
-def _flying(forces: tuple[Term, ...]) -> Change:
-    return Change(model=Model(forces=forces))
-
-
 def _without(left_out: Callable[[Term], bool]) -> Change:
     """Return the change that leaves terms out."""
-    forms = {f: f.term if isinstance(f, Piecewise) else f for f in FORCES}
-    return _flying(tuple(f for f in FORCES if not left_out(forms[f])))
+    return _terms(lambda f: None if left_out(_form(f)) else f)
 
 
 def _lifts(term: Term) -> bool:
@@ -87,10 +97,33 @@ def _size(x: Any) -> Any:
     return (x * x + SMALL * SMALL / 2) / trace.sqrt(x * x + SMALL * SMALL)
 
 
-def _drag_and_axes(scene: Any, frame: Any, numbers: Any) -> tuple[Any, ...] | None:
-    """Return the strengths of the drag, and where the axes of the frame point."""
-    found = DRAG.strengths(scene, frame, numbers)
-    return found and (*found, frame.cos, frame.sin)
+def _rising(motion: Motion) -> Any:
+    """Return 1 for a ball on its way up and 0 on its way down, smoothly."""
+    w = motion.velocity[2]
+    return (1.0 + w / trace.sqrt(w * w + SMALL * SMALL)) * 0.5
+
+
+def _with_axes(term: Term) -> Callable[[Any, Any, Any], tuple[Any, ...] | None]:
+    """Return the strengths of a term, and behind them where the axes of the frame point."""
+
+    def strengths(scene: Any, frame: Any, numbers: Any) -> tuple[Any, ...] | None:
+        found = term.strengths(scene, frame, numbers)
+        return found and (*found, frame.cos, frame.sin)
+
+    return strengths
+
+
+def _with_launch(term: Term) -> Callable[[Any, Any, Any], tuple[Any, ...] | None]:
+    """Return the strengths of a term, and behind them the velocity at launch: along, up, size."""
+
+    def strengths(scene: Any, frame: Any, numbers: Any) -> tuple[Any, ...] | None:
+        found = term.strengths(scene, frame, numbers)
+        if found is None or scene.kind != "flight":
+            return found and (*found, *[None] * 3)
+        x, y, z = scene.launch.velocity
+        return (*found, math.hypot(x, y), z, math.hypot(x, y, z))
+
+    return strengths
 
 
 def _by_component(square: Callable[[Any], Any]) -> Change:
@@ -101,7 +134,18 @@ def _by_component(square: Callable[[Any], Any]) -> Change:
         x, y, z = (-rate * square(c) for c in (p.cos * u - p.sin * v, p.sin * u + p.cos * v, w))
         return p.cos * x + p.sin * y, p.cos * y - p.sin * x, z
 
-    return _replaced(DRAG, Force(("drag", "cos", "sin"), _drag_and_axes, acceleration))
+    return _replaced(DRAG, Force(("drag", "cos", "sin"), _with_axes(DRAG), acceleration))
+
+
+def _about_minus_y() -> Change:
+    """Return the change of the lift to one about -y, whatever the ball's heading."""
+
+    def acceleration(motion: Motion, p: Any) -> Vector[Any]:
+        (u, v, w), speed = motion.lift
+        rate = motion.density * p.lift * speed
+        return -rate * p.cos * w, rate * p.sin * w, rate * (p.cos * u - p.sin * v)
+
+    return _replaced(LIFT, Force(("lift", "cos", "sin"), _with_axes(LIFT), acceleration))
 
 
 def _drag(factor: Callable[[Motion, Any], Any]) -> Change:
@@ -133,6 +177,33 @@ def _lift(direction: Callable[[Any, Any, Any], Vector[Any]]) -> Change:
     return _instead(LIFT, acceleration)
 
 
+def _lift_rising(share: Callable[[Any], Any]) -> Change:
+    """Return the change of the lift to one that depends on whether the ball rises."""
+
+    def acceleration(motion: Motion, p: Any) -> Vector[Any]:
+        (u, _, w), speed = motion.lift
+        rate = motion.density * p.lift * speed * share(_rising(motion))
+        return -rate * w, trace.ZERO, rate * u
+
+    return _instead(LIFT, acceleration)
+
+
+_LAUNCH = ("launch_u", "launch_w", "launch_speed")
+
+
+def _launch_speed_in_drag() -> Change:
+    return _replaced(DRAG, Drag(
+        ("drag", *_LAUNCH), _with_launch(DRAG), lambda m, p: p.drag * p.launch_speed))  # fmt: skip
+
+
+def _launch_direction_of_lift() -> Change:
+    def acceleration(motion: Motion, p: Any) -> Vector[Any]:
+        rate = motion.density * p.lift * motion.lift.speed * motion.lift.speed / p.launch_speed
+        return -rate * p.launch_w, trace.ZERO, rate * p.launch_u
+
+    return _replaced(LIFT, Force(("lift", *_LAUNCH), _with_launch(LIFT), acceleration))
+
+
 def _scene(values: Callable[[Any], Mapping[str, Any]]) -> Change:
     """Return the change of a scene's values, by their names."""
     return Change(lambda scene: with_values(scene, values(scene)))
@@ -149,131 +220,121 @@ def _reading(**switches: str) -> Change:
     return Change(change)
 
 
+def _exchanged(one: str, other: str) -> Change:
+    """Return the exchange of two values of a scene, where it has both."""
+
+    def values(scene: Any) -> Mapping[str, Any]:
+        try:
+            a, b = at(scene, one), at(scene, other)
+        except ValueError:
+            return {}
+        return {} if a is None or b is None else {one: b, other: a}
+
+    return _scene(values)
+
+
+def _thrown(values: Callable[[Any], Mapping[str, Any]]) -> Change:
+    """Return the change of a pitch that is given by release, speed and aim."""
+
+    def changed(scene: Any) -> Mapping[str, Any]:
+        pitch = getattr(scene, "pitch", None)
+        return {} if pitch is None or getattr(pitch, "aim", None) is None else values(pitch)
+
+    return _scene(changed)
+
+
+_AGAINST = "the drag is -k V v: against the velocity, in every component"
+_ACROSS = "the lift is k_L V (ê × v), which is k_L V (-w, u) in the flight plane"
+_SCENE = "take the numbers of the scene"
+
 _PAPERS_LAW: tuple[Mistake, ...] = (
-    Mistake(
-        "drag-per-component",
-        "drags each component by itself, with its own square",
-        "the drag is -k V v: every component times the whole speed V",
-        _by_component(lambda c: _size(c) * c),
-    ),
-    Mistake(
-        "unsigned-drag-per-component",
-        "drags each component by its own square without a sign, so that a falling ball is pulled "
-        "down",
-        "the drag is -k V v: against the velocity",
-        _by_component(lambda c: c * c),
-    ),
-    Mistake(
-        "drag-with-v",
-        "lets the drag grow with V, not with V²",
-        "the drag is ½ C_D ρ A V², against the velocity",
-        _drag(lambda motion, p: 1.0),
-    ),
-    Mistake(
-        "drag-with-v-cubed",
-        "lets the drag grow with V³",
-        "the drag is ½ C_D ρ A V²: V v holds the square already",
-        _drag(lambda motion, p: motion.speed * motion.speed),
-    ),
-    Mistake(
-        "density-falls",
-        "lets the air grow thinner with height",
-        "the scene's density holds at every height",
-        _scene(lambda scene: {"air.density_scale_height": 8500.0}),
-    ),
-    Mistake(
-        "drag-always-down",
-        "drags a falling ball down: the vertical drag has no sign",
-        "the drag is against the velocity, on the way down too",
-        _vertical_drag(_size),
-    ),
-    Mistake(
-        "vertical-drag-sign",
-        "drags along the vertical velocity instead of against it",
-        "the drag is against the velocity, in every component",
-        _vertical_drag(lambda w: -w),
-    ),
-    Mistake(
-        "drag-forward",
-        "drags along the velocity instead of against it",
-        "the drag is -k V v",
-        _drag(lambda motion, p: -motion.speed),
-    ),
-    Mistake(
-        "horizontal-drag-only",
-        "drags the horizontal components only",
-        "the drag is -k V v in all three",
-        _vertical_drag(lambda w: trace.ZERO),
-    ),
-    Mistake(
-        "no-drag",
-        "flies without drag",
-        "add -k_D V v",
-        _without(lambda term: isinstance(term, Drag)),
-    ),
+    Mistake("drag-per-component", "drags each component by itself, with its own square",
+            "the drag is -k V v: every component times the whole speed V",
+            _by_component(lambda c: _size(c) * c)),
+    Mistake("unsigned-drag-per-component", "drags each component by its own square without a "
+            "sign, so that a falling ball is pulled down", _AGAINST,
+            _by_component(lambda c: c * c)),
+    Mistake("drag-with-v", "lets the drag grow with V, not with V²",
+            "the drag is ½ C_D ρ A V², against the velocity", _drag(lambda motion, p: 1.0)),
+    Mistake("drag-with-v-cubed", "lets the drag grow with V³",
+            "the drag is ½ C_D ρ A V²: V v holds the square already",
+            _drag(lambda motion, p: motion.speed * motion.speed)),
+    Mistake("drag-with-launch-speed", "drags with the speed at launch all the time",
+            "the drag is -k V v with the present speed V", _launch_speed_in_drag()),
+    Mistake("drag-with-horizontal-speed", "takes the horizontal speed for V in the drag",
+            "V is the whole speed", _drag(lambda m, p: trace.sqrt(
+                m.air.velocity[0] * m.air.velocity[0] + m.air.velocity[1] * m.air.velocity[1]))),
+    Mistake("drag-rising-only", "drags the ball on its way up only",
+            "the drag acts on the way down too", _drag(lambda m, p: m.speed * _rising(m))),
+    Mistake("density-falls", "lets the air grow thinner with height",
+            "the scene's density holds at every height",
+            _scene(lambda scene: {"air.density_scale_height": 8500.0})),
+    Mistake("drag-always-down", "drags a falling ball down: the vertical drag has no sign",
+            _AGAINST, _vertical_drag(_size)),
+    Mistake("vertical-drag-sign", "drags along the vertical velocity instead of against it",
+            _AGAINST, _vertical_drag(lambda w: -w)),
+    Mistake("drag-forward", "drags along the velocity instead of against it", _AGAINST,
+            _drag(lambda motion, p: -motion.speed)),
+    Mistake("horizontal-drag-only", "drags the horizontal components only", _AGAINST,
+            _vertical_drag(lambda w: trace.ZERO)),
+    Mistake("no-drag", "flies without drag", "add -k_D V v",
+            _without(lambda term: isinstance(term, Drag))),
     Mistake("no-lift", "flies without lift", "add k_L V (ê × v)", _without(_lifts)),
-    Mistake(
-        "no-gravity",
-        "flies without gravity",
-        "add -g to the vertical",
-        _without(lambda term: term is GRAVITY),
-    ),
-    Mistake(
-        "gravity-up",
-        "falls upwards",
-        "gravity is -g along z",
-        _instead(GRAVITY, lambda m, p: (trace.ZERO, trace.ZERO, p.gravity)),
-    ),
-    Mistake(
-        "lift-sign",
-        "lifts the ball the wrong way",
-        "with backspin the lift turns the velocity upwards: k_L V (-w, u) in the flight plane",
-        _lift(lambda u, w, speed: (speed * w, trace.ZERO, -speed * u)),
-    ),
-    Mistake(
-        "lift-vertical",
-        "lifts straight up with V², instead of across the velocity",
-        "the lift is k_L V (ê × v): it is perpendicular to the velocity",
-        _lift(lambda u, w, speed: (trace.ZERO, trace.ZERO, speed * speed)),
-    ),
-    Mistake(
-        "lift-vertical-part",
-        "has the vertical part of the lift, and not the horizontal one",
-        "the lift is k_L V (-w, u) in the flight plane",
-        _lift(lambda u, w, speed: (trace.ZERO, trace.ZERO, speed * u)),
-    ),
-    Mistake(
-        "lift-not-across",
-        "turns the horizontal part of the lift the wrong way: it is not perpendicular to the "
-        "velocity",
-        "the lift is k_L V (-w, u) in the flight plane",
-        _lift(lambda u, w, speed: (speed * w, trace.ZERO, speed * u)),
-    ),
-    Mistake(
-        "lift-with-v",
-        "lets the lift grow with V, not with V²",
-        "the lift is ½ C_L ρ A V²",
-        _lift(lambda u, w, speed: (-w, trace.ZERO, u)),
-    ),
-    Mistake(
-        "lift-sideways",
-        "lifts the ball sideways",
-        "the spin axis is horizontal: the lift lies in the vertical plane of the launch",
-        _lift(lambda u, w, speed: (trace.ZERO, speed * u, trace.ZERO)),
-    ),
-    Mistake(
-        "lift-always-up",
-        "keeps the lift on the upper side of the path, beyond the vertical too",
-        "fix the spin axis at launch, or ask for the reading lift_direction = always_up",
-        _reading(lift_direction="always_up"),
-    ),
-    Mistake(
-        "ignores-lift-reading",
-        "ignores the reading lift_direction",
-        "take reading.lift_direction from the scene",
-        _reading(lift_direction="fixed_spin_axis"),
-    ),
-)
+    Mistake("no-gravity", "flies without gravity", "add -g to the vertical",
+            _without(lambda term: term is GRAVITY)),
+    Mistake("gravity-up", "falls upwards", "gravity is -g along z",
+            _instead(GRAVITY, lambda m, p: (trace.ZERO, trace.ZERO, p.gravity))),
+    Mistake("coefficients-exchanged", "exchanges the coefficients of drag and lift", _SCENE,
+            _exchanged("air.drag_coefficient", "air.lift_coefficient")),
+    Mistake("lift-coefficient-for-drag", "takes the coefficient of the drag for that of the lift",
+            _SCENE, _scene(lambda s: {} if getattr(s, "air", None) is None else {
+                "air.lift_coefficient": s.air.drag_coefficient})),
+    Mistake("lift-sign", "lifts the ball the wrong way",
+            "with backspin the lift turns the velocity upwards: k_L V (-w, u) in the flight plane",
+            _lift(lambda u, w, speed: (speed * w, trace.ZERO, -speed * u))),
+    Mistake("lift-vertical", "lifts straight up with V², instead of across the velocity", _ACROSS,
+            _lift(lambda u, w, speed: (trace.ZERO, trace.ZERO, speed * speed))),
+    Mistake("lift-vertical-part", "has the vertical part of the lift, and not the horizontal one",
+            _ACROSS, _lift(lambda u, w, speed: (trace.ZERO, trace.ZERO, speed * u))),
+    Mistake("lift-not-across", "turns the horizontal part of the lift the wrong way: it is not "
+            "perpendicular to the velocity", _ACROSS,
+            _lift(lambda u, w, speed: (speed * w, trace.ZERO, speed * u))),
+    Mistake("lift-with-v", "lets the lift grow with V, not with V²", "the lift is ½ C_L ρ A V²",
+            _lift(lambda u, w, speed: (-w, trace.ZERO, u))),
+    Mistake("lift-with-horizontal-speed", "takes the horizontal speed for V in the lift", _ACROSS,
+            _lift(lambda u, w, speed: (-_size(u) * w, trace.ZERO, _size(u) * u))),
+    Mistake("lift-as-at-launch", "keeps the direction that the lift has at launch", _ACROSS,
+            _launch_direction_of_lift()),
+    Mistake("lift-rising-only", "lifts the ball on its way up only",
+            "the lift acts on the way down too", _lift_rising(lambda up: up)),
+    Mistake("lift-sign-falling", "lifts a falling ball the wrong way", _ACROSS,
+            _lift_rising(lambda up: 2.0 * up - 1.0)),
+    Mistake("lift-about-minus-y", "lifts about -y, whatever the ball's heading",
+            "the axis ê is horizontal and across the heading at launch", _about_minus_y()),
+    Mistake("lift-sideways", "lifts the ball sideways",
+            "the spin axis is horizontal: the lift lies in the vertical plane of the launch",
+            _lift(lambda u, w, speed: (trace.ZERO, speed * u, trace.ZERO))),
+    Mistake("lift-always-up", "keeps the lift on the upper side of the path, beyond the vertical "
+            "too", "fix the spin axis at launch, or ask for the reading lift_direction = always_up",
+            _reading(lift_direction="always_up")),
+    Mistake("ignores-lift-reading", "ignores the reading lift_direction",
+            "take reading.lift_direction from the scene",
+            _reading(lift_direction="fixed_spin_axis")),
+    Mistake("launch-at-origin", "launches the ball at (0, 0, 0)", _SCENE,
+            _scene(lambda scene: {"launch.position": (0.0, 0.0, 0.0)})),
+    Mistake("launch-above-origin", "launches the ball above (0, 0), at its height", _SCENE,
+            _scene(lambda scene: {"launch.position[0]": 0.0, "launch.position[1]": 0.0})),
+    Mistake("release-fixed", "throws from (18.44, 0, 1.8), whatever pitch.release is", _SCENE,
+            _thrown(lambda pitch: {"pitch.release": (18.44, 0.0, 1.8)})),
+    Mistake("aim-level", "throws level: the height of the aim is ignored", _SCENE,
+            _thrown(lambda pitch: {"pitch.aim[1]": pitch.release[2]})),
+    Mistake("aim-straight", "throws straight ahead: the side of the aim is ignored", _SCENE,
+            _thrown(lambda pitch: {"pitch.aim[0]": pitch.release[1]})),
+    Mistake("aim-from-release", "counts the aim from the point of release",
+            "the aim is a point: y and z where the plate is",
+            _thrown(lambda pitch: {"pitch.aim[0]": pitch.aim[0] + pitch.release[1],
+                                   "pitch.aim[1]": pitch.aim[1] + pitch.release[2]})),
+)  # fmt: skip
 
 
 # --- spin, air and wind ---------------------------------------------------------------------------
@@ -283,13 +344,13 @@ def _seeing(which: Callable[[Term], bool], change: Callable[[Any], Any]) -> Chan
     """Return the change that gives some terms their strengths in another scene."""
 
     def under(f: Any) -> Any:
-        if not which(f.term if isinstance(f, Piecewise) else f):
+        if not which(_form(f)):
             return f
         name = "branches" if isinstance(f, Piecewise) else "strengths"
         given = getattr(f, name)
         return replace(f, **{name: lambda scene, *rest: given(change(scene), *rest)})
 
-    return _flying(tuple(map(under, FORCES)))
+    return _terms(under)
 
 
 def _spins(change: Callable[[Any, Numbers], Any], *places: str) -> Change:
@@ -432,7 +493,7 @@ EXTENDED: tuple[Mistake, ...] = (
     Mistake("wind-not-in-lift", "leaves the wind out of the lift", _WIND,
             _reading(wind_acts_on="drag")),
     Mistake("wind-in-size-only", "drags by the airspeed, but along the velocity over the ground",
-            _WIND, _flying(tuple(_over_ground(f) if isinstance(f, Drag) else f for f in FORCES))),
+            _WIND, _terms(lambda f: _over_ground(f) if isinstance(f, Drag) else f)),
     Mistake("wind-everywhere", "has the same wind at all heights",
             "a wind with `above` blows above that height, one with `height` grows with ln z",
             _scene(lambda scene: {"air.wind": getattr(scene.air.wind, "velocity", scene.air.wind)}
@@ -693,6 +754,8 @@ FORMULAS: tuple[Formula, ...] = (
             lambda v: _spun(v, v.lever, 1.0, 0.0)),
     Formula("contact.bat_velocity", "tilt-swapped", "exchanges sine and cosine of the tilt", _V_B,
             lambda v: _spun(v, v.lever, _sin(v), _cos(v))),
+    Formula("contact.bat_velocity", "tilt-cosine-left-out", "leaves the cosine of the tilt out",
+            _V_B, lambda v: _spun(v, v.lever, 1.0, _sin(v))),
     Formula("contact.bat_velocity", "tilt-in-degrees", "takes the tilt of the swing for degrees",
             "swing.tilt is in radians",
             lambda v: _spun(v, v.lever, math.cos(math.radians(v.scene.swing.tilt)),
@@ -734,6 +797,9 @@ FORMULAS: tuple[Formula, ...] = (
     Formula("impact.restitution", "ratio-once", "leaves m/M_eff out behind e(1 + m/M_eff)",
             _EFFECTIVE, lambda v: (v.scene.ball.restitution * (
                 1 + v.scene.ball.mass * v.lever**2 / v.inertia()),)),
+    Formula("impact.restitution", "ratio-inverted", "takes M_eff/m for m/M_eff", _EFFECTIVE,
+            lambda v: (v.scene.ball.restitution + (1 + v.scene.ball.restitution) * v.inertia()
+                       / (v.scene.ball.mass * v.lever**2),)),
     Formula("impact.restitution", "ratio-subtracted", "subtracts m/M_eff", _EFFECTIVE,
             lambda v: (v.scene.ball.restitution * (1 + v.scene.ball.mass * v.lever**2 / v.inertia())
                        - v.scene.ball.mass * v.lever**2 / v.inertia(),)),
@@ -898,10 +964,27 @@ def _rubbed_without_spin(cases: Any, contact: Any, error: Any, *carried: Any) ->
     return cases, replace(impact, spin=spin), *rest
 
 
+def _rubbed_without_rotation(
+    cases: Any, contact: Any, error: Any, *carried: Any
+) -> tuple[Any, ...]:
+    """Apply the oblique impulse as if the bat's surface moved like its axis."""
+    still = OneCase(
+        with_values(cases.scene, {"swing.angular_speed": 0.0}), cases.engine, cases.model
+    )
+    return cases, *collide(still, contact, error, *carried)[1:]
+
+
+def _colliding(collision: Callable[..., tuple[Any, ...]]) -> Change:
+    return Change(model=lambda model: replace(model, collide=collision))
+
+
 IMPACT: tuple[Mistake, ...] = (
     Mistake("friction-without-spin", "leaves the ball's spin out of the slip",
             "g = V + ω × (-R n) - V_b: the surface moves with the spin",
-            Change(model=Model(collide=_rubbed_without_spin))),
+            _colliding(_rubbed_without_spin)),
+    Mistake("friction-without-rotation", "leaves the bat's rotation out of the slip",
+            "g = V + ω × (-R n) - V_b - Ω × (r_b n): the bat's surface turns about its axis",
+            _colliding(_rubbed_without_rotation)),
     Mistake("friction-ignored", "strikes without friction", "see bat.friction",
             _scene(lambda scene: {"bat.friction": None})),
     Mistake("slides-finally", "lets the friction act along what would end the slip",

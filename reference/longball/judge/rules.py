@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
@@ -41,66 +42,84 @@ def features(case: Case) -> Features:
     return found
 
 
-def rule(failing: Sequence[Case], passing: Sequence[Case]) -> str | None:
-    """Return the smallest rule that holds for all that fail and none that pass; None without one.
+# A rule is told if that of so many random choices of as many scenes hardly one could be told by
+# it; with two conditions it must be so many times as hard again.
+CHANCE, TWO = 5_000, 1_000
 
-    One condition, or two of which both must hold.
+# Scenes that must have a value for it to be the usual one.
+FEWEST = 3
+
+# Rules that tell the same scenes: with more of them, none says anything.
+MOST_RULES = 3
+
+
+def rule(failing: Sequence[Case], passing: Sequence[Case]) -> str | None:
+    """Return the smallest rules that hold for all that fail and none that pass; None without one.
+
+    One condition, or two of what scenes are sorted by, both of which must hold. Where a few tell
+    the same scenes, all are told: it need not be the first one that is behind it.
     """
-    if not failing or not passing:
+    choices = math.comb(len(failing) + len(passing), len(failing))
+    if not failing or not passing or choices < CHANCE:
         return None
     wrong, right = [*map(features, failing)], [*map(features, passing)]
-    conditions = list(_conditions(wrong, right))
+    whole: dict[str, str] = {}  # by the feature
     half = []
-    for text, holds in conditions:
+    for name, text, holds in _conditions(wrong, right):
         # Every failing scene must be told; those that pass are cut away.
         if not all(map(holds, wrong)):
             continue
         left = [f for f in right if holds(f)]
-        if not left:
-            return text
-        half.append((len(left), text, holds, left))
+        if left:
+            half.append((len(left), text, holds, left, _sorts(name)))
+        else:
+            whole.setdefault(name, text)
+    if whole:
+        plain = [text for name, text in whole.items() if _sorts(name)]
+        told = plain or list(whole.values())
+        return "; or, which are the same scenes, ".join(told) if len(told) <= MOST_RULES else None
+    if choices < CHANCE * TWO:
+        return None
     half.sort(key=lambda one: one[0])
-    for _, text, _, left in half[:12]:
-        for _, other, holds, _ in half[:40]:
-            if not any(map(holds, left)):
-                return f"{text} and {other}"
+    sorting = [(text, holds, left) for _, text, holds, left, sorts in half if sorts]
+    for (text, _, left), (other, holds, _) in itertools.combinations(sorting, 2):
+        if not any(map(holds, left)):
+            return f"{text} and {other}"
     return None
 
 
-Condition = tuple[str, Callable[[Features], bool]]
+def _sorts(name: str) -> bool:
+    """Tell whether a feature is one that scenes are sorted by: numbers may follow from those."""
+    return name in ("kind", "outcome", "air") or name.startswith(("reading.", "flag "))
+
+
+Condition = tuple[str, str, Callable[[Features], bool]]
 
 
 def _conditions(wrong: Sequence[Features], right: Sequence[Features]) -> Iterator[Condition]:
-    everything = [*wrong, *right]
-    names = dict.fromkeys(name for f in everything for name in f)
-    for name in names:
+    """Yield what may tell the scenes: the feature, the condition in words, and whether it holds."""
+    for name in dict.fromkeys(name for f in (*wrong, *right) for name in f):
         values = [f[name] for f in wrong if name in f]
-        if not values:
-            if name.startswith("flag "):
-                yield f"not flagged {name[5:]}", lambda f, n=name: n not in f  # type: ignore[misc]
-            continue
         others = [f[name] for f in right if name in f]
         if name.startswith("flag "):
-            yield f"flagged {name[5:]}", lambda f, n=name: n in f  # type: ignore[misc]
+            flag = f"{'flagged' if values else 'not flagged'} {name[5:]}"
+            yield name, flag, lambda f, n=name, v=bool(values): (n in f) is v  # type: ignore[misc]
+            continue
+        if not values:
             continue
         if len(set(values)) == 1:
-            text = f"{name} = {_told(values[0])}"
-            yield text, lambda f, n=name, v=values[0]: f.get(n) == v  # type: ignore[misc]
-        if not others:
-            continue
-        usual = Counter(others).most_common(1)[0][0]
-        text = f"{name} ≠ {_told(usual)}"
-        yield text, lambda f, n=name, v=usual: n in f and f[n] != v  # type: ignore[misc]
-        if isinstance(values[0], float) and not isinstance(values[0], bool):
+            yield name, f"{name} = {_told(values[0])}", lambda f, n=name, v=values[0]: f.get(n) == v  # type: ignore[misc]
+        usual, times = Counter(others).most_common(1)[0] if others else (None, 0)
+        if times >= FEWEST and 2 * times > len(others):
+            yield name, f"{name} ≠ {_told(usual)}", lambda f, n=name, v=usual: f.get(n, v) != v  # type: ignore[misc]
+        if others and isinstance(values[0], float):
             low, high = min(values), max(values)
             if below := [v for v in others if v < low]:
                 mid = _between(max(below), low)
-                text = f"{name} > {mid:g}"
-                yield text, lambda f, n=name, v=mid: n in f and f[n] > v  # type: ignore[misc]
+                yield name, f"{name} > {mid:g}", lambda f, n=name, v=mid: n in f and f[n] > v  # type: ignore[misc]
             if above := [v for v in others if v > high]:
                 mid = _between(high, min(above))
-                text = f"{name} < {mid:g}"
-                yield text, lambda f, n=name, v=mid: n in f and f[n] < v  # type: ignore[misc]
+                yield name, f"{name} < {mid:g}", lambda f, n=name, v=mid: n in f and f[n] < v  # type: ignore[misc]
 
 
 def _told(value: Any) -> str:
@@ -117,9 +136,6 @@ def _between(a: float, b: float) -> float:
 
 
 # --- the smallest scene ---------------------------------------------------------------------------
-
-# Of what a scene may say, what is plainest: the default where there is one, else these.
-_PLAIN = {"launch.position": (0.0, 0.0, 1.0), "launch.velocity": (30.0, 0.0, 20.0)}
 
 LARGEST_SHRINKS = 6
 

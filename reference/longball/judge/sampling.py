@@ -20,7 +20,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
-from scipy.stats import kstest, rankdata
 
 from longball.convergence.report import Frozen
 from longball.home_run import AtBats, Mixture, paper_at_bats
@@ -253,6 +252,8 @@ def _dependences(columns: Mapping[str, Sequence[float | None]]) -> Iterator[Depe
     By ranks, so that one random number behind both shows, however it is turned into them; and by
     the distance of ranks from their middle, for one that is folded.
     """
+    from scipy.stats import rankdata
+
     ranks = {
         name: rankdata(np.array(values, float))
         for name, values in columns.items()
@@ -407,6 +408,8 @@ def _judge_tilt(values: Array) -> Drawn:
 
 def _kolmogorov(values: Array, distribution: str | Callable[[Array], Array]) -> float:
     """Return Kolmogorov's √n D of values."""
+    from scipy.stats import kstest  # which takes a second to load
+
     return math.sqrt(len(values)) * float(kstest(values, distribution, method="asymp").statistic)
 
 

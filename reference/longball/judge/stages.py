@@ -16,6 +16,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -58,7 +59,7 @@ class Change:
     scene
         What is done to the scene before it is solved.
     model
-        The forces and the collision.
+        What is done to the forces and the collision.
     engine
         Who flies.
     push
@@ -66,7 +67,7 @@ class Change:
     """
 
     scene: Callable[[Any], Any] = lambda scene: scene
-    model: Model = MODEL
+    model: Callable[[Model], Model] = lambda model: model
     engine: Engine[float] = ANY_LAW
     push: bool = False
 
@@ -74,7 +75,7 @@ class Change:
         """Return this change with another one on top."""
         return Change(
             lambda scene: other.scene(self.scene(scene)),
-            other.model if other.model is not MODEL else self.model,
+            lambda model: other.model(self.model(model)),
             self.engine if other.engine is ANY_LAW else other.engine,
             self.push or other.push,
         )
@@ -89,6 +90,10 @@ class Trial:
 
     Attributes
     ----------
+    given, expected
+        What it says, and what is true.
+    bounds
+        Of each quantity the size, and the error that double precision cannot avoid.
     resolution
         Half a unit in the last place written, if numbers are written with few decimals.
     right
@@ -97,6 +102,8 @@ class Trial:
 
     case: Case
     given: Mapping[str, Numbers]
+    expected: Mapping[str, Numbers]
+    bounds: Mapping[str, tuple[float, float]]
     outcome: str | None = None
     resolution: float = 0.0
     right: bool = False
@@ -106,6 +113,11 @@ class Trial:
     def scene(self) -> Any:
         """What was asked."""
         return self.case.scene
+
+    @property
+    def confused(self) -> bool:
+        """Whether another outcome was given."""
+        return self.outcome not in (None, self.case.expected.outcome)
 
 
 @dataclass(frozen=True)
@@ -159,7 +171,10 @@ def trial_of(case: Case, answer: Answer) -> Trial:
         <= SLACK * attainable(case, name) + length(radii[name])
         for name, value in answer.values.items()
     )
-    return Trial(case, given, answer.outcome, _resolution(answer), right, answer.told)
+    true = {name: tuple(map(float, value)) for name, value in expected.items()}
+    bounds = {name: (length(value), attainable(case, name)) for name, value in expected.items()}
+    resolution = _resolution(answer)
+    return Trial(case, given, true, bounds, answer.outcome, resolution, right, answer.told)
 
 
 def _resolution(answer: Answer) -> float:
@@ -176,6 +191,9 @@ def _resolution(answer: Answer) -> float:
 # restitution, and a ball lands a hundred metres away.
 HANDED_ON = 300.0
 
+# Of a quantity: flights under any law err by a third of it at most.
+ANY_LAW_ERROR = 3e-8
+
 
 def follow(trial: Trial, change: Change = NONE, only: Iterable[str] = STAGES) -> list[Check]:
     """Return what follows from a candidate's own earlier values, stage by stage.
@@ -189,10 +207,11 @@ def follow(trial: Trial, change: Change = NONE, only: Iterable[str] = STAGES) ->
     only
         The stages to look at.
     """
-    try:
-        return list(_Following(trial, change).checks(frozenset(only)))
-    except _NO_STATE:
-        return []
+    found: list[Check] = []
+    with suppress(*_NO_STATE):  # beyond that nothing follows
+        for check in _Following(trial, change).checks(frozenset(only)):
+            found.append(check)
+    return found
 
 
 # Of which stage a quantity is, where it is told from the others by its block alone.
@@ -212,11 +231,10 @@ def followed(trial: Trial) -> list[Check]:
     An answer that is right in all is not computed again: each of its quantities follows.
     """
     if trial.right:
-        expected = values_of(trial.case.expected)
         return [
             Check(
-                STAGE_OF.get(name) or STAGE_OF[name.partition(".")[0]], name,
-                tuple(map(float, expected[name])), value, math.inf, 1.0,
+                STAGE_OF.get(name) or STAGE_OF[name.partition(".")[0]], name, trial.expected[name],
+                value, math.inf, 1.0,
             )
             for name, value in trial.given.items()
         ]  # fmt: skip
@@ -276,6 +294,8 @@ def placed(trial: Trial, change: Change, stage: str) -> Placed | None:
     except (ArithmeticError, ValueError):
         return None
     off, moved = math.dist(nearest, point), math.dist(there, point)
+    if not math.isfinite(off + moved):
+        return None
     return Placed(off, flown - time, moved, flown, point, lambda t: _at(leg, t)[0])
 
 
@@ -287,7 +307,7 @@ def view_values(
     try:
         list(following.checks(frozenset(STAGES)))
         before, height = (0.0, 0.0, 0.0), 0.0
-        if trial.scene.kind in ("impact", "at-bat") and trial.case.expected.impact is not None:
+        if "contact.normal" in trial.expected:
             before, height = following.before, following.height  # type: ignore[assignment]
     except _NO_STATE:
         return None
@@ -301,7 +321,7 @@ class _Following:
         self.trial, self.change = trial, change
         self.given = trial.given
         self.scene: Any = change.scene(trial.scene)
-        self.expected = values_of(trial.case.expected)
+        self.model = change.model(MODEL)
         self.own: dict[str, Numbers] = {}
         self.meeting: chain.Meeting[float] | None = None
         self.exact = True
@@ -319,7 +339,7 @@ class _Following:
         if kind == "impact" and "touching" in only:
             place = self.scene.incoming.position
             yield from self._maybe("touching", "contact.position", place)
-        if struck and set(COLLISION) & only:
+        if "contact.normal" in self.trial.expected and set(COLLISION) & only:
             yield from self._collision(only)
         if outcome in ("batted", "landed", "home_run", "wall") and set(FLYING) & only:
             yield from self._flight()
@@ -332,11 +352,17 @@ class _Following:
     # --- the parts, each from what is given ---------------------------------------------------
 
     def _case(self, scene: Any = None) -> OneCase[float]:
-        return OneCase(scene or self.scene, self.change.engine, self.change.model)
+        return OneCase(scene or self.scene, self.change.engine, self.model)
 
-    def has(self, name: str) -> Numbers | None:
-        """Return what the candidate says, or what longball computes in its place."""
-        return self.given.get(name) or self.own.get(name)
+    def has(self, name: str) -> Numbers:
+        """Return what the candidate says, or what longball computes in its place.
+
+        Raises
+        ------
+        KeyError
+            If there is neither.
+        """
+        return self.given.get(name) or self.own[name]
 
     @cached_property
     def thrown(self) -> tuple[Leg[float], dict[str, Any]]:
@@ -353,9 +379,7 @@ class _Following:
         if isinstance(self.scene, ImpactScene):
             return self.scene.incoming.bat_height
         _ = self.thrown
-        plate = self.has("plate.position")
-        assert plate is not None
-        return plate[2] + float(self.scene.swing.height_offset)
+        return self.has("plate.position")[2] + float(self.scene.swing.height_offset)
 
     @cached_property
     def met(self) -> dict[str, Any]:
@@ -383,7 +407,6 @@ class _Following:
             if self.meeting is not None:
                 return self.meeting.contact.velocity
         time, plate = self.has("contact.time"), self.given.get("plate.velocity")
-        assert time is not None
         velocity = _at(leg, time[0])[1]
         if plate is None:
             return velocity
@@ -398,11 +421,8 @@ class _Following:
             given = self.scene.incoming.spin
             return None if given is None else _three(given)
         leg, _ = self.thrown
-        time = self.has("contact.time")
-        if time is None:
-            return None
-        case = self._case()
-        return case.spin_at(leg.frame, case.law(leg.frame), leg.flight.path.at(time[0]))
+        case, time = self._case(), self.has("contact.time")[0]
+        return case.spin_at(leg.frame, case.law(leg.frame), leg.flight.path.at(time))
 
     # --- the stages -----------------------------------------------------------------------------
 
@@ -453,16 +473,14 @@ class _Following:
                 key.replace("_", " "), f"contact.{key}", self.own[f"contact.{key}"]
             )
         normal, bat = self.has("contact.normal"), self.has("contact.bat_velocity")
-        assert normal is not None
-        assert bat is not None
         speed = sum((v - b) * n for v, b, n in zip(before, bat, normal, strict=True))
         self.own["contact.normal_speed"] = (speed,)
         yield from self._maybe("normal speed", "contact.normal_speed", (speed,))
         if not {*COLLISION[3:], *FLYING} & only:
             return
-        closing = (self.has("contact.normal_speed") or (speed,))[0]
+        closing = self.has("contact.normal_speed")[0]
         arm = lever_arm(position[1], self.scene.bat, DOUBLES)
-        if contact is None or closing >= 0:
+        if contact is None or closing >= 0 or self.trial.case.expected.impact is None:
             return
         contact = replace(
             contact,
@@ -474,7 +492,7 @@ class _Following:
         yield from self._impact(contact)
 
     def _impact(self, contact: ContactState[float]) -> Iterable[Check]:
-        struck = self.change.model.collide(self._case(), contact, 0.0)[1]
+        struck = self.model.collide(self._case(), contact, 0.0)[1]
         yield from self._maybe("restitution", "impact.restitution", (struck.restitution,))
         e = (self.given.get("impact.restitution") or (struck.restitution,))[0]
         push = struck.impulse * (1 + e) / (1 + struck.restitution)
@@ -521,9 +539,7 @@ class _Following:
             return self.scene.incoming.position
         if "contact.position" not in self.given:
             _ = self.met
-        position = self.has("contact.position")
-        assert position is not None
-        return position
+        return self.has("contact.position")
 
     def _launch(self) -> Launch[float]:
         """Return the launch of the batted ball, from the candidate's own values."""
@@ -536,8 +552,9 @@ class _Following:
             _ = self.met
         if "impact.velocity" not in self.given or "impact.spin" not in self.own:
             list(self._collision(frozenset(STAGES)))
-        velocity, turning = _three(self.has("impact.velocity") or ()), self.has("impact.spin")
-        begin = (self.has("contact.time") or (0.0,))[0]
+        velocity = _three(self.has("impact.velocity"))
+        turning = self.given.get("impact.spin") or self.own.get("impact.spin")
+        begin = self.has("contact.time")[0]
         spin = None if turning is None else _three(turning)
         return Launch(start, velocity, begin, 0.0, spin=spin)
 
@@ -642,15 +659,13 @@ class _Following:
 
     def _tolerance(self, quantity: str) -> float:
         """Return what rounding may do to a quantity, and few decimals to what follows from it."""
-        case, size = self.trial.case, length(self.expected.get(quantity, ()))
-        own = attainable(case, quantity) if quantity in self.expected else 0.0
+        size, own = self.trial.bounds.get(quantity, (0.0, 0.0))
         # Numbers handed on have been rounded: a few hundred half ulps, where the truth has none.
-        # Flights under any law err by up to 1e-8 of a quantity.
-        rounding = 1e-12 if self.exact else 3e-8
+        rounding = 1e-12 if self.exact else ANY_LAW_ERROR
         return max(SLACK * own, rounding * max(1.0, size)) + HANDED_ON * self.trial.resolution
 
     def _scale(self, quantity: str) -> float:
-        return max(length(self.expected.get(quantity, ())), 1e-3)
+        return max(self.trial.bounds.get(quantity, (0.0, 0.0))[0], 1e-3)
 
     def _check(self, stage: str, quantity: str, expected: Numbers) -> Check:
         obtained = self.given[quantity]
@@ -674,14 +689,23 @@ class _Following:
 
 
 def _at(leg: Leg[float], time: float) -> tuple[Numbers, Numbers]:
-    """Return position and velocity at a time, s since the leg begins, or a little before."""
+    """Return position and velocity at a time, s since the leg begins, or a little before.
+
+    NaN where the flight has no such time.
+    """
     path = leg.flight.path
-    if time < 0:
-        piece = next(path.pieces())
-        state = piece.at(max(time, -piece.length))
-    else:
-        state = path.at(time)
+    try:
+        if time < 0:
+            piece = next(path.pieces())
+            state = piece.at(max(time, -piece.length))
+        else:
+            state = path.at(time)
+    except (ArithmeticError, ValueError):
+        return NOWHERE, NOWHERE
     return leg.frame.position(state), leg.frame.velocity(state)
+
+
+NOWHERE = (math.nan, math.nan, math.nan)
 
 
 def _beside(chord: Chord[float], x: float, y: float) -> tuple[float, float, float]:

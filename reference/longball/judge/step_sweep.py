@@ -42,13 +42,21 @@ def parse_steps(text: str) -> list[float]:
         If it is none.
     """
     try:
-        first, last, number = text.split(":")
-        coarse, fine, count = float(first), float(last), int(number)
-        if not (0 < fine < coarse < float("inf") and 2 <= count <= 1000):
+        steps = _spread(text)
+        if steps[0] <= steps[-1]:
             raise ValueError
     except ValueError:
         raise ValueError(f"--steps {text}: FROM:TO:COUNT, in s and from coarse to fine") from None
-    return [coarse * (fine / coarse) ** (i / (count - 1)) for i in range(count)]
+    return steps
+
+
+def _spread(text: str) -> list[float]:
+    """Return COUNT numbers FROM:TO:COUNT, evenly spaced in their logarithm."""
+    first, last, number = text.split(":")
+    a, b, count = float(first), float(last), int(number)
+    if not (0 < a < float("inf") and 0 < b < float("inf") and 2 <= count <= 1000):
+        raise ValueError
+    return [a * (b / a) ** (i / (count - 1)) for i in range(count)]
 
 
 def parse_knob(text: str) -> tuple[str, list[str]]:
@@ -68,11 +76,7 @@ def parse_knob(text: str) -> tuple[str, list[str]]:
         if not name.isidentifier():
             raise ValueError
         if ":" in values:
-            first, last, number = values.split(":")
-            a, b, count = float(first), float(last), int(number)
-            if not (0 < a < float("inf") and 0 < b < float("inf") and 2 <= count <= 1000):
-                raise ValueError
-            words = [repr(a * (b / a) ** (i / (count - 1))) for i in range(count)]
+            words = [repr(x) for x in _spread(values)]
         else:
             words = [word.strip() for word in values.split(",")]
         sizes = [float(word) for word in words]

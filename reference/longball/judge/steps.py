@@ -1,106 +1,201 @@
 """Flights in fixed steps, as other simulators take them: what a candidate's integrator may be.
 
-Each scheme is a function from a state, its rates and a step to the next state. Plate, bat and
-ground are met as `longball.engines.verlet` meets them, between two steps.
+Each scheme is a function from the rates, a state and a step to the next state; schemes that go on
+with what the step before has left carry that along. Plate, bat and ground are met as
+`longball.engines.verlet` meets them, on the line between two steps, or by a last step that is
+shorter.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
-from typing import Any
+from bisect import bisect_left
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from longball.engines.engine import Launch
+from longball.engines.event import Event
 from longball.engines.ivp import Ivp
-from longball.engines.verlet import Verlet
+from longball.engines.path import Flight, Path
+from longball.engines.verlet import TREATMENTS, Chord, Verlet
 from longball.model.law import Law, State
 
 Array = NDArray[np.float64]
 Components = tuple[float, ...]
 Rates = Callable[..., Components]
-Step = Callable[[Rates, Components, float], Components]
+
+# From the rates, a state, a step and what the step before has left, None at first: the next state
+# and what this step leaves.
+Step = Callable[[Rates, Components, float, Any], tuple[Components, Any]]
 
 
 def _plus(a: Components, h: float, b: Components) -> Components:
-    return tuple(x + h * y for x, y in zip(a, b, strict=True))
+    return tuple([x + h * y for x, y in zip(a, b, strict=True)])
 
 
-def _euler(f: Rates, s: Components, h: float) -> Components:
-    return _plus(s, h, f(*s))
+def _runge_kutta(nodes: Sequence[float], weights: Sequence[float], whose: str = "own") -> Step:
+    """Return an explicit Runge-Kutta method, each of whose stages begins with the one before.
+
+    `whose` velocity moves the position: its "own", the "old" or the "new" one of the step.
+    """
+    total = sum(weights)
+
+    def step(f: Rates, s: Components, h: float, left: Any) -> tuple[Components, Any]:
+        rates = f(*s)
+        stages = [rates]
+        for node in nodes:
+            stages.append(f(*_plus(s, node * h, stages[-1])))
+        mean = tuple([
+            sum([w * k for w, k in zip(weights, ks, strict=True)]) / total
+            for ks in zip(*stages, strict=True)
+        ])  # fmt: skip
+        new = _plus(s, h, mean)
+        if whose == "own":
+            return new, None
+        n = len(s) // 2
+        velocity = s[n : 2 * n] if whose == "old" else new[n : 2 * n]
+        return (*_plus(s[:n], h, velocity), *new[n:]), None
+
+    return step
 
 
-def _semi_implicit(f: Rates, s: Components, h: float) -> Components:
-    half = len(s) // 2
-    v = _plus(s[half:], h, f(*s)[half:])
-    return (*_plus(s[:half], h, v), *v)
-
-
-def _implicit(f: Rates, s: Components, h: float) -> Components:
+def _implicit(f: Rates, s: Components, h: float, left: Any) -> tuple[Components, Any]:
     new = _plus(s, h, f(*s))
     for _ in range(30):
         old, new = new, _plus(s, h, f(*new))
         if math.dist(old, new) < 1e-15 * math.hypot(*new):
             break
-    return new
+    return new, None
 
 
-def _mean_velocity(f: Rates, s: Components, h: float) -> Components:
-    half = len(s) // 2
-    v = _plus(s[half:], h, f(*s)[half:])
-    mean = tuple((a + b) / 2 for a, b in zip(s[half:], v, strict=True))
-    return (*_plus(s[:half], h, mean), *v)
+def _mean_velocity(f: Rates, s: Components, h: float, left: Any) -> tuple[Components, Any]:
+    n, new = len(s) // 2, _plus(s, h, f(*s))
+    mean = _plus(s[n : 2 * n], 1.0, new[n : 2 * n])
+    return (*_plus(s[:n], h / 2, mean), *new[n:]), None
 
 
-def _heun(f: Rates, s: Components, h: float) -> Components:
-    a = f(*s)
-    b = f(*_plus(s, h, a))
-    return tuple(x + h * (p + q) / 2 for x, p, q in zip(s, a, b, strict=True))
+def _adams_bashforth(velocity_only: bool) -> Step:
+    """Return the method of order 2; where it is for the velocity only, r' = r + v h + a h²/2."""
+
+    def step(f: Rates, s: Components, h: float, left: Any) -> tuple[Components, Any]:
+        n, rates = len(s) // 2, f(*s)
+        before, step_before = left or (rates, h)
+        ratio = h / (2 * step_before)
+        mean = _plus(_plus(rates, ratio, rates), -ratio, before)
+        new = _plus(s, h, mean)
+        if velocity_only:
+            place = _plus(_plus(s[:n], h, s[n : 2 * n]), h * h / 2, rates[n : 2 * n])
+            new = (*place, *new[n:])
+        return new, (rates, h)
+
+    return step
 
 
-def _midpoint(f: Rates, s: Components, h: float) -> Components:
-    return _plus(s, h, f(*_plus(s, h / 2, f(*s))))
+def _leapfrog(f: Rates, s: Components, h: float, left: Any) -> tuple[Components, Any]:
+    """Drift for half a step, kick with the force there and at the old velocity, drift again."""
+    n = len(s) // 2
+    half = (*_plus(s[:n], h / 2, s[n : 2 * n]), *s[n:])
+    new = (*half[:n], *_plus(s[n:], h, f(*half)[n:]))
+    return (*_plus(new[:n], h / 2, new[n : 2 * n]), *new[n:]), None
 
 
-def _rk4(f: Rates, s: Components, h: float) -> Components:
-    a = f(*s)
-    b = f(*_plus(s, h / 2, a))
-    c = f(*_plus(s, h / 2, b))
-    d = f(*_plus(s, h, c))
-    return tuple(
-        x + h * (p + 2 * q + 2 * r + t) / 6 for x, p, q, r, t in zip(s, a, b, c, d, strict=True)
-    )
+def _verlet(name: Any) -> Step:
+    """Return a treatment of velocity Verlet; see `longball.engines.verlet.TREATMENTS`."""
+    ahead, iterates, carries = TREATMENTS[name]
+
+    def step(f: Rates, s: Components, h: float, left: Any) -> tuple[Components, Any]:
+        n = len(s) // 2
+        old = s[n : 2 * n]
+        force = left or f(*s)[n : 2 * n]
+        place = _plus(_plus(s[:n], h, old), h * h / 2, force)
+        rest = _plus(s[2 * n :], h, f(*s)[2 * n :])
+        half, velocity = _plus(old, h / 2, force), _plus(old, ahead * h, force)
+        for _ in range(30 if iterates else 1):
+            there = f(*place, *velocity, *rest)[n : 2 * n]
+            before, velocity = velocity, _plus(half, h / 2, there)
+            if math.dist(before, velocity) < 1e-15 * math.hypot(*velocity):
+                break
+        return (*place, *velocity, *rest), there if carries else None
+
+    return step
 
 
-def _rk4_old_velocity(f: Rates, s: Components, h: float) -> Components:
-    half = len(s) // 2
-    return (*_plus(s[:half], h, s[half:]), *_rk4(f, s, h)[half:])
+@dataclass(frozen=True)
+class Scheme:
+    """A scheme in fixed steps.
+
+    Attributes
+    ----------
+    order
+        Of its errors.
+    words
+        How its author would call it.
+    """
+
+    step: Step
+    order: int
+    words: str
 
 
-def _rk4_new_velocity(f: Rates, s: Components, h: float) -> Components:
-    half = len(s) // 2
-    v = _rk4(f, s, h)[half:]
-    return (*_plus(s[:half], h, v), *v)
-
-
-# The scheme and its order, as its author would know it.
-SCHEMES: dict[str, tuple[Step, int, str]] = {
-    "explicit-euler": (_euler, 1, "Euler's method"),
-    "semi-implicit-euler": (_semi_implicit, 1, "semi-implicit Euler, velocity first"),
-    "implicit-euler": (_implicit, 1, "implicit Euler"),
-    "euler-velocity": (_mean_velocity, 1, "Euler's method for the velocity and the mean of two "
-                       "velocities for the position"),
-    "heun": (_heun, 2, "Heun's method"),
-    "midpoint": (_midpoint, 2, "the midpoint method"),
-    "rk4-old-velocity": (_rk4_old_velocity, 1, "RK4 for the velocity, but the position moves with "
-                         "the velocity at the step's start"),
-    "rk4-new-velocity": (_rk4_new_velocity, 1, "RK4 for the velocity, but the position moves with "
-                         "the velocity at the step's end"),
-    "rk4": (_rk4, 4, "RK4"),
+SCHEMES: dict[str, Scheme] = {
+    "explicit-euler": Scheme(_runge_kutta((), (1,)), 1, "Euler's method"),
+    "semi-implicit-euler": Scheme(
+        _runge_kutta((), (1,), "new"), 1, "semi-implicit Euler, velocity first"
+    ),
+    "implicit-euler": Scheme(_implicit, 1, "implicit Euler"),
+    "euler-velocity": Scheme(
+        _mean_velocity, 1, "constant acceleration over each step: Euler's method for the velocity "
+        "and the mean of two velocities for the position"),
+    "lagged-verlet": Scheme(
+        _verlet("old_carried"), 1, "velocity Verlet with drag and lift at the velocity of the step "
+        "before"),
+    "lagged-verlet-recomputed": Scheme(
+        _verlet("old_recomputed"), 1, "velocity Verlet with the force at the old velocity"),
+    "half-step-verlet": Scheme(
+        _verlet("half_step"), 1, "velocity Verlet with drag and lift at the half-step velocity, as "
+        "is usual in molecular dynamics"),
+    "leapfrog": Scheme(_leapfrog, 1, "leapfrog with drag and lift at the old velocity"),
+    "rk4-old-velocity": Scheme(
+        _runge_kutta((0.5, 0.5, 1), (1, 2, 2, 1), "old"), 1, "RK4 for the velocity, but the "
+        "position moves with the velocity at the step's start"),
+    "rk4-new-velocity": Scheme(
+        _runge_kutta((0.5, 0.5, 1), (1, 2, 2, 1), "new"), 1, "RK4 for the velocity, but the "
+        "position moves with the velocity at the step's end"),
+    "verlet-predicted-carried": Scheme(
+        _verlet("predicted_carried"), 2, "velocity Verlet with a predicted velocity, which is of "
+        "order 2"),
+    "verlet-predicted": Scheme(
+        _verlet("predicted_recomputed"), 2, "velocity Verlet with a predicted velocity, which is "
+        "of order 2"),
+    "verlet-implicit": Scheme(
+        _verlet("implicit"), 2, "velocity Verlet with an implicit velocity, which is of order 2"),
+    "heun": Scheme(_runge_kutta((1,), (1, 1)), 2, "Heun's method, of order 2"),
+    "midpoint": Scheme(_runge_kutta((0.5,), (0, 1)), 2, "the midpoint method, of order 2"),
+    "ralston": Scheme(_runge_kutta((2 / 3,), (1, 3)), 2, "Ralston's method, of order 2"),
+    "adams-bashforth": Scheme(
+        _adams_bashforth(False), 2, "the Adams-Bashforth method of order 2"),
+    "adams-bashforth-velocity": Scheme(
+        _adams_bashforth(True), 2, "the Adams-Bashforth method of order 2 for the velocity"),
+    "rk4-equal-weights": Scheme(
+        _runge_kutta((0.5, 0.5, 1), (1, 1, 1, 1)), 2, "RK4 with equal weights"),
+    "rk4": Scheme(_runge_kutta((0.5, 0.5, 1), (1, 2, 2, 1)), 4, "RK4"),
 }  # fmt: skip
+
+# Where the force is asked for at a velocity that is late.
+LAGGING = ("lagged-verlet", "lagged-verlet-recomputed", "half-step-verlet", "leapfrog")
+
+# What `longball.engines.verlet` calls them, who meets events on the line between two steps.
+PAPERS = {
+    "lagged-verlet": "old_carried", "lagged-verlet-recomputed": "old_recomputed",
+    "half-step-verlet": "half_step", "verlet-predicted-carried": "predicted_carried",
+    "verlet-predicted": "predicted_recomputed", "verlet-implicit": "implicit",
+}  # fmt: skip
+
+Ends = Literal["line", "step"]
 
 
 @dataclass(frozen=True)
@@ -111,14 +206,26 @@ class FixedStep(Verlet):
     ----------
     scheme
         A name of `SCHEMES`, or "chords".
+    ends
+        Whether a state between two steps lies on the line between them, or is reached by a shorter
+        step.
     """
 
     scheme: str = "explicit-euler"
+    ends: Ends = "line"
+    _last: list[Any] = field(default_factory=list, compare=False, repr=False)
 
     @property
     def description(self) -> str:
         """Scheme and step."""
         return f"{self.scheme} dt={self.dt!r}"
+
+    def fly(
+        self, law: Law[float], start: State[float], events: Sequence[Event[float]], limit: float
+    ) -> Flight[float]:
+        """Fly until the first of several events; see `longball.engines.engine.Engine.fly`."""
+        flight = super().fly(law, start, events, limit)
+        return replace(flight, path=_Stepped(self._chords(law, start, limit)))
 
     def rebound(self, frame: Any, touch: Any, delta_v: Any, law_in: Any, ground: Any) -> Any:
         """Strike at once, where ball and bat touch."""
@@ -129,25 +236,101 @@ class FixedStep(Verlet):
     def _march(
         self, law: Law[float], start: State[float], limit: float
     ) -> Iterator[tuple[int, Array]]:
-        steps, done, length = math.ceil(min(limit / self.dt, 1e7)), 0, 128
-        state: Components = tuple(map(float, start))
-        take = self._taking(law, start)
-        while done < steps:
-            rows = [state]
-            for k in range(done, done + min(length, steps - done)):
-                state = take(state, k)
-                rows.append(state)
-            yield done, np.array(rows).T
-            done, length = done + len(rows) - 1, min(2 * length, 4096)
+        states, done, length = self._states(law, start, limit), 0, 128
+        rows = [next(states)[0]]
+        for state, _ in states:
+            rows.append(state)
+            if len(rows) > length:
+                yield done, np.array(rows).T
+                done, length, rows = done + length, min(2 * length, 4096), rows[-1:]
+        yield done, np.array(rows).T
 
-    def _taking(
-        self, law: Law[float], start: State[float]
-    ) -> Callable[[Components, int], Components]:
+    def _chords(self, law: Law[float], start: State[float], limit: float) -> Iterator[Chord]:
+        states = self._states(law, start, limit)
+        (row, left), step = next(states), self._step(law, start)
+        before = law.state(*row)
+        for count, (new, after_left) in enumerate(states):
+            after, begin = law.state(*new), count * self.dt
+            length = (count + 1) * self.dt - begin
+            if self.ends == "line":
+                yield Chord(begin, length, before, after)
+            else:
+                yield _Cut(begin, length, before, after, step, left)
+            before, left = after, after_left
+
+    def _states(
+        self, law: Law[float], start: State[float], limit: float
+    ) -> Iterator[tuple[Components, Any]]:
+        """Yield the states at the steps, each with what the step before has left.
+
+        A flight is looked at twice, for its end and for the way there: the last one is kept.
+        """
+        if not self._last or self._last[0] is not law or self._last[1] != start:
+            steps = self._stepping(law, start, limit)
+            self._last[:] = [law, start, steps, []]
+        _, _, coming, known = self._last
+        number = 0
+        while True:
+            if number == len(known):
+                new = next(coming, None)
+                if new is None:
+                    return
+                known.append(new)
+            yield known[number]
+            number += 1
+
+    def _stepping(
+        self, law: Law[float], start: State[float], limit: float
+    ) -> Iterator[tuple[Components, Any]]:
+        state, left, step = tuple(map(float, start)), None, self._step(law, start)
+        yield state, left
+        for _ in range(math.ceil(min(limit / self.dt, 1e7))):
+            state, left = step(state, self.dt, left)
+            yield state, left
+
+    def _step(self, law: Law[float], start: State[float]) -> Callable[..., tuple[Components, Any]]:
         if self.scheme == "chords":
             path = Ivp().path(law, start, 1e3)
-            return lambda state, k: tuple(path.at((k + 1) * self.dt))
-        step, rates = SCHEMES[self.scheme][0], law.rates(self.numbers)
-        return lambda state, k: step(rates, state, self.dt)
+            return lambda state, h, count: (
+                tuple(path.at(((count or 0) + 1) * self.dt)), (count or 0) + 1
+            )  # fmt: skip
+        step, rates = SCHEMES[self.scheme].step, law.rates(self.numbers)
+        return lambda state, h, left: step(rates, state, h, left)
+
+
+@dataclass(frozen=True)
+class _Cut(Chord):
+    """What lies between two steps, by a shorter step from the first one."""
+
+    step: Callable[..., tuple[Components, Any]]
+    left: Any
+
+    def at(self, t: float) -> State[float]:
+        """Return the state at a time, s since the first step."""
+        if t == self.length:
+            return self.after
+        state: State[float] = type(self.before)(*self.step(tuple(self.before), t, self.left)[0])
+        return state
+
+
+class _Stepped(Path[float]):
+    """A flight of very many pieces."""
+
+    def __init__(self, pieces: Iterable[Any]) -> None:
+        super().__init__(pieces)
+        self._all = super().pieces()
+        self._ends: list[float] = []
+
+    def at(self, time: float) -> State[float]:
+        """Return the state at a time; see `longball.engines.path.Path.at`."""
+        while not self._ends or self._ends[-1] < time:
+            piece = next(self._all, None)
+            if piece is None or time < 0:
+                raise ValueError(f"the flight has no state at t = {time} s")
+            self._ends.append(piece.begin + piece.length)
+        piece = self._known[bisect_left(self._ends, time)]
+        state: State[float] = piece.at(time - piece.begin)
+        return state
 
 
 # --- clocks ---------------------------------------------------------------------------------------
@@ -162,7 +345,9 @@ ROUND_STEPS = tuple(
     )
 )
 
-SHORTEST_STEP, LONGEST_STEP = 2e-5, 0.2  # s
+SHORTEST = 1e-4  # s: of steps that are tried
+
+SHORTEST_STEP, LONGEST_STEP = 2e-5, 0.2  # s: of clocks
 
 
 def common_step(times: Sequence[float]) -> float | None:

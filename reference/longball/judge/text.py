@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from longball.convergence import ConvergenceReport
 from longball.judge.answers import quoted
-from longball.judge.diagnosis import Diagnosis, Finding
+from longball.judge.findings import Diagnosis, Finding
 from longball.judge.sampling import Sampling
 from longball.judge.verdict import Failure, Fault, Row, Verdict
 

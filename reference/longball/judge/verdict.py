@@ -34,7 +34,7 @@ from longball.judge.cases import (
     decidable,
     touches_within_errors,
 )
-from longball.judge.diagnosis import Diagnosis
+from longball.judge.findings import Diagnosis
 from longball.judge.quantities import (
     BLOCKS,
     PATH,
@@ -205,8 +205,8 @@ def compare(case: Case, answer: Answer | None, profile: Profile) -> Comparison:
             if not wrong:
                 missing.append(quantity)
             continue
-        one = _measure(case, quantity, value, answer.values[quantity], profile)
-        measured.append(_wider(one, slack.get(quantity, 0.0)))
+        more = slack.get(quantity, 0.0)
+        measured.append(_measure(case, quantity, value, answer.values[quantity], profile, more))
     for name, (true, given) in points.items():
         allowed = profile.tolerance(case, "landing.position", true) if (
             "landing.position" in expected) else Exact.of(length(true))  # fmt: skip
@@ -242,12 +242,8 @@ def _may_be_refused(case: Case, profile: Profile) -> bool:
     )
 
 
-def _wider(measured: Measured, slack: float) -> Measured:
-    return Measured(**{**vars(measured), "tolerance": measured.tolerance + slack})
-
-
 def _measure(
-    case: Case, quantity: str, expected: Value, obtained: Value, profile: Profile
+    case: Case, quantity: str, expected: Value, obtained: Value, profile: Profile, slack: float
 ) -> Measured:
     return Measured(
         quantity,
@@ -255,7 +251,7 @@ def _measure(
         radii_of(case.expected)[quantity],
         obtained,
         difference(obtained, expected),
-        profile.tolerance(case, quantity, expected),
+        profile.tolerance(case, quantity, expected) + slack,
         attainable(case, quantity),
         length(expected),
     )

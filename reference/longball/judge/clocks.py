@@ -1,0 +1,196 @@
+"""Explanations of when and where a flight ends, where the path itself is the true one.
+
+Events that are met too early or late, at another height, only at the steps, on the line between
+two of them; and times that are counted otherwise than the places they belong to.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+
+from longball.judge.explanations import Checked, Explanation, Sought, share_left, size_of
+from longball.judge.fits import told
+from longball.judge.stages import Change, Placed, Trial, follow, placed
+from longball.judge.steps import ROUND_STEPS, SHORTEST, FixedStep, common_step
+
+# The heights at which a candidate may let the ball land instead: above the ground, m.
+_SURFACES: tuple[tuple[str, str, str, Callable[[Trial], float]], ...] = (
+    ("landing-of-surface", "lets the ball land when its surface touches the ground, at z = R",
+     "the ball lands when its centre reaches the ground, unless the reading ground_contact says "
+     "otherwise", lambda t: t.scene.ball.radius),
+    ("ignores-surface-reading",
+     "lets the ball's centre reach the ground though reading.ground_contact = surface",
+     "take the reading from the scene, or leave those out", lambda t: -t.scene.ball.radius),
+    ("ground-ignored", "lands at z = 0, whatever ground.height is",
+     "the ball lands at ground.height", lambda t: -t.scene.ground.height),
+    ("ground-sign", "lands at -ground.height: the sign is wrong",
+     "the ball lands at ground.height", lambda t: -2 * t.scene.ground.height),
+    ("lands-at-launch-height", "lands at the height that it was launched from",
+     "the ball lands at ground.height",
+     lambda t: _launch_height(t) - t.scene.ground.height),
+)  # fmt: skip
+
+
+def _launch_height(trial: Trial) -> float:
+    if trial.scene.kind == "flight":
+        return float(trial.scene.launch.position[2])
+    return trial.given["contact.position"][2]
+
+
+def ends(
+    stage: str, chosen: Sequence[Checked], trials: Sequence[Trial], dt: float | None
+) -> Iterator[Explanation]:
+    """Yield where the ball is when the candidate says that a landing or a plate is reached.
+
+    Parameters
+    ----------
+    stage, chosen
+        "landing" or "plate"; trials in which it fails, with its checks.
+    trials
+        All of them.
+    dt
+        s, the candidate's step, if it is known.
+    """
+    event = chosen[0][1][0].quantity
+    offs = np.array([c.obtained[0] - c.expected[0] for _, cs in chosen for c in cs[:1]])
+    if stage == "landing":
+        for name, sentence, remedy, above in _SURFACES:
+            try:
+                heights = np.array([above(t) for t, _ in chosen])
+            except KeyError:
+                continue
+            if heights.any() and np.allclose(offs, heights, rtol=1e-6, atol=1e-9):
+                yield Explanation(name, sentence, remedy, 0.0, 0, quantity=event)
+    low, high = float(offs.min()), float(offs.max())
+    surface = "the ground" if stage == "landing" else "the plate"
+    if high - low <= 1e-6 * max(abs(low), abs(high)):
+        size = told(float(offs.mean()), (high - low) / 2)
+        yield Explanation(
+            f"{stage}-offset", f"ends the flight {size} m off {surface}, always", None, 0.0, 1,
+            quantity=event,
+        )  # fmt: skip
+    elif high <= 0 or low >= 0:
+        yield from _at_steps(stage, [t for t, _ in chosen], offs, dt or grid(stage, trials))
+
+
+def _at_steps(
+    stage: str, trials: Sequence[Trial], offs: np.ndarray, dt: float | None
+) -> Iterator[Explanation]:
+    """Yield that a flight ends at a step, if all ends are nearer to the surface than a step."""
+    axis, velocity = (2, "landing.velocity") if stage == "landing" else (0, "plate.velocity")
+    speeds = [abs(t.given[velocity][axis]) if velocity in t.given else math.inf for t in trials]
+    if dt is None or any(abs(o) > 1.1 * v * dt for o, v in zip(offs, speeds, strict=True)):
+        return
+    name, where = {
+        ("landing", True): ("first-below", "first step below the ground"),
+        ("landing", False): ("last-above", "last step above the ground"),
+        ("plate", True): ("first-below-x", "first step behind the plate"),
+        ("plate", False): ("last-above-x", "last step in front of the plate"),
+    }[stage, bool(offs.max() <= 0)]
+    yield Explanation(
+        name, f"ends the flight at the {where}, in steps of {dt:.6g} s: by up to "
+        f"{np.abs(offs).max():.2g} m",
+        "interpolate to the surface between the last two steps, in time and velocity too",
+        0.0, 1, quantity=f"{stage}.position: event", step=dt,
+    )  # fmt: skip
+
+
+def grid(stage: str, trials: Sequence[Trial]) -> float | None:
+    """Return the step of which all times of a stage are multiples."""
+    names = ("plate.time",) if stage in ("pitch", "plate") else (
+        "landing.hang_time", "landing.time")  # fmt: skip
+    for name in names:
+        times = [t.given[name][0] for t in trials if name in t.given]
+        if (step := common_step(times)) is not None:
+            return step
+    return None
+
+
+# --- clocks ---------------------------------------------------------------------------------------
+
+
+def clocks(stage: str, chosen: Sequence[Checked], base: Change) -> Iterator[Explanation]:
+    """Yield what is wrong with times of points that lie on the true path."""
+    found = {id(t): p for t, _ in chosen if (p := placed(t, base, stage))}
+    places = [found[id(t)] for t, _ in chosen if id(t) in found]
+    if len(places) < 2 or sum(p.off for p in places) > 0.05 * sum(p.moved for p in places):
+        return
+    clock, times = np.array([p.clock for p in places]), np.array([p.time for p in places])
+    middle, doubt = float(np.median(clock)), float(np.ptp(clock)) / 2
+    ratios = times / np.maximum(times - clock, 1e-12)
+    ratio = float(np.median(ratios))
+    on_path = f"the points lie on the true path, within {max(p.off for p in places):.1e} m; "
+
+    def told_of(
+        name: str, sentence: str, right: Callable[[Trial, float], float], rank: float,
+        remedy: str | None = None, step: float | None = None,
+    ) -> Explanation:  # fmt: skip
+        mend = partial(_with_times, stage, right)
+        wholes = [sum(map(size_of, cs)) for _, cs in chosen]
+        lefts = [sum(map(size_of, follow(mend(t), base, (stage,)))) for t, _ in chosen]
+        left = share_left(lefts, wholes)
+        return Explanation(name, on_path + sentence, remedy, left, rank, mend=mend, step=step)
+
+    if doubt < 1e-3 * abs(middle):
+        yield told_of(
+            "clock-offset",
+            f"the clock is {'ahead' if middle > 0 else 'behind'} by {told(abs(middle), doubt)} s "
+            f"in all, as if a step were counted {'twice' if middle > 0 else 'too late'}",
+            lambda trial, time: time - middle, 0,
+            "let the time of a state be that of the same step", abs(middle),
+        )  # fmt: skip
+    elif np.ptp(ratios) < 1e-3 * abs(ratio - 1):
+        yield told_of("clock-rate", f"the clock runs {told(ratio, 0)} times as fast",
+                      lambda trial, time: time / ratio, 0)  # fmt: skip
+    else:
+        yield told_of(
+            "clock", f"its times are off by {clock.min():.3g} to {clock.max():.3g} s",
+            lambda trial, time: time - (found[id(trial)].clock if id(trial) in found else 0.0), 3,
+            "law and integrator are right; look at how the time of the event is counted",
+        )  # fmt: skip
+
+
+def _with_times(stage: str, right: Callable[[Trial, float], float], trial: Trial) -> Trial:
+    """Return a trial with other times of a stage."""
+    names = ("plate.time",) if stage == "pitch" else ("landing.time", "landing.hang_time")
+    times = {n: (right(trial, trial.given[n][0]),) for n in names if n in trial.given}
+    return replace(trial, given={**trial.given, **times})
+
+
+# --- events between two steps ---------------------------------------------------------------------
+
+
+def on_chords(few: Sought, base: Change, dt: float | None) -> Iterator[Explanation]:
+    """Yield events that lie on the straight line between two steps on the true path."""
+    places = [p for t in few.trials if (p := placed(t, base, few.stages[0]))]
+    whole = [p.moved for p in places]
+    if not any(whole) or max(p.off for p in places) > 1:
+        return
+
+    def left(step: float) -> float:
+        return share_left([_off_chord(step, p) for p in places], whole)
+
+    tried = (dt,) if dt else [step for step in ROUND_STEPS if step >= SHORTEST]
+    share, best = min((left(step), step) for step in tried)
+    yield Explanation(
+        "linear-event", f"puts the end of the flight on the straight line between two steps of "
+        f"{best:.4g} s; the steps themselves are on the true path",
+        "step onto the surface, or interpolate with the velocities (Hermite)", share, 0.9,
+        Change(engine=FixedStep(dt=best, scheme="chords")), step=best,
+    )  # fmt: skip
+
+
+def _off_chord(dt: float, place: Placed) -> float:
+    """Return how far a point is from the line between two steps on the true path, at its time."""
+    first = math.floor(place.time / dt)
+    share = place.time / dt - first
+    try:
+        a, b = place.way(first * dt), place.way((first + 1) * dt)
+    except (ArithmeticError, ValueError):  # the flight cannot be followed beyond its end
+        return place.moved
+    return math.dist([p + (q - p) * share for p, q in zip(a, b, strict=True)], place.point)

@@ -1,0 +1,208 @@
+"""What may account for the errors of a stage, and how much of them it leaves.
+
+An explanation is named only if it takes away the errors of every scene in which the stage fails,
+and all but a thousandth of their sum. What merely looks alike leaves more: of the mistakes that
+were planted, right names left 1e-5 and less, wrong ones 1e-3 and more.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from statistics import median
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from longball.judge.cases import Case
+from longball.judge.fits import Work
+from longball.judge.stages import ANY_LAW_ERROR, NONE, Change, Check, Numbers, Trial
+
+Array = NDArray[np.float64]
+
+# Of the errors, what a named explanation may leave in all, and in a scene.
+NAMED, IN_A_SCENE = 1e-3, 0.05
+
+# Explanations that leave no more than the best one does, this many times, cannot be told apart.
+ALIKE = 3.0
+
+# What leaves more than this of one trial, or of a few, is not held against the others.
+SCREEN = 0.3
+
+# A trial's relative errors with their checks.
+Checked = tuple[Trial, list[Check]]
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """A way to account for the errors of a stage.
+
+    Attributes
+    ----------
+    left
+        The share of the errors that it leaves; see `share_left`.
+    rank
+        Between equals the lower one is told first.
+    change
+        What becomes of the chain; None if it is in the quantity alone.
+    quantity, value
+        The quantity that it is in, and what that then is, of a trial.
+    mend
+        What makes a trial right again for all that follows, where neither of these does.
+    against
+        The error that it makes in scenes that pass, in the same unit as `left`.
+    step
+        s, of a scheme or a clock.
+    """
+
+    name: str
+    sentence: str
+    remedy: str | None
+    left: float
+    rank: float
+    change: Change | None = None
+    quantity: str | None = None
+    value: Callable[[Trial], Numbers | None] | None = None
+    mend: Callable[[Trial], Trial] | None = None
+    against: float = 0.0
+    step: float | None = None
+
+    @property
+    def named(self) -> bool:
+        """Whether it leaves next to nothing."""
+        return self.left <= NAMED
+
+
+def share_left(lefts: Sequence[float], wholes: Sequence[float]) -> float:
+    """Return the share of errors that is left, scene by scene; at least that of scenes left.
+
+    A scene is explained if little of its error is left, or little beside the usual error.
+    """
+    errors = [whole for whole in wholes if whole]
+    if not errors:
+        return 1.0
+    little = NAMED * median(errors)
+    unexplained = sum(
+        left > max(IN_A_SCENE * whole, little) for left, whole in zip(lefts, wholes, strict=True)
+    )
+    return max(sum(lefts) / sum(errors), min(1.0, unexplained / len(errors)))
+
+
+def size_of(check: Check) -> float:
+    """Return a check's relative error, none counted for more than 1."""
+    return min(check.error / check.scale, 1.0)
+
+
+def off(value: Sequence[float] | Array | None, check: Check) -> float:
+    """Return how far a value is from what a candidate says, relative, and at most 1."""
+    if value is None or len(value) != len(check.obtained):
+        return size_of(check)
+    return min(math.dist(value, check.obtained) / check.scale, 1.0)
+
+
+def doubt_of(checked: Iterable[Checked]) -> float:
+    """Return the share of the errors that rounding may do, and the judge's own flights."""
+    failing = [c for _, cs in checked for c in cs if not c.follows]
+    own = sum(max(c.tolerance / c.scale, ANY_LAW_ERROR) for c in failing)
+    return min(own / sum(map(size_of, failing)), NAMED)
+
+
+def told_together(sentences: Sequence[str]) -> str:
+    """Return sentences of explanations that cannot be told apart as one."""
+    first, *others = sentences
+    return "; or, which comes to the same here: ".join(
+        [first, *(["; or ".join(others)] * bool(others))]
+    )
+
+
+def evenly(items: Sequence[Any], count: int) -> list[Any]:
+    """Return so many of some things, evenly chosen."""
+    if len(items) <= count:
+        return list(items)
+    return [items[i * len(items) // count] for i in range(count)]
+
+
+def duration(case: Case) -> float:
+    """Return how long a ball flies in a scene, s."""
+    landing = case.expected.landing
+    return 0.5 if landing is None else float(landing.time)
+
+
+class Sought:
+    """Trials that an explanation is sought in, and what changes leave of their errors.
+
+    Parameters
+    ----------
+    trials, beside
+        Those that fail, and some that do not: nothing may be explained that is not there.
+    stages
+        Whose errors are looked at.
+    base
+        The chain as far as it is explained.
+    """
+
+    def __init__(
+        self,
+        trials: Sequence[Trial],
+        beside: Sequence[Trial],
+        stages: tuple[str, ...],
+        base: Change,
+        work: Work,
+    ) -> None:
+        self.trials, self.beside = list(trials), list(beside)
+        self.stages, self.base, self.work = stages, base, work
+        self._known: dict[tuple[int, Change], Array] = {}
+
+    def rows(self, change: Change) -> list[Array]:
+        """Return the relative errors that a change leaves in each trial."""
+        full = self.base if change is NONE else self.base.then(change)
+        for trial in (*self.trials, *self.beside):
+            if (id(trial), change) not in self._known:
+                found = self.work.residuals(trial, full, self.stages)
+                self._known[id(trial), change] = found
+        return [self._known[id(trial), change] for trial in (*self.trials, *self.beside)]
+
+    def screened(self, change: Change) -> float | None:
+        """Return what a change leaves; of a few trials only, if it leaves much of them."""
+        for some in (self.one, self.few, self):
+            left = some.left(change)
+            if left is None or left > SCREEN:
+                break
+        return left
+
+    @cached_property
+    def one(self) -> Sought:
+        """One of the trials."""
+        return self.some(1)
+
+    @cached_property
+    def few(self) -> Sought:
+        """Three of the trials."""
+        return self.some(3)
+
+    def some(self, count: int) -> Sought:
+        """Return a few of the trials, the shortest flights first."""
+        short = sorted(self.trials, key=lambda t: duration(t.case))
+        few = Sought(evenly(short[: 2 * count], count), (), self.stages, self.base, self.work)
+        few._known = self._known
+        return few
+
+    def residual(self, change: Change = NONE) -> Array | None:
+        """Return all relative errors that a change leaves, in one row; None if it has none."""
+        rows, first = self.rows(change), self.rows(NONE)
+        if not rows or any(r.shape != f.shape for r, f in zip(rows, first, strict=True)):
+            return None
+        return np.concatenate(rows)
+
+    def left(self, change: Change) -> float | None:
+        """Return the share of the error that a change leaves, none counted for more than 1."""
+        wholes = [float(np.minimum(np.abs(f), 1.0).sum()) for f in self.rows(NONE)]
+        lefts = [
+            float(np.minimum(np.abs(r), 1.0).sum()) if r.shape == f.shape else float(f.size)
+            for r, f in zip(self.rows(change), self.rows(NONE), strict=True)
+        ]
+        wholes[len(self.trials) :] = [0.0] * len(self.beside)
+        return share_left(lefts, wholes) if any(wholes) else None

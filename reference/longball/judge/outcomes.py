@@ -1,0 +1,158 @@
+"""What is behind other outcomes, and what is told besides numbers and is not so."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Sequence
+
+from longball.engines.chain import MODEL, solve
+from longball.judge.explanations import evenly, told_together
+from longball.judge.findings import Finding
+from longball.judge.mistakes import FENCE, OUTCOMES
+from longball.judge.quantities import BLOCKS, told_by, untrue
+from longball.judge.rules import rule
+from longball.judge.stages import NONE, STAGE_OF, Change, Trial
+from longball.model.result import Result
+
+# Wrong outcomes of a kind, and right ones, that an explanation is held against.
+WRONG, RIGHT = 8, 4
+
+
+def outcome_findings(
+    trials: Sequence[Trial], base: Change, known: Sequence[Finding]
+) -> Iterator[Finding]:
+    """Yield what is behind the other outcomes of some trials.
+
+    Parameters
+    ----------
+    trials
+        All of them.
+    base
+        The chain as far as it is explained.
+    known
+        What is found already.
+    """
+    kinds: dict[tuple[str, str], list[Trial]] = defaultdict(list)
+    for t in trials:
+        if t.confused:
+            kinds[str(t.case.expected.outcome), str(t.outcome)].append(t)
+    for (expected, obtained), wrong in sorted(kinds.items(), key=lambda k: -len(k[1])):
+        same = [t for t in trials if not t.confused and t.case.expected.outcome == expected]
+        sentence, remedy = f"says {obtained} where {expected} is right", None
+        names: list[str] = []
+        if against := _against_itself(wrong):
+            sentence += f", against {against}"
+        elif made := _made(evenly(wrong, WRONG), evenly(same, RIGHT), base, known):
+            names, reason = made
+            sentence += f": {reason}"
+        elif obtained == "missed" and expected in ("batted", "separating", "beyond_bat"):
+            sentence += ": as one who looks for the bat at the steps only"
+            remedy = (
+                "find the closest approach within the step, where d·v changes sign, and test there"
+            )
+        yield Finding(
+            stage="outcome", quantity="outcome", names=names,
+            kind="probably" if names else "unexplained", sentence=sentence, remedy=remedy,
+            share=1.0 if names else 0.0, wrong=len(wrong), checked=len(wrong) + len(same),
+            worst=1.0, scenes=rule([t.case for t in wrong], [t.case for t in same]),
+        )  # fmt: skip
+
+
+def _made(
+    wrong: Sequence[Trial], same: Sequence[Trial], base: Change, known: Sequence[Finding]
+) -> tuple[list[str], str] | None:
+    """Return the names and the sentence of what makes these outcomes, right ones included."""
+    whole = [*wrong, *same]
+
+    def makes(change: Change) -> bool:
+        return all(_outcome(t, change) == (t.outcome or t.case.expected.outcome) for t in whole)
+
+    found = [name for f in known for name in f.names[:1] if f.stage != "outcome"]
+    if found and base is not NONE and makes(base):
+        return found[:1], "this follows from the above"
+    clear = any("home_run" in (t.outcome, t.case.expected.outcome) for t in whole) and not any(
+        "fence.clearance" in t.given for t in whole
+    )
+    ties = [m for m in (*OUTCOMES, *(FENCE if clear else ())) if makes(base.then(m.change))]
+    if not ties:
+        return None
+    return [m.name for m in ties], told_together([m.sentence for m in ties])
+
+
+def _outcome(trial: Trial, change: Change) -> str | None:
+    try:
+        return _solved(trial, change).outcome
+    except (ArithmeticError, ValueError):
+        return None
+
+
+def _solved(trial: Trial, change: Change) -> Result:
+    return solve(change.scene(trial.scene), change.engine, change.model(MODEL))
+
+
+def _against_itself(trials: Sequence[Trial]) -> str:
+    """Return which of their own values wrong outcomes contradict, with what it says; else ""."""
+    for quantity, outcomes, says in (
+        ("fence.clearance", {True: "home_run", False: "wall"}, "above the fence"),
+        ("contact.margin", {True: "batted", False: "missed"}, "nearer than the bat's surface"),
+    ):
+        given = [(t, t.given[quantity][0] > 0) for t in trials if quantity in t.given]
+        if (
+            given
+            and all(t.outcome in outcomes.values() for t, _ in given)
+            and all(outcomes[above] != t.outcome for t, above in given)
+        ):
+            return f"its own {quantity}: positive is {says}"
+    speeds = [
+        t.given["contact.normal_speed"][0] for t in trials if "contact.normal_speed" in t.given
+    ]
+    if speeds and min(speeds) >= 0 and all(t.outcome in ("struck", "batted") for t in trials):
+        return "its own contact.normal_speed: where it is not negative, ball and bat separate"
+    return ""
+
+
+# --- besides numbers ------------------------------------------------------------------------------
+
+
+def told_findings(trials: Sequence[Trial], base: Change) -> Iterator[Finding]:
+    """Yield what is told besides numbers, and is not so; and blocks that do not belong there."""
+    right = [t for t in trials if not t.confused]
+    wrong: dict[tuple[str, object, object], list[Trial]] = defaultdict(list)
+    for t in right:
+        facts = untrue(t.case.expected, t.told)
+        made = told_by(_solved(t, base)) if facts and base is not NONE else {}
+        for fact in facts:
+            if made.get(fact[0]) != fact[2]:  # else it follows from what is explained
+                wrong[fact].append(t)
+    for (name, true, given), some in wrong.items():
+        same = [t for t in right if name in t.told and t not in some]
+        stage = STAGE_OF.get(name) or STAGE_OF[name.partition(".")[0]]
+        sentence = f"{name} is told to be {given} where {true} is right"
+        yield _told(stage, name, [], sentence, some, same)
+    for block in BLOCKS:
+        more = [t for t in right if block in _blocks(t.given) - _blocks(t.expected)]
+        outcomes = dict.fromkeys(str(t.case.expected.outcome) for t in more)
+        if more:
+            sentence = f"gives the block {block} with the outcome {' or '.join(outcomes)}"
+            same = [t for t in right if t not in more]
+            yield _told("outcome", block, [f"{block}-given"], f"{sentence}, which has none", more,
+                        same)  # fmt: skip
+
+
+def _blocks(names: Iterable[str]) -> set[str]:
+    return {name.partition(".")[0] for name in names}
+
+
+def _told(
+    stage: str,
+    quantity: str,
+    names: list[str],
+    sentence: str,
+    wrong: Sequence[Trial],
+    same: Sequence[Trial],
+) -> Finding:
+    return Finding(
+        stage=stage, quantity=quantity, kind="named" if names else "unexplained", names=names,
+        share=1.0 if names else 0.0, wrong=len(wrong), checked=len(wrong) + len(same), worst=1.0,
+        sentence=sentence, scenes=rule([t.case for t in wrong], [t.case for t in same]),
+    )  # fmt: skip

@@ -1,0 +1,314 @@
+"""Explanations that are in a quantity's own numbers: how it is computed, or only written.
+
+A constant ratio to what follows, exchanged axes, a formula with a known mistake in it, few digits.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import replace
+from decimal import Decimal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from longball.judge.answers import Answer
+from longball.judge.explanations import Checked, Explanation, off, share_left, size_of
+from longball.judge.fits import factor_meaning
+from longball.judge.mistakes import FORMULAS, View
+from longball.judge.quantities import QUANTITIES
+from longball.judge.stages import Change, Check, Numbers, Trial, follow, view_values
+
+Array = NDArray[np.float64]
+Image = Callable[[Array], Array]
+
+# The rank of relations: behind known mistakes that leave as little.
+RELATION = 0.5
+
+FEW_DECIMALS = 10
+
+
+# --- relations to what follows --------------------------------------------------------------------
+
+
+def relations(
+    chosen: Sequence[Checked], beside: Sequence[Checked], base: Change
+) -> Iterator[Explanation]:
+    """Yield constant ratios and differences, exchanged axes and signs of the quantities.
+
+    Parameters
+    ----------
+    chosen, beside
+        Trials in which the stage fails, with its checks; trials in which it does not.
+    base
+        The chain as far as it is explained.
+    """
+    for quantity in dict.fromkeys(c.quantity for _, cs in chosen for c in cs):
+        pairs = [c for _, cs in chosen for c in cs if c.quantity == quantity and not c.follows]
+        if ":" in quantity or len(pairs) < 2:
+            continue
+        expected = np.array([c.expected for c in pairs])
+        obtained = np.array([c.obtained for c in pairs])
+        if not np.isfinite(expected).all():
+            continue
+        for number, (name, sentence, image) in enumerate(_images(quantity, expected, obtained)):
+            left, against = _held(chosen, beside, quantity, lambda t, c, f=image: f(_row(c)))  # type: ignore[misc]
+            yield Explanation(
+                name, sentence, None, left, RELATION + number / 100, quantity=quantity,
+                value=_image_value(quantity, image, base), against=against,
+            )  # fmt: skip
+
+
+def _row(check: Check) -> Array:
+    return np.array(check.expected)
+
+
+def _held(
+    chosen: Sequence[Checked],
+    beside: Sequence[Checked],
+    quantity: str,
+    value: Callable[[Trial, Check], Sequence[float] | Array | None],
+) -> tuple[float, float]:
+    """Return the share of the errors that is left if a quantity has a value, and is made beside."""
+
+    def left(trial: Trial, checks: Iterable[Check]) -> float:
+        return sum(
+            off(value(trial, c), c) if c.quantity == quantity else size_of(c) for c in checks
+        )
+
+    wholes = [sum(map(size_of, cs)) for _, cs in chosen]
+    against = sum(left(t, [c for c in cs if c.quantity == quantity]) for t, cs in beside)
+    return share_left([left(t, cs) for t, cs in chosen], wholes), against / sum(wholes)
+
+
+def _images(quantity: str, expected: Array, obtained: Array) -> Iterator[tuple[str, str, Image]]:
+    """Yield simple relations between what is expected and obtained."""
+    square = np.maximum((expected * expected).sum(axis=1), 1e-300)
+    ratios = (obtained * expected).sum(axis=1) / square
+    ratio = float(np.median(ratios))
+    if abs(ratio - 1) > 1e-9 and np.ptp(ratios) < 1e-3 * max(abs(ratio), 1e-9):
+        what = factor_meaning(ratio)
+        text = "the sign is wrong" if what == "the sign" else (
+            f"obtained = {ratio:.8g} × expected" + (f": {what}" if what else ""))  # fmt: skip
+        yield f"{quantity}*{ratio:.6g}", f"{quantity}: {text}", lambda x: ratio * x
+    if expected.shape[1] == 3:
+        for shown, image in TURNS:
+            yield (
+                f"{quantity}:{shown}",
+                f"{quantity}: {shown} stands where (x, y, z) belongs",
+                image,
+            )
+        yield from _flat(quantity, expected, obtained)
+        return
+    shift = obtained - expected
+    middle = float(np.median(shift))
+    if middle and np.ptp(shift) < 1e-3 * abs(middle):
+        sentence = f"{quantity}: obtained = expected + {middle:.8g}"
+        yield f"{quantity}+{middle:.6g}", sentence, lambda x: x + middle
+
+
+def _flat(quantity: str, expected: Array, obtained: Array) -> Iterator[tuple[str, str, Image]]:
+    """Yield the axis along which a vector is always 0, and should not be."""
+    for axis in range(1 if quantity == "plate.position" else 0, 3):  # there x is 0
+        if obtained[:, axis].any() or not expected[:, axis].any():
+            continue
+        letter, left_out = "xyz"[axis], np.ones(3)
+        left_out[axis] = 0.0
+        name, told = f"{quantity}:{letter}=0", f"{quantity}: {letter} is always 0"
+        if quantity == "landing.position" and axis == 2 and (expected[:, 2] < 0).all():
+            name = "first-below"
+            told = "ends the flight at the first step below the ground, and says that it is at it"
+        yield name, told, _turned((0, 1, 2), left_out.tolist())
+
+
+def _turned(order: Sequence[int], signs: Sequence[float]) -> Image:
+    """Return the exchange of axes, each with a factor."""
+    axes, factors = list(order), np.array(signs)
+    return lambda x: x[..., axes] * factors
+
+
+def _turns() -> Iterator[tuple[str, Image]]:
+    """Yield the other orders of three axes, with all signs."""
+    for order in itertools.permutations(range(3)):
+        for signs in itertools.product((1.0, -1.0), repeat=3):
+            if order != (0, 1, 2) or min(signs) < 0:
+                letters = ["xyz"[i] if s > 0 else f"-{'xyz'[i]}" for i, s in zip(order, signs)]  # noqa: B905
+                yield f"({', '.join(letters)})", _turned(order, signs)
+
+
+TURNS = tuple(sorted(_turns(), key=lambda turn: turn[0].count("-")))
+
+
+def _image_value(quantity: str, image: Image, base: Change) -> Callable[[Trial], Numbers | None]:
+    def value(trial: Trial) -> Numbers | None:
+        for check in follow(trial, base):
+            if check.quantity == quantity:
+                return tuple(image(_row(check)).tolist())
+        return None
+
+    return value
+
+
+# --- formulas -------------------------------------------------------------------------------------
+
+
+def formulas(
+    chosen: Sequence[Checked], beside: Sequence[Checked], base: Change
+) -> Iterator[Explanation]:
+    """Yield the known mistakes in formulas; see `relations`."""
+    failing = {c.quantity for _, cs in chosen for c in cs if not c.follows}
+    wanted = [f for f in FORMULAS if f.quantity in failing]
+    if "landing.position" in failing:  # where the ball is at a time counted otherwise
+        wanted += [f for f in FORMULAS if f.quantity == "landing.hang_time"]
+    views: dict[int, View | None] = {}
+
+    def tried(value: Callable[[View], Numbers], trial: Trial) -> Numbers | None:
+        if id(trial) not in views:
+            views[id(trial)] = _view(trial, base)
+        return _value(value, views[id(trial)])
+
+    for f in wanted:
+        left, against = _held(chosen, beside, f.quantity, lambda t, c, f=f: tried(f.value, t))  # type: ignore[misc]
+        yield Explanation(
+            f.name, f.sentence, f.remedy, left, 0, quantity=f.quantity, against=against,
+            value=lambda t, f=f: _value(f.value, _view(t, base)),  # type: ignore[misc]
+        )  # fmt: skip
+
+
+def _view(trial: Trial, base: Change) -> View | None:
+    held = view_values(trial, base)
+    return View(*held) if held else None
+
+
+def _value(value: Callable[[View], Numbers], view: View | None) -> Numbers | None:
+    try:
+        return None if view is None else value(view)
+    except (KeyError, AttributeError, ZeroDivisionError, OverflowError, ValueError):
+        return None
+
+
+# --- digits ---------------------------------------------------------------------------------------
+
+
+def resolutions(chosen: Sequence[Checked]) -> Iterator[Explanation]:
+    """Yield the rounding of what is written, if numbers are written with few decimals."""
+    failing = [c for _, cs in chosen for c in cs if not c.follows]
+    places = max(-int(Decimal(repr(x)).as_tuple().exponent) for c in failing for x in c.obtained)
+    resolution = max(0.5 * 10.0**-places, *(t.resolution for t, _ in chosen))
+    if places <= FEW_DECIMALS and max(c.error for c in failing) < 4 * resolution:
+        yield Explanation(
+            "few-decimals", f"writes its numbers with {places} decimals only, and errors are of "
+            "that size", "write doubles with 17 digits", 0.0, 3,
+            mend=lambda t: replace(t, resolution=resolution),
+        )  # fmt: skip
+
+
+SINGLE = Explanation(
+    "single-precision", "computes or writes in single precision",
+    "use doubles throughout, and write them with 17 digits", 0.0, 0,
+)  # fmt: skip
+
+# Single precision leaves 6e-8 a rounding; some hundred steps, amplified by bat and ball.
+SINGLE_NOISE = 1e-2
+
+# A quantity with fewer numbers than this may be in single precision by chance: 2.0 is.
+ENOUGH = 5
+
+
+def in_single_precision(answers: Iterable[Answer]) -> bool:
+    """Tell whether most quantities hold only numbers of single precision, or such as are written.
+
+    Not all need to: a program in single precision may still take a square root in doubles.
+    """
+    numbers: dict[str, set[Decimal]] = defaultdict(set)
+    for answer in answers:
+        for name, value in answer.values.items():
+            if len(numbers[name]) < 50:
+                numbers[name].update(x for x in value if x)
+    single = [all(map(_is_single, some)) for some in numbers.values() if len(some) >= ENOUGH]
+    return 2 * sum(single) > len(single)
+
+
+def _is_single(x: Decimal) -> bool:
+    if abs(x.adjusted()) > 37:  # beyond the range of single precision
+        return False
+    single = np.float32(float(x))
+    return float(x) == float(single) or x in (Decimal(str(single)), Decimal(f"{single:.9g}"))
+
+
+# --- the whole output -----------------------------------------------------------------------------
+
+# What the numbers of a unit are in place of it, by the factor.
+_OTHER_UNITS = {
+    "s": {1000.0: "ms", 0.001: "1000 s", 1 / 60: "minutes"},
+    "m": {1 / 0.3048: "feet", 1 / 0.0254: "inches", 100.0: "cm", 1000.0: "mm", 1 / 0.9144: "yards"},
+    "m/s": {3.6: "km/h", 1 / 0.44704: "mph", 1 / 0.3048: "ft/s", 100.0: "cm/s"},
+}  # fmt: skip
+
+
+def conventions(trials: Sequence[Trial]) -> Explanation | None:
+    """Return axes or a unit that all of the output is written in, in place of the contract's.
+
+    That is, under which several quantities come right together.
+    """
+    known: dict[str, list[tuple[Array, Array]]] = defaultdict(list)
+    for trial in trials:
+        for name, true in trial.expected.items():
+            if name in trial.given and len(trial.given[name]) == len(true):
+                known[name].append((np.array(true), np.array(trial.given[name])))
+    pairs = {name: tuple(map(np.array, zip(*some, strict=True))) for name, some in known.items()}
+    ways: list[tuple[str, str, Image, Image, list[str]]] = []
+    vectors = [name for name in pairs if QUANTITIES[name].size == 3]
+    for shown, image in TURNS:
+        back = next(b for _, b in TURNS if (b(image(_PROBE)) == _PROBE).all())
+        said = f"axes or signs are exchanged: {shown} stands where (x, y, z) belongs"
+        ways.append((f"axes:{shown}", said, image, back, vectors))
+    for unit, others in _OTHER_UNITS.items():
+        names = [name for name in pairs if QUANTITIES[name].unit == unit]
+        for factor, other in others.items():
+            said = f"what belongs in {unit} is written in {other}, {factor:.6g} times as large"
+            ways.append(
+                (f"{other}-for-{unit}", said, lambda x, f=factor: f * x, lambda x, f=factor: x / f,  # type: ignore[misc]
+                 names)
+            )  # fmt: skip
+    found = []
+    for name, said, image, back, names in ways:
+        right = []
+        for n in names:
+            before, after = _errors(*pairs[n]), _errors(image(pairs[n][0]), pairs[n][1])
+            if before > MOVED and after < NAMED_IN_ALL * before:
+                right.append((n, after / before))
+        if len(right) > 1:
+            sentence = f"{said}: in {', '.join(n for n, _ in right)}"
+            mend = _rewritten(frozenset(n for n, _ in right), back)
+            left = sum(share for _, share in right) / len(right)
+            one = Explanation(name, sentence, "see the contract's axes and units", left, 0,
+                              quantity=right[0][0], mend=mend)  # fmt: skip
+            found.append((-len(right), left, one))
+    return min(found, key=lambda one: one[:2])[2] if found else None
+
+
+_PROBE = np.array([1.0, 2.0, 3.0])
+
+# The mean relative error that another convention makes if it is one, and may leave if it is the
+# candidate's: that may have made other mistakes, too.
+MOVED, NAMED_IN_ALL = 1e-3, 0.05
+
+
+def _errors(expected: Array, obtained: Array) -> float:
+    """Return the mean of relative errors, none counted for more than 1."""
+    size = np.maximum(np.linalg.norm(expected, axis=1), 1e-3)
+    return float(np.minimum(np.linalg.norm(obtained - expected, axis=1) / size, 1.0).mean())
+
+
+def _rewritten(names: frozenset[str], back: Image) -> Callable[[Trial], Trial]:
+    def mend(trial: Trial) -> Trial:
+        given = {
+            name: tuple(back(np.array(value)).tolist()) if name in names else value
+            for name, value in trial.given.items()
+        }
+        return replace(trial, given=given)
+
+    return mend
