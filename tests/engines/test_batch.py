@@ -159,7 +159,7 @@ def odd_scene(rng: np.random.Generator, name: str) -> Scene:
 @pytest.fixture(scope="module")
 def odd_scenes() -> list[Scene]:
     rng = np.random.default_rng(20)
-    return [odd_scene(rng, str(i)) for i in range(600)]
+    return [odd_scene(rng, str(i)) for i in range(250)]
 
 
 def numbers(result: Result) -> dict[str, float]:

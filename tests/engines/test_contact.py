@@ -28,7 +28,7 @@ from tests import oracle
 ENGINE = Ivp()
 DIGITS = 20
 
-CHUNKS = 8  # for pytest-xdist to share
+CHUNKS = 4
 PITCHES, GRAZES = 6_000 // CHUNKS, 1_200 // CHUNKS
 
 

@@ -41,15 +41,12 @@ DECLINED = {
     "flight-kinks-wind-at",
 }
 
-# Steps are as long as the whole state allows, of 40 m here: a drift of 1e-7 m has 12 digits.
-COARSER = {"hard-real-parallel-nearly-30"}
-
 
 @pytest.mark.parametrize("family", list(golden.header().families))
 def test_ivp_is_as_good_as_doubles_allow(family: str):
     cases = golden.load(family)
     faults = {case.id: fault for case in cases for fault in wrong(case)}
-    known = (DECLINED | COARSER) & {case.id for case in cases}
+    known = DECLINED & {case.id for case in cases}
     assert faults.keys() == known, "\n".join(faults.values())
     for name in DECLINED & faults.keys():
         assert "cannot be decided in double precision" in faults[name]

@@ -228,7 +228,7 @@ def _printed(program: Program) -> _Printed:
 
 # Names in printed code.
 _TAKEN = re.compile(
-    "[xjkmn]|[crsxy][0-9]+|abs|bend|exp|expand|inf|last|log|max|min|nan|order|own|power|range|reach|"
+    "[xijkmn]|[crsxy][0-9]+|abs|bend|exp|expand|inf|last|log|max|min|nan|order|own|power|range|reach|"
     "rtol|size|sqrt"
 )
 
@@ -277,16 +277,15 @@ def _source(program: Program, at_rest: bool) -> str:
         "        if last > 0.0:",
         "            reach = min(reach, (rtol * size / last) ** (1.0 / (n - power)))",
     ]
-    for i in changing:
-        lines += [
-            "    for n in (order - 1, order):",
-            f"        last = abs(x[{i}][n])",
-            "        own = 0.0",
-            "        for k in range(n - 1, -1, -1) if last > 0.0 else range(0):",
-            f"            own = max(own * reach, abs(x[{i}][k]))",
-            f"        if last > 0.0 and rtol * own > {sys.float_info.min}:",
-            "            reach = min(reach, (rtol * own / last) ** (1.0 / n))",
-        ]
+    lines += [
+        f"    for i in ({', '.join(map(str, changing))},):",
+        "        for n in (order - 1, order):",
+        "            last, own = abs(x[i][n]), 0.0",
+        "            for k in range(n - 1, -1, -1) if last > 0.0 else range(0):",
+        "                own = max(own * reach, abs(x[i][k]))",
+        f"            if last > 0.0 and rtol * own > {sys.float_info.min}:",
+        "                reach = min(reach, (rtol * own / last) ** (1.0 / n))",
+    ]
     for i in roots:
         lines += [
             f"    bend = x[{i}][1] * x[{i}][1] + 2.0 * x[{i}][0] * x[{i}][2]",
