@@ -28,8 +28,8 @@ from tests import oracle
 ENGINE = Ivp()
 DIGITS = 20
 
-CHUNKS = 4
-PITCHES, GRAZES = 6_000 // CHUNKS, 1_200 // CHUNKS
+CHUNKS = 8  # for pytest-xdist to share
+PITCHES, GRAZES = 2_400 // CHUNKS, 1_200 // CHUNKS
 
 
 def pitch_of_the_paper(rng):
