@@ -184,7 +184,7 @@ def _refined(home_runs: Clearance, at_bats: AtBats, tolerance: float, workers: i
 def _share(clearance: Clearance, at_bats: AtBats, tolerance: float, workers: int) -> Share:
     """Refine the rules until two in a row agree about the probability of what is counted."""
     before = _over_speeds(clearance, at_bats, LEVELS[0], tolerance, workers)
-    off = slope_off = np.zeros(())
+    off = np.zeros(())
     for nodes in LEVELS[1:]:
         if nodes.least is None and off > _KINKED * tolerance:
             continue

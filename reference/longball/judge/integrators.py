@@ -20,7 +20,6 @@ from longball.judge.explanations import Explanation, Sought
 from longball.judge.stages import Change
 from longball.judge.steps import (
     LAGGING,
-    PAPERS,
     ROUND_STEPS,
     SCHEMES,
     SHORTEST,
@@ -66,8 +65,9 @@ class _Way:
 
     def change(self, dt: float) -> Change:
         """Return the chain that flies so."""
-        if self.ends == "line" and self.name in PAPERS:
-            return Change(engine=Verlet(dt=dt, forces=PAPERS[self.name]))  # type: ignore[arg-type]
+        treatment = SCHEMES[self.name].treatment
+        if self.ends == "line" and treatment is not None:
+            return Change(engine=Verlet(dt=dt, forces=treatment))
         return Change(engine=FixedStep(dt=dt, scheme=self.name, ends=self.ends))
 
     def explanation(self, dt: float, left: float) -> Explanation:

@@ -21,8 +21,9 @@ from longball.engines.engine import Launch
 from longball.engines.event import Event
 from longball.engines.ivp import Ivp
 from longball.engines.path import Flight, Path
-from longball.engines.verlet import TREATMENTS, Chord, Verlet
+from longball.engines.verlet import TREATMENTS, Chord, Verlet, plain_step
 from longball.model.law import Law, State
+from longball.model.readings import VerletForces
 
 Array = NDArray[np.float64]
 Components = tuple[float, ...]
@@ -103,23 +104,21 @@ def _leapfrog(f: Rates, s: Components, h: float, left: Any) -> tuple[Components,
     return (*_plus(new[:n], h / 2, new[n : 2 * n]), *new[n:]), None
 
 
-def _verlet(name: Any) -> Step:
-    """Return a treatment of velocity Verlet; see `longball.engines.verlet.TREATMENTS`."""
-    ahead, iterates, carries = TREATMENTS[name]
+def _verlet(treatment: VerletForces) -> Step:
+    """Return velocity Verlet with a treatment of the force; see `longball.engines.verlet`."""
 
     def step(f: Rates, s: Components, h: float, left: Any) -> tuple[Components, Any]:
         n = len(s) // 2
-        old = s[n : 2 * n]
-        force = left or f(*s)[n : 2 * n]
-        place = _plus(_plus(s[:n], h, old), h * h / 2, force)
-        rest = _plus(s[2 * n :], h, f(*s)[2 * n :])
-        half, velocity = _plus(old, h / 2, force), _plus(old, ahead * h, force)
-        for _ in range(30 if iterates else 1):
-            there = f(*place, *velocity, *rest)[n : 2 * n]
-            before, velocity = velocity, _plus(half, h / 2, there)
-            if math.dist(before, velocity) < 1e-15 * math.hypot(*velocity):
-                break
-        return (*place, *velocity, *rest), there if carries else None
+        place, velocity, rest, rates = s[:n], s[n : 2 * n], s[2 * n :], f(*s)
+
+        def force(r: Components, v: Components) -> Components:
+            return f(*r, *v, *moved)[n : 2 * n]
+
+        moved = _plus(rest, h, rates[2 * n :])
+        place, velocity, after = plain_step(
+            place, velocity, left or rates[n : 2 * n], (0.0,) * n, h, *TREATMENTS[treatment], force
+        )
+        return (*place, *velocity, *moved), after
 
     return step
 
@@ -134,11 +133,18 @@ class Scheme:
         Of its errors.
     words
         How its author would call it.
+    treatment
+        Of the force, if it is velocity Verlet; `longball.engines.verlet` then flies by it, too.
     """
 
     step: Step
     order: int
     words: str
+    treatment: VerletForces | None = None
+
+
+def _paper(treatment: VerletForces, order: int, words: str) -> Scheme:
+    return Scheme(_verlet(treatment), order, f"velocity Verlet with {words}", treatment)
 
 
 SCHEMES: dict[str, Scheme] = {
@@ -150,14 +156,12 @@ SCHEMES: dict[str, Scheme] = {
     "euler-velocity": Scheme(
         _mean_velocity, 1, "constant acceleration over each step: Euler's method for the velocity "
         "and the mean of two velocities for the position"),
-    "lagged-verlet": Scheme(
-        _verlet("old_carried"), 1, "velocity Verlet with drag and lift at the velocity of the step "
-        "before"),
-    "lagged-verlet-recomputed": Scheme(
-        _verlet("old_recomputed"), 1, "velocity Verlet with the force at the old velocity"),
-    "half-step-verlet": Scheme(
-        _verlet("half_step"), 1, "velocity Verlet with drag and lift at the half-step velocity, as "
-        "is usual in molecular dynamics"),
+    "lagged-verlet": _paper(
+        "old_carried", 1, "drag and lift at the velocity of the step before"),
+    "lagged-verlet-recomputed": _paper("old_recomputed", 1, "the force at the old velocity"),
+    "half-step-verlet": _paper(
+        "half_step", 1, "drag and lift at the half-step velocity, as is usual in molecular "
+        "dynamics"),
     "leapfrog": Scheme(_leapfrog, 1, "leapfrog with drag and lift at the old velocity"),
     "rk4-old-velocity": Scheme(
         _runge_kutta((0.5, 0.5, 1), (1, 2, 2, 1), "old"), 1, "RK4 for the velocity, but the "
@@ -165,14 +169,11 @@ SCHEMES: dict[str, Scheme] = {
     "rk4-new-velocity": Scheme(
         _runge_kutta((0.5, 0.5, 1), (1, 2, 2, 1), "new"), 1, "RK4 for the velocity, but the "
         "position moves with the velocity at the step's end"),
-    "verlet-predicted-carried": Scheme(
-        _verlet("predicted_carried"), 2, "velocity Verlet with a predicted velocity, which is of "
-        "order 2"),
-    "verlet-predicted": Scheme(
-        _verlet("predicted_recomputed"), 2, "velocity Verlet with a predicted velocity, which is "
-        "of order 2"),
-    "verlet-implicit": Scheme(
-        _verlet("implicit"), 2, "velocity Verlet with an implicit velocity, which is of order 2"),
+    "verlet-predicted-carried": _paper(
+        "predicted_carried", 2, "a predicted velocity, which is of order 2"),
+    "verlet-predicted": _paper(
+        "predicted_recomputed", 2, "a predicted velocity, which is of order 2"),
+    "verlet-implicit": _paper("implicit", 2, "an implicit velocity, which is of order 2"),
     "heun": Scheme(_runge_kutta((1,), (1, 1)), 2, "Heun's method, of order 2"),
     "midpoint": Scheme(_runge_kutta((0.5,), (0, 1)), 2, "the midpoint method, of order 2"),
     "ralston": Scheme(_runge_kutta((2 / 3,), (1, 3)), 2, "Ralston's method, of order 2"),
@@ -187,13 +188,6 @@ SCHEMES: dict[str, Scheme] = {
 
 # Where the force is asked for at a velocity that is late.
 LAGGING = ("lagged-verlet", "lagged-verlet-recomputed", "half-step-verlet", "leapfrog")
-
-# What `longball.engines.verlet` calls them, who meets events on the line between two steps.
-PAPERS = {
-    "lagged-verlet": "old_carried", "lagged-verlet-recomputed": "old_recomputed",
-    "half-step-verlet": "half_step", "verlet-predicted-carried": "predicted_carried",
-    "verlet-predicted": "predicted_recomputed", "verlet-implicit": "implicit",
-}  # fmt: skip
 
 Ends = Literal["line", "step"]
 
