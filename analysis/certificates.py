@@ -20,6 +20,7 @@ from analysis.random_scenes import random_scene
 from analysis.writing import render
 from longball.engines.certify import certify
 from longball.engines.chain import solve
+from longball.engines.compiled import compile_at_once
 from longball.engines.enclosure import Enclosure
 from longball.engines.ivp import Ivp
 from longball.golden.case import vector_of
@@ -38,7 +39,6 @@ TRUTH = Enclosure(40)
 def run(report: Path, full: bool) -> str:
     """Certify the scenes, hold radii against the truth, and sum up."""
     number = FULL_SCENES if full else SCENES
-    certify(next(_paper(0)), solve(next(_paper(0)), Ivp()))  # compiles, and is not timed
     blocks = Parallel(n_jobs=-1)(delayed(_block)(block) for block in range(number // BLOCK))
     seen = pd.DataFrame([row for block in blocks for row in block])
     groups = seen.groupby("scenes", sort=False)
@@ -48,6 +48,8 @@ def run(report: Path, full: bool) -> str:
 
 
 def _block(block: int) -> list[dict[str, object]]:
+    compile_at_once()
+    certify(next(_paper(0)), solve(next(_paper(0)), Ivp()))  # compiles, and is not timed
     half = BLOCK // 2
     return [
         *(_certified("at-bats of the paper", scene) for scene in islice(_paper(block), half)),

@@ -16,6 +16,7 @@ from matplotlib.colors import ListedColormap
 from analysis.writing import figure, render, write_table
 from longball import engines
 from longball.engines.chain import solve
+from longball.engines.compiled import compile_at_once
 from longball.engines.engine import CannotSolve
 from longball.golden import Case, load
 from longball.golden.case import decisive
@@ -72,6 +73,7 @@ def run(report: Path, full: bool) -> str:
 
 def try_case(case: Case, name: str) -> Trial:
     """Solve a case by an engine and compare."""
+    compile_at_once()
     family, options = ENGINES[name]
     start = time.perf_counter()
     try:

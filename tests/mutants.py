@@ -62,7 +62,7 @@ CALLERS = {
     "engines/batch/flights.py": "engines/batch/records.py",
     "engines/batch/jit.py": "engines/batch/records.py",
     "engines/batch/roots.py": "engines/batch/records.py",
-    "engines/polynomial.py": "engines/event.py",
+    "engines/coefficients.py": "engines/polynomial.py",
     "engines/verlet_steps.py": "engines/verlet.py",
 }
 LIMIT = 60.0  # s of tests for a mutant

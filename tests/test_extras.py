@@ -15,10 +15,33 @@ AT_BAT = '{"id": "a", "kind": "at-bat"}'
 BLOCK = "import sys\nfor name in {names!r}: sys.modules[name] = None\n"
 
 
-def light(code: str, *arguments: str, names: tuple[str, ...] = tuple(EXTRAS)):
+LAUNCH = {"position": [0.3, 0, 1], "velocity": [38, 4, 27], "spin": [20, -180, 40]}
+LIFT = {"law": "rational", "numerator": 1, "constant": 0.4, "slope": 2.3}
+AIRS = [
+    {
+        "drag_coefficient": {"law": "table", "of": "speed", "at": [25, 40], "values": [0.5, 0.3]},
+        "wind": [4, 1, 0],
+    },
+    {"wind": {"velocity": [4, 1, 0], "height": 10}, "spin_decay_length": 600},
+]
+SCENES = AT_BAT + "".join(
+    "\n"
+    + json.dumps(
+        {
+            "kind": "flight",
+            "launch": LAUNCH,
+            "air": air | {"lift_coefficient": LIFT},
+            "time_limit": 3,  # a step below the ground has no logarithmic wind
+        }
+    )
+    for air in AIRS
+)
+
+
+def light(code: str, *arguments: str, names: tuple[str, ...] = tuple(EXTRAS), lines: str = AT_BAT):
     return subprocess.run(
         [sys.executable, "-c", BLOCK.format(names=names) + code, *arguments],
-        input=AT_BAT,
+        input=lines,
         capture_output=True,
         text=True,
         timeout=120,
@@ -26,19 +49,24 @@ def light(code: str, *arguments: str, names: tuple[str, ...] = tuple(EXTRAS)):
     )
 
 
-def command_line(*arguments: str) -> subprocess.CompletedProcess:
-    return light("from longball.__main__ import main; main()", *arguments)
+def command_line(*arguments: str, **options) -> subprocess.CompletedProcess:
+    return light("from longball.__main__ import main; main()", *arguments, **options)
 
 
-@pytest.mark.parametrize("engine", ["ivp", "verlet", "enclosure", "multiprecision"])
-def test_engines_give_the_same_bits(engine: str):
-    run = command_line("solve", "--engine", engine)
-    whole = subprocess.run(
-        [sys.executable, "-m", "longball", "solve", "--engine", engine],
-        input=AT_BAT, capture_output=True, text=True, check=True,
+@pytest.mark.parametrize(
+    ("engine", "lines"),
+    [("ivp", SCENES), ("verlet", SCENES), ("enclosure", AT_BAT), ("multiprecision", AT_BAT)],
+)
+def test_engines_give_the_same_bits(engine: str, lines: str):
+    run = command_line("solve", "--engine", engine, lines=lines)
+    whole = light(
+        "from longball.engines.compiled import compile_at_once; compile_at_once()\n"
+        "from longball.__main__ import main; main()",
+        "solve", "--engine", engine, names=(), lines=lines,
     )  # fmt: skip
     assert (run.returncode, run.stderr) == (0, "")
     assert run.stdout == whole.stdout
+    assert "error" not in run.stdout
 
 
 def test_the_judge_and_the_golden_data(tmp_path: Path):

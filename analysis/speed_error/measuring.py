@@ -19,6 +19,7 @@ import numpy as np
 from analysis.speed_error.contenders import Answers, Contender
 from analysis.speed_error.work import Known
 from analysis.stability import exactly
+from longball.engines.compiled import compile_at_once
 from longball.model.result import Number, Result
 
 VERSIONS = ("numpy", "scipy", "numba", "python-flint", "heyoka", "diffrax", "jax", "scikit-sundae")
@@ -44,6 +45,7 @@ def measure(turns: Sequence[tuple[Contender, Known]], rounds: int) -> list[Measu
     In a round everyone takes a turn, so that what the machine does besides slows all alike. A
     first round, in which code is compiled, does not count.
     """
+    compile_at_once()
     portions = [(entrant, known.work.first(entrant.turn)) for entrant, known in turns]
     for entrant, portion in portions:
         entrant.solve(portion)

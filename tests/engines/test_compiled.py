@@ -10,6 +10,7 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from longball.engines import compiled
@@ -95,17 +96,46 @@ def test_a_compiled_function_is_kept(folder: Path) -> None:
         assert [hits(fresh()), hits(fresh())] == [0, 1]
 
 
-def test_so_is_one_of_a_printed_module(folder: Path) -> None:
-    source = (
-        "from longball.engines.compiled import compiled\n"
-        "@compiled\ndef twice(x):\n    return 2.0 * x\n"
-    )
+SOURCE = """
+def twice(x):
+    return 2.0 * x
+
+def total(xs):
+    s = 0.0
+    for i in range(len(xs)):
+        s += twice(xs[i])
+    return s
+"""
+
+
+def test_so_are_those_of_a_module(folder: Path) -> None:
     for hits in (0, 1):
-        module = compiled.module_of.__wrapped__(source)
-        assert module.twice(3.0) == 6.0
-        assert sum(module.twice._cache_hits.values()) == hits
-    other = compiled.module_of(source.replace("2.0", "3.0"))
-    assert other.twice(3.0) == 9.0
+        module = compiled._compiled.__wrapped__(SOURCE)
+        assert module.total(np.array([3.0, 4.0])) == 14.0
+        assert sum(module.total._cache_hits.values()) == hits
+    other = compiled._compiled(SOURCE.replace("2.0", "3.0"))
+    assert other.total(np.array([3.0])) == 9.0
+    assert len(list(folder.iterdir())) == 4
+
+
+def test_code_runs_as_it_is_until_it_has_worked_enough(folder: Path) -> None:
+    code = compiled.Code(SOURCE + "\n\n", 10)
+    for _ in range(5):
+        run = code.count(2)
+        assert run is code.now
+        assert run.total(run.taken(np.array([3.0, 4.0]))) == 14.0
+        assert not list(folder.iterdir())
+    run = code.count()
+    assert run.total(run.taken(np.array([3.0, 4.0]))) == 14.0
+    assert len(list(folder.iterdir())) == 2
+    assert code.count() is run
+
+
+def test_what_is_timed_is_compiled_at_once(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(compiled, "_HASTE", 1.0)
+    compiled.compile_at_once()
+    run = compiled.Code(SOURCE + "\n", 10).count()
+    assert run.total(np.array([3.0])) == 6.0
     assert len(list(folder.iterdir())) == 2
 
 

@@ -4,14 +4,8 @@ import numpy as np
 import pytest
 from numpy.polynomial import Polynomial as Series
 
-from longball.engines.polynomial import (
-    Polynomial,
-    PolynomialPiece,
-    shifted,
-    stays_high,
-    turning_points,
-    zero,
-)
+from longball.engines.coefficients import shifted, stays_high, turning_points, zero
+from longball.engines.polynomial import Polynomial, PolynomialPiece
 from longball.model.law import PlaneState
 
 

@@ -116,22 +116,26 @@ speeds = st.floats(-60, 60)
 
 @every_treatment
 @pytest.mark.parametrize("named", [{}, {"gravity": G}, {"drag": K_D, "lift": K_L, "gravity": G}])
-def test_the_compiled_step_is_the_plain_one_bit_for_bit(treatment, named):
+def test_the_printed_steps_are_the_plain_ones_bit_for_bit(treatment, named):
     way, dt, there = TREATMENTS[treatment], 0.037, law(**named)
     rates = there.rates(DOUBLES)
 
     def air(position, velocity):
         return rates(*position, *velocity)[2:]
 
-    steps, parameters = steps_of(there.program), tuple(named.values())
-    states = np.empty((4, 51))
-    states[:, 0] = START
-    steps.march(states, air(START[:2], START[2:]), dt, *way, parameters)
+    marches = []
+    for work in (1, 10**9):  # as it is, and compiled
+        run = steps_of(there.program).count(work)
+        states = np.empty((4, 51))
+        states[:, 0] = START
+        run.march(states, air(START[:2], START[2:]), dt, *way, tuple(named.values()))
+        marches.append(states)
     position, velocity, nothing = START[:2], START[2:], (0.0, 0.0)
     force = air(position, velocity)
     for k in range(1, 51):
         position, velocity, force = plain_step(position, velocity, force, nothing, dt, *way, air)
-        assert (*position, *velocity) == tuple(states[:, k])
+        for states in marches:
+            assert (*position, *velocity) == tuple(states[:, k])
 
 
 @every_treatment

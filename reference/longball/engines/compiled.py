@@ -1,5 +1,9 @@
 """Compiled functions, by numba where it is installed; without it they run as they are, slowly.
 
+To compile a function takes seconds, to load numba and what was compiled about one. A single scene
+needs milliseconds without. Code that is printed for a law therefore runs as it is until it has
+worked enough (`Code`), with the same results to the last bit.
+
 Compiled code is kept on disk for later processes: in the folder that NUMBA_CACHE_DIR names, else
 beside this module, or where that cannot be written to in the user's cache; where there is no such
 place, each process compiles for itself. A file's name is a hash of all that the code is made of:
@@ -12,6 +16,7 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import importlib
+import math
 import os
 import pickle
 import sys
@@ -19,31 +24,36 @@ import threading
 from collections.abc import Callable, Iterable, Iterator
 from functools import cache
 from pathlib import Path
-from types import ModuleType
+from types import FunctionType, ModuleType
 from typing import Any, TypeVar, cast
+
+import numpy as np
 
 import longball
 
-numba: Any
-try:
-    numba = importlib.import_module("numba")
-except ImportError:
-    numba = None
-
-COMPILES = numba is not None
-
 F = TypeVar("F", bound=Callable[..., Any])
+
+# What arithmetic raises in code that runs as it is, where compiled code gives inf or nan.
+BEYOND = (ArithmeticError, ValueError)
 
 PACKAGE = Path(longball.__file__).parent
 # What compiled code is made of, but for printed modules, whose names are hashes of their text.
 SOURCES = (
     "engines/batch/*.py",
     "engines/compiled.py",
-    "engines/polynomial.py",
     "engines/series.py",
     "model/law.py",
     "model/trace.py",
 )
+
+
+@cache
+def compiler() -> Any:
+    """Return numba; None where it is not installed."""
+    try:
+        return importlib.import_module("numba")
+    except ImportError:
+        return None
 
 
 def compiled(function: F) -> F:
@@ -51,20 +61,74 @@ def compiled(function: F) -> F:
 
     Division by zero gives inf or nan where it is compiled.
     """
-    if not COMPILES:
+    if compiler() is None:
         return function
-    dispatcher = numba.njit(nogil=True, error_model="numpy")(function)
+    dispatcher = compiler().njit(nogil=True, error_model="numpy")(function)
     dispatcher._cache = _Cache(function)
     return cast(F, dispatcher)
 
 
-@cache
-def module_of(source: str) -> ModuleType:
-    """Return printed code as a module, whose name has a hash of its text."""
-    name = f"printed_{hashlib.sha256(source.encode()).hexdigest()[:16]}"
+_HASTE = 1.0
+
+
+def compile_at_once() -> None:
+    """Compile all code at its first use from now on, as what is timed should be."""
+    global _HASTE
+    _HASTE = math.inf
+
+
+class Code:
+    """Functions that run as they are at first, and compiled from when that is worth its time.
+
+    Parameters
+    ----------
+    source
+        Of a module. Its functions call each other, and nothing else that would have to be compiled.
+    enough
+        Units of work, as `count` has them, that take as long as compiling.
+
+    Attributes
+    ----------
+    now : module
+        With the functions as they run now, and `taken`, which makes an array what they take: a list
+        of numbers, or the array itself where they are compiled.
+    """
+
+    def __init__(self, source: str, enough: int) -> None:
+        self._source, self._left = source, float(enough)
+        self.now = _as_it_is(source)
+
+    def count(self, work: int = 1) -> ModuleType:
+        """Return the functions for some more work."""
+        if self._left >= 0:
+            self._left -= _HASTE * work
+            if self._left < 0 and compiler() is not None:
+                self.now = _compiled(self._source)
+        return self.now
+
+
+def _module(source: str, kind: str) -> ModuleType:
+    name = f"{kind}_{hashlib.sha256(source.encode()).hexdigest()[:16]}"
     module = ModuleType(name)
     sys.modules[name] = module  # where numba looks for the globals of code that was kept
     exec(compile(source, f"<{name}>", "exec"), module.__dict__)
+    return module
+
+
+@cache
+def _as_it_is(source: str) -> ModuleType:
+    module = _module(source, "printed")
+    vars(module)["taken"] = np.ndarray.tolist
+    return module
+
+
+@cache
+def _compiled(source: str) -> ModuleType:
+    module = _module(source, "compiled")
+    for name, value in vars(module).copy().items():
+        if isinstance(value, FunctionType) and value.__module__ == module.__name__:
+            vars(module)[name] = compiled(value)
+    vars(module)["taken"] = np.asarray
     return module
 
 
@@ -84,11 +148,11 @@ class _Cache:
         if content is None:
             return None
         target_context.refresh()
-        rebuild = numba.core.compiler.CompileResult._rebuild
+        rebuild = compiler().core.compiler.CompileResult._rebuild
         return rebuild(target_context, *pickle.loads(content))
 
     def save_overload(self, signature: Any, result: Any) -> None:
-        _write(self._file(signature), numba.core.serialize.dumps(result._reduce()))
+        _write(self._file(signature), compiler().core.serialize.dumps(result._reduce()))
 
 
 def stored(name: str, made_of: Iterable[str], make: Callable[[], bytes]) -> bytes:
@@ -119,7 +183,7 @@ def machine() -> tuple[str, ...]:
     from llvmlite import __version__, binding
 
     features = binding.get_host_cpu_features().flatten()
-    return sys.version, numba.__version__, __version__, binding.get_host_cpu_name(), features
+    return sys.version, compiler().__version__, __version__, binding.get_host_cpu_name(), features
 
 
 # --- files ----------------------------------------------------------------------------------------

@@ -21,8 +21,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import DenseOutput, OdeSolver
 
-from longball.engines.compiled import COMPILES, module_of
-from longball.engines.polynomial import advance
+from longball.engines.compiled import BEYOND, Code
+from longball.engines.polynomial import value_at
 from longball.engines.series import recurrence
 from longball.model.law import Law
 from longball.model.numbers import DOUBLES
@@ -121,8 +121,7 @@ class Taylor(OdeSolver):  # type: ignore[misc]
 
     def _at_end(self, h: float) -> Array:
         """Return the state at the end of a step; its rounding is made up for at the next."""
-        end = np.empty(self.n)
-        advance(self._x, h, self._low, end)
+        end, self._low = value_at(self._x, h, self._low)
         return end
 
     def _dense_output_impl(self) -> Series:
@@ -147,8 +146,7 @@ class Series(DenseOutput):  # type: ignore[misc]
         if not isinstance(t, float):
             found: Array = super().__call__(t)
             return found
-        state = np.empty(len(self.coefficients))
-        advance(self.coefficients, t - self.t_old, np.zeros(len(state)), state)
+        state, _ = value_at(self.coefficients, t - self.t_old, np.zeros(len(self.coefficients)))
         return state
 
     def _call_impl(self, t: Array) -> Array:
@@ -182,27 +180,27 @@ class Expander:
 
         The reach is nan if numbers are beyond the range of doubles.
         """
-        step, order = self._printed.step, self._order
-        x, reach = self._expand(step, order, state)
+        code, order = self._printed.step, self._order
+        x, reach = self._expand(code, order, state)
         if not reach > 0 and any(x[root][0] == 0 for root in self._printed.roots):
-            step = self._printed.step_from_rest
-            x, reach = self._expand(step, order, state)
+            code = self._printed.step_from_rest
+            x, reach = self._expand(code, order, state)
             if all(row[1] == 0 for row in x[: len(state)]):
                 return np.column_stack([state, np.zeros(len(state))]), math.inf  # nothing moves
         # Close to rest coefficients grow like the powers of 1/V, and the last may be too large.
         while not reach > 0 and order > 4:
             order //= 2
-            x, reach = self._expand(step, order, state)
+            x, reach = self._expand(code, order, state)
         return np.asarray(x[: len(state)]), reach
 
-    def _expand(self, step: Callable[..., float], order: int, state: Array) -> tuple[Rows, float]:
+    def _expand(self, code: Code, order: int, state: Array) -> tuple[Rows, float]:
+        run = code.count()
         x: Rows = np.zeros((self._printed.rows, order + 2))
         x[: len(state), 0] = state
-        if not COMPILES:
-            x = x.tolist()
+        x = run.taken(x)
         try:
-            return x, step(x, order, self._rtol, *self._strengths)
-        except (ZeroDivisionError, OverflowError):  # compiled code gives inf or nan
+            return x, run.step(x, order, self._rtol, *self._strengths)
+        except BEYOND:
             return x, math.nan
 
 
@@ -211,8 +209,12 @@ class _Printed(NamedTuple):
 
     rows: int
     roots: tuple[int, ...]
-    step: Callable[..., float]
-    step_from_rest: Callable[..., float]
+    step: Code
+    step_from_rest: Code
+
+
+# A series takes about a millisecond as it is, and some two seconds to compile.
+_ENOUGH = 1_000
 
 
 @cache
@@ -221,8 +223,8 @@ def _printed(program: Program) -> _Printed:
     return _Printed(
         len(series.rows),
         tuple(series.rows.index(root) for root in series.roots),
-        module_of(_source(program, at_rest=False)).step,
-        module_of(_source(program, at_rest=True)).step,
+        Code(_source(program, at_rest=False), _ENOUGH),
+        Code(_source(program, at_rest=True), _ENOUGH),
     )
 
 
@@ -296,13 +298,9 @@ def _source(program: Program, at_rest: bool) -> str:
         [
             "from math import exp, inf, log, nan, sqrt",
             "",
-            "from longball.engines.compiled import compiled",
             "",
-            "",
-            "@compiled",
             series.source(at_rest),
             "",
-            "@compiled",
             f"def step({', '.join(('x', 'order', 'rtol', *program.parameters))}):",
             *lines,
             "    return reach",

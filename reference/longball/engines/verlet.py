@@ -33,18 +33,18 @@ What the paper leaves open about those two steps:
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path as File
-from types import ModuleType
 from typing import Any, NamedTuple, TypeVar, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
 from longball.engines.arithmetic import ARRAYS, Dual
-from longball.engines.compiled import module_of
+from longball.engines.compiled import BEYOND, Code
 from longball.engines.contact import TURNS_VERTICAL, BatSection, inside_bat
 from longball.engines.engine import CannotSolve, Launch, OutOfRange, Stepped, Touch
 from longball.engines.event import Event
@@ -58,6 +58,9 @@ from longball.model.trace import Names, Program
 T = TypeVar("T")
 Array = NDArray[np.float64]
 Components = tuple[float, ...]
+
+# Numbers that do not stay finite are told in an error of the engine's.
+_QUIET = np.errstate(all="ignore")
 
 
 class Treatment(NamedTuple):
@@ -164,6 +167,7 @@ class Verlet(Stepped[float]):
         """0: the scheme decides by its numbers as they are, however far from the truth."""
         return 0.0
 
+    @_QUIET
     def fly(
         self,
         law: Law[float],
@@ -186,7 +190,7 @@ class Verlet(Stepped[float]):
             step = 1 + int(met.any(axis=0).argmax()) if met.any() else states.shape[1] - 1
             count = done + step
             before, after = (law.state(*row) for row in states.T[step - 1 : step + 1].tolist())
-            self._require_finite((*before, *after), count)
+            self._require_finite((*before, *after))
             if met.any():
                 stop, time, state = self.stop_between(count, before, after, events)
                 if time > limit:
@@ -210,6 +214,7 @@ class Verlet(Stepped[float]):
         state = _between(before, after, share)
         return event.name, (count - 1 + share) * self.dt, event.place(state)
 
+    @_QUIET
     def touch(
         self,
         pitch: Flight[float],
@@ -235,7 +240,7 @@ class Verlet(Stepped[float]):
             past = bat.frame.towards_x(columns) <= -bat.reach
             over = np.logical_or.reduce([past, *ended])[1:]
             last = 1 + int(over.argmax()) if over.any() else states.shape[1] - 1
-            self._require_finite(states[:, last].tolist(), done + last)
+            self._require_finite(states[:, last].tolist())
             # A ball that is down, or vertical, is not looked at any more; one that is past is.
             seen = 1 + last - any(end[last] for end in ended)
             closest = min(closest, distance[:seen].min())
@@ -297,7 +302,7 @@ class Verlet(Stepped[float]):
                 position, velocity, force, push, dt, *TREATMENTS[self.forces], air
             )
             count, after = touch.step + done, SpaceState(*position, *velocity)
-            self._require_finite(after, count)
+            self._require_finite(after)
             if ground.value(after) <= 0.0:
                 _, time, down = self.stop_between(count, before, after, [ground])
                 delay = time - touch.step * dt - touch.ahead
@@ -319,19 +324,12 @@ class Verlet(Stepped[float]):
         force = _acceleration(form)(*_halves(last.tolist()), _parameters(form))
         steps = math.ceil(min(limit / self.dt, 2.0**53))
         while done < steps:
-            states = np.empty((len(start), 1 + min(length, steps - done)))
+            states = np.full((len(start), 1 + min(length, steps - done)), math.nan)
             states[:, 0] = last
-            march = steps_of(form.program).march
-            force = march(states, force, self.dt, *treatment, _parameters(form))
-            passed = np.any(
-                [
-                    there != now
-                    for there, now in zip(
-                        law.branches(states[:, 1:], ARRAYS), branches, strict=True
-                    )
-                ],
-                axis=0,
-            )
+            march = steps_of(form.program).count(states.shape[1]).march
+            with suppress(*BEYOND):
+                force = march(states, force, self.dt, *treatment, _parameters(form))
+            passed = _left(law, branches, states[:, 1:])
             if np.any(passed):
                 # The next step begins in another form of the law.
                 states = states[:, : 2 + int(np.argmax(passed))]
@@ -354,10 +352,10 @@ class Verlet(Stepped[float]):
                 yield Chord(begin, (count + 1) * self.dt - begin, before, after)
                 before = after
 
-    def _require_finite(self, numbers: Sequence[float], count: int) -> None:
+    def _require_finite(self, numbers: Sequence[float]) -> None:
         if not all(map(math.isfinite, numbers)):
             raise OutOfRange(
-                f"the numbers do not stay finite within {count} steps of {self.dt!r} s, or an "
+                f"the numbers do not stay finite in steps of {self.dt!r} s, or an "
                 "implicit step does not settle: the step is too long for these forces"
             )
 
@@ -365,6 +363,13 @@ class Verlet(Stepped[float]):
 # Steps that are taken at a time: some more than a flight of the paper's steps has, so that it takes
 # one array; and what a processor's cache holds.
 _FIRST_STEPS, _MOST_STEPS = 128, 4096
+
+
+@_QUIET
+def _left(law: Law[float], branches: Sequence[Any], states: Array) -> Any:
+    """Tell of each state, a column, whether the law has another form there."""
+    others = zip(law.branches(states, ARRAYS), branches, strict=True)
+    return np.any([there != now for there, now in others], axis=0)
 
 
 # --- the rules between the steps ------------------------------------------------------------------
@@ -496,9 +501,13 @@ _SOURCE = File(__file__).with_name("verlet_steps.py").read_text(encoding="utf-8"
 
 
 @cache
-def steps_of(program: Program) -> ModuleType:
-    """Return `longball.engines.verlet_steps` for a law, compiled."""
-    return module_of(_SOURCE + print_law(program))
+def steps_of(program: Program) -> Code:
+    """Return `longball.engines.verlet_steps` for a law."""
+    return Code(_SOURCE + print_law(program), _ENOUGH)
+
+
+# A step takes some ten microseconds as it is, and all of it two seconds to compile.
+_ENOUGH = 100_000
 
 
 def print_law(program: Program) -> str:
@@ -518,6 +527,9 @@ def print_law(program: Program) -> str:
     def each(text: str) -> str:
         return "".join(text.format(i=i) + ", " for i in dimensions)
 
+    def entries(rows: Iterable[int]) -> str:
+        return "".join(f"float(states[{i}, k]), " for i in rows)
+
     both = len(velocities)
     outputs = ", ".join(names[output] for output in program.outputs[both : 2 * both])
     path = [2 * both] * (len(positions) - both)
@@ -535,8 +547,7 @@ def print_law(program: Program) -> str:
         ],
         "largest(a)": [f"return max({each('abs(a[{i}])')})"],
         "read(states, k)": [
-            f"return ({each('states[{i}, k]')}{''.join(f'states[{i}, k], ' for i in path)}), "
-            f"({each(f'states[{{i}} + {both}, k]')})"
+            f"return ({entries([*dimensions, *path])}), ({entries(both + i for i in dimensions)})"
         ],
         "write(states, k, position, velocity)": [
             f"states[{i + shift}, k] = {name}[{i}]"
@@ -549,16 +560,7 @@ def print_law(program: Program) -> str:
         f"\n\ndef {head}:\n" + "".join(f"    {line}\n" for line in body)
         for head, body in functions.items()
     )
-    compiled = ", ".join(["step", "march", *(head.partition("(")[0] for head in functions)])
-    return f"{_IMPORTS}{written}\n\n{compiled} = map(compiled, ({compiled}))\n"
-
-
-_IMPORTS = """
-
-from math import exp, log, sqrt
-
-from longball.engines.compiled import compiled
-"""
+    return f"\n\nfrom math import exp, log, sqrt\n{written}"
 
 
 def _plain_step() -> Callable[..., Any]:
@@ -595,8 +597,15 @@ def air_in_space(law_in: Callable[[Frame[float]], Law[float]]) -> Callable[..., 
 
 def _acceleration(law: Law[float]) -> Callable[..., Components]:
     """Return the function from position, velocity and parameters to the acceleration."""
-    accelerate: Callable[..., Components] = steps_of(law.program).accelerate
-    return accelerate
+    accelerate: Callable[..., Components] = steps_of(law.program).count().accelerate
+
+    def function(position: Components, velocity: Components, parameters: Components) -> Components:
+        try:
+            return accelerate(position, velocity, parameters)
+        except BEYOND:
+            return (math.nan,) * len(velocity)
+
+    return function
 
 
 def _parameters(law: Law[float]) -> Components:

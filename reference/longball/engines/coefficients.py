@@ -1,0 +1,143 @@
+"""Polynomials as sequences of their coefficients: what is compiled once it is worth it.
+
+This source runs in a namespace of its own (`longball.engines.compiled.Code`): on lists of numbers
+as it is, and on arrays of doubles when it is compiled.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+_ROUNDING = 2.0**-53
+# Six are enough at a simple zero; rounding could lead Newton's method on without end.
+_MOST_NEWTON_STEPS = 50
+# Between turning points that are this close, relative to the step, a polynomial changes by less
+# than its rounding: by the cube of it.
+_CLOSE = 1e-6
+
+
+def advance(x: Any, h: float, low: Any) -> tuple[Any, Any]:
+    """Sum polynomials, the rows of `x`, at `h`: values, rounded, and what they lack of the true.
+
+    `low` is what their values at 0 lack.
+    """
+    end, lost = low.copy(), low.copy()
+    for i in range(len(low)):
+        row = x[i]
+        total = 0.0
+        for k in range(len(row) - 1, 0, -1):
+            total = total * h + row[k]
+        change = total * h + low[i]
+        start = row[0]
+        end[i] = start + change
+        taken = end[i] - start
+        lost[i] = (start - (end[i] - taken)) + (change - taken)
+    return end, lost
+
+
+def value(p: Any, t: float) -> float:
+    """Return p(t)."""
+    total = 0.0
+    for k in range(len(p) - 1, -1, -1):
+        total = total * t + p[k]
+    return total
+
+
+def terms(p: Any, t: float) -> float:
+    """Return the sum of the sizes of the terms of p(t), where t is not negative."""
+    total = 0.0
+    for k in range(len(p) - 1, -1, -1):
+        total = total * t + abs(p[k])
+    return total
+
+
+def rate(p: Any, t: float) -> float:
+    """Return p'(t)."""
+    total = 0.0
+    for k in range(len(p) - 1, 0, -1):
+        total = total * t + k * p[k]
+    return total
+
+
+def shifted(p: Any, begin: float) -> Any:
+    """Return the coefficients in powers of ``t - begin``."""
+    q = p.copy()
+    for first in range(len(q) - 1):
+        for k in range(len(q) - 2, first - 1, -1):
+            q[k] += begin * q[k + 1]
+    return q
+
+
+def stays_high(p: Any, end: float) -> bool:
+    """Tell whether p certainly stays above p(0)/2 > 0 on [0, end].
+
+    From ``p(t) = p_0 + t (p_1 + t (…))``, with the least that each bracket can be.
+    """
+    least = 0.0
+    for k in range(len(p) - 1, 0, -1):
+        least = p[k] + min(0.0, least * end)
+    return p[0] > 0.0 and p[0] + 2.0 * least * end >= 0.0  # type: ignore[no-any-return]
+
+
+def zero(p: Any, left: float, right: float) -> float:
+    """Return the zero of p in [left, right], given that p only rises there, or only falls.
+
+    Newton's method, by halves where it would leave the interval.
+    """
+    height = value(p, left)
+    if height == 0.0:
+        return left
+    t = 0.5 * (left + right)
+    steps = 0
+    while True:
+        steps += 1
+        here, slope = value(p, t), rate(p, t)
+        if (here > 0.0) == (height > 0.0):
+            left = t
+        else:
+            right = t
+        middle = 0.5 * (left + right)
+        if here == 0.0 or not left < middle < right:
+            return t if here == 0.0 else right
+        following = t - here / slope if slope != 0.0 else middle
+        if not left < following < right or steps > _MOST_NEWTON_STEPS:
+            following = middle
+        if abs(following - t) <= _ROUNDING * t:
+            return following
+        t = following
+
+
+def turning_points(p: Any, end: float) -> Any:
+    """Return where p may turn in (0, end), in rising order.
+
+    The interval is halved until the slope p' certainly has no zero in a part, or one at most.
+    """
+    slope = p[1:].copy()
+    for k in range(len(slope)):
+        slope[k] = (k + 1) * p[k + 1]
+    points = [0.0]
+    parts = [(0.0, end)]
+    while len(parts) > 0:
+        left, right = parts.pop()
+        half = 0.5 * (right - left)
+        q = shifted(slope, left + half)
+        change, bend = 0.0, 0.0  # of the slope from the middle; of its rate
+        for k in range(len(q) - 1, 0, -1):
+            change = (change + abs(q[k])) * half
+            bend = bend * half + (k * abs(q[k]) if k > 1 else 0.0)
+        if abs(q[0]) > change * (1.0 + 4 * len(q) * _ROUNDING):
+            continue
+        if len(q) > 1 and abs(q[1]) >= bend:
+            first, last = value(slope, left), value(slope, right)
+            if first != 0.0 and last != 0.0 and (first > 0.0) != (last > 0.0):
+                points.append(zero(slope, left, right))
+            elif last == 0.0 and right < end:
+                points.append(right)
+        elif half < _CLOSE * end:
+            points.append(left + half)
+        else:
+            parts.append((left + half, right))
+            parts.append((left, left + half))
+    return np.array(points[1:])
