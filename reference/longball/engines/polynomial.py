@@ -126,7 +126,7 @@ class PolynomialCurve(NamedTuple):
         p = self._from(a)
         if not p[0] > 0:
             return a  # where the piece before ended, to rounding
-        t = self.run.zero(p, 0.0, (b - a) / self.unit) * self.unit
+        t: float = self.run.zero(p, 0.0, (b - a) / self.unit) * self.unit
         # On to the zero of single values, which may be far where large coefficients cancel.
         left, right, close = 0.0, b - a, _CLOSE_TIMES * max(abs(a), abs(b))
         for _ in range(_MOST_NEWTON_STEPS):
