@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 from longball.engines.parallel import in_parallel
 from longball.home_run.at_bats import AtBats, Mixture, Samples
 from longball.home_run.clearance import Clearance
-from longball.home_run.crossings import Crossings, Places, crossings, probability, sampled
+from longball.home_run.crossings import Crossings, Places, crossings, narrowed, probability, sampled
 from longball.model.readings import SampleSpace
 from longball.model.scene import AtBatScene
 
@@ -50,9 +50,9 @@ _STEP = 1e-5
 _WIDER_STEP = 1e-4
 _OFFSET_NODES = 12  # of a range of offsets, which is halved until that is enough
 _HALVINGS = 20
-# The distance of two nodes with a kink between them is divided by nine, so many times: the errors
+# The distance of two nodes with a kink between them is divided by five, so many times: the errors
 # that remain are as what is left of an offset to the power 3/2, of a speed to the power 5/2.
-_SECTIONS, _OF_OFFSETS, _OF_SPEEDS = 9, 6, 3
+_OF_OFFSETS, _OF_SPEEDS = 8, 4
 _STEEPER = 10.0  # how much larger than that of P the error of dP/de may be
 # How much more than the tolerance two rules without cuts at kinks may differ: others follow them.
 _KINKED = 100.0
@@ -268,16 +268,11 @@ def _without_kinks(
     number, before = nodes.number[:-1][bent], nodes.kind[:-1][bent]
     low, high = nodes.place[:-1][bent], nodes.place[1:][bent]
     smooth = ~np.isin(np.arange(len(ranges.line)), number)
-    rows = np.arange(len(number))
-    for _ in range(times if len(rows) else 0):
-        places = low[:, None] + (high - low)[:, None] * np.linspace(0.0, 1.0, _SECTIONS + 1)
-        between = places[:, 1:-1]
-        found = kind(between.ravel(), np.repeat(ranges.line[number], between.shape[1]))
-        other = np.ones_like(places, dtype=bool)
-        other[:, 0] = False
-        other[:, 1:-1] = found.reshape(between.shape) != before[:, None]
-        first = np.argmax(other, axis=1)
-        low, high = places[rows, first - 1], places[rows, first]
+
+    def changed(places: Array) -> Any:
+        return sampled(kind, places, ranges.line[number]) != before[:, None]
+
+    low, high = narrowed(low, high, changed, times)
     numbers = (np.cumsum(~smooth) - 1)[number]
     return smooth, ranges.at(~smooth).cut(numbers, 0.5 * (low + high))
 
