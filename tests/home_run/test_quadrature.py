@@ -171,7 +171,7 @@ class TestQuadrature:
     @pytest.mark.usefixtures("coarse")
     @pytest.mark.usefixtures("coarse")
     def test_threads_change_no_bit(self, monkeypatch):
-        monkeypatch.setattr("longball.home_run.quadrature._PAIRS", 8)  # so that both have some
+        monkeypatch.setattr("longball.home_run.quadrature._PAIRS", 20)  # so that both have some
         one, two = (integrals(BASE, PAPER, [0.42], tolerance=1e-3, workers=n) for n in (1, 2))
         assert one == two
 
@@ -195,6 +195,7 @@ class TestQuadrature:
         (other,) = scrambled(BASE, at_bats, [0.42], 16, seed=1, sample_space="batted")
         assert math.isnan(other.p)
 
+    @pytest.mark.usefixtures("coarse")
     @pytest.mark.usefixtures("coarse")
     @pytest.mark.usefixtures("coarse")
     def test_what_the_engine_cannot_tell_is_in_the_error(self):
