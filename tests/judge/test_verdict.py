@@ -176,6 +176,15 @@ def test_scenes_that_hang_on_errors_that_pass_may_be_refused():
     assert all(c.judged for c in silent)
 
 
+@pytest.mark.parametrize("name", ["end", "step"])
+@pytest.mark.parametrize("side", ["left", "right"])
+@pytest.mark.parametrize(("power", "judged"), [("03", True), ("09", True), ("15", False)])
+def test_only_a_corner_within_the_errors_that_pass_may_be_refused(name, side, power, judged):
+    (case,) = (c for c in golden_cases("fence") if c.id == f"fence-{name}-{side}-1e-{power}")
+    refusal = Answer(case.id, None, {}, error="too near to a corner of the fence")
+    assert compare(case, refusal, Exact()).judged == judged
+
+
 def test_a_candidate_that_refuses_all_but_one_does_not_pass(few: list[Known]):
     def change(answer: dict) -> dict:
         return answer if answer["id"] == "pitch-0" else {"id": answer["id"], "error": "no"}

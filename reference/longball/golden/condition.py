@@ -21,7 +21,8 @@ z_b = z'_b + σ_b, which a double holds to half an ulp of z_b, however small the
 margin and normal hang on; this is no rounding of an input, and no input's derivative shows it,
 because pitch and bat move up and down together. The third: the result is rounded too; for a
 component |Q| is the length of its vector, since whoever computes the vector along other axes
-rounds like that. What an implementation loses beyond a small multiple of this is its own doing.
+rounds like that, and for the way along a fence to its next vertex it is the distance of the place
+from the plate. What an implementation loses beyond a small multiple of this is its own doing.
 
 N. J. Higham, Accuracy and Stability of Numerical Algorithms, Ch. 1: the rule of thumb that the
 forward error is the condition number times the backward error.
@@ -211,9 +212,15 @@ def attainable_errors(scene: Scene, result: Result, found: Sensitivity) -> dict[
 
 
 def magnitudes(result: Result) -> dict[str, float]:
-    """Return of every number its absolute value, of a component the length of its vector."""
+    """Return of every number its absolute value, of a component the length of its vector.
+
+    Of the way along a fence to a vertex, that of the place on the fence.
+    """
     value = {name: as_double(number) for name, number in numbers_of(result)}
-    return {name: math.hypot(*(value[part] for part in vector_of(name))) for name in value}
+    parts = {name: vector_of(name) for name in value}
+    if "fence.margin" in parts:
+        parts["fence.margin"] = parts["fence.position[0]"]
+    return {name: math.hypot(*(value[part] for part in parts[name])) for name in value}
 
 
 def _bat_height(scene: Scene, result: Result) -> float:

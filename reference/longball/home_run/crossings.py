@@ -141,7 +141,8 @@ def crossings(function: Function, grid: Array, values: Array) -> Crossings:
         low, high = np.minimum(*ends), np.maximum(*ends)
 
         def changed(places: Array) -> Flags:
-            return (sampled(function, places, line) >= 0.0) == rises[:, None]
+            there: Flags = (sampled(function, places, line) >= 0.0) == rises[:, None]
+            return there
 
         widest = float((high - low).max())
         times = math.ceil(math.log(max(widest / _TOLERANCES["xatol"], 1.0), _SECTIONS))

@@ -14,6 +14,7 @@ from typing import Protocol
 
 from longball.engines.chain import solve
 from longball.engines.engine import Engine
+from longball.engines.fence import stop_at
 from longball.engines.ivp import Ivp
 from longball.engines.verlet import Verlet
 from longball.judge.quantities import QUANTITIES, Value, length, radii_of, values_of
@@ -105,6 +106,9 @@ FRAGILE = "fragile"
 # The flag of a ball that comes to the ground or a fence, or passes it, at a small angle.
 TANGENTIAL = "tangential"
 
+# The flag of a ball that passes a corner of the fence closely.
+VERTEX = "vertex"
+
 # Pieces of a flight that are looked at: a loop has some six.
 MOST_PIECES = 1000
 
@@ -144,6 +148,21 @@ def touches_within_errors(case: Case) -> bool:
     except Undecided:  # such as whether the height is reached above which the wind blows
         return True
     return False
+
+
+def passes_corner_within_errors(case: Case) -> bool:
+    """Tell whether doubles leave open on which side of a corner of the fence a flight passes.
+
+    That is a corner where the fence ends or has two heights; the way there is taken to be straight.
+    The place is rounded to 2⁻⁵³ of that way; an engine may add `SLACK` times as much and pass.
+    """
+    scene = case.scene
+    if not isinstance(scene, FlightScene):
+        return False
+    frame, start = launch_frame(scene.launch.position, scene.launch.velocity, DOUBLES)
+    error = SLACK * 2.0**-53
+    found = stop_at(scene.fence, frame, start.s, 1, error, DOUBLES)
+    return found.place.to_break <= error * abs(found.s)
 
 
 # --- how near is near enough ----------------------------------------------------------------------

@@ -27,11 +27,13 @@ from longball.judge.answers import Answer, Collector, Issue
 from longball.judge.cases import (
     FRAGILE,
     TANGENTIAL,
+    VERTEX,
     Case,
     Exact,
     Profile,
     attainable,
     decidable,
+    passes_corner_within_errors,
     touches_within_errors,
 )
 from longball.judge.findings import Diagnosis
@@ -232,7 +234,11 @@ def compare(case: Case, answer: Answer | None, profile: Profile) -> Comparison:
 
 def _may_be_refused(case: Case, profile: Profile) -> bool:
     """Tell whether errors that pass leave open what happens: nobody need answer then."""
-    if FRAGILE in case.flags or (TANGENTIAL in case.flags and touches_within_errors(case)):
+    if (
+        FRAGILE in case.flags
+        or (TANGENTIAL in case.flags and touches_within_errors(case))
+        or (VERTEX in case.flags and passes_corner_within_errors(case))
+    ):
         return True
     expected = values_of(case.expected)
     return any(
