@@ -26,8 +26,8 @@ _MOST_NEWTON_STEPS = 50
 # moves by less is there.
 _CLOSE_TIMES = 2.0**-44
 
-# A curve takes a tenth of a millisecond as it is, and all of it two seconds to compile.
-COEFFICIENTS = Code(Path(__file__).with_name("coefficients.py").read_text("utf-8"), 10_000)
+# A curve takes some 0.1 ms as it is, and all of it two seconds to compile.
+COEFFICIENTS = Code(Path(__file__).with_name("coefficients.py").read_text("utf-8"), 5_000)
 
 
 def value_at(x: Array, h: float, low: Array) -> tuple[Array, Array]:

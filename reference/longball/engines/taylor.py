@@ -213,8 +213,8 @@ class _Printed(NamedTuple):
     step_from_rest: Code
 
 
-# A series takes about a millisecond as it is, and some two seconds to compile.
-_ENOUGH = 1_000
+# A series takes 0.1 to 1 ms as it is, numba half a second to load, some seconds to compile one.
+_ENOUGH = 2_000
 
 
 @cache
