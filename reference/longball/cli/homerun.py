@@ -102,8 +102,8 @@ def homerun(
     """Compute the probability of a home run P(e), from sampled at-bats or by quadrature.
 
     Quadrature integrates over the distributions that samples are drawn from, and also gives dP/de.
-    It takes seconds for each e, up to a minute under the few readings where P(e) has many kinks; the
-    error then shows how far it has converged.
+    It takes seconds for each e, up to a minute under the few readings where P(e) has many kinks;
+    the error then shows how far it has converged.
     """
     if method == "quadrature":
         for wrong, sentence in (

@@ -18,23 +18,36 @@ _MOST_NEWTON_STEPS = 50
 _CLOSE = 1e-6
 
 
+def values(x: Any, h: float) -> Any:
+    """Return the values of polynomials, the rows of `x`, at `h`."""
+    found = np.empty(len(x))
+    for i in range(len(x)):
+        found[i] = x[i][0] + _change(x[i], h)
+    return found
+
+
 def advance(x: Any, h: float, low: Any) -> tuple[Any, Any]:
     """Sum polynomials, the rows of `x`, at `h`: values, rounded, and what they lack of the true.
 
     `low` is what their values at 0 lack.
     """
-    end, lost = low.copy(), low.copy()
-    for i in range(len(low)):
-        row = x[i]
-        total = 0.0
-        for k in range(len(row) - 1, 0, -1):
-            total = total * h + row[k]
-        change = total * h + low[i]
-        start = row[0]
-        end[i] = start + change
-        taken = end[i] - start
-        lost[i] = (start - (end[i] - taken)) + (change - taken)
+    end, lost = np.empty(len(x)), np.empty(len(x))
+    for i in range(len(x)):
+        change = _change(x[i], h) + low[i]
+        start = x[i][0]
+        after = start + change
+        taken = after - start
+        end[i] = after
+        lost[i] = (start - (after - taken)) + (change - taken)
     return end, lost
+
+
+def _change(p: Any, t: float) -> float:
+    """Return p(t) - p(0)."""
+    total = 0.0
+    for k in range(len(p) - 1, 0, -1):
+        total = total * t + p[k]
+    return total * t
 
 
 def value(p: Any, t: float) -> float:

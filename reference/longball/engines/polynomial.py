@@ -37,7 +37,7 @@ def value_at(x: Array, h: float, low: Array) -> tuple[Array, Array]:
     """
     run = COEFFICIENTS.now
     end, lost = run.advance(run.taken(x), h, run.taken(low))
-    return np.asarray(end), np.asarray(lost)
+    return end, lost
 
 
 class Polynomial(Arithmetic):
@@ -165,7 +165,8 @@ class PolynomialPiece(NamedTuple):
         if t == 0.0:
             start: State[float] = self.state(*self.coefficients[:, 0].tolist())
             return start
-        found, _ = value_at(self.coefficients, t, np.zeros(len(self.coefficients)))
+        run = COEFFICIENTS.now
+        found = run.values(run.taken(self.coefficients), t)
         state: State[float] = self.state(*found.tolist())
         return state
 
