@@ -263,8 +263,8 @@ class Verlet(Stepped[float]):
             )
         position, velocity = _halves(before)
         place, split = position[: len(velocity)], 2 * len(velocity)
-        along = _moved(before[split:], ahead, law.rates(DOUBLES)(*before)[split:])
-        touching = law.state(*_moved(place, ahead, velocity), *velocity, *along)
+        along = plus(before[split:], ahead, law.rates(DOUBLES)(*before)[split:])
+        touching = law.state(*plus(place, ahead, velocity), *velocity, *along)
         return SteppedTouch(
             margin,
             True,
@@ -480,9 +480,9 @@ def _halves(state: Sequence[T]) -> tuple[tuple[T, ...], tuple[T, ...]]:
     return (*state[:dimensions], *state[split:]), tuple(state[dimensions:split])
 
 
-def _moved(a: Components, factor: float, b: Components) -> Components:
+def plus(a: Components, factor: float, b: Components) -> Components:
     """Return a + factor b."""
-    return tuple(x + factor * y for x, y in zip(a, b, strict=True))
+    return tuple([x + factor * y for x, y in zip(a, b, strict=True)])  # faster than a generator
 
 
 def _triple(components: Sequence[float]) -> Vector[float]:
@@ -565,8 +565,8 @@ def _plain_step() -> Callable[..., Any]:
     """Return the step in plain Python, for any vectors; its `parameters` are the acceleration."""
     space: dict[str, Any] = {
         "accelerate": lambda position, velocity, air: air(position, velocity),
-        "plus": _moved,
-        "moved": lambda position, dt, velocity, _: _moved(position, dt, velocity),
+        "plus": plus,
+        "moved": lambda position, dt, velocity, _: plus(position, dt, velocity),
         "largest": lambda a: max(map(abs, a)),
     }
     exec(compile(_SOURCE, "verlet_steps", "exec"), space)

@@ -21,21 +21,16 @@ from longball.engines.engine import Launch
 from longball.engines.event import Event
 from longball.engines.ivp import Ivp
 from longball.engines.path import Flight, Path
-from longball.engines.verlet import TREATMENTS, Chord, Verlet, plain_step
+from longball.engines.verlet import TREATMENTS, Chord, Components, Verlet, plain_step, plus
 from longball.model.law import Law, State
 from longball.model.readings import VerletForces
 
 Array = NDArray[np.float64]
-Components = tuple[float, ...]
 Rates = Callable[..., Components]
 
 # From the rates, a state, a step and what the step before has left, None at first: the next state
 # and what this step leaves.
 Step = Callable[[Rates, Components, float, Any], tuple[Components, Any]]
-
-
-def _plus(a: Components, h: float, b: Components) -> Components:
-    return tuple([x + h * y for x, y in zip(a, b, strict=True)])
 
 
 def _runge_kutta(nodes: Sequence[float], weights: Sequence[float], whose: str = "own") -> Step:
@@ -49,34 +44,34 @@ def _runge_kutta(nodes: Sequence[float], weights: Sequence[float], whose: str = 
         rates = f(*s)
         stages = [rates]
         for node in nodes:
-            stages.append(f(*_plus(s, node * h, stages[-1])))
+            stages.append(f(*plus(s, node * h, stages[-1])))
         mean = tuple([
             sum([w * k for w, k in zip(weights, ks, strict=True)]) / total
             for ks in zip(*stages, strict=True)
         ])  # fmt: skip
-        new = _plus(s, h, mean)
+        new = plus(s, h, mean)
         if whose == "own":
             return new, None
         n = len(s) // 2
         velocity = s[n : 2 * n] if whose == "old" else new[n : 2 * n]
-        return (*_plus(s[:n], h, velocity), *new[n:]), None
+        return (*plus(s[:n], h, velocity), *new[n:]), None
 
     return step
 
 
 def _implicit(f: Rates, s: Components, h: float, left: Any) -> tuple[Components, Any]:
-    new = _plus(s, h, f(*s))
+    new = plus(s, h, f(*s))
     for _ in range(30):
-        old, new = new, _plus(s, h, f(*new))
+        old, new = new, plus(s, h, f(*new))
         if math.dist(old, new) < 1e-15 * math.hypot(*new):
             break
     return new, None
 
 
 def _mean_velocity(f: Rates, s: Components, h: float, left: Any) -> tuple[Components, Any]:
-    n, new = len(s) // 2, _plus(s, h, f(*s))
-    mean = _plus(s[n : 2 * n], 1.0, new[n : 2 * n])
-    return (*_plus(s[:n], h / 2, mean), *new[n:]), None
+    n, new = len(s) // 2, plus(s, h, f(*s))
+    mean = plus(s[n : 2 * n], 1.0, new[n : 2 * n])
+    return (*plus(s[:n], h / 2, mean), *new[n:]), None
 
 
 def _adams_bashforth(velocity_only: bool) -> Step:
@@ -86,10 +81,10 @@ def _adams_bashforth(velocity_only: bool) -> Step:
         n, rates = len(s) // 2, f(*s)
         before, step_before = left or (rates, h)
         ratio = h / (2 * step_before)
-        mean = _plus(_plus(rates, ratio, rates), -ratio, before)
-        new = _plus(s, h, mean)
+        mean = plus(plus(rates, ratio, rates), -ratio, before)
+        new = plus(s, h, mean)
         if velocity_only:
-            place = _plus(_plus(s[:n], h, s[n : 2 * n]), h * h / 2, rates[n : 2 * n])
+            place = plus(plus(s[:n], h, s[n : 2 * n]), h * h / 2, rates[n : 2 * n])
             new = (*place, *new[n:])
         return new, (rates, h)
 
@@ -99,9 +94,9 @@ def _adams_bashforth(velocity_only: bool) -> Step:
 def _leapfrog(f: Rates, s: Components, h: float, left: Any) -> tuple[Components, Any]:
     """Drift for half a step, kick with the force there and at the old velocity, drift again."""
     n = len(s) // 2
-    half = (*_plus(s[:n], h / 2, s[n : 2 * n]), *s[n:])
-    new = (*half[:n], *_plus(s[n:], h, f(*half)[n:]))
-    return (*_plus(new[:n], h / 2, new[n : 2 * n]), *new[n:]), None
+    half = (*plus(s[:n], h / 2, s[n : 2 * n]), *s[n:])
+    new = (*half[:n], *plus(s[n:], h, f(*half)[n:]))
+    return (*plus(new[:n], h / 2, new[n : 2 * n]), *new[n:]), None
 
 
 def _verlet(treatment: VerletForces) -> Step:
@@ -114,7 +109,7 @@ def _verlet(treatment: VerletForces) -> Step:
         def force(r: Components, v: Components) -> Components:
             return f(*r, *v, *moved)[n : 2 * n]
 
-        moved = _plus(rest, h, rates[2 * n :])
+        moved = plus(rest, h, rates[2 * n :])
         place, velocity, after = plain_step(
             place, velocity, left or rates[n : 2 * n], (0.0,) * n, h, *TREATMENTS[treatment], force
         )
