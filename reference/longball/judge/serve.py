@@ -35,7 +35,8 @@ def serve(
         Takes the state at launch (m, m/s) and the numbers of the scene by their names
         (``air.density``, ``ball.mass``, ``gravity``, ``ground.height``; what the scene does not
         have is left out). Returns points, from the launch on, or a mapping with what a ``landing``
-        (``plate`` of a pitch) holds: time, position, velocity, distance.
+        (``plate`` of a pitch) holds: time, position, velocity, distance. A ball is airborne if its
+        points go on in the air to ``time_limit``, or if it lands after that.
     scenes, results
         Lines of JSON; standard input and output if not given.
     """
@@ -52,9 +53,10 @@ def _answer(function: Fly, line: str) -> dict[str, Any]:
     if scene.kind == "flight":
         position, velocity = scene.launch.position, scene.launch.velocity
     else:
-        position = scene.pitch.release
-        toward = [a - b for a, b in zip((0.0, *scene.pitch.aim), position, strict=True)]
-        velocity = [scene.pitch.speed * t / math.hypot(*toward) for t in toward]
+        position, velocity = scene.pitch.release, scene.pitch.way
+        if scene.pitch.velocity is None:
+            size = math.hypot(*velocity)
+            velocity = [scene.pitch.speed * v / size for v in velocity]
     values = {name: float(value) for name, value in numbers(scene)}
     try:
         made = function((*position, *velocity), values)
@@ -63,7 +65,11 @@ def _answer(function: Fly, line: str) -> dict[str, Any]:
     made = made.tolist() if hasattr(made, "tolist") else made
     if isinstance(made, Mapping):
         block, outcome = ("landing", "landed") if scene.kind == "flight" else ("plate", "crossed")
-        return {"id": scene.id, "outcome": outcome, block: {k: _plain(v) for k, v in made.items()}}
+        values = {name: _plain(value) for name, value in made.items()}
+        time = values.get("time")
+        if isinstance(time, float | int) and time > scene.time_limit:
+            return {"id": scene.id, "outcome": "airborne"}
+        return {"id": scene.id, "outcome": outcome, block: values}
     return {"id": scene.id, "path": _plain(made)}
 
 

@@ -208,11 +208,15 @@ def compare(case: Case, answer: Answer | None, profile: Profile) -> Comparison:
         more = slack.get(quantity, 0.0)
         measured.append(_measure(case, quantity, value, answer.values[quantity], profile, more))
     for name, (true, given) in points.items():
-        allowed = profile.tolerance(case, "landing.position", true) if (
-            "landing.position" in expected) else Exact.of(length(true))  # fmt: skip
+        size = length(true)
+        allowed = (
+            profile.tolerance(case, "landing.position", true)
+            if "landing.position" in expected
+            else profile.allowed(size)
+        )
         measured.append(
             Measured(name, true, (Decimal(0),) * 3, given, difference(given, true), allowed,
-                     Exact.of(length(true)), length(true))
+                     Exact().allowed(size), size)
         )  # fmt: skip
     given_blocks = {name.partition(".")[0] for name in answer.values}
     known_blocks = {name.partition(".")[0] for name in expected}
