@@ -22,7 +22,7 @@ from longball.model import trace
 from longball.model.aerodynamics import DRAG, LIFT
 from longball.model.air import CrisisDrag, Weather
 from longball.model.atmosphere import ZERO_CELSIUS, density
-from longball.model.bat import moment_of_inertia
+from longball.model.bat import CollisionParameters, collision_parameters, moment_of_inertia
 from longball.model.force import Drag, Force, Lift, Motion, Piecewise, Term
 from longball.model.law import GRAVITY
 from longball.model.numbers import DOUBLES, Vector
@@ -605,14 +605,41 @@ class View:
         return held if held is not None else tuple(self.scene.incoming.position)
 
     @property
+    def start(self) -> Numbers:
+        """Where the batted ball's flight begins, m."""
+        launch = getattr(self.scene, "launch", None)
+        return self.position if launch is None else tuple(launch.position)
+
+    @property
     def lever(self) -> float:
         """r̃, m."""
         return float(self.scene.bat.length) / 2 - self.position[1]
 
-    def inertia(self, **switches: str) -> float:
-        """Return the bat's moment of inertia, kg m²."""
-        reading = Reading.model_validate(self.scene.reading.model_dump() | switches)
-        return float(moment_of_inertia(self.scene.bat, reading, DOUBLES))
+    def collision(self, **switches: str) -> CollisionParameters[float]:
+        """Return ẽ and μ, with some switches of the reading set otherwise."""
+        scene = self.scene
+        reading = Reading.model_validate(scene.reading.model_dump() | switches)
+        return collision_parameters(scene.ball, scene.bat, self.lever, reading, DOUBLES)
+
+    @property
+    def mu(self) -> float:
+        """μ, kg."""
+        return self.collision().reduced_mass
+
+    @property
+    def bare(self) -> float:
+        """μ from M_eff, kg."""
+        return self.collision(bat_ball_restitution="nathan", reduced_mass="bat_mass").reduced_mass
+
+    @property
+    def ratio(self) -> float:
+        """m/M_eff."""
+        return float(self.scene.ball.mass) / self.bare - 1
+
+    @property
+    def inertia(self) -> float:
+        """The bat's, kg m²."""
+        return float(moment_of_inertia(self.scene.bat, self.scene.reading, DOUBLES))
 
     @property
     def relative(self) -> Numbers:
@@ -657,25 +684,65 @@ class Formula:
     value: Callable[[View], Numbers]
 
 
+@dataclass(frozen=True)
+class Numbered:
+    """A known mistake in one formula with a number in it that may be any.
+
+    Attributes
+    ----------
+    quantity, name, remedy
+        See `Formula`.
+    sentence
+        With braces for the number.
+    number
+        What the number is, if the quantity is what a candidate says.
+    value
+        What the quantity is with a number.
+    """
+
+    quantity: str
+    name: str
+    sentence: str
+    remedy: str
+    number: Callable[[View, Numbers], float]
+    value: Callable[[View, float], Numbers]
+
+    def of(self, number: float) -> Formula:
+        """Return the mistake with a number."""
+        return Formula(
+            self.quantity, f"{self.name}={number:.6g}", self.sentence.format(f"{number:.9g}"),
+            self.remedy, lambda view: self.value(view, number),
+        )  # fmt: skip
+
+
 def _spun(v: View, lever: float, cos: float, sin: float) -> Numbers:
     speed = v.scene.swing.angular_speed * lever
     return speed * cos, 0.0, speed * sin
 
 
-def _effective(inertia: Callable[[View], float], power: int = 2) -> Callable[[View], Numbers]:
-    """Return ẽ with another moment of inertia, or another power of r̃."""
+def _restitution(formula: Callable[[View, float, float], float]) -> Callable[[View], Numbers]:
+    """Return ẽ by a formula of e and m/M_eff, where it is not e itself."""
 
     def value(v: View) -> Numbers:
-        ratio = v.scene.ball.mass * v.lever**power / inertia(v)
         e = v.scene.ball.restitution
-        return (e * (1 + ratio) + ratio,)
+        printed = v.scene.reading.bat_ball_restitution == "as_printed"
+        return (formula(v, e, v.ratio) if printed else e,)
 
     return value
 
 
-def _mu(v: View, other: float) -> float:
-    m = v.scene.ball.mass
-    return float(m * other / (m + other))
+def _printed(e: float, ratio: float) -> float:
+    return e * (1 + ratio) + ratio
+
+
+def _read(**switches: str) -> Callable[[View], Numbers]:
+    """Return ẽ with some switches of the reading set otherwise."""
+    return lambda v: (v.collision(**switches).restitution,)
+
+
+def _along(vector: Numbers, normal: Numbers) -> Numbers:
+    part = sum(a * n for a, n in zip(vector, normal, strict=True))
+    return tuple(part * n for n in normal)
 
 
 def _push(mass: Callable[[View], float], e: Callable[[View], float]) -> Callable[[View], Numbers]:
@@ -718,18 +785,42 @@ def _unit(v: Numbers) -> Numbers:
     return tuple(x / size for x in v)
 
 
-def _bare(v: View) -> float:
-    """Return μ with the bat's effective mass."""
-    power = 1 if v.scene.reading.effective_mass == "as_printed" else 2
-    return _mu(v, v.inertia() / v.lever**power)
+def _turned_inertia(v: View, said: Numbers) -> float:
+    """Return c of the moment of inertia M(L²/3 + c r_b²) that a candidate's ẽ is made with."""
+    e, bat = v.scene.ball.restitution, v.scene.bat
+    inertia = v.inertia * v.ratio * (1 + e) / (said[0] - e)
+    return float((inertia / bat.mass - bat.length**2 / 3) / bat.radius**2)
+
+
+def _with_inertia(v: View, c: float) -> Numbers:
+    bat = v.scene.bat
+    inertia = bat.mass * (bat.length**2 / 3 + c * bat.radius**2)
+    return _restitution(lambda v, e, r: _printed(e, r * v.inertia / inertia))(v)
+
+
+def _tilted(v: View, share: float) -> Numbers:
+    x, _, z = _axis(v)
+    return _unit((x, share * v.position[1], z))
+
+
+def _off_centre(v: View, radii: float) -> Numbers:
+    place, step = v["contact.position:follows"], radii * v.scene.ball.radius
+    return tuple(x - step * n for x, n in zip(place, v["contact.normal"], strict=True))
 
 
 FORMULAS: tuple[Formula, ...] = (
+    Formula("plate.velocity", "velocity-of-release", "gives the release's velocity for that "
+            "at the plate", "plate.velocity is where the ball crosses x = 0",
+            lambda v: tuple(v.scene.pitch.thrown)),
+    Formula("contact.margin", "margin-at-plate", "takes the margin from the height above the bat's "
+            "axis at the plate", "the margin is reach less the least distance from the bat's axis",
+            lambda v: (v.scene.ball.radius + v.scene.bat.radius
+                       - abs(v["plate.position"][2] - v.height),)),
     Formula("contact.normal", "normal-not-unit", "does not divide the normal by its length",
             "n is a unit vector", _axis),
-    Formula("contact.normal", "normal-in-space", "takes the normal from the bat's middle, along y "
-            "too", "n is perpendicular to the bat's axis: its y is 0",
-            lambda v: _unit((v.position[0], v.position[1], v.position[2] - v.height))),
+    Formula("contact.normal", "normal-level", "has the normal along x, whatever the height of the "
+            "ball above the bat", "n points from the bat's axis to the ball: (x, 0, z - z_b)/d",
+            lambda v: (1.0, 0.0, 0.0)),
     Formula("contact.normal", "offset-ignored", "takes the normal without swing.height_offset",
             "the bat's height is z'_b + σ_b",
             lambda v: _unit((v.position[0], 0.0, v.position[2] - v["plate.position"][2]))),
@@ -780,49 +871,47 @@ FORMULAS: tuple[Formula, ...] = (
     Formula("impact.restitution", "plain-restitution", "uses e where ẽ belongs", _EFFECTIVE,
             lambda v: (v.scene.ball.restitution,)),
     Formula("impact.restitution", "effective-mass", "takes M_eff = I/r̃, as printed, which is no "
-            "mass", "M_eff = I/r̃²", _effective(lambda v: v.inertia(), 1)),
+            "mass", "M_eff = I/r̃²", _read(effective_mass="as_printed")),
     Formula("impact.restitution", "thin-rod", "takes the bat for a thin rod", _I,
-            _effective(lambda v: v.inertia(inertia="thin_rod"))),
+            _read(inertia="thin_rod")),
     Formula("impact.restitution", "inertia-about-centre", "takes the bat's moment of inertia about "
-            "its centre", _I, _effective(lambda v: v.inertia(inertia="about_centre"))),
-    Formula("impact.restitution", "hollow-bat", "takes the bat for a hollow cylinder", _I,
-            _effective(lambda v: v.scene.bat.mass * (
-                v.scene.bat.length**2 / 3 + v.scene.bat.radius**2 / 2))),
+            "its centre", _I, _read(inertia="about_centre")),
     Formula("impact.restitution", "bat-mass-ratio", "takes the bat's whole mass for M_eff",
-            _EFFECTIVE, _effective(lambda v: v.scene.bat.mass, 0)),
+            _EFFECTIVE, _restitution(
+                lambda v, e, r: _printed(e, v.scene.ball.mass / v.scene.bat.mass))),
     Formula("impact.restitution", "other-pivot", "measures r̃ from the bat's end A, at y = -L/2",
-            "the pivot B is at y = +L/2: r̃ = L/2 - y", lambda v: (
-                v.scene.ball.restitution + (1 + v.scene.ball.restitution) * v.scene.ball.mass
-                * (v.scene.bat.length - v.lever)**2 / v.inertia(),)),
+            "the pivot B is at y = +L/2: r̃ = L/2 - y", _restitution(
+                lambda v, e, r: _printed(e, r * ((v.scene.bat.length - v.lever) / v.lever)**2))),
     Formula("impact.restitution", "ratio-once", "leaves m/M_eff out behind e(1 + m/M_eff)",
-            _EFFECTIVE, lambda v: (v.scene.ball.restitution * (
-                1 + v.scene.ball.mass * v.lever**2 / v.inertia()),)),
+            _EFFECTIVE, _restitution(lambda v, e, r: e * (1 + r))),
     Formula("impact.restitution", "ratio-inverted", "takes M_eff/m for m/M_eff", _EFFECTIVE,
-            lambda v: (v.scene.ball.restitution + (1 + v.scene.ball.restitution) * v.inertia()
-                       / (v.scene.ball.mass * v.lever**2),)),
+            _restitution(lambda v, e, r: _printed(e, 1 / r))),
     Formula("impact.restitution", "ratio-subtracted", "subtracts m/M_eff", _EFFECTIVE,
-            lambda v: (v.scene.ball.restitution * (1 + v.scene.ball.mass * v.lever**2 / v.inertia())
-                       - v.scene.ball.mass * v.lever**2 / v.inertia(),)),
+            _restitution(lambda v, e, r: e * (1 + r) - r)),
     Formula("impact.restitution", "bat-speed-ratio", "gives the collision efficiency "
             "(e - m/M_eff)/(1 + m/M_eff)", _EFFECTIVE,
-            lambda v: ((v.scene.ball.restitution - v.scene.ball.mass * v.lever**2 / v.inertia())
-                       / (1 + v.scene.ball.mass * v.lever**2 / v.inertia()),)),
+            _restitution(lambda v, e, r: (e - r) / (1 + r))),
     Formula("impact.impulse", "reduced-mass", "takes μ from M_eff", "1/μ = 1/m + 1/M, with the "
-            "bat's mass M", _push(_bare, lambda v: v.restitution)),
+            "bat's mass M", _push(lambda v: v.bare, lambda v: v.restitution)),
     Formula("impact.impulse", "ball-mass-for-mu", "takes the ball's mass for μ", _J,
             _push(lambda v: v.scene.ball.mass, lambda v: v.restitution)),
     Formula("impact.impulse", "bat-mass-for-mu", "takes the bat's mass for μ", _J,
             _push(lambda v: v.scene.bat.mass, lambda v: v.restitution)),
     Formula("impact.impulse", "sum-of-masses", "takes m + M for μ", _J,
             _push(lambda v: v.scene.ball.mass + v.scene.bat.mass, lambda v: v.restitution)),
+    Formula("impact.impulse", "mean-of-masses", "takes (m + M)/2 for μ", _J,
+            _push(lambda v: (v.scene.ball.mass + v.scene.bat.mass) / 2, lambda v: v.restitution)),
+    Formula("impact.impulse", "impulse-of-ball-speed", "takes the ball's own velocity along n, as "
+            "if the bat were at rest", _J, lambda v: (-v.mu * (1 + v.restitution) * sum(
+                a * n for a, n in zip(v.before, v["contact.normal"], strict=True)),)),
     Formula("impact.impulse", "plain-e-in-impulse", "uses 1 + e where 1 + ẽ belongs", _J,
-            _push(lambda v: _mu(v, v.scene.bat.mass), lambda v: v.scene.ball.restitution)),
+            _push(lambda v: v.mu, lambda v: v.scene.ball.restitution)),
     Formula("impact.impulse", "one-minus-e", "uses 1 - ẽ where 1 + ẽ belongs", _J,
-            _push(lambda v: _mu(v, v.scene.bat.mass), lambda v: -v.restitution)),
+            _push(lambda v: v.mu, lambda v: -v.restitution)),
     Formula("impact.impulse", "no-one-plus", "uses ẽ where 1 + ẽ belongs", _J,
-            _push(lambda v: _mu(v, v.scene.bat.mass), lambda v: v.restitution - 1)),
+            _push(lambda v: v.mu, lambda v: v.restitution - 1)),
     Formula("impact.impulse", "inelastic", "leaves the restitution out: the impulse is -μ Ṽ·n", _J,
-            _push(lambda v: _mu(v, v.scene.bat.mass), lambda v: 0.0)),
+            _push(lambda v: v.mu, lambda v: 0.0)),
     Formula("impact.velocity", "impulse-over-bat-mass", "divides the impulse by the bat's mass", _V,
             _after(lambda v: 1 / v.scene.bat.mass)),
     Formula("impact.velocity", "impulse-not-divided", "adds the impulse without dividing it by the "
@@ -832,19 +921,23 @@ FORMULAS: tuple[Formula, ...] = (
     Formula("impact.velocity", "impulse-alone", "forgets the velocity before the impact", _V,
             _after(lambda v: 1 / v.scene.ball.mass, 0.0)),
     Formula("impact.velocity", "impulse-over-reduced-mass", "divides the impulse by μ", _V,
-            _after(lambda v: 1 / _mu(v, v.scene.bat.mass))),
+            _after(lambda v: 1 / v.mu)),
     Formula("impact.velocity", "relative-velocity", "starts from Ṽ instead of V", _V,
             lambda v: tuple(r + k / v.scene.ball.mass
                             for r, k in zip(v.relative, v.kick, strict=True))),
+    Formula("impact.velocity", "velocity-along-normal", "keeps the velocity along the normal only",
+            _V, lambda v: _along(v["impact.velocity:follows"], v["contact.normal"])),
+    Formula("impact.velocity", "velocity-reversed", "turns the whole velocity round, -ẽ times it",
+            _V, lambda v: tuple(-v.restitution * b for b in v.before)),
     Formula("impact.velocity", "plate-velocity-after", "starts from the velocity at the plate", _V,
             lambda v: tuple(r + k / v.scene.ball.mass
                             for r, k in zip(v["plate.velocity"], v.kick, strict=True))),
     Formula("impact.energy_change", "energy-with-e", "uses e where ẽ belongs", _DE,
-            _energy(lambda v: _mu(v, v.scene.bat.mass), lambda v: 1 - v.scene.ball.restitution**2)),
+            _energy(lambda v: v.mu, lambda v: 1 - v.scene.ball.restitution**2)),
     Formula("impact.energy_change", "energy-e-not-squared", "uses 1 - ẽ where 1 - ẽ² belongs", _DE,
-            _energy(lambda v: _mu(v, v.scene.bat.mass), lambda v: 1 - v.restitution)),
+            _energy(lambda v: v.mu, lambda v: 1 - v.restitution)),
     Formula("impact.energy_change", "energy-with-effective-mass", "takes μ from M_eff", _DE,
-            _energy(_bare, lambda v: 1 - v.restitution**2)),
+            _energy(lambda v: v.bare, lambda v: 1 - v.restitution**2)),
     Formula("impact.energy_change", "energy-of-ball", "counts the ball's energy only", _DE,
             lambda v: (0.5 * v.scene.ball.mass * (
                 sum(x * x for x in v["impact.velocity"]) - sum(x * x for x in v.before)),)),
@@ -852,7 +945,7 @@ FORMULAS: tuple[Formula, ...] = (
             _energy(lambda v: v.scene.ball.mass, lambda v: 1 - v.restitution**2)),
     Formula("impact.energy_change", "energy-without-friction", "counts what the normal impulse "
             "does, and not what friction does", "ΔE = P·(g + K P/2), with the whole impulse P",
-            _energy(lambda v: _mu(v, v.scene.bat.mass), lambda v: 1 - v.restitution**2)),
+            _energy(lambda v: v.mu, lambda v: 1 - v.restitution**2)),
     Formula("impact.velocity", "friction-left-out", "leaves the friction's part of the impulse out",
             "V' = V + P/m with the whole impulse P", _after(lambda v: 1 / v.scene.ball.mass)),
     Formula("impact.spin", "spin-kept", "keeps the spin that the ball came with",
@@ -869,17 +962,21 @@ FORMULAS: tuple[Formula, ...] = (
     Formula("landing.time", "time-since-contact", "counts landing.time from the contact",
             "landing.time is since the start of the scene; landing.hang_time since the contact",
             lambda v: v["landing.hang_time"]),
+    Formula("landing.time", "time-since-plate", "counts the flight from the plate, not from the "
+            "contact", "landing.time = contact.time + landing.hang_time",
+            lambda v: (v.number("plate.time") + v.number("landing.hang_time"),)),
     Formula("landing.time", "contact-counted-twice", "adds the contact's time twice",
             "landing.time = contact.time + landing.hang_time",
             lambda v: (2 * v.number("contact.time") + v.number("landing.hang_time"),)),
     Formula("landing.hang_time", "hang-time-since-start", "counts landing.hang_time from the start "
             "of the scene", "landing.hang_time is since contact or launch",
             lambda v: v["landing.time"]),
-    Formula("landing.distance", "distance-from-contact", "measures the distance from where the "
-            "ball was met, not from the plate", _D,
-            lambda v: (math.dist(v["landing.position"][:2], v.position[:2]),)),
-    Formula("landing.distance", "distance-from-launch", "measures the distance from the launch",
-            _D, lambda v: (math.dist(v["landing.position"][:2], v.scene.launch.position[:2]),)),
+    Formula("landing.velocity", "speed-for-vertical", "gives the speed for the vertical velocity",
+            "landing.velocity is a vector", lambda v: (
+                *(there := v["landing.velocity:follows"])[:2], -math.hypot(*there))),
+    Formula("landing.distance", "distance-from-start", "measures the distance from the launch, or "
+            "from where the ball was met, and not from the plate", _D,
+            lambda v: (math.dist(v["landing.position"][:2], v.start[:2]),)),
     Formula("landing.distance", "distance-in-space", "measures the distance in space, height too",
             _D, lambda v: (math.hypot(*v["landing.position"]),)),
     Formula("landing.distance", "distance-along-x", "takes x for the distance", _D,
@@ -890,6 +987,23 @@ FORMULAS: tuple[Formula, ...] = (
             lambda v: (v["landing.position"][0] ** 2 + v["landing.position"][1] ** 2,)),
     Formula("landing.distance", "distance-summed", "adds |x| and |y|", _D,
             lambda v: (abs(v["landing.position"][0]) + abs(v["landing.position"][1]),)),
+)  # fmt: skip
+
+
+NUMBERED: tuple[Numbered, ...] = (
+    Numbered("contact.position", "contact-off-centre", "gives as the contact a point off the "
+             "ball's centre, nearer to the bat by {} times the ball's radius",
+             "contact.position is where the ball's centre is",
+             lambda v, said: sum((a - b) * n for a, b, n in zip(
+                 v["contact.position:follows"], said, v["contact.normal"], strict=True))
+             / v.scene.ball.radius, _off_centre),
+    Numbered("contact.normal", "normal-along-bat", "gives the normal a part along the bat: "
+             "(x, {} y, z - z_b) stands for (x, 0, z - z_b)",
+             "n is perpendicular to the bat's axis: its y is 0",
+             lambda v, said: said[1] * math.hypot(*_axis(v))
+             / (v.position[1] * math.hypot(said[0], said[2])), _tilted),
+    Numbered("impact.restitution", "bat-inertia", "acts as if the bat's moment of inertia were "
+             "M(L²/3 + {} r_b²)", _I, _turned_inertia, _with_inertia),
 )  # fmt: skip
 
 

@@ -6,6 +6,7 @@ A constant ratio to what follows, exchanged axes, a formula with a known mistake
 from __future__ import annotations
 
 import itertools
+import math
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
@@ -16,8 +17,8 @@ from numpy.typing import NDArray
 
 from longball.judge.answers import Answer
 from longball.judge.explanations import Checked, Explanation, off, share_left, size_of
-from longball.judge.fits import factor_meaning
-from longball.judge.mistakes import FORMULAS, View
+from longball.judge.fits import FIRST, factor_meaning, roundest
+from longball.judge.mistakes import FORMULAS, NUMBERED, View
 from longball.judge.quantities import QUANTITIES
 from longball.judge.stages import Change, Check, Numbers, Trial, follow, view_values
 
@@ -28,6 +29,9 @@ Image = Callable[[Array], Array]
 RELATION = 0.5
 
 FEW_DECIMALS = 10
+
+# Of the number in a formula, how far it may differ from scene to scene.
+CERTAIN = 1e-3
 
 
 # --- relations to what follows --------------------------------------------------------------------
@@ -169,12 +173,27 @@ def formulas(
             views[id(trial)] = _view(trial, base)
         return _value(value, views[id(trial)])
 
+    for numbered in NUMBERED:
+        said = [(t, c.obtained) for t, cs in chosen for c in cs if c.quantity == numbered.quantity]
+        found = [tried(lambda v, n=numbered, x=x: (n.number(v, x),), t) for t, x in said]  # type: ignore[misc]
+        if number := _settled([one[0] for one in found if one and math.isfinite(one[0])]):
+            wanted.append(numbered.of(number))
     for f in wanted:
         left, against = _held(chosen, beside, f.quantity, lambda t, c, f=f: tried(f.value, t))  # type: ignore[misc]
         yield Explanation(
             f.name, f.sentence, f.remedy, left, 0, quantity=f.quantity, against=against,
             value=lambda t, f=f: _value(f.value, _view(t, base)),  # type: ignore[misc]
         )  # fmt: skip
+
+
+def _settled(numbers: Sequence[float]) -> float:
+    """Return the number that all are; 0 if they are not the same, or too few."""
+    if len(numbers) < FIRST:
+        return 0.0
+    middle, doubt = float(np.median(numbers)), float(np.ptp(numbers)) / 2
+    if doubt > CERTAIN * abs(middle):
+        return 0.0
+    return roundest(middle, max(doubt, 1e-9 * abs(middle)))
 
 
 def _view(trial: Trial, base: Change) -> View | None:

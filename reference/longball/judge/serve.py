@@ -12,7 +12,6 @@
 from __future__ import annotations
 
 import json
-import math
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, TextIO
@@ -53,10 +52,7 @@ def _answer(function: Fly, line: str) -> dict[str, Any]:
     if scene.kind == "flight":
         position, velocity = scene.launch.position, scene.launch.velocity
     else:
-        position, velocity = scene.pitch.release, scene.pitch.way
-        if scene.pitch.velocity is None:
-            size = math.hypot(*velocity)
-            velocity = [scene.pitch.speed * v / size for v in velocity]
+        position, velocity = scene.pitch.release, scene.pitch.thrown
     values = {name: float(value) for name, value in numbers(scene)}
     try:
         made = function((*position, *velocity), values)

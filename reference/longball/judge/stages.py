@@ -311,7 +311,8 @@ def view_values(
             before, height = following.before, following.height  # type: ignore[assignment]
     except _NO_STATE:
         return None
-    return following.scene, {**following.own, **following.given}, before, height
+    follows = {f"{name}:follows": value for name, value in following.own.items()}
+    return following.scene, {**follows, **following.own, **following.given}, before, height
 
 
 class _Following:
@@ -511,14 +512,26 @@ class _Following:
             )
         if struck.spin is not None:
             spun = self._spun(contact, struck.spin)
-            self.own |= {"impact.spin": spun, "impact.spin:follows": spun}
+            self.own["impact.spin"] = spun
             self.own["contact.spin"] = contact.spin or (0.0, 0.0, 0.0)
             yield from self._maybe("spin after", "impact.spin", spun)
         energy = struck.energy_change
         if self.scene.bat.friction is None:
-            reduced = -struck.impulse / ((1 + struck.restitution) * contact.normal_speed)
-            energy = energy_change(reduced, e, contact.normal_speed)
+            energy = self._energy(struck, e, contact.normal_speed)
         yield from self._maybe("energy", "impact.energy_change", (energy,))
+
+    def _energy(self, struck: Any, restitution: float, normal_speed: float) -> float:
+        """Return the change of energy by the true μ, or by that of the candidate's own impulse.
+
+        The latter's is -J/((1 + ẽ) Ṽ·n). Of the two the one that it comes nearer to counts.
+        """
+        pushes = struck.impulse, *self.given.get("impact.impulse", ())
+        follows = [
+            energy_change(-push / ((1 + own) * normal_speed), restitution, normal_speed)
+            for push, own in zip(pushes, (struck.restitution, restitution), strict=False)
+        ]
+        said = self.given.get("impact.energy_change", follows[:1])
+        return float(min(follows, key=lambda energy: abs(energy - said[0])))
 
     def _spun(self, contact: ContactState[float], spin: Numbers) -> Numbers:
         """Return the spin after the impact, from the candidate's own velocity after it.
@@ -668,7 +681,7 @@ class _Following:
         return max(self.trial.bounds.get(quantity, (0.0, 0.0))[0], 1e-3)
 
     def _check(self, stage: str, quantity: str, expected: Numbers) -> Check:
-        obtained = self.given[quantity]
+        obtained, self.own[quantity] = self.given[quantity], expected
         return Check(
             stage, quantity, expected, obtained, self._tolerance(quantity), self._scale(quantity)
         )
