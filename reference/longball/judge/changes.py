@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from longball.engines.verlet import Verlet
-from longball.judge.explanations import Array, Explanation, Sought
+from longball.judge.explanations import JUMPED, NAMED, Array, Explanation, Sought
 from longball.judge.fits import PARAMETERS, Fit, fits, snapped
 from longball.judge.mistakes import FENCE, IMPACT, LAW, READINGS, SPIN, TWO_STEP_PUSH, Mistake
 from longball.judge.stages import NONE
@@ -36,7 +36,10 @@ def parts(stage: str, sought: Sought) -> list[Explanation]:
         library += (*IMPACT, *SPIN)
     if stage not in ("pitch", "plate", "touching", "normal", "bat velocity"):
         library += READINGS
-    return [*_tried(library, sought), *_fitted(stage, sought)]
+    found = [*_tried(library, sought), *_fitted(stage, sought)]
+    if any(e.named for e in found):
+        return found
+    return [*found, *_scaled(stage, library, sought)]
 
 
 def _tried(library: Iterable[Mistake], sought: Sought) -> Iterator[Explanation]:
@@ -45,9 +48,23 @@ def _tried(library: Iterable[Mistake], sought: Sought) -> Iterator[Explanation]:
             return
         left = sought.screened(mistake.change)
         if left is not None:
-            yield Explanation(
-                mistake.name, mistake.sentence, mistake.remedy, left, 1, mistake.change
-            )
+            yield _explanation(mistake, left)
+
+
+def _explanation(mistake: Mistake, left: float) -> Explanation:
+    return Explanation(
+        mistake.name, mistake.sentence, mistake.remedy, left, 1, mistake.change,
+        allowed=JUMPED if mistake.switches else NAMED,
+    )  # fmt: skip
+
+
+def _scaled(stage: str, library: Iterable[Mistake], sought: Sought) -> Iterator[Explanation]:
+    """Yield mistakes that have a number of their own, such as the speed that V² is made with."""
+    for mistake in library:
+        if mistake.scaled and not sought.work.exhausted:
+            one = _explanation(mistake, 1.0)
+            if joined := _joined(sought, stage, one, mistake.scaled):
+                yield joined
 
 
 def _fitted(stage: str, sought: Sought) -> Iterator[Explanation]:

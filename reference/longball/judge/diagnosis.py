@@ -23,6 +23,7 @@ from longball.judge.changes import pairs, parts
 from longball.judge.clocks import clocks, ends, grid, on_chords
 from longball.judge.explanations import (
     ALIKE,
+    NAMED,
     Checked,
     Explanation,
     Sought,
@@ -122,6 +123,8 @@ class _Search:
         Stages and quantities whose errors are explained.
     stepless
         Whether no scheme in steps explains the flights.
+    jumps
+        Whether a law is found that jumps: what is left then is the candidate's step across.
     loose
         Relative errors that are left unexplained and handed on, by scene.
     """
@@ -133,7 +136,7 @@ class _Search:
         self.trials, self.dt, self.scheme, self.causes = list(trials), dt, scheme, causes
         self.base = NONE if scheme is None else Change(engine=scheme, push=True)
         self.findings: list[Finding] = []
-        self.stepless = False
+        self.stepless = self.jumps = False
         self.loose: dict[str, float] = {}
         self.excused: set[str] = set()
         self.work = Work()
@@ -258,7 +261,7 @@ class _Search:
         )  # fmt: skip
         found = []
         rest = before and worst < MINOR * min(before[0].worst, 1.0)
-        stepped = before and isinstance(self.base.engine, Verlet)
+        stepped = before and (isinstance(self.base.engine, Verlet) or self.jumps)
         searched = self.causes and not (rest or stepped)
         if searched and self.single and worst < SINGLE_NOISE:
             found = [SINGLE]
@@ -354,6 +357,7 @@ class _Search:
         if best.mend is not None:
             self.trials = [best.mend(t) for t in self.trials]
         elif best.change is not None:
+            self.jumps |= best.allowed > NAMED
             self.base, self._raw = self.base.then(best.change), {}
             if isinstance(best.change.engine, Verlet):
                 # Where steps find the bat is the scheme's, and what is computed there inherits it.

@@ -44,12 +44,18 @@ class Mistake:
         How to mend it.
     change
         The chain with the mistake in it.
+    switches
+        Whether the law jumps somewhere, so that a candidate's own step across may leave much.
+    scaled
+        The parameter that a number of the candidate's own then goes into, if there may be one.
     """
 
     name: str
     sentence: str
     remedy: str
     change: Change
+    switches: bool = False
+    scaled: str | None = None
 
 
 # --- the law of motion ----------------------------------------------------------------------------
@@ -133,6 +139,18 @@ def _by_component(square: Callable[[Any], Any]) -> Change:
         (u, v, w), rate = motion.air.velocity, motion.density * p.drag
         x, y, z = (-rate * square(c) for c in (p.cos * u - p.sin * v, p.sin * u + p.cos * v, w))
         return p.cos * x + p.sin * y, p.cos * y - p.sin * x, z
+
+    return _replaced(DRAG, Force(("drag", "cos", "sin"), _with_axes(DRAG), acceleration))
+
+
+def _summed_speed() -> Change:
+    """Return the change of the drag to one with |x| + |y| + |z| for the speed."""
+
+    def acceleration(motion: Motion, p: Any) -> Vector[Any]:
+        (u, v, w), cos, sin = motion.air.velocity, p.cos, p.sin
+        speed = _size(cos * u - sin * v) + _size(sin * u + cos * v) + _size(w)
+        rate = motion.density * p.drag * speed
+        return -rate * u, -rate * v, -rate * w
 
     return _replaced(DRAG, Force(("drag", "cos", "sin"), _with_axes(DRAG), acceleration))
 
@@ -243,6 +261,20 @@ def _thrown(values: Callable[[Any], Mapping[str, Any]]) -> Change:
     return _scene(changed)
 
 
+def _displaced(factors: Callable[[float], Mapping[str, float]]) -> Change:
+    """Return the change of some values by factors of the share of the ball that air would weigh."""
+
+    def values(scene: Any) -> Mapping[str, Any]:
+        if getattr(scene, "air", None) is None:
+            return {}
+        volume = 4 / 3 * math.pi * scene.ball.radius**3
+        share = float(density(scene, DOUBLES)) * volume / scene.ball.mass
+        return {name: at(scene, name) * factor for name, factor in factors(share).items()}
+
+    return _scene(values)
+
+
+_NO_MORE = "weight, drag and lift are all the forces that there are"
 _AGAINST = "the drag is -k V v: against the velocity, in every component"
 _ACROSS = "the lift is k_L V (ê × v), which is k_L V (-w, u) in the flight plane"
 _SCENE = "take the numbers of the scene"
@@ -255,17 +287,19 @@ _PAPERS_LAW: tuple[Mistake, ...] = (
             "sign, so that a falling ball is pulled down", _AGAINST,
             _by_component(lambda c: c * c)),
     Mistake("drag-with-v", "lets the drag grow with V, not with V²",
-            "the drag is ½ C_D ρ A V², against the velocity", _drag(lambda motion, p: 1.0)),
+            "the drag is ½ C_D ρ A V², against the velocity", _drag(lambda motion, p: 1.0), scaled="air.drag_coefficient"),
     Mistake("drag-with-v-cubed", "lets the drag grow with V³",
             "the drag is ½ C_D ρ A V²: V v holds the square already",
-            _drag(lambda motion, p: motion.speed * motion.speed)),
+            _drag(lambda motion, p: motion.speed * motion.speed), scaled="air.drag_coefficient"),
     Mistake("drag-with-launch-speed", "drags with the speed at launch all the time",
             "the drag is -k V v with the present speed V", _launch_speed_in_drag()),
     Mistake("drag-with-horizontal-speed", "takes the horizontal speed for V in the drag",
             "V is the whole speed", _drag(lambda m, p: trace.sqrt(
                 m.air.velocity[0] * m.air.velocity[0] + m.air.velocity[1] * m.air.velocity[1]))),
+    Mistake("drag-with-summed-speed", "takes the sum of the components' sizes for V in the drag",
+            "V is the root of the sum of their squares", _summed_speed()),
     Mistake("drag-rising-only", "drags the ball on its way up only",
-            "the drag acts on the way down too", _drag(lambda m, p: m.speed * _rising(m))),
+            "the drag acts on the way down too", _drag(lambda m, p: m.speed * _rising(m)), True),
     Mistake("density-falls", "lets the air grow thinner with height",
             "the scene's density holds at every height",
             _scene(lambda scene: {"air.density_scale_height": 8500.0})),
@@ -288,7 +322,7 @@ _PAPERS_LAW: tuple[Mistake, ...] = (
             _exchanged("air.drag_coefficient", "air.lift_coefficient")),
     Mistake("lift-coefficient-for-drag", "takes the coefficient of the drag for that of the lift",
             _SCENE, _scene(lambda s: {} if getattr(s, "air", None) is None else {
-                "air.lift_coefficient": s.air.drag_coefficient})),
+                "air.lift_coefficient": s.air.drag_coefficient}), scaled="air.lift_coefficient"),
     Mistake("lift-sign", "lifts the ball the wrong way",
             "with backspin the lift turns the velocity upwards: k_L V (-w, u) in the flight plane",
             _lift(lambda u, w, speed: (speed * w, trace.ZERO, -speed * u))),
@@ -300,15 +334,15 @@ _PAPERS_LAW: tuple[Mistake, ...] = (
             "perpendicular to the velocity", _ACROSS,
             _lift(lambda u, w, speed: (speed * w, trace.ZERO, speed * u))),
     Mistake("lift-with-v", "lets the lift grow with V, not with V²", "the lift is ½ C_L ρ A V²",
-            _lift(lambda u, w, speed: (-w, trace.ZERO, u))),
+            _lift(lambda u, w, speed: (-w, trace.ZERO, u)), scaled="air.lift_coefficient"),
     Mistake("lift-with-horizontal-speed", "takes the horizontal speed for V in the lift", _ACROSS,
             _lift(lambda u, w, speed: (-_size(u) * w, trace.ZERO, _size(u) * u))),
     Mistake("lift-as-at-launch", "keeps the direction that the lift has at launch", _ACROSS,
             _launch_direction_of_lift()),
     Mistake("lift-rising-only", "lifts the ball on its way up only",
-            "the lift acts on the way down too", _lift_rising(lambda up: up)),
+            "the lift acts on the way down too", _lift_rising(lambda up: up), True),
     Mistake("lift-sign-falling", "lifts a falling ball the wrong way", _ACROSS,
-            _lift_rising(lambda up: 2.0 * up - 1.0)),
+            _lift_rising(lambda up: 2.0 * up - 1.0), True),
     Mistake("lift-about-minus-y", "lifts about -y, whatever the ball's heading",
             "the axis ê is horizontal and across the heading at launch", _about_minus_y()),
     Mistake("lift-sideways", "lifts the ball sideways",
@@ -320,6 +354,11 @@ _PAPERS_LAW: tuple[Mistake, ...] = (
     Mistake("ignores-lift-reading", "ignores the reading lift_direction",
             "take reading.lift_direction from the scene",
             _reading(lift_direction="fixed_spin_axis")),
+    Mistake("buoyancy", "lets the air buoy the ball up: g (1 - ρ V/m)", _NO_MORE,
+            _displaced(lambda share: {"gravity": 1 - share})),
+    Mistake("added-mass", "adds half the mass of the air that the ball displaces to its inertia",
+            _NO_MORE, _displaced(lambda share: {
+                "gravity": 1 / (1 + share / 2), "ball.mass": 1 + share / 2})),
     Mistake("launch-at-origin", "launches the ball at (0, 0, 0)", _SCENE,
             _scene(lambda scene: {"launch.position": (0.0, 0.0, 0.0)})),
     Mistake("launch-above-origin", "launches the ball above (0, 0), at its height", _SCENE,
@@ -330,6 +369,13 @@ _PAPERS_LAW: tuple[Mistake, ...] = (
             _thrown(lambda pitch: {"pitch.aim[1]": pitch.release[2]})),
     Mistake("aim-straight", "throws straight ahead: the side of the aim is ignored", _SCENE,
             _thrown(lambda pitch: {"pitch.aim[0]": pitch.release[1]})),
+    Mistake("aim-side-from-release", "counts the side of the aim from the point of release",
+            "the aim is a point: y and z where the plate is",
+            _thrown(lambda pitch: {"pitch.aim[0]": pitch.aim[0] + pitch.release[1]})),
+    Mistake("pitch-speed-along-x", "gives the ball pitch.speed along x, and the rest of the way "
+            "on top", "pitch.speed is the size of the velocity at the release",
+            _thrown(lambda pitch: {"pitch.speed": pitch.speed * math.hypot(*pitch.way)
+                                   / abs(pitch.way[0])})),
     Mistake("aim-from-release", "counts the aim from the point of release",
             "the aim is a point: y and z where the plate is",
             _thrown(lambda pitch: {"pitch.aim[0]": pitch.aim[0] + pitch.release[1],

@@ -33,10 +33,16 @@ Rates = Callable[..., Components]
 Step = Callable[[Rates, Components, float, Any], tuple[Components, Any]]
 
 
+# Where in a step the velocity is that moves the position, if it is one of the step's ends or their
+# mean.
+_AHEAD = {"old": 0.0, "mean": 0.5, "new": 1.0}
+
+
 def _runge_kutta(nodes: Sequence[float], weights: Sequence[float], whose: str = "own") -> Step:
     """Return an explicit Runge-Kutta method, each of whose stages begins with the one before.
 
-    `whose` velocity moves the position: its "own", the "old" or the "new" one of the step.
+    `whose` velocity moves the position: its "own", the "old" or the "new" one of the step, or the
+    "mean" of these two.
     """
     total = sum(weights)
 
@@ -53,10 +59,35 @@ def _runge_kutta(nodes: Sequence[float], weights: Sequence[float], whose: str = 
         if whose == "own":
             return new, None
         n = len(s) // 2
-        velocity = s[n : 2 * n] if whose == "old" else new[n : 2 * n]
+        velocity = plus(s[n : 2 * n], _AHEAD[whose] * h, mean[n : 2 * n])
         return (*plus(s[:n], h, velocity), *new[n:]), None
 
     return step
+
+
+def _drag_of_start(step: Step) -> Step:
+    """Return a step whose drag is that of the speed at the step's start, in still air.
+
+    Of the force without gravity, which is that on a ball at rest, what lies along the velocity is
+    the drag.
+    """
+
+    def slowed(f: Rates, s: Components, h: float, left: Any) -> tuple[Components, Any]:
+        n = len(s) // 2
+        begun = math.hypot(*s[n : 2 * n])
+
+        def rates(*now: float) -> Components:
+            velocity, found = now[n : 2 * n], f(*now)
+            weight = f(*now[:n], *(0.0,) * n, *now[2 * n :])[n : 2 * n]
+            square = sum([v * v for v in velocity])
+            air = plus(found[n : 2 * n], -1.0, weight)
+            along = sum([a * v for a, v in zip(air, velocity, strict=True)]) / square
+            more = along * (begun / math.sqrt(square) - 1)
+            return (*found[:n], *plus(found[n : 2 * n], more, velocity), *found[2 * n :])
+
+        return step(rates, s, h, left)
+
+    return slowed
 
 
 def _implicit(f: Rates, s: Components, h: float, left: Any) -> tuple[Components, Any]:
@@ -66,12 +97,6 @@ def _implicit(f: Rates, s: Components, h: float, left: Any) -> tuple[Components,
         if math.dist(old, new) < 1e-15 * math.hypot(*new):
             break
     return new, None
-
-
-def _mean_velocity(f: Rates, s: Components, h: float, left: Any) -> tuple[Components, Any]:
-    n, new = len(s) // 2, plus(s, h, f(*s))
-    mean = plus(s[n : 2 * n], 1.0, new[n : 2 * n])
-    return (*plus(s[:n], h / 2, mean), *new[n:]), None
 
 
 def _adams_bashforth(velocity_only: bool) -> Step:
@@ -149,8 +174,8 @@ SCHEMES: dict[str, Scheme] = {
     ),
     "implicit-euler": Scheme(_implicit, 1, "implicit Euler"),
     "euler-velocity": Scheme(
-        _mean_velocity, 1, "constant acceleration over each step: Euler's method for the velocity "
-        "and the mean of two velocities for the position"),
+        _runge_kutta((), (1,), "mean"), 1, "constant acceleration over each step: Euler's method "
+        "for the velocity and the mean of two velocities for the position"),
     "lagged-verlet": _paper(
         "old_carried", 1, "drag and lift at the velocity of the step before"),
     "lagged-verlet-recomputed": _paper("old_recomputed", 1, "the force at the old velocity"),
@@ -164,6 +189,12 @@ SCHEMES: dict[str, Scheme] = {
     "rk4-new-velocity": Scheme(
         _runge_kutta((0.5, 0.5, 1), (1, 2, 2, 1), "new"), 1, "RK4 for the velocity, but the "
         "position moves with the velocity at the step's end"),
+    "rk4-drag-of-start": Scheme(
+        _drag_of_start(_runge_kutta((0.5, 0.5, 1), (1, 2, 2, 1))), 1, "RK4 whose drag takes the "
+        "speed at the step's start"),
+    "rk4-mean-velocity": Scheme(
+        _runge_kutta((0.5, 0.5, 1), (1, 2, 2, 1), "mean"), 2, "RK4 for the velocity, but the "
+        "position moves with the mean of the velocities at the step's ends"),
     "verlet-predicted-carried": _paper(
         "predicted_carried", 2, "a predicted velocity, which is of order 2"),
     "verlet-predicted": _paper(
