@@ -40,6 +40,7 @@ from longball.judge.relations import (
     SINGLE,
     SINGLE_NOISE,
     conventions,
+    few_decimals,
     formulas,
     in_single_precision,
     relations,
@@ -144,7 +145,7 @@ class _Search:
         self._followed: list[Checked] | None = None
 
     def diagnosis(self) -> Diagnosis:
-        checks = self._follow()
+        checks, coarse = self._follow(), few_decimals(self.trials)
         rows = [row for stage in STAGES if (row := _row(stage, checks))]
         largest = min(max((r.worst for r in rows), default=0.0), 1.0)
         first = next((r.stage for r in rows if r.wrong and r.worst >= MINOR * largest), None)
@@ -156,6 +157,7 @@ class _Search:
                     break
         self.findings += outcome_findings(self.trials, self.base, self.findings)
         self.findings += told_findings(self.trials, self.base)
+        self.findings += [coarse] if self.causes and coarse else []
         clean = [r.stage for r in rows if not r.wrong]
         self.findings.sort(key=lambda f: f.worst < MINOR * largest)
         return Diagnosis(
@@ -274,10 +276,12 @@ class _Search:
         broken, same = self._least_harm(found, stage)
         best, alone = same[0], broken > 0
         sentence = told_together([e.sentence for e in same])
+        if alone:
+            sentence = f"{f'where {told.scenes}' if told.scenes else f'{stage} alone'}: {sentence}"
         said = {
             "kind": "named",
             "names": list(dict.fromkeys(e.name for e in same)),
-            "sentence": f"{stage} alone: {sentence}" if alone else sentence,
+            "sentence": sentence,
             "remedy": best.remedy,
             "share": 1 - best.left,
             "step": best.step,
@@ -299,10 +303,12 @@ class _Search:
         told_apart: bool,
     ) -> list[Explanation]:
         """Return the best of what explains a stage, and what does so as well."""
-        # A formula must not be contradicted by scenes that pass; but by those that a rule tells.
+        # What explains errors must not be contradicted by scenes that pass, unless a rule tells
+        # these from the others.
+        good = [] if told_apart else good
         beside = evenly([o for o in good if o[0].scene.reading == Reading()], SOUGHT)
         found = [
-            e if told_apart else replace(e, left=e.left + e.against)
+            replace(e, left=e.left + e.against)
             for e in self._explanations(stage, wrong, good, beside, checks)
         ]
         named = sorted((e for e in found if e.named), key=lambda e: (e.left, e.rank))

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -26,6 +27,8 @@ from longball.model.air import (
     Table,
     Weather,
 )
+from longball.model.bat import inertia_factor, tangential_restitution
+from longball.model.numbers import DOUBLES
 from longball.model.quantities import at
 
 Array = NDArray[np.float64]
@@ -86,6 +89,12 @@ _PLACES: dict[str, tuple[str, ...]] = {
     "wind": ("air.wind", "air.wind.velocity"),
 }
 
+# What counts, of a bat with friction, where a scene leaves it out.
+_LEFT_OUT: dict[str, Callable[[Any], float]] = {
+    "ball.inertia_factor": lambda scene: inertia_factor(scene.ball, DOUBLES),
+    "bat.tangential_restitution": lambda scene: tangential_restitution(scene.bat, DOUBLES),
+}
+
 
 def _held(scene: Any, name: str) -> tuple[str, Any]:
     """Return where a scene has a parameter, and the number or the vector there, if it has it."""
@@ -94,6 +103,9 @@ def _held(scene: Any, name: str) -> tuple[str, Any]:
             found = at(scene, place)
         except ValueError:
             continue
+        rough = getattr(getattr(scene, "bat", None), "friction", None) is not None
+        if found is None and rough and name in _LEFT_OUT:
+            found = _LEFT_OUT[name](scene)
         if isinstance(found, float | int | tuple):
             return place, found
     return name, None
@@ -229,6 +241,10 @@ class Fit:
         return f"acts as if {self.parameter} were the scene's plus {number}{meant}"
 
 
+# People write 2/3 for what needs more digits than so many.
+LARGEST_DENOMINATOR, FRACTION_DIGITS = 12, 4
+
+
 def roundest(value: float, doubt: float, size: float = 1.0) -> float:
     """Return the number with the fewest digits that is as near as the doubt; people choose those.
 
@@ -239,9 +255,12 @@ def roundest(value: float, doubt: float, size: float = 1.0) -> float:
     for factor, _ in _FACTORS:
         if abs(value - factor) <= doubt and doubt < 1e-3 * abs(factor):
             return factor
+    fraction = float(Fraction(value).limit_denominator(LARGEST_DENOMINATOR))
     for digits in range(1, 10):
         if abs((short := float(f"{value:.{digits}g}")) - value) <= doubt:
             return short
+        if digits == FRACTION_DIGITS and abs(fraction - value) <= doubt:
+            return fraction
     return value
 
 
@@ -255,6 +274,8 @@ def snapped(fit: Fit) -> Iterator[Fit]:
 
 def told(value: float, doubt: float) -> str:
     """Return a value with its interval, to the digits that this leaves."""
+    if value == 0.0:
+        return "0" if doubt < 1e-9 else f"0 ± {doubt:.1g}"
     if doubt <= 1e-9 * max(abs(value), 1e-3):
         return f"{value:.9g}"
     places = min(12, max(0, 1 - math.floor(math.log10(doubt))))
@@ -313,7 +334,7 @@ def implied(
     None if the trial does not depend on it.
     """
     own = value_of(base.scene(trial.scene), name)
-    if own is None or (own == 0.0 and name.startswith("air.")):
+    if own is None:
         return None
     wanted = frozenset(stages)
 
@@ -378,7 +399,7 @@ def fits(
     for form, make in forms:
         if form == "factor" and (own == 0).any():
             continue
-        if form == "fixed" and not varies and factor_meaning(float(np.median(values / own))):
+        if form == "fixed" and not varies and own[0] and factor_meaning(float(values[0] / own[0])):
             continue  # the factor says more
         if form == "fixed" and not values.any():
             continue  # so it does here

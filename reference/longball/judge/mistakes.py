@@ -286,8 +286,9 @@ _PAPERS_LAW: tuple[Mistake, ...] = (
     Mistake("unsigned-drag-per-component", "drags each component by its own square without a "
             "sign, so that a falling ball is pulled down", _AGAINST,
             _by_component(lambda c: c * c)),
-    Mistake("drag-with-v", "lets the drag grow with V, not with V²",
-            "the drag is ½ C_D ρ A V², against the velocity", _drag(lambda motion, p: 1.0), scaled="air.drag_coefficient"),
+    Mistake("drag-with-v", "lets the drag grow linearly with V, not with V²",
+            "the drag is ½ C_D ρ A V², against the velocity", _drag(lambda motion, p: 1.0),
+            scaled="air.drag_coefficient"),
     Mistake("drag-with-v-cubed", "lets the drag grow with V³",
             "the drag is ½ C_D ρ A V²: V v holds the square already",
             _drag(lambda motion, p: motion.speed * motion.speed), scaled="air.drag_coefficient"),
@@ -505,6 +506,8 @@ EXTENDED: tuple[Mistake, ...] = (
             _DIRECTION, _spins(_times(-1.0), "pitch", "incoming")),
     Mistake("spin-sign-of-flights", "turns a ball that flies away from the plate the other way "
             "round", _DIRECTION, _spins(_times(-1.0), "launch")),
+    Mistake("spin-y-only", "takes the spin's y only", _DIRECTION,
+            _spins(lambda scene, spin: (0.0, spin[1], 0.0), *_ANYWHERE)),
     Mistake("spin-all-back", "takes the size of the spin for backspin", _DIRECTION,
             _spins(_backspin, *_ANYWHERE)),
     Mistake("spin-total", "takes the whole spin, gyro spin included, where the part across the "

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from longball.judge.answers import Answer
 from longball.judge.explanations import Checked, Explanation, off, share_left, size_of
+from longball.judge.findings import Finding
 from longball.judge.fits import FIRST, factor_meaning, roundest
 from longball.judge.mistakes import FORMULAS, NUMBERED, View
 from longball.judge.quantities import QUANTITIES
@@ -29,6 +30,9 @@ Image = Callable[[Array], Array]
 RELATION = 0.5
 
 FEW_DECIMALS = 10
+
+# Fewer numbers than this may be short, or in single precision, by chance: 2.0 is.
+ENOUGH = 5
 
 # Of the number in a formula, how far it may differ from scene to scene.
 CERTAIN = 1e-3
@@ -214,15 +218,34 @@ def _value(value: Callable[[View], Numbers], view: View | None) -> Numbers | Non
 def resolutions(chosen: Sequence[Checked]) -> Iterator[Explanation]:
     """Yield the rounding of what is written, if numbers are written with few decimals."""
     failing = [c for _, cs in chosen for c in cs if not c.follows]
-    places = max(-int(Decimal(repr(x)).as_tuple().exponent) for c in failing for x in c.obtained)
+    numbers = {x for c in failing for x in c.obtained if x}
+    if len(numbers) < ENOUGH:
+        return
+    places = max(-min(int(Decimal(repr(x)).normalize().as_tuple().exponent), 0) for x in numbers)
     resolution = max(0.5 * 10.0**-places, *(t.resolution for t, _ in chosen))
     if places <= FEW_DECIMALS and max(c.error for c in failing) < 4 * resolution:
         yield Explanation(
-            "few-decimals", f"writes its numbers with {places} decimals only, and errors are of "
-            "that size", "write doubles with 17 digits", 0.0, 3,
-            mend=lambda t: replace(t, resolution=resolution),
+            "few-decimals", f"{WRITES.format(places)}, and errors are of that size", DOUBLES, 0.0,
+            3, mend=lambda t: replace(t, resolution=resolution),
         )  # fmt: skip
 
+
+def few_decimals(trials: Sequence[Trial]) -> Finding | None:
+    """Return that all numbers are written with few decimals, if they are."""
+    told = [t for t in trials if any(x % 1 for value in t.given.values() for x in value)]
+    resolution = min((t.resolution for t in told), default=0.0)
+    if resolution < 0.5 * 10.0**-FEW_DECIMALS or len(told) < ENOUGH:
+        return None
+    wrong = sum(not t.right for t in trials)
+    said = WRITES.format(round(-math.log10(2 * resolution)))
+    return Finding(
+        stage="all", quantity="", kind="named", names=["few-decimals"], share=1.0, wrong=wrong,
+        sentence=f"{said}; no error of that size, or that follows from it, is looked into",
+        remedy=DOUBLES, checked=len(trials), worst=resolution,
+    )  # fmt: skip
+
+
+WRITES, DOUBLES = "writes its numbers with {} decimals only", "write doubles with 17 digits"
 
 SINGLE = Explanation(
     "single-precision", "computes or writes in single precision",
@@ -231,9 +254,6 @@ SINGLE = Explanation(
 
 # Single precision leaves 6e-8 a rounding; some hundred steps, amplified by bat and ball.
 SINGLE_NOISE = 1e-2
-
-# A quantity with fewer numbers than this may be in single precision by chance: 2.0 is.
-ENOUGH = 5
 
 
 def in_single_precision(answers: Iterable[Answer]) -> bool:

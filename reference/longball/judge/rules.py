@@ -75,8 +75,8 @@ def rule(failing: Sequence[Case], passing: Sequence[Case]) -> str | None:
         else:
             whole.setdefault(name, text)
     if whole:
-        plain = [text for name, text in whole.items() if _sorts(name)]
-        told = plain or list(whole.values())
+        plain = [text for name, text in whole.items() if _sorts(name) or text == f"{name} = 0"]
+        told = sorted(plain, key=lambda text: "flagged" in text) or list(whole.values())
         return "; or, which are the same scenes, ".join(told) if len(told) <= MOST_RULES else None
     if choices < CHANCE * TWO:
         return None

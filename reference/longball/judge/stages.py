@@ -187,9 +187,9 @@ def _resolution(answer: Answer) -> float:
     return 0.5 * 10.0 ** -max(places)
 
 
-# What the rounding of the numbers handed on does to the next stage: an impulse is thirty times a
-# restitution, and a ball lands a hundred metres away.
-HANDED_ON = 300.0
+# What the rounding of the numbers handed on does to the next stage: a ball lands a hundred metres
+# away, and a change of energy is μ(Ṽ·n)², some 700 J, times one of ẽ.
+HANDED_ON = 1000.0
 
 # Of a quantity: flights under any law err by a third of it at most.
 ANY_LAW_ERROR = 3e-8
