@@ -283,9 +283,6 @@ reassurance. The verdicts were then read, the judge's rules of what is named wer
 names were added; the patterns stayed as they were. The table is of the judge after that: it tells
 what the judge makes of mistakes that its authors have seen, in the second set too.
 
-One mistake is not in the counts: a bat whose mass is always 0.9 kg. No scene of the family `impact`
-had another mass when it was tried.
-
 {summary}
 
 {cost}

@@ -16,7 +16,7 @@ from longball.engines.chain import solve
 from longball.engines.engine import Engine
 from longball.engines.ivp import Ivp
 from longball.engines.verlet import Verlet
-from longball.judge.quantities import QUANTITIES, Value, length, radii_of, values_of
+from longball.judge.quantities import QUANTITIES, Value, length, radius_of, values_of
 from longball.model.frame import launch_frame
 from longball.model.law import law_of
 from longball.model.numbers import DOUBLES, Undecided
@@ -192,7 +192,7 @@ class Exact(Profile):
 
     def tolerance(self, case: Case, quantity: str, expected: Value) -> float:
         """Return the largest error that passes; see `Profile.tolerance`."""
-        return SLACK * attainable(case, quantity) + length(radii_of(case.expected)[quantity])
+        return SLACK * attainable(case, quantity) + length(radius_of(case.expected, quantity))
 
     def allowed(self, size: float) -> float:
         """Return what passes for a value of that size; see `Profile.allowed`."""

@@ -31,7 +31,7 @@ from longball.engines.verlet import Verlet
 from longball.judge.answers import Answer
 from longball.judge.any_law import ANY_LAW, is_papers
 from longball.judge.cases import SLACK, Case, attainable
-from longball.judge.quantities import difference, length, radii_of, values_of
+from longball.judge.quantities import difference, length, radius_of, values_of
 from longball.model.bat import inertia_factor, lever_arm
 from longball.model.force import cross
 from longball.model.impact import energy_change
@@ -164,11 +164,11 @@ _NO_STATE = (CannotSolve, Undecided, ArithmeticError, ValueError, KeyError, Inde
 def trial_of(case: Case, answer: Answer) -> Trial:
     """Return a case and its answer in doubles."""
     given = {name: tuple(map(float, value)) for name, value in answer.values.items()}
-    expected, radii = values_of(case.expected), radii_of(case.expected)
+    expected = values_of(case.expected)
     right = answer.outcome in (None, case.expected.outcome) and all(
         name in expected
         and difference(value, expected[name])
-        <= SLACK * attainable(case, name) + length(radii[name])
+        <= SLACK * attainable(case, name) + length(radius_of(case.expected, name))
         for name, value in answer.values.items()
     )
     true = {name: tuple(map(float, value)) for name, value in expected.items()}
@@ -563,7 +563,8 @@ class _Following:
         start = _three(self._contact_position())
         if "contact.time" not in self.given:
             _ = self.met
-        if "impact.velocity" not in self.given or "impact.spin" not in self.own:
+        hit = {"impact.velocity", "impact.spin"} & set(self.trial.expected)
+        if not hit <= set(self.given):
             list(self._collision(frozenset(STAGES)))
         velocity = _three(self.has("impact.velocity"))
         turning = self.given.get("impact.spin") or self.own.get("impact.spin")

@@ -9,18 +9,20 @@ shorter.
 from __future__ import annotations
 
 import math
-from bisect import bisect_left
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any, Literal
 
 import numpy as np
+from numpy.polynomial.polynomial import polyval
 from numpy.typing import NDArray
 
 from longball.engines.engine import Launch
 from longball.engines.event import Event
 from longball.engines.ivp import Ivp
 from longball.engines.path import Flight, Path
+from longball.engines.polynomial import PolynomialPiece
 from longball.engines.verlet import TREATMENTS, Chord, Components, Verlet, plain_step, plus
 from longball.model.law import Law, State
 from longball.model.readings import VerletForces
@@ -245,7 +247,8 @@ class FixedStep(Verlet):
     ) -> Flight[float]:
         """Fly until the first of several events; see `longball.engines.engine.Engine.fly`."""
         flight = super().fly(law, start, events, limit)
-        return replace(flight, path=_Stepped(self._chords(law, start, limit)))
+        between = partial(self._chord, law, None if self.scheme == "chords" else self._step(law))
+        return replace(flight, path=_Stepped(self._states(law, start, limit), between, self.dt))
 
     def rebound(self, frame: Any, touch: Any, delta_v: Any, law_in: Any, ground: Any) -> Any:
         """Strike at once, where ball and bat touch."""
@@ -265,18 +268,16 @@ class FixedStep(Verlet):
                 done, length, rows = done + length, min(2 * length, 4096), rows[-1:]
         yield done, np.array(rows).T
 
-    def _chords(self, law: Law[float], start: State[float], limit: float) -> Iterator[Chord]:
-        states = self._states(law, start, limit)
-        (row, left), step = next(states), self._step(law, start)
-        before = law.state(*row)
-        for count, (new, after_left) in enumerate(states):
-            after, begin = law.state(*new), count * self.dt
-            length = (count + 1) * self.dt - begin
-            if self.ends == "line":
-                yield Chord(begin, length, before, after)
-            else:
-                yield _Cut(begin, length, before, after, step, left)
-            before, left = after, after_left
+    def _chord(
+        self, law: Law[float], step: Callable[..., Any] | None, number: int, before: Any, after: Any
+    ) -> Chord:
+        """Return what lies between two states, each with what the step before it has left."""
+        (row, left), (new, _) = before, after
+        begin = number * self.dt
+        length = (number + 1) * self.dt - begin
+        if self.ends == "line" or step is None:
+            return Chord(begin, length, law.state(*row), law.state(*new))
+        return _Cut(begin, length, law.state(*row), law.state(*new), step, left)
 
     def _states(
         self, law: Law[float], start: State[float], limit: float
@@ -302,20 +303,34 @@ class FixedStep(Verlet):
     def _stepping(
         self, law: Law[float], start: State[float], limit: float
     ) -> Iterator[tuple[Components, Any]]:
-        state, left, step = tuple(map(float, start)), None, self._step(law, start)
+        state, left = tuple(map(float, start)), None
         yield state, left
+        if self.scheme == "chords":
+            yield from ((row, None) for row in _true_states(law, start, self.dt, limit))
+            return
+        step = self._step(law)
         for _ in range(math.ceil(min(limit / self.dt, 1e7))):
             state, left = step(state, self.dt, left)
             yield state, left
 
-    def _step(self, law: Law[float], start: State[float]) -> Callable[..., tuple[Components, Any]]:
-        if self.scheme == "chords":
-            path = Ivp().path(law, start, 1e3)
-            return lambda state, h, count: (
-                tuple(path.at(((count or 0) + 1) * self.dt)), (count or 0) + 1
-            )  # fmt: skip
+    def _step(self, law: Law[float]) -> Callable[..., tuple[Components, Any]]:
         step, rates = SCHEMES[self.scheme].step, law.rates(self.numbers)
         return lambda state, h, left: step(rates, state, h, left)
+
+
+def _true_states(
+    law: Law[float], start: State[float], dt: float, limit: float
+) -> Iterator[Components]:
+    """Yield the states of the true path at the steps, from the first one on."""
+    count = 1
+    for piece in Ivp().path(law, start, limit + dt).pieces():
+        last = math.floor((piece.begin + piece.length) / dt)
+        times = np.arange(count, last + 1) * dt - piece.begin
+        if isinstance(piece, PolynomialPiece):
+            yield from zip(*polyval(times, piece.coefficients.T).tolist(), strict=True)
+        else:
+            yield from (tuple(piece.at(time)) for time in times.tolist())
+        count = last + 1
 
 
 @dataclass(frozen=True)
@@ -334,21 +349,46 @@ class _Cut(Chord):
 
 
 class _Stepped(Path[float]):
-    """A flight of very many pieces."""
+    """A flight of very many pieces, of which few are asked for.
 
-    def __init__(self, pieces: Iterable[Any]) -> None:
-        super().__init__(pieces)
-        self._all = super().pieces()
-        self._ends: list[float] = []
+    Parameters
+    ----------
+    states
+        At the steps, each with what the step before it has left.
+    between
+        From a number, the state there and the next one to the piece between them.
+    dt
+        s.
+    """
+
+    def __init__(self, states: Iterator[Any], between: Callable[..., Chord], dt: float) -> None:
+        super().__init__(iter(()))
+        self._states, self._between, self._dt = states, between, dt
+        self._rows: list[Any] = []
+
+    def _piece(self, number: int) -> Chord | None:
+        while len(self._rows) < number + 2:
+            row = next(self._states, None)
+            if row is None:
+                return None
+            self._rows.append(row)
+        return self._between(number, *self._rows[number : number + 2])
+
+    def pieces(self) -> Iterator[Chord]:
+        """Yield the pieces; see `longball.engines.path.Path.pieces`."""
+        number = 0
+        while piece := self._piece(number):
+            yield piece
+            number += 1
 
     def at(self, time: float) -> State[float]:
         """Return the state at a time; see `longball.engines.path.Path.at`."""
-        while not self._ends or self._ends[-1] < time:
-            piece = next(self._all, None)
-            if piece is None or time < 0:
-                raise ValueError(f"the flight has no state at t = {time} s")
-            self._ends.append(piece.begin + piece.length)
-        piece = self._known[bisect_left(self._ends, time)]
+        number = max(0, math.ceil(time / self._dt) - 1)
+        if time > (number + 1) * self._dt:  # for the rounding of the quotient
+            number += 1
+        piece = None if time < 0 else self._piece(number)
+        if piece is None:
+            raise ValueError(f"the flight has no state at t = {time} s")
         state: State[float] = piece.at(time - piece.begin)
         return state
 

@@ -42,7 +42,7 @@ from longball.judge.quantities import (
     Value,
     difference,
     length,
-    radii_of,
+    radius_of,
     untrue,
     values_of,
 )
@@ -252,7 +252,7 @@ def _measure(
     return Measured(
         quantity,
         expected,
-        radii_of(case.expected)[quantity],
+        radius_of(case.expected, quantity),
         obtained,
         difference(obtained, expected),
         profile.tolerance(case, quantity, expected) + slack,
@@ -612,14 +612,13 @@ def _row(family: str, name: str, unit: str, group: list[tuple[Comparison, Measur
 def failure(comparison: Comparison) -> Failure:
     """Return what is wrong in a comparison; nothing may be."""
     case, answer = comparison.case, comparison.answer
-    expected, radii = values_of(case.expected), radii_of(case.expected)
+    expected = values_of(case.expected)
     outcome = case.expected.outcome
     faults = []
     if comparison.outcome_wrong:
         faults.append(_fault("outcome", [outcome], (), [answer.outcome if answer else None]))
     faults += [
-        _fault(name, expected.get(name, ()), radii.get(name, ()), ["not a number"])
-        for name in comparison.unreadable
+        _fault(name, expected.get(name, ()), (), ["not a number"]) for name in comparison.unreadable
     ]
     faults += [_fault(name, [true], (), [told]) for name, true, told in comparison.untrue]
     faults += [
