@@ -161,14 +161,14 @@ class _Search:
         clean = [r.stage for r in rows if not r.wrong]
         self.findings.sort(key=lambda f: f.worst < MINOR * largest)
         return Diagnosis(
-            sentence=self._sentence(first, clean),
+            sentence=self._sentence(next((r for r in rows if r.stage == first), None), clean),
             first=first,
             stages=rows,
             clean=clean,
             findings=self.findings,
         )
 
-    def _sentence(self, first: str | None, clean: Sequence[str]) -> str:
+    def _sentence(self, first: StageRow | None, clean: Sequence[str]) -> str:
         """Return it all in a sentence."""
         unread = f"{self.unread} answers hold values that are no numbers" if self.unread else ""
         if not self.findings:
@@ -180,9 +180,9 @@ class _Search:
         lead = self.findings[0]
         parts = [unread] if unread else []
         if first is not None:
-            where = "all" if lead.wrong == lead.checked else f"{lead.wrong} of {lead.checked}"
+            where = "all" if first.wrong == first.checked else f"{first.wrong} of {first.checked}"
             parts.append(
-                f"the first stage that does not follow is {first}: wrong in {where} scenes"
+                f"the first stage that does not follow is {first.stage}: wrong in {where} scenes"
             )
         large = MINOR * min(lead.worst, 1.0)
         parts += [f.sentence for f in self.findings if f.worst >= large][:3]

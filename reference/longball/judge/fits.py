@@ -8,9 +8,10 @@ the scene says; if they are the same multiple of the scene's value, it has a fac
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -164,9 +165,9 @@ class Work:
 
 # Flights of a search, so that a verdict is the same on every machine and comes within ten seconds;
 # what has not been tried by then is not.
-PATIENCE = 1_300.0
+PATIENCE = 3_000.0
 
-LONG_STEP = 5e-3  # s: with such steps a second of flight takes as long as a flight under any law
+LONG_STEP = 2e-2  # s: with such steps a second of flight takes as long as a flight under any law
 
 
 @dataclass(frozen=True)
@@ -327,38 +328,37 @@ FIRST = 3
 
 
 def implied(
-    trial: Trial, name: str, stages: Iterable[str], base: Change, work: Work
-) -> tuple[float, float] | None:
-    """Return the value of a parameter that explains a trial best, and the share it leaves.
+    trial: Trial, names: Sequence[str], stages: Iterable[str], base: Change, work: Work
+) -> tuple[Array, float] | None:
+    """Return the values of parameters that explain a trial best, and the share they leave.
 
-    None if the trial does not depend on it.
+    None if the trial does not depend on all of them.
     """
-    own = value_of(base.scene(trial.scene), name)
-    if own is None:
+    held = [value_of(base.scene(trial.scene), name) for name in names]
+    if None in held:
         return None
     wanted = frozenset(stages)
 
-    def off(value: float) -> Array:
-        return work.residuals(
-            trial, base.then(Change(lambda s: with_parameter(s, name, value))), wanted
-        )
+    def off(values: Array) -> Array:
+        change = partial(_with_all, dict(zip(names, values.tolist(), strict=True)))
+        return work.residuals(trial, base.then(Change(change)), wanted)
 
-    value, r = own, off(own)
+    value = np.array(held, float)
+    r = off(value)
     first = size = float(np.linalg.norm(r))
     if not r.size or first == 0.0:
         return None
     for count in range(ROUNDS):
         if count == 3 and size > 0.7 * first:
             break  # it leads nowhere
-        h = 1e-6 * max(abs(value), 1e-3)
-        ahead = off(value + h)
-        if ahead.shape != r.shape:
+        steps = np.diag(1e-6 * np.maximum(np.abs(value), 1e-3))
+        ahead = [off(value + step) for step in steps]
+        if any(a.shape != r.shape for a in ahead):
             return None
-        slope = (ahead - r) / h
-        steep = float(slope @ slope)
-        if steep == 0.0:
+        slopes = np.array([(a - r) / step.sum() for a, step in zip(ahead, steps, strict=True)])
+        if not slopes.any(axis=1).all():
             return None
-        move, better = -float(slope @ r) / steep, False
+        move, better = -np.linalg.lstsq(slopes.T, r, rcond=None)[0], False
         for _ in range(5):
             trying = off(value + move)
             if trying.shape == r.shape and float(np.linalg.norm(trying)) < size:
@@ -368,27 +368,38 @@ def implied(
         if not better:
             break
         old, size = size, float(np.linalg.norm(r))
-        if size > 0.999 * old or abs(move) < 1e-12 * abs(value) or size < 1e-13:
+        if size > 0.999 * old or (abs(move) < 1e-12 * abs(value)).all() or size < 1e-13:
             break
     return value, size / first
 
 
+def _with_all(values: Mapping[str, float], scene: Any) -> Any:
+    for name, value in values.items():
+        scene = with_parameter(scene, name, value)
+    return scene
+
+
 def fits(
-    trials: Sequence[Trial], name: str, stages: Iterable[str], base: Change, work: Work
-) -> list[Fit]:
-    """Return the forms in which a parameter may explain some trials, each with its value."""
-    found: list[tuple[float, float | None]] = []
+    trials: Sequence[Trial], names: Sequence[str], stages: Iterable[str], base: Change, work: Work
+) -> list[list[Fit]]:
+    """Return for each of some parameters the forms in which they may explain trials together."""
+    found: list[tuple[Array, list[float | None]]] = []
     for trial in trials:
-        one = implied(trial, name, stages, base, work)
+        one = implied(trial, names, stages, base, work)
         if one is None:
             continue
         if one[1] > MISSED:
-            return []
-        found.append((one[0], value_of(base.scene(trial.scene), name)))
+            return [[] for _ in names]
+        scene = base.scene(trial.scene)
+        found.append((one[0], [value_of(scene, name) for name in names]))
     if len(found) < max(1, len(trials) // 3):
-        return []
-    values = np.array([v for v, _ in found])
-    own = np.array([o for _, o in found], float)
+        return [[] for _ in names]
+    values, own = (np.array(rows, float).T for rows in zip(*found, strict=True))
+    return [_forms(*one) for one in zip(names, values, own, strict=True)]
+
+
+def _forms(name: str, values: Array, own: Array) -> list[Fit]:
+    """Return the forms in which a parameter has some values, beside the scenes' own."""
     varies = bool(np.ptp(own) > 1e-9 * np.abs(own).max(initial=0.0))
     forms: list[tuple[str, Callable[[], Array]]] = [
         ("fixed", lambda: values),
@@ -413,7 +424,7 @@ def fits(
         fit = Fit(name, form, value, doubt, varies, float(own[0]))
         if doubt > UNSURE * _difference(form, value, own):
             continue  # scene after scene acts as if it were another number
-        if len(found) < FIRST and fit.roundness > FEW_DIGITS / 100:
+        if len(values) < FIRST and fit.roundness > FEW_DIGITS / 100:
             continue  # nothing tells how much it differs from scene to scene
         if form == "factor" and not varies and not factor_meaning(fit.value, doubt):
             continue  # the number itself says as much

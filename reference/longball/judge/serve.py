@@ -13,9 +13,10 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any, TextIO
 
+from longball.judge.testing import plain
 from longball.model.quantities import numbers
 from longball.model.scene import parse_scene
 
@@ -42,7 +43,7 @@ def serve(
     out = results or sys.stdout
     for line in scenes if scenes is not None else sys.stdin:
         if line.strip():
-            print(json.dumps(_answer(function, line)), file=out, flush=True)
+            print(json.dumps(_answer(function, line), default=plain), file=out, flush=True)
 
 
 def _answer(function: Fly, line: str) -> dict[str, Any]:
@@ -58,21 +59,10 @@ def _answer(function: Fly, line: str) -> dict[str, Any]:
         made = function((*position, *velocity), values)
     except Exception as error:  # whatever a simulator raises is the answer to this scene
         return {"id": scene.id, "error": f"{type(error).__name__}: {error}"}
-    made = made.tolist() if hasattr(made, "tolist") else made
-    if isinstance(made, Mapping):
-        block, outcome = ("landing", "landed") if scene.kind == "flight" else ("plate", "crossed")
-        values = {name: _plain(value) for name, value in made.items()}
-        time = values.get("time")
-        if isinstance(time, float | int) and time > scene.time_limit:
-            return {"id": scene.id, "outcome": "airborne"}
-        return {"id": scene.id, "outcome": outcome, block: values}
-    return {"id": scene.id, "path": _plain(made)}
-
-
-def _plain(value: Any) -> Any:
-    """Return NumPy's arrays and numbers, and tuples, as lists and floats."""
-    if hasattr(value, "tolist"):
-        return value.tolist()
-    if isinstance(value, Sequence) and not isinstance(value, str):
-        return [_plain(v) for v in value]
-    return value
+    if not isinstance(made, Mapping):
+        return {"id": scene.id, "path": made}
+    time = made.get("time")
+    if isinstance(time, float | int) and time > scene.time_limit:
+        return {"id": scene.id, "outcome": "airborne"}
+    block, outcome = ("landing", "landed") if scene.kind == "flight" else ("plate", "crossed")
+    return {"id": scene.id, "outcome": outcome, block: dict(made)}

@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 
 from longball.convergence import ConvergenceReport
-from longball.judge.answers import quoted
+from longball.judge.answers import printable, quoted
 from longball.judge.findings import Diagnosis, Finding
 from longball.judge.sampling import Sampling
 from longball.judge.verdict import Failure, Fault, Row, Verdict
@@ -150,7 +150,7 @@ def finding_sentences(finding: Finding) -> Iterator[str]:
     """Yield what is behind the errors of a stage."""
     word = {"named": "it", "probably": "probably it", "unexplained": "not explained:"}
     share = f" (explains {finding.share:.2%} of the error)" if finding.share else ""
-    yield f"diagnosis: {finding.stage}: {word[finding.kind]} {finding.sentence}{share}"
+    yield f"diagnosis: {finding.stage}: {word[finding.kind]} {finding.beside_stage}{share}"
     if finding.remedy:
         yield f"  {finding.remedy}"
     if finding.scenes:
@@ -234,10 +234,9 @@ def _issues(verdict: Verdict, shown: int) -> Iterator[str]:
     more = len(verdict.complaints) - shown + sum(verdict.complaints_left_out.values())
     if more > 0:
         yield f"issues: {more} more"
-    if verdict.complaints and verdict.standard_error.strip():
+    if verdict.complaints and printable(verdict.standard_error):
         yield "the end of its standard error:"
-        for line in verdict.standard_error.strip().splitlines()[-shown:]:
-            yield "  " + "".join(c if c.isprintable() else "?" for c in line)
+        yield from (f"  {line}" for line in printable(verdict.standard_error).splitlines()[-shown:])
 
 
 def _some(ids: Sequence[str], shown: int) -> str:
