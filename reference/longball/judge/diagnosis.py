@@ -50,13 +50,13 @@ from longball.judge.rules import rule
 from longball.judge.stages import (
     COLLISION,
     NONE,
-    STAGE_OF,
     STAGES,
     Change,
     Check,
     Trial,
     follow,
     followed,
+    stage_of,
     trial_of,
 )
 from longball.model.readings import Reading
@@ -74,7 +74,7 @@ FINE = 1e-7
 MINOR = 1e-3
 
 # Steps of all flights together that are followed with a scheme.
-MOST_STEPS = 30_000
+MOST_STEPS = 15_000
 
 # Explanations that are looked at as one at a stage, the second for what the first has left.
 ROUNDS = 3
@@ -224,7 +224,7 @@ class _Search:
         meant = conventions(self.trials)
         if meant is None or meant.mend is None:
             return
-        stage = first or STAGE_OF.get(meant.quantity or "", "flight")
+        stage = first or stage_of(meant.quantity or "landing")
         wrong = max((r.wrong for r in rows if r.stage == stage), default=len(self.trials))
         self.findings.append(
             Finding(

@@ -174,7 +174,7 @@ def formulas(
 
     def tried(value: Callable[[View], Numbers], trial: Trial) -> Numbers | None:
         if id(trial) not in views:
-            views[id(trial)] = _view(trial, base)
+            views[id(trial)] = _view(trial, base, min(failing))
         return _value(value, views[id(trial)])
 
     for numbered in NUMBERED:
@@ -186,7 +186,7 @@ def formulas(
         left, against = _held(chosen, beside, f.quantity, lambda t, c, f=f: tried(f.value, t))  # type: ignore[misc]
         yield Explanation(
             f.name, f.sentence, f.remedy, left, 0, quantity=f.quantity, against=against,
-            value=lambda t, f=f: _value(f.value, _view(t, base)),  # type: ignore[misc]
+            value=lambda t, f=f: _value(f.value, _view(t, base, f.quantity)),  # type: ignore[misc]
         )  # fmt: skip
 
 
@@ -200,8 +200,8 @@ def _settled(numbers: Sequence[float]) -> float:
     return roundest(middle, max(doubt, 1e-9 * abs(middle)))
 
 
-def _view(trial: Trial, base: Change) -> View | None:
-    held = view_values(trial, base)
+def _view(trial: Trial, base: Change, quantity: str) -> View | None:
+    held = view_values(trial, base, quantity)
     return View(*held) if held else None
 
 

@@ -225,6 +225,11 @@ STAGE_OF = {
 }  # fmt: skip
 
 
+def stage_of(quantity: str) -> str:
+    """Return the stage that a quantity is of."""
+    return STAGE_OF.get(quantity) or STAGE_OF[quantity.partition(".")[0]]
+
+
 def followed(trial: Trial) -> list[Check]:
     """Return what follows in a trial and what does not, to the last digits.
 
@@ -232,12 +237,9 @@ def followed(trial: Trial) -> list[Check]:
     """
     if trial.right:
         return [
-            Check(
-                STAGE_OF.get(name) or STAGE_OF[name.partition(".")[0]], name, trial.expected[name],
-                value, math.inf, 1.0,
-            )
+            Check(stage_of(name), name, trial.expected[name], value, math.inf, 1.0)
             for name, value in trial.given.items()
-        ]  # fmt: skip
+        ]
     checks = follow(trial)
     # What is right to within the errors of flights under any law may be wrong beyond them.
     return checks if any(not c.follows for c in checks) else follow(trial, Change(engine=Ivp()))
@@ -300,12 +302,16 @@ def placed(trial: Trial, change: Change, stage: str) -> Placed | None:
 
 
 def view_values(
-    trial: Trial, change: Change
+    trial: Trial, change: Change, quantity: str
 ) -> tuple[Any, Mapping[str, Numbers], Numbers, float] | None:
-    """Return what formulas are made of: scene, values so far, velocity before, bat's height."""
+    """Return what the formula of a quantity is made of.
+
+    That is the scene, the values so far, the velocity before the impact and the bat's height.
+    """
     following = _Following(trial, change)
+    flies = stage_of(quantity) in FLYING
     try:
-        list(following.checks(frozenset(STAGES)))
+        list(following.checks(frozenset(STAGES if flies else set(STAGES) - set(FLYING))))
         before, height = (0.0, 0.0, 0.0), 0.0
         if "contact.normal" in trial.expected:
             before, height = following.before, following.height  # type: ignore[assignment]

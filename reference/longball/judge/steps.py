@@ -77,15 +77,16 @@ def _drag_of_start(step: Step) -> Step:
     def slowed(f: Rates, s: Components, h: float, left: Any) -> tuple[Components, Any]:
         n = len(s) // 2
         begun = math.hypot(*s[n : 2 * n])
+        weight = f(*s[:n], *(0.0,) * n, *s[2 * n :])[n : 2 * n]
 
         def rates(*now: float) -> Components:
             velocity, found = now[n : 2 * n], f(*now)
-            weight = f(*now[:n], *(0.0,) * n, *now[2 * n :])[n : 2 * n]
-            square = sum([v * v for v in velocity])
-            air = plus(found[n : 2 * n], -1.0, weight)
-            along = sum([a * v for a, v in zip(air, velocity, strict=True)]) / square
-            more = along * (begun / math.sqrt(square) - 1)
-            return (*found[:n], *plus(found[n : 2 * n], more, velocity), *found[2 * n :])
+            force, square, along = found[n : 2 * n], 0.0, 0.0
+            for v, a, g in zip(velocity, force, weight, strict=True):
+                square += v * v
+                along += v * (a - g)
+            more = (begun / math.sqrt(square) - 1) * along / square
+            return (*found[:n], *plus(force, more, velocity), *found[2 * n :])
 
         return step(rates, s, h, left)
 
