@@ -167,7 +167,7 @@ class Work:
 # what has not been tried by then is not.
 PATIENCE = 3_000.0
 
-LONG_STEP = 2e-2  # s: with such steps a second of flight takes as long as a flight under any law
+LONG_STEP = 5e-3  # s: with such steps a second of flight takes as long as a flight under any law
 
 
 @dataclass(frozen=True)
@@ -223,7 +223,7 @@ class Fit:
         """How many digits the number needs, in hundredths: people choose round ones."""
         if factor_meaning(self.value, self.doubt) and self.form == "factor":
             return 0.0
-        return len(f"{self.value:.10g}".replace(".", "").strip("-0")) / 100
+        return digits_of(self.value) / 100
 
     @property
     def sentence(self) -> str:
@@ -244,6 +244,11 @@ class Fit:
 
 # People write 2/3 for what needs more digits than so many.
 LARGEST_DENOMINATOR, FRACTION_DIGITS = 12, 4
+
+
+def digits_of(number: float) -> int:
+    """Return how many digits a number needs, up to ten, besides zeros at its ends."""
+    return len(f"{number:.10g}".replace(".", "").strip("-0"))
 
 
 def roundest(value: float, doubt: float, size: float = 1.0) -> float:

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from longball.judge.answers import Answer
 from longball.judge.explanations import Checked, Explanation, off, share_left, size_of
 from longball.judge.findings import Finding
-from longball.judge.fits import FIRST, factor_meaning, roundest
+from longball.judge.fits import FEW_DIGITS, FIRST, digits_of, factor_meaning, roundest
 from longball.judge.mistakes import FORMULAS, NUMBERED, View
 from longball.judge.quantities import QUANTITIES
 from longball.judge.stages import Change, Check, Numbers, Trial, follow, view_values
@@ -191,13 +191,17 @@ def formulas(
 
 
 def _settled(numbers: Sequence[float]) -> float:
-    """Return the number that all are; 0 if they are not the same, or too few."""
+    """Return the number that all are; 0 if they are not the same, too few, or no round number.
+
+    Where all scenes have the same bat, another mistake may be like any number.
+    """
     if len(numbers) < FIRST:
         return 0.0
     middle, doubt = float(np.median(numbers)), float(np.ptp(numbers)) / 2
     if doubt > CERTAIN * abs(middle):
         return 0.0
-    return roundest(middle, max(doubt, 1e-9 * abs(middle)))
+    number = roundest(middle, max(doubt, 1e-9 * abs(middle)))
+    return number if digits_of(number) <= FEW_DIGITS else 0.0
 
 
 def _view(trial: Trial, base: Change, quantity: str) -> View | None:
