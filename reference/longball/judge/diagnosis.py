@@ -128,6 +128,10 @@ class _Search:
         Whether a law is found that jumps: what is left then is the candidate's step across.
     loose
         Relative errors that are left unexplained and handed on, by scene.
+    begun
+        Largest relative errors of the stages that something is found for, before that.
+    moved
+        Stages whose errors are explained by a mistake at another one, and that.
     """
 
     def __init__(
@@ -139,6 +143,8 @@ class _Search:
         self.findings: list[Finding] = []
         self.stepless = self.jumps = False
         self.loose: dict[str, float] = {}
+        self.begun: dict[str, float] = {}
+        self.moved: dict[str, str] = {}
         self.excused: set[str] = set()
         self.work = Work()
         self._raw: dict[int, Checked] = {}  # under the base, by the trial's identity
@@ -158,15 +164,30 @@ class _Search:
         self.findings += outcome_findings(self.trials, self.base, self.findings)
         self.findings += told_findings(self.trials, self.base)
         self.findings += [coarse] if self.causes and coarse else []
-        clean = [r.stage for r in rows if not r.wrong]
         self.findings.sort(key=lambda f: f.worst < MINOR * largest)
+        rows = self._where_made(rows)
+        clean = [r.stage for r in rows if not r.wrong]
+        lead = next((r for r in rows if r.wrong and r.worst >= MINOR * largest), None)
         return Diagnosis(
-            sentence=self._sentence(next((r for r in rows if r.stage == first), None), clean),
-            first=first,
+            sentence=self._sentence(lead, clean),
+            first=lead and lead.stage,
             stages=rows,
             clean=clean,
             findings=self.findings,
         )
+
+    def _where_made(self, rows: Sequence[StageRow]) -> list[StageRow]:
+        """Return the rows with errors of a stage at the one where they are made, if that is known.
+
+        A landing by a wrong clock is on the true path, and not where the ball is at that time.
+        """
+        by_stage = {row.stage: row for row in rows}
+        for stage, made in self.moved.items():
+            if stage in by_stage and not any(f.stage == stage for f in self.findings):
+                row = by_stage[stage]
+                by_stage[made] = row.model_copy(update={"stage": made})
+                by_stage[stage] = row.model_copy(update={"wrong": 0, "worst": 0.0, "example": None})
+        return [by_stage[stage] for stage in STAGES if stage in by_stage]
 
     def _sentence(self, first: StageRow | None, clean: Sequence[str]) -> str:
         """Return it all in a sentence."""
@@ -234,6 +255,7 @@ class _Search:
                 worst=1.0,
             )
         )  # fmt: skip
+        self.begun[stage] = 1.0
         self.trials, self._followed = [meant.mend(t) for t in self.trials], None
 
     def _explain(self, stage: str, checks: Sequence[Checked]) -> bool:
@@ -249,7 +271,7 @@ class _Search:
         minor = MINOR * min(worst, 1.0)
         wrong = [one for one, size in zip(seen, sizes, strict=True) if size > minor]
         good = [one for one, size in zip(seen, sizes, strict=True) if one[1] and size <= minor]
-        before = [f for f in self.findings if f.stage == stage]
+        before = self.begun.get(stage, 0.0)
         if before and worst < FINE:
             self._leave(stage, wrong)
             return False
@@ -257,12 +279,12 @@ class _Search:
         quantity = max((c for _, cs in wrong for c in cs), key=lambda c: c.error / c.scale).quantity
         told = Finding(
             stage=stage, quantity=quantity.partition(":")[0], kind="unexplained", names=[],
-            share=0.0, sentence=_unknown(stage, len(wrong), worst, bool(before)),
+            share=0.0, sentence=_unknown(stage, len(wrong), worst, before > 0),
             wrong=len(wrong), checked=len(wrong) + len(right), worst=worst,
             scenes=rule([t.case for t in failing], [t.case for t in right]),
         )  # fmt: skip
         found = []
-        rest = before and worst < MINOR * min(before[0].worst, 1.0)
+        rest = worst < MINOR * min(before, 1.0)
         stepped = before and (isinstance(self.base.engine, Verlet) or self.jumps)
         searched = self.causes and not (rest or stepped)
         if searched and self.single and worst < SINGLE_NOISE:
@@ -285,8 +307,12 @@ class _Search:
             "remedy": best.remedy,
             "share": 1 - best.left,
             "step": best.step,
+            "stage": best.stage or stage,
         }
         self.findings.append(told.model_copy(update=said))
+        self.begun.setdefault(stage, worst)
+        if best.stage:
+            self.moved[stage] = best.stage
         if alone:
             self.excused.add(stage)
         else:

@@ -62,6 +62,8 @@ class Explanation:
         s, of a scheme or a clock.
     allowed
         What it may leave to be named.
+    stage
+        Where the mistake is, if not at the stage whose errors it explains.
     """
 
     name: str
@@ -76,6 +78,7 @@ class Explanation:
     against: float = 0.0
     step: float | None = None
     allowed: float = NAMED
+    stage: str | None = None
 
     @property
     def named(self) -> bool:

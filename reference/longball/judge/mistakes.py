@@ -978,6 +978,9 @@ FORMULAS: tuple[Formula, ...] = (
             _V, lambda v: _along(v["impact.velocity:follows"], v["contact.normal"])),
     Formula("impact.velocity", "velocity-reversed", "turns the whole velocity round, -ẽ times it",
             _V, lambda v: tuple(-v.restitution * b for b in v.before)),
+    Formula("impact.velocity", "bat-velocity-added", "adds the bat's velocity to the ball's", _V,
+            lambda v: tuple(a + b for a, b in zip(
+                v["impact.velocity:follows"], v["contact.bat_velocity"], strict=True))),
     Formula("impact.velocity", "plate-velocity-after", "starts from the velocity at the plate", _V,
             lambda v: tuple(r + k / v.scene.ball.mass
                             for r, k in zip(v["plate.velocity"], v.kick, strict=True))),
