@@ -51,7 +51,7 @@ from longball.engines.event import Event
 from longball.engines.path import Flight, Path
 from longball.model.frame import Frame, launch_frame
 from longball.model.law import Law, PlaneState, SpaceState, State
-from longball.model.numbers import DOUBLES, Doubles, Vector
+from longball.model.numbers import DOUBLES, Doubles, Vector, plus
 from longball.model.readings import AppendixBRoot, VerletForces, VerletLanding
 from longball.model.trace import Names, Program
 
@@ -478,11 +478,6 @@ def _halves(state: Sequence[T]) -> tuple[tuple[T, ...], tuple[T, ...]]:
     dimensions = len(state) // 2
     split = 2 * dimensions
     return (*state[:dimensions], *state[split:]), tuple(state[dimensions:split])
-
-
-def plus(a: Components, factor: float, b: Components) -> Components:
-    """Return a + factor b."""
-    return tuple([x + factor * y for x, y in zip(a, b, strict=True)])  # faster than a generator
 
 
 def _triple(components: Sequence[float]) -> Vector[float]:

@@ -25,7 +25,7 @@ from longball.model.atmosphere import ZERO_CELSIUS, density
 from longball.model.bat import CollisionParameters, collision_parameters, moment_of_inertia
 from longball.model.force import Drag, Force, Lift, Motion, Piecewise, Term
 from longball.model.law import GRAVITY
-from longball.model.numbers import DOUBLES, Vector
+from longball.model.numbers import DOUBLES, Vector, plus
 from longball.model.quantities import at
 from longball.model.readings import Reading
 
@@ -694,7 +694,7 @@ class View:
     def relative(self) -> Numbers:
         """Ṽ, m/s."""
         bat = self["contact.bat_velocity"]
-        return tuple(v - b for v, b in zip(self.before, bat, strict=True))
+        return plus(self.before, -1.0, bat)
 
     @property
     def along(self) -> float:
@@ -789,8 +789,12 @@ def _read(**switches: str) -> Callable[[View], Numbers]:
     return lambda v: (v.collision(**switches).restitution,)
 
 
+def _dot(a: Numbers, b: Numbers) -> float:
+    return sum(x * y for x, y in zip(a, b, strict=True))
+
+
 def _along(vector: Numbers, normal: Numbers) -> Numbers:
-    part = sum(a * n for a, n in zip(vector, normal, strict=True))
+    part = _dot(vector, normal)
     return tuple(part * n for n in normal)
 
 
@@ -854,7 +858,7 @@ def _tilted(v: View, share: float) -> Numbers:
 
 def _off_centre(v: View, radii: float) -> Numbers:
     place, step = v["contact.position:follows"], radii * v.scene.ball.radius
-    return tuple(x - step * n for x, n in zip(place, v["contact.normal"], strict=True))
+    return plus(place, -step, v["contact.normal"])
 
 
 FORMULAS: tuple[Formula, ...] = (
@@ -906,17 +910,16 @@ FORMULAS: tuple[Formula, ...] = (
                             math.sin(math.degrees(v.scene.swing.tilt)))),
     Formula("contact.normal_speed", "bat-at-rest", "takes the ball's own velocity, as if the bat "
             "were at rest", "Ṽ = V - V_b",
-            lambda v: (sum(a * n for a, n in zip(v.before, v["contact.normal"], strict=True)),)),
+            lambda v: (_dot(v.before, v["contact.normal"]),)),
     Formula("contact.normal_speed", "velocities-added", "adds the bat's velocity to the ball's",
-            "Ṽ = V - V_b", lambda v: (sum((a + b) * n for a, b, n in zip(
-                v.before, v["contact.bat_velocity"], v["contact.normal"], strict=True)),)),
+            "Ṽ = V - V_b", lambda v: (_dot(plus(v.before, 1.0, v["contact.bat_velocity"]),
+                                           v["contact.normal"]),)),
     Formula("contact.normal_speed", "whole-speed", "takes the size of Ṽ, not its part along n",
             "Ṽ·n", lambda v: (-math.hypot(*v.relative),)),
     Formula("contact.normal_speed", "plate-velocity", "takes the ball's velocity at the plate",
             "take it at the contact",
-            lambda v: (sum((a - b) * n for a, b, n in zip(
-                v["plate.velocity"], v["contact.bat_velocity"], v["contact.normal"],
-                strict=True)),)),
+            lambda v: (_dot(plus(v["plate.velocity"], -1.0, v["contact.bat_velocity"]),
+                            v["contact.normal"]),)),
     Formula("impact.restitution", "plain-restitution", "uses e where ẽ belongs", _EFFECTIVE,
             lambda v: (v.scene.ball.restitution,)),
     Formula("impact.restitution", "effective-mass", "takes M_eff = I/r̃, as printed, which is no "
@@ -951,8 +954,8 @@ FORMULAS: tuple[Formula, ...] = (
     Formula("impact.impulse", "mean-of-masses", "takes (m + M)/2 for μ", _J,
             _push(lambda v: (v.scene.ball.mass + v.scene.bat.mass) / 2, lambda v: v.restitution)),
     Formula("impact.impulse", "impulse-of-ball-speed", "takes the ball's own velocity along n, as "
-            "if the bat were at rest", _J, lambda v: (-v.mu * (1 + v.restitution) * sum(
-                a * n for a, n in zip(v.before, v["contact.normal"], strict=True)),)),
+            "if the bat were at rest", _J, lambda v: (
+                -v.mu * (1 + v.restitution) * _dot(v.before, v["contact.normal"]),)),
     Formula("impact.impulse", "plain-e-in-impulse", "uses 1 + e where 1 + ẽ belongs", _J,
             _push(lambda v: v.mu, lambda v: v.scene.ball.restitution)),
     Formula("impact.impulse", "one-minus-e", "uses 1 - ẽ where 1 + ẽ belongs", _J,
@@ -972,18 +975,15 @@ FORMULAS: tuple[Formula, ...] = (
     Formula("impact.velocity", "impulse-over-reduced-mass", "divides the impulse by μ", _V,
             _after(lambda v: 1 / v.mu)),
     Formula("impact.velocity", "relative-velocity", "starts from Ṽ instead of V", _V,
-            lambda v: tuple(r + k / v.scene.ball.mass
-                            for r, k in zip(v.relative, v.kick, strict=True))),
+            lambda v: plus(v.relative, 1 / v.scene.ball.mass, v.kick)),
     Formula("impact.velocity", "velocity-along-normal", "keeps the velocity along the normal only",
             _V, lambda v: _along(v["impact.velocity:follows"], v["contact.normal"])),
     Formula("impact.velocity", "velocity-reversed", "turns the whole velocity round, -ẽ times it",
             _V, lambda v: tuple(-v.restitution * b for b in v.before)),
     Formula("impact.velocity", "bat-velocity-added", "adds the bat's velocity to the ball's", _V,
-            lambda v: tuple(a + b for a, b in zip(
-                v["impact.velocity:follows"], v["contact.bat_velocity"], strict=True))),
+            lambda v: plus(v["impact.velocity:follows"], 1.0, v["contact.bat_velocity"])),
     Formula("impact.velocity", "plate-velocity-after", "starts from the velocity at the plate", _V,
-            lambda v: tuple(r + k / v.scene.ball.mass
-                            for r, k in zip(v["plate.velocity"], v.kick, strict=True))),
+            lambda v: plus(v["plate.velocity"], 1 / v.scene.ball.mass, v.kick)),
     Formula("impact.energy_change", "energy-with-e", "uses e where ẽ belongs", _DE,
             _energy(lambda v: v.mu, lambda v: 1 - v.scene.ball.restitution**2)),
     Formula("impact.energy_change", "energy-e-not-squared", "uses 1 - ẽ where 1 - ẽ² belongs", _DE,
@@ -1003,11 +1003,10 @@ FORMULAS: tuple[Formula, ...] = (
     Formula("impact.spin", "spin-kept", "keeps the spin that the ball came with",
             _SPUN, lambda v: v["contact.spin"]),
     Formula("impact.spin", "spin-change-sign", "changes the spin the other way", _SPUN,
-            lambda v: tuple(2 * a - b for a, b in zip(
-                v["contact.spin"], v["impact.spin:follows"], strict=True))),
+            lambda v: plus(
+                v["contact.spin"], -1.0, plus(v["impact.spin:follows"], -1.0, v["contact.spin"]))),
     Formula("impact.spin", "spin-before-forgotten", "forgets the spin that the ball came with",
-            _SPUN, lambda v: tuple(b - a for a, b in zip(
-                v["contact.spin"], v["impact.spin:follows"], strict=True))),
+            _SPUN, lambda v: plus(v["impact.spin:follows"], -1.0, v["contact.spin"])),
     Formula("landing.spin", "spin-of-launch", "gives the spin of the launch for that at landing",
             "spin falls by e along spin_decay_length of path through the air",
             lambda v: tuple(v.scene.launch.spin)),
@@ -1046,9 +1045,8 @@ NUMBERED: tuple[Numbered, ...] = (
     Numbered("contact.position", "contact-off-centre", "gives as the contact a point off the "
              "ball's centre, nearer to the bat by {} times the ball's radius",
              "contact.position is where the ball's centre is",
-             lambda v, said: sum((a - b) * n for a, b, n in zip(
-                 v["contact.position:follows"], said, v["contact.normal"], strict=True))
-             / v.scene.ball.radius, _off_centre),
+             lambda v, said: _dot(plus(v["contact.position:follows"], -1.0, said),
+                                  v["contact.normal"]) / v.scene.ball.radius, _off_centre),
     Numbered("contact.normal", "normal-along-bat", "gives the normal a part along the bat: "
              "(x, {} y, z - z_b) stands for (x, 0, z - z_b)",
              "n is perpendicular to the bat's axis: its y is 0",
@@ -1126,7 +1124,7 @@ def _rubbed_without_spin(cases: Any, contact: Any, error: Any, *carried: Any) ->
     if contact.spin is None:
         return collide(cases, contact, error, *carried)
     cases, impact, *rest = collide(cases, replace(contact, spin=(0.0, 0.0, 0.0)), error, *carried)
-    spin = tuple(a + b for a, b in zip(impact.spin, contact.spin, strict=True))
+    spin = plus(impact.spin, 1.0, contact.spin)
     return cases, replace(impact, spin=spin), *rest
 
 

@@ -35,7 +35,7 @@ from longball.judge.quantities import difference, length, radius_of, values_of
 from longball.model.bat import inertia_factor, lever_arm
 from longball.model.force import cross
 from longball.model.impact import energy_change
-from longball.model.numbers import DOUBLES, Undecided
+from longball.model.numbers import DOUBLES, Undecided, plus
 from longball.model.scene import FlightScene, ImpactScene, Scene, landing_height
 
 Numbers = tuple[float, ...]
@@ -418,8 +418,7 @@ class _Following:
         if plate is None:
             return velocity
         at = self.given.get("plate.time") or self.own["plate.time"]
-        off = [a - b for a, b in zip(plate, _at(leg, at[0])[1], strict=True)]
-        return tuple(v + o for v, o in zip(velocity, off, strict=True))
+        return plus(velocity, 1.0, plus(plate, -1.0, _at(leg, at[0])[1]))
 
     @property
     def spin(self) -> tuple[float, float, float] | None:
@@ -506,10 +505,7 @@ class _Following:
         yield from self._maybe("impulse", "impact.impulse", (push,))
         given = self.given.get("impact.impulse")
         more = (given[0] if given else push) - struck.impulse
-        mass = self.scene.ball.mass
-        after = tuple(
-            v + more * n / mass for v, n in zip(struck.velocity, contact.normal, strict=True)
-        )
+        after = plus(struck.velocity, more / self.scene.ball.mass, contact.normal)
         self.own["impact.velocity"] = after
         yield from self._maybe("velocity after", "impact.velocity", after)
         if struck.friction_margin is not None:
@@ -548,10 +544,10 @@ class _Following:
         if after is None or contact.spin is None:
             return spin
         ball = self.scene.ball
-        change = [b - a for a, b in zip(contact.velocity, after, strict=True)]
+        change = plus(after, -1.0, contact.velocity)
         factor = 1 / (inertia_factor(ball, DOUBLES) * ball.radius)
         turned = cross(contact.normal, _three(change))
-        return tuple(w - factor * t for w, t in zip(contact.spin, turned, strict=True))
+        return plus(contact.spin, -factor, turned)
 
     def _contact_position(self) -> Numbers:
         if isinstance(self.scene, ImpactScene):
@@ -670,7 +666,7 @@ class _Following:
         if self.meeting is None:
             return launch
         pitch, touch = self.meeting.approach.pitch, self.meeting.approach.touch
-        delta_v = tuple(a - b for a, b in zip(launch.velocity, self.before, strict=True))
+        delta_v = plus(launch.velocity, -1.0, self.before)
         return engine.rebound(
             pitch.frame, touch, _three(delta_v), case.law, case.ground(pitch.start)
         )

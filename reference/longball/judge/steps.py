@@ -23,8 +23,9 @@ from longball.engines.event import Event
 from longball.engines.ivp import Ivp
 from longball.engines.path import Flight, Path
 from longball.engines.polynomial import PolynomialPiece
-from longball.engines.verlet import TREATMENTS, Chord, Components, Verlet, plain_step, plus
+from longball.engines.verlet import TREATMENTS, Chord, Components, Verlet, plain_step
 from longball.model.law import Law, State
+from longball.model.numbers import plus
 from longball.model.readings import VerletForces
 
 Array = NDArray[np.float64]
