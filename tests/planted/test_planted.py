@@ -22,14 +22,15 @@ def binary(tmp_path_factory):
     [
         "normal_in_three", "inertia_with_diameter", "contact_on_surface", "bat_mass_fixed",
         "no_drag_descending", "drag_linear", "rk4_frozen_speed", "gravity_or_default", "rounded_2",
-        "friction_tangential_default",
+        "friction_tangential_default", "clock_step_late", "gravity_981+density_1225",
     ],
 )  # fmt: skip
 def test_mistake_is_explained(binary, name):
     row = next(row for row in trial.mistakes() if row["name"] == name)
     grade = trial.grade(row, trial.judged(row, binary))
+    assert grade.stage
     assert grade.explained
-    assert grade.helped
+    assert not grade.false_name
 
 
 def test_without_a_mistake_all_is_right(binary):

@@ -388,6 +388,10 @@ class _Search:
         """
         if best.mend is not None:
             self.trials = [best.mend(t) for t in self.trials]
+        elif best.stage == "plate":
+            # Where a pitch ends says nothing of other flights, nor of the ball's later velocity.
+            self.excused |= {stage, "plate"}
+            self.trials = [_without(t, "plate.velocity") for t in self.trials]
         elif best.change is not None:
             self.jumps |= best.allowed > NAMED
             self.base, self._raw = self.base.then(best.change), {}
@@ -479,6 +483,10 @@ class _Search:
             if not any(e.named for e in found):
                 found += pairs(stage, sought, found)
         return found
+
+
+def _without(trial: Trial, quantity: str) -> Trial:
+    return replace(trial, given={n: v for n, v in trial.given.items() if n != quantity})
 
 
 def _unknown(stage: str, wrong: int, worst: float, rest: bool) -> str:

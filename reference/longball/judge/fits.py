@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from longball.judge.any_law import EFFORT
 from longball.judge.stages import COLLISION, FLYING, Change, Trial, follow, with_values
 from longball.model.air import (
     ConstantDrag,
@@ -141,10 +142,18 @@ class Work:
 
     done = 0.0
 
+    def __init__(self) -> None:
+        self._begun = EFFORT.steps
+
     @property
     def exhausted(self) -> bool:
         """Whether the search has done all that it may."""
-        return self.done > PATIENCE
+        return self.done > PATIENCE or self.spent
+
+    @property
+    def spent(self) -> bool:
+        """Whether its flights have taken very many steps."""
+        return EFFORT.steps - self._begun > MOST_EFFORT
 
     def residuals(self, trial: Trial, change: Change, stages: Iterable[str]) -> Array:
         """Return the relative errors that a change leaves in some stages."""
@@ -166,6 +175,8 @@ class Work:
 # Flights of a search, so that a verdict is the same on every machine and comes within ten seconds;
 # what has not been tried by then is not.
 PATIENCE = 3_000.0
+
+MOST_EFFORT = 30_000  # steps of DOP853: a law that drives the ball on takes many
 
 LONG_STEP = 5e-3  # s: with such steps a second of flight takes as long as a flight under any law
 

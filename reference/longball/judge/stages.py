@@ -575,16 +575,19 @@ class _Following:
         return Launch(start, velocity, begin, 0.0, spin=spin)
 
     def _flight(self) -> Iterable[Check]:
-        given, case, begun = self.given, self._case(), self._launch()
-        launch = self._pushed(case, begun)
-        chain.land(case, launch, "batted")
-        self._fly_by(case)
-        leg = case.legs[0]
+        given, begun, scene = self.given, self._launch(), self.scene
+        launch = self._pushed(self._case(), begun)
         hang, time = given.get("landing.hang_time"), given.get("landing.time")
         position = given.get("landing.position")
-        flown = None
         since = [hang[0] - launch.delay] if hang else []
         since += [time[0] - launch.time] if time else []
+        if position and since:  # no law is followed far beyond what is asked for
+            far = min(scene.time_limit, 2 * max(*since, 1.0))
+            scene = scene.model_copy(update={"time_limit": far})
+        case = self._case(scene)
+        chain.land(case, launch, "batted")
+        self._fly_by(case)
+        leg, flown = case.legs[0], None
         if position and since:
             # Of two times that contradict each other the one that the place belongs to counts.
             flown = min(since, key=lambda t: math.dist(_at(leg, t)[0], position))
