@@ -676,7 +676,7 @@ MISTAKES = {
     "margin-sign": reported("contact", "margin", in_unit(-1.0)),
     "time-since-contact": reported("landing", "time", lambda t, r, s: r["landing"]["hang_time"]),
     "hang-since-start": reported("landing", "hang_time", lambda t, r, s: r["landing"]["time"]),
-    "distance-from-contact": {"from_contact": True},
+    "distance-from-start": {"from_contact": True},
     "distance-along-x": reported(
         "landing", "distance", lambda d, r, s: r["landing"]["position"][0]
     ),

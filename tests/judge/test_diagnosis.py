@@ -71,7 +71,7 @@ EXPECTED = {
     "first-below-since-launch": ("landing", "first-below"),
     "distance-in-feet": ("distance", "landing.distance*3.28084"),
     "axes-exchanged": ("flight", "landing.position:(y, x, z)"),
-    "distance-from-contact": ("distance", "distance-from-contact"),
+    "distance-from-start": ("distance", "distance-from-start"),
 }
 
 

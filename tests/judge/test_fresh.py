@@ -20,7 +20,7 @@ from longball.judge.evaluation import Judge
 from longball.judge.fresh import as_csv, proven, random_scenes, usual_constants
 from longball.judge.step_sweep import StepSweep, parse_knob
 from longball.judge.verdict import Submission, compare
-from longball.model.scene import Scene
+from longball.model.scene import Scene, parse_scene
 from tests.judge.material import flights, pitches
 
 
@@ -130,6 +130,56 @@ def test_a_function_becomes_a_candidate():
     answer, refused = map(json.loads, out.getvalue().splitlines())
     assert judged([scene], [answer]).verdict.passed
     assert "only flights and pitches" in refused["error"]
+
+
+def vacuum_at(times):
+    """Return a function from a launch to its way without air, as points at given times."""
+
+    def fly(state, parameters):
+        x, y, z, vx, vy, vz = state
+        g = parameters["gravity"]
+        t = times(parameters["time_limit"])
+        return np.array([t, x + vx * t, y + vy * t, z + vz * t - g / 2 * t**2]).T
+
+    return fly
+
+
+def in_vacuum(kind: str, **blocks: object) -> Scene:
+    return parse_scene(json.dumps({"id": kind, "kind": kind, "air": None, **blocks}))
+
+
+UP = {"launch": {"position": [0, 0, 1], "velocity": [0, 0, 30]}}
+
+
+@pytest.mark.parametrize(
+    ("scene", "outcome"),
+    [
+        (in_vacuum("flight", time_limit=2.0, **UP), "airborne"),
+        (in_vacuum("flight", time_limit=7.0, **UP), "landed"),
+        (in_vacuum("pitch", time_limit=0.3), "airborne"),
+        (in_vacuum("pitch"), "crossed"),
+        (in_vacuum("pitch", pitch={"velocity": [-15, 0, 0]}), "grounded"),
+        (in_vacuum("pitch", pitch={"velocity": [-40, 0, 1]}), "crossed"),
+    ],
+)
+@pytest.mark.parametrize("last", [lambda limit: limit, lambda limit: limit - 0.01, lambda _: 8.0])
+def test_points_tell_how_a_ball_ends(scene: Scene, outcome: str, last):
+    out = io.StringIO()
+    fly = vacuum_at(lambda limit: np.arange(0.0, min(last(limit), 8.0) + 1e-9, 0.01))
+    serve(fly, [scene.line()], out)
+    answer = json.loads(out.getvalue())
+    assert solve(scene, Ivp()).outcome == outcome
+    found = judged([scene], [answer])
+    assert found.verdict.passed, found.verdict.reasons
+    assert found.comparisons[0].answer.outcome == outcome
+
+
+def test_a_landing_after_the_time_limit_is_airborne():
+    out = io.StringIO()
+    scene = in_vacuum("flight", time_limit=2.0, **UP)
+    serve(lambda state, parameters: {"time": np.float64(6.2), "position": (0, 0, 0)},
+          [scene.line()], out)  # fmt: skip
+    assert judged([scene], [json.loads(out.getvalue())]).verdict.passed
 
 
 def test_scenes_and_results_as_csv(tmp_path: Path):

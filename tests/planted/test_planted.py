@@ -1,6 +1,5 @@
 """The planted programs pass without a mistake, and a few mistakes are told."""
 
-import json
 import re
 import shutil
 import subprocess
@@ -18,11 +17,20 @@ def binary(tmp_path_factory):
     return trial.build(tmp_path_factory.mktemp("planted"))
 
 
-@pytest.mark.parametrize("name", ["normal_horizontal", "tilt_sign", "inertia_centre"])
-def test_mistake_is_told(binary, name):
+@pytest.mark.parametrize(
+    "name",
+    [
+        "normal_in_three", "inertia_with_diameter", "contact_on_surface", "bat_mass_fixed",
+        "no_drag_descending", "drag_linear", "rk4_frozen_speed", "gravity_or_default", "rounded_2",
+        "friction_tangential_default", "clock_step_late", "gravity_981+density_1225",
+    ],
+)  # fmt: skip
+def test_mistake_is_explained(binary, name):
     row = next(row for row in trial.mistakes() if row["name"] == name)
-    verdict = judge(trial.command(row, binary), "impact")
-    assert trial.grade(row, json.loads(verdict.model_dump_json())).helped
+    grade = trial.grade(row, trial.judged(row, binary))
+    assert grade.stage
+    assert grade.explained
+    assert not grade.false_name
 
 
 def test_without_a_mistake_all_is_right(binary):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+from collections.abc import Collection, Sequence
 from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field
@@ -101,12 +102,7 @@ class ConvergenceReport(Frozen):
     def text(self) -> str:
         """Return the report for people: a line a quantity, its sentence, and the scenes lost."""
         head = ("quantity", "order", "95 %", "expected", "C", "steps fitted, s", "verdict")
-        rows = [head, *(_row(order) for order in self.orders)]
-        widths = [max(len(row[i]) for row in rows) for i in range(len(head))]
-        lines = [
-            "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
-            for row in rows
-        ]
+        lines = aligned([head, *(_row(order) for order in self.orders)])
         lines += ["", *(f"{order.quantity}: {order.why}" for order in self.orders)]
         lines += [
             f"step {row.step:.3g} s: {row.lost} of {row.of} scenes end otherwise than they should"
@@ -142,3 +138,15 @@ def _row(order: Order) -> tuple[str, ...]:
         f"{max(fitted):.2g} to {min(fitted):.2g}",
         order.verdict,
     )
+
+
+def aligned(table: Sequence[Sequence[str]], right: Collection[int] = ()) -> list[str]:
+    """Return the rows of a table as lines; some columns end, and the others begin, together."""
+    widths = [max(map(len, column)) for column in zip(*table, strict=True)]
+    lines = []
+    for row in table:
+        cells = enumerate(zip(row, widths, strict=True))
+        lines.append("  ".join(
+            cell.rjust(width) if i in right else cell.ljust(width) for i, (cell, width) in cells
+        ).rstrip())  # fmt: skip
+    return lines

@@ -51,7 +51,7 @@ from longball.engines.event import Event
 from longball.engines.path import Flight, Path
 from longball.model.frame import Frame, launch_frame
 from longball.model.law import Law, PlaneState, SpaceState, State
-from longball.model.numbers import DOUBLES, Doubles, Vector
+from longball.model.numbers import DOUBLES, Doubles, Vector, plus
 from longball.model.readings import AppendixBRoot, VerletForces, VerletLanding
 from longball.model.trace import Names, Program
 
@@ -268,8 +268,8 @@ class Verlet(Stepped[float]):
             )
         position, velocity = _halves(before)
         place, split = position[: len(velocity)], 2 * len(velocity)
-        along = _moved(before[split:], ahead, law.rates(DOUBLES)(*before)[split:])
-        touching = law.state(*_moved(place, ahead, velocity), *velocity, *along)
+        along = plus(before[split:], ahead, law.rates(DOUBLES)(*before)[split:])
+        touching = law.state(*plus(place, ahead, velocity), *velocity, *along)
         return SteppedTouch(
             margin,
             True,
@@ -485,11 +485,6 @@ def _halves(state: Sequence[T]) -> tuple[tuple[T, ...], tuple[T, ...]]:
     return (*state[:dimensions], *state[split:]), tuple(state[dimensions:split])
 
 
-def _moved(a: Components, factor: float, b: Components) -> Components:
-    """Return a + factor b."""
-    return tuple(x + factor * y for x, y in zip(a, b, strict=True))
-
-
 def _triple(components: Sequence[float]) -> Vector[float]:
     x, y, z = components
     return x, y, z
@@ -567,8 +562,8 @@ def _plain_step() -> Callable[..., Any]:
     """Return the step in plain Python, for any vectors; its `parameters` are the acceleration."""
     space: dict[str, Any] = {
         "accelerate": lambda position, velocity, air: air(position, velocity),
-        "plus": _moved,
-        "moved": lambda position, dt, velocity, _: _moved(position, dt, velocity),
+        "plus": plus,
+        "moved": lambda position, dt, velocity, _: plus(position, dt, velocity),
         "largest": lambda a: max(map(abs, a)),
     }
     exec(compile(_SOURCE, "verlet_steps", "exec"), space)

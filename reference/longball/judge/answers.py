@@ -11,6 +11,7 @@ import csv
 import difflib
 import io
 import json
+import re
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -282,6 +283,12 @@ def quoted(what: Any, longest: int = 60) -> str:
         return str(what)
     text = "".join(c if c.isprintable() else repr(c)[1:-1] for c in what[: longest + 1])
     return text if len(text) <= longest else text[: longest - 3] + "..."
+
+
+def printable(text: str) -> str:
+    """Return a text without control characters and the sequences that they begin."""
+    bare = re.sub(r"\x1b(\[[0-?]*[ -/]*[@-~]|\][^\x07\x1b]*(\x07|\x1b\\)|.)", "", text)
+    return "".join(c if c.isprintable() or c == "\n" else " " for c in bare).strip()
 
 
 def _value(given: Any, size: int) -> Value | None:

@@ -17,7 +17,7 @@ from longball.engines.engine import Engine
 from longball.engines.fence import stop_at
 from longball.engines.ivp import Ivp
 from longball.engines.verlet import Verlet
-from longball.judge.quantities import QUANTITIES, Value, length, radii_of, values_of
+from longball.judge.quantities import QUANTITIES, Value, length, radius_of, values_of
 from longball.model.frame import launch_frame
 from longball.model.law import law_of
 from longball.model.numbers import DOUBLES, Undecided
@@ -184,6 +184,10 @@ class Profile(ABC):
     def tolerance(self, case: Case, quantity: str, expected: Value) -> float:
         """Return the largest error that passes, in the quantity's unit."""
 
+    @abstractmethod
+    def allowed(self, size: float) -> float:
+        """Return what passes for a value of that size whose sensitivity is not known."""
+
     def engine(self) -> Engine[float] | None:
         """Return who computes what counts as true, if that is not the golden data."""
         return None
@@ -202,17 +206,16 @@ class Exact(Profile):
 
     name = "exact"
 
-    @staticmethod
-    def of(size: float) -> float:
-        """Return what passes for a number of that size whose sensitivity is not known."""
-        return SLACK * UNKNOWN_SENSITIVITY * max(1.0, size)
-
     def __str__(self) -> str:
         return f"exact: within {SLACK:g} times the error that double precision cannot avoid"
 
     def tolerance(self, case: Case, quantity: str, expected: Value) -> float:
         """Return the largest error that passes; see `Profile.tolerance`."""
-        return SLACK * attainable(case, quantity) + length(radii_of(case.expected)[quantity])
+        return SLACK * attainable(case, quantity) + length(radius_of(case.expected, quantity))
+
+    def allowed(self, size: float) -> float:
+        """Return what passes for a value of that size; see `Profile.allowed`."""
+        return SLACK * UNKNOWN_SENSITIVITY * max(1.0, size)
 
 
 @dataclass(frozen=True)
@@ -238,6 +241,10 @@ class Converged(Profile):
     def tolerance(self, case: Case, quantity: str, expected: Value) -> float:
         """Return the largest error that passes; see `Profile.tolerance`."""
         return max(self.error, Exact().tolerance(case, quantity, expected))
+
+    def allowed(self, size: float) -> float:
+        """Return what passes for a value of that size; see `Profile.allowed`."""
+        return max(self.error, Exact().allowed(size))
 
 
 # Between what the rounding of a hundred steps can do, amplified by bat and ball a thousand times
@@ -281,7 +288,11 @@ class Paper(Profile):
 
     def tolerance(self, case: Case, quantity: str, expected: Value) -> float:
         """Return the largest error that passes; see `Profile.tolerance`."""
-        return SAME_SCHEME * max(1.0, length(expected))
+        return self.allowed(length(expected))
+
+    def allowed(self, size: float) -> float:
+        """Return what passes for a value of that size; see `Profile.allowed`."""
+        return SAME_SCHEME * max(1.0, size)
 
 
 def profile(name: str, tolerance: float | None = None, dt: float | None = None) -> Profile:

@@ -116,8 +116,7 @@ def grid(stage: str, trials: Sequence[Trial]) -> float | None:
 
 def clocks(stage: str, chosen: Sequence[Checked], base: Change) -> Iterator[Explanation]:
     """Yield what is wrong with times of points that lie on the true path."""
-    found = {id(t): p for t, _ in chosen if (p := placed(t, base, stage))}
-    places = [found[id(t)] for t, _ in chosen if id(t) in found]
+    places = [p for t, _ in chosen if (p := placed(t, base, stage))]
     if len(places) < 2 or sum(p.off for p in places) > 0.05 * sum(p.moved for p in places):
         return
     clock, times = np.array([p.clock for p in places]), np.array([p.time for p in places])
@@ -134,7 +133,9 @@ def clocks(stage: str, chosen: Sequence[Checked], base: Change) -> Iterator[Expl
         wholes = [sum(map(size_of, cs)) for _, cs in chosen]
         lefts = [sum(map(size_of, follow(mend(t), base, (stage,)))) for t, _ in chosen]
         left = share_left(lefts, wholes)
-        return Explanation(name, on_path + sentence, remedy, left, rank, mend=mend, step=step)
+        return Explanation(
+            name, on_path + sentence, remedy, left, rank, mend=mend, step=step, stage="time"
+        )
 
     if doubt < 1e-3 * abs(middle):
         yield told_of(
@@ -150,7 +151,7 @@ def clocks(stage: str, chosen: Sequence[Checked], base: Change) -> Iterator[Expl
     else:
         yield told_of(
             "clock", f"its times are off by {clock.min():.3g} to {clock.max():.3g} s",
-            lambda trial, time: time - (found[id(trial)].clock if id(trial) in found else 0.0), 3,
+            lambda trial, time: time - (q.clock if (q := placed(trial, base, stage)) else 0.0), 3,
             "law and integrator are right; look at how the time of the event is counted",
         )  # fmt: skip
 
@@ -182,6 +183,7 @@ def on_chords(few: Sought, base: Change, dt: float | None) -> Iterator[Explanati
         f"{best:.4g} s; the steps themselves are on the true path",
         "step onto the surface, or interpolate with the velocities (Hermite)", share, 0.9,
         Change(engine=FixedStep(dt=best, scheme="chords")), step=best,
+        stage="plate" if few.stages[0] == "pitch" else "landing",
     )  # fmt: skip
 
 

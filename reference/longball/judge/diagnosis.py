@@ -23,6 +23,7 @@ from longball.judge.changes import pairs, parts
 from longball.judge.clocks import clocks, ends, grid, on_chords
 from longball.judge.explanations import (
     ALIKE,
+    NAMED,
     Checked,
     Explanation,
     Sought,
@@ -39,6 +40,7 @@ from longball.judge.relations import (
     SINGLE,
     SINGLE_NOISE,
     conventions,
+    few_decimals,
     formulas,
     in_single_precision,
     relations,
@@ -48,13 +50,13 @@ from longball.judge.rules import rule
 from longball.judge.stages import (
     COLLISION,
     NONE,
-    STAGE_OF,
     STAGES,
     Change,
     Check,
     Trial,
     follow,
     followed,
+    stage_of,
     trial_of,
 )
 from longball.model.readings import Reading
@@ -72,7 +74,7 @@ FINE = 1e-7
 MINOR = 1e-3
 
 # Steps of all flights together that are followed with a scheme.
-MOST_STEPS = 30_000
+MOST_STEPS = 15_000
 
 # Explanations that are looked at as one at a stage, the second for what the first has left.
 ROUNDS = 3
@@ -122,8 +124,14 @@ class _Search:
         Stages and quantities whose errors are explained.
     stepless
         Whether no scheme in steps explains the flights.
+    jumps
+        Whether a law is found that jumps: what is left then is the candidate's step across.
     loose
         Relative errors that are left unexplained and handed on, by scene.
+    begun
+        Largest relative errors of the stages that something is found for, before that.
+    moved
+        Stages whose errors are explained by a mistake at another one, and that.
     """
 
     def __init__(
@@ -133,15 +141,17 @@ class _Search:
         self.trials, self.dt, self.scheme, self.causes = list(trials), dt, scheme, causes
         self.base = NONE if scheme is None else Change(engine=scheme, push=True)
         self.findings: list[Finding] = []
-        self.stepless = False
+        self.stepless = self.jumps = False
         self.loose: dict[str, float] = {}
+        self.begun: dict[str, float] = {}
+        self.moved: dict[str, str] = {}
         self.excused: set[str] = set()
         self.work = Work()
         self._raw: dict[int, Checked] = {}  # under the base, by the trial's identity
         self._followed: list[Checked] | None = None
 
     def diagnosis(self) -> Diagnosis:
-        checks = self._follow()
+        checks, coarse = self._follow(), few_decimals(self.trials)
         rows = [row for stage in STAGES if (row := _row(stage, checks))]
         largest = min(max((r.worst for r in rows), default=0.0), 1.0)
         first = next((r.stage for r in rows if r.wrong and r.worst >= MINOR * largest), None)
@@ -153,17 +163,33 @@ class _Search:
                     break
         self.findings += outcome_findings(self.trials, self.base, self.findings)
         self.findings += told_findings(self.trials, self.base)
-        clean = [r.stage for r in rows if not r.wrong]
+        self.findings += [coarse] if self.causes and coarse else []
         self.findings.sort(key=lambda f: f.worst < MINOR * largest)
+        rows = self._where_made(rows)
+        clean = [r.stage for r in rows if not r.wrong]
+        lead = next((r for r in rows if r.wrong and r.worst >= MINOR * largest), None)
         return Diagnosis(
-            sentence=self._sentence(first, clean),
-            first=first,
+            sentence=self._sentence(lead, clean),
+            first=lead and lead.stage,
             stages=rows,
             clean=clean,
             findings=self.findings,
         )
 
-    def _sentence(self, first: str | None, clean: Sequence[str]) -> str:
+    def _where_made(self, rows: Sequence[StageRow]) -> list[StageRow]:
+        """Return the rows with errors of a stage at the one where they are made, if that is known.
+
+        A landing by a wrong clock is on the true path, and not where the ball is at that time.
+        """
+        by_stage = {row.stage: row for row in rows}
+        for stage, made in self.moved.items():
+            if stage in by_stage and not any(f.stage == stage for f in self.findings):
+                row = by_stage[stage]
+                by_stage[made] = row.model_copy(update={"stage": made})
+                by_stage[stage] = row.model_copy(update={"wrong": 0, "worst": 0.0, "example": None})
+        return [by_stage[stage] for stage in STAGES if stage in by_stage]
+
+    def _sentence(self, first: StageRow | None, clean: Sequence[str]) -> str:
         """Return it all in a sentence."""
         unread = f"{self.unread} answers hold values that are no numbers" if self.unread else ""
         if not self.findings:
@@ -175,9 +201,9 @@ class _Search:
         lead = self.findings[0]
         parts = [unread] if unread else []
         if first is not None:
-            where = "all" if lead.wrong == lead.checked else f"{lead.wrong} of {lead.checked}"
+            where = "all" if first.wrong == first.checked else f"{first.wrong} of {first.checked}"
             parts.append(
-                f"the first stage that does not follow is {first}: wrong in {where} scenes"
+                f"the first stage that does not follow is {first.stage}: wrong in {where} scenes"
             )
         large = MINOR * min(lead.worst, 1.0)
         parts += [f.sentence for f in self.findings if f.worst >= large][:3]
@@ -219,7 +245,7 @@ class _Search:
         meant = conventions(self.trials)
         if meant is None or meant.mend is None:
             return
-        stage = first or STAGE_OF.get(meant.quantity or "", "flight")
+        stage = first or stage_of(meant.quantity or "landing")
         wrong = max((r.wrong for r in rows if r.stage == stage), default=len(self.trials))
         self.findings.append(
             Finding(
@@ -229,6 +255,7 @@ class _Search:
                 worst=1.0,
             )
         )  # fmt: skip
+        self.begun[stage] = 1.0
         self.trials, self._followed = [meant.mend(t) for t in self.trials], None
 
     def _explain(self, stage: str, checks: Sequence[Checked]) -> bool:
@@ -244,7 +271,7 @@ class _Search:
         minor = MINOR * min(worst, 1.0)
         wrong = [one for one, size in zip(seen, sizes, strict=True) if size > minor]
         good = [one for one, size in zip(seen, sizes, strict=True) if one[1] and size <= minor]
-        before = [f for f in self.findings if f.stage == stage]
+        before = self.begun.get(stage, 0.0)
         if before and worst < FINE:
             self._leave(stage, wrong)
             return False
@@ -252,13 +279,13 @@ class _Search:
         quantity = max((c for _, cs in wrong for c in cs), key=lambda c: c.error / c.scale).quantity
         told = Finding(
             stage=stage, quantity=quantity.partition(":")[0], kind="unexplained", names=[],
-            share=0.0, sentence=_unknown(stage, len(wrong), worst, bool(before)),
+            share=0.0, sentence=_unknown(stage, len(wrong), worst, before > 0),
             wrong=len(wrong), checked=len(wrong) + len(right), worst=worst,
             scenes=rule([t.case for t in failing], [t.case for t in right]),
         )  # fmt: skip
         found = []
-        rest = before and worst < MINOR * min(before[0].worst, 1.0)
-        stepped = before and isinstance(self.base.engine, Verlet)
+        rest = worst < MINOR * min(before, 1.0)
+        stepped = before and (isinstance(self.base.engine, Verlet) or self.jumps)
         searched = self.causes and not (rest or stepped)
         if searched and self.single and worst < SINGLE_NOISE:
             found = [SINGLE]
@@ -271,15 +298,21 @@ class _Search:
         broken, same = self._least_harm(found, stage)
         best, alone = same[0], broken > 0
         sentence = told_together([e.sentence for e in same])
+        if alone:
+            sentence = f"{f'where {told.scenes}' if told.scenes else f'{stage} alone'}: {sentence}"
         said = {
             "kind": "named",
             "names": list(dict.fromkeys(e.name for e in same)),
-            "sentence": f"{stage} alone: {sentence}" if alone else sentence,
+            "sentence": sentence,
             "remedy": best.remedy,
             "share": 1 - best.left,
             "step": best.step,
+            "stage": best.stage or stage,
         }
         self.findings.append(told.model_copy(update=said))
+        self.begun.setdefault(stage, worst)
+        if best.stage:
+            self.moved[stage] = best.stage
         if alone:
             self.excused.add(stage)
         else:
@@ -296,10 +329,12 @@ class _Search:
         told_apart: bool,
     ) -> list[Explanation]:
         """Return the best of what explains a stage, and what does so as well."""
-        # A formula must not be contradicted by scenes that pass; but by those that a rule tells.
+        # What explains errors must not be contradicted by scenes that pass, unless a rule tells
+        # these from the others.
+        good = [] if told_apart else good
         beside = evenly([o for o in good if o[0].scene.reading == Reading()], SOUGHT)
         found = [
-            e if told_apart else replace(e, left=e.left + e.against)
+            replace(e, left=e.left + e.against)
             for e in self._explanations(stage, wrong, good, beside, checks)
         ]
         named = sorted((e for e in found if e.named), key=lambda e: (e.left, e.rank))
@@ -353,7 +388,12 @@ class _Search:
         """
         if best.mend is not None:
             self.trials = [best.mend(t) for t in self.trials]
+        elif best.stage == "plate":
+            # Where a pitch ends says nothing of other flights, nor of the ball's later velocity.
+            self.excused |= {stage, "plate"}
+            self.trials = [_without(t, "plate.velocity") for t in self.trials]
         elif best.change is not None:
+            self.jumps |= best.allowed > NAMED
             self.base, self._raw = self.base.then(best.change), {}
             if isinstance(best.change.engine, Verlet):
                 # Where steps find the bat is the scheme's, and what is computed there inherits it.
@@ -443,6 +483,10 @@ class _Search:
             if not any(e.named for e in found):
                 found += pairs(stage, sought, found)
         return found
+
+
+def _without(trial: Trial, quantity: str) -> Trial:
+    return replace(trial, given={n: v for n, v in trial.given.items() if n != quantity})
 
 
 def _unknown(stage: str, wrong: int, worst: float, rest: bool) -> str:

@@ -26,6 +26,10 @@ Array = NDArray[np.float64]
 # Of the errors, what a named explanation may leave in all, and in a scene.
 NAMED, IN_A_SCENE = 1e-3, 0.05
 
+# The same of a law that jumps. In the step in which a candidate passes the jump, its integrator
+# errs by some of what the jump does in that step, and a flight has a hundred steps.
+JUMPED = 1e-2
+
 # Explanations that leave no more than the best one does, this many times, cannot be told apart.
 ALIKE = 3.0
 
@@ -56,6 +60,10 @@ class Explanation:
         The error that it makes in scenes that pass, in the same unit as `left`.
     step
         s, of a scheme or a clock.
+    allowed
+        What it may leave to be named.
+    stage
+        Where the mistake is, if not at the stage whose errors it explains.
     """
 
     name: str
@@ -69,11 +77,13 @@ class Explanation:
     mend: Callable[[Trial], Trial] | None = None
     against: float = 0.0
     step: float | None = None
+    allowed: float = NAMED
+    stage: str | None = None
 
     @property
     def named(self) -> bool:
         """Whether it leaves next to nothing."""
-        return self.left <= NAMED
+        return self.left <= self.allowed
 
 
 def share_left(lefts: Sequence[float], wholes: Sequence[float]) -> float:

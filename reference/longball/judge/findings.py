@@ -27,6 +27,11 @@ class Finding(Frozen):
     worst: float = Field(description="largest relative error")
     scenes: str | None = Field(default=None, description="a rule that tells the wrong scenes")
 
+    @property
+    def beside_stage(self) -> str:
+        """The sentence where the stage stands before it already."""
+        return self.sentence.removeprefix(f"{self.stage}: ")
+
 
 class StageRow(Frozen):
     """How often a stage follows from the stages before."""

@@ -8,13 +8,16 @@ the scene says; if they are the same multiple of the scene's value, it has a fac
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from fractions import Fraction
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from longball.judge.any_law import EFFORT
 from longball.judge.stages import COLLISION, FLYING, Change, Trial, follow, with_values
 from longball.model.air import (
     ConstantDrag,
@@ -26,6 +29,8 @@ from longball.model.air import (
     Table,
     Weather,
 )
+from longball.model.bat import inertia_factor, tangential_restitution
+from longball.model.numbers import DOUBLES
 from longball.model.quantities import at
 
 Array = NDArray[np.float64]
@@ -86,6 +91,12 @@ _PLACES: dict[str, tuple[str, ...]] = {
     "wind": ("air.wind", "air.wind.velocity"),
 }
 
+# What counts, of a bat with friction, where a scene leaves it out.
+_LEFT_OUT: dict[str, Callable[[Any], float]] = {
+    "ball.inertia_factor": lambda scene: inertia_factor(scene.ball, DOUBLES),
+    "bat.tangential_restitution": lambda scene: tangential_restitution(scene.bat, DOUBLES),
+}
+
 
 def _held(scene: Any, name: str) -> tuple[str, Any]:
     """Return where a scene has a parameter, and the number or the vector there, if it has it."""
@@ -94,6 +105,9 @@ def _held(scene: Any, name: str) -> tuple[str, Any]:
             found = at(scene, place)
         except ValueError:
             continue
+        rough = getattr(getattr(scene, "bat", None), "friction", None) is not None
+        if found is None and rough and name in _LEFT_OUT:
+            found = _LEFT_OUT[name](scene)
         if isinstance(found, float | int | tuple):
             return place, found
     return name, None
@@ -128,10 +142,18 @@ class Work:
 
     done = 0.0
 
+    def __init__(self) -> None:
+        self._begun = EFFORT.steps
+
     @property
     def exhausted(self) -> bool:
         """Whether the search has done all that it may."""
-        return self.done > PATIENCE
+        return self.done > PATIENCE or self.spent
+
+    @property
+    def spent(self) -> bool:
+        """Whether its flights have taken very many steps."""
+        return EFFORT.steps - self._begun > MOST_EFFORT
 
     def residuals(self, trial: Trial, change: Change, stages: Iterable[str]) -> Array:
         """Return the relative errors that a change leaves in some stages."""
@@ -152,7 +174,9 @@ class Work:
 
 # Flights of a search, so that a verdict is the same on every machine and comes within ten seconds;
 # what has not been tried by then is not.
-PATIENCE = 1_300.0
+PATIENCE = 3_000.0
+
+MOST_EFFORT = 30_000  # steps of DOP853: a law that drives the ball on takes many
 
 LONG_STEP = 5e-3  # s: with such steps a second of flight takes as long as a flight under any law
 
@@ -210,7 +234,7 @@ class Fit:
         """How many digits the number needs, in hundredths: people choose round ones."""
         if factor_meaning(self.value, self.doubt) and self.form == "factor":
             return 0.0
-        return len(f"{self.value:.10g}".replace(".", "").strip("-0")) / 100
+        return digits_of(self.value) / 100
 
     @property
     def sentence(self) -> str:
@@ -229,6 +253,15 @@ class Fit:
         return f"acts as if {self.parameter} were the scene's plus {number}{meant}"
 
 
+# People write 2/3 for what needs more digits than so many.
+LARGEST_DENOMINATOR, FRACTION_DIGITS = 12, 4
+
+
+def digits_of(number: float) -> int:
+    """Return how many digits a number needs, up to ten, besides zeros at its ends."""
+    return len(f"{number:.10g}".replace(".", "").strip("-0"))
+
+
 def roundest(value: float, doubt: float, size: float = 1.0) -> float:
     """Return the number with the fewest digits that is as near as the doubt; people choose those.
 
@@ -239,9 +272,12 @@ def roundest(value: float, doubt: float, size: float = 1.0) -> float:
     for factor, _ in _FACTORS:
         if abs(value - factor) <= doubt and doubt < 1e-3 * abs(factor):
             return factor
+    fraction = float(Fraction(value).limit_denominator(LARGEST_DENOMINATOR))
     for digits in range(1, 10):
         if abs((short := float(f"{value:.{digits}g}")) - value) <= doubt:
             return short
+        if digits == FRACTION_DIGITS and abs(fraction - value) <= doubt:
+            return fraction
     return value
 
 
@@ -255,6 +291,8 @@ def snapped(fit: Fit) -> Iterator[Fit]:
 
 def told(value: float, doubt: float) -> str:
     """Return a value with its interval, to the digits that this leaves."""
+    if value == 0.0:
+        return "0" if doubt < 1e-9 else f"0 ± {doubt:.1g}"
     if doubt <= 1e-9 * max(abs(value), 1e-3):
         return f"{value:.9g}"
     places = min(12, max(0, 1 - math.floor(math.log10(doubt))))
@@ -306,38 +344,37 @@ FIRST = 3
 
 
 def implied(
-    trial: Trial, name: str, stages: Iterable[str], base: Change, work: Work
-) -> tuple[float, float] | None:
-    """Return the value of a parameter that explains a trial best, and the share it leaves.
+    trial: Trial, names: Sequence[str], stages: Iterable[str], base: Change, work: Work
+) -> tuple[Array, float] | None:
+    """Return the values of parameters that explain a trial best, and the share they leave.
 
-    None if the trial does not depend on it.
+    None if the trial does not depend on all of them.
     """
-    own = value_of(base.scene(trial.scene), name)
-    if own is None or (own == 0.0 and name.startswith("air.")):
+    held = [value_of(base.scene(trial.scene), name) for name in names]
+    if None in held:
         return None
     wanted = frozenset(stages)
 
-    def off(value: float) -> Array:
-        return work.residuals(
-            trial, base.then(Change(lambda s: with_parameter(s, name, value))), wanted
-        )
+    def off(values: Array) -> Array:
+        change = partial(_with_all, dict(zip(names, values.tolist(), strict=True)))
+        return work.residuals(trial, base.then(Change(change)), wanted)
 
-    value, r = own, off(own)
+    value = np.array(held, float)
+    r = off(value)
     first = size = float(np.linalg.norm(r))
     if not r.size or first == 0.0:
         return None
     for count in range(ROUNDS):
         if count == 3 and size > 0.7 * first:
             break  # it leads nowhere
-        h = 1e-6 * max(abs(value), 1e-3)
-        ahead = off(value + h)
-        if ahead.shape != r.shape:
+        steps = np.diag(1e-6 * np.maximum(np.abs(value), 1e-3))
+        ahead = [off(value + step) for step in steps]
+        if any(a.shape != r.shape for a in ahead):
             return None
-        slope = (ahead - r) / h
-        steep = float(slope @ slope)
-        if steep == 0.0:
+        slopes = np.array([(a - r) / step.sum() for a, step in zip(ahead, steps, strict=True)])
+        if not slopes.any(axis=1).all():
             return None
-        move, better = -float(slope @ r) / steep, False
+        move, better = -np.linalg.lstsq(slopes.T, r, rcond=None)[0], False
         for _ in range(5):
             trying = off(value + move)
             if trying.shape == r.shape and float(np.linalg.norm(trying)) < size:
@@ -347,27 +384,38 @@ def implied(
         if not better:
             break
         old, size = size, float(np.linalg.norm(r))
-        if size > 0.999 * old or abs(move) < 1e-12 * abs(value) or size < 1e-13:
+        if size > 0.999 * old or (abs(move) < 1e-12 * abs(value)).all() or size < 1e-13:
             break
     return value, size / first
 
 
+def _with_all(values: Mapping[str, float], scene: Any) -> Any:
+    for name, value in values.items():
+        scene = with_parameter(scene, name, value)
+    return scene
+
+
 def fits(
-    trials: Sequence[Trial], name: str, stages: Iterable[str], base: Change, work: Work
-) -> list[Fit]:
-    """Return the forms in which a parameter may explain some trials, each with its value."""
-    found: list[tuple[float, float | None]] = []
+    trials: Sequence[Trial], names: Sequence[str], stages: Iterable[str], base: Change, work: Work
+) -> list[list[Fit]]:
+    """Return for each of some parameters the forms in which they may explain trials together."""
+    found: list[tuple[Array, list[float | None]]] = []
     for trial in trials:
-        one = implied(trial, name, stages, base, work)
+        one = implied(trial, names, stages, base, work)
         if one is None:
             continue
         if one[1] > MISSED:
-            return []
-        found.append((one[0], value_of(base.scene(trial.scene), name)))
+            return [[] for _ in names]
+        scene = base.scene(trial.scene)
+        found.append((one[0], [value_of(scene, name) for name in names]))
     if len(found) < max(1, len(trials) // 3):
-        return []
-    values = np.array([v for v, _ in found])
-    own = np.array([o for _, o in found], float)
+        return [[] for _ in names]
+    values, own = (np.array(rows, float).T for rows in zip(*found, strict=True))
+    return [_forms(*one) for one in zip(names, values, own, strict=True)]
+
+
+def _forms(name: str, values: Array, own: Array) -> list[Fit]:
+    """Return the forms in which a parameter has some values, beside the scenes' own."""
     varies = bool(np.ptp(own) > 1e-9 * np.abs(own).max(initial=0.0))
     forms: list[tuple[str, Callable[[], Array]]] = [
         ("fixed", lambda: values),
@@ -378,7 +426,7 @@ def fits(
     for form, make in forms:
         if form == "factor" and (own == 0).any():
             continue
-        if form == "fixed" and not varies and factor_meaning(float(np.median(values / own))):
+        if form == "fixed" and not varies and own[0] and factor_meaning(float(values[0] / own[0])):
             continue  # the factor says more
         if form == "fixed" and not values.any():
             continue  # so it does here
@@ -392,7 +440,7 @@ def fits(
         fit = Fit(name, form, value, doubt, varies, float(own[0]))
         if doubt > UNSURE * _difference(form, value, own):
             continue  # scene after scene acts as if it were another number
-        if len(found) < FIRST and fit.roundness > FEW_DIGITS / 100:
+        if len(values) < FIRST and fit.roundness > FEW_DIGITS / 100:
             continue  # nothing tells how much it differs from scene to scene
         if form == "factor" and not varies and not factor_meaning(fit.value, doubt):
             continue  # the number itself says as much

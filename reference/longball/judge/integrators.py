@@ -87,6 +87,8 @@ def schemes(sought: Sought, known: float | None) -> Iterator[Explanation]:
         return
     ranked = []
     for way in (_Way(name, ends) for name in SCHEMES for ends in get_args(Ends)):
+        if sought.work.spent:
+            return
         dt = known or _scaled(few, base, way, FIRST)
         if not dt or dt < SHORTEST / NEAR or (way.ends == "line" and dt < FINE_STEP):
             continue  # with such steps, the line between two of them is the path
@@ -100,6 +102,8 @@ def schemes(sought: Sought, known: float | None) -> Iterator[Explanation]:
                 rest = float(np.abs(base - share * (base - r)).sum())
                 ranked.append((rest, way, dt if dt < FINE_STEP else step))
     for _, way, dt in sorted(ranked, key=lambda one: one[0])[:BEST]:
+        if sought.work.spent:
+            return
         fitted = known or _fitted(few, base, way, dt)
         change = way.change(fitted)
         left = sought.screened(change) if fitted > LONG else sought.some(2).left(change)

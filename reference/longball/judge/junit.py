@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from xml.etree import ElementTree
 
+from longball.judge.answers import printable
 from longball.judge.evaluation import Evaluation
 from longball.judge.text import describe
 from longball.judge.verdict import Comparison, Failure
@@ -17,15 +18,15 @@ def junit(evaluation: Evaluation) -> str:
     families: dict[str, list[Comparison]] = {}
     for comparison in evaluation.comparisons:
         families.setdefault(comparison.case.family, []).append(comparison)
-    root = ElementTree.Element("testsuites", name=f"longball judge: {_text(verdict.candidate)}")
+    root = ElementTree.Element("testsuites", name=f"longball judge: {printable(verdict.candidate)}")
     for family, comparisons in families.items():
         _suite(root, family, [_case(comparison, failures) for comparison in comparisons])
     conduct = ElementTree.Element("testcase", classname="conduct", name="verdict")
     if verdict.reasons:
         failure = ElementTree.SubElement(
-            conduct, "failure", message=_text("; ".join(verdict.reasons))
+            conduct, "failure", message=printable("; ".join(verdict.reasons))
         )
-        failure.text = _text("\n".join(c.sentence for c in verdict.complaints))
+        failure.text = printable("\n".join(c.sentence for c in verdict.complaints))
     _suite(root, "conduct", [conduct])
     ElementTree.indent(root)
     return ElementTree.tostring(root, encoding="unicode", xml_declaration=True) + "\n"
@@ -48,21 +49,16 @@ def _suite(root: ElementTree.Element, name: str, cases: Sequence[ElementTree.Ele
 
 def _case(comparison: Comparison, failures: dict[str, Failure]) -> ElementTree.Element:
     case = comparison.case
-    element = ElementTree.Element("testcase", classname=case.family, name=_text(case.id))
+    element = ElementTree.Element("testcase", classname=case.family, name=printable(case.id))
     if failure := failures.get(case.id):
         sentences = [describe(fault) for fault in failure.faults]
-        child = ElementTree.SubElement(element, "failure", message=_text(sentences[0]))
-        child.text = _text("\n".join([*sentences, f"scene: {case.scene.line()}"]))
+        child = ElementTree.SubElement(element, "failure", message=printable(sentences[0]))
+        child.text = printable("\n".join([*sentences, f"scene: {case.scene.line()}"]))
     elif not comparison.judged:
         ElementTree.SubElement(element, "skipped", message="double precision cannot decide")
     elif comparison.answer is None:
         ElementTree.SubElement(element, "skipped", message="no answer")
     elif comparison.answer.error is not None:
         reason = f"refused: {comparison.answer.error}"
-        ElementTree.SubElement(element, "skipped", message=_text(reason))
+        ElementTree.SubElement(element, "skipped", message=printable(reason))
     return element
-
-
-def _text(text: str) -> str:
-    """Return a text without the characters that XML forbids."""
-    return "".join(c if c.isprintable() or c in "\n\t" else "?" for c in text)

@@ -22,10 +22,10 @@ from longball.model import trace
 from longball.model.aerodynamics import DRAG, LIFT
 from longball.model.air import CrisisDrag, Weather
 from longball.model.atmosphere import ZERO_CELSIUS, density
-from longball.model.bat import moment_of_inertia
+from longball.model.bat import CollisionParameters, collision_parameters, moment_of_inertia
 from longball.model.force import Drag, Force, Lift, Motion, Piecewise, Term
 from longball.model.law import GRAVITY
-from longball.model.numbers import DOUBLES, Vector
+from longball.model.numbers import DOUBLES, Vector, plus
 from longball.model.quantities import at
 from longball.model.readings import Reading
 
@@ -44,12 +44,18 @@ class Mistake:
         How to mend it.
     change
         The chain with the mistake in it.
+    switches
+        Whether the law jumps somewhere, so that a candidate's own step across may leave much.
+    scaled
+        The parameter that a number of the candidate's own then goes into, if there may be one.
     """
 
     name: str
     sentence: str
     remedy: str
     change: Change
+    switches: bool = False
+    scaled: str | None = None
 
 
 # --- the law of motion ----------------------------------------------------------------------------
@@ -133,6 +139,18 @@ def _by_component(square: Callable[[Any], Any]) -> Change:
         (u, v, w), rate = motion.air.velocity, motion.density * p.drag
         x, y, z = (-rate * square(c) for c in (p.cos * u - p.sin * v, p.sin * u + p.cos * v, w))
         return p.cos * x + p.sin * y, p.cos * y - p.sin * x, z
+
+    return _replaced(DRAG, Force(("drag", "cos", "sin"), _with_axes(DRAG), acceleration))
+
+
+def _summed_speed() -> Change:
+    """Return the change of the drag to one with |x| + |y| + |z| for the speed."""
+
+    def acceleration(motion: Motion, p: Any) -> Vector[Any]:
+        (u, v, w), cos, sin = motion.air.velocity, p.cos, p.sin
+        speed = _size(cos * u - sin * v) + _size(sin * u + cos * v) + _size(w)
+        rate = motion.density * p.drag * speed
+        return -rate * u, -rate * v, -rate * w
 
     return _replaced(DRAG, Force(("drag", "cos", "sin"), _with_axes(DRAG), acceleration))
 
@@ -243,6 +261,20 @@ def _thrown(values: Callable[[Any], Mapping[str, Any]]) -> Change:
     return _scene(changed)
 
 
+def _displaced(factors: Callable[[float], Mapping[str, float]]) -> Change:
+    """Return the change of some values by factors of the share of the ball that air would weigh."""
+
+    def values(scene: Any) -> Mapping[str, Any]:
+        if getattr(scene, "air", None) is None:
+            return {}
+        volume = 4 / 3 * math.pi * scene.ball.radius**3
+        share = float(density(scene, DOUBLES)) * volume / scene.ball.mass
+        return {name: at(scene, name) * factor for name, factor in factors(share).items()}
+
+    return _scene(values)
+
+
+_NO_MORE = "weight, drag and lift are all the forces that there are"
 _AGAINST = "the drag is -k V v: against the velocity, in every component"
 _ACROSS = "the lift is k_L V (ê × v), which is k_L V (-w, u) in the flight plane"
 _SCENE = "take the numbers of the scene"
@@ -254,18 +286,21 @@ _PAPERS_LAW: tuple[Mistake, ...] = (
     Mistake("unsigned-drag-per-component", "drags each component by its own square without a "
             "sign, so that a falling ball is pulled down", _AGAINST,
             _by_component(lambda c: c * c)),
-    Mistake("drag-with-v", "lets the drag grow with V, not with V²",
-            "the drag is ½ C_D ρ A V², against the velocity", _drag(lambda motion, p: 1.0)),
+    Mistake("drag-with-v", "lets the drag grow linearly with V, not with V²",
+            "the drag is ½ C_D ρ A V², against the velocity", _drag(lambda motion, p: 1.0),
+            scaled="air.drag_coefficient"),
     Mistake("drag-with-v-cubed", "lets the drag grow with V³",
             "the drag is ½ C_D ρ A V²: V v holds the square already",
-            _drag(lambda motion, p: motion.speed * motion.speed)),
+            _drag(lambda motion, p: motion.speed * motion.speed), scaled="air.drag_coefficient"),
     Mistake("drag-with-launch-speed", "drags with the speed at launch all the time",
             "the drag is -k V v with the present speed V", _launch_speed_in_drag()),
     Mistake("drag-with-horizontal-speed", "takes the horizontal speed for V in the drag",
             "V is the whole speed", _drag(lambda m, p: trace.sqrt(
                 m.air.velocity[0] * m.air.velocity[0] + m.air.velocity[1] * m.air.velocity[1]))),
+    Mistake("drag-with-summed-speed", "takes the sum of the components' sizes for V in the drag",
+            "V is the root of the sum of their squares", _summed_speed()),
     Mistake("drag-rising-only", "drags the ball on its way up only",
-            "the drag acts on the way down too", _drag(lambda m, p: m.speed * _rising(m))),
+            "the drag acts on the way down too", _drag(lambda m, p: m.speed * _rising(m)), True),
     Mistake("density-falls", "lets the air grow thinner with height",
             "the scene's density holds at every height",
             _scene(lambda scene: {"air.density_scale_height": 8500.0})),
@@ -288,7 +323,7 @@ _PAPERS_LAW: tuple[Mistake, ...] = (
             _exchanged("air.drag_coefficient", "air.lift_coefficient")),
     Mistake("lift-coefficient-for-drag", "takes the coefficient of the drag for that of the lift",
             _SCENE, _scene(lambda s: {} if getattr(s, "air", None) is None else {
-                "air.lift_coefficient": s.air.drag_coefficient})),
+                "air.lift_coefficient": s.air.drag_coefficient}), scaled="air.lift_coefficient"),
     Mistake("lift-sign", "lifts the ball the wrong way",
             "with backspin the lift turns the velocity upwards: k_L V (-w, u) in the flight plane",
             _lift(lambda u, w, speed: (speed * w, trace.ZERO, -speed * u))),
@@ -300,15 +335,15 @@ _PAPERS_LAW: tuple[Mistake, ...] = (
             "perpendicular to the velocity", _ACROSS,
             _lift(lambda u, w, speed: (speed * w, trace.ZERO, speed * u))),
     Mistake("lift-with-v", "lets the lift grow with V, not with V²", "the lift is ½ C_L ρ A V²",
-            _lift(lambda u, w, speed: (-w, trace.ZERO, u))),
+            _lift(lambda u, w, speed: (-w, trace.ZERO, u)), scaled="air.lift_coefficient"),
     Mistake("lift-with-horizontal-speed", "takes the horizontal speed for V in the lift", _ACROSS,
             _lift(lambda u, w, speed: (-_size(u) * w, trace.ZERO, _size(u) * u))),
     Mistake("lift-as-at-launch", "keeps the direction that the lift has at launch", _ACROSS,
             _launch_direction_of_lift()),
     Mistake("lift-rising-only", "lifts the ball on its way up only",
-            "the lift acts on the way down too", _lift_rising(lambda up: up)),
+            "the lift acts on the way down too", _lift_rising(lambda up: up), True),
     Mistake("lift-sign-falling", "lifts a falling ball the wrong way", _ACROSS,
-            _lift_rising(lambda up: 2.0 * up - 1.0)),
+            _lift_rising(lambda up: 2.0 * up - 1.0), True),
     Mistake("lift-about-minus-y", "lifts about -y, whatever the ball's heading",
             "the axis ê is horizontal and across the heading at launch", _about_minus_y()),
     Mistake("lift-sideways", "lifts the ball sideways",
@@ -320,6 +355,11 @@ _PAPERS_LAW: tuple[Mistake, ...] = (
     Mistake("ignores-lift-reading", "ignores the reading lift_direction",
             "take reading.lift_direction from the scene",
             _reading(lift_direction="fixed_spin_axis")),
+    Mistake("buoyancy", "lets the air buoy the ball up: g (1 - ρ V/m)", _NO_MORE,
+            _displaced(lambda share: {"gravity": 1 - share})),
+    Mistake("added-mass", "adds half the mass of the air that the ball displaces to its inertia",
+            _NO_MORE, _displaced(lambda share: {
+                "gravity": 1 / (1 + share / 2), "ball.mass": 1 + share / 2})),
     Mistake("launch-at-origin", "launches the ball at (0, 0, 0)", _SCENE,
             _scene(lambda scene: {"launch.position": (0.0, 0.0, 0.0)})),
     Mistake("launch-above-origin", "launches the ball above (0, 0), at its height", _SCENE,
@@ -330,6 +370,13 @@ _PAPERS_LAW: tuple[Mistake, ...] = (
             _thrown(lambda pitch: {"pitch.aim[1]": pitch.release[2]})),
     Mistake("aim-straight", "throws straight ahead: the side of the aim is ignored", _SCENE,
             _thrown(lambda pitch: {"pitch.aim[0]": pitch.release[1]})),
+    Mistake("aim-side-from-release", "counts the side of the aim from the point of release",
+            "the aim is a point: y and z where the plate is",
+            _thrown(lambda pitch: {"pitch.aim[0]": pitch.aim[0] + pitch.release[1]})),
+    Mistake("pitch-speed-along-x", "gives the ball pitch.speed along x, and the rest of the way "
+            "on top", "pitch.speed is the size of the velocity at the release",
+            _thrown(lambda pitch: {"pitch.speed": pitch.speed * math.hypot(*pitch.way)
+                                   / abs(pitch.way[0])})),
     Mistake("aim-from-release", "counts the aim from the point of release",
             "the aim is a point: y and z where the plate is",
             _thrown(lambda pitch: {"pitch.aim[0]": pitch.aim[0] + pitch.release[1],
@@ -459,6 +506,8 @@ EXTENDED: tuple[Mistake, ...] = (
             _DIRECTION, _spins(_times(-1.0), "pitch", "incoming")),
     Mistake("spin-sign-of-flights", "turns a ball that flies away from the plate the other way "
             "round", _DIRECTION, _spins(_times(-1.0), "launch")),
+    Mistake("spin-y-only", "takes the spin's y only", _DIRECTION,
+            _spins(lambda scene, spin: (0.0, spin[1], 0.0), *_ANYWHERE)),
     Mistake("spin-all-back", "takes the size of the spin for backspin", _DIRECTION,
             _spins(_backspin, *_ANYWHERE)),
     Mistake("spin-total", "takes the whole spin, gyro spin included, where the part across the "
@@ -605,20 +654,47 @@ class View:
         return held if held is not None else tuple(self.scene.incoming.position)
 
     @property
+    def start(self) -> Numbers:
+        """Where the batted ball's flight begins, m."""
+        launch = getattr(self.scene, "launch", None)
+        return self.position if launch is None else tuple(launch.position)
+
+    @property
     def lever(self) -> float:
         """r̃, m."""
         return float(self.scene.bat.length) / 2 - self.position[1]
 
-    def inertia(self, **switches: str) -> float:
-        """Return the bat's moment of inertia, kg m²."""
-        reading = Reading.model_validate(self.scene.reading.model_dump() | switches)
-        return float(moment_of_inertia(self.scene.bat, reading, DOUBLES))
+    def collision(self, **switches: str) -> CollisionParameters[float]:
+        """Return ẽ and μ, with some switches of the reading set otherwise."""
+        scene = self.scene
+        reading = Reading.model_validate(scene.reading.model_dump() | switches)
+        return collision_parameters(scene.ball, scene.bat, self.lever, reading, DOUBLES)
+
+    @property
+    def mu(self) -> float:
+        """μ, kg."""
+        return self.collision().reduced_mass
+
+    @property
+    def bare(self) -> float:
+        """μ from M_eff, kg."""
+        return self.collision(bat_ball_restitution="nathan", reduced_mass="bat_mass").reduced_mass
+
+    @property
+    def ratio(self) -> float:
+        """m/M_eff."""
+        return float(self.scene.ball.mass) / self.bare - 1
+
+    @property
+    def inertia(self) -> float:
+        """The bat's, kg m²."""
+        return float(moment_of_inertia(self.scene.bat, self.scene.reading, DOUBLES))
 
     @property
     def relative(self) -> Numbers:
         """Ṽ, m/s."""
         bat = self["contact.bat_velocity"]
-        return tuple(v - b for v, b in zip(self.before, bat, strict=True))
+        return plus(self.before, -1.0, bat)
 
     @property
     def along(self) -> float:
@@ -657,25 +733,69 @@ class Formula:
     value: Callable[[View], Numbers]
 
 
+@dataclass(frozen=True)
+class Numbered:
+    """A known mistake in one formula with a number in it that may be any.
+
+    Attributes
+    ----------
+    quantity, name, remedy
+        See `Formula`.
+    sentence
+        With braces for the number.
+    number
+        What the number is, if the quantity is what a candidate says.
+    value
+        What the quantity is with a number.
+    """
+
+    quantity: str
+    name: str
+    sentence: str
+    remedy: str
+    number: Callable[[View, Numbers], float]
+    value: Callable[[View, float], Numbers]
+
+    def of(self, number: float) -> Formula:
+        """Return the mistake with a number."""
+        return Formula(
+            self.quantity, f"{self.name}={number:.6g}", self.sentence.format(f"{number:.9g}"),
+            self.remedy, lambda view: self.value(view, number),
+        )  # fmt: skip
+
+
 def _spun(v: View, lever: float, cos: float, sin: float) -> Numbers:
     speed = v.scene.swing.angular_speed * lever
     return speed * cos, 0.0, speed * sin
 
 
-def _effective(inertia: Callable[[View], float], power: int = 2) -> Callable[[View], Numbers]:
-    """Return ẽ with another moment of inertia, or another power of r̃."""
+def _restitution(formula: Callable[[View, float, float], float]) -> Callable[[View], Numbers]:
+    """Return ẽ by a formula of e and m/M_eff, where it is not e itself."""
 
     def value(v: View) -> Numbers:
-        ratio = v.scene.ball.mass * v.lever**power / inertia(v)
         e = v.scene.ball.restitution
-        return (e * (1 + ratio) + ratio,)
+        printed = v.scene.reading.bat_ball_restitution == "as_printed"
+        return (formula(v, e, v.ratio) if printed else e,)
 
     return value
 
 
-def _mu(v: View, other: float) -> float:
-    m = v.scene.ball.mass
-    return float(m * other / (m + other))
+def _printed(e: float, ratio: float) -> float:
+    return e * (1 + ratio) + ratio
+
+
+def _read(**switches: str) -> Callable[[View], Numbers]:
+    """Return ẽ with some switches of the reading set otherwise."""
+    return lambda v: (v.collision(**switches).restitution,)
+
+
+def _dot(a: Numbers, b: Numbers) -> float:
+    return sum(x * y for x, y in zip(a, b, strict=True))
+
+
+def _along(vector: Numbers, normal: Numbers) -> Numbers:
+    part = _dot(vector, normal)
+    return tuple(part * n for n in normal)
 
 
 def _push(mass: Callable[[View], float], e: Callable[[View], float]) -> Callable[[View], Numbers]:
@@ -718,18 +838,42 @@ def _unit(v: Numbers) -> Numbers:
     return tuple(x / size for x in v)
 
 
-def _bare(v: View) -> float:
-    """Return μ with the bat's effective mass."""
-    power = 1 if v.scene.reading.effective_mass == "as_printed" else 2
-    return _mu(v, v.inertia() / v.lever**power)
+def _turned_inertia(v: View, said: Numbers) -> float:
+    """Return c of the moment of inertia M(L²/3 + c r_b²) that a candidate's ẽ is made with."""
+    e, bat = v.scene.ball.restitution, v.scene.bat
+    inertia = v.inertia * v.ratio * (1 + e) / (said[0] - e)
+    return float((inertia / bat.mass - bat.length**2 / 3) / bat.radius**2)
+
+
+def _with_inertia(v: View, c: float) -> Numbers:
+    bat = v.scene.bat
+    inertia = bat.mass * (bat.length**2 / 3 + c * bat.radius**2)
+    return _restitution(lambda v, e, r: _printed(e, r * v.inertia / inertia))(v)
+
+
+def _tilted(v: View, share: float) -> Numbers:
+    x, _, z = _axis(v)
+    return _unit((x, share * v.position[1], z))
+
+
+def _off_centre(v: View, radii: float) -> Numbers:
+    place, step = v["contact.position:follows"], radii * v.scene.ball.radius
+    return plus(place, -step, v["contact.normal"])
 
 
 FORMULAS: tuple[Formula, ...] = (
+    Formula("plate.velocity", "velocity-of-release", "gives the release's velocity for that "
+            "at the plate", "plate.velocity is where the ball crosses x = 0",
+            lambda v: tuple(v.scene.pitch.thrown)),
+    Formula("contact.margin", "margin-at-plate", "takes the margin from the height above the bat's "
+            "axis at the plate", "the margin is reach less the least distance from the bat's axis",
+            lambda v: (v.scene.ball.radius + v.scene.bat.radius
+                       - abs(v["plate.position"][2] - v.height),)),
     Formula("contact.normal", "normal-not-unit", "does not divide the normal by its length",
             "n is a unit vector", _axis),
-    Formula("contact.normal", "normal-in-space", "takes the normal from the bat's middle, along y "
-            "too", "n is perpendicular to the bat's axis: its y is 0",
-            lambda v: _unit((v.position[0], v.position[1], v.position[2] - v.height))),
+    Formula("contact.normal", "normal-level", "has the normal along x, whatever the height of the "
+            "ball above the bat", "n points from the bat's axis to the ball: (x, 0, z - z_b)/d",
+            lambda v: (1.0, 0.0, 0.0)),
     Formula("contact.normal", "offset-ignored", "takes the normal without swing.height_offset",
             "the bat's height is z'_b + σ_b",
             lambda v: _unit((v.position[0], 0.0, v.position[2] - v["plate.position"][2]))),
@@ -766,63 +910,60 @@ FORMULAS: tuple[Formula, ...] = (
                             math.sin(math.degrees(v.scene.swing.tilt)))),
     Formula("contact.normal_speed", "bat-at-rest", "takes the ball's own velocity, as if the bat "
             "were at rest", "Ṽ = V - V_b",
-            lambda v: (sum(a * n for a, n in zip(v.before, v["contact.normal"], strict=True)),)),
+            lambda v: (_dot(v.before, v["contact.normal"]),)),
     Formula("contact.normal_speed", "velocities-added", "adds the bat's velocity to the ball's",
-            "Ṽ = V - V_b", lambda v: (sum((a + b) * n for a, b, n in zip(
-                v.before, v["contact.bat_velocity"], v["contact.normal"], strict=True)),)),
+            "Ṽ = V - V_b", lambda v: (_dot(plus(v.before, 1.0, v["contact.bat_velocity"]),
+                                           v["contact.normal"]),)),
     Formula("contact.normal_speed", "whole-speed", "takes the size of Ṽ, not its part along n",
             "Ṽ·n", lambda v: (-math.hypot(*v.relative),)),
     Formula("contact.normal_speed", "plate-velocity", "takes the ball's velocity at the plate",
             "take it at the contact",
-            lambda v: (sum((a - b) * n for a, b, n in zip(
-                v["plate.velocity"], v["contact.bat_velocity"], v["contact.normal"],
-                strict=True)),)),
+            lambda v: (_dot(plus(v["plate.velocity"], -1.0, v["contact.bat_velocity"]),
+                            v["contact.normal"]),)),
     Formula("impact.restitution", "plain-restitution", "uses e where ẽ belongs", _EFFECTIVE,
             lambda v: (v.scene.ball.restitution,)),
     Formula("impact.restitution", "effective-mass", "takes M_eff = I/r̃, as printed, which is no "
-            "mass", "M_eff = I/r̃²", _effective(lambda v: v.inertia(), 1)),
+            "mass", "M_eff = I/r̃²", _read(effective_mass="as_printed")),
     Formula("impact.restitution", "thin-rod", "takes the bat for a thin rod", _I,
-            _effective(lambda v: v.inertia(inertia="thin_rod"))),
+            _read(inertia="thin_rod")),
     Formula("impact.restitution", "inertia-about-centre", "takes the bat's moment of inertia about "
-            "its centre", _I, _effective(lambda v: v.inertia(inertia="about_centre"))),
-    Formula("impact.restitution", "hollow-bat", "takes the bat for a hollow cylinder", _I,
-            _effective(lambda v: v.scene.bat.mass * (
-                v.scene.bat.length**2 / 3 + v.scene.bat.radius**2 / 2))),
+            "its centre", _I, _read(inertia="about_centre")),
     Formula("impact.restitution", "bat-mass-ratio", "takes the bat's whole mass for M_eff",
-            _EFFECTIVE, _effective(lambda v: v.scene.bat.mass, 0)),
+            _EFFECTIVE, _restitution(
+                lambda v, e, r: _printed(e, v.scene.ball.mass / v.scene.bat.mass))),
     Formula("impact.restitution", "other-pivot", "measures r̃ from the bat's end A, at y = -L/2",
-            "the pivot B is at y = +L/2: r̃ = L/2 - y", lambda v: (
-                v.scene.ball.restitution + (1 + v.scene.ball.restitution) * v.scene.ball.mass
-                * (v.scene.bat.length - v.lever)**2 / v.inertia(),)),
+            "the pivot B is at y = +L/2: r̃ = L/2 - y", _restitution(
+                lambda v, e, r: _printed(e, r * ((v.scene.bat.length - v.lever) / v.lever)**2))),
     Formula("impact.restitution", "ratio-once", "leaves m/M_eff out behind e(1 + m/M_eff)",
-            _EFFECTIVE, lambda v: (v.scene.ball.restitution * (
-                1 + v.scene.ball.mass * v.lever**2 / v.inertia()),)),
+            _EFFECTIVE, _restitution(lambda v, e, r: e * (1 + r))),
     Formula("impact.restitution", "ratio-inverted", "takes M_eff/m for m/M_eff", _EFFECTIVE,
-            lambda v: (v.scene.ball.restitution + (1 + v.scene.ball.restitution) * v.inertia()
-                       / (v.scene.ball.mass * v.lever**2),)),
+            _restitution(lambda v, e, r: _printed(e, 1 / r))),
     Formula("impact.restitution", "ratio-subtracted", "subtracts m/M_eff", _EFFECTIVE,
-            lambda v: (v.scene.ball.restitution * (1 + v.scene.ball.mass * v.lever**2 / v.inertia())
-                       - v.scene.ball.mass * v.lever**2 / v.inertia(),)),
+            _restitution(lambda v, e, r: e * (1 + r) - r)),
     Formula("impact.restitution", "bat-speed-ratio", "gives the collision efficiency "
             "(e - m/M_eff)/(1 + m/M_eff)", _EFFECTIVE,
-            lambda v: ((v.scene.ball.restitution - v.scene.ball.mass * v.lever**2 / v.inertia())
-                       / (1 + v.scene.ball.mass * v.lever**2 / v.inertia()),)),
+            _restitution(lambda v, e, r: (e - r) / (1 + r))),
     Formula("impact.impulse", "reduced-mass", "takes μ from M_eff", "1/μ = 1/m + 1/M, with the "
-            "bat's mass M", _push(_bare, lambda v: v.restitution)),
+            "bat's mass M", _push(lambda v: v.bare, lambda v: v.restitution)),
     Formula("impact.impulse", "ball-mass-for-mu", "takes the ball's mass for μ", _J,
             _push(lambda v: v.scene.ball.mass, lambda v: v.restitution)),
     Formula("impact.impulse", "bat-mass-for-mu", "takes the bat's mass for μ", _J,
             _push(lambda v: v.scene.bat.mass, lambda v: v.restitution)),
     Formula("impact.impulse", "sum-of-masses", "takes m + M for μ", _J,
             _push(lambda v: v.scene.ball.mass + v.scene.bat.mass, lambda v: v.restitution)),
+    Formula("impact.impulse", "mean-of-masses", "takes (m + M)/2 for μ", _J,
+            _push(lambda v: (v.scene.ball.mass + v.scene.bat.mass) / 2, lambda v: v.restitution)),
+    Formula("impact.impulse", "impulse-of-ball-speed", "takes the ball's own velocity along n, as "
+            "if the bat were at rest", _J, lambda v: (
+                -v.mu * (1 + v.restitution) * _dot(v.before, v["contact.normal"]),)),
     Formula("impact.impulse", "plain-e-in-impulse", "uses 1 + e where 1 + ẽ belongs", _J,
-            _push(lambda v: _mu(v, v.scene.bat.mass), lambda v: v.scene.ball.restitution)),
+            _push(lambda v: v.mu, lambda v: v.scene.ball.restitution)),
     Formula("impact.impulse", "one-minus-e", "uses 1 - ẽ where 1 + ẽ belongs", _J,
-            _push(lambda v: _mu(v, v.scene.bat.mass), lambda v: -v.restitution)),
+            _push(lambda v: v.mu, lambda v: -v.restitution)),
     Formula("impact.impulse", "no-one-plus", "uses ẽ where 1 + ẽ belongs", _J,
-            _push(lambda v: _mu(v, v.scene.bat.mass), lambda v: v.restitution - 1)),
+            _push(lambda v: v.mu, lambda v: v.restitution - 1)),
     Formula("impact.impulse", "inelastic", "leaves the restitution out: the impulse is -μ Ṽ·n", _J,
-            _push(lambda v: _mu(v, v.scene.bat.mass), lambda v: 0.0)),
+            _push(lambda v: v.mu, lambda v: 0.0)),
     Formula("impact.velocity", "impulse-over-bat-mass", "divides the impulse by the bat's mass", _V,
             _after(lambda v: 1 / v.scene.bat.mass)),
     Formula("impact.velocity", "impulse-not-divided", "adds the impulse without dividing it by the "
@@ -832,19 +973,23 @@ FORMULAS: tuple[Formula, ...] = (
     Formula("impact.velocity", "impulse-alone", "forgets the velocity before the impact", _V,
             _after(lambda v: 1 / v.scene.ball.mass, 0.0)),
     Formula("impact.velocity", "impulse-over-reduced-mass", "divides the impulse by μ", _V,
-            _after(lambda v: 1 / _mu(v, v.scene.bat.mass))),
+            _after(lambda v: 1 / v.mu)),
     Formula("impact.velocity", "relative-velocity", "starts from Ṽ instead of V", _V,
-            lambda v: tuple(r + k / v.scene.ball.mass
-                            for r, k in zip(v.relative, v.kick, strict=True))),
+            lambda v: plus(v.relative, 1 / v.scene.ball.mass, v.kick)),
+    Formula("impact.velocity", "velocity-along-normal", "keeps the velocity along the normal only",
+            _V, lambda v: _along(v["impact.velocity:follows"], v["contact.normal"])),
+    Formula("impact.velocity", "velocity-reversed", "turns the whole velocity round, -ẽ times it",
+            _V, lambda v: tuple(-v.restitution * b for b in v.before)),
+    Formula("impact.velocity", "bat-velocity-added", "adds the bat's velocity to the ball's", _V,
+            lambda v: plus(v["impact.velocity:follows"], 1.0, v["contact.bat_velocity"])),
     Formula("impact.velocity", "plate-velocity-after", "starts from the velocity at the plate", _V,
-            lambda v: tuple(r + k / v.scene.ball.mass
-                            for r, k in zip(v["plate.velocity"], v.kick, strict=True))),
+            lambda v: plus(v["plate.velocity"], 1 / v.scene.ball.mass, v.kick)),
     Formula("impact.energy_change", "energy-with-e", "uses e where ẽ belongs", _DE,
-            _energy(lambda v: _mu(v, v.scene.bat.mass), lambda v: 1 - v.scene.ball.restitution**2)),
+            _energy(lambda v: v.mu, lambda v: 1 - v.scene.ball.restitution**2)),
     Formula("impact.energy_change", "energy-e-not-squared", "uses 1 - ẽ where 1 - ẽ² belongs", _DE,
-            _energy(lambda v: _mu(v, v.scene.bat.mass), lambda v: 1 - v.restitution)),
+            _energy(lambda v: v.mu, lambda v: 1 - v.restitution)),
     Formula("impact.energy_change", "energy-with-effective-mass", "takes μ from M_eff", _DE,
-            _energy(_bare, lambda v: 1 - v.restitution**2)),
+            _energy(lambda v: v.bare, lambda v: 1 - v.restitution**2)),
     Formula("impact.energy_change", "energy-of-ball", "counts the ball's energy only", _DE,
             lambda v: (0.5 * v.scene.ball.mass * (
                 sum(x * x for x in v["impact.velocity"]) - sum(x * x for x in v.before)),)),
@@ -852,34 +997,37 @@ FORMULAS: tuple[Formula, ...] = (
             _energy(lambda v: v.scene.ball.mass, lambda v: 1 - v.restitution**2)),
     Formula("impact.energy_change", "energy-without-friction", "counts what the normal impulse "
             "does, and not what friction does", "ΔE = P·(g + K P/2), with the whole impulse P",
-            _energy(lambda v: _mu(v, v.scene.bat.mass), lambda v: 1 - v.restitution**2)),
+            _energy(lambda v: v.mu, lambda v: 1 - v.restitution**2)),
     Formula("impact.velocity", "friction-left-out", "leaves the friction's part of the impulse out",
             "V' = V + P/m with the whole impulse P", _after(lambda v: 1 / v.scene.ball.mass)),
     Formula("impact.spin", "spin-kept", "keeps the spin that the ball came with",
             _SPUN, lambda v: v["contact.spin"]),
     Formula("impact.spin", "spin-change-sign", "changes the spin the other way", _SPUN,
-            lambda v: tuple(2 * a - b for a, b in zip(
-                v["contact.spin"], v["impact.spin:follows"], strict=True))),
+            lambda v: plus(
+                v["contact.spin"], -1.0, plus(v["impact.spin:follows"], -1.0, v["contact.spin"]))),
     Formula("impact.spin", "spin-before-forgotten", "forgets the spin that the ball came with",
-            _SPUN, lambda v: tuple(b - a for a, b in zip(
-                v["contact.spin"], v["impact.spin:follows"], strict=True))),
+            _SPUN, lambda v: plus(v["impact.spin:follows"], -1.0, v["contact.spin"])),
     Formula("landing.spin", "spin-of-launch", "gives the spin of the launch for that at landing",
             "spin falls by e along spin_decay_length of path through the air",
             lambda v: tuple(v.scene.launch.spin)),
     Formula("landing.time", "time-since-contact", "counts landing.time from the contact",
             "landing.time is since the start of the scene; landing.hang_time since the contact",
             lambda v: v["landing.hang_time"]),
+    Formula("landing.time", "time-since-plate", "counts the flight from the plate, not from the "
+            "contact", "landing.time = contact.time + landing.hang_time",
+            lambda v: (v.number("plate.time") + v.number("landing.hang_time"),)),
     Formula("landing.time", "contact-counted-twice", "adds the contact's time twice",
             "landing.time = contact.time + landing.hang_time",
             lambda v: (2 * v.number("contact.time") + v.number("landing.hang_time"),)),
     Formula("landing.hang_time", "hang-time-since-start", "counts landing.hang_time from the start "
             "of the scene", "landing.hang_time is since contact or launch",
             lambda v: v["landing.time"]),
-    Formula("landing.distance", "distance-from-contact", "measures the distance from where the "
-            "ball was met, not from the plate", _D,
-            lambda v: (math.dist(v["landing.position"][:2], v.position[:2]),)),
-    Formula("landing.distance", "distance-from-launch", "measures the distance from the launch",
-            _D, lambda v: (math.dist(v["landing.position"][:2], v.scene.launch.position[:2]),)),
+    Formula("landing.velocity", "speed-for-vertical", "gives the speed for the vertical velocity",
+            "landing.velocity is a vector", lambda v: (
+                *(there := v["landing.velocity:follows"])[:2], -math.hypot(*there))),
+    Formula("landing.distance", "distance-from-start", "measures the distance from the launch, or "
+            "from where the ball was met, and not from the plate", _D,
+            lambda v: (math.dist(v["landing.position"][:2], v.start[:2]),)),
     Formula("landing.distance", "distance-in-space", "measures the distance in space, height too",
             _D, lambda v: (math.hypot(*v["landing.position"]),)),
     Formula("landing.distance", "distance-along-x", "takes x for the distance", _D,
@@ -890,6 +1038,22 @@ FORMULAS: tuple[Formula, ...] = (
             lambda v: (v["landing.position"][0] ** 2 + v["landing.position"][1] ** 2,)),
     Formula("landing.distance", "distance-summed", "adds |x| and |y|", _D,
             lambda v: (abs(v["landing.position"][0]) + abs(v["landing.position"][1]),)),
+)  # fmt: skip
+
+
+NUMBERED: tuple[Numbered, ...] = (
+    Numbered("contact.position", "contact-off-centre", "gives as the contact a point off the "
+             "ball's centre, nearer to the bat by {} times the ball's radius",
+             "contact.position is where the ball's centre is",
+             lambda v, said: _dot(plus(v["contact.position:follows"], -1.0, said),
+                                  v["contact.normal"]) / v.scene.ball.radius, _off_centre),
+    Numbered("contact.normal", "normal-along-bat", "gives the normal a part along the bat: "
+             "(x, {} y, z - z_b) stands for (x, 0, z - z_b)",
+             "n is perpendicular to the bat's axis: its y is 0",
+             lambda v, said: said[1] * math.hypot(*_axis(v))
+             / (v.position[1] * math.hypot(said[0], said[2])), _tilted),
+    Numbered("impact.restitution", "bat-inertia", "acts as if the bat's moment of inertia were "
+             "M(L²/3 + {} r_b²)", _I, _turned_inertia, _with_inertia),
 )  # fmt: skip
 
 
@@ -960,7 +1124,7 @@ def _rubbed_without_spin(cases: Any, contact: Any, error: Any, *carried: Any) ->
     if contact.spin is None:
         return collide(cases, contact, error, *carried)
     cases, impact, *rest = collide(cases, replace(contact, spin=(0.0, 0.0, 0.0)), error, *carried)
-    spin = tuple(a + b for a, b in zip(impact.spin, contact.spin, strict=True))
+    spin = plus(impact.spin, 1.0, contact.spin)
     return cases, replace(impact, spin=spin), *rest
 
 

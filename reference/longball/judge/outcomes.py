@@ -11,7 +11,7 @@ from longball.judge.findings import Finding
 from longball.judge.mistakes import FENCE, OUTCOMES
 from longball.judge.quantities import BLOCKS, told_by, untrue
 from longball.judge.rules import rule
-from longball.judge.stages import NONE, STAGE_OF, Change, Trial
+from longball.judge.stages import NONE, Change, Trial, stage_of
 from longball.model.result import Result
 
 # Wrong outcomes of a kind, and right ones, that an explanation is held against.
@@ -126,9 +126,8 @@ def told_findings(trials: Sequence[Trial], base: Change) -> Iterator[Finding]:
                 wrong[fact].append(t)
     for (name, true, given), some in wrong.items():
         same = [t for t in right if name in t.told and t not in some]
-        stage = STAGE_OF.get(name) or STAGE_OF[name.partition(".")[0]]
         sentence = f"{name} is told to be {given} where {true} is right"
-        yield _told(stage, name, [], sentence, some, same)
+        yield _told(stage_of(name), name, [], sentence, some, same)
     for block in BLOCKS:
         more = [t for t in right if block in _blocks(t.given) - _blocks(t.expected)]
         outcomes = dict.fromkeys(str(t.case.expected.outcome) for t in more)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import base64
 import io
-import re
 from collections.abc import Callable, Iterator, Sequence
 from functools import cache
 from itertools import zip_longest
@@ -19,7 +18,7 @@ from longball.convergence.figure import draw_convergence
 from longball.engines.chain import solve_with_path
 from longball.engines.ivp import Ivp
 from longball.extras import naming_extras
-from longball.judge.answers import quoted
+from longball.judge.answers import printable, quoted
 from longball.judge.evaluation import Evaluation
 from longball.judge.quantities import values_of
 from longball.judge.text import ERRORS, LONGEST_NAME, counts, describe, error_cells, silence
@@ -34,6 +33,7 @@ Array = NDArray[np.float64]
 
 SHOWN = 20  # failures and issues on the page
 NOTHING = 1e-17  # where a relative error of zero is drawn on a logarithmic axis
+WIDTH, DPI = 5.2, 150  # of pictures, inches: their letters can be read on a narrow screen
 WHOLE = 1.0  # where one is drawn that is as large as its quantity, or larger
 
 
@@ -82,12 +82,6 @@ def page(evaluation: Evaluation) -> str:
     return html
 
 
-def printable(text: str) -> str:
-    """Return a text without control characters and the sequences that they begin."""
-    bare = re.sub(r"\x1b(\[[0-?]*[ -/]*[@-~]|\][^\x07\x1b]*(\x07|\x1b\\)|.)", "", text)
-    return "".join(c if c.isprintable() or c == "\n" else " " for c in bare).strip()
-
-
 # --- pictures -------------------------------------------------------------------------------------
 
 
@@ -96,26 +90,27 @@ def _pictures(evaluation: Evaluation) -> Iterator[tuple[str, str]]:
     worst = worst_flight(evaluation.comparisons)
     if worst:
         title = f"The worst flight against the truth: {worst.case.id}"
-        yield title, _image(lambda figure: draw_flight(figure, worst), (7, 6))
+        yield title, _image(lambda figure: draw_flight(figure, worst), 5.4)
     measured = [(c, m) for c in evaluation.comparisons for m in c.measured if m.size > 0]
     if measured:
         title = "Errors by family, and over difficulty"
-        yield title, _image(lambda figure: draw_errors(figure, measured), (7, 7))
+        yield title, _image(lambda figure: draw_errors(figure, measured), 6.4)
     if report is not None:
-        yield "Orders", _image(lambda f: draw_convergence(f.add_subplot(), report), (7, 4.6))
+        yield "Orders", _image(lambda f: draw_convergence(f.add_subplot(), report), 4.2)
 
 
 @naming_extras()
-def _image(draw: Callable[[Figure], None], size: tuple[float, float]) -> str:
+def _image(draw: Callable[[Figure], None], height: float) -> str:
+    """Return a figure of that height, inches, as an image that a telephone can show."""
     # A figure of its own, without pyplot: no display is asked for, and no state is left.
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=size, layout="constrained")
+    figure = Figure(figsize=(WIDTH, height), layout="constrained")
     FigureCanvasAgg(figure)
     draw(figure)
     buffer = io.BytesIO()
-    figure.savefig(buffer, format="png", dpi=110)
+    figure.savefig(buffer, format="png", dpi=DPI)
     data = base64.b64encode(buffer.getvalue()).decode()
     return f"data:image/png;base64,{data}"
 

@@ -3,6 +3,8 @@
 A simulator that returns the way of its ball, and no landing, answers with ``path``. Its points are
 held against the true path as they are. The landing, or the plate of a pitch, is found on a
 polynomial through those next to it: eight points, or four with velocities, if there are so many.
+A ball that its points leave in the air at the scene's time limit is airborne, and a pitch that they
+bring to the ground before the plate is grounded.
 """
 
 from __future__ import annotations
@@ -22,6 +24,7 @@ from longball.engines.chain import solve_with_path
 from longball.engines.ivp import Ivp
 from longball.judge.answers import Answer
 from longball.judge.quantities import Value
+from longball.model.result import Outcome
 from longball.model.scene import ImpactScene, landing_height
 
 Array = NDArray[np.float64]
@@ -68,17 +71,26 @@ def landed(scene: Any, answer: Answer) -> tuple[Answer, Mapping[str, float]]:
     if isinstance(scene, ImpactScene):
         return answer, {}
     block = "plate" if scene.kind == "pitch" else "landing"
-    heights = path[:, 1] if block == "plate" else path[:, 3] - landing_height(scene)
-    crossing = _crossing(heights)
+    ground = _crossing(path[:, 3] - landing_height(scene))
+    crossing = ground if block == "landing" else _crossing(path[:, 1])
+    begin = 0.0
+    if block == "landing" and "contact.time" in answer.values:
+        begin = float(answer.values["contact.time"][0])
+    limit = begin + scene.time_limit
+    if block == "plate" and ground is not None and (crossing is None or ground < crossing):
+        return _ended(answer, "grounded"), {}
     if crossing is None:
-        return answer, {}
+        # A step on, but for the rounding of times.
+        in_the_air = 2 * path[-1, 0] - path[-2, 0] > limit * (1 - 1e-9)
+        return (_ended(answer, "airborne") if in_the_air else answer), {}
     fine, coarse = (_met(path, crossing, order, block, scene) for order in (8, 6))
     if fine is None or coarse is None:
         return answer, {}
-    begin = 0.0
+    if fine[f"{block}.time"][0] > limit:
+        return _ended(answer, "airborne"), {}
+    if block == "plate" and fine["plate.position"][2] <= landing_height(scene):  # in the same step
+        return _ended(answer, "grounded"), {}
     if block == "landing":
-        if "contact.time" in answer.values:
-            begin = float(answer.values["contact.time"][0])
         fine["landing.hang_time"] = fine["landing.time"] - begin
         coarse["landing.hang_time"] = coarse["landing.time"] - begin
     slack = {name: float(np.linalg.norm(fine[name] - coarse[name])) for name in fine}
@@ -87,6 +99,11 @@ def landed(scene: Any, answer: Answer) -> tuple[Answer, Mapping[str, float]]:
         scene.kind
     ]  # fmt: skip
     return replace(answer, values=values, outcome=outcome), slack  # type: ignore[arg-type]
+
+
+def _ended(answer: Answer, outcome: Outcome) -> Answer:
+    """Return an answer with an outcome without a landing or a plate, unless it has one."""
+    return replace(answer, outcome=answer.outcome or outcome)
 
 
 def _crossing(heights: Array) -> int | None:

@@ -8,13 +8,12 @@ candidate's seventeen are rounded before they are compared.
 from __future__ import annotations
 
 import decimal
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from decimal import Decimal
-from typing import TypeVar
 
 from longball.engines.chain import BLOCKS as MODELS
-from longball.model.quantities import numbers
+from longball.model.quantities import number, numbers
 from longball.model.result import Result
 
 Value = tuple[Decimal, ...]
@@ -79,7 +78,14 @@ PATH = {name: QuantitySpec(name, unit, 3) for name, unit in
 
 def values_of(result: Result) -> dict[str, Value]:
     """Return every quantity that a result holds."""
-    return _quantities(result, lambda x: Decimal(repr(x) if isinstance(x, float) else x.value))
+    found: dict[str, Value] = {}
+    for name, x in numbers(result):
+        if isinstance(x, int):  # the number of a chord
+            continue
+        quantity = name.partition("[")[0]
+        value = Decimal(repr(x) if isinstance(x, float) else x.value)
+        found[quantity] = (*found.get(quantity, ()), value)
+    return found
 
 
 AT_VERTEX = 1e-9  # m
@@ -111,24 +117,10 @@ def untrue(result: Result, told: Mapping[str, object]) -> list[tuple[str, object
     ]
 
 
-def radii_of(result: Result) -> dict[str, Value]:
-    """Return the proven radius of every quantity that a result holds; 0 where none is proven."""
-    return _quantities(
-        result, lambda x: Decimal(0 if isinstance(x, float) or x.radius is None else x.radius)
-    )
-
-
-T = TypeVar("T")
-
-
-def _quantities(result: Result, read: Callable[..., T]) -> dict[str, tuple[T, ...]]:
-    found: dict[str, tuple[T, ...]] = {}
-    for name, x in numbers(result):
-        if isinstance(x, int):  # the number of a chord
-            continue
-        quantity = name.partition("[")[0]
-        found[quantity] = (*found.get(quantity, ()), read(x))
-    return found
+def radius_of(result: Result, quantity: str) -> Value:
+    """Return the proven radius of a quantity that a result holds; 0 where none is proven."""
+    held = (number(result, name) for name in QUANTITIES[quantity].names)
+    return tuple(Decimal(getattr(x, "radius", None) or 0) for x in held)
 
 
 def difference(a: Value, b: Value) -> float:

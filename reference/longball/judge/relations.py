@@ -6,6 +6,7 @@ A constant ratio to what follows, exchanged axes, a formula with a known mistake
 from __future__ import annotations
 
 import itertools
+import math
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
@@ -16,8 +17,9 @@ from numpy.typing import NDArray
 
 from longball.judge.answers import Answer
 from longball.judge.explanations import Checked, Explanation, off, share_left, size_of
-from longball.judge.fits import factor_meaning
-from longball.judge.mistakes import FORMULAS, View
+from longball.judge.findings import Finding
+from longball.judge.fits import FEW_DIGITS, FIRST, digits_of, factor_meaning, roundest
+from longball.judge.mistakes import FORMULAS, NUMBERED, View
 from longball.judge.quantities import QUANTITIES
 from longball.judge.stages import Change, Check, Numbers, Trial, follow, view_values
 
@@ -28,6 +30,12 @@ Image = Callable[[Array], Array]
 RELATION = 0.5
 
 FEW_DECIMALS = 10
+
+# Fewer numbers than this may be short, or in single precision, by chance: 2.0 is.
+ENOUGH = 5
+
+# Of the number in a formula, how far it may differ from scene to scene.
+CERTAIN = 1e-3
 
 
 # --- relations to what follows --------------------------------------------------------------------
@@ -166,19 +174,38 @@ def formulas(
 
     def tried(value: Callable[[View], Numbers], trial: Trial) -> Numbers | None:
         if id(trial) not in views:
-            views[id(trial)] = _view(trial, base)
+            views[id(trial)] = _view(trial, base, min(failing))
         return _value(value, views[id(trial)])
 
+    for numbered in NUMBERED:
+        said = [(t, c.obtained) for t, cs in chosen for c in cs if c.quantity == numbered.quantity]
+        found = [tried(lambda v, n=numbered, x=x: (n.number(v, x),), t) for t, x in said]  # type: ignore[misc]
+        if number := _settled([one[0] for one in found if one and math.isfinite(one[0])]):
+            wanted.append(numbered.of(number))
     for f in wanted:
         left, against = _held(chosen, beside, f.quantity, lambda t, c, f=f: tried(f.value, t))  # type: ignore[misc]
         yield Explanation(
             f.name, f.sentence, f.remedy, left, 0, quantity=f.quantity, against=against,
-            value=lambda t, f=f: _value(f.value, _view(t, base)),  # type: ignore[misc]
+            value=lambda t, f=f: _value(f.value, _view(t, base, f.quantity)),  # type: ignore[misc]
         )  # fmt: skip
 
 
-def _view(trial: Trial, base: Change) -> View | None:
-    held = view_values(trial, base)
+def _settled(numbers: Sequence[float]) -> float:
+    """Return the number that all are; 0 if they are not the same, too few, or no round number.
+
+    Where all scenes have the same bat, another mistake may be like any number.
+    """
+    if len(numbers) < FIRST:
+        return 0.0
+    middle, doubt = float(np.median(numbers)), float(np.ptp(numbers)) / 2
+    if doubt > CERTAIN * abs(middle):
+        return 0.0
+    number = roundest(middle, max(doubt, 1e-9 * abs(middle)))
+    return number if digits_of(number) <= FEW_DIGITS else 0.0
+
+
+def _view(trial: Trial, base: Change, quantity: str) -> View | None:
+    held = view_values(trial, base, quantity)
     return View(*held) if held else None
 
 
@@ -195,15 +222,34 @@ def _value(value: Callable[[View], Numbers], view: View | None) -> Numbers | Non
 def resolutions(chosen: Sequence[Checked]) -> Iterator[Explanation]:
     """Yield the rounding of what is written, if numbers are written with few decimals."""
     failing = [c for _, cs in chosen for c in cs if not c.follows]
-    places = max(-int(Decimal(repr(x)).as_tuple().exponent) for c in failing for x in c.obtained)
+    numbers = {x for c in failing for x in c.obtained if x}
+    if len(numbers) < ENOUGH:
+        return
+    places = max(-min(int(Decimal(repr(x)).normalize().as_tuple().exponent), 0) for x in numbers)
     resolution = max(0.5 * 10.0**-places, *(t.resolution for t, _ in chosen))
     if places <= FEW_DECIMALS and max(c.error for c in failing) < 4 * resolution:
         yield Explanation(
-            "few-decimals", f"writes its numbers with {places} decimals only, and errors are of "
-            "that size", "write doubles with 17 digits", 0.0, 3,
-            mend=lambda t: replace(t, resolution=resolution),
+            "few-decimals", f"{WRITES.format(places)}, and errors are of that size", DOUBLES, 0.0,
+            3, mend=lambda t: replace(t, resolution=resolution),
         )  # fmt: skip
 
+
+def few_decimals(trials: Sequence[Trial]) -> Finding | None:
+    """Return that all numbers are written with few decimals, if they are."""
+    told = [t for t in trials if any(x % 1 for value in t.given.values() for x in value)]
+    resolution = min((t.resolution for t in told), default=0.0)
+    if resolution < 0.5 * 10.0**-FEW_DECIMALS or len(told) < ENOUGH:
+        return None
+    wrong = sum(not t.right for t in trials)
+    said = WRITES.format(round(-math.log10(2 * resolution)))
+    return Finding(
+        stage="all", quantity="", kind="named", names=["few-decimals"], share=1.0, wrong=wrong,
+        sentence=f"{said}; no error of that size, or that follows from it, is looked into",
+        remedy=DOUBLES, checked=len(trials), worst=resolution,
+    )  # fmt: skip
+
+
+WRITES, DOUBLES = "writes its numbers with {} decimals only", "write doubles with 17 digits"
 
 SINGLE = Explanation(
     "single-precision", "computes or writes in single precision",
@@ -212,9 +258,6 @@ SINGLE = Explanation(
 
 # Single precision leaves 6e-8 a rounding; some hundred steps, amplified by bat and ball.
 SINGLE_NOISE = 1e-2
-
-# A quantity with fewer numbers than this may be in single precision by chance: 2.0 is.
-ENOUGH = 5
 
 
 def in_single_precision(answers: Iterable[Answer]) -> bool:

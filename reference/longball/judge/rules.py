@@ -75,8 +75,8 @@ def rule(failing: Sequence[Case], passing: Sequence[Case]) -> str | None:
         else:
             whole.setdefault(name, text)
     if whole:
-        plain = [text for name, text in whole.items() if _sorts(name)]
-        told = plain or list(whole.values())
+        plain = [text for name, text in whole.items() if _sorts(name) or text == f"{name} = 0"]
+        told = sorted(plain, key=lambda text: "flagged" in text) or list(whole.values())
         return "; or, which are the same scenes, ".join(told) if len(told) <= MOST_RULES else None
     if choices < CHANCE * TWO:
         return None
@@ -139,6 +139,8 @@ def _between(a: float, b: float) -> float:
 
 LARGEST_SHRINKS = 6
 
+NOTHING = 1e-9  # numbers below this are the rounding of a zero
+
 
 def simpler(scene: Scene) -> list[Any]:
     """Return scenes with one block or number of a scene made plain, each with an id of its own."""
@@ -163,9 +165,8 @@ def simpler(scene: Scene) -> list[Any]:
                 )
             )
     for name, value in numbers(scene):
-        for digits in (1, 2, 3):
-            short = float(f"{value:.{digits}g}")
-            if short != value:
+        for short in (0.0, *(float(f"{value:.{digits}g}") for digits in (1, 2, 3))):
+            if short != value and (short or abs(value) < NOTHING):
                 add(lambda n=name, v=short: replaced(scene, {n: v}))  # type: ignore[misc]
                 break
     unique = {new.line(): new for new in made}

@@ -12,11 +12,11 @@
 from __future__ import annotations
 
 import json
-import math
 import sys
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any, TextIO
 
+from longball.judge.testing import plain
 from longball.model.quantities import numbers
 from longball.model.scene import parse_scene
 
@@ -35,14 +35,15 @@ def serve(
         Takes the state at launch (m, m/s) and the numbers of the scene by their names
         (``air.density``, ``ball.mass``, ``gravity``, ``ground.height``; what the scene does not
         have is left out). Returns points, from the launch on, or a mapping with what a ``landing``
-        (``plate`` of a pitch) holds: time, position, velocity, distance.
+        (``plate`` of a pitch) holds: time, position, velocity, distance. A ball is airborne if its
+        points go on in the air to ``time_limit``, or if it lands after that.
     scenes, results
         Lines of JSON; standard input and output if not given.
     """
     out = results or sys.stdout
     for line in scenes if scenes is not None else sys.stdin:
         if line.strip():
-            print(json.dumps(_answer(function, line)), file=out, flush=True)
+            print(json.dumps(_answer(function, line), default=plain), file=out, flush=True)
 
 
 def _answer(function: Fly, line: str) -> dict[str, Any]:
@@ -52,25 +53,16 @@ def _answer(function: Fly, line: str) -> dict[str, Any]:
     if scene.kind == "flight":
         position, velocity = scene.launch.position, scene.launch.velocity
     else:
-        position = scene.pitch.release
-        toward = [a - b for a, b in zip((0.0, *scene.pitch.aim), position, strict=True)]
-        velocity = [scene.pitch.speed * t / math.hypot(*toward) for t in toward]
+        position, velocity = scene.pitch.release, scene.pitch.thrown
     values = {name: float(value) for name, value in numbers(scene)}
     try:
         made = function((*position, *velocity), values)
     except Exception as error:  # whatever a simulator raises is the answer to this scene
         return {"id": scene.id, "error": f"{type(error).__name__}: {error}"}
-    made = made.tolist() if hasattr(made, "tolist") else made
-    if isinstance(made, Mapping):
-        block, outcome = ("landing", "landed") if scene.kind == "flight" else ("plate", "crossed")
-        return {"id": scene.id, "outcome": outcome, block: {k: _plain(v) for k, v in made.items()}}
-    return {"id": scene.id, "path": _plain(made)}
-
-
-def _plain(value: Any) -> Any:
-    """Return NumPy's arrays and numbers, and tuples, as lists and floats."""
-    if hasattr(value, "tolist"):
-        return value.tolist()
-    if isinstance(value, Sequence) and not isinstance(value, str):
-        return [_plain(v) for v in value]
-    return value
+    if not isinstance(made, Mapping):
+        return {"id": scene.id, "path": made}
+    time = made.get("time")
+    if isinstance(time, float | int) and time > scene.time_limit:
+        return {"id": scene.id, "outcome": "airborne"}
+    block, outcome = ("landing", "landed") if scene.kind == "flight" else ("plate", "crossed")
+    return {"id": scene.id, "outcome": outcome, block: dict(made)}

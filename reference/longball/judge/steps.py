@@ -9,24 +9,27 @@ shorter.
 from __future__ import annotations
 
 import math
-from bisect import bisect_left
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any, Literal
 
 import numpy as np
+from numpy.polynomial.polynomial import polyval
 from numpy.typing import NDArray
 
 from longball.engines.engine import Launch
 from longball.engines.event import Event
 from longball.engines.ivp import Ivp
 from longball.engines.path import Flight, Path
-from longball.engines.verlet import TREATMENTS, Chord, Verlet, plain_step
+from longball.engines.polynomial import PolynomialPiece
+from longball.engines.verlet import TREATMENTS, Chord, Components, Verlet, plain_step
+from longball.judge.any_law import EFFORT
 from longball.model.law import Law, State
+from longball.model.numbers import plus
 from longball.model.readings import VerletForces
 
 Array = NDArray[np.float64]
-Components = tuple[float, ...]
 Rates = Callable[..., Components]
 
 # From the rates, a state, a step and what the step before has left, None at first: the next state
@@ -34,14 +37,16 @@ Rates = Callable[..., Components]
 Step = Callable[[Rates, Components, float, Any], tuple[Components, Any]]
 
 
-def _plus(a: Components, h: float, b: Components) -> Components:
-    return tuple([x + h * y for x, y in zip(a, b, strict=True)])
+# Where in a step the velocity is that moves the position, if it is one of the step's ends or their
+# mean.
+_AHEAD = {"old": 0.0, "mean": 0.5, "new": 1.0}
 
 
 def _runge_kutta(nodes: Sequence[float], weights: Sequence[float], whose: str = "own") -> Step:
     """Return an explicit Runge-Kutta method, each of whose stages begins with the one before.
 
-    `whose` velocity moves the position: its "own", the "old" or the "new" one of the step.
+    `whose` velocity moves the position: its "own", the "old" or the "new" one of the step, or the
+    "mean" of these two.
     """
     total = sum(weights)
 
@@ -49,34 +54,54 @@ def _runge_kutta(nodes: Sequence[float], weights: Sequence[float], whose: str = 
         rates = f(*s)
         stages = [rates]
         for node in nodes:
-            stages.append(f(*_plus(s, node * h, stages[-1])))
+            stages.append(f(*plus(s, node * h, stages[-1])))
         mean = tuple([
             sum([w * k for w, k in zip(weights, ks, strict=True)]) / total
             for ks in zip(*stages, strict=True)
         ])  # fmt: skip
-        new = _plus(s, h, mean)
+        new = plus(s, h, mean)
         if whose == "own":
             return new, None
         n = len(s) // 2
-        velocity = s[n : 2 * n] if whose == "old" else new[n : 2 * n]
-        return (*_plus(s[:n], h, velocity), *new[n:]), None
+        velocity = plus(s[n : 2 * n], _AHEAD[whose] * h, mean[n : 2 * n])
+        return (*plus(s[:n], h, velocity), *new[n:]), None
 
     return step
 
 
+def _drag_of_start(step: Step) -> Step:
+    """Return a step whose drag is that of the speed at the step's start, in still air.
+
+    Of the force without gravity, which is that on a ball at rest, what lies along the velocity is
+    the drag.
+    """
+
+    def slowed(f: Rates, s: Components, h: float, left: Any) -> tuple[Components, Any]:
+        n = len(s) // 2
+        begun = math.hypot(*s[n : 2 * n])
+        weight = f(*s[:n], *(0.0,) * n, *s[2 * n :])[n : 2 * n]
+
+        def rates(*now: float) -> Components:
+            velocity, found = now[n : 2 * n], f(*now)
+            force, square, along = found[n : 2 * n], 0.0, 0.0
+            for v, a, g in zip(velocity, force, weight, strict=True):
+                square += v * v
+                along += v * (a - g)
+            more = (begun / math.sqrt(square) - 1) * along / square
+            return (*found[:n], *plus(force, more, velocity), *found[2 * n :])
+
+        return step(rates, s, h, left)
+
+    return slowed
+
+
 def _implicit(f: Rates, s: Components, h: float, left: Any) -> tuple[Components, Any]:
-    new = _plus(s, h, f(*s))
+    new = plus(s, h, f(*s))
     for _ in range(30):
-        old, new = new, _plus(s, h, f(*new))
+        old, new = new, plus(s, h, f(*new))
         if math.dist(old, new) < 1e-15 * math.hypot(*new):
             break
     return new, None
-
-
-def _mean_velocity(f: Rates, s: Components, h: float, left: Any) -> tuple[Components, Any]:
-    n, new = len(s) // 2, _plus(s, h, f(*s))
-    mean = _plus(s[n : 2 * n], 1.0, new[n : 2 * n])
-    return (*_plus(s[:n], h / 2, mean), *new[n:]), None
 
 
 def _adams_bashforth(velocity_only: bool) -> Step:
@@ -86,10 +111,10 @@ def _adams_bashforth(velocity_only: bool) -> Step:
         n, rates = len(s) // 2, f(*s)
         before, step_before = left or (rates, h)
         ratio = h / (2 * step_before)
-        mean = _plus(_plus(rates, ratio, rates), -ratio, before)
-        new = _plus(s, h, mean)
+        mean = plus(plus(rates, ratio, rates), -ratio, before)
+        new = plus(s, h, mean)
         if velocity_only:
-            place = _plus(_plus(s[:n], h, s[n : 2 * n]), h * h / 2, rates[n : 2 * n])
+            place = plus(plus(s[:n], h, s[n : 2 * n]), h * h / 2, rates[n : 2 * n])
             new = (*place, *new[n:])
         return new, (rates, h)
 
@@ -99,9 +124,9 @@ def _adams_bashforth(velocity_only: bool) -> Step:
 def _leapfrog(f: Rates, s: Components, h: float, left: Any) -> tuple[Components, Any]:
     """Drift for half a step, kick with the force there and at the old velocity, drift again."""
     n = len(s) // 2
-    half = (*_plus(s[:n], h / 2, s[n : 2 * n]), *s[n:])
-    new = (*half[:n], *_plus(s[n:], h, f(*half)[n:]))
-    return (*_plus(new[:n], h / 2, new[n : 2 * n]), *new[n:]), None
+    half = (*plus(s[:n], h / 2, s[n : 2 * n]), *s[n:])
+    new = (*half[:n], *plus(s[n:], h, f(*half)[n:]))
+    return (*plus(new[:n], h / 2, new[n : 2 * n]), *new[n:]), None
 
 
 def _verlet(treatment: VerletForces) -> Step:
@@ -114,7 +139,7 @@ def _verlet(treatment: VerletForces) -> Step:
         def force(r: Components, v: Components) -> Components:
             return f(*r, *v, *moved)[n : 2 * n]
 
-        moved = _plus(rest, h, rates[2 * n :])
+        moved = plus(rest, h, rates[2 * n :])
         place, velocity, after = plain_step(
             place, velocity, left or rates[n : 2 * n], (0.0,) * n, h, *TREATMENTS[treatment], force
         )
@@ -154,8 +179,8 @@ SCHEMES: dict[str, Scheme] = {
     ),
     "implicit-euler": Scheme(_implicit, 1, "implicit Euler"),
     "euler-velocity": Scheme(
-        _mean_velocity, 1, "constant acceleration over each step: Euler's method for the velocity "
-        "and the mean of two velocities for the position"),
+        _runge_kutta((), (1,), "mean"), 1, "constant acceleration over each step: Euler's method "
+        "for the velocity and the mean of two velocities for the position"),
     "lagged-verlet": _paper(
         "old_carried", 1, "drag and lift at the velocity of the step before"),
     "lagged-verlet-recomputed": _paper("old_recomputed", 1, "the force at the old velocity"),
@@ -169,6 +194,12 @@ SCHEMES: dict[str, Scheme] = {
     "rk4-new-velocity": Scheme(
         _runge_kutta((0.5, 0.5, 1), (1, 2, 2, 1), "new"), 1, "RK4 for the velocity, but the "
         "position moves with the velocity at the step's end"),
+    "rk4-drag-of-start": Scheme(
+        _drag_of_start(_runge_kutta((0.5, 0.5, 1), (1, 2, 2, 1))), 1, "RK4 whose drag takes the "
+        "speed at the step's start"),
+    "rk4-mean-velocity": Scheme(
+        _runge_kutta((0.5, 0.5, 1), (1, 2, 2, 1), "mean"), 2, "RK4 for the velocity, but the "
+        "position moves with the mean of the velocities at the step's ends"),
     "verlet-predicted-carried": _paper(
         "predicted_carried", 2, "a predicted velocity, which is of order 2"),
     "verlet-predicted": _paper(
@@ -190,6 +221,8 @@ SCHEMES: dict[str, Scheme] = {
 LAGGING = ("lagged-verlet", "lagged-verlet-recomputed", "half-step-verlet", "leapfrog")
 
 Ends = Literal["line", "step"]
+
+STEP_EFFORT = 0.12  # of a step of DOP853, what one of RK4 takes here
 
 
 @dataclass(frozen=True)
@@ -219,7 +252,8 @@ class FixedStep(Verlet):
     ) -> Flight[float]:
         """Fly until the first of several events; see `longball.engines.engine.Engine.fly`."""
         flight = super().fly(law, start, events, limit)
-        return replace(flight, path=_Stepped(self._chords(law, start, limit)))
+        between = partial(self._chord, law, None if self.scheme == "chords" else self._step(law))
+        return replace(flight, path=_Stepped(self._states(law, start, limit), between, self.dt))
 
     def rebound(self, frame: Any, touch: Any, delta_v: Any, law_in: Any, ground: Any) -> Any:
         """Strike at once, where ball and bat touch."""
@@ -239,18 +273,16 @@ class FixedStep(Verlet):
                 done, length, rows = done + length, min(2 * length, 4096), rows[-1:]
         yield done, np.array(rows).T
 
-    def _chords(self, law: Law[float], start: State[float], limit: float) -> Iterator[Chord]:
-        states = self._states(law, start, limit)
-        (row, left), step = next(states), self._step(law, start)
-        before = law.state(*row)
-        for count, (new, after_left) in enumerate(states):
-            after, begin = law.state(*new), count * self.dt
-            length = (count + 1) * self.dt - begin
-            if self.ends == "line":
-                yield Chord(begin, length, before, after)
-            else:
-                yield _Cut(begin, length, before, after, step, left)
-            before, left = after, after_left
+    def _chord(
+        self, law: Law[float], step: Callable[..., Any] | None, number: int, before: Any, after: Any
+    ) -> Chord:
+        """Return what lies between two states, each with what the step before it has left."""
+        (row, left), (new, _) = before, after
+        begin = number * self.dt
+        length = (number + 1) * self.dt - begin
+        if self.ends == "line" or step is None:
+            return Chord(begin, length, law.state(*row), law.state(*new))
+        return _Cut(begin, length, law.state(*row), law.state(*new), step, left)
 
     def _states(
         self, law: Law[float], start: State[float], limit: float
@@ -276,20 +308,35 @@ class FixedStep(Verlet):
     def _stepping(
         self, law: Law[float], start: State[float], limit: float
     ) -> Iterator[tuple[Components, Any]]:
-        state, left, step = tuple(map(float, start)), None, self._step(law, start)
+        state, left = tuple(map(float, start)), None
         yield state, left
+        if self.scheme == "chords":
+            yield from ((row, None) for row in _true_states(law, start, self.dt, limit))
+            return
+        step = self._step(law)
         for _ in range(math.ceil(min(limit / self.dt, 1e7))):
+            EFFORT.steps += STEP_EFFORT
             state, left = step(state, self.dt, left)
             yield state, left
 
-    def _step(self, law: Law[float], start: State[float]) -> Callable[..., tuple[Components, Any]]:
-        if self.scheme == "chords":
-            path = Ivp().path(law, start, 1e3)
-            return lambda state, h, count: (
-                tuple(path.at(((count or 0) + 1) * self.dt)), (count or 0) + 1
-            )  # fmt: skip
+    def _step(self, law: Law[float]) -> Callable[..., tuple[Components, Any]]:
         step, rates = SCHEMES[self.scheme].step, law.rates(self.numbers)
         return lambda state, h, left: step(rates, state, h, left)
+
+
+def _true_states(
+    law: Law[float], start: State[float], dt: float, limit: float
+) -> Iterator[Components]:
+    """Yield the states of the true path at the steps, from the first one on."""
+    count = 1
+    for piece in Ivp().path(law, start, limit + dt).pieces():
+        last = math.floor((piece.begin + piece.length) / dt)
+        times = np.arange(count, last + 1) * dt - piece.begin
+        if isinstance(piece, PolynomialPiece):
+            yield from zip(*polyval(times, piece.coefficients.T).tolist(), strict=True)
+        else:
+            yield from (tuple(piece.at(time)) for time in times.tolist())
+        count = last + 1
 
 
 @dataclass(frozen=True)
@@ -308,21 +355,46 @@ class _Cut(Chord):
 
 
 class _Stepped(Path[float]):
-    """A flight of very many pieces."""
+    """A flight of very many pieces, of which few are asked for.
 
-    def __init__(self, pieces: Iterable[Any]) -> None:
-        super().__init__(pieces)
-        self._all = super().pieces()
-        self._ends: list[float] = []
+    Parameters
+    ----------
+    states
+        At the steps, each with what the step before it has left.
+    between
+        From a number, the state there and the next one to the piece between them.
+    dt
+        s.
+    """
+
+    def __init__(self, states: Iterator[Any], between: Callable[..., Chord], dt: float) -> None:
+        super().__init__(iter(()))
+        self._states, self._between, self._dt = states, between, dt
+        self._rows: list[Any] = []
+
+    def _piece(self, number: int) -> Chord | None:
+        while len(self._rows) < number + 2:
+            row = next(self._states, None)
+            if row is None:
+                return None
+            self._rows.append(row)
+        return self._between(number, *self._rows[number : number + 2])
+
+    def pieces(self) -> Iterator[Chord]:
+        """Yield the pieces; see `longball.engines.path.Path.pieces`."""
+        number = 0
+        while piece := self._piece(number):
+            yield piece
+            number += 1
 
     def at(self, time: float) -> State[float]:
         """Return the state at a time; see `longball.engines.path.Path.at`."""
-        while not self._ends or self._ends[-1] < time:
-            piece = next(self._all, None)
-            if piece is None or time < 0:
-                raise ValueError(f"the flight has no state at t = {time} s")
-            self._ends.append(piece.begin + piece.length)
-        piece = self._known[bisect_left(self._ends, time)]
+        number = max(0, math.ceil(time / self._dt) - 1)
+        if time > (number + 1) * self._dt:  # for the rounding of the quotient
+            number += 1
+        piece = None if time < 0 else self._piece(number)
+        if piece is None:
+            raise ValueError(f"the flight has no state at t = {time} s")
         state: State[float] = piece.at(time - piece.begin)
         return state
 

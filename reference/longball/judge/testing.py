@@ -86,10 +86,10 @@ def line_of(scene_id: str, obtained: Any) -> bytes:
         obtained = json.loads(obtained.line())
     if not isinstance(obtained, Mapping):
         raise TypeError(f"a result is a mapping; not an object of type {type(obtained).__name__}")
-    return json.dumps({**obtained, "id": scene_id}, default=_plain).encode()
+    return json.dumps({**obtained, "id": scene_id}, default=plain).encode()
 
 
-def _plain(value: Any) -> Any:
+def plain(value: Any) -> Any:
     """Return NumPy's arrays and numbers as Python's."""
     if hasattr(value, "tolist"):
         return value.tolist()

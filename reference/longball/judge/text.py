@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 
 from longball.convergence import ConvergenceReport
-from longball.judge.answers import quoted
+from longball.convergence.report import aligned
+from longball.judge.answers import printable, quoted
 from longball.judge.findings import Diagnosis, Finding
 from longball.judge.sampling import Sampling
 from longball.judge.verdict import Failure, Fault, Row, Verdict
@@ -69,7 +70,7 @@ def _errors(verdict: Verdict) -> Iterator[str]:
         return
     failed = [row for row in verdict.rows if row.failed]
     table = [ERRORS, *map(error_cells, failed or verdict.rows)]
-    yield from _aligned(table, left=(0, 1, 6, 11))
+    yield from aligned(table, right=(2, 3, 4, 5, 7, 8, 9, 10))
     right = Counter(row.family for row in verdict.rows if failed and not row.failed)
     if right:
         listed = ", ".join(f"{family} {count}" for family, count in right.items())
@@ -111,7 +112,7 @@ def _contacts(verdict: Verdict) -> Iterator[str]:
     if confused:
         table = [("outcome expected", "obtained", "scenes")]
         table += [(c.expected, c.obtained, str(c.cases)) for c in confused]
-        yield from _aligned(table, left=(0, 1))
+        yield from aligned(table, right=(2,))
     for ids, what in (
         (verdict.contacts_missed, "missed"),
         (verdict.contacts_invented, "invented"),
@@ -150,7 +151,7 @@ def finding_sentences(finding: Finding) -> Iterator[str]:
     """Yield what is behind the errors of a stage."""
     word = {"named": "it", "probably": "probably it", "unexplained": "not explained:"}
     share = f" (explains {finding.share:.2%} of the error)" if finding.share else ""
-    yield f"diagnosis: {finding.stage}: {word[finding.kind]} {finding.sentence}{share}"
+    yield f"diagnosis: {finding.stage}: {word[finding.kind]} {finding.beside_stage}{share}"
     if finding.remedy:
         yield f"  {finding.remedy}"
     if finding.scenes:
@@ -234,23 +235,11 @@ def _issues(verdict: Verdict, shown: int) -> Iterator[str]:
     more = len(verdict.complaints) - shown + sum(verdict.complaints_left_out.values())
     if more > 0:
         yield f"issues: {more} more"
-    if verdict.complaints and verdict.standard_error.strip():
+    if verdict.complaints and printable(verdict.standard_error):
         yield "the end of its standard error:"
-        for line in verdict.standard_error.strip().splitlines()[-shown:]:
-            yield "  " + "".join(c if c.isprintable() else "?" for c in line)
+        yield from (f"  {line}" for line in printable(verdict.standard_error).splitlines()[-shown:])
 
 
 def _some(ids: Sequence[str], shown: int) -> str:
     more = len(ids) - shown
     return ", ".join(ids[:shown]) + (f" and {more} more" if more > 0 else "")
-
-
-def _aligned(table: Sequence[Sequence[str]], left: Iterable[int]) -> Iterator[str]:
-    widths = [max(map(len, column)) for column in zip(*table, strict=True)]
-    left = set(left)
-    for row in table:
-        cells = (
-            cell.ljust(width) if i in left else cell.rjust(width)
-            for i, (cell, width) in enumerate(zip(row, widths, strict=True))
-        )
-        yield "  ".join(cells).rstrip()

@@ -44,7 +44,7 @@ from longball.judge.quantities import (
     Value,
     difference,
     length,
-    radii_of,
+    radius_of,
     untrue,
     values_of,
 )
@@ -210,11 +210,15 @@ def compare(case: Case, answer: Answer | None, profile: Profile) -> Comparison:
         more = slack.get(quantity, 0.0)
         measured.append(_measure(case, quantity, value, answer.values[quantity], profile, more))
     for name, (true, given) in points.items():
-        allowed = profile.tolerance(case, "landing.position", true) if (
-            "landing.position" in expected) else Exact.of(length(true))  # fmt: skip
+        size = length(true)
+        allowed = (
+            profile.tolerance(case, "landing.position", true)
+            if "landing.position" in expected
+            else profile.allowed(size)
+        )
         measured.append(
             Measured(name, true, (Decimal(0),) * 3, given, difference(given, true), allowed,
-                     Exact.of(length(true)), length(true))
+                     Exact().allowed(size), size)
         )  # fmt: skip
     given_blocks = {name.partition(".")[0] for name in answer.values}
     known_blocks = {name.partition(".")[0] for name in expected}
@@ -254,7 +258,7 @@ def _measure(
     return Measured(
         quantity,
         expected,
-        radii_of(case.expected)[quantity],
+        radius_of(case.expected, quantity),
         obtained,
         difference(obtained, expected),
         profile.tolerance(case, quantity, expected) + slack,
@@ -614,14 +618,13 @@ def _row(family: str, name: str, unit: str, group: list[tuple[Comparison, Measur
 def failure(comparison: Comparison) -> Failure:
     """Return what is wrong in a comparison; nothing may be."""
     case, answer = comparison.case, comparison.answer
-    expected, radii = values_of(case.expected), radii_of(case.expected)
+    expected = values_of(case.expected)
     outcome = case.expected.outcome
     faults = []
     if comparison.outcome_wrong:
         faults.append(_fault("outcome", [outcome], (), [answer.outcome if answer else None]))
     faults += [
-        _fault(name, expected.get(name, ()), radii.get(name, ()), ["not a number"])
-        for name in comparison.unreadable
+        _fault(name, expected.get(name, ()), (), ["not a number"]) for name in comparison.unreadable
     ]
     faults += [_fault(name, [true], (), [told]) for name, true, told in comparison.untrue]
     faults += [

@@ -50,6 +50,11 @@ def minus(a: Vector[N], b: Vector[N]) -> Vector[N]:
     return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
 
+def plus(a: tuple[float, ...], factor: float, b: tuple[float, ...]) -> tuple[float, ...]:
+    """Return ``a + factor b`` of as many numbers as there are."""
+    return tuple([x + factor * y for x, y in zip(a, b, strict=True)])  # faster than a generator
+
+
 def absolute(x: N) -> N:
     """Return the size of a number."""
     return cast(N, abs(x))

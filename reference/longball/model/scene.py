@@ -94,6 +94,15 @@ class Pitch(_Block):
         x, y, z = self.release
         return self.velocity or (-x, self.aim[0] - y, self.aim[1] - z)
 
+    @property
+    def thrown(self) -> Point:
+        """The velocity at the release, m/s, in double precision."""
+        if self.velocity is not None:
+            return self.velocity
+        x, y, z = self.way
+        scale = self.speed / math.hypot(x, y, z)
+        return x * scale, y * scale, z * scale
+
     @model_validator(mode="after")
     def _thrown_one_way(self) -> Self:
         both = sorted(self.model_fields_set & {"speed", "aim"})
