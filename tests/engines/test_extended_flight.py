@@ -378,6 +378,18 @@ def test_gyro_spin_straight_up_does_nothing(engine, error):
 
 
 @all_engines
+def test_a_launch_from_the_ground_at_the_speed_of_a_wind_that_rises(engine, error):
+    """At rest in the air it falls there by ln cosh(√(g k) t)/k, while the air rises."""
+    rise, k = 6.0, 1.29 * 0.4 * math.pi * 0.0366**2 / (2 * 0.145)
+    air = {"lift_coefficient": 0.0, "wind": (0.0, 0.0, rise)}
+    found = landing(scene((0.0, 0.0, rise), position=(0.0, 0.0, 0.0), air=air), engine)
+    time = scipy.optimize.brentq(
+        lambda t: rise * t - math.log(math.cosh(math.sqrt(9.8 * k) * t)) / k, 0.5, 3.0, xtol=1e-14
+    )
+    assert found.time == pytest.approx(time, rel=1e-13 + 10 * error)
+
+
+@all_engines
 def test_the_final_speed_in_a_drag_crisis(engine, error):
     """k C_D(U) U² = g."""
     drag = {"law": "crisis"}
