@@ -156,26 +156,32 @@ def _blow(scene: Written, law: Generator, generator: Generator) -> None:
     uniform = generator.uniform
     coefficient = uniform(0.05, 0.6)
     at = np.cumsum(uniform(1.0, 12.0, 4)).tolist()
-    tables = [
-        {"law": "table", "of": "speed", "at": at},
-        {"law": "table", "of": "mach", "at": [x / 340.0 for x in at]},
-        {"law": "table", "of": "spin_parameter", "at": [0.0, *(x / 40.0 for x in at[:3])]},
+    values = [0.0 if law.random() < 0.5 else coefficient, *uniform(0.05, 0.6, 3)]
+    # What needs a spin comes last.
+    spins = law.random() < 0.8
+    tables: list[Written] = [
+        {"of": "speed", "at": at},
+        {"of": "mach", "at": [x / 340.0 for x in at]},
+        {"of": "spin_parameter", "at": [0.0, *(x / 40.0 for x in at[:3])]},
     ]
-    values = {"values": [0.0 if law.random() < 0.5 else coefficient, *uniform(0.05, 0.6, 3)]}
-    drags: list[Written] = [
-        {"law": "constant", "value": coefficient},
-        {"law": "spin", "constant": coefficient},
-        {"law": "crisis", "speed": uniform(5.0, 50.0), "width": size(generator, 0.1, 10.0)},
-        tables[law.integers(3)] | values,
-    ]
-    lifts: list[Written] = [
-        {"law": "constant", "value": coefficient},
-        {"law": "rational"},
-        {"law": "linear", "slope": uniform(0.5, 1.5)},
-        {"law": "bilinear"},
-        tables[law.integers(3)] | values,
-    ]
-    drag, lift = drags[law.integers(len(drags))], lifts[law.integers(len(lifts))]
+    drag, lift = (
+        [
+            {"law": "constant", "value": coefficient},
+            {"law": "table", "values": values} | tables[law.integers(3 if spins else 2)],
+            *others,
+        ][law.integers(2 + len(others) if spins else 2)]
+        for others in (
+            [
+                {"law": "spin", "constant": coefficient},
+                {"law": "crisis", "speed": uniform(5.0, 50.0), "width": size(generator, 0.1, 10.0)},
+            ],
+            [
+                {"law": "rational"},
+                {"law": "linear", "slope": uniform(0.5, 1.5)},
+                {"law": "bilinear"},
+            ],
+        )
+    )
     blowing = (size(generator, 0.1, 30.0) * generator.standard_normal(3)).tolist()
     winds: list[Any] = [
         None,
@@ -194,11 +200,11 @@ def _blow(scene: Written, law: Generator, generator: Generator) -> None:
         "drag_coefficient": drag,
         "lift_coefficient": lift,
         "wind": winds[law.integers(len(winds))],
-        "spin_decay_length": _maybe(law, size(generator, 10.0, 1e4)),
+        "spin_decay_length": _maybe(law, size(generator, 10.0, 1e4)) if spins else None,
         "density_scale_height": _maybe(law, uniform(5e3, 1e4)),
     }
     scene["earth"] = _maybe(law, {"latitude": uniform(-1.57, 1.57), "azimuth": uniform(-3.1, 3.1)})
-    spin = _maybe(law, True) and _spin(generator)
+    spin = _spin(generator) if spins else None
     if scene["kind"] == "flight":
         scene["launch"]["spin"] = spin
         return

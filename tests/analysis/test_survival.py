@@ -11,9 +11,10 @@ from longball.engines.chain import solve
 from longball.model.scene import parse_scene
 
 SEED = 2
+PAPER = [family for family in FAMILIES if family != "extended"]
 
 
-@pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.parametrize("family", PAPER)
 def test_engines_agree_with_what_is_proven(family, monkeypatch):
     # What takes the enclosure more than some tenths of a second is not compared here.
     monkeypatch.setattr("longball.engines.enclosure.engine._MOST_WORK", 200_000)
@@ -47,7 +48,7 @@ def test_what_was_wrong_once_is_right(family, number):
 
 
 @pytest.mark.parametrize("part", range(2))
-@pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.parametrize("family", PAPER)
 def test_engines_agree_with_each_other(family, part, monkeypatch):
     # Two thousand scenes; the study has more. What takes many steps or much work is declined.
     monkeypatch.setattr("longball.engines.ivp._MOST_STEPS", 300)
@@ -55,6 +56,14 @@ def test_engines_agree_with_each_other(family, part, monkeypatch):
     for number in range(24 + 250 * part, 274 + 250 * part):
         scene = random_scene(family, number, SEED)
         for row in examine(scene, proven=False):
+            assert row["verdict"] not in FAULTS, (row, scene.line())
+
+
+def test_engines_agree_in_the_extended_model(monkeypatch):
+    monkeypatch.setattr("analysis.random_scenes.LAWS", 3)  # each is compiled
+    for number in range(24):
+        scene = random_scene("extended", number, SEED)
+        for row in examine(scene, proven=scene.kind != "at-bat"):
             assert row["verdict"] not in FAULTS, (row, scene.line())
 
 

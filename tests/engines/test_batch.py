@@ -639,6 +639,20 @@ def test_a_ball_that_is_all_but_vertical(sideways: float, up: float, lift: float
     assert Batch().solve_all([scene] * 20) == [solve(scene, Batch())] * 20
 
 
+def test_a_fall_from_rest_that_outlasts_the_time_limit() -> None:
+    """It falls by ln cosh(√(g k) t)/k."""
+    height, k = 3000.0, 1.29 * 0.4 * math.pi * 0.0366**2 / (2 * 0.145)
+    scene = FlightScene(
+        id="drop",
+        air=Air(lift_coefficient=0.0),
+        launch=Launch(position=(0.0, 0.0, height), velocity=(0.0, 0.0, 0.0)),
+    )
+    result, way = solve_with_path(scene, Batch())
+    assert result.outcome == "airborne"
+    fall = math.log(math.cosh(math.sqrt(9.8 * k) * 60.0)) / k
+    assert way.at(60.0)[0][2] == pytest.approx(height - fall, rel=1e-13)
+
+
 def test_a_ball_that_all_but_rests_in_the_air_is_solved_or_refused_never_wrong() -> None:
     """At its apex the ball has a millionth of its speed; the steps shrink, and grow again."""
     strengths = {"drag": 0.0074867, "gravity": 9.8}
