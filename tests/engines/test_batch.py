@@ -609,6 +609,16 @@ def test_sizes_that_overflow_have_the_same_answer_in_a_list_as_alone(size: float
     assert Batch().solve_all(scenes) == [solve(scene, Batch()) for scene in scenes]
 
 
+def test_a_pitch_from_beside_the_plate_touches_the_bat_long_before_it() -> None:
+    """It flies at 79° to the bat: where it touches, it is 0.3 m from the plate's plane."""
+    scene = AtBatScene(id="beside", pitch=Pitch(speed=60.0, release=(2.0, -10.0, 1.8)))
+    found, truth = solve(scene, Batch()), solve(scene, Enclosure(20))
+    assert found.contact is not None
+    assert truth.contact is not None
+    assert found.contact.time == pytest.approx(float(truth.contact.time), rel=1e-14)
+    assert found.outcome == truth.outcome
+
+
 def test_a_ball_released_inside_the_bat_is_an_error() -> None:
     scene = AtBatScene(id="in", pitch=Pitch(release=(0.02, 0.0, 1.8)))
     (result,) = Batch().solve_all([scene])
