@@ -26,6 +26,7 @@ from longball.engines.batch.jit import call, unowned_view
 from longball.engines.batch.roots import NEVER
 from longball.engines.chain import solve, solve_with_path
 from longball.engines.enclosure import Enclosure
+from longball.engines.engine import Engine
 from longball.engines.event import ground
 from longball.engines.ivp import Ivp
 from longball.engines.path import Flight
@@ -661,6 +662,18 @@ def test_a_fall_from_rest_that_outlasts_the_time_limit() -> None:
     assert result.outcome == "airborne"
     fall = math.log(math.cosh(math.sqrt(9.8 * k) * 60.0)) / k
     assert way.at(60.0)[0][2] == pytest.approx(height - fall, rel=1e-13)
+
+
+@pytest.mark.parametrize("gravity", [1e-3, 0.5, 9.8])
+@pytest.mark.parametrize("engine", [Batch(), Ivp()], ids=["batch", "ivp"])
+def test_a_hop_in_little_gravity(engine: Engine[float], gravity: float) -> None:
+    """Without air it is over after 2 w/g."""
+    rise = 1e-4 * gravity
+    launch = Launch(position=(0.0, 0.0, 0.0), velocity=(1.0, 0.0, rise))
+    scene = FlightScene(id="hop", air=None, gravity=gravity, launch=launch)
+    found = solve(scene, engine).landing
+    assert found is not None
+    assert found.time == pytest.approx(2 * rise / gravity, rel=1e-12)
 
 
 def test_a_ball_that_all_but_rests_in_the_air_is_solved_or_refused_never_wrong() -> None:

@@ -482,10 +482,11 @@ def test_what_has_no_direction_is_declined(engine):
     assert result.landing is None
 
 
-def test_a_spin_along_the_launch_is_flown():
+@pytest.mark.parametrize("engine", [Ivp(), Batch()], ids=["ivp", "batch"])
+def test_a_spin_along_the_launch_is_flown(engine):
     """ω ∥ u at the launch alone: lift and drag have a corner there, and not beyond."""
     flight = scene((40.0, 0.0, 20.0), (80.0, 0.0, 40.0), air={"lift_coefficient": RATIONAL})
-    assert landing(flight, Ivp()).position == pytest.approx(
+    assert landing(flight, engine).position == pytest.approx(
         landing(flight, Enclosure(20)).position, abs=1e-11
     )
 
