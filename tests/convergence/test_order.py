@@ -121,3 +121,6 @@ def test_extrapolation_is_exact_on_a_power_law_and_bounds_what_comes_after():
     value, error = richardson(UNEVEN, values + UNEVEN[:, None] ** 3, 2.0)
     assert abs(value[0] - 7.0) < error < 1e-6
     assert richardson(UNEVEN[:2], values[:2], 2.0) is None
+    three = np.array([[10.0], [6.0], [3.0]])  # of steps that are halved, at order 1
+    value, error = richardson(np.array([4.0, 2.0, 1.0]), three, 1.0)
+    assert (value.tolist(), error) == ([0.0], 2.0)

@@ -65,6 +65,7 @@ def test_the_example():
 def test_too_few_steps():
     with pytest.raises(ValueError, match="4 steps; 5 different positive ones are needed"):
         study(lambda h: h, STEPS[:4])
+    assert study(lambda h: h, STEPS[:5], truth=0.0).orders[0].order == pytest.approx(1.0)
 
 
 # ---- solvers of scenes ---------------------------------------------------------------------------

@@ -40,6 +40,7 @@ from longball.model.scene import (
     Air,
     AtBatScene,
     Ball,
+    Bat,
     FlightScene,
     Ground,
     ImpactScene,
@@ -618,6 +619,21 @@ def test_a_pitch_from_beside_the_plate_touches_the_bat_long_before_it() -> None:
     assert truth.contact is not None
     assert found.contact.time == pytest.approx(float(truth.contact.time), rel=1e-14)
     assert found.outcome == truth.outcome
+
+
+def test_a_bat_far_smaller_than_its_distance_is_searched_from_nearby() -> None:
+    """Of reach 2e-8 m: from 0.25 m away, where the search begins, reach² is below all roundings."""
+    scene = AtBatScene(
+        id="thin", ball=Ball(radius=1e-8), bat=Bat(radius=1e-8), swing=Swing(height_offset=1e-8)
+    )
+    found, truth = solve(scene, Batch()).contact, solve(scene, Enclosure(20)).contact
+    assert found is not None
+    assert found.normal is not None
+    assert truth is not None
+    assert truth.normal is not None
+    # A height of 1.8 m is known to 2e-16 m, which is 1e-8 of the reach; some times over.
+    for a, b in zip(found.normal, truth.normal, strict=True):
+        assert float(a) == pytest.approx(float(b), abs=2e-7)
 
 
 def test_a_ball_released_inside_the_bat_is_an_error() -> None:

@@ -373,6 +373,24 @@ def test_jamming_is_an_error(engine):
     assert slid.impact.mode == "slide"
 
 
+@pytest.mark.parametrize(("mass", "told"), [(50.0, True), (2e5, False)])
+def test_a_ball_too_heavy_for_the_bat_is_not_gripped_in_doubles(mass, told):
+    """K is singular to a part in 1e2 or in 1e6: by as much a rounding shows in the impulse."""
+    ball, bat = Ball(mass=mass), Bat(mass=0.4, length=0.2, friction=30.0)
+    incoming = touching(0.8, 0.0, bat, ball, velocity=(0.0, 0.3, -2.0), spin=(-16.0, -10.0, -6.0))
+    reading = Reading(bat_ball_restitution="nathan", reduced_mass="effective_mass")
+    scene = ImpactScene(id="heavy", ball=ball, bat=bat, incoming=incoming, reading=reading)
+    truth = struck(scene, ENGINES["enclosure"]).impact
+    assert truth.mode == "grip"
+    for name in ("ivp", "batch"):
+        result = solve(scene, ENGINES[name])
+        if told:
+            assert result.impact.impulse == pytest.approx(float(truth.impulse), rel=1e-12)
+        else:
+            assert result.code == "out_of_range"
+            assert "too heavy" in result.error
+
+
 @EVERY_ENGINE
 def test_a_frictionless_bat_leaves_the_spin(engine):
     incoming = touching(0.3, 0.1, Bat(), Ball(), velocity=(-38.0, 1.0, -3.0), spin=(1.0, 2.0, 3.0))
