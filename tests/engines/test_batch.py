@@ -678,6 +678,7 @@ def test_a_fall_from_rest_that_outlasts_the_time_limit() -> None:
     assert result.outcome == "airborne"
     fall = math.log(math.cosh(math.sqrt(9.8 * k) * 60.0)) / k
     assert way.at(60.0)[0][2] == pytest.approx(height - fall, rel=1e-13)
+    assert {found.outcome for found in Batch().solve_all([scene] * 20)} == {"airborne"}
 
 
 @pytest.mark.parametrize("gravity", [1e-3, 0.5, 9.8])

@@ -15,6 +15,7 @@ from longball.engines.certify import certify
 from longball.engines.chain import solve
 from longball.model.readings import Reading
 from longball.model.scene import (
+    Air,
     AtBatScene,
     Ball,
     Bat,
@@ -427,6 +428,20 @@ def test_oblique_impacts_are_certified():
         assert found.certificate is None
         assert found.impact.mode == result.impact.mode
         assert all(float(x.radius) < 1e-10 for x in found.impact.spin)
+
+
+def test_a_flight_with_the_spin_of_an_impact_is_proven():
+    """That spin is a ball of numbers, and no step is better than it: the steps are no shorter."""
+    scene = AtBatScene(
+        id="batted",
+        pitch=Pitch(spin=(10.0, 200.0, 30.0)),
+        bat=Bat(friction=0.5),
+        swing=Swing(height_offset=-0.02),
+        air=Air(lift_coefficient={"law": "rational"}),
+    )
+    proven, found = (solve(scene, ENGINES[name]).landing for name in ("enclosure", "ivp"))
+    assert float(proven.distance.radius) < 1e-15
+    assert found.distance == pytest.approx(float(proven.distance.value), rel=1e-13)
 
 
 # --- at-bats, and columns -------------------------------------------------------------------------
