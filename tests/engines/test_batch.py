@@ -666,6 +666,22 @@ def test_a_ball_that_is_all_but_vertical(sideways: float, up: float, lift: float
     assert Batch().solve_all([scene] * 20) == [solve(scene, Batch())] * 20
 
 
+@pytest.mark.parametrize("speed", [0.5, 1.0, 20.0])
+@pytest.mark.parametrize("density", [1.29, 1000.0])
+def test_straight_up_and_down(speed: float, density: float) -> None:
+    """Up for atan(√(k/g) V)/√(g k), to ln(1 + k V²/g)/(2 k), from where it falls."""
+    air = Air(density=density, lift_coefficient=0.0)
+    launch = Launch(position=(0.0, 0.0, 0.0), velocity=(0.0, 0.0, speed))
+    found = solve(FlightScene(id="up", air=air, launch=launch), Batch()).landing
+    k, g = density * 0.4 * math.pi * 0.0366**2 / (2 * 0.145), 9.8
+    height = math.log1p(k * speed**2 / g) / (2 * k)
+    time = (math.atan(math.sqrt(k / g) * speed) + math.acosh(math.exp(k * height))) / math.sqrt(
+        g * k
+    )
+    assert found is not None
+    assert found.time == pytest.approx(time, rel=1e-14)
+
+
 def test_a_fall_from_rest_that_outlasts_the_time_limit() -> None:
     """It falls by ln cosh(√(g k) t)/k."""
     height, k = 3000.0, 1.29 * 0.4 * math.pi * 0.0366**2 / (2 * 0.145)
