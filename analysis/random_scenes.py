@@ -3,7 +3,8 @@
 `FAMILIES` are functions of a kind and a generator. `baseball` is what one meets on a field; `wide`
 goes far beyond it; `extreme` has sizes from 1e-30 to 1e30; `close` has what is hard to tell: balls
 that graze the bat, the ground or the bat's end, ties with the time limit, verticals, bat and ball
-that hardly approach each other.
+that hardly approach each other. `extended` has what the paper's model does not: spin, wind,
+weather, laws and tables of the coefficients, the turning Earth, fences, friction of ball and bat.
 """
 
 from __future__ import annotations
@@ -125,11 +126,136 @@ def close(kind: str, generator: Generator) -> Written:
     return scene
 
 
+# Each law of motion is compiled, which takes a second: some are drawn, once for all scenes.
+LAWS = 40
+
+
+def extended(kind: str, generator: Generator) -> Written:
+    """Return a scene of the extended model, on a field or far beyond it."""
+    scene = (baseball if generator.random() < 0.6 else wide)(kind, generator)
+    if kind != "impact":
+        _blow(scene, np.random.default_rng(generator.integers(LAWS)), generator)
+    if kind in ("impact", "at-bat"):
+        factor = _maybe(generator, generator.uniform(0.3, 0.7))
+        scene["ball"] = scene.get("ball", {}) | {"inertia_factor": factor}
+        scene["bat"] = scene.get("bat", {}) | _rough_bat(scene["reading"], generator)
+    if kind == "impact":
+        scene["incoming"]["spin"] = _maybe(generator, _spin(generator))
+    if kind in ("flight", "at-bat"):
+        scene["ground"] = {"height": generator.uniform(-2.0, 0.0)}
+        scene["fence"] = _maybe(generator, _fence(generator))
+    return scene
+
+
+def _blow(scene: Written, law: Generator, generator: Generator) -> None:
+    """Give a scene an air, a spin and an Earth: what there is of them by a law, and how much."""
+    scene["reading"] |= {
+        name: law.choice(get_args(Reading.model_fields[name].annotation)).item()
+        for name in ("spin_parameter", "drag_spin", "spin_decay", "wind_acts_on", "pressure")
+    } | {"lift_direction": "fixed_spin_axis"}
+    uniform = generator.uniform
+    coefficient = uniform(0.05, 0.6)
+    at = np.cumsum(uniform(1.0, 12.0, 4)).tolist()
+    values = [0.0 if law.random() < 0.5 else coefficient, *uniform(0.05, 0.6, 3)]
+    # What needs a spin comes last.
+    spins = law.random() < 0.8
+    tables: list[Written] = [
+        {"of": "speed", "at": at},
+        {"of": "mach", "at": [x / 340.0 for x in at]},
+        {"of": "spin_parameter", "at": [0.0, *(x / 40.0 for x in at[:3])]},
+    ]
+    drag, lift = (
+        [
+            {"law": "constant", "value": coefficient},
+            {"law": "table", "values": values} | tables[law.integers(3 if spins else 2)],
+            *others,
+        ][law.integers(2 + len(others) if spins else 2)]
+        for others in (
+            [
+                {"law": "spin", "constant": coefficient},
+                {"law": "crisis", "speed": uniform(5.0, 50.0), "width": size(generator, 0.1, 10.0)},
+            ],
+            [
+                {"law": "rational"},
+                {"law": "linear", "slope": uniform(0.5, 1.5)},
+                {"law": "bilinear"},
+            ],
+        )
+    )
+    blowing = (size(generator, 0.1, 30.0) * generator.standard_normal(3)).tolist()
+    winds: list[Any] = [
+        None,
+        blowing,
+        {"velocity": blowing, "above": uniform(0.0, 10.0)},
+        {"velocity": [*blowing[:2], 0.0], "height": 10.0, "roughness": uniform(0.02, 0.1)},
+    ]
+    weather = {
+        "temperature": uniform(260.0, 320.0),
+        "humidity": uniform(),
+        "elevation": uniform(0.0, 2000.0),
+    }
+    by_weather = law.random() < 0.5 or "mach" in (drag.get("of"), lift.get("of"))
+    scene["air"] = {
+        "density": weather if by_weather else size(generator, 0.01, 10.0),
+        "drag_coefficient": drag,
+        "lift_coefficient": lift,
+        "wind": winds[law.integers(len(winds))],
+        "spin_decay_length": _maybe(law, size(generator, 10.0, 1e4)) if spins else None,
+        "density_scale_height": _maybe(law, uniform(5e3, 1e4)),
+    }
+    scene["earth"] = _maybe(law, {"latitude": uniform(-1.57, 1.57), "azimuth": uniform(-3.1, 3.1)})
+    spin = _spin(generator) if spins else None
+    if scene["kind"] == "flight":
+        scene["launch"]["spin"] = spin
+        return
+    scene["pitch"]["spin"] = spin
+    if generator.random() < 0.3:
+        velocity = [generator.normal(-37.0, 3.0), generator.normal(), generator.normal()]
+        scene["pitch"] = {"velocity": velocity, "spin": spin}
+
+
+def _maybe(generator: Generator, value: Any) -> Any:
+    """Return a value, or at times nothing."""
+    return value if generator.random() < 0.6 else None
+
+
+def _spin(generator: Generator) -> list[float]:
+    """Return a spin, rad/s, at times about an axis of the field."""
+    way = generator.standard_normal(3)
+    if generator.random() < 0.2:
+        way *= np.eye(3)[generator.integers(3)]
+    return [float(x) for x in size(generator, 1.0, 600.0) * way / math.sqrt(way @ way)]
+
+
+def _rough_bat(reading: dict[str, str], generator: Generator) -> Written:
+    bat: Written = {"friction": _maybe(generator, size(generator, 0.01, 3.0))}
+    if bat["friction"] is not None:
+        bat["tangential_restitution"] = _maybe(generator, generator.uniform(-1.0, 1.0))
+    if reading["effective_mass"] != "as_printed":
+        bat["support"] = _maybe(generator, "free")
+    return bat
+
+
+def _fence(generator: Generator) -> Written:
+    """Return a fence around the outfield: a circle, or chords of different heights."""
+    if generator.random() < 0.3:
+        return {"radius": generator.uniform(20.0, 130.0)}
+    count = generator.integers(2, 8)
+    angles = np.sort(generator.uniform(-0.8, 0.8, count))[::-1].tolist()
+    return {
+        "polyline": [
+            [far * math.cos(angle), far * math.sin(angle), generator.uniform(0.0, 12.0)]
+            for angle, far in zip(angles, generator.uniform(20.0, 130.0, count), strict=True)
+        ]
+    }
+
+
 FAMILIES: dict[str, Callable[[str, Generator], Written]] = {
     "baseball": baseball,
     "wide": wide,
     "extreme": extreme,
     "close": close,
+    "extended": extended,
 }
 
 

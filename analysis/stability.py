@@ -103,9 +103,9 @@ def compare(case: Case, result: Result) -> tuple[str, float, float]:
     return verdict, digits_of(float(error) / size), digits_of(attainable / size)
 
 
-def exactly(number: Number) -> Decimal:
+def exactly(number: Number | int) -> Decimal:
     """Return a number of a result as it is."""
-    return Decimal(number) if isinstance(number, float) else Decimal(number.value)
+    return Decimal(number) if isinstance(number, float | int) else Decimal(number.value)
 
 
 def digits_of(relative_error: float) -> float:

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import time
 from collections import defaultdict
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -26,7 +27,7 @@ from analysis.stability import ALLOWED, exactly
 from analysis.writing import render, write_table
 from longball.engines import create
 from longball.engines.chain import solve
-from longball.golden.case import ROUNDING, vector_of
+from longball.golden.case import ROUNDING, decisions, vector_of
 from longball.golden.condition import STEP, inputs
 from longball.model.quantities import numbers, replaced
 from longball.model.result import Result
@@ -120,7 +121,7 @@ def _agree(results: list[Result]) -> bool:
     if len(solved) < 2:
         return True
     one, other = solved
-    return one.outcome == other.outcome and all(
+    return decisions(one) == decisions(other) and all(
         error <= _AGREE * fine for error, fine in errors(one, other).values()
     )
 
@@ -131,7 +132,7 @@ def verdict_of(scene: Scene, result: Result, truth: Result | None) -> str:
         return "declined"
     if truth is None or truth.outcome is None:
         return "not compared"
-    if result.outcome != truth.outcome:
+    if decisions(result) != decisions(truth):
         return "wrong outcome"
     excess = errors(result, truth)
     doubtful = {name: error for name, (error, fine) in excess.items() if error > _FINE * fine}
@@ -178,6 +179,7 @@ def errors(result: Result, truth: Result) -> dict[str, tuple[float, float]]:
     return found
 
 
+@lru_cache(maxsize=1)  # the same of each engine
 def moved_errors(scene: Scene, truth: Result) -> dict[str, float] | None:
     """Return how far each number moves with the inputs, for half an ulp of each of these.
 
@@ -197,7 +199,7 @@ def moved_errors(scene: Scene, truth: Result) -> dict[str, float] | None:
             except ValidationError:
                 continue  # underground, say
             found = solve(other, create("enclosure", digits=DIGITS))
-            if found.outcome != truth.outcome:
+            if decisions(found) != decisions(truth):
                 return None
             for quantity, (error, _) in errors(found, truth).items():
                 moved[quantity] += error * ROUNDING / STEP

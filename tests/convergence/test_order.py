@@ -23,6 +23,13 @@ def test_a_power_law_is_found_with_its_constant(order):
     assert (law.first, law.last) == (0, len(UNEVEN) - 1)
 
 
+def test_a_range_of_steps_spans_a_factor_of_four():
+    steps = np.array([1.0, 0.75, 0.5, 0.375, 0.25])
+    assert fit_power_law(steps, steps**2).order == pytest.approx(2, abs=1e-12)
+    steps[-1] = 0.26
+    assert fit_power_law(steps, steps**2) is None
+
+
 def test_steps_before_the_asymptotic_range_are_left_out():
     steps = np.geomspace(0.1, 1e-4, 16)
     law = fit_power_law(steps, steps**2 * (1 + (steps / 0.01) ** 2))
@@ -114,3 +121,6 @@ def test_extrapolation_is_exact_on_a_power_law_and_bounds_what_comes_after():
     value, error = richardson(UNEVEN, values + UNEVEN[:, None] ** 3, 2.0)
     assert abs(value[0] - 7.0) < error < 1e-6
     assert richardson(UNEVEN[:2], values[:2], 2.0) is None
+    three = np.array([[10.0], [6.0], [3.0]])  # of steps that are halved, at order 1
+    value, error = richardson(np.array([4.0, 2.0, 1.0]), three, 1.0)
+    assert (value.tolist(), error) == ([0.0], 2.0)

@@ -65,6 +65,7 @@ def test_the_example():
 def test_too_few_steps():
     with pytest.raises(ValueError, match="4 steps; 5 different positive ones are needed"):
         study(lambda h: h, STEPS[:4])
+    assert study(lambda h: h, STEPS[:5], truth=0.0).orders[0].order == pytest.approx(1.0)
 
 
 # ---- solvers of scenes ---------------------------------------------------------------------------
@@ -187,6 +188,21 @@ def test_noise_is_not_resolved():
         "not resolved",
         "wrong limit",
     )
+
+
+@pytest.mark.parametrize(("spread", "verdict"), [(0.6, "as expected"), (1.5, "not resolved")])
+def test_an_order_is_told_from_the_next_half_or_it_is_not_resolved(spread, verdict):
+    """Errors about a line: with an interval of ±0.14 or of ±0.35 for the order."""
+    ratio = math.log(STEPS[1] / STEPS[0])
+    report = study(
+        lambda h: 2 * h**1.5 * math.exp(spread * math.cos(2.4 * math.log(h) / ratio)),
+        STEPS,
+        truth=0.0,
+        expected=1.5,
+    )
+    (seen,) = report.orders
+    assert seen.low < 1.5 < seen.high
+    assert seen.verdict == verdict
 
 
 def test_scenes_that_end_otherwise_are_left_out_and_told():

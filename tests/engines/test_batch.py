@@ -26,6 +26,7 @@ from longball.engines.batch.jit import call, unowned_view
 from longball.engines.batch.roots import NEVER
 from longball.engines.chain import solve, solve_with_path
 from longball.engines.enclosure import Enclosure
+from longball.engines.engine import Engine
 from longball.engines.event import ground
 from longball.engines.ivp import Ivp
 from longball.engines.path import Flight
@@ -39,6 +40,7 @@ from longball.model.scene import (
     Air,
     AtBatScene,
     Ball,
+    Bat,
     FlightScene,
     Ground,
     ImpactScene,
@@ -609,6 +611,31 @@ def test_sizes_that_overflow_have_the_same_answer_in_a_list_as_alone(size: float
     assert Batch().solve_all(scenes) == [solve(scene, Batch()) for scene in scenes]
 
 
+def test_a_pitch_from_beside_the_plate_touches_the_bat_long_before_it() -> None:
+    """It flies at 79° to the bat: where it touches, it is 0.3 m from the plate's plane."""
+    scene = AtBatScene(id="beside", pitch=Pitch(speed=60.0, release=(2.0, -10.0, 1.8)))
+    found, truth = solve(scene, Batch()), solve(scene, Enclosure(20))
+    assert found.contact is not None
+    assert truth.contact is not None
+    assert found.contact.time == pytest.approx(float(truth.contact.time), rel=1e-14)
+    assert found.outcome == truth.outcome
+
+
+def test_a_bat_far_smaller_than_its_distance_is_searched_from_nearby() -> None:
+    """Of reach 2e-8 m: from 0.25 m away, where the search begins, reach² is below all roundings."""
+    scene = AtBatScene(
+        id="thin", ball=Ball(radius=1e-8), bat=Bat(radius=1e-8), swing=Swing(height_offset=1e-8)
+    )
+    found, truth = solve(scene, Batch()).contact, solve(scene, Enclosure(20)).contact
+    assert found is not None
+    assert found.normal is not None
+    assert truth is not None
+    assert truth.normal is not None
+    # A height of 1.8 m is known to 2e-16 m, which is 1e-8 of the reach; some times over.
+    for a, b in zip(found.normal, truth.normal, strict=True):
+        assert float(a) == pytest.approx(float(b), abs=2e-7)
+
+
 def test_a_ball_released_inside_the_bat_is_an_error() -> None:
     scene = AtBatScene(id="in", pitch=Pitch(release=(0.02, 0.0, 1.8)))
     (result,) = Batch().solve_all([scene])
@@ -637,6 +664,49 @@ def test_a_ball_that_is_all_but_vertical(sideways: float, up: float, lift: float
         heights.append([way.at(part * float(truth.time))[0][2] for part in (0.2, 0.5, 0.9)])
     assert heights[0] == pytest.approx(heights[1], rel=1e-13)
     assert Batch().solve_all([scene] * 20) == [solve(scene, Batch())] * 20
+
+
+@pytest.mark.parametrize("speed", [0.5, 1.0, 20.0])
+@pytest.mark.parametrize("density", [1.29, 1000.0])
+def test_straight_up_and_down(speed: float, density: float) -> None:
+    """Up for atan(√(k/g) V)/√(g k), to ln(1 + k V²/g)/(2 k), from where it falls."""
+    air = Air(density=density, lift_coefficient=0.0)
+    launch = Launch(position=(0.0, 0.0, 0.0), velocity=(0.0, 0.0, speed))
+    found = solve(FlightScene(id="up", air=air, launch=launch), Batch()).landing
+    k, g = density * 0.4 * math.pi * 0.0366**2 / (2 * 0.145), 9.8
+    height = math.log1p(k * speed**2 / g) / (2 * k)
+    time = (math.atan(math.sqrt(k / g) * speed) + math.acosh(math.exp(k * height))) / math.sqrt(
+        g * k
+    )
+    assert found is not None
+    assert found.time == pytest.approx(time, rel=1e-14)
+
+
+def test_a_fall_from_rest_that_outlasts_the_time_limit() -> None:
+    """It falls by ln cosh(√(g k) t)/k."""
+    height, k = 3000.0, 1.29 * 0.4 * math.pi * 0.0366**2 / (2 * 0.145)
+    scene = FlightScene(
+        id="drop",
+        air=Air(lift_coefficient=0.0),
+        launch=Launch(position=(0.0, 0.0, height), velocity=(0.0, 0.0, 0.0)),
+    )
+    result, way = solve_with_path(scene, Batch())
+    assert result.outcome == "airborne"
+    fall = math.log(math.cosh(math.sqrt(9.8 * k) * 60.0)) / k
+    assert way.at(60.0)[0][2] == pytest.approx(height - fall, rel=1e-13)
+    assert {found.outcome for found in Batch().solve_all([scene] * 20)} == {"airborne"}
+
+
+@pytest.mark.parametrize("gravity", [1e-3, 0.5, 9.8])
+@pytest.mark.parametrize("engine", [Batch(), Ivp()], ids=["batch", "ivp"])
+def test_a_hop_in_little_gravity(engine: Engine[float], gravity: float) -> None:
+    """Without air it is over after 2 w/g."""
+    rise = 1e-4 * gravity
+    launch = Launch(position=(0.0, 0.0, 0.0), velocity=(1.0, 0.0, rise))
+    scene = FlightScene(id="hop", air=None, gravity=gravity, launch=launch)
+    found = solve(scene, engine).landing
+    assert found is not None
+    assert found.time == pytest.approx(2 * rise / gravity, rel=1e-12)
 
 
 def test_a_ball_that_all_but_rests_in_the_air_is_solved_or_refused_never_wrong() -> None:

@@ -71,7 +71,7 @@ def make(surface, at, start, numbers):
         case "plate":
             return event.plate(frame_of(at, numbers), start, numbers)
         case "vertical":
-            return event.vertical(numbers)
+            return event.vertical(start, numbers)
         case "fence":
             return at_stop("fence", Stop(numbers.exact(at[0]), None), 1, numbers)
         case "past":
@@ -536,7 +536,7 @@ def test_an_at_bat_whose_pitch_lift_turns_round_just_beyond_the_plate(engine, be
         {"drag": 0.1 * (k := 1.29 * math.pi * 0.0366**2 / 0.29), "lift": 2.5 * k, "gravity": 9.8}
     )
     start = PlaneState(0.0, 30.0, 40.0, 0.0)
-    turn = IVP.fly(law, start, [event.vertical(DOUBLES)], 60.0)
+    turn = IVP.fly(law, start, [event.vertical(start, DOUBLES)], 60.0)
     assert turn.stop == "vertical"
     scene = parse_scene(TURNED % ("at-bat", 2.5, turn.state.s - before, 60.0))
     found = solve(scene, engine)

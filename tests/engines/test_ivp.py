@@ -554,6 +554,18 @@ def test_a_flight_without_end_is_given_up():
         fly((0.0, 50.0, 160.0, 0.0), law(0.0, 38.1, 0.0126), ground(), limit=60.0)
 
 
+def test_a_flight_may_take_as_many_steps_as_are_granted(monkeypatch):
+    def steps():
+        return len(list(fly((0.0, 1.0, 30.0, 20.0), USUAL, limit=5.0).path.pieces()))
+
+    taken = steps()
+    monkeypatch.setattr("longball.engines.ivp._MOST_STEPS", taken)
+    assert steps() == taken
+    monkeypatch.setattr("longball.engines.ivp._MOST_STEPS", taken - 1)
+    with pytest.raises(TooLong):
+        steps()
+
+
 @pytest.mark.parametrize("drag", [1.0, 100.0, 1e4, 1e6])
 def test_a_feather_light_ball(drag):
     """It settles to √(g/k) within 1/√(g k), and explicit steps are not much longer."""

@@ -15,6 +15,7 @@ from longball.engines.certify import certify
 from longball.engines.chain import solve
 from longball.model.readings import Reading
 from longball.model.scene import (
+    Air,
     AtBatScene,
     Ball,
     Bat,
@@ -373,6 +374,24 @@ def test_jamming_is_an_error(engine):
     assert slid.impact.mode == "slide"
 
 
+@pytest.mark.parametrize(("mass", "told"), [(50.0, True), (2e5, False)])
+def test_a_ball_too_heavy_for_the_bat_is_not_gripped_in_doubles(mass, told):
+    """K is singular to a part in 1e2 or in 1e6: by as much a rounding shows in the impulse."""
+    ball, bat = Ball(mass=mass), Bat(mass=0.4, length=0.2, friction=30.0)
+    incoming = touching(0.8, 0.0, bat, ball, velocity=(0.0, 0.3, -2.0), spin=(-16.0, -10.0, -6.0))
+    reading = Reading(bat_ball_restitution="nathan", reduced_mass="effective_mass")
+    scene = ImpactScene(id="heavy", ball=ball, bat=bat, incoming=incoming, reading=reading)
+    truth = struck(scene, ENGINES["enclosure"]).impact
+    assert truth.mode == "grip"
+    for name in ("ivp", "batch"):
+        result = solve(scene, ENGINES[name])
+        if told:
+            assert result.impact.impulse == pytest.approx(float(truth.impulse), rel=1e-12)
+        else:
+            assert result.code == "out_of_range"
+            assert "too heavy" in result.error
+
+
 @EVERY_ENGINE
 def test_a_frictionless_bat_leaves_the_spin(engine):
     incoming = touching(0.3, 0.1, Bat(), Ball(), velocity=(-38.0, 1.0, -3.0), spin=(1.0, 2.0, 3.0))
@@ -409,6 +428,20 @@ def test_oblique_impacts_are_certified():
         assert found.certificate is None
         assert found.impact.mode == result.impact.mode
         assert all(float(x.radius) < 1e-10 for x in found.impact.spin)
+
+
+def test_a_flight_with_the_spin_of_an_impact_is_proven():
+    """That spin is a ball of numbers, and no step is better than it: the steps are no shorter."""
+    scene = AtBatScene(
+        id="batted",
+        pitch=Pitch(spin=(10.0, 200.0, 30.0)),
+        bat=Bat(friction=0.5),
+        swing=Swing(height_offset=-0.02),
+        air=Air(lift_coefficient={"law": "rational"}),
+    )
+    proven, found = (solve(scene, ENGINES[name]).landing for name in ("enclosure", "ivp"))
+    assert float(proven.distance.radius) < 1e-15
+    assert found.distance == pytest.approx(float(proven.distance.value), rel=1e-13)
 
 
 # --- at-bats, and columns -------------------------------------------------------------------------

@@ -149,7 +149,7 @@ def test_a_flight_that_goes_on_as_another(engine):
     number = engine.numbers.exact
     law, start, landing = prepared("loops", engine)
     with engine.numbers.arithmetic():
-        turns = vertical(engine.numbers)
+        turns = vertical(start, engine.numbers)
         ahead = engine.fly(law, start, [landing, turns], number(60.0))
         assert ahead.stopped("vertical")
         assert not ahead.stopped("ground")
@@ -177,7 +177,8 @@ def test_a_flight_that_goes_on_has_a_state_at_its_end():
     rng = np.random.default_rng(3)
     law, start, _ = prepared("loops", IVP)
     for limit, speed in rng.uniform([0.5, 20.0], [20.0, 40.0], (100, 2)).tolist():
-        ahead = IVP.fly(law, start._replace(u=speed), [vertical(DOUBLES)], 60.0)
+        level = start._replace(u=speed)
+        ahead = IVP.fly(law, level, [vertical(level, DOUBLES)], 60.0)
         whole = ahead.then(IVP.fly(law.without(LIFT), ahead.state._replace(u=0.0), [], limit))
         assert_same(whole.path.at(whole.time), whole.state, 64 * ULPS)  # up to 2 km below
 

@@ -177,6 +177,21 @@ def test_a_refusal_names_the_key_and_says_what_it_takes(values, message):
     assert error.scene_id == "p"
 
 
+@pytest.mark.parametrize(
+    ("first", "value", "falls"), [(0.0, 0.0, True), (0.0, 0.1, False), (0.1, 0.0, False)]
+)
+def test_a_spin_along_the_velocity_needs_a_lift_that_falls_with_the_spin_parameter(
+    first, value, falls
+):
+    table = {"law": "table", "of": "spin_parameter", "at": [first, 0.3], "values": [value, 0.25]}
+    pitch = {"velocity": [-30.0, 0.0, 0.0], "spin": [-50.0, 0.0, 0.0]}
+    line = json.dumps(LEAST["pitch"] | {"pitch": pitch, "air": {"lift_coefficient": table}})
+    if falls:
+        assert parse_scene(line).air.lift_coefficient.values == (value, 0.25)
+    else:
+        assert "has no direction where pitch.spin is parallel" in str(refused(line))
+
+
 def test_all_faults_of_a_line_are_told():
     message = str(refused(json.dumps(LEAST["pitch"] | {"gravity": -1, "foo": 2})))
     assert "gravity: must be" in message

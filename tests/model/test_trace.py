@@ -83,6 +83,11 @@ def test_static_factors_stand_before_products():
     assert node is X * Y
 
 
+def test_static_factors_stand_before_quotients():
+    assert (K * X) / Y is K * (X / Y)
+    assert X / (K * Y) is (1 / K) * (X / Y)
+
+
 def test_static_values_are_computed_once():
     source = trace.Program(("x",), ("k",), (X * (K * K + 1),)).source("f")
     head, _, body = source.partition("def rates")

@@ -73,15 +73,20 @@ def plate(frame: Frame[N], start: State[N], numbers: Numbers[N]) -> Event[N]:
     return Event("plate", "the ball reaches the plate", frame.towards_x, place, size, slope)
 
 
-def vertical(numbers: Numbers[N]) -> Event[N]:
-    """Return where a flight turns vertical, u falling to zero."""
-    nothing = numbers.exact(0.0)
+def vertical(start: State[N], numbers: Numbers[N]) -> Event[N]:
+    """Return where a flight that starts in a state turns vertical, u falling to zero.
+
+    A ball that all but rests at first may turn while u is as small as it was.
+    """
+    nothing, most = numbers.exact(0.0), numbers.exact(1.0)
+    speed = absolute(start.u) + absolute(start.w)
     return Event(
         "vertical",
         "the ball turns vertical",
         lambda state: state.u,
         lambda state: state._replace(u=nothing),
-        numbers.exact(1.0),
+        numbers.where(speed < most, speed, most),
+        nothing,
     )
 
 

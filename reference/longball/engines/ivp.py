@@ -185,9 +185,10 @@ class Ivp(PathEngine[float]):
             return
         centred = self.around(law, pitch.time, pitch.state)
         speed = math.hypot(*bat.frame.velocity(pitch.state))
-        # Not much longer than it takes to pass the bat: the square of the distance, of which
-        # reach² is to be told apart, starts small.
-        half = min(centred.length, _NEAR * bat.reach / speed)
+        # Not much longer than it takes to get to the bat and past it: the square of the distance,
+        # of which reach² is to be told apart, starts small.
+        near = bat.distance(pitch.state, self.numbers) + _NEAR * bat.reach
+        half = min(centred.length, near / speed)
         begin, end = max(0.0, pitch.time - half), pitch.time + half
         error = self._plate_error(pitch, bat)
         seen = False
@@ -215,7 +216,7 @@ class Ivp(PathEngine[float]):
         return PolynomialPiece(time, reach, law.state, series)
 
 
-# Times the reach of the bat: as far as a pitch is from it where the search looks closely.
+# Times the reach of the bat: as far beyond it as a pitch is where the search looks closely.
 _NEAR = 4.0
 
 

@@ -24,11 +24,21 @@ def of_roots(*roots):
 
 
 @pytest.mark.parametrize(
-    "roots", [(), (0.25,), (0.25, 0.5, 0.75), (0.5, 0.5 + 2.0**-40), (1e-12, 0.3), (-0.5, 1.5)]
+    "roots",
+    [
+        (),
+        (0.25,),
+        (0.25, 0.5, 0.75),
+        (0.5, 0.5 + 2.0**-40),
+        (1e-12, 0.3),
+        (-0.5, 1.5),
+        (0.0,),
+        (1.0,),
+    ],
 )
 @pytest.mark.parametrize("sign", [1, -1])
 def test_simple_zeros_are_each_in_a_ball_of_their_own(roots, sign):
-    inside = [root for root in roots if 0 < root < 1]
+    inside = [root for root in roots if 0 <= root <= 1]
     found = zeros(sign * of_roots(*roots), arb(0), arb(1))
     assert len(found) == len(inside)
     for ball, root in zip(found, inside, strict=True):

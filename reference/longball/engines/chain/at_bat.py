@@ -114,7 +114,7 @@ def _find(cases: Cases[N], pitch: Pitch[N], bat: BatSection[N], *others: Event[N
 
 
 def _find_upwards(cases: Cases[N], pitch: Pitch[N], bat: BatSection[N]) -> Touch[N]:
-    return _find(cases, pitch, bat, vertical(cases.numbers))
+    return _find(cases, pitch, bat, vertical(pitch.start, cases.numbers))
 
 
 def meet_bat(cases: Cases[N]) -> tuple[Cases[N], Meeting[N] | None]:

@@ -7,9 +7,7 @@ from dataclasses import dataclass, fields
 from typing import Any, Generic
 
 from longball.engines.chain.cases import Cases
-from longball.engines.engine import (
-    CannotSolve,
-)
+from longball.engines.engine import CannotSolve, OutOfRange
 from longball.model.bat import (
     CollisionParameters,
     bat_rotation,
@@ -238,6 +236,9 @@ def collide(
 # Between the velocities and the decisions below stand fewer operations, each on terms that are no
 # larger than those of the bounds.
 _OPERATIONS = 40
+# A ball that is far heavier than the bat is gripped by an impulse that all but cancels in what it
+# does to the bat: K is all but singular. So many roundings are lost at most, some of which show.
+_MOST_LOST = 1e3
 
 
 def _rub(
@@ -272,6 +273,15 @@ def _rub(
     question = "whether the ball grips the bat or slides on it"
     margin = friction * wanted[0] - rubbed
     grips, slides = cases.decide(margin, doubt, question)
+    told = grips | slides
+    if numbers.rounding:
+        whole = k[0] * k[2]
+        gripping = grips if scene.reading.slide_direction == "initial" else told
+        lost = gripping & (absolute(whole - k[1] * k[1]) * _MOST_LOST < whole)
+        (ended,) = cases.take(lost)
+        reason = "the ball is too heavy for the bat: the impulse by which it grips loses its digits"
+        ended.refuse(OutOfRange(f"{reason}; take the engine enclosure"))
+        told = told & (lost ^ True)
 
     if scene.reading.slide_direction == "initial":
         way, speed, off_way = (g_y, g_t), numbers.sqrt(g_y * g_y + g_t * g_t), off
@@ -304,7 +314,7 @@ def _rub(
         numbers.where(grips, *modes),
         margin / (friction * absolute(wanted[0])),
     )
-    return cases.take((grips | slides) & known & parts, impact, *carried)
+    return cases.take(told & known & parts, impact, *carried)
 
 
 @dataclass(frozen=True)

@@ -78,8 +78,8 @@ def _fly_upright(cases: Cases[N], law: Law[N], *leg: Any) -> Flight[N]:
     return _fly(cases, law.without(LIFT), *leg)
 
 
-def _fly_to_vertical(cases: Cases[N], *leg: Any) -> Flight[N]:
-    turns = vertical(cases.numbers)
+def _fly_to_vertical(cases: Cases[N], law: Law[N], start: State[N], *leg: Any) -> Flight[N]:
+    turns = vertical(start, cases.numbers)
 
     def go_on(
         cases: Cases[N], flight: Flight[N], law: Law[N], start: State[N], limit: N, *rest: Any
@@ -90,6 +90,7 @@ def _fly_to_vertical(cases: Cases[N], *leg: Any) -> Flight[N]:
     def stay(cases: Cases[N], flight: Flight[N], *leg: Any) -> Flight[N]:
         return flight
 
-    first = _fly(cases, *leg, turns)
-    flight: Flight[N] = cases.either(first.stopped("vertical"), go_on, stay, first, *leg)
+    first = _fly(cases, law, start, *leg, turns)
+    turned = first.stopped("vertical")
+    flight: Flight[N] = cases.either(turned, go_on, stay, first, law, start, *leg)
     return flight
