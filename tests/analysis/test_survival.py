@@ -17,7 +17,7 @@ PAPER = [family for family in FAMILIES if family != "extended"]
 @pytest.mark.parametrize("family", PAPER)
 def test_engines_agree_with_what_is_proven(family, monkeypatch):
     # What takes the enclosure more than some tenths of a second is not compared here.
-    monkeypatch.setattr("longball.engines.enclosure.engine._MOST_WORK", 200_000)
+    monkeypatch.setattr("longball.engines.enclosure.engine._MOST_WORK", 1_000_000)
     for number in range(24):
         scene = random_scene(family, number, SEED)
         for row in examine(scene):
@@ -52,7 +52,7 @@ def test_what_was_wrong_once_is_right(family, number):
 def test_engines_agree_with_each_other(family, part, monkeypatch):
     # Two thousand scenes; the study has more. What takes many steps or much work is declined.
     monkeypatch.setattr("longball.engines.ivp._MOST_STEPS", 300)
-    monkeypatch.setattr("longball.engines.enclosure.engine._MOST_WORK", 200_000)
+    monkeypatch.setattr("longball.engines.enclosure.engine._MOST_WORK", 1_000_000)
     for number in range(24 + 250 * part, 274 + 250 * part):
         scene = random_scene(family, number, SEED)
         for row in examine(scene, proven=False):

@@ -323,7 +323,7 @@ ANY_LIFT = replace(LIFT, acceleration=lambda motion, p: LIFT.acceleration(motion
 def test_a_flight_of_too_many_steps_is_an_error_that_says_so(engine, monkeypatch):
     monkeypatch.setattr("longball.engines.ivp._MOST_STEPS", 20)
     monkeypatch.setattr("longball.engines.multiprecision._MOST_STEPS", 20)
-    monkeypatch.setattr("longball.engines.enclosure.engine._MOST_WORK", 80_000)
+    monkeypatch.setattr("longball.engines.enclosure.engine._MOST_WORK", 400_000)
     scene = parse_scene(
         '{"id":"x","kind":"flight","air":{"drag_coefficient":0.001,"lift_coefficient":4000},'
         '"launch":{"position":[0,0,1],"velocity":[30,0,30]}}'

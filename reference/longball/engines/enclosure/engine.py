@@ -36,9 +36,10 @@ _FEW_TRIALS, _MOST_TRIALS = 20, 1000
 # Of a step: at its beginning the series is exact, and only uncertain parameters make a defect.
 _INSTANT = 2.0**-20
 
-# Work of a flight: steps, each of which costs as the square of its order. A flight of a minute has
-# a hundred steps; the limit is 3,600 of 30 digits, 700 of 90: at some 3 and 10 ms, ten seconds.
-_MOST_WORK = 12_000_000
+# Work of a flight: steps, each of which costs as the square of its order, and as there are rows in
+# the recurrence of its law. A flight of a minute has a hundred steps; under drag and lift, which
+# take 5 rows, the limit is 3,600 of 30 digits, 700 of 90: at some 3 and 10 ms, ten seconds.
+_MOST_WORK = 60_000_000
 
 # Bounds need few digits, unlike what they are bounds of.
 _BITS_OF_BOUNDS = 64
@@ -323,8 +324,9 @@ class Enclosure(PathEngine[arb]):
         """Yield the pieces of a flight; see `PathEngine.steps`."""
         balls = self.numbers
         with balls.arithmetic():
-            steps = _Steps(System(law, balls), start, limit, balls.bits)
-        most = _MOST_WORK // _order(balls.bits) ** 2
+            system = System(law, balls)
+            steps = _Steps(system, start, limit, balls.bits)
+        most = _MOST_WORK // (len(system.rows) * _order(balls.bits) ** 2)
         for _ in range(most):
             with balls.arithmetic():
                 piece = steps.next(begin, start)
