@@ -12,7 +12,7 @@ import numpy as np
 
 _ROUNDING = 2.0**-53
 # Six are enough at a simple zero; rounding could lead Newton's method on without end.
-_MOST_NEWTON_STEPS = 50
+MOST_NEWTON_STEPS = 50
 # Between turning points that are this close, relative to the step, a polynomial changes by less
 # than its rounding: by the cube of it.
 _CLOSE = 1e-6
@@ -115,7 +115,7 @@ def zero(p: Any, left: float, right: float) -> float:
         if here == 0.0 or not left < middle < right:
             return t if here == 0.0 else right
         following = t - here / slope if slope != 0.0 else middle
-        if not left < following < right or steps > _MOST_NEWTON_STEPS:
+        if not left < following < right or steps > MOST_NEWTON_STEPS:
             following = middle
         if abs(following - t) <= _ROUNDING * t:
             return following

@@ -11,7 +11,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from longball.engines import coefficients
 from longball.engines.arithmetic import Arithmetic
+from longball.engines.coefficients import MOST_NEWTON_STEPS
 from longball.engines.compiled import Code
 from longball.model.law import State
 
@@ -20,17 +22,22 @@ Array = NDArray[np.float64]
 # Of six digits and more that a single value would lose: a hop of a nanometre off the ground, or a
 # bat that is met a hundred kilometres up.
 _FAR_SMALLER = 2.0**-20
-# Six are enough at a simple zero; rounding could lead Newton's method on without end.
-_MOST_NEWTON_STEPS = 50
 # Of the times on a piece: hundreds of roundings. Newton's method doubles the digits, so that what
 # moves by less is there.
 _CLOSE_TIMES = 2.0**-44
 
 # A curve takes some 0.1 ms as it is, and all of it two seconds to compile.
-COEFFICIENTS = Code(Path(__file__).with_name("coefficients.py").read_text("utf-8"), 5_000)
+COEFFICIENTS = Code(Path(coefficients.__file__).read_text("utf-8"), 5_000)
 
 
-def value_at(x: Array, h: float, low: Array) -> tuple[Array, Array]:
+def values_at(x: Array, h: float) -> Array:
+    """Return the values of polynomials, one a row."""
+    run = COEFFICIENTS.now
+    found: Array = run.values(run.taken(x), h)
+    return found
+
+
+def advanced(x: Array, h: float, low: Array) -> tuple[Array, Array]:
     """Return the values of polynomials, one a row, and what rounding takes from them.
 
     `low` is what their values at 0 lack of the true ones.
@@ -129,7 +136,7 @@ class PolynomialCurve(NamedTuple):
         t: float = self.run.zero(p, 0.0, (b - a) / self.unit) * self.unit
         # On to the zero of single values, which may be far where large coefficients cancel.
         left, right, close = 0.0, b - a, _CLOSE_TIMES * max(abs(a), abs(b))
-        for _ in range(_MOST_NEWTON_STEPS):
+        for _ in range(MOST_NEWTON_STEPS):
             height, slope = self(a + t), self.run.rate(p, t / self.unit) / self.unit
             if height == 0:
                 break
@@ -165,9 +172,7 @@ class PolynomialPiece(NamedTuple):
         if t == 0.0:
             start: State[float] = self.state(*self.coefficients[:, 0].tolist())
             return start
-        run = COEFFICIENTS.now
-        found = run.values(run.taken(self.coefficients), t)
-        state: State[float] = self.state(*found.tolist())
+        state: State[float] = self.state(*values_at(self.coefficients, t).tolist())
         return state
 
     def curve(self, value: Callable[[Any], Any]) -> PolynomialCurve:

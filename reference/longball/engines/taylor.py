@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from scipy.integrate import DenseOutput, OdeSolver
 
 from longball.engines.compiled import BEYOND, Code
-from longball.engines.polynomial import value_at
+from longball.engines.polynomial import advanced, values_at
 from longball.engines.series import recurrence
 from longball.model.law import Law
 from longball.model.numbers import DOUBLES
@@ -121,7 +121,7 @@ class Taylor(OdeSolver):  # type: ignore[misc]
 
     def _at_end(self, h: float) -> Array:
         """Return the state at the end of a step; its rounding is made up for at the next."""
-        end, self._low = value_at(self._x, h, self._low)
+        end, self._low = advanced(self._x, h, self._low)
         return end
 
     def _dense_output_impl(self) -> Series:
@@ -146,8 +146,7 @@ class Series(DenseOutput):  # type: ignore[misc]
         if not isinstance(t, float):
             found: Array = super().__call__(t)
             return found
-        state, _ = value_at(self.coefficients, t - self.t_old, np.zeros(len(self.coefficients)))
-        return state
+        return values_at(self.coefficients, t - self.t_old)
 
     def _call_impl(self, t: Array) -> Array:
         if t.ndim == 0:
