@@ -25,7 +25,7 @@ from longball.model.atmosphere import ZERO_CELSIUS, density
 from longball.model.bat import CollisionParameters, collision_parameters, moment_of_inertia
 from longball.model.force import Drag, Force, Lift, Motion, Piecewise, Term
 from longball.model.law import GRAVITY
-from longball.model.numbers import DOUBLES, Vector, plus
+from longball.model.numbers import DOUBLES, Vector, dot, plus
 from longball.model.quantities import at
 from longball.model.readings import Reading
 
@@ -789,12 +789,8 @@ def _read(**switches: str) -> Callable[[View], Numbers]:
     return lambda v: (v.collision(**switches).restitution,)
 
 
-def _dot(a: Numbers, b: Numbers) -> float:
-    return sum(x * y for x, y in zip(a, b, strict=True))
-
-
 def _along(vector: Numbers, normal: Numbers) -> Numbers:
-    part = _dot(vector, normal)
+    part = dot(vector, normal)
     return tuple(part * n for n in normal)
 
 
@@ -910,15 +906,15 @@ FORMULAS: tuple[Formula, ...] = (
                             math.sin(math.degrees(v.scene.swing.tilt)))),
     Formula("contact.normal_speed", "bat-at-rest", "takes the ball's own velocity, as if the bat "
             "were at rest", "Ṽ = V - V_b",
-            lambda v: (_dot(v.before, v["contact.normal"]),)),
+            lambda v: (dot(v.before, v["contact.normal"]),)),
     Formula("contact.normal_speed", "velocities-added", "adds the bat's velocity to the ball's",
-            "Ṽ = V - V_b", lambda v: (_dot(plus(v.before, 1.0, v["contact.bat_velocity"]),
+            "Ṽ = V - V_b", lambda v: (dot(plus(v.before, 1.0, v["contact.bat_velocity"]),
                                            v["contact.normal"]),)),
     Formula("contact.normal_speed", "whole-speed", "takes the size of Ṽ, not its part along n",
             "Ṽ·n", lambda v: (-math.hypot(*v.relative),)),
     Formula("contact.normal_speed", "plate-velocity", "takes the ball's velocity at the plate",
             "take it at the contact",
-            lambda v: (_dot(plus(v["plate.velocity"], -1.0, v["contact.bat_velocity"]),
+            lambda v: (dot(plus(v["plate.velocity"], -1.0, v["contact.bat_velocity"]),
                             v["contact.normal"]),)),
     Formula("impact.restitution", "plain-restitution", "uses e where ẽ belongs", _EFFECTIVE,
             lambda v: (v.scene.ball.restitution,)),
@@ -955,7 +951,7 @@ FORMULAS: tuple[Formula, ...] = (
             _push(lambda v: (v.scene.ball.mass + v.scene.bat.mass) / 2, lambda v: v.restitution)),
     Formula("impact.impulse", "impulse-of-ball-speed", "takes the ball's own velocity along n, as "
             "if the bat were at rest", _J, lambda v: (
-                -v.mu * (1 + v.restitution) * _dot(v.before, v["contact.normal"]),)),
+                -v.mu * (1 + v.restitution) * dot(v.before, v["contact.normal"]),)),
     Formula("impact.impulse", "plain-e-in-impulse", "uses 1 + e where 1 + ẽ belongs", _J,
             _push(lambda v: v.mu, lambda v: v.scene.ball.restitution)),
     Formula("impact.impulse", "one-minus-e", "uses 1 - ẽ where 1 + ẽ belongs", _J,
@@ -1045,7 +1041,7 @@ NUMBERED: tuple[Numbered, ...] = (
     Numbered("contact.position", "contact-off-centre", "gives as the contact a point off the "
              "ball's centre, nearer to the bat by {} times the ball's radius",
              "contact.position is where the ball's centre is",
-             lambda v, said: _dot(plus(v["contact.position:follows"], -1.0, said),
+             lambda v, said: dot(plus(v["contact.position:follows"], -1.0, said),
                                   v["contact.normal"]) / v.scene.ball.radius, _off_centre),
     Numbered("contact.normal", "normal-along-bat", "gives the normal a part along the bat: "
              "(x, {} y, z - z_b) stands for (x, 0, z - z_b)",

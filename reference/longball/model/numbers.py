@@ -40,8 +40,8 @@ N = TypeVar("N", bound=Real)
 Vector = tuple[N, N, N]
 
 
-def dot(a: Vector[N], b: Vector[N]) -> N:
-    """Return ``a · b``."""
+def dot(a: tuple[N, ...], b: tuple[N, ...]) -> N:
+    """Return ``a · b``, of vectors of three."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
