@@ -70,6 +70,7 @@ class PathEngine(Engine[N], ABC):
         if not law.bends:
             yield from self._smooth(law, start, begin, limit, events)
             return
+        law, start = law.in_polynomials(start, self.numbers)
         branches = branches_at(law, start, self.numbers)
         for _ in range(_MOST_BRANCHES):
             form = law.on(branches)
@@ -103,7 +104,9 @@ class PathEngine(Engine[N], ABC):
             for way, number in ((-1, branch - 1), (1, branch)):
                 if 0 <= number < len(bend.branches.levels):
                     level = bend.branches.levels[number]
-                    value = passing(form, bend, level, -way, self.numbers)
+                    value = form.beyond(bend, level, self.numbers)
+                    if way > 0:
+                        value = partial(_negative, value)
                     size = self.numbers.where(level > 1, level, self.numbers.exact(1.0))
                     question = bend.piecewise.question
                     event = Event("bend", question, value, lambda state: state, size)
@@ -270,24 +273,8 @@ class PathEngine(Engine[N], ABC):
 _MOST_BRANCHES = 1000
 
 
-def passing(
-    law: Law[N], bend: Bend[N], level: N, sign: int, numbers: Numbers[N]
-) -> Callable[[Any], Any]:
-    """Return a function of the state that is positive on one side of a level of a bend.
-
-    Beyond it if `sign` is 1, before it if that is -1.
-    """
-    if any(n.kind not in _RATIONAL for n in law.passage(bend).nodes if not n.static):
-        raise CannotSolve(
-            "a table in a logarithmic wind, or one of the spin parameter where spin decays, is not "
-            "solved by this engine: where its nodes are passed is no polynomial's zero"
-        )
-    beyond = law.beyond(bend, level, numbers)
-    return beyond if sign > 0 else lambda state: -beyond(state)
-
-
-# Of which a value on the way of a polynomial state is a polynomial.
-_RATIONAL = ("variable", "sum", "product")
+def _negative(value: Callable[[Any], Any], state: Any) -> Any:
+    return -value(state)
 
 
 def branches_at(
@@ -311,7 +298,7 @@ def branches_at(
             continue
         form = law.on(branches)
         for level in bend.branches.levels:
-            value = passing(form, bend, level, 1, numbers)
+            value = form.beyond(bend, level, numbers)
             there = value(state)
             if cast(Any, there) == 0:
                 moving: Any = map(Dual, state, form.rates(numbers)(*state))

@@ -355,8 +355,9 @@ class Verlet(Stepped[float]):
     def _require_finite(self, numbers: Sequence[float]) -> None:
         if not all(map(math.isfinite, numbers)):
             raise OutOfRange(
-                f"the numbers do not stay finite in steps of {self.dt!r} s, or an "
-                "implicit step does not settle: the step is too long for these forces"
+                f"the numbers do not stay finite in steps of {self.dt!r} s, or an implicit step "
+                "does not settle: the step is too long for these forces, or it ends below the "
+                "ground, where a logarithmic wind has no value"
             )
 
 

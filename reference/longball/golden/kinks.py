@@ -15,7 +15,15 @@ from longball.engines.chain import solve_with_path
 from longball.engines.enclosure import Enclosure
 from longball.engines.event import first_fall
 from longball.golden.case_builder import Draft, between, five_digits, shares
-from longball.model.air import Air, BilinearLift, ConstantLift, Table, Weather, WindAbove
+from longball.model.air import (
+    Air,
+    BilinearLift,
+    ConstantLift,
+    Table,
+    Weather,
+    WindAbove,
+    WindProfile,
+)
 from longball.model.block import Point
 from longball.model.readings import Reading
 from longball.model.scene import FlightScene, Launch
@@ -36,6 +44,7 @@ def flight_kinks() -> Iterator[Draft]:
     """Tables, bilinear lift, and a wind above a height: laws that change their form on the way."""
     for cases in (
         _lattice,
+        _moving_nodes,
         _least_speeds,
         _largest_spin_parameters,
         _apexes,
@@ -118,6 +127,38 @@ def _lattice() -> Iterator[Draft]:
         )
         flags = ("kink", "reading") if read != Reading() else ("kink",)
         yield Draft(scene, "a law that changes its form on the way", flags)
+
+
+def _moving_nodes() -> Iterator[Draft]:
+    """Yield nodes over the spin parameter of a spin that decays, and in a logarithmic wind.
+
+    Where a ball passes them hangs on an exponential of the way, or on a logarithm of the height.
+    """
+    wind = WindProfile(velocity=(4.0, -2.0, 0.0), height=10.0, roughness=0.03)
+    spin_table = _by_spin(0.3, 0.0, 0.13, 0.22, 0.27)
+    airs = {
+        "bilinear": Air(drag_coefficient=0.35, lift_coefficient=BILINEAR, spin_decay_length=300.0),
+        "table": Air(drag_coefficient=0.35, lift_coefficient=spin_table, spin_decay_length=800.0),
+        "wind": Air(drag_coefficient=FALLING_DRAG, wind=wind),
+        "wind-bilinear": Air(drag_coefficient=FALLING_DRAG, lift_coefficient=BILINEAR, wind=wind),
+        "all": Air(
+            drag_coefficient=_by_spin(0.6, 0.3, 0.34, 0.4, 0.45),
+            lift_coefficient=BILINEAR,
+            wind=wind,
+            spin_decay_length=500.0,
+        ),
+    }
+    for name, air in airs.items():
+        for way in ("path", "time", "nathan") if air.spin_decay_length else ("path",):
+            scene = _flight(
+                f"moving-{name}-{way}",
+                air,
+                (33.0, 2.0, 21.0),
+                spin=(40.0, -190.0, 25.0) if name != "wind" else None,
+                reading=Reading(spin_decay=way),
+            )
+            flags = ("kink",) if way == "path" else ("kink", "reading")
+            yield Draft(scene, "a node that moves with the spin left, or with the height", flags)
 
 
 # --- turning points -------------------------------------------------------------------------------

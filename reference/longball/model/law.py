@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections import namedtuple
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cache
 from types import SimpleNamespace
 from typing import Any, Generic, NamedTuple
@@ -126,12 +126,16 @@ class Law(Generic[N]):
         What the program was traced from.
     bends
         The terms that have several forms; the program has one form of each.
+    polynomial
+        Whether each exponential and logarithm that a bend may depend on is a variable of its own,
+        so that where the form changes is the zero of a polynomial in the variables.
     """
 
     program: Program
     strengths: Mapping[str, N]
     forces: tuple[Term, ...]
     bends: tuple[Bend[N], ...] = ()
+    polynomial: bool = False
 
     @property
     def state(self) -> Callable[..., Any]:
@@ -146,13 +150,36 @@ class Law(Generic[N]):
         )
         return state
 
+    def in_polynomials(self, start: State[N], numbers: Numbers[N]) -> tuple[Law[N], State[N]]:
+        """Return the law, and a state, with what bends depend on as variables; see `polynomial`."""
+        if all(map(self._is_polynomial, self.bends)):
+            return self, start
+        law = law_with(self.strengths, self.forces, "y" in self.program.variables, polynomial=True)
+        state = law.state_of(start)
+        for name, value in law._traced.made.items():
+            made = law._value(value, numbers)(*state)
+            state = state._replace(**{name: made})
+        return replace(law, bends=self.bends), state
+
+    def _is_polynomial(self, bend: Bend[N]) -> bool:
+        nodes = self.passage(bend).nodes
+        return all(n.kind in ("variable", "sum", "product") for n in nodes if not n.static)
+
     def spin_left(self, state: State[N], numbers: Numbers[N]) -> N:
         """Return the size of the spin in a state, relative to that at launch."""
-        motion = "plane" if in_plane(state) else "space"
-        left = _traced(self.forces, tuple(self.strengths), motion).spin_left
-        program = replace(self.program, outputs=(left,))
-        found: N = program.bind(self.strengths, numbers.functions)(*state)[0]
+        known = (getattr(state, name) for name in self.program.variables)
+        found: N = self._value(self._traced.spin_left, numbers)(*known)
         return found
+
+    @property
+    def _traced(self) -> _Traced:
+        motion = "space" if "y" in self.program.variables else "plane"
+        return _traced(self.forces, tuple(self.strengths), motion, self.polynomial)
+
+    def _value(self, node: Node, numbers: Numbers[N]) -> Callable[..., N]:
+        """Return the function from the components of a state to the value of a node."""
+        bound = replace(self.program, outputs=(node,)).bind(self.strengths, numbers.functions)
+        return lambda *state: bound(*state)[0]
 
     @property
     def gravity(self) -> N | None:
@@ -176,7 +203,8 @@ class Law(Generic[N]):
             term = bend.piecewise.term
             strengths |= _named(term, bend.branches.strengths[branch])
             terms.append(term)
-        law = law_with(strengths, tuple(terms), in_space="y" in self.program.variables)
+        in_space = "y" in self.program.variables
+        law = law_with(strengths, tuple(terms), in_space, self.polynomial)
         return replace(law, bends=self.bends)
 
     def passage(self, bend: Bend[N]) -> Program:
@@ -184,8 +212,7 @@ class Law(Generic[N]):
 
         It has the law's variables and parameters, and the parameter `level`.
         """
-        motion = "space" if "y" in self.program.variables else "plane"
-        traced = _traced(self.forces, tuple(self.strengths), motion)
+        traced = self._traced
         top, bottom = bend.piecewise.argument(traced.motion, traced.parameters)
         value = trace.as_node(top) - trace.parameter("level") * bottom
         return replace(self.program, outputs=(value,), parameters=(*self.strengths, "level"))
@@ -228,8 +255,9 @@ class Law(Generic[N]):
         ``sense w`` there, without a square root: this law is smooth where the ball comes to rest,
         and holds on one side of it. None if a force drives the ball aside.
         """
-        variables = self.program.variables
-        vertical = _program(self.forces, tuple(self.strengths), "vertical", variables)
+        vertical = _program(
+            self.forces, tuple(self.strengths), "vertical", self.polynomial, self.program.variables
+        )
         if vertical is None:
             return None
         return replace(self, program=vertical, strengths={**self.strengths, "sense": sense})
@@ -285,19 +313,22 @@ def _named(term: Term, values: tuple[Any, ...]) -> dict[str, Any]:
 
 
 def law_with(
-    strengths: Mapping[str, N], forces: tuple[Term, ...] = FORCES, in_space: bool = False
+    strengths: Mapping[str, N],
+    forces: tuple[Term, ...] = FORCES,
+    in_space: bool = False,
+    polynomial: bool = False,
 ) -> Law[N]:
     """Return the law of those forces whose parameters have values.
 
     It is that in the plane, if it holds there and is not to be that `in_space`. A parameter without
-    a value, beside others that have one, is zero.
+    a value, beside others that have one, is zero. See `Law.polynomial`.
     """
     acting = tuple(f for f in forces if any(name in strengths for name in f.parameters))
     names = tuple(strengths)
-    program = None if in_space else _program(acting, names, "plane")
-    program = program or _program(acting, names, "space")
+    program = None if in_space else _program(acting, names, "plane", polynomial)
+    program = program or _program(acting, names, "space", polynomial)
     assert program is not None
-    return Law(program, strengths, acting)
+    return Law(program, strengths, acting, polynomial=polynomial)
 
 
 @dataclass(frozen=True)
@@ -314,6 +345,9 @@ class _Traced:
         The size of the spin, relative to that at launch.
     motion, parameters
         What it was traced with.
+    made
+        What the variables are that stand for exponentials and logarithms, by name: each in terms
+        of the variables before it.
     """
 
     rates: Mapping[str, Node]
@@ -321,13 +355,16 @@ class _Traced:
     spin_left: Any
     motion: Motion
     parameters: Any
+    made: Mapping[str, Node] = field(default_factory=dict)
 
 
 @cache
-def _traced(forces: tuple[Term, ...], names: tuple[str, ...], motion: str) -> _Traced:
+def _traced(
+    forces: tuple[Term, ...], names: tuple[str, ...], motion: str, polynomial: bool
+) -> _Traced:
     """Trace the law where the ball moves in space, in a vertical plane, or vertically.
 
-    Vertically in the air, that is, with which it drifts.
+    Vertically in the air, that is, with which it drifts. See `Law.polynomial`.
     """
     known = {name: trace.parameter(name) for name in names}
     named = {name for force in forces for name in force.parameters}
@@ -371,7 +408,43 @@ def _traced(forces: tuple[Term, ...], names: tuple[str, ...], motion: str) -> _T
         if isinstance(term, Force):
             total = plus(total, term.acceleration(moving, p))
     rates = dict(zip("syzuvw", (*velocity, *total), strict=True)) | further
-    return _Traced(rates, tuple(further), trace.as_node(spin_left), moving, p)
+    traced = _Traced(rates, tuple(further), trace.as_node(spin_left), moving, p)
+    return _in_polynomials(traced) if polynomial else traced
+
+
+def _in_polynomials(traced: _Traced) -> _Traced:
+    """Return a law whose exponentials and logarithms in winds and spin are variables.
+
+    Where y is exp x, y' is y x'; where it is log x, y' is e^-y x', which is 1/x x' without a
+    singularity that small errors of x come near to.
+    """
+    made: dict[str, Node] = {}
+    variables: dict[Node, Node] = {}
+
+    def known(value: Node) -> Node:
+        return variables.get(value, value)
+
+    def added(value: Node) -> Node:
+        if value not in variables and not value.static:
+            name = f"{value.kind}_{len(made)}"
+            made[name], variables[value] = value, trace.variable(name)
+        return known(value)
+
+    motion = traced.motion
+    parts = (*motion.air.velocity, *motion.lift.velocity, traced.spin_left)
+    a, b, c, u, v, w, spin_left = trace.again(parts, added)
+    air, lift = _flow((a, b, c)), _flow((u, v, w))
+    rates = dict(zip(traced.rates, trace.again(traced.rates.values(), known), strict=True))
+    for name, value in made.items():
+        (x,) = value.args
+        changes = (trace.derivative(x, trace.variable(v)) * r for v, r in rates.items())
+        (grows,) = trace.again([trace.total(changes)], known)
+        y = trace.variable(name)
+        rates[name] = (y if value.kind == "exp" else trace.exp(-y)) * grows
+    return replace(
+        traced, rates=rates, further=(*traced.further, *made), spin_left=spin_left, made=made,
+        motion=motion._replace(air=air, lift=lift, spin_left=spin_left),
+    )  # fmt: skip
 
 
 # What must not change.
@@ -380,10 +453,14 @@ _STILL = {"space": "", "plane": "yv", "vertical": "uv"}
 
 @cache
 def _program(
-    forces: tuple[Term, ...], names: tuple[str, ...], motion: str, variables: tuple[str, ...] = ()
+    forces: tuple[Term, ...],
+    names: tuple[str, ...],
+    motion: str,
+    polynomial: bool,
+    variables: tuple[str, ...] = (),
 ) -> Program | None:
     """Return the program of a law; None if a force drives the ball out of where it holds."""
-    traced = _traced(forces, names, motion)
+    traced = _traced(forces, names, motion, polynomial)
     if any(traced.rates[name] is not ZERO for name in _STILL[motion]):
         return None
     variables = variables or (*("syzuvw" if motion == "space" else "szuw"), *traced.further)

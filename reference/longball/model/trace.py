@@ -435,3 +435,26 @@ def trace(
     inputs = [*map(variable, variables), *map(parameter, parameters)]
     outputs = tuple(as_node(output) for output in formula(*inputs))
     return Program(tuple(variables), tuple(parameters), outputs)
+
+
+def again(nodes: Iterable[Any], instead: Callable[[Node], Node]) -> list[Node]:
+    """Trace nodes once more, with something else instead of each exponential and logarithm.
+
+    What is a ``unit`` becomes a quotient like any other, and has a derivative.
+    """
+    outputs = tuple(map(as_node, nodes))
+    names: dict[str, list[str]] = {"variable": [], "parameter": []}
+    for node in Program((), (), outputs).nodes:
+        if node.kind in names:
+            names[node.kind].append(node.args[0])
+    variables, parameters = map(tuple, names.values())
+    functions: dict[str, Callable[..., Any]] = {
+        "exp": lambda x: instead(exp(x)),
+        "log": lambda x: instead(log(x)),
+        "sqrt": sqrt,
+        "unit": _divide,
+    }
+    bound = Program(variables, parameters, outputs).bind(
+        {name: parameter(name) for name in parameters}, functions
+    )
+    return list(map(as_node, bound(*map(variable, variables))))
