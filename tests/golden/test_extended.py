@@ -127,23 +127,36 @@ def landing_by_small_steps(scene, step=2e-3):
             case "table":
                 return np.interp(speed if law.of == "speed" else parameter, law.at, law.values)
 
+    def wind(height):
+        if air.wind is None:
+            return np.zeros(3)
+        if hasattr(air.wind, "above"):
+            return np.array(air.wind.velocity) * (height > air.wind.above)
+        rises = (math.log1p(max(z, 0.0) / air.wind.roughness) for z in (height, air.wind.height))
+        return np.array(air.wind.velocity) * next(rises) / next(rises)
+
+    def spin_left(speed, path, time):
+        decays = {"path": path, "time": 44.704 * time, "nathan": speed * time}
+        length = air.spin_decay_length
+        return math.exp(-decays[scene.reading.spin_decay] / length) if length else 1.0
+
     def rates(state):
-        place, velocity = state
-        blows = air.wind is not None and place[2] > air.wind.above
-        through = velocity - (np.array(air.wind.velocity) if blows else 0.0)
+        place, velocity, (path, time, _) = state
+        through = velocity - wind(place[2])
         speed = np.linalg.norm(through)
-        turns = np.cross(to_the_right if spin is None else spin, through)
+        now = to_the_right if spin is None else spin * spin_left(speed, path, time)
+        turns = np.cross(now, through)
         across = np.linalg.norm(turns) / speed
-        asked = np.linalg.norm(spin) if scene.reading.spin_parameter == "total" else across
+        asked = np.linalg.norm(now) if scene.reading.spin_parameter == "total" else across
         drag, lift = air.drag_coefficient, air.lift_coefficient
         force = -coefficient(drag, speed, asked) * speed * through
         # With the whole spin in S, the lift is in proportion to the part of it across the way.
         force += (
             coefficient(lift, speed, asked) * speed * turns / (asked if spin is not None else 1)
         )
-        return np.array([velocity, k * force - [0.0, 0.0, scene.gravity]])
+        return np.array([velocity, k * force - [0.0, 0.0, scene.gravity], [speed, 1.0, 0.0]])
 
-    before = after = np.array([scene.launch.position, scene.launch.velocity])
+    before = after = np.array([scene.launch.position, scene.launch.velocity, [0.0, 0.0, 0.0]])
     while after[0][2] > 0.0:
         before = after
         a = rates(before)
@@ -162,7 +175,10 @@ SMALL_STEPS = [
 ]
 
 
-@pytest.mark.parametrize("case", SMALL_STEPS[::4], ids=lambda case: case.id)
+MOVING = [case for case in SMALL_STEPS if "moving" in case.id]
+
+
+@pytest.mark.parametrize("case", [*SMALL_STEPS[::4], *MOVING[1::4]], ids=lambda case: case.id)
 def test_kinks_are_passed_as_small_steps_pass_them(case):
     """Within the change of the acceleration, up to 10 m/s², in a step into another wind."""
     place = [float(x) for x in case.expected.landing.position]
