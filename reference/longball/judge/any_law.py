@@ -7,6 +7,7 @@ polynomials of degree five by the states at their ends, and their first and seco
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -28,8 +29,8 @@ from longball.model.numbers import DOUBLES, Doubles
 Array = NDArray[np.float64]
 
 
-class Effort:
-    """What flights have taken so far.
+class Effort(threading.local):
+    """What flights of a thread have taken so far: so a verdict hangs on no other one's work.
 
     Attributes
     ----------
