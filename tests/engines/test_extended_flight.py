@@ -290,6 +290,18 @@ def test_random_scenes(seed):
 # --- exact results --------------------------------------------------------------------------------
 
 
+@pytest.mark.parametrize("drag", [0.35, TABLE], ids=["one form", "table"])
+def test_steps_that_end_below_the_ground_of_a_logarithmic_wind(drag):
+    """There the profile has no value. The flight before it converges to the true one."""
+    wind = {"velocity": (4.0, -3.0, 0.0), "height": 10.0, "roughness": 0.01}
+    flight = scene(spin=SPIN, air={"drag_coefficient": drag, "wind": wind})
+    truth = landing(flight, Ivp())
+    for dt, error in ((0.05, 5e-2), (2e-3, 5e-4)):
+        found = landing(flight, Verlet(dt, forces="predicted_recomputed"))
+        assert found.position == pytest.approx(truth.position, abs=error)
+        assert found.velocity == pytest.approx(truth.velocity, abs=error)
+
+
 @all_engines
 def test_the_magnus_force_does_no_work(engine, error):
     """V²/2 + g z is kept where nothing drags."""

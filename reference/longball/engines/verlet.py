@@ -54,6 +54,7 @@ from longball.model.law import Law, PlaneState, SpaceState, State
 from longball.model.numbers import DOUBLES, Doubles, Vector, plus
 from longball.model.readings import AppendixBRoot, VerletForces, VerletLanding
 from longball.model.trace import Names, Program
+from longball.model.wind import ROUGHNESS
 
 T = TypeVar("T")
 Array = NDArray[np.float64]
@@ -319,7 +320,7 @@ class Verlet(Stepped[float]):
         """
         treatment = TREATMENTS[self.forces]
         last, done, length = np.array(start, dtype=float), 0, _FIRST_STEPS
-        branches = law.branches(start, DOUBLES)
+        branches = _branches(law, start, DOUBLES)
         form = law.on(branches) if law.bends else law
         force = _acceleration(form)(*_halves(last.tolist()), _parameters(form))
         steps = math.ceil(min(limit / self.dt, 2.0**53))
@@ -333,7 +334,7 @@ class Verlet(Stepped[float]):
             if np.any(passed):
                 # The next step begins in another form of the law.
                 states = states[:, : 2 + int(np.argmax(passed))]
-                branches = law.branches(states[:, -1], DOUBLES)
+                branches = _branches(law, states[:, -1], DOUBLES)
                 form = law.on(branches)
                 force = _acceleration(form)(*_halves(states[:, -1].tolist()), _parameters(form))
             yield done, states
@@ -355,9 +356,8 @@ class Verlet(Stepped[float]):
     def _require_finite(self, numbers: Sequence[float]) -> None:
         if not all(map(math.isfinite, numbers)):
             raise OutOfRange(
-                f"the numbers do not stay finite in steps of {self.dt!r} s, or an implicit step "
-                "does not settle: the step is too long for these forces, or it ends below the "
-                "ground, where a logarithmic wind has no value"
+                f"the numbers do not stay finite in steps of {self.dt!r} s, or an "
+                "implicit step does not settle: the step is too long for these forces"
             )
 
 
@@ -369,8 +369,17 @@ _FIRST_STEPS, _MOST_STEPS = 128, 4096
 @_QUIET
 def _left(law: Law[float], branches: Sequence[Any], states: Array) -> Any:
     """Tell of each state, a column, whether the law has another form there."""
-    others = zip(law.branches(states, ARRAYS), branches, strict=True)
+    others = zip(_branches(law, states, ARRAYS), branches, strict=True)
     return np.any([there != now for there, now in others], axis=0)
+
+
+def _branches(law: Law[float], state: Any, numbers: Any) -> list[Any]:
+    """Return which forms a law has in a state, or in many; see `print_law` for those too low."""
+    if ROUGHNESS in law.strengths:
+        z = law.program.variables.index("z")
+        height = np.where(state[z] > -law.strengths[ROUGHNESS], state[z], 0.0)
+        state = [*state[:z], height, *state[z + 1 :]]
+    return law.branches(state, numbers)
 
 
 # --- the rules between the steps ------------------------------------------------------------------
@@ -519,6 +528,9 @@ def print_law(program: Program) -> str:
         )
         if each
     ]  # fmt: skip
+    if ROUGHNESS in program.parameters:
+        # A step may end below the ground, where the profile has no value: nothing blows there.
+        unpack.append(f"z = z if z > -{ROUGHNESS} else 0.0")
 
     def each(text: str) -> str:
         return "".join(text.format(i=i) + ", " for i in dimensions)

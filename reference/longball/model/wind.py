@@ -13,6 +13,8 @@ from longball.model.force import Branches, Strengths, Wind, piecewise, present, 
 from longball.model.numbers import N, Numbers, Vector
 from longball.model.trace import ZERO
 
+ROUGHNESS = "roughness"  # z_0, m, as a parameter of the law: the profile ends at z = -z_0
+
 
 def _acts(scene: Any, on: str, form: str) -> Any:
     """Return the wind of a scene, if it has this form and acts on this."""
@@ -97,7 +99,7 @@ WINDS = tuple(
     for wind in (
         Wind(("wind_s", "wind_y", "wind_z"), _uniform(on), _same_everywhere, on == "both"),
         Wind(
-            ("log_wind_s", "log_wind_y", "roughness"),
+            ("log_wind_s", "log_wind_y", ROUGHNESS),
             _logarithmic(on),
             _higher_faster,
             on == "both",
