@@ -146,13 +146,13 @@ def test_rubbish_is_told_by_line_and_the_rest_judged():
     )
     assert answered(ran) == ["s2"]
     for sentence in (
-        "line 1: not JSON: hello",
+        "line 1: not JSON: Expecting value at character 1: hello",
         "line 2: not UTF-8 text: byte 1 is 0xff",
         "line 3: not a result, which is a JSON object",
         "line 4: not a result: it has no id",
         "line 5: not a result: the id 7 is no text",
         "line 7: not a result: brackets nested too deeply",
-        'line 9: not JSON: {"id": "s3", "outcome": "lan',
+        "line 9: not JSON: Unterminated string starting at character 25: ",
     ):
         assert sentence in said(ran)
 
@@ -202,9 +202,17 @@ def test_a_line_without_end_takes_no_memory():
 
 def test_a_flood_of_output_is_stopped():
     limits = Limits(scene_seconds=60, total_seconds=120, output_bytes=1 << 21)
-    ran = python("say('s0')\nwhile True: os.write(1, b'spam\\n' * 10000)", limits)
+    ran = python("say('s0')\nwhile True: os.write(1, b'spam' * 10000 + b'\\n')", limits)
     assert answered(ran) == ["s0"]
     assert "wrote more than 2097152 bytes, and was stopped" in said(ran)
+    assert len(ran.collected.issues) < 50
+
+
+def test_lines_without_end_that_answer_nothing_are_stopped():
+    ran = python("say('s0')\nwhile True: os.write(1, b'spam\\n' * 10000)")
+    assert answered(ran) == ["s0"]
+    assert "wrote more than 10000 lines that are no answers, and was stopped" in said(ran)
+    assert "s1 is the first without an answer" in said(ran)
     assert len(ran.collected.issues) < 50
     assert ran.collected.left_out["rubbish"] > 1000
 

@@ -25,7 +25,7 @@ def judge(
     candidate: Sequence[str] | Callable[[Scene], Any],
     golden: str | None = None,
     *,
-    profile: Profile | None = None,
+    profile: Profile | str | None = None,
     partial: bool = False,
     dt: float | None = None,
     folder: Path | None = None,
@@ -41,21 +41,41 @@ def judge(
     golden
         A family of the golden data; all if left out.
     profile
-        How near is near enough (`longball.judge.cases`); as near as double precision can come if
-        left out.
+        How near is near enough: "exact", "converged" or "paper", or one with a number of its own,
+        such as ``longball.judge.cases.Converged(1e-4)``; "exact" if left out.
     partial
         Whether scenes and quantities may be left out.
     dt
         s, the candidate's time step, for the diagnosis.
     folder
         Of another set of golden data than the one that comes with longball.
+
+    Returns
+    -------
+    Verdict
+        ``passed``, ``reasons``, ``diagnosis`` and so on; printed, it is what the command prints.
+
+    Raises
+    ------
+    OSError
+        If the command cannot be started.
+    TypeError
+        If the candidate is neither.
+    ValueError
+        If there is no such family or profile.
     """
-    from longball.judge.cases import Exact
+    from longball.judge.cases import as_profile
     from longball.judge.evaluation import Judge
 
-    held = Judge(cases(golden, folder), profile or Exact(), partial=partial, dt=dt)
+    truth = "golden data" if golden is None else f"golden data, {golden}"
+    held = Judge(cases(golden, folder), as_profile(profile), truth, partial=partial, dt=dt)
     if callable(candidate):
         return held.evaluate_function(candidate).verdict
+    if isinstance(candidate, str) or not isinstance(candidate, Sequence) or not candidate:
+        raise TypeError(
+            "a candidate is a command, as a list of words, or a function from a scene to its "
+            f"result; not {candidate!r}"
+        )
     return held.evaluate_command(candidate).verdict
 
 

@@ -146,8 +146,15 @@ class Collector:
         except UnicodeDecodeError as error:
             byte = line[error.start]
             self.report("rubbish", f"not UTF-8 text: byte {error.start + 1} is {byte:#x}", number)
+        except json.JSONDecodeError as error:
+            # From some characters before the fault on.
+            there = text[max(0, error.pos - 20) :]
+            self.report(
+                "rubbish", f"not JSON: {error.msg} at character {error.pos + 1}: {quoted(there)}",
+                number,
+            )  # fmt: skip
         except ValueError:
-            self.report("rubbish", f"not JSON: {quoted(line.decode())}", number)
+            self.report("rubbish", f"not a row of CSV: {quoted(line.decode())}", number)
         except RecursionError:
             self.report("rubbish", "not a result: brackets nested too deeply", number)
         else:
@@ -162,11 +169,12 @@ class Collector:
             return False
         if self._header is None:
             self._header = [cell.strip() for cell in cells]
-            self._report_columns(self._header)
+            self.report_columns(self._header)
             return False
         return self.take(number, _nested(zip(self._header, cells, strict=False)))
 
-    def _report_columns(self, header: Sequence[str]) -> None:
+    def report_columns(self, header: Sequence[str]) -> None:
+        """Note the columns of a table that no result has."""
         known = csv_columns()
         for name in header:
             if name not in known:
@@ -224,7 +232,7 @@ class Collector:
                     if key not in MODELS[block].model_fields:
                         self._report_key(number, name, QUANTITIES)
                     elif given is not None:
-                        told[name] = int(given) if isinstance(given, Decimal) else given
+                        told[name] = _whole(given) if isinstance(given, Decimal) else given
                     continue
                 if given is None:
                     continue
@@ -289,6 +297,15 @@ def printable(text: str) -> str:
     """Return a text without control characters and the sequences that they begin."""
     bare = re.sub(r"\x1b(\[[0-?]*[ -/]*[@-~]|\][^\x07\x1b]*(\x07|\x1b\\)|.)", "", text)
     return "".join(c if c.isprintable() or c == "\n" else " " for c in bare).strip()
+
+
+def _whole(x: Decimal) -> object:
+    """Return a whole number as one; of another number its text."""
+    whole = _ordinary(x) and abs(x) < _LARGEST_WHOLE and x == x.to_integral_value()
+    return int(x) if whole else quoted(x)
+
+
+_LARGEST_WHOLE = 10**9
 
 
 def _value(given: Any, size: int) -> Value | None:
@@ -412,7 +429,16 @@ def csv_columns() -> dict[str, tuple[str, int | None]]:
     for quantity in QUANTITIES.values():
         for component, name in enumerate(quantity.names):
             columns[name] = (quantity.name, component if quantity.size > 1 else None)
-    return columns
+    return columns | {name: (name, None) for name in FACTS}
+
+
+# What is told and not measured.
+FACTS = [
+    f"{block}.{key}"
+    for block, model in MODELS.items()
+    for key in model.model_fields
+    if f"{block}.{key}" not in QUANTITIES
+]
 
 
 _TEXTS = ("id", "outcome", "error")
@@ -430,6 +456,7 @@ def _read_csv(file: BinaryIO, collector: Collector, columns: Mapping[str, str]) 
             if name not in known:
                 raise BadTable(f"a column cannot hold {name}; it can hold {', '.join(known)}")
         names = [columns.get(column, column) for column in header]
+        collector.report_columns(names)
         if len(set(names)) < len(names):
             raise BadTable("two columns hold the same")
         if "id" not in names:
@@ -454,10 +481,19 @@ def _nested(cells: Iterable[tuple[str, str]]) -> dict[str, Any]:
             continue
         block, _, key = quantity.partition(".")
         held = data.setdefault(block, {})
-        if component is None:
+        if quantity in FACTS:
+            held[key] = _fact(cell.strip())
+        elif component is None:
             held[key] = _decimal(cell.strip())
         else:
             held.setdefault(key, [None] * QUANTITIES[quantity].size)[component] = _decimal(
                 cell.strip()
             )
     return data
+
+
+def _fact(cell: str) -> object:
+    """Return what a cell tells that is not measured: a flag, the number of a chord, a text."""
+    if cell.lower() in ("true", "false"):
+        return cell.lower() == "true"
+    return _decimal(cell) if cell.lstrip("-").isdigit() else cell

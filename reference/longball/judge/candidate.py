@@ -20,11 +20,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, cast
 
-from longball.judge.answers import LONGEST_LINE, Collector
+from longball.judge.answers import LONGEST_LINE, Collector, quoted
 from longball.judge.fresh import as_csv
 from longball.model.scene import Scene, ids_of
 
 CHUNK = 1 << 16  # bytes read or written at a time
+
+MOST_FAULTS = 10_000  # lines of output that are no answers
 
 
 @dataclass(frozen=True)
@@ -125,7 +127,8 @@ class _Session:
         table: bool,
     ) -> None:
         self.limits, self.progress = limits, progress
-        self.collected = Collector(ids_of(scenes), table)
+        self.ids = ids_of(scenes)
+        self.collected = Collector(self.ids, table)
         if len(self.collected.asked) < len(scenes):
             raise ValueError("two scenes have the same id")
         lines = (scene.line().encode() + b"\n" for scene in scenes)
@@ -274,15 +277,19 @@ class _Session:
         elif self.collected.take_line(line.number, line.text):
             self.latest = time.monotonic()
             self.progress(len(self.collected.answers))
+        elif self.collected.faults > MOST_FAULTS and not self.stopped:
+            self._stop(f"it wrote more than {MOST_FAULTS} lines that are no answers")
 
     def _missing(self) -> int:
         return len(self.collected.asked) - len(self.collected.answers)
 
     def _report(self, what: str) -> None:
         answered, asked = len(self.collected.answers), len(self.collected.asked)
-        self.collected.report(
-            "process", f"the candidate: {what}; it answered {answered} of {asked} scenes"
-        )
+        sentence = f"the candidate: {what}; it answered {answered} of {asked} scenes"
+        silent = [scene_id for scene_id in self.ids if scene_id not in self.collected.answers]
+        if silent:
+            sentence += f", and {quoted(silent[0])} is the first without an answer"
+        self.collected.report("process", sentence)
 
     def _stop(self, why: str) -> None:
         self.stopped = True

@@ -176,6 +176,10 @@ class Profile(ABC):
     @abstractmethod
     def __str__(self) -> str: ...
 
+    def told_of(self, cases: Sequence[Case]) -> str:
+        """Return the rule in words, as it is for these cases."""
+        return str(self)
+
     def truths(self, cases: Sequence[Case]) -> Sequence[Case]:
         """Return the cases with what counts as true under this profile."""
         return cases
@@ -208,6 +212,15 @@ class Exact(Profile):
 
     def __str__(self) -> str:
         return f"exact: within {SLACK:g} times the error that double precision cannot avoid"
+
+    def told_of(self, cases: Sequence[Case]) -> str:
+        """Return the rule in words; see `Profile.told_of`."""
+        if not all(isinstance(case, Known) for case in cases) or not cases:
+            return str(self)
+        return (
+            f"exact: within {self.allowed(0.0):.0e} of a quantity, since nothing is known of how "
+            "rounding shows in these scenes"
+        )
 
     def tolerance(self, case: Case, quantity: str, expected: Value) -> float:
         """Return the largest error that passes; see `Profile.tolerance`."""
@@ -293,6 +306,11 @@ class Paper(Profile):
     def allowed(self, size: float) -> float:
         """Return what passes for a value of that size; see `Profile.allowed`."""
         return SAME_SCHEME * max(1.0, size)
+
+
+def as_profile(given: Profile | str | None) -> Profile:
+    """Return a profile, or the one of a name; `Exact` if there is none."""
+    return profile(given) if isinstance(given, str) else given or Exact()
 
 
 def profile(name: str, tolerance: float | None = None, dt: float | None = None) -> Profile:

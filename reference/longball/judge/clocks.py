@@ -36,6 +36,14 @@ _SURFACES: tuple[tuple[str, str, str, Callable[[Trial], float]], ...] = (
 )  # fmt: skip
 
 
+def _stays(trial: Trial) -> bool:
+    """Tell whether a flight lands where, and when, it begins."""
+    start = trial.scene.launch.position if trial.scene.kind == "flight" else None
+    start = start or trial.given.get("contact.position")
+    hang = trial.given.get("landing.hang_time", trial.given.get("landing.time"))
+    return start is not None and trial.given["landing.position"] == tuple(start) and hang == (0.0,)
+
+
 def _launch_height(trial: Trial) -> float:
     if trial.scene.kind == "flight":
         return float(trial.scene.launch.position[2])
@@ -58,7 +66,19 @@ def ends(
     """
     event = chosen[0][1][0].quantity
     offs = np.array([c.obtained[0] - c.expected[0] for _, cs in chosen for c in cs[:1]])
-    if stage == "landing":
+    if stage == "landing" and all(map(_stays, (t for t, _ in chosen))):
+        yield Explanation(
+            "landing-is-launch", "gives the launch as the landing", "look for the ground behind "
+            "the launch, and say airborne where it is not reached", 0.0, 0, quantity=event,
+        )  # fmt: skip
+    elif stage == "landing" and all(
+        t.given.get("fence.position") == t.given["landing.position"] for t, _ in chosen
+    ):
+        yield Explanation(
+            "landing-at-fence", "gives the place where the ball crosses the fence for the landing",
+            "let the ball fly on to the ground", 0.0, 0, quantity=event,
+        )  # fmt: skip
+    elif stage == "landing":
         for name, sentence, remedy, above in _SURFACES:
             try:
                 heights = np.array([above(t) for t, _ in chosen])
@@ -152,7 +172,7 @@ def clocks(stage: str, chosen: Sequence[Checked], base: Change) -> Iterator[Expl
         yield told_of(
             "clock", f"its times are off by {clock.min():.3g} to {clock.max():.3g} s",
             lambda trial, time: time - (q.clock if (q := placed(trial, base, stage)) else 0.0), 3,
-            "law and integrator are right; look at how the time of the event is counted",
+            "look at how the time of the event is counted",
         )  # fmt: skip
 
 

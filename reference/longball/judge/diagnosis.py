@@ -12,13 +12,13 @@ two do not hide each other. What is left is told, with its size.
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from statistics import median
 
 from longball.engines.verlet import Verlet
 from longball.judge.answers import Answer
-from longball.judge.cases import Case, decidable
+from longball.judge.cases import FRAGILE, Case, decidable
 from longball.judge.changes import pairs, parts
 from longball.judge.clocks import clocks, ends, grid, on_chords
 from longball.judge.explanations import (
@@ -32,19 +32,21 @@ from longball.judge.explanations import (
     evenly,
     told_together,
 )
-from longball.judge.findings import Diagnosis, Finding, StageRow
+from longball.judge.findings import Diagnosis, Finding, StageRow, many
 from longball.judge.fits import Work
 from longball.judge.integrators import schemes
-from longball.judge.outcomes import outcome_findings, told_findings
+from longball.judge.outcomes import made_otherwise, outcome_findings, told_findings
+from longball.judge.quantities import untrue
 from longball.judge.relations import (
     SINGLE,
     SINGLE_NOISE,
     conventions,
-    few_decimals,
+    few_digits,
     formulas,
     in_single_precision,
     relations,
     resolutions,
+    shifted,
 )
 from longball.judge.rules import rule
 from longball.judge.stages import (
@@ -67,6 +69,9 @@ SOUGHT, BESIDE = 10, 4
 # Scenes of each kind in which it is seen what an explanation does to other stages.
 OTHERS = 3
 
+# What the impact tells besides numbers, which a change of it may change.
+MADE = ("impact.mode",)
+
 # Errors below this, relative, are an integrator's: no mistake of the physics is sought.
 FINE = 1e-7
 
@@ -86,6 +91,7 @@ def diagnose(
     dt: float | None = None,
     scheme: Verlet | None = None,
     causes: bool = True,
+    wrong: Collection[str] = (),
 ) -> Diagnosis:
     """Return what is wrong with a candidate's answers.
 
@@ -101,15 +107,24 @@ def diagnose(
         What counts as true, if that is the paper's scheme.
     causes
         Whether causes are sought; they are not in answers that change from run to run.
+    wrong
+        The ids of the answers that are wrong by the profile.
     """
     trials = [
         trial_of(case, answer)
         for case in cases
-        if decidable(case) and (answer := answers.get(case.id)) and answer.error is None
+        if decidable(case)
+        and (answer := answers.get(case.id))
+        and answer.error is None
+        # Either outcome of a fragile case may be right.
+        and (FRAGILE not in case.flags or answer.outcome in (None, case.expected.outcome))
     ]
+    if causes and (other := shifted(trials)):
+        return Diagnosis(sentence=other.sentence, first=None, stages=[], clean=[], findings=[other])
     search = _Search(trials, dt, scheme, causes)
     search.single = in_single_precision(answers.values())
     search.unread = sum(bool(answer.unreadable) for answer in answers.values())
+    search.wrong = frozenset(wrong)
     return search.diagnosis()
 
 
@@ -138,6 +153,7 @@ class _Search:
         self, trials: Sequence[Trial], dt: float | None, scheme: Verlet | None, causes: bool
     ) -> None:
         self.single, self.unread = False, 0
+        self.wrong: frozenset[str] = frozenset()
         self.trials, self.dt, self.scheme, self.causes = list(trials), dt, scheme, causes
         self.base = NONE if scheme is None else Change(engine=scheme, push=True)
         self.findings: list[Finding] = []
@@ -151,8 +167,9 @@ class _Search:
         self._followed: list[Checked] | None = None
 
     def diagnosis(self) -> Diagnosis:
-        checks, coarse = self._follow(), few_decimals(self.trials)
+        checks, coarse = self._follow(), few_digits(self.trials)
         rows = [row for stage in STAGES if (row := _row(stage, checks))]
+        unseen = self._unseen(checks)
         largest = min(max((r.worst for r in rows), default=0.0), 1.0)
         first = next((r.stage for r in rows if r.wrong and r.worst >= MINOR * largest), None)
         if self.causes and self.scheme is None:
@@ -162,10 +179,12 @@ class _Search:
                 if not self._explain(stage, self._follow()):
                     break
         self.findings += outcome_findings(self.trials, self.base, self.findings)
-        self.findings += told_findings(self.trials, self.base)
-        self.findings += [coarse] if self.causes and coarse else []
+        facts = list(told_findings(self.trials, self.base))
+        self.findings += facts
+        if more := (coarse if self.causes and coarse else unseen):
+            self.findings.append(more)
         self.findings.sort(key=lambda f: f.worst < MINOR * largest)
-        rows = self._where_made(rows)
+        rows = _with_facts(self._where_made(rows), facts)
         clean = [r.stage for r in rows if not r.wrong]
         lead = next((r for r in rows if r.wrong and r.worst >= MINOR * largest), None)
         return Diagnosis(
@@ -176,6 +195,25 @@ class _Search:
             findings=self.findings,
         )
 
+    def _unseen(self, checks: Sequence[Checked]) -> Finding | None:
+        """Return that answers are wrong in which every stage follows, as far as it is told."""
+        small = [
+            t
+            for t, cs in checks
+            if t.case.id in self.wrong
+            and not t.confused
+            and not untrue(t.case.expected, t.told)
+            and all(c.follows for c in cs)
+        ]
+        if not small:
+            return None
+        return Finding(
+            stage="all", quantity="", kind="unexplained", names=[], share=0.0, wrong=len(small),
+            checked=len(checks), worst=0.0, example=small[0].case.id,
+            sentence=f"{many(len(small), 'answer')} wrong by less than shows in a stage, such as "
+            "some roundings or the last digits of an integrator",
+        )  # fmt: skip
+
     def _where_made(self, rows: Sequence[StageRow]) -> list[StageRow]:
         """Return the rows with errors of a stage at the one where they are made, if that is known.
 
@@ -183,10 +221,12 @@ class _Search:
         """
         by_stage = {row.stage: row for row in rows}
         for stage, made in self.moved.items():
-            if stage in by_stage and not any(f.stage == stage for f in self.findings):
+            if stage in by_stage:
                 row = by_stage[stage]
                 by_stage[made] = row.model_copy(update={"stage": made})
-                by_stage[stage] = row.model_copy(update={"wrong": 0, "worst": 0.0, "example": None})
+                if not any(f.stage == stage for f in self.findings):
+                    right = {"wrong": 0, "worst": 0.0, "example": None}
+                    by_stage[stage] = row.model_copy(update=right)
         return [by_stage[stage] for stage in STAGES if stage in by_stage]
 
     def _sentence(self, first: StageRow | None, clean: Sequence[str]) -> str:
@@ -275,13 +315,13 @@ class _Search:
         if before and worst < FINE:
             self._leave(stage, wrong)
             return False
-        failing, right = [t for t, _ in wrong], [t for t, _ in good]
+        right = [t for t, _ in good]
         quantity = max((c for _, cs in wrong for c in cs), key=lambda c: c.error / c.scale).quantity
         told = Finding(
             stage=stage, quantity=quantity.partition(":")[0], kind="unexplained", names=[],
-            share=0.0, sentence=_unknown(stage, len(wrong), worst, before > 0),
+            share=0.0, sentence=_unknown(stage, sizes, minor, before > 0),
             wrong=len(wrong), checked=len(wrong) + len(right), worst=worst,
-            scenes=rule([t.case for t in failing], [t.case for t in right]),
+            scenes=_told_apart(seen, sizes, minor),
         )  # fmt: skip
         found = []
         rest = worst < MINOR * min(before, 1.0)
@@ -315,6 +355,7 @@ class _Search:
             self.moved[stage] = best.stage
         if alone:
             self.excused.add(stage)
+            self._leave(stage, wrong)
         else:
             self._accept(best, stage, worst)
         self._followed = None
@@ -338,12 +379,25 @@ class _Search:
             for e in self._explanations(stage, wrong, good, beside, checks)
         ]
         named = sorted((e for e in found if e.named), key=lambda e: (e.left, e.rank))
+        named = [e for e in named if e.change is None or not self._contradicted(e.change, wrong)]
         if not named:
             return []
         alike = max(ALIKE * named[0].left, doubt_of(wrong))
         ties = sorted((e for e in named if e.left <= alike), key=lambda e: e.rank)
         by_name = {e.name: e for e in reversed(ties)}
         return sorted(by_name.values(), key=lambda e: e.rank)
+
+    def _contradicted(self, change: Change, wrong: Sequence[Checked]) -> bool:
+        """Tell whether most trials tell rightly, besides numbers, what a change would not make."""
+        full = self.base.then(change)
+        known = [
+            (t, facts)
+            for t, _ in wrong
+            if (facts := {n: x for n, x in t.told.items() if n in MADE}) and not untrue(
+                t.case.expected, facts)
+        ]  # fmt: skip
+        some = evenly(known, OTHERS)
+        return 2 * sum(made_otherwise(t, full, facts) for t, facts in some) > len(some)
 
     def _least_harm(
         self, found: Sequence[Explanation], stage: str
@@ -485,19 +539,45 @@ class _Search:
         return found
 
 
+def _with_facts(rows: Sequence[StageRow], facts: Sequence[Finding]) -> list[StageRow]:
+    """Return the rows of stages, with those wrong at which something is told that is not so."""
+    by_stage = {row.stage: row for row in rows}
+    for fact in facts:
+        row = by_stage.get(fact.stage)
+        if row is None and fact.stage in STAGES:
+            row = StageRow(stage=fact.stage, checked=fact.checked, wrong=0, worst=0.0, example=None)
+        if row is not None and row.wrong < fact.wrong:
+            worse = {"wrong": fact.wrong, "worst": fact.worst, "example": fact.example}
+            by_stage[fact.stage] = row.model_copy(update=worse)
+    return [by_stage[stage] for stage in STAGES if stage in by_stage]
+
+
+def _told_apart(seen: Sequence[Checked], sizes: Sequence[float], minor: float) -> str | None:
+    """Return a rule of the scenes with errors, or of those with errors that are not minor."""
+    known = [(t.case, size) for (t, cs), size in zip(seen, sizes, strict=True) if cs]
+    for least in (0.0, minor):
+        wrong = [case for case, size in known if size > least]
+        if found := rule(wrong, [case for case, size in known if size <= least]):
+            return found
+    return None
+
+
 def _without(trial: Trial, quantity: str) -> Trial:
     return replace(trial, given={n: v for n, v in trial.given.items() if n != quantity})
 
 
-def _unknown(stage: str, wrong: int, worst: float, rest: bool) -> str:
-    """Return what can be said where nothing explains the errors."""
+def _unknown(stage: str, sizes: Sequence[float], minor: float, rest: bool) -> str:
+    """Return what can be said where nothing explains errors of these relative sizes."""
+    worst, wrong = max(sizes), sum(size > minor for size in sizes)
     sentence = f"{'what is left at ' if rest else ''}{stage}: wrong by up to {worst:.1e} of the "
-    sentence += f"quantity in {wrong} scenes, and none of the known mistakes or fitted numbers "
-    sentence += "explains it"
+    sentence += f"quantity in {many(wrong, 'scene')}"
+    if smaller := sum(0 < size <= minor for size in sizes):
+        sentence += f" (in {smaller} more by less than {minor:.0e})"
+    sentence += ", and none of the known mistakes or fitted numbers explains it"
     if stage in ("pitch", "flight") and worst < 1e-4:
         sentence += (
-            "; errors of this size are what long steps or a loose tolerance of the integrator "
-            "leave: shorten them and see whether it falls"
+            "; long steps or a loose tolerance of the integrator can leave errors of this size: "
+            "see whether others change it"
         )
     return sentence
 

@@ -229,7 +229,8 @@ class Judge:
                 if (answer := answers.get(case.id))
             }
             scheme = engine if isinstance(engine, Verlet) else None
-            diagnosis = diagnose(truths, whole, self.dt, scheme, causes=not conduct)
+            failed = [c.case.id for c in comparisons if c.judged and not c.passed]
+            diagnosis = diagnose(truths, whole, self.dt, scheme, not conduct, failed)
             diagnosis = diagnosis.model_copy(update={"conduct": list(conduct)})
             if not diagnosis.findings:
                 wrong_in = {f.what for c in comparisons if not c.passed for f in failure(c).faults}
@@ -238,7 +239,14 @@ class Judge:
                     diagnosis = diagnosis.model_copy(update={"sentence": said})
         truth = engine.description if engine else self.truth
         return Evaluation(
-            verdict(comparisons, submission, str(self.profile), truth, self.partial, diagnosis),
+            verdict(
+                comparisons,
+                submission,
+                self.profile.told_of(self.cases),
+                truth,
+                self.partial,
+                diagnosis,
+            ),
             comparisons,
         )
 

@@ -11,6 +11,11 @@ from longball.convergence.report import Frozen
 Kind = Literal["named", "probably", "unexplained"]
 
 
+def many(count: int, noun: str) -> str:
+    """Return a number of things: "1 scene", "2 scenes"."""
+    return f"{count} {noun}{'s' * (count != 1)}"
+
+
 class Finding(Frozen):
     """Something that is wrong at a stage."""
 
@@ -26,6 +31,7 @@ class Finding(Frozen):
     checked: int
     worst: float = Field(description="largest relative error")
     scenes: str | None = Field(default=None, description="a rule that tells the wrong scenes")
+    example: str | None = Field(default=None, description="id of one of the wrong scenes")
 
     @property
     def beside_stage(self) -> str:

@@ -29,6 +29,7 @@ from longball.model.air import (
     Table,
     Weather,
 )
+from longball.model.atmosphere import density
 from longball.model.bat import inertia_factor, tangential_restitution
 from longball.model.numbers import DOUBLES
 from longball.model.quantities import at
@@ -50,6 +51,8 @@ PARAMETERS: dict[str, tuple[str, ...]] = {
     "launch.speed": ("flight",),
     "launch.height": ("flight",),
     "pitch.speed": ("pitch",),
+    "pitch.release[0]": ("pitch",),
+    "pitch.release[1]": ("pitch",),
     "pitch.release[2]": ("pitch",),
     "pitch.aim[0]": ("pitch",),
     "pitch.aim[1]": ("pitch",),
@@ -108,6 +111,8 @@ def _held(scene: Any, name: str) -> tuple[str, Any]:
         rough = getattr(getattr(scene, "bat", None), "friction", None) is not None
         if found is None and rough and name in _LEFT_OUT:
             found = _LEFT_OUT[name](scene)
+        if isinstance(found, Weather):
+            found = float(density(scene, DOUBLES))
         if isinstance(found, float | int | tuple):
             return place, found
     return name, None
@@ -125,6 +130,9 @@ def with_parameter(scene: Any, name: str, value: float) -> Any:
     """Return a scene with another value of a parameter."""
     place, found = _held(scene, name)
     new: Any = value
+    if place == "air.density" and isinstance(scene.air.density, Weather):
+        # What the air does goes with density over mass.
+        place, new = "ball.mass", scene.ball.mass * found / value if value else math.inf
     if isinstance(found, tuple):
         size = math.hypot(*found)
         new = tuple(value / size * x for x in found) if size else found
@@ -428,7 +436,7 @@ def _forms(name: str, values: Array, own: Array) -> list[Fit]:
             continue
         if form == "fixed" and not varies and own[0] and factor_meaning(float(values[0] / own[0])):
             continue  # the factor says more
-        if form == "fixed" and not values.any():
+        if form == "fixed" and not values.any() and own.all():
             continue  # so it does here
         if form == "offset" and not varies and not name.endswith("height"):
             continue

@@ -8,6 +8,7 @@ Numbers of the scene that are taken for others are not listed here: `longball.ju
 from __future__ import annotations
 
 import math
+import operator
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
@@ -20,10 +21,11 @@ from longball.engines.chain import OneCase, collide
 from longball.judge.stages import Change, Numbers, with_values
 from longball.model import trace
 from longball.model.aerodynamics import DRAG, LIFT
-from longball.model.air import CrisisDrag, Weather
+from longball.model.air import CrisisDrag, Table, Weather
 from longball.model.atmosphere import ZERO_CELSIUS, density
 from longball.model.bat import CollisionParameters, collision_parameters, moment_of_inertia
-from longball.model.force import Drag, Force, Lift, Motion, Piecewise, Term
+from longball.model.earth import CORIOLIS
+from longball.model.force import Drag, Force, Lift, Motion, Piecewise, Term, scaled
 from longball.model.law import GRAVITY
 from longball.model.numbers import DOUBLES, Vector, dot, plus
 from longball.model.quantities import at
@@ -366,6 +368,8 @@ _PAPERS_LAW: tuple[Mistake, ...] = (
             _scene(lambda scene: {"launch.position[0]": 0.0, "launch.position[1]": 0.0})),
     Mistake("release-fixed", "throws from (18.44, 0, 1.8), whatever pitch.release is", _SCENE,
             _thrown(lambda pitch: {"pitch.release": (18.44, 0.0, 1.8)})),
+    Mistake("aim-exchanged", "exchanges side and height of the aim", "pitch.aim is [y, z]",
+            _thrown(lambda pitch: {"pitch.aim": pitch.aim[::-1]})),
     Mistake("aim-level", "throws level: the height of the aim is ignored", _SCENE,
             _thrown(lambda pitch: {"pitch.aim[1]": pitch.release[2]})),
     Mistake("aim-straight", "throws straight ahead: the side of the aim is ignored", _SCENE,
@@ -485,6 +489,63 @@ def _over_ground(term: Drag) -> Force:
     return Force(term.parameters, term.strengths, acceleration)
 
 
+def _tables(change: Callable[..., Any], of: str = "") -> Change:
+    """Return the change of nodes and values of a scene's tables, or of those over one thing."""
+
+    def values(scene: Any) -> Mapping[str, Any]:
+        found: dict[str, Any] = {}
+        for name in ("air.drag_coefficient", "air.lift_coefficient"):
+            table = None if getattr(scene, "air", None) is None else at(scene, name)
+            if isinstance(table, Table) and of in ("", table.of):
+                nodes, there = change(table.at, table.values)
+                found |= {f"{name}.at": tuple(nodes), f"{name}.values": tuple(there)}
+        return found
+
+    return _scene(values)
+
+
+# Relative: of a jump that is made a steep line.
+_NARROW = 1e-7
+
+
+def _steps(jumps: Sequence[float], values: Sequence[float]) -> tuple[list[float], list[float]]:
+    """Return a table that is level between jumps."""
+    nodes = [x for jump in jumps for x in (jump * (1 - _NARROW), jump * (1 + _NARROW))]
+    return nodes, [value for pair in pairwise(values) for value in pair]
+
+
+def _extrapolated(
+    nodes: Sequence[float], values: Sequence[float]
+) -> tuple[list[float], list[float]]:
+    """Return a table that goes on outside, from 0 to far beyond its last node."""
+
+    def line(x: float, i: int, k: int) -> float:
+        slope = (values[k] - values[i]) / (nodes[k] - nodes[i])
+        return values[i] + slope * (x - nodes[i])
+
+    far = 100 * nodes[-1]
+    below = [] if nodes[0] == 0.0 else [0.0]
+    ends = [line(0.0, 0, 1)] * len(below), [line(far, -2, -1)]
+    return [*below, *nodes, far], [*ends[0], *values, *ends[1]]
+
+
+def _coriolis(factor: float) -> Change:
+    return _instead(CORIOLIS, lambda m, p: scaled(factor, CORIOLIS.acceleration(m, p)))
+
+
+def _earth(key: str, change: Callable[[float], float]) -> Change:
+    """Return the change of an angle of the Earth's rotation."""
+    return _scene(
+        lambda scene: (
+            {}
+            if getattr(scene, "earth", None) is None
+            else {f"earth.{key}": change(getattr(scene.earth, key))}
+        )
+    )
+
+
+_EARTH = "add -2 Ω × v, Ω = 7.292115e-5 rad/s (cos λ north + sin λ up)"
+_LINEAR = "a table is linear between its nodes, and constant outside"
 _DIRECTION = "take the direction of spin from the scene's vector, whichever way the ball flies"
 _UNIT = "spin is in rad/s"
 _WEATHER = (
@@ -500,12 +561,12 @@ EXTENDED: tuple[Mistake, ...] = (
             _spins(_times(30 / math.pi), *_ANYWHERE)),
     Mistake("spin-in-revolutions", "takes the spin for revolutions per second", _UNIT,
             _spins(_times(2 * math.pi), *_ANYWHERE)),
-    Mistake("spin-sign", "turns the ball the other way round", _DIRECTION,
+    Mistake("spin-sign", "takes the spin with the other sign", _DIRECTION,
             _spins(_times(-1.0), *_ANYWHERE)),
-    Mistake("spin-sign-of-pitches", "turns a ball that flies toward the plate the other way round",
-            _DIRECTION, _spins(_times(-1.0), "pitch", "incoming")),
-    Mistake("spin-sign-of-flights", "turns a ball that flies away from the plate the other way "
-            "round", _DIRECTION, _spins(_times(-1.0), "launch")),
+    Mistake("spin-sign-of-pitches", "takes the spin of a ball that flies toward the plate with the "
+            "other sign", _DIRECTION, _spins(_times(-1.0), "pitch", "incoming")),
+    Mistake("spin-sign-of-flights", "takes the spin of a ball that flies away from the plate with "
+            "the other sign", _DIRECTION, _spins(_times(-1.0), "launch")),
     Mistake("spin-y-only", "takes the spin's y only", _DIRECTION,
             _spins(lambda scene, spin: (0.0, spin[1], 0.0), *_ANYWHERE)),
     Mistake("spin-all-back", "takes the size of the spin for backspin", _DIRECTION,
@@ -572,6 +633,28 @@ EXTENDED: tuple[Mistake, ...] = (
             _scene(lambda scene: {"air.density_scale_height": None})),
     Mistake("no-earth", "leaves the Earth's rotation out", "add -2 Ω × v",
             _scene(lambda scene: {"earth": None})),
+    Mistake("earth-sign", "turns the Earth the other way round", _EARTH, _coriolis(-1.0)),
+    Mistake("earth-once", "takes Ω × v where 2 Ω × v belongs", _EARTH, _coriolis(0.5)),
+    Mistake("latitude-in-degrees", "takes the latitude for degrees", "earth.latitude is in radians",
+            _earth("latitude", math.radians)),
+    Mistake("azimuth-in-degrees", "takes the azimuth for degrees", "earth.azimuth is in radians",
+            _earth("azimuth", math.radians)),
+    Mistake("azimuth-sign", "counts the azimuth the other way round",
+            "earth.azimuth is that of +x, clockwise from north", _earth("azimuth", operator.neg)),
+    Mistake("azimuth-ignored", "takes +x for north", "earth.azimuth is that of +x",
+            _earth("azimuth", lambda angle: 0.0)),
+    Mistake("table-in-steps", "takes a table's value at the node below", _LINEAR, _tables(
+        lambda at, values: _steps(at[1:], values))),
+    Mistake("table-of-next", "takes a table's value at the node above", _LINEAR, _tables(
+        lambda at, values: _steps(at[:-1], values))),
+    Mistake("table-of-nearest", "takes a table's value at the nearest node", _LINEAR, _tables(
+        lambda at, values: _steps([(a + b) / 2 for a, b in pairwise(at)], values))),
+    Mistake("table-extrapolated", "goes on along the first and last line outside a table", _LINEAR,
+            _tables(lambda at, values: _extrapolated(at, values))),
+    *(Mistake(f"table-in-{unit}", f"takes a table of the airspeed for one in {unit}",
+              "the nodes of a table of the airspeed are in m/s", _tables(
+                  lambda at, values, f=factor: ([x * f for x in at], values), "speed"))
+      for unit, factor in (("km/h", 1 / 3.6), ("mph", 0.44704), ("ft/s", 0.3048))),
     Mistake("crisis-reversed", "exchanges the drag at high and at low speed",
             "C_D falls from low_speed to high_speed",
             _scene(lambda scene: {
@@ -1021,6 +1104,11 @@ FORMULAS: tuple[Formula, ...] = (
     Formula("landing.velocity", "speed-for-vertical", "gives the speed for the vertical velocity",
             "landing.velocity is a vector", lambda v: (
                 *(there := v["landing.velocity:follows"])[:2], -math.hypot(*there))),
+    Formula("landing.velocity", "velocity-through-air", "gives the velocity through the air",
+            "landing.velocity is over the ground", lambda v: plus(
+                v["landing.velocity:follows"], -1.0, v.scene.air.wind)),
+    Formula("landing.velocity", "velocity-of-launch", "gives the velocity of the launch",
+            "landing.velocity is where the ball lands", lambda v: tuple(v.scene.launch.velocity)),
     Formula("landing.distance", "distance-from-start", "measures the distance from the launch, or "
             "from where the ball was met, and not from the plate", _D,
             lambda v: (math.dist(v["landing.position"][:2], v.start[:2]),)),

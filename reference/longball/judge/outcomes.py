@@ -2,20 +2,27 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
-from collections.abc import Iterable, Iterator, Sequence
+import math
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from functools import partial
+from typing import Any
 
 from longball.engines.chain import MODEL, solve
 from longball.judge.explanations import evenly, told_together
-from longball.judge.findings import Finding
+from longball.judge.findings import Finding, many
 from longball.judge.mistakes import FENCE, OUTCOMES
-from longball.judge.quantities import BLOCKS, told_by, untrue
+from longball.judge.quantities import BLOCKS, OPTIONAL, told_by, untrue
 from longball.judge.rules import rule
 from longball.judge.stages import NONE, Change, Trial, stage_of
 from longball.model.result import Result
 
 # Wrong outcomes of a kind, and right ones, that an explanation is held against.
 WRONG, RIGHT = 8, 4
+
+# How near a landing is to the one that an explanation makes, relative: an integrator's errors may
+# be left in it.
+NEAR = 1e-3
 
 
 def outcome_findings(
@@ -65,7 +72,7 @@ def _made(
     whole = [*wrong, *same]
 
     def makes(change: Change) -> bool:
-        return all(_outcome(t, change) == (t.outcome or t.case.expected.outcome) for t in whole)
+        return all(map(partial(_explains, change), whole))
 
     found = [name for f in known for name in f.names[:1] if f.stage != "outcome"]
     if found and base is not NONE and makes(base):
@@ -79,15 +86,32 @@ def _made(
     return [m.name for m in ties], told_together([m.sentence for m in ties])
 
 
-def _outcome(trial: Trial, change: Change) -> str | None:
+def _explains(change: Change, trial: Trial) -> bool:
+    """Tell whether a change makes a trial's outcome, and a landing near to the one that it has."""
     try:
-        return _solved(trial, change).outcome
+        result = _solved(trial, change)
     except (ArithmeticError, ValueError):
-        return None
+        return False
+    if result.outcome != (trial.outcome or trial.case.expected.outcome):
+        return False
+    said = trial.given.get("landing.position")
+    if said is None or result.landing is None or not trial.confused:
+        return True
+    there = tuple(map(float, result.landing.position))
+    return math.dist(there, said) <= NEAR * max(1.0, math.hypot(*there))
 
 
 def _solved(trial: Trial, change: Change) -> Result:
     return solve(change.scene(trial.scene), change.engine, change.model(MODEL))
+
+
+def made_otherwise(trial: Trial, change: Change, facts: Mapping[str, object]) -> bool:
+    """Tell whether a change would make something else of what is told besides numbers."""
+    try:
+        made = told_by(_solved(trial, change))
+    except (ArithmeticError, ValueError):
+        return False
+    return any(made.get(name) != told for name, told in facts.items())
 
 
 def _against_itself(trials: Sequence[Trial]) -> str:
@@ -117,25 +141,50 @@ def _against_itself(trials: Sequence[Trial]) -> str:
 def told_findings(trials: Sequence[Trial], base: Change) -> Iterator[Finding]:
     """Yield what is told besides numbers, and is not so; and blocks that do not belong there."""
     right = [t for t in trials if not t.confused]
-    wrong: dict[tuple[str, object, object], list[Trial]] = defaultdict(list)
+    wrong: dict[str, list[tuple[Trial, object, object]]] = defaultdict(list)
     for t in right:
         facts = untrue(t.case.expected, t.told)
         made = told_by(_solved(t, base)) if facts and base is not NONE else {}
-        for fact in facts:
-            if made.get(fact[0]) != fact[2]:  # else it follows from what is explained
-                wrong[fact].append(t)
-    for (name, true, given), some in wrong.items():
+        for name, true, given in facts:
+            # What follows from what is explained, or from another velocity, is no other mistake.
+            if made.get(name) != given and (name not in OPTIONAL or _struck_rightly(t)):
+                wrong[name].append((t, true, given))
+    for name, told in wrong.items():
+        some = [t for t, _, _ in told]
         same = [t for t in right if name in t.told and t not in some]
-        sentence = f"{name} is told to be {given} where {true} is right"
-        yield _told(stage_of(name), name, [], sentence, some, same)
+        for sentence in _misled(name, [(true, given) for _, true, given in told]):
+            yield _told(stage_of(name), name, [], sentence, some, same)
     for block in BLOCKS:
         more = [t for t in right if block in _blocks(t.given) - _blocks(t.expected)]
+        if not more:
+            continue
         outcomes = dict.fromkeys(str(t.case.expected.outcome) for t in more)
-        if more:
-            sentence = f"gives the block {block} with the outcome {' or '.join(outcomes)}"
-            same = [t for t in right if t not in more]
-            yield _told("outcome", block, [f"{block}-given"], f"{sentence}, which has none", more,
-                        same)  # fmt: skip
+        same = [t for t in right if t not in more]
+        sentence = f"gives the block {block} with the outcome {' or '.join(outcomes)}"
+        others = sum(t.case.expected.outcome in outcomes for t in same)
+        names = [] if others else [f"{block}-given"]
+        none = (
+            f" where the truth has none; in {others} more it has" if others else ", which has none"
+        )
+        yield _told("outcome", block, names, sentence + none, more, same)
+
+
+def _struck_rightly(trial: Trial) -> bool:
+    said, true = trial.given.get("impact.velocity"), trial.expected.get("impact.velocity")
+    return not (said and true) or math.dist(said, true) <= NEAR * math.hypot(*true)
+
+
+def _misled(name: str, told: Sequence[tuple[Any, Any]]) -> Iterator[str]:
+    """Yield what is told where something else is right."""
+    whole = all(type(x) is int for pair in told for x in pair)
+    shifts = {given - true for true, given in told} if whole else set()
+    if len(shifts) == 1 and len(set(told)) > 1:
+        (shift,) = shifts
+        yield f"{name} is {abs(shift)} too {'large' if shift > 0 else 'small'}, always"
+        return
+    for (true, given), count in Counter(told).most_common():
+        what = "the truth has none" if true is None else f"{true} is right"
+        yield f"{name} is told to be {given} where {what}, in {many(count, 'scene')}"
 
 
 def _blocks(names: Iterable[str]) -> set[str]:
@@ -154,4 +203,5 @@ def _told(
         stage=stage, quantity=quantity, kind="named" if names else "unexplained", names=names,
         share=1.0 if names else 0.0, wrong=len(wrong), checked=len(wrong) + len(same), worst=1.0,
         sentence=sentence, scenes=rule([t.case for t in wrong], [t.case for t in same]),
+        example=wrong[0].case.id,
     )  # fmt: skip

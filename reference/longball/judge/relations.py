@@ -8,7 +8,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from decimal import Decimal
 
@@ -17,11 +17,21 @@ from numpy.typing import NDArray
 
 from longball.judge.answers import Answer
 from longball.judge.explanations import Checked, Explanation, off, share_left, size_of
-from longball.judge.findings import Finding
+from longball.judge.findings import Finding, many
 from longball.judge.fits import FEW_DIGITS, FIRST, digits_of, factor_meaning, roundest
 from longball.judge.mistakes import FORMULAS, NUMBERED, View
 from longball.judge.quantities import QUANTITIES
-from longball.judge.stages import Change, Check, Numbers, Trial, follow, view_values
+from longball.judge.stages import (
+    ENOUGH,
+    SHORT,
+    Change,
+    Check,
+    Numbers,
+    Trial,
+    digits,
+    follow,
+    view_values,
+)
 
 Array = NDArray[np.float64]
 Image = Callable[[Array], Array]
@@ -30,9 +40,6 @@ Image = Callable[[Array], Array]
 RELATION = 0.5
 
 FEW_DECIMALS = 10
-
-# Fewer numbers than this may be short, or in single precision, by chance: 2.0 is.
-ENOUGH = 5
 
 # Of the number in a formula, how far it may differ from scene to scene.
 CERTAIN = 1e-3
@@ -113,7 +120,7 @@ def _images(quantity: str, expected: Array, obtained: Array) -> Iterator[tuple[s
     shift = obtained - expected
     middle = float(np.median(shift))
     if middle and np.ptp(shift) < 1e-3 * abs(middle):
-        sentence = f"{quantity}: obtained = expected + {middle:.8g}"
+        sentence = f"{quantity}: obtained = expected {'+-'[middle < 0]} {abs(middle):.8g}"
         yield f"{quantity}+{middle:.6g}", sentence, lambda x: x + middle
 
 
@@ -212,8 +219,8 @@ def _view(trial: Trial, base: Change, quantity: str) -> View | None:
 def _value(value: Callable[[View], Numbers], view: View | None) -> Numbers | None:
     try:
         return None if view is None else value(view)
-    except (KeyError, AttributeError, ZeroDivisionError, OverflowError, ValueError):
-        return None
+    except (KeyError, AttributeError, TypeError, ZeroDivisionError, OverflowError, ValueError):
+        return None  # of a scene that has not what the formula takes
 
 
 # --- digits ---------------------------------------------------------------------------------------
@@ -229,27 +236,37 @@ def resolutions(chosen: Sequence[Checked]) -> Iterator[Explanation]:
     resolution = max(0.5 * 10.0**-places, *(t.resolution for t, _ in chosen))
     if places <= FEW_DECIMALS and max(c.error for c in failing) < 4 * resolution:
         yield Explanation(
-            "few-decimals", f"{WRITES.format(places)}, and errors are of that size", DOUBLES, 0.0,
+            "few-decimals", f"{_writes(places)}, and errors are of that size", DOUBLES, 0.0,
             3, mend=lambda t: replace(t, resolution=resolution),
         )  # fmt: skip
 
 
-def few_decimals(trials: Sequence[Trial]) -> Finding | None:
-    """Return that all numbers are written with few decimals, if they are."""
+def few_digits(trials: Sequence[Trial]) -> Finding | None:
+    """Return that all numbers are written with few digits, or few behind the point, if they are."""
     told = [t for t in trials if any(x % 1 for value in t.given.values() for x in value)]
-    resolution = min((t.resolution for t in told), default=0.0)
-    if resolution < 0.5 * 10.0**-FEW_DECIMALS or len(told) < ENOUGH:
+    if len(told) < ENOUGH:
         return None
-    wrong = sum(not t.right for t in trials)
-    said = WRITES.format(round(-math.log10(2 * resolution)))
+    resolution, share = min(t.resolution for t in told), min(t.share for t in told)
+    if resolution >= 0.5 * 10.0**-FEW_DECIMALS:
+        name, said, worst = "few-decimals", _writes(round(-math.log10(2 * resolution))), resolution
+    elif share:
+        digits = 1 - round(math.log10(2 * share))
+        name, said, worst = "few-digits", _writes(digits, "digit"), share
+    else:
+        return None
     return Finding(
-        stage="all", quantity="", kind="named", names=["few-decimals"], share=1.0, wrong=wrong,
+        stage="all", quantity="", kind="named", names=[name], share=1.0,
+        wrong=sum(not t.right for t in trials),
         sentence=f"{said}; no error of that size, or that follows from it, is looked into",
-        remedy=DOUBLES, checked=len(trials), worst=resolution,
+        remedy=DOUBLES, checked=len(trials), worst=worst,
     )  # fmt: skip
 
 
-WRITES, DOUBLES = "writes its numbers with {} decimals only", "write doubles with 17 digits"
+def _writes(count: int, noun: str = "decimal") -> str:
+    return f"writes its numbers with {many(count, noun)} only"
+
+
+DOUBLES = "write doubles with 17 digits"
 
 SINGLE = Explanation(
     "single-precision", "computes or writes in single precision",
@@ -269,7 +286,8 @@ def in_single_precision(answers: Iterable[Answer]) -> bool:
     for answer in answers:
         for name, value in answer.values.items():
             if len(numbers[name]) < 50:
-                numbers[name].update(x for x in value if x)
+                # Numbers with few digits are in single precision, whatever they come from.
+                numbers[name].update(x for x in value if digits(x) >= SHORT)
     single = [all(map(_is_single, some)) for some in numbers.values() if len(some) >= ENOUGH]
     return 2 * sum(single) > len(single)
 
@@ -282,6 +300,32 @@ def _is_single(x: Decimal) -> bool:
 
 
 # --- the whole output -----------------------------------------------------------------------------
+
+
+def shifted(trials: Sequence[Trial]) -> Finding | None:
+    """Return that answers bear the id of the scene before or after, if most wrong ones do."""
+    for order, whose in ((trials, "before"), (trials[::-1], "after")):
+        wrong = [(t, other) for other, t in itertools.pairwise(order) if not t.right]
+        moved = [t for t, other in wrong if t.given and _same(t.given, other.expected)]
+        if len(moved) >= ENOUGH and 2 * len(moved) > len(wrong):
+            return Finding(
+                stage="all", quantity="id", kind="named", names=["ids-shifted"], share=1.0,
+                sentence=f"gives each scene the answer to the one {whose} it",
+                remedy="write the id of the scene that the answer belongs to",
+                wrong=len(wrong), checked=len(trials), worst=1.0, example=moved[0].case.id,
+            )  # fmt: skip
+    return None
+
+
+def _same(given: Mapping[str, Numbers], true: Mapping[str, Numbers]) -> bool:
+    """Tell whether values are those of another scene."""
+    return given.keys() == true.keys() and all(
+        math.dist(value, true[name]) <= SAME * max(math.hypot(*true[name]), 1e-3)
+        for name, value in given.items()
+    )
+
+
+SAME = 1e-6
 
 # What the numbers of a unit are in place of it, by the factor.
 _OTHER_UNITS = {

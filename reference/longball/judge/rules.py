@@ -26,8 +26,7 @@ def features(case: Case) -> Features:
     found |= {f"flag {flag}": True for flag in case.flags}
     found |= {"kind": scene.kind, "family": case.family}
     found["outcome"] = case.expected.outcome
-    if hasattr(scene, "air"):
-        found["air"] = "null" if scene.air is None else "given"
+    found |= _forms(scene)
     landing, contact, impact = case.expected.landing, case.expected.contact, case.expected.impact
     if landing is not None:
         found["landing.velocity[0] > 0"] = float(landing.velocity[0]) > 0
@@ -41,6 +40,41 @@ def features(case: Case) -> Features:
         found["launch angle in degrees"] = math.degrees(math.atan2(z, math.hypot(x, y)))
     return found
 
+
+def _forms(scene: Any) -> Features:
+    """Return which blocks and laws a scene has, in words."""
+    found: Features = {}
+    if hasattr(scene, "air"):
+        found["air"] = "null" if scene.air is None else "given"
+    if (air := getattr(scene, "air", None)) is not None:
+        for name in ("drag_coefficient", "lift_coefficient"):
+            law = getattr(air, name)
+            found[f"air.{name}.law"] = getattr(law, "law", "constant")
+            if hasattr(law, "of"):
+                found[f"air.{name}.of"] = law.of
+        for name in ("wind", "density", "spin_decay_length", "density_scale_height"):
+            found[f"air.{name}"] = _form(getattr(air, name))
+    for block in ("launch", "pitch", "incoming"):
+        if (held := getattr(scene, block, None)) is not None:
+            found[f"{block}.spin"] = _form(held.spin)
+    for block in ("fence", "earth"):
+        if hasattr(scene, block):
+            found[block] = _form(getattr(scene, block))
+    return found
+
+
+def _form(held: Any) -> str:
+    """Return a word for a value that may be absent, a number or a block."""
+    if held is None:
+        return "absent"
+    keys = set(getattr(held, "model_fields_set", ()))
+    return next((word for key, word in _BLOCKS.items() if key in keys), "given")
+
+
+_BLOCKS = {
+    "above": "above a height", "roughness": "logarithmic", "temperature": "weather",
+    "polyline": "a polyline", "radius": "a circle",
+}  # fmt: skip
 
 # A rule is told if that of so many random choices of as many scenes hardly one could be told by
 # it; with two conditions it must be so many times as hard again.
@@ -75,8 +109,10 @@ def rule(failing: Sequence[Case], passing: Sequence[Case]) -> str | None:
         else:
             whole.setdefault(name, text)
     if whole:
-        plain = [text for name, text in whole.items() if _sorts(name) or text == f"{name} = 0"]
-        told = sorted(plain, key=lambda text: "flagged" in text) or list(whole.values())
+        # Forms of air and spin come in only where nothing simpler tells the scenes.
+        plain = [t for n, t in whole.items() if _sorts(n) or t == f"{n} = 0"]
+        simple = [t for n, t in whole.items() if t in plain and n not in FORMS and not _law(n)]
+        told = sorted(simple or plain, key=lambda text: "flagged" in text) or list(whole.values())
         return "; or, which are the same scenes, ".join(told) if len(told) <= MOST_RULES else None
     if choices < CHANCE * TWO:
         return None
@@ -90,7 +126,18 @@ def rule(failing: Sequence[Case], passing: Sequence[Case]) -> str | None:
 
 def _sorts(name: str) -> bool:
     """Tell whether a feature is one that scenes are sorted by: numbers may follow from those."""
-    return name in ("kind", "outcome", "air") or name.startswith(("reading.", "flag "))
+    simple = name in ("kind", "outcome", "air") or name.startswith(("reading.", "flag "))
+    return simple or name in FORMS or _law(name)
+
+
+def _law(name: str) -> bool:
+    return name.endswith((".law", ".of"))
+
+
+FORMS = (
+    "air.wind", "air.density", "air.spin_decay_length", "air.density_scale_height", "launch.spin",
+    "pitch.spin", "incoming.spin", "fence", "earth",
+)  # fmt: skip
 
 
 Condition = tuple[str, str, Callable[[Features], bool]]

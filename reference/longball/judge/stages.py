@@ -18,6 +18,7 @@ import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from decimal import Decimal
 from functools import cached_property
 from typing import Any
 
@@ -44,7 +45,7 @@ Numbers = tuple[float, ...]
 STAGES = (
     "pitch", "plate", "touching", "normal", "bat velocity", "normal speed", "restitution",
     "impulse", "velocity after", "spin after", "energy", "flight", "spin decay", "fence",
-    "landing", "time", "distance",
+    "landing", "landing velocity", "time", "distance",
 )  # fmt: skip
 COLLISION = STAGES[STAGES.index("normal") : STAGES.index("flight")]
 FLYING = STAGES[STAGES.index("flight") :]
@@ -94,8 +95,9 @@ class Trial:
         What it says, and what is true.
     bounds
         Of each quantity the size, and the error that double precision cannot avoid.
-    resolution
-        Half a unit in the last place written, if numbers are written with few decimals.
+    resolution, share
+        Half a unit in the last place written, if numbers are written with few decimals; the same
+        of numbers with few digits, relative to them.
     right
         Whether all that it says is true.
     """
@@ -106,6 +108,7 @@ class Trial:
     bounds: Mapping[str, tuple[float, float]]
     outcome: str | None = None
     resolution: float = 0.0
+    share: float = 0.0
     right: bool = False
     told: Mapping[str, object] = field(default_factory=dict)
 
@@ -173,14 +176,36 @@ def trial_of(case: Case, answer: Answer) -> Trial:
     )
     true = {name: tuple(map(float, value)) for name, value in expected.items()}
     bounds = {name: (length(value), attainable(case, name)) for name, value in expected.items()}
-    resolution = _resolution(answer)
-    return Trial(case, given, true, bounds, answer.outcome, resolution, right, answer.told)
+    written = _resolution(answer), _share(answer)
+    return Trial(case, given, true, bounds, answer.outcome, *written, right, answer.told)
+
+
+# Whoever writes so few digits leaves out more than single precision does.
+SHORT = 7
+
+# Fewer numbers than this may be short, or in single precision, by chance: 2.0 is.
+ENOUGH = 5
+
+
+def _share(answer: Answer) -> float:
+    """Return half a unit in the last digit written, relative, if all numbers have few digits."""
+    written = [digits(x) for value in answer.values.values() for x in value]
+    few = len(written) >= ENOUGH and max(written) <= SHORT
+    return 0.5 * 10.0 ** (1 - max(written)) if few else 0.0
+
+
+def digits(x: Decimal) -> int:
+    """Return how many digits a number is written with, but for zeros at its ends."""
+    return len(x.normalize().as_tuple().digits)
 
 
 def _resolution(answer: Answer) -> float:
     """Return half a unit in the last place written, if numbers are written with few decimals."""
     places = [
-        -int(x.as_tuple().exponent) for value in answer.values.values() for x in value if x % 1
+        -int(x.as_tuple().exponent)
+        for value in answer.values.values()
+        for x in value
+        if x != x.to_integral_value()
     ]
     if not places or max(places) > 12:
         return 0.0
@@ -190,6 +215,9 @@ def _resolution(answer: Answer) -> float:
 # What the rounding of the numbers handed on does to the next stage: a ball lands a hundred metres
 # away, and a change of energy is μ(Ṽ·n)², some 700 J, times one of ẽ.
 HANDED_ON = 1000.0
+
+# m: a place that is nearer to a flight than this is on it, for all that follows.
+CLOSE = 1e-6
 
 # Of a quantity: flights under any law err by a third of it at most.
 ANY_LAW_ERROR = 3e-8
@@ -221,8 +249,13 @@ STAGE_OF = {
     "impact.restitution": "restitution", "impact.impulse": "impulse",
     "impact.energy_change": "energy", "impact.spin": "spin after", "impact": "velocity after",
     "fence": "fence", "landing.time": "time", "landing.distance": "distance",
+    "landing.velocity": "landing velocity",
     "landing.spin": "spin decay", "landing.path": "spin decay", "landing": "flight",
 }  # fmt: skip
+
+
+# Where a flight ends is a stage of its own.
+ENDS = ("plate", "plate.position"), ("landing", "landing.position")
 
 
 def stage_of(quantity: str) -> str:
@@ -236,9 +269,11 @@ def followed(trial: Trial) -> list[Check]:
     An answer that is right in all is not computed again: each of its quantities follows.
     """
     if trial.right:
+        stages = [(stage_of(name), name) for name in trial.given]
+        stages += [one for one in ENDS if one[1] in trial.given]
         return [
-            Check(stage_of(name), name, trial.expected[name], value, math.inf, 1.0)
-            for name, value in trial.given.items()
+            Check(stage, name, trial.expected[name], trial.given[name], math.inf, 1.0)
+            for stage, name in stages
         ]
     checks = follow(trial)
     # What is right to within the errors of flights under any law may be wrong beyond them.
@@ -349,7 +384,7 @@ class _Following:
         if "contact.normal" in self.trial.expected and set(COLLISION) & only:
             yield from self._collision(only)
         if outcome in ("batted", "landed", "home_run", "wall") and set(FLYING) & only:
-            yield from self._flight()
+            yield from self._flight(only)
 
     def _fly_by(self, case: OneCase[float]) -> None:
         """Take note of how exact a flight is."""
@@ -413,12 +448,20 @@ class _Following:
             _ = self.met
             if self.meeting is not None:
                 return self.meeting.contact.velocity
-        time, plate = self.has("contact.time"), self.given.get("plate.velocity")
-        velocity = _at(leg, time[0])[1]
+        time, plate = self._touched(leg), self.given.get("plate.velocity")
+        velocity = _at(leg, time)[1]
         if plate is None:
             return velocity
         at = self.given.get("plate.time") or self.own["plate.time"]
         return plus(velocity, 1.0, plus(plate, -1.0, _at(leg, at[0])[1]))
+
+    def _touched(self, leg: Leg[float]) -> float:
+        """Return when ball and bat touch, s: of two times the one that the place belongs to."""
+        time, place = self.has("contact.time")[0], self.given.get("contact.position")
+        if place is None or math.dist(_at(leg, time)[0], place) <= CLOSE:
+            return time
+        times = time, *_tuple(self.met.get("contact.time", time))
+        return min(times, key=lambda t: math.dist(_at(leg, t)[0], place))
 
     @property
     def spin(self) -> tuple[float, float, float] | None:
@@ -574,7 +617,7 @@ class _Following:
         spin = None if turning is None else _three(turning)
         return Launch(start, velocity, begin, 0.0, spin=spin)
 
-    def _flight(self) -> Iterable[Check]:
+    def _flight(self, only: frozenset[str]) -> Iterable[Check]:
         given, begun, scene = self.given, self._launch(), self.scene
         launch = self._pushed(self._case(), begun)
         hang, time = given.get("landing.hang_time"), given.get("landing.time")
@@ -595,12 +638,16 @@ class _Following:
                 flown = since[0] = since[-1] = since[0]
             place, speed = _at(leg, flown)
             self.flown = leg, flown, position
-            yield self._check("flight", "landing.position", place)
-            yield from self._maybe("flight", "landing.velocity", speed)
+            there = self._check("flight", "landing.position", place)
+            yield there
+            # Where the place is right the law is, and the velocity is another matter.
+            apart = there.follows and "landing velocity" in only
+            stage = "landing velocity" if apart else "flight"
+            yield from self._maybe(stage, "landing.velocity", speed)
+            yield from self._decay(case, leg, flown, there)
         elif "landing.time" in case.answer:
             for name in ("landing.position", "landing.velocity", "landing.hang_time"):
                 yield from self._maybe("flight", name, _tuple(case.answer[name]))
-        yield from self._decay(case, leg, flown)
         yield from self._fence(case, leg, launch.time)
         if position and since:
             floor = landing_height(self.scene)
@@ -621,15 +668,25 @@ class _Following:
                 "flight", "landing.distance", _tuple(case.answer["landing.distance"])
             )
 
-    def _decay(self, case: OneCase[float], leg: Leg[float], flown: float | None) -> Iterable[Check]:
-        """Yield how the spin falls, at the candidate's own time of landing."""
-        if flown is None or leg.frame.spin is None:
+    def _decay(
+        self, case: OneCase[float], leg: Leg[float], flown: float, there: Check
+    ) -> Iterable[Check]:
+        """Yield how the spin falls along the candidate's own path, or else till its own landing.
+
+        Where the landing does not follow, neither does the path: it may be as far off.
+        """
+        if leg.frame.spin is None:
             return
         state: Any = leg.flight.path.at(max(flown, 0.0))
+        off = 0.0 if there.follows else there.error / there.scale
+        path = self.given.get("landing.path")
+        if path and hasattr(state, "path") and self.scene.reading.spin_decay == "path":
+            check = self._check("spin decay", "landing.path", (state.path,))
+            yield replace(check, tolerance=check.tolerance + off * check.scale)
+            state, off = state._replace(path=path[0]), 0.0
         spin = case.spin_at(leg.frame, case.law(leg.frame), state)
-        yield from self._maybe("spin decay", "landing.spin", spin or ())
-        if "landing.path" in self.given and hasattr(state, "path"):
-            yield self._check("spin decay", "landing.path", (state.path,))
+        for check in self._maybe("spin decay", "landing.spin", spin or ()):
+            yield replace(check, tolerance=check.tolerance + off * check.scale)
 
     def _fence(self, case: OneCase[float], leg: Leg[float], begin: float) -> Iterable[Check]:
         """Yield where the ball is at the candidate's own time, and what the fence is there."""
@@ -676,12 +733,16 @@ class _Following:
 
     # --- checks ---------------------------------------------------------------------------------
 
-    def _tolerance(self, quantity: str) -> float:
-        """Return what rounding may do to a quantity, and few decimals to what follows from it."""
+    def _tolerance(self, quantity: str, expected: Numbers) -> float:
+        """Return what rounding may do to a quantity, and few digits to what follows from it."""
         size, own = self.trial.bounds.get(quantity, (0.0, 0.0))
         # Numbers handed on have been rounded: a few hundred half ulps, where the truth has none.
         rounding = 1e-12 if self.exact else ANY_LAW_ERROR
-        return max(SLACK * own, rounding * max(1.0, size)) + HANDED_ON * self.trial.resolution
+        large = max(1.0, size, math.hypot(*expected))
+        few = self.trial.resolution + self.trial.share * large
+        # What is given alone follows from the scene, and not from numbers with few digits.
+        amplified = HANDED_ON if len(self.given) > 1 else 1.0
+        return max(SLACK * own, rounding * large) + amplified * few
 
     def _scale(self, quantity: str) -> float:
         return max(self.trial.bounds.get(quantity, (0.0, 0.0))[0], 1e-3)
@@ -689,8 +750,9 @@ class _Following:
     def _check(self, stage: str, quantity: str, expected: Numbers) -> Check:
         obtained, self.own[quantity] = self.given[quantity], expected
         return Check(
-            stage, quantity, expected, obtained, self._tolerance(quantity), self._scale(quantity)
-        )
+            stage, quantity, expected, obtained, self._tolerance(quantity, expected),
+            self._scale(quantity),
+        )  # fmt: skip
 
     def _maybe(self, stage: str, quantity: str, expected: Numbers) -> Iterable[Check]:
         if quantity in self.given:
@@ -702,7 +764,7 @@ class _Following:
             f"{quantity}: event",
             (expected,),
             (obtained,),
-            self._tolerance(quantity),
+            self._tolerance(quantity, ()),
             1.0,
         )
 

@@ -15,7 +15,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from longball.judge.answers import Answer, Collector
-from longball.judge.cases import Case, Exact, Profile
+from longball.judge.cases import Case, Profile, as_profile
 from longball.judge.quantities import told_by, values_of
 from longball.judge.text import describe
 from longball.judge.verdict import compare
@@ -26,7 +26,7 @@ from longball.model.result import Result
 def assert_case(
     case: Case,
     obtained: Any,
-    profile: Profile | None = None,
+    profile: Profile | str | None = None,
     partial: bool = False,
 ) -> None:
     """Assert that a result is right, to the case's own tolerance.
@@ -39,7 +39,7 @@ def assert_case(
         The result: a mapping with the keys of one, or what `longball.solve` returns. The id may be
         left out.
     profile
-        How near is near enough; as near as double precision can come if not given.
+        How near is near enough, as in `longball.judge.judge`.
     partial
         Whether quantities may be left out that the implementation does not compute; not all.
 
@@ -50,7 +50,7 @@ def assert_case(
         error and what is allowed; and the scene.
     """
     __tracebackhide__ = True  # pytest shows the caller's line
-    profile = profile or Exact()
+    profile = as_profile(profile)
     (truth,) = profile.truths([case])
     answer, faults = _answer(case, obtained)
     comparison = compare(truth, answer, profile)

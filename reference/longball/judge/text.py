@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import json
+import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
 
 from longball.convergence import ConvergenceReport
 from longball.convergence.report import aligned
 from longball.judge.answers import printable, quoted
-from longball.judge.findings import Diagnosis, Finding
+from longball.judge.findings import Diagnosis, Finding, many
 from longball.judge.sampling import Sampling
 from longball.judge.verdict import Failure, Fault, Row, Verdict
 
@@ -37,9 +38,12 @@ def render(verdict: Verdict, shown: int = SHOWN) -> str:
 
 def _head(verdict: Verdict) -> Iterator[str]:
     candidate = quoted(verdict.candidate, LONGEST_NAME)
-    count = f" {verdict.complete} of {verdict.cases - len(verdict.undecidable)}"
-    whole = verdict.complete == verdict.cases - len(verdict.undecidable)
-    yield f"{verdict.status}{'' if whole and verdict.status != 'PARTIAL' else count}: {candidate}"
+    asked = verdict.cases - len(verdict.undecidable)
+    # Beside FAILED a count of what was answered would be read as one of what failed.
+    counted = verdict.status != "FAILED" and (
+        verdict.status == "PARTIAL" or verdict.complete < asked
+    )
+    yield f"{verdict.status}{f' {verdict.complete} of {asked}' * counted}: {candidate}"
     if verdict.cases:
         yield from counts(verdict)
     for reason in verdict.reasons:
@@ -52,7 +56,7 @@ def counts(verdict: Verdict) -> Iterator[str]:
     """Yield how many scenes were answered and how, by which rule."""
     yield f"profile {verdict.profile}"
     yield f"held against {verdict.truth}"
-    parts = [f"{verdict.cases} scenes", f"{verdict.judged} answers judged"]
+    parts = [many(verdict.cases, "scene"), f"{many(verdict.judged, 'answer')} judged"]
     parts += [f"{verdict.right} right", f"{verdict.judged - verdict.right} wrong"]
     if verdict.unanswered:
         parts.append(f"{len(verdict.unanswered)} without an answer")
@@ -141,17 +145,24 @@ def stage_sentences(diagnosis: Diagnosis) -> Iterator[str]:
         if row.wrong:
             yield (
                 f"  {row.stage} does not follow from what comes before it in {row.wrong} of "
-                f"{row.checked} scenes, by up to {row.worst:.1e} of the quantity ({row.example})"
+                f"{many(row.checked, 'scene')}, by up to {row.worst:.1e} of the quantity "
+                f"({row.example})"
             )
     if diagnosis.clean:
         yield f"  follows in every scene: {', '.join(diagnosis.clean)}"
 
 
+# A sentence about the candidate begins with what it does: "flies", "takes", "acts".
+_VERB = re.compile(r"(?!its |axes |times )[a-z]+s ")
+
+
 def finding_sentences(finding: Finding) -> Iterator[str]:
     """Yield what is behind the errors of a stage."""
-    word = {"named": "it", "probably": "probably it", "unexplained": "not explained:"}
+    sentence = finding.beside_stage
+    subject = "it " if _VERB.match(sentence) else ""
+    word = {"named": subject, "probably": f"probably {subject}", "unexplained": "not explained: "}
     share = f" (explains {finding.share:.2%} of the error)" if finding.share else ""
-    yield f"diagnosis: {finding.stage}: {word[finding.kind]} {finding.beside_stage}{share}"
+    yield f"diagnosis: {finding.stage}: {word[finding.kind]}{sentence}{share}"
     if finding.remedy:
         yield f"  {finding.remedy}"
     if finding.scenes:
@@ -220,7 +231,7 @@ def _is_number(text: str) -> bool:
 def silence(verdict: Verdict, shown: int) -> Iterator[str]:
     """Yield what was not answered, or not judged."""
     for missing in verdict.missing:
-        yield f"left out: {missing.quantity} in {missing.cases} answers"
+        yield f"left out: {missing.quantity} in {many(missing.cases, 'answer')}: {missing.example}"
     if verdict.unanswered:
         yield f"without an answer: {_some(verdict.unanswered, shown)}"
     for unsolved in verdict.refused[:shown]:

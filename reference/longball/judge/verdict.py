@@ -39,12 +39,14 @@ from longball.judge.cases import (
 from longball.judge.findings import Diagnosis
 from longball.judge.quantities import (
     BLOCKS,
+    OPTIONAL,
     PATH,
     QUANTITIES,
     Value,
     difference,
     length,
     radius_of,
+    told_by,
     untrue,
     values_of,
 )
@@ -209,6 +211,9 @@ def compare(case: Case, answer: Answer | None, profile: Profile) -> Comparison:
             continue
         more = slack.get(quantity, 0.0)
         measured.append(_measure(case, quantity, value, answer.values[quantity], profile, more))
+    if not wrong:
+        facts = told_by(case.expected)
+        missing += [name for name in facts if name not in (*answer.told, *OPTIONAL)]
     for name, (true, given) in points.items():
         size = length(true)
         allowed = (
@@ -334,6 +339,7 @@ class Missing(Frozen):
 
     quantity: str
     cases: int
+    example: str = Field(description="id of one of the scenes")
 
 
 class Unsolved(Frozen):
@@ -557,12 +563,16 @@ def _met(comparison: Comparison) -> tuple[bool | None, bool | None]:
 
 
 def _missing(comparisons: Iterable[Comparison]) -> list[Missing]:
-    counted = Counter(name for c in comparisons for name in c.missing)
+    found: dict[str, list[str]] = defaultdict(list)
+    for comparison in comparisons:
+        for name in comparison.missing:
+            found[name].append(comparison.case.id)
+    order = ["outcome", *QUANTITIES]
     return [
-        Missing(quantity=name, cases=counted[name])
-        for name in ("outcome", *QUANTITIES)
-        if counted[name]
-    ]
+        Missing(quantity=name, cases=len(ids), example=ids[0])
+        for name, ids in sorted(found.items(), key=lambda one: (
+            order.index(one[0]) if one[0] in order else len(order), one[0]))
+    ]  # fmt: skip
 
 
 def _confusions(judged: Iterable[Comparison]) -> list[Confusion]:
