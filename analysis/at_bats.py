@@ -47,7 +47,7 @@ def run(report: Path, full: bool) -> str:
             if result.landing is not None:
                 label = f"{name}, {result.landing.distance:.0f} m"
                 axes.plot(*along(way, way.legs[-1].begin, way.end), linestyle=dash, label=label)
-        axes.set(xlabel="x toward the pitcher, m", ylabel="height z, m", aspect="equal", ylim=0.0)
+        axes.set(xlabel="x towards the pitcher, m", ylabel="height z, m", aspect="equal", ylim=0.0)
         axes.legend(fontsize="small", loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=5)
     with figure(report, "at_bats_contact", columns=len(SWINGS), size=(9.0, 2.6)) as panels:
         for axes, (name, (result, way)) in zip(panels, solved.items(), strict=True):

@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel
+from sphinx.util.typing import stringify_annotation
 
 import longball
 
@@ -43,3 +48,20 @@ exclude_patterns = ["_build"]
 
 html_theme = "furo"
 html_title = "longball"
+
+
+def list_fields(
+    _app: Any, _what: str, _name: str, it: Any, _options: Any, lines: list[str]
+) -> None:
+    """Add the fields of a model to its docstring, with their types and descriptions."""
+    if isinstance(it, type) and issubclass(it, BaseModel):
+        lines += ["", "Attributes", "----------"]
+        for name, field in it.model_fields.items():
+            kind = re.sub(r"~?(\w+\.)+(?=\w)", "", stringify_annotation(field.annotation, "smart"))
+            described = (field.description or "").replace("|", r"\|")
+            lines += [f"{name} : {kind}", f"    {described}"]
+
+
+def setup(app: Any) -> None:
+    """Let `list_fields` come before numpydoc, which reads what it adds."""
+    app.connect("autodoc-process-docstring", list_fields, priority=400)

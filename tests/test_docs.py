@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import csv
 import doctest
+import json
 import os
 import re
 import subprocess
@@ -141,6 +142,18 @@ def test_the_readme_quotes_the_report():
         assert float(error) == pytest.approx(float(flight["worst error, m"]), rel=0.05)
         share = 100 * int(at_bat["missed"]) / int(at_bat["contacts"])
         assert int(missed) == pytest.approx(share, abs=0.5)
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [{"kind": "pitch"}, {"kind": "flight", "reading": {"ground_contact": "surface"}}],
+    ids=["kind", "reading"],
+)
+def test_the_candidate_refuses_what_it_does_not_solve(scene: dict[str, object]):
+    asked = json.dumps({"id": "a", **scene})
+    command = [sys.executable, str(ROOT / "docs/candidate.py")]
+    answer = subprocess.run(command, input=asked, capture_output=True, text=True, check=True)
+    assert json.loads(answer.stdout).keys() == {"id", "error"}
 
 
 def test_there_is_something_to_try():

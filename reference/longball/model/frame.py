@@ -72,7 +72,7 @@ def launch_frame(
 ) -> tuple[Frame[N], PlaneState[N]]:
     """Return the frame of a flight, and its launch in that frame.
 
-    A launch straight up or down has no heading of its own and takes that of +x, toward the
+    A launch straight up or down has no heading of its own and takes that of +x, towards the
     pitcher: with it the landing distance from above the plate is continuous across the vertical.
 
     Raises

@@ -70,7 +70,7 @@ class Launch(_Block):
 
 
 class Pitch(_Block):
-    """A throw toward a point of the plane x = 0 (paper, Sec. III), or with a velocity."""
+    """A throw towards a point of the plane x = 0 (paper, Sec. III), or with a velocity."""
 
     speed: Positive = Field(
         default=36.9125,

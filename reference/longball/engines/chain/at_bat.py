@@ -34,7 +34,7 @@ class Pitch(Generic[N]):
 
 
 def throw(cases: Cases[N]) -> Pitch[N]:
-    """Throw from the release toward the point aimed at, and fly to the plane x = 0."""
+    """Throw from the release towards the point aimed at, and fly to the plane x = 0."""
     numbers, pitch = cases.numbers, cases.scene.pitch
     x, y, z = release = cases.vector(pitch.release)
     if pitch.velocity is None:
