@@ -146,7 +146,7 @@ def test_rubbish_is_told_by_line_and_the_rest_judged():
     )
     assert answered(ran) == ["s2"]
     for sentence in (
-        "line 1: not JSON: Expecting value at character 1: hello",
+        "line 1: not JSON from character 1 on: hello",
         "line 2: not UTF-8 text: byte 1 is 0xff",
         "line 3: not a result, which is a JSON object",
         "line 4: not a result: it has no id",

@@ -147,12 +147,8 @@ class Collector:
             byte = line[error.start]
             self.report("rubbish", f"not UTF-8 text: byte {error.start + 1} is {byte:#x}", number)
         except json.JSONDecodeError as error:
-            # From some characters before the fault on.
-            there = text[max(0, error.pos - 20) :]
-            self.report(
-                "rubbish", f"not JSON: {error.msg} at character {error.pos + 1}: {quoted(there)}",
-                number,
-            )  # fmt: skip
+            there = f"from character {error.pos + 1} on: {quoted(text[error.pos :])}"
+            self.report("rubbish", f"not JSON {there}", number)
         except ValueError:
             self.report("rubbish", f"not a row of CSV: {quoted(line.decode())}", number)
         except RecursionError:
