@@ -152,7 +152,7 @@ def test_rubbish_is_told_by_line_and_the_rest_judged():
         "line 4: not a result: it has no id",
         "line 5: not a result: the id 7 is no text",
         "line 7: not a result: brackets nested too deeply",
-        "line 9: not JSON: Unterminated string starting at character 25: ",
+        'line 9: not JSON from character 25 on: "lan',
     ):
         assert sentence in said(ran)
 
