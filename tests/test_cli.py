@@ -13,7 +13,7 @@ import pytest
 import typer.testing
 
 import longball as lb
-from longball import cli
+from longball import cli, tables
 from longball.pitches import EXAMPLE
 
 FLIGHT = b'{"id":"f","kind":"flight","launch":{"position":[0,0,1],"velocity":[30,2,20]}}'
@@ -103,6 +103,31 @@ class TestSolve:
         assert table.error[2].startswith("line 4: pitch.speed")
         same = longball("solve", str(source))
         assert [r["id"] for r in results(same)] == ["007", "b", "c"]
+
+    def test_rows_of_a_table_are_numbered_as_its_lines(self, tmp_path: Path):
+        table = tmp_path / "scenes.csv"
+        table.write_text(
+            'kind,pitch.speed,air\n\npitch,.5e2,\npitch,30,"{""density"":\n1}",\n,,\npitch,-1\n'
+        )
+        lines = tables.scene_lines(table).split(b"\n")
+        assert [n for n, line in enumerate(lines, 1) if line] == [3, 4, 7]
+        assert json.loads(lines[3]) == {
+            "kind": "pitch", "pitch": {"speed": 30}, "air": {"density": 1},
+        }  # fmt: skip
+        assert json.loads(lines[2])["pitch"] == {"speed": 50.0}
+
+    @pytest.mark.parametrize(
+        ("text", "said"),
+        [
+            ("kind,gravity,gravity\npitch,9,9", "the column gravity is there twice"),
+            ("kind,gravity\n\npitch,9,9", "line 3: 3 cells, and the head has 2"),
+        ],
+    )
+    def test_a_table_that_does_not_fit_its_head_is_refused(self, tmp_path, text, said):
+        table = tmp_path / "scenes.csv"
+        table.write_text(text)
+        with pytest.raises(ValueError, match=said):
+            tables.scene_lines(table)
 
     def test_a_table_that_makes_no_sense_is_a_wrong_call(self, tmp_path: Path):
         source = tmp_path / "scenes.csv"

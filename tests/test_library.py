@@ -283,6 +283,19 @@ class TestSolveMany:
         # What is left out is the paper's.
         assert table["plate.time"][2] == lb.solve({"kind": "pitch"}, "batch").plate.time
 
+    @pytest.mark.parametrize("engine", ["batch", "ivp"])
+    def test_the_index_is_kept(self, engine: str):
+        frame = pd.DataFrame({"kind": "pitch", "pitch.speed": [30.0, 35.0, 40.0]})[::-2]
+        assert lb.solve_many(frame, engine).index.tolist() == [2, 0]
+
+    @pytest.mark.parametrize(
+        "columns",
+        [{"kind": "pitch", "pitch.speed": []}, pd.DataFrame(columns=["kind", "gravity"]), {}],
+    )
+    def test_no_rows_are_an_empty_table(self, columns):
+        table = lb.solve_many(columns)
+        assert (len(table), [*table]) == (0, ["outcome", "error", "code"])
+
     def test_rows_that_are_not_solved_say_why(self):
         table = lb.solve_many({"kind": "at-bat", "pitch.release[0]": [18.44, 0.01]})
         assert table.outcome[0] == "batted"
