@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import doctest
 import json
 import pickle
@@ -158,6 +159,14 @@ class TestSolve:
         assert "<td>landing.distance</td><td>101.406</td><td>m</td>" in shown._repr_html_()
         assert "&lt;b&gt;" in shown._repr_html_()
         assert {"landing", "path", "outcome"} <= {*dir(shown)}
+
+    @pytest.mark.parametrize("engine", ["ivp", "enclosure"])
+    def test_a_result_can_be_pickled_and_copied(self, engine: str):
+        result = lb.solve(lb.AtBat(**AT_BAT), engine)
+        end = result.path.end
+        for same in (pickle.loads(pickle.dumps(result)), copy.deepcopy(result)):
+            assert same.result == result.result
+            assert same.path.end == end
 
     def test_a_result_of_the_extended_model_shows_itself(self):
         launch = {"position": [0, 0, 1], "velocity": [40, 0, 20], "spin": [0, -200, 0]}

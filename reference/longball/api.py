@@ -272,6 +272,11 @@ class Solution:
     def __dir__(self) -> list[str]:
         return [*super().__dir__(), *Result.model_fields]
 
+    def __getstate__(self) -> dict[str, Any]:
+        # A trajectory is made piece by piece, which no copy can go on with: `path` solves again.
+        state = {name: value for name, value in vars(self).items() if name != "path"}
+        return state | {"_trajectory": None}
+
     @cached_property
     def path(self) -> Path:
         """The trajectory of the ball.

@@ -335,7 +335,7 @@ def scene_lines(path: Path) -> bytes:
     if path.suffix == ".parquet":
         import pandas as pd
 
-        rows: Iterable[tuple[int, dict[str, Any]]] = enumerate(
+        rows: Iterable[tuple[int, Mapping[Any, Any]]] = enumerate(
             pd.read_parquet(path).to_dict("records"), 1
         )
     else:
