@@ -77,7 +77,7 @@ class TestSolve:
         assert b"3 of 5 lines" in run.stderr
         first, truncated, binary, nan, last = results(run)
         assert first["outcome"] == "batted"
-        assert truncated["id"] is None
+        assert truncated["id"] == "2"
         assert truncated["error"].startswith("line 2: not JSON")
         assert "line 3: not UTF-8" in binary["error"]
         assert nan["id"] == "n"

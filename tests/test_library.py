@@ -113,13 +113,25 @@ class TestSolve:
         [
             ("verne", {}, ValueError),
             ("ivp", {"dt": 1.0}, ValueError),
+            ("enclosure", {"digits": 20.0}, TypeError),
+            ("multiprecision", {"digits": "20"}, TypeError),
+            ("verlet", {"dt": "a"}, TypeError),
+            ("batch", {"tolerance": True}, TypeError),
+            ("ivp", {"method": "RK45", "rtol": "a"}, TypeError),
             (3, {}, TypeError),
             (engines.create("ivp"), {"rtol": 1e-9}, TypeError),
         ],
     )
     def test_a_wrong_engine_is_refused(self, engine, options, error):
-        with pytest.raises(error):
+        with pytest.raises(error, match=next(iter([*options][-1:]), "engine")):
             lb.solve({"kind": "pitch"}, engine=engine, **options)
+
+    def test_options_may_be_numbers_of_numpy(self):
+        assert engines.create("enclosure", digits=np.int64(20)).description == "enclosure digits=20"
+        assert engines.create("verlet", dt=np.float64(0.1)) == engines.create("verlet", dt=0.1)
+        assert engines.create("ivp", method="RK45", rtol=None) == engines.create(
+            "ivp", method="RK45"
+        )
 
     @pytest.mark.parametrize(
         ("line", "error"),

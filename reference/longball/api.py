@@ -364,7 +364,7 @@ def solve(
     ValueError
         If there is no such engine, or it does not take an option.
     TypeError
-        If `scene` or `engine` is of another type.
+        If `scene`, `engine` or an option is of another type.
 
     Examples
     --------

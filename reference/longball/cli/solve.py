@@ -70,7 +70,10 @@ def solve(
         typer.Option("--landing-error", help="batch: the error allowed at landing, m; 1e-13."),
     ] = None,
     digits: Annotated[
-        int | None, typer.Option(help="enclosure, multiprecision: digits of each number; 30.")
+        int | None,
+        typer.Option(
+            help="enclosure, multiprecision: digits of each number, up to 500 and 290; 30."
+        ),
     ] = None,
     dt: Annotated[float | None, typer.Option(help="verlet: the step, s; 0.05.")] = None,
     forces: Annotated[
