@@ -14,6 +14,7 @@ import typer.testing
 
 import longball as lb
 from longball import cli, tables
+from longball.cli.converge import read_scenes
 from longball.pitches import EXAMPLE
 
 FLIGHT = b'{"id":"f","kind":"flight","launch":{"position":[0,0,1],"velocity":[30,2,20]}}'
@@ -175,6 +176,10 @@ class TestSolve:
             (["solve", "--engine", "verne"], "verne"),
             (["solve", "--integrator", "Euler"], "Euler"),
             (["solve", "--rtol", "1e-20"], "rtol"),
+            (["converge", "--expected", "nan", "--", "true", "{dt}"], "'--expected': nan is not"),
+            (["judge", "--expected", "inf", "--", "true", "{dt}"], "'--expected': inf is not"),
+            (["plot", ":b:.jsonl"], ":b:.jsonl"),
+            (["converge", "--scenes", "-", "--", "true", "{dt}"], "no scenes in standard input"),
             (["solve", "--atol", "-1"], "atol"),
             (["solve", "/no/such/file"], "/no/such/file"),
             (["solve", "--workers", "0"], "workers"),
@@ -239,6 +244,17 @@ class TestSolve:
             process.stdin.close()
             assert process.stderr.read() == b""
             assert process.wait(timeout=30) == 1
+
+
+def test_scenes_without_an_id_bear_the_number_of_their_line(tmp_path: Path):
+    file = tmp_path / "scenes.jsonl"
+    file.write_bytes(b'\n{"kind":"pitch"}\n\n' + AT_BAT + b'\n{"kind":"pitch"}\n')
+    assert [scene.id for scene in read_scenes(str(file))] == ["2", "a", "5"]
+    run = longball("judge", "--scenes", str(file), "--", sys.executable, "-m", "longball", "solve")
+    assert run.returncode == 0, run.stdout
+    file.write_bytes(b"\nnonsense")
+    run = longball("converge", "--scenes", str(file), "--", "true", "{dt}")
+    assert f"{file}, line 2: not JSON" in run.stderr.decode()
 
 
 class TestPlot:

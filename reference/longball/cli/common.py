@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import stat
 import sys
@@ -25,13 +26,19 @@ from longball.pitches import TableError
 M = TypeVar("M", bound=BaseModel)
 
 # For people: what goes wrong, and what --quiet hides, notes and progress.
-errors, say = (Console(stderr=True, highlight=False, soft_wrap=True) for _ in range(2))
+errors, say = (Console(stderr=True, highlight=False, soft_wrap=True, emoji=False) for _ in range(2))
 
 
 def _checked(workers: int) -> int:
     if workers < 1 and workers != -1:
         raise typer.BadParameter(f"{workers}: a positive number, or -1 for one per core")
     return workers
+
+
+def _finite(number: float | None) -> float | None:
+    if number is not None and not math.isfinite(number):
+        raise typer.BadParameter(f"{number} is not a finite number")
+    return number
 
 
 def _hushed(quiet: bool) -> bool:
@@ -47,6 +54,10 @@ EngineName = Annotated[engines.Name, typer.Option(help="What solves the scenes."
 Seed = Annotated[int, typer.Option(min=0, help="Seed of the random numbers.")]
 Workers = Annotated[
     int, typer.Option(callback=_checked, help="Parallel threads or processes; -1: one per core.")
+]
+Expected = Annotated[
+    float | None,
+    typer.Option(callback=_finite, help="The order of convergence that the method should have."),
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print JSON instead of text.")]
 
@@ -94,6 +105,11 @@ def reading_table() -> Iterator[None]:
             wrong_call(str(error))
         tell(str(error))
         raise typer.Exit(1) from None
+
+
+def named(source: str) -> str:
+    """Return what messages call a file of lines."""
+    return "standard input" if source == "-" else source
 
 
 @contextmanager
@@ -146,7 +162,7 @@ def plain_table(*columns: str) -> Table:
 
 def show(table: Table) -> None:
     """Print a table as wide as it is, whatever reads it."""
-    console = Console(highlight=False, width=200, color_system=None)
+    console = Console(highlight=False, width=200, color_system=None, emoji=False)
     with console.capture() as printed:
         console.print(table)
     print("\n".join(line.rstrip() for line in printed.get().splitlines()))

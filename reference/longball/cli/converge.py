@@ -9,7 +9,17 @@ from typing import Annotated
 import typer
 
 from longball import engines
-from longball.cli.common import Json, Quiet, progress_bar, reading_from, refusing, tell, wrong_call
+from longball.cli.common import (
+    Expected,
+    Json,
+    Quiet,
+    named,
+    progress_bar,
+    reading_from,
+    refusing,
+    tell,
+    wrong_call,
+)
 from longball.engines.chain import solve
 from longball.model.scene import Scene, parse_scene
 
@@ -31,7 +41,10 @@ def converge(
         ),
     ] = None,
     steps: Annotated[
-        str, typer.Option(metavar="FROM:TO:COUNT", help="s; evenly spaced in their logarithm.")
+        str,
+        typer.Option(
+            metavar="FROM:TO:COUNT", help="s; evenly spaced in their logarithm, at least 5."
+        ),
     ] = "0.01:0.0001:9",
     knob: Annotated[
         str | None,
@@ -41,7 +54,7 @@ def converge(
             "with commas, from coarse to fine.",
         ),
     ] = None,
-    expected: Annotated[float | None, typer.Option(help="The order in theory.")] = None,
+    expected: Expected = None,
     truth: Annotated[
         bool, typer.Option(help="Errors against proven values, or among the steps themselves.")
     ] = True,
@@ -89,11 +102,19 @@ def converge(
 
 
 def read_scenes(source: str) -> list[Scene]:
-    """Return the scenes of a file in JSON Lines; an invalid line is a wrong call."""
-    with reading_from(source) as lines, refusing(f"{source}: "):
-        found = [parse_scene(line) for line in lines if line.strip()]
+    """Return the scenes of a file in JSON Lines; an invalid line is a wrong call.
+
+    A scene without an id bears the number of its line.
+    """
+    found = []
+    with reading_from(source) as lines:
+        for number, line in enumerate(lines, 1):
+            if line.strip():
+                with refusing(f"{named(source)}, line {number}: "):
+                    scene = parse_scene(line)
+                found.append(scene.model_copy(update={"id": scene.id or str(number)}))
     if not found:
-        wrong_call(f"{source}: no scenes in it")
+        wrong_call(f"no scenes in {named(source)}")
     return found
 
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from longball.cli.common import (
+    Expected,
     Json,
     Quiet,
     Seed,
@@ -101,7 +102,7 @@ def judge(
         str | None,
         typer.Option(
             metavar="FROM:TO:COUNT",
-            help="The time steps, s, that replace {dt} one after the other. Default: "
+            help="The time steps, s, that replace {dt} one after the other, at least 5. Default: "
             "0.01:0.0001:9.",
         ),
     ] = None,
@@ -114,9 +115,7 @@ def judge(
             "the like.",
         ),
     ] = None,
-    expected: Annotated[
-        float | None, typer.Option(help="The order of convergence that the method should have.")
-    ] = None,
+    expected: Expected = None,
     timeout: Annotated[
         float, typer.Option(min=0.001, help="Longest wait for the next result, s.")
     ] = 60.0,

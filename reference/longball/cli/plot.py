@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from longball import engines
-from longball.cli.common import EngineName, Quiet, refusing, tell
+from longball.cli.common import EngineName, Quiet, named, refusing, tell
 from longball.cli.solve import Source, scenes_from
 from longball.engines.chain import solve_with_path
 from longball.model.result import Result
@@ -48,7 +48,7 @@ def plot(
         with refusing(f"{output}: "):  # an ending that matplotlib does not know
             save_paths(output, pictured)
     else:
-        tell(f"no paths in {source}")
+        tell(f"no paths in {named(source)}")
     if failed or not pictured:
         raise typer.Exit(1)
 

@@ -21,6 +21,7 @@ from longball.cli.common import (
     EngineName,
     Quiet,
     Workers,
+    named,
     note,
     progress_bar,
     reading_from,
@@ -143,7 +144,7 @@ def solve(
                 repeated.add(result.id)
             ids.add(result.id)
     if solved == 0:
-        tell(f"no scenes in {source}")
+        tell(f"no scenes in {named(source)}")
     elif failed:
         tell(f"{failed} of {solved} lines could not be solved{' and certified' * certify}")
     if repeated:
