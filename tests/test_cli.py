@@ -162,6 +162,14 @@ class TestSolve:
         assert run.returncode == 1
         assert b"no scenes" in run.stderr
 
+    def test_an_empty_table_is_no_success_either(self, tmp_path: Path):
+        table = tmp_path / "scenes.csv"
+        for text in ("", "kind\n"):
+            table.write_text(text)
+            run = longball("solve", str(table), "-o", "-")
+            assert (run.returncode, run.stdout) == (1, b"")
+            assert f"no scenes in {table}" in run.stderr.decode()
+
     def test_workers_change_no_byte(self):
         lines = b"\n".join(
             FLIGHT.replace(b"30,2,20", f"30,{y / 10},20".encode()) for y in range(70)
@@ -197,7 +205,7 @@ class TestSolve:
             (["homerun", "--set", "bat.mess=1"], "bat.mess"),
             (["homerun", "--set", "pitch.speed=40"], "pitch.speed"),
             (["homerun", "--set", "air=null", "--set", "air.density=1"], "air"),
-            (["homerun", "--e", "0.5:0.4:0.1"], "--e"),
+            (["homerun", "--e", "0.5:0.4:0.1"], "the last value is below the first"),
             (["homerun", "--e", "1.5"], "--e"),
             (["homerun", "--e", "0:1:1e-9"], "--e"),
             (["homerun", "--e", "x"], "--e"),
@@ -206,8 +214,25 @@ class TestSolve:
             (["homerun", "--engine", "verlet"], "verlet"),
             (["homerun", "--method", "quadrature", "--engine", "ivp"], "ivp"),
             (["homerun", "--method", "quadrature", "--scenes", "x.jsonl"], "scenes"),
-            (["golden", "write", "--part", "half"], "half"),
-            (["homerun", "--samples", "5", "--figure", "/tmp/x.nonsense"], "figure"),
+            (["golden", "write", "--part", "half", "nowhere"], "half"),
+            (["golden", "write"], "DIR"),
+            (["homerun", "--figure", "x.nonsense"], "x.nonsense: the endings of pictures are"),
+            (["homerun", "--csv", "/no/such/folder/p.csv"], "'--csv': /no/such/folder/p.csv"),
+            (["homerun", "--method", "quadrature", "--samples", "1000"], "--samples"),
+            (["homerun", "--method", "quadrature", "--seed", "1"], "--seed"),
+            (["homerun", "--set", "pitch.velocity=[-40,0,0]"], "pitch.velocity: it varies"),
+            (["homerun", "--set", "pitch.aim[0]=1"], "pitch.aim"),
+            (["measured", "--example", "--figure", "x.nonsense"], "x.nonsense"),
+            (["measured", "--example", "rows.csv"], "either --example or rows.csv"),
+            (["fit", "--example", "rows.csv"], "either --example or rows.csv"),
+            (["judge", "--html", "/no/such/folder/p.html", "--", "true"], "'--html'"),
+            (["judge", "--junit", "/no/such/folder/p.xml", "--", "true"], "'--junit'"),
+            (["converge", "--figure", "x.nonsense", "--", "true", "{dt}"], "x.nonsense"),
+            (["solve", "-o", "x.xyz"], "x.xyz: the endings of results are"),
+            (["solve", "-o", ""], "a file is needed"),
+            (["solve", "--digits", "20"], "--integrator, --rtol, --atol; not --digits"),
+            (["solve", "--engine", "batch", "--landing-error", "0"], "--landing-error = 0.0 m"),
+            (["solve", "--engine", "enclosure", "--digits", "501"], "--digits = 501"),
             (["homerun", "--pitches", "/no/such/fit.json"], "/no/such/fit.json"),
             (["fit", "/no/such/pitches.csv"], "/no/such/pitches.csv: cannot be read: No such file"),
             (["fit", "--example", "--column", "speeed=v"], "speeed"),
@@ -336,6 +361,17 @@ class TestHomerun:
             (written,) = csv.DictReader(file)
         assert {name: float(value) for name, value in written.items()} == row
         assert figure.read_bytes().startswith(b"\x89PNG")
+
+    def test_the_paper_has_no_curve_for_another_fence(self, tmp_path: Path):
+        few = ("homerun", "--samples", "20", "--e", "0.42", "--fence")
+        run = longball(*few, "100", "--figure", str(tmp_path / "p.png"))
+        assert run.returncode == 0
+        assert b"paper" not in run.stdout
+        data = json.loads(longball(*few, "100", "--json").stdout)
+        assert (data["paper"], data["fit"]) == ({}, None)
+        run = longball(*few, "150")
+        assert b"paper's caption" in run.stdout
+        assert b"need 3 values of e" in run.stdout
 
     def test_the_reference_counts_the_same_home_runs(self):
         few = ("homerun", "--samples", "60", "--e", "0.45", "--json", "--reading",

@@ -83,6 +83,7 @@ class TestScenes:
             ({"kind": "at-bat", "gravity": float("nan")}, lb.InvalidScene, "gravity"),
             ("no scene", lb.InvalidScene, "not JSON"),
             ({"kind": "at-bat", "gravity": 1j}, TypeError, "complex"),
+            ({"kind": "at-bat", "pitch": {"aim": (x for x in "12")}}, TypeError, "pitch.aim: "),
             (3, TypeError, "int"),
             (None, TypeError, "NoneType"),
         ],
@@ -361,8 +362,15 @@ def test_probability_of_a_home_run():
         {"e": 1.5},
         {"e": 0.4, "method": "guess"},
         {"e": 0.4, "scene": {"kind": "pitch"}},
+        {"e": 0.4, "scene": lb.AtBat(pitch={"speed": 30})},
+        {"e": 0.4, "reading": {"foo": 1}},
+        {"e": 0.4, "reading": {"inertia": "rod"}},
     ):
-        with pytest.raises(ValueError, match=r"e = 1\.5|guess|at-bat"):
+        with pytest.raises(
+            ValueError,
+            match=r"e = 1\.5|guess|an at-bat is|pitch\.speed: it varies"
+            r"|'foo' is not a switch|inertia: must be .* \(got 'rod'\)$",
+        ):
             lb.home_run_probability(**wrong)
 
 

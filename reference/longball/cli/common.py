@@ -20,6 +20,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.table import Table
 
 from longball import engines
+from longball.extras import naming_extras
 from longball.model.scene import explain
 from longball.pitches import TableError
 
@@ -39,6 +40,30 @@ def _finite(number: float | None) -> float | None:
     if number is not None and not math.isfinite(number):
         raise typer.BadParameter(f"{number} is not a finite number")
     return number
+
+
+def writable(file: Path | None) -> Path | None:
+    """Refuse a file that cannot be written, before anything is computed."""
+    if file is not None:
+        if file.is_dir():  # an empty name is one, too
+            raise typer.BadParameter(f"{file} is a folder; a file is needed")
+        if not file.parent.is_dir():
+            raise typer.BadParameter(f"{file}: there is no folder {file.parent}")
+        if not os.access(file if file.exists() else file.parent, os.W_OK):
+            raise typer.BadParameter(f"{file} cannot be written")
+    return file
+
+
+def drawable(file: Path | None) -> Path | None:
+    """Refuse a file that no picture can be drawn to, likewise."""
+    if writable(file) and file and file.suffix:
+        with naming_extras():
+            from matplotlib.backend_bases import FigureCanvasBase  # slow to import
+
+        endings = [f".{name}" for name in FigureCanvasBase.get_supported_filetypes()]
+        if file.suffix.lower() not in endings:
+            raise typer.BadParameter(f"{file}: the endings of pictures are {', '.join(endings)}")
+    return file
 
 
 def _hushed(quiet: bool) -> bool:

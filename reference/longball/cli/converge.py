@@ -13,11 +13,13 @@ from longball.cli.common import (
     Expected,
     Json,
     Quiet,
+    drawable,
     named,
     progress_bar,
     reading_from,
     refusing,
     tell,
+    writable,
     wrong_call,
 )
 from longball.engines.chain import solve
@@ -66,8 +68,12 @@ def converge(
     ] = 8,
     timeout: Annotated[float, typer.Option(min=0.001, help="s to wait for each answer.")] = 60.0,
     as_json: Json = False,
-    csv: Annotated[Path | None, typer.Option(help="Write the error at every step here.")] = None,
-    figure: Annotated[Path | None, typer.Option(help="Draw error against step here.")] = None,
+    csv: Annotated[
+        Path | None, typer.Option(callback=writable, help="Write the error at every step here.")
+    ] = None,
+    figure: Annotated[
+        Path | None, typer.Option(callback=drawable, help="Draw error against step here.")
+    ] = None,
     quiet: Quiet = False,
 ) -> None:
     """Run a family of time steps, and report observed orders against theory."""
@@ -95,8 +101,7 @@ def converge(
     if csv:
         csv.write_text(report.csv(), encoding="utf-8")
     if figure:
-        with refusing(f"--figure {figure}: "):  # an ending that matplotlib does not know
-            save_convergence(figure, report)
+        save_convergence(figure, report)
     if not report.passed:
         raise typer.Exit(1)
 

@@ -17,6 +17,7 @@ from longball.cli.common import (
     progress_bar,
     refusing,
     split_assignment,
+    writable,
     wrong_call,
 )
 
@@ -122,10 +123,14 @@ def judge(
     total_timeout: Annotated[float, typer.Option(min=0.001, help="Longest run, s.")] = 3600.0,
     as_json: Json = False,
     junit: Annotated[
-        Path | None, typer.Option(help="Write the verdict to this file as JUnit XML.")
+        Path | None,
+        typer.Option(callback=writable, help="Write the verdict to this file as JUnit XML."),
     ] = None,
     html: Annotated[
-        Path | None, typer.Option(help="Write the verdict to this file as a page with pictures.")
+        Path | None,
+        typer.Option(
+            callback=writable, help="Write the verdict to this file as a page with pictures."
+        ),
     ] = None,
     quiet: Quiet = False,
 ) -> None:
