@@ -33,9 +33,13 @@ def in_parallel(
 
     Raises
     ------
+    ValueError
+        If the number of workers is none.
     MissingExtra
         If several workers are asked for, and joblib is not installed.
     """
+    if workers < 1 and workers != -1:
+        raise ValueError(f"workers = {workers}: a positive number, or -1 for one per core")
     try:
         from joblib import Parallel, delayed, effective_n_jobs  # slow to import
     except ImportError:
