@@ -13,7 +13,8 @@ import pytest
 import typer.testing
 
 import longball as lb
-from longball import cli
+from longball import cli, tables
+from longball.cli.converge import read_scenes
 from longball.pitches import EXAMPLE
 
 FLIGHT = b'{"id":"f","kind":"flight","launch":{"position":[0,0,1],"velocity":[30,2,20]}}'
@@ -77,7 +78,7 @@ class TestSolve:
         assert b"3 of 5 lines" in run.stderr
         first, truncated, binary, nan, last = results(run)
         assert first["outcome"] == "batted"
-        assert truncated["id"] is None
+        assert truncated["id"] == "2"
         assert truncated["error"].startswith("line 2: not JSON")
         assert "line 3: not UTF-8" in binary["error"]
         assert nan["id"] == "n"
@@ -103,6 +104,31 @@ class TestSolve:
         assert table.error[2].startswith("line 4: pitch.speed")
         same = longball("solve", str(source))
         assert [r["id"] for r in results(same)] == ["007", "b", "c"]
+
+    def test_rows_of_a_table_are_numbered_as_its_lines(self, tmp_path: Path):
+        table = tmp_path / "scenes.csv"
+        table.write_text(
+            'kind,pitch.speed,air\n\npitch,.5e2,\npitch,30,"{""density"":\n1}",\n,,\npitch,-1\n'
+        )
+        lines = tables.scene_lines(table).split(b"\n")
+        assert [n for n, line in enumerate(lines, 1) if line] == [3, 4, 7]
+        assert json.loads(lines[3]) == {
+            "kind": "pitch", "pitch": {"speed": 30}, "air": {"density": 1},
+        }  # fmt: skip
+        assert json.loads(lines[2])["pitch"] == {"speed": 50.0}
+
+    @pytest.mark.parametrize(
+        ("text", "said"),
+        [
+            ("kind,gravity,gravity\npitch,9,9", "the column gravity is there twice"),
+            ("kind,gravity\n\npitch,9,9", "line 3: 3 cells, and the head has 2"),
+        ],
+    )
+    def test_a_table_that_does_not_fit_its_head_is_refused(self, tmp_path, text, said):
+        table = tmp_path / "scenes.csv"
+        table.write_text(text)
+        with pytest.raises(ValueError, match=said):
+            tables.scene_lines(table)
 
     def test_a_table_that_makes_no_sense_is_a_wrong_call(self, tmp_path: Path):
         source = tmp_path / "scenes.csv"
@@ -136,6 +162,14 @@ class TestSolve:
         assert run.returncode == 1
         assert b"no scenes" in run.stderr
 
+    def test_an_empty_table_is_no_success_either(self, tmp_path: Path):
+        table = tmp_path / "scenes.csv"
+        for text in ("", "kind\n"):
+            table.write_text(text)
+            run = longball("solve", str(table), "-o", "-")
+            assert (run.returncode, run.stdout) == (1, b"")
+            assert f"no scenes in {table}" in run.stderr.decode()
+
     def test_workers_change_no_byte(self):
         lines = b"\n".join(
             FLIGHT.replace(b"30,2,20", f"30,{y / 10},20".encode()) for y in range(70)
@@ -150,6 +184,10 @@ class TestSolve:
             (["solve", "--engine", "verne"], "verne"),
             (["solve", "--integrator", "Euler"], "Euler"),
             (["solve", "--rtol", "1e-20"], "rtol"),
+            (["converge", "--expected", "nan", "--", "true", "{dt}"], "'--expected': nan is not"),
+            (["judge", "--expected", "inf", "--", "true", "{dt}"], "'--expected': inf is not"),
+            (["plot", ":b:.jsonl"], ":b:.jsonl"),
+            (["converge", "--scenes", "-", "--", "true", "{dt}"], "no scenes in standard input"),
             (["solve", "--atol", "-1"], "atol"),
             (["solve", "/no/such/file"], "/no/such/file"),
             (["solve", "--workers", "0"], "workers"),
@@ -167,7 +205,7 @@ class TestSolve:
             (["homerun", "--set", "bat.mess=1"], "bat.mess"),
             (["homerun", "--set", "pitch.speed=40"], "pitch.speed"),
             (["homerun", "--set", "air=null", "--set", "air.density=1"], "air"),
-            (["homerun", "--e", "0.5:0.4:0.1"], "--e"),
+            (["homerun", "--e", "0.5:0.4:0.1"], "the last value is below the first"),
             (["homerun", "--e", "1.5"], "--e"),
             (["homerun", "--e", "0:1:1e-9"], "--e"),
             (["homerun", "--e", "x"], "--e"),
@@ -176,8 +214,25 @@ class TestSolve:
             (["homerun", "--engine", "verlet"], "verlet"),
             (["homerun", "--method", "quadrature", "--engine", "ivp"], "ivp"),
             (["homerun", "--method", "quadrature", "--scenes", "x.jsonl"], "scenes"),
-            (["golden", "write", "--part", "half"], "half"),
-            (["homerun", "--samples", "5", "--figure", "/tmp/x.nonsense"], "figure"),
+            (["golden", "write", "--part", "half", "nowhere"], "half"),
+            (["golden", "write"], "DIR"),
+            (["homerun", "--figure", "x.nonsense"], "x.nonsense: the endings of pictures are"),
+            (["homerun", "--csv", "/no/such/folder/p.csv"], "'--csv': /no/such/folder/p.csv"),
+            (["homerun", "--method", "quadrature", "--samples", "1000"], "--samples"),
+            (["homerun", "--method", "quadrature", "--seed", "1"], "--seed"),
+            (["homerun", "--set", "pitch.velocity=[-40,0,0]"], "pitch.velocity: it varies"),
+            (["homerun", "--set", "pitch.aim[0]=1"], "pitch.aim"),
+            (["measured", "--example", "--figure", "x.nonsense"], "x.nonsense"),
+            (["measured", "--example", "rows.csv"], "either --example or rows.csv"),
+            (["fit", "--example", "rows.csv"], "either --example or rows.csv"),
+            (["judge", "--html", "/no/such/folder/p.html", "--", "true"], "'--html'"),
+            (["judge", "--junit", "/no/such/folder/p.xml", "--", "true"], "'--junit'"),
+            (["converge", "--figure", "x.nonsense", "--", "true", "{dt}"], "x.nonsense"),
+            (["solve", "-o", "x.xyz"], "x.xyz: the endings of results are"),
+            (["solve", "-o", ""], "a file is needed"),
+            (["solve", "--digits", "20"], "--integrator, --rtol, --atol; not --digits"),
+            (["solve", "--engine", "batch", "--landing-error", "0"], "--landing-error = 0.0 m"),
+            (["solve", "--engine", "enclosure", "--digits", "501"], "--digits = 501"),
             (["homerun", "--pitches", "/no/such/fit.json"], "/no/such/fit.json"),
             (["fit", "/no/such/pitches.csv"], "/no/such/pitches.csv: cannot be read: No such file"),
             (["fit", "--example", "--column", "speeed=v"], "speeed"),
@@ -214,6 +269,17 @@ class TestSolve:
             process.stdin.close()
             assert process.stderr.read() == b""
             assert process.wait(timeout=30) == 1
+
+
+def test_scenes_without_an_id_bear_the_number_of_their_line(tmp_path: Path):
+    file = tmp_path / "scenes.jsonl"
+    file.write_bytes(b'\n{"kind":"pitch"}\n\n' + AT_BAT + b'\n{"kind":"pitch"}\n')
+    assert [scene.id for scene in read_scenes(str(file))] == ["2", "a", "5"]
+    run = longball("judge", "--scenes", str(file), "--", sys.executable, "-m", "longball", "solve")
+    assert run.returncode == 0, run.stdout
+    file.write_bytes(b"\nnonsense")
+    run = longball("converge", "--scenes", str(file), "--", "true", "{dt}")
+    assert f"{file}, line 2: not JSON" in run.stderr.decode()
 
 
 class TestPlot:
@@ -295,6 +361,17 @@ class TestHomerun:
             (written,) = csv.DictReader(file)
         assert {name: float(value) for name, value in written.items()} == row
         assert figure.read_bytes().startswith(b"\x89PNG")
+
+    def test_the_paper_has_no_curve_for_another_fence(self, tmp_path: Path):
+        few = ("homerun", "--samples", "20", "--e", "0.42", "--fence")
+        run = longball(*few, "100", "--figure", str(tmp_path / "p.png"))
+        assert run.returncode == 0
+        assert b"paper" not in run.stdout
+        data = json.loads(longball(*few, "100", "--json").stdout)
+        assert (data["paper"], data["fit"]) == ({}, None)
+        run = longball(*few, "150")
+        assert b"paper's caption" in run.stdout
+        assert b"need 3 values of e" in run.stdout
 
     def test_the_reference_counts_the_same_home_runs(self):
         few = ("homerun", "--samples", "60", "--e", "0.45", "--json", "--reading",

@@ -121,7 +121,7 @@ class Endless(BytesIO):
 def test_a_line_has_a_limit(workers: int):
     long, flight = solve_lines(Endless(5 * LONGEST_LINE), Ivp(), workers)
     assert long.failure == f"line 1: longer than {LONGEST_LINE:,} bytes"
-    assert (long.id, flight.id, flight.failure) == (None, "f", None)
+    assert (long.id, flight.id, flight.failure) == ("1", "f", None)
 
 
 def test_a_line_of_just_that_length_is_read():

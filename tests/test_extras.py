@@ -108,6 +108,8 @@ def test_the_library():
         ("fast", ["readings", "--samples", "10"]),
         ("fast", ["golden", "write", "nowhere"]),
         ("tables", ["fit", "--example"]),
+        ("tables", ["solve", "-o", "x.csv"]),
+        ("tables", ["solve", "-o", "x.parquet"]),
         ("plot", ["homerun", "--samples", "5", "--figure", "x.png"]),
         ("dask", ["solve", "--scheduler", "tcp://127.0.0.1:1"]),
     ],
@@ -121,6 +123,16 @@ def test_what_is_missing_is_named(extra: str, arguments: list[str], tmp_path: Pa
     assert run.returncode == 2, run.stderr
     assert f'pip install "longball[{extra}]"' in run.stderr
     assert len(run.stderr.splitlines()) == 1
+
+
+def test_samples_are_struck_by_an_engine_that_needs_none():
+    run = command_line("homerun", "--samples", "3", "--e", "0.42", "--engine", "ivp")
+    assert (run.returncode, run.stderr) == (0, "")
+
+
+def test_a_module_that_is_run_names_what_is_missing():
+    run = light("import runpy; runpy.run_module('longball.model.derivation', run_name='__main__')")
+    assert run.stderr == 'this needs sympy: pip install "longball[symbolic]"\n'
 
 
 def test_several_workers_are_one_if_not_asked_for():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import doctest
 import json
 import pickle
@@ -82,6 +83,7 @@ class TestScenes:
             ({"kind": "at-bat", "gravity": float("nan")}, lb.InvalidScene, "gravity"),
             ("no scene", lb.InvalidScene, "not JSON"),
             ({"kind": "at-bat", "gravity": 1j}, TypeError, "complex"),
+            ({"kind": "at-bat", "pitch": {"aim": (x for x in "12")}}, TypeError, "pitch.aim: "),
             (3, TypeError, "int"),
             (None, TypeError, "NoneType"),
         ],
@@ -112,13 +114,25 @@ class TestSolve:
         [
             ("verne", {}, ValueError),
             ("ivp", {"dt": 1.0}, ValueError),
+            ("enclosure", {"digits": 20.0}, TypeError),
+            ("multiprecision", {"digits": "20"}, TypeError),
+            ("verlet", {"dt": "a"}, TypeError),
+            ("batch", {"tolerance": True}, TypeError),
+            ("ivp", {"method": "RK45", "rtol": "a"}, TypeError),
             (3, {}, TypeError),
             (engines.create("ivp"), {"rtol": 1e-9}, TypeError),
         ],
     )
     def test_a_wrong_engine_is_refused(self, engine, options, error):
-        with pytest.raises(error):
+        with pytest.raises(error, match=next(iter([*options][-1:]), "engine")):
             lb.solve({"kind": "pitch"}, engine=engine, **options)
+
+    def test_options_may_be_numbers_of_numpy(self):
+        assert engines.create("enclosure", digits=np.int64(20)).description == "enclosure digits=20"
+        assert engines.create("verlet", dt=np.float64(0.1)) == engines.create("verlet", dt=0.1)
+        assert engines.create("ivp", method="RK45", rtol=None) == engines.create(
+            "ivp", method="RK45"
+        )
 
     @pytest.mark.parametrize(
         ("line", "error"),
@@ -158,6 +172,14 @@ class TestSolve:
         assert "<td>landing.distance</td><td>101.406</td><td>m</td>" in shown._repr_html_()
         assert "&lt;b&gt;" in shown._repr_html_()
         assert {"landing", "path", "outcome"} <= {*dir(shown)}
+
+    @pytest.mark.parametrize("engine", ["ivp", "enclosure"])
+    def test_a_result_can_be_pickled_and_copied(self, engine: str):
+        result = lb.solve(lb.AtBat(**AT_BAT), engine)
+        end = result.path.end
+        for same in (pickle.loads(pickle.dumps(result)), copy.deepcopy(result)):
+            assert same.result == result.result
+            assert same.path.end == end
 
     def test_a_result_of_the_extended_model_shows_itself(self):
         launch = {"position": [0, 0, 1], "velocity": [40, 0, 20], "spin": [0, -200, 0]}
@@ -283,6 +305,19 @@ class TestSolveMany:
         # What is left out is the paper's.
         assert table["plate.time"][2] == lb.solve({"kind": "pitch"}, "batch").plate.time
 
+    @pytest.mark.parametrize("engine", ["batch", "ivp"])
+    def test_the_index_is_kept(self, engine: str):
+        frame = pd.DataFrame({"kind": "pitch", "pitch.speed": [30.0, 35.0, 40.0]})[::-2]
+        assert lb.solve_many(frame, engine).index.tolist() == [2, 0]
+
+    @pytest.mark.parametrize(
+        "columns",
+        [{"kind": "pitch", "pitch.speed": []}, pd.DataFrame(columns=["kind", "gravity"]), {}],
+    )
+    def test_no_rows_are_an_empty_table(self, columns):
+        table = lb.solve_many(columns)
+        assert (len(table), [*table]) == (0, ["outcome", "error", "code"])
+
     def test_rows_that_are_not_solved_say_why(self):
         table = lb.solve_many({"kind": "at-bat", "pitch.release[0]": [18.44, 0.01]})
         assert table.outcome[0] == "batted"
@@ -327,8 +362,15 @@ def test_probability_of_a_home_run():
         {"e": 1.5},
         {"e": 0.4, "method": "guess"},
         {"e": 0.4, "scene": {"kind": "pitch"}},
+        {"e": 0.4, "scene": lb.AtBat(pitch={"speed": 30})},
+        {"e": 0.4, "reading": {"foo": 1}},
+        {"e": 0.4, "reading": {"inertia": "rod"}},
     ):
-        with pytest.raises(ValueError, match=r"e = 1\.5|guess|at-bat"):
+        with pytest.raises(
+            ValueError,
+            match=r"e = 1\.5|guess|an at-bat is|pitch\.speed: it varies"
+            r"|'foo' is not a switch|inertia: must be .* \(got 'rod'\)$",
+        ):
             lb.home_run_probability(**wrong)
 
 

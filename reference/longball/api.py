@@ -10,12 +10,12 @@ import html
 import json
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, cast, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from pydantic import BaseModel
+from pydantic import BaseModel, ValidationError
 
 from longball import engines
 from longball.engines import chain
@@ -24,6 +24,8 @@ from longball.engines.path import Trajectory
 from longball.extras import naming_extras
 from longball.model import scene as models
 from longball.model.numbers import Undecided
+from longball.model.quantities import flat
+from longball.model.readings import Reading, SamplingReading, readings_of
 from longball.model.result import (
     Bounded,
     Certified,
@@ -116,14 +118,14 @@ def as_scene(written: object) -> Scene:
     if isinstance(written, str | bytes):
         return parse_scene(written)
     if isinstance(written, Mapping):
-        return parse_scene(json.dumps(dict(written), default=_plain))
+        return parse_scene(json.dumps(dict(written), default=partial(_plain, written)))
     raise TypeError(
         "a scene is an lb.AtBat, lb.Flight, lb.Pitch or lb.Impact, a mapping or a line of JSON; "
         f"not {_of_type(written)}"
     )
 
 
-def _plain(value: object) -> Any:
+def _plain(written: Mapping[str, Any], value: object) -> Any:
     """Return arrays, numbers of NumPy, mappings and blocks of scenes as JSON has them."""
     if isinstance(value, BaseModel):
         return value.model_dump(mode="json")
@@ -131,7 +133,8 @@ def _plain(value: object) -> Any:
         return dict(value)
     if hasattr(value, "tolist"):
         return value.tolist()
-    raise TypeError(f"a scene cannot hold {_of_type(value)}")
+    where = next((f"{name}: " for name, inner in flat(written) if inner is value), "")
+    raise TypeError(f"{where}a scene cannot hold {_of_type(value)}")
 
 
 def _of_type(value: object) -> str:
@@ -272,6 +275,11 @@ class Solution:
     def __dir__(self) -> list[str]:
         return [*super().__dir__(), *Result.model_fields]
 
+    def __getstate__(self) -> dict[str, Any]:
+        # A trajectory is made piece by piece, which no copy can go on with: `path` solves again.
+        state = {name: value for name, value in vars(self).items() if name != "path"}
+        return state | {"_trajectory": None}
+
     @cached_property
     def path(self) -> Path:
         """The trajectory of the ball.
@@ -359,7 +367,7 @@ def solve(
     ValueError
         If there is no such engine, or it does not take an option.
     TypeError
-        If `scene` or `engine` is of another type.
+        If `scene`, `engine` or an option is of another type.
 
     Examples
     --------
@@ -437,8 +445,8 @@ def home_run_probability(
     reading
         Switches of the ledger (``longball readings``), of the scene and of the sampling.
     scene
-        An at-bat with all that is not drawn at random, as `solve` takes it; the paper's if left
-        out.
+        An at-bat, as `solve` takes it, with all that is not drawn at random: speed and aim of the
+        pitch, height and tilt of the swing and the restitution are. The paper's if left out.
     workers
         Threads; -1: one per core. The answer does not depend on it.
 
@@ -451,7 +459,8 @@ def home_run_probability(
     Raises
     ------
     ValueError
-        If an e is not between 0 and 1, a reading or the method is unknown, or `scene` is no at-bat.
+        If an e is not between 0 and 1, a reading or the method is unknown, or `scene` is no at-bat,
+        or sets what is drawn at random.
 
     Examples
     --------
@@ -462,15 +471,15 @@ def home_run_probability(
     import pandas as pd
 
     from longball import home_run
-    from longball.model.readings import readings_of
 
     restitutions = np.atleast_1d(np.asarray(e, float)).tolist()
     if not restitutions or not all(0 <= x <= 1 for x in restitutions):
         raise ValueError(f"e = {e}: coefficients of restitution lie between 0 and 1")
-    physics, sampling = readings_of(reading or {})
+    physics, sampling = _readings(reading or {})
     base = as_scene({"kind": "at-bat"} if scene is None else scene)
     if not isinstance(base, AtBatScene):
         raise ValueError(f"scene: an at-bat is needed, and this is a {base.kind}")
+    home_run.refuse_drawn(base)
     if reading:
         base = base.model_copy(update={"reading": physics})
     problem = base, home_run.paper_at_bats(sampling), restitutions
@@ -487,3 +496,15 @@ def home_run_probability(
     else:
         raise ValueError(f"method {method!r} is not one of quadrature, monte-carlo")
     return pd.DataFrame([home_run.columns(row) for row in rows])
+
+
+def _readings(switches: Mapping[str, object]) -> tuple[Reading, SamplingReading]:
+    """Return the readings of scene and sampling; what is wrong with them is one sentence."""
+    known = (*Reading.model_fields, *SamplingReading.model_fields)
+    for name in switches:
+        if name not in known:
+            raise ValueError(f"reading: {name!r} is not a switch; they are {', '.join(known)}")
+    try:
+        return readings_of(switches)
+    except ValidationError as error:
+        raise ValueError(f"reading: {models.explain(error, Reading)}") from None

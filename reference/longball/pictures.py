@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from longball.engines.path import Trajectory
 from longball.extras import naming_extras
-from longball.home_run import PAPER_CURVES, Estimate, Fit, Integral
+from longball.home_run import PAPER_CURVES, Curve, Estimate, Fit, Integral
 from longball.pitches.prediction import Prediction
 from longball.pitches.statcast import MeasuredPitches
 from longball.pitches.table import Floats
@@ -26,7 +26,10 @@ MARKERS = "osD^v<>ph8*"
 
 
 def draw_probability(
-    axes: Axes, estimates: Sequence[Estimate] | Sequence[Integral], fit: Fit | None
+    axes: Axes,
+    estimates: Sequence[Estimate] | Sequence[Integral],
+    fit: Fit | None,
+    curves: Mapping[str, Curve] = PAPER_CURVES,
 ) -> None:
     """Draw estimates with their intervals, the fit, and the paper's two printed curves (Fig. 7).
 
@@ -37,7 +40,7 @@ def draw_probability(
     # A single restitution still gets a picture, as wide as one step of the paper's.
     pad = 0.05 * (high - low) or 0.01
     grid = [low - pad + (high - low + 2 * pad) * i / 200 for i in range(201)]
-    for (name, curve), dash in zip(PAPER_CURVES.items(), ("--", ":"), strict=True):
+    for (name, curve), dash in zip(curves.items(), ("--", ":"), strict=False):
         axes.plot(
             grid,
             [curve(x) for x in grid],
@@ -113,11 +116,14 @@ def save_prediction(path: Path, prediction: Prediction) -> None:
 
 
 def save_probability(
-    path: Path, estimates: Sequence[Estimate] | Sequence[Integral], fit: Fit | None
+    path: Path,
+    estimates: Sequence[Estimate] | Sequence[Integral],
+    fit: Fit | None,
+    curves: Mapping[str, Curve] = PAPER_CURVES,
 ) -> None:
     """Write the picture of P(e) to a file, in the format that its ending names."""
     with _saved(path, (6.4, 4.2)) as axes:
-        draw_probability(axes, estimates, fit)
+        draw_probability(axes, estimates, fit, curves)
 
 
 @contextmanager
@@ -157,6 +163,7 @@ class Drawn:
 # Colours that stay apart for the colour-blind (Okabe and Ito, 2008).
 _COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000")
 _MOST_LABELS = 12
+_LABEL = 1.4  # inches: a panel has room for the label of its axis
 
 
 def drawn(label: str, trajectory: Trajectory[float], points: int = 200) -> Drawn:
@@ -185,11 +192,12 @@ def save_paths(path: Path, scenes: Sequence[Drawn]) -> None:
     low, high = np.minimum(every.min(axis=0), 0.0), np.maximum(every.max(axis=0), 0.0)
     length, width, height = np.maximum(high - low, 0.05 * (high - low).max())
     inches = min(9.0 / length, 9.0 / (width + height))  # for a metre
+    heights = [max(extent * inches, _LABEL) for extent in (height, width)]
     figure, (side, top) = plt.subplots(
         2,
         1,
-        figsize=(length * inches + 1.2, (width + height) * inches + 1.8),
-        height_ratios=(height, width),
+        figsize=(length * inches + 1.2, sum(heights) + 1.8),
+        height_ratios=heights,
         sharex=True,
         layout="constrained",
     )

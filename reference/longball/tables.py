@@ -6,6 +6,7 @@ Columns bear the names of the numbers (`longball.model.quantities`): ``pitch.aim
 
 from __future__ import annotations
 
+import csv
 import json
 import os
 import re
@@ -70,7 +71,8 @@ def solve_many(
     scenes
         Scenes as `solve` takes them; or columns: a mapping or a DataFrame from the names of
         numbers (``pitch.speed``, ``pitch.aim[0]``, ``swing.tilt``, …), and from ``kind``, to arrays
-        of shape (n,) or to one value for all scenes.
+        of shape (n,) or to one value for all scenes. An empty cell, NaN or None, is a value left
+        out: it is the paper's.
     engine, options
         As in `solve`.
     certify
@@ -86,7 +88,8 @@ def solve_many(
         Solutions in the order of the scenes; one without an answer has an `error`. Of columns a
         table with a row for each scene: ``outcome``, ``plate.time``, ``landing.distance``,
         ``landing.position[0]``, …, NaN where there is none; ``error`` and ``code`` say why a row
-        has no outcome. ``id`` is there if the columns have it.
+        has no outcome. ``id`` is there if the columns have it. The index is that of the DataFrame
+        that is given.
 
     Raises
     ------
@@ -113,7 +116,8 @@ def solve_many(
         workers = os.cpu_count() or 1
     if isinstance(scenes, Mapping) or hasattr(scenes, "columns"):
         names = getattr(scenes, "columns", scenes)
-        return _solve_table({name: scenes[name] for name in names}, solver, workers)
+        table = _solve_table({name: scenes[name] for name in names}, solver, workers)
+        return table.set_axis(scenes.index) if hasattr(scenes, "columns") else table
     if isinstance(scenes, str | bytes | BaseModel):
         raise TypeError("solve_many takes a list of scenes or columns; lb.solve takes one scene")
     return [
@@ -164,7 +168,8 @@ def _solve_table(
     if errors and len(errors) == len(rows):
         raise errors[0]
     frame = results_table(result.data() for _, result in solved)
-    return frame.drop(columns=[name for name in ("engine", "id") if name not in columns])
+    unasked = [name for name in ("engine", "id") if name not in columns]
+    return frame.drop(columns=unasked, errors="ignore")
 
 
 def _solve_as_columns(
@@ -232,7 +237,7 @@ def _all_valid(fixed: Mapping[str, Any], varied: Mapping[str, NDArray[Any]]) -> 
 def _rows(fixed: Mapping[str, Any], varied: Mapping[str, NDArray[Any]]) -> Iterator[dict[str, Any]]:
     for values in zip(*(column.tolist() for column in varied.values()), strict=True):
         yield {**fixed, **dict(zip(varied, values, strict=True))}
-    if not varied:
+    if fixed and not varied:
         yield dict(fixed)
 
 
@@ -247,10 +252,11 @@ def _is_empty(value: object) -> bool:
 
 
 def _cell(name: object, value: Any) -> Any:
-    """Return what a cell holds: a text may be JSON, as null is for no air."""
+    """Return what a cell holds: a text may be JSON, as null is for no air, or a number, as .5."""
     if isinstance(value, str) and name not in ("id", "kind"):
-        with suppress(ValueError):
-            return json.loads(value)
+        for read in (json.loads, float):
+            with suppress(ValueError):
+                return read(value)
     return value
 
 
@@ -326,17 +332,44 @@ def scene_lines(path: Path) -> bytes:
     ValueError
         If the file is no table, or a column has no name of a scene.
     """
-    import pandas as pd
-
     if path.suffix == ".parquet":
-        rows = pd.read_parquet(path).to_dict("records")
-        first = []
+        import pandas as pd
+
+        rows: Iterable[tuple[int, Mapping[Any, Any]]] = enumerate(
+            pd.read_parquet(path).to_dict("records"), 1
+        )
     else:
-        # Every double is read as it was written, and nothing but an empty cell is empty.
-        exact: Any = {"float_precision": "round_trip", "keep_default_na": False, "na_values": [""]}
-        rows = pd.read_csv(path, dtype={"id": str}, **exact).to_dict("records")
-        first = [b""]  # the head
-    return b"\n".join([*first, *map(to_json, map(_scene_of, rows))])
+        rows = _csv_rows(path)
+    lines: list[bytes] = []
+    for number, row in rows:
+        lines += [b""] * (number - 1 - len(lines))  # the head, blank lines, the rest of a cell
+        lines.append(to_json(_scene_of(row)))
+    return b"\n".join(lines)
+
+
+def _csv_rows(path: Path) -> Iterator[tuple[int, dict[str, Any]]]:
+    """Yield the rows of a .csv that are not blank, each with the number of its first line."""
+    with open(path, encoding="utf-8-sig", newline="") as file:
+        reader = csv.reader(file)
+        begin, head = 1, None
+        try:
+            for cells in reader:
+                number, begin = begin, reader.line_num + 1
+                if not any(map(str.strip, cells)):
+                    continue
+                if head is None:
+                    head = cells
+                    for name in filter(None, head):
+                        if head.count(name) > 1:
+                            raise ValueError(f"the column {name} is there twice")
+                    continue
+                if any(cells[len(head) :]):
+                    raise ValueError(
+                        f"line {number}: {len(cells)} cells, and the head has {len(head)}"
+                    )
+                yield number, {name: x for name, x in zip(head, cells, strict=False) if x}
+        except csv.Error as error:
+            raise ValueError(f"line {begin}: {error}") from None
 
 
 def write_table(path: Path, results: Iterable[bytes]) -> None:

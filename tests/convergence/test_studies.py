@@ -8,6 +8,7 @@ import jsonschema
 import numpy as np
 import pytest
 
+import longball as lb
 from longball.convergence import ConvergenceReport, converge, studies, study
 from longball.convergence.family import phase_step
 from longball.convergence.figure import save_convergence
@@ -55,6 +56,33 @@ def test_a_number_that_jumps_with_the_phase_is_averaged():
     (seen,) = report.orders
     assert seen.jumps
     assert seen.order == pytest.approx(1.0, abs=0.1)
+
+
+@pytest.mark.parametrize(
+    ("function", "truth"),
+    [(lambda h: np.zeros(round(1 / h)), None), (lambda h: [h, h], [0, 0, 0])],
+)
+def test_numbers_that_come_and_go_are_refused(function, truth):
+    with pytest.raises(ValueError, match=r"one shape are needed: \((20,|3,)\)"):
+        study(function, STEPS, truth=truth)
+
+
+def test_errors_at_the_rounding_ask_for_longer_steps():
+    def runge_kutta(h):  # of y' = -y
+        count = round(1 / h)
+        a, y = -1 / count, 1.0
+        for _ in range(count):
+            y += a * y * (1 + a / 2 * (1 + a / 3 * (1 + a / 4)))
+        return y
+
+    (seen,) = study(runge_kutta, np.geomspace(2e-3, 2e-4, 9), truth=math.exp(-1)).orders
+    assert seen.verdict == "not resolved"
+    assert "try longer steps" in seen.why
+
+
+def test_an_order_that_is_no_number_is_refused():
+    with pytest.raises(ValueError, match="expected = nan"):
+        study(lambda h: h, STEPS, expected=math.nan)
 
 
 def test_the_example():
@@ -229,6 +257,14 @@ def test_too_few_steps_and_strange_results_are_refused():
         converge(run, SCENES, [0.1, 0.05, 0.1, 0.02, 0.01], truth)
     with pytest.raises(ValueError, match=r"a result belongs to no scene: its id is 'v35\.0'"):
         converge(run, SCENES[:2], STEPS, truth[:2])
+
+
+def test_what_solve_many_returns_is_a_result():
+    scenes = [scene.model_copy(update={"id": None}) for scene in SCENES]
+    report = converge(lambda dt: lb.solve_many(scenes, "verlet", dt=dt), scenes, STEPS[:6])
+    assert "distance" in {order.quantity for order in report.orders}
+    with pytest.raises(TypeError, match="type dict"):
+        converge(lambda dt: [{}], scenes, STEPS)
 
 
 def test_our_own_scheme_by_itself_and_against_the_parabola():

@@ -138,6 +138,8 @@ def test_engines_of_different_digits_do_not_meet():
 
 
 def test_no_digits_are_refused():
+    with pytest.raises(ValueError, match="digits = 501 is not between 1 and 500"):
+        Enclosure(digits=501)
     with pytest.raises(ValueError, match="digits = 0"):
         Enclosure(0)
 

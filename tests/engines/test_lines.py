@@ -13,6 +13,7 @@ from longball.engines import ENGINES, create
 from longball.engines.batch import Batch
 from longball.engines.ivp import Ivp
 from longball.engines.lines import solve_line, solve_lines
+from longball.engines.parallel import in_parallel
 from longball.model.scene import parse_scene
 from longball.model.schema import FOLDER, schemas, text
 
@@ -139,6 +140,19 @@ def test_lines_at_once_have_the_answers_of_one_by_one():
     assert list(solve_lines(MANY, engine)) == alone
 
 
+def test_there_are_no_more_workers_than_cores_and_calls(monkeypatch):
+    asked = []
+    monkeypatch.setattr("joblib.effective_n_jobs", lambda n: 4)
+    monkeypatch.setattr(
+        "joblib.Parallel", lambda n_jobs, **_: asked.append(n_jobs) or (lambda tasks: [*tasks])
+    )
+    for calls, workers in ((1, 1000), (3, -1), (9, 1000), (9, 2), (0, 2)):
+        assert len(in_parallel(abs, [(1,)] * calls, workers, threads=True)) == calls
+    assert asked == [1, 3, 4, 2, 1]
+    with pytest.raises(ValueError, match="workers = 0: a positive number"):
+        in_parallel(abs, [(1,)], 0)
+
+
 def test_what_is_told_and_not_measured_is_no_double():
     scene = {"kind": "flight", "fence": {"radius": 100}}
     scene |= {"launch": {"position": [0, 0, 1], "velocity": [40, 0, 21]}}
@@ -176,4 +190,4 @@ def test_no_line_waits_for_one_that_is_not_there(engine):
 def test_a_result_without_an_id_bears_the_number_of_its_line(engine):
     lines = [b"\n", b'{"kind":"pitch"}\n', b'{"kind":"pitch","id":"p"}\n', b"junk"]
     results = list(solve_lines(lines, engine))
-    assert [r.id for r in results] == ["2", "p", None]
+    assert [r.id for r in results] == ["2", "p", "4"]

@@ -598,6 +598,13 @@ def test_a_ball_that_stays_up_is_airborne_and_one_on_the_ground_is_down():
     assert solve(FlightScene(id="resting", launch=resting), Verlet(0.05)).landing.time == 0.0
 
 
+def test_a_flight_of_too_many_steps_is_given_up(monkeypatch):
+    monkeypatch.setattr("longball.engines.verlet._MOST_WORK", 1000)
+    result = solve(flight(), Verlet(1e-12))
+    assert result.code == "too_long"
+    assert "1,000 steps of 1e-12 s" in result.error
+
+
 def test_the_options_are_named():
     assert solve(flight(), verlet(0.01, "half_step", landing="first_below")).engine == (
         "verlet dt=0.01 forces=half_step landing=first_below root=first"

@@ -145,6 +145,18 @@ def test_a_byte_order_mark_is_no_part_of_the_line():
     [
         ({"gravity": -1}, "gravity: must be greater than or equal to 0 (got -1)"),
         ({"gravity": "9.8"}, "gravity: must be a valid number (got '9.8')"),
+        ({"gravity": None}, "gravity: must be a valid number (got null)"),
+        ({"gravity": True}, "gravity: must be a valid number (got true)"),
+        ({"ball": {"mass": 0}}, "ball.mass: must be greater than or equal to 1e-30 (got 0)"),
+        (
+            {"air": {"density": {"temperature": 20}}},
+            "air.density.temperature: must be greater than or equal to 150 K; "
+            "20 °C is 293.15 K (got 20)",
+        ),
+        (
+            {"earth": {"latitude": 45}},
+            "earth.latitude: must be less than or equal to 1.5708 rad; 45° is 0.7854 rad (got 45)",
+        ),
         ({"ball": {"mass": math.nan}}, "ball.mass: must be a finite number (got nan)"),
         (
             {"air": {"densty": 1}},

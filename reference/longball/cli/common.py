@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import stat
 import sys
@@ -19,19 +20,50 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.table import Table
 
 from longball import engines
+from longball.extras import naming_extras
 from longball.model.scene import explain
 from longball.pitches import TableError
 
 M = TypeVar("M", bound=BaseModel)
 
 # For people: what goes wrong, and what --quiet hides, notes and progress.
-errors, say = (Console(stderr=True, highlight=False, soft_wrap=True) for _ in range(2))
+errors, say = (Console(stderr=True, highlight=False, soft_wrap=True, emoji=False) for _ in range(2))
 
 
 def _checked(workers: int) -> int:
     if workers < 1 and workers != -1:
         raise typer.BadParameter(f"{workers}: a positive number, or -1 for one per core")
     return workers
+
+
+def _finite(number: float | None) -> float | None:
+    if number is not None and not math.isfinite(number):
+        raise typer.BadParameter(f"{number} is not a finite number")
+    return number
+
+
+def writable(file: Path | None) -> Path | None:
+    """Refuse a file that cannot be written, before anything is computed."""
+    if file is not None:
+        if file.is_dir():  # an empty name is one, too
+            raise typer.BadParameter(f"{file} is a folder; a file is needed")
+        if not file.parent.is_dir():
+            raise typer.BadParameter(f"{file}: there is no folder {file.parent}")
+        if not os.access(file if file.exists() else file.parent, os.W_OK):
+            raise typer.BadParameter(f"{file} cannot be written")
+    return file
+
+
+def drawable(file: Path | None) -> Path | None:
+    """Refuse a file that no picture can be drawn to, likewise."""
+    if writable(file) and file and file.suffix:
+        with naming_extras():
+            from matplotlib.backend_bases import FigureCanvasBase  # slow to import
+
+        endings = [f".{name}" for name in FigureCanvasBase.get_supported_filetypes()]
+        if file.suffix.lower() not in endings:
+            raise typer.BadParameter(f"{file}: the endings of pictures are {', '.join(endings)}")
+    return file
 
 
 def _hushed(quiet: bool) -> bool:
@@ -47,6 +79,10 @@ EngineName = Annotated[engines.Name, typer.Option(help="What solves the scenes."
 Seed = Annotated[int, typer.Option(min=0, help="Seed of the random numbers.")]
 Workers = Annotated[
     int, typer.Option(callback=_checked, help="Parallel threads or processes; -1: one per core.")
+]
+Expected = Annotated[
+    float | None,
+    typer.Option(callback=_finite, help="The order of convergence that the method should have."),
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print JSON instead of text.")]
 
@@ -94,6 +130,11 @@ def reading_table() -> Iterator[None]:
             wrong_call(str(error))
         tell(str(error))
         raise typer.Exit(1) from None
+
+
+def named(source: str) -> str:
+    """Return what messages call a file of lines."""
+    return "standard input" if source == "-" else source
 
 
 @contextmanager
@@ -146,7 +187,7 @@ def plain_table(*columns: str) -> Table:
 
 def show(table: Table) -> None:
     """Print a table as wide as it is, whatever reads it."""
-    console = Console(highlight=False, width=200, color_system=None)
+    console = Console(highlight=False, width=200, color_system=None, emoji=False)
     with console.capture() as printed:
         console.print(table)
     print("\n".join(line.rstrip() for line in printed.get().splitlines()))

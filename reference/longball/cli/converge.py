@@ -9,7 +9,19 @@ from typing import Annotated
 import typer
 
 from longball import engines
-from longball.cli.common import Json, Quiet, progress_bar, reading_from, refusing, tell, wrong_call
+from longball.cli.common import (
+    Expected,
+    Json,
+    Quiet,
+    drawable,
+    named,
+    progress_bar,
+    reading_from,
+    refusing,
+    tell,
+    writable,
+    wrong_call,
+)
 from longball.engines.chain import solve
 from longball.model.scene import Scene, parse_scene
 
@@ -31,7 +43,10 @@ def converge(
         ),
     ] = None,
     steps: Annotated[
-        str, typer.Option(metavar="FROM:TO:COUNT", help="s; evenly spaced in their logarithm.")
+        str,
+        typer.Option(
+            metavar="FROM:TO:COUNT", help="s; evenly spaced in their logarithm, at least 5."
+        ),
     ] = "0.01:0.0001:9",
     knob: Annotated[
         str | None,
@@ -41,7 +56,7 @@ def converge(
             "with commas, from coarse to fine.",
         ),
     ] = None,
-    expected: Annotated[float | None, typer.Option(help="The order in theory.")] = None,
+    expected: Expected = None,
     truth: Annotated[
         bool, typer.Option(help="Errors against proven values, or among the steps themselves.")
     ] = True,
@@ -53,8 +68,12 @@ def converge(
     ] = 8,
     timeout: Annotated[float, typer.Option(min=0.001, help="s to wait for each answer.")] = 60.0,
     as_json: Json = False,
-    csv: Annotated[Path | None, typer.Option(help="Write the error at every step here.")] = None,
-    figure: Annotated[Path | None, typer.Option(help="Draw error against step here.")] = None,
+    csv: Annotated[
+        Path | None, typer.Option(callback=writable, help="Write the error at every step here.")
+    ] = None,
+    figure: Annotated[
+        Path | None, typer.Option(callback=drawable, help="Draw error against step here.")
+    ] = None,
     quiet: Quiet = False,
 ) -> None:
     """Run a family of time steps, and report observed orders against theory."""
@@ -82,18 +101,25 @@ def converge(
     if csv:
         csv.write_text(report.csv(), encoding="utf-8")
     if figure:
-        with refusing(f"--figure {figure}: "):  # an ending that matplotlib does not know
-            save_convergence(figure, report)
+        save_convergence(figure, report)
     if not report.passed:
         raise typer.Exit(1)
 
 
 def read_scenes(source: str) -> list[Scene]:
-    """Return the scenes of a file in JSON Lines; an invalid line is a wrong call."""
-    with reading_from(source) as lines, refusing(f"{source}: "):
-        found = [parse_scene(line) for line in lines if line.strip()]
+    """Return the scenes of a file in JSON Lines; an invalid line is a wrong call.
+
+    A scene without an id bears the number of its line.
+    """
+    found = []
+    with reading_from(source) as lines:
+        for number, line in enumerate(lines, 1):
+            if line.strip():
+                with refusing(f"{named(source)}, line {number}: "):
+                    scene = parse_scene(line)
+                found.append(scene.model_copy(update={"id": scene.id or str(number)}))
     if not found:
-        wrong_call(f"{source}: no scenes in it")
+        wrong_call(f"no scenes in {named(source)}")
     return found
 
 

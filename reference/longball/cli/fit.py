@@ -15,6 +15,7 @@ from longball.cli.common import (
     parsed,
     reading_table,
     split_assignment,
+    wrong_call,
 )
 from longball.pitches import EXAMPLE, Columns, PitchTypes, as_text, fit_pitches
 from longball.pitches.fitted import Method
@@ -53,6 +54,8 @@ def fit(
     quiet: Quiet = False,
 ) -> None:
     """Fit the paper's distributions of speeds and places to a table of pitches."""
+    if example and pitches != "-":
+        wrong_call(f"either --example or {pitches}, not both")
     pairs = (split_assignment("--column", text) for text in column or [])
     columns = parsed(Columns, {name: option_value(value) for name, value in pairs})
     classes: dict[str, Any] = {}

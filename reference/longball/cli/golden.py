@@ -78,7 +78,7 @@ def header_of(folder: Path | None) -> Header:
 
 @app.command(epilog="Example: longball golden write golden-data")
 def write(
-    folder: Folder = None,
+    folder: Annotated[Path, typer.Argument(metavar="DIR")],
     part: Annotated[Part | None, typer.Option(help="Only that part of the set.")] = None,
     family: Annotated[
         list[str] | None,
@@ -87,7 +87,7 @@ def write(
     workers: Workers = -1,
     quiet: Quiet = False,
 ) -> None:
-    """Solve every case with proven bounds and write the set to DIR; by default the shipped set.
+    """Solve every case with proven bounds and write the set to DIR.
 
     An interrupted run resumes where it stopped. The cases take some ten minutes on two cores, the
     probabilities P(e) somewhat longer.
@@ -95,18 +95,17 @@ def write(
     from longball.golden import home_runs, writer  # with them come the engines
     from longball.golden.families import FAMILIES
 
-    target = folder or reader.DATA
     if unknown := set(family or []) - FAMILIES.keys():
         known = ", ".join(FAMILIES)
         wrong_call(f"--family {unknown.pop()}: there is none; the families are {known}")
     if part != "probability":
         with progress_bar("cases", 1) as advance:
-            count = writer.write(target, only=family or None, workers=workers, progress=advance)
-        note(f"{count} cases in {target}")
+            count = writer.write(folder, only=family or None, workers=workers, progress=advance)
+        note(f"{count} cases in {folder}")
     if part != "cases" and not family:
         with progress_bar("probabilities", 1) as advance:
-            count = home_runs.write_probabilities(target, workers=workers, progress=advance)
-        note(f"{count} readings' probabilities in {target}")
+            count = home_runs.write_probabilities(folder, workers=workers, progress=advance)
+        note(f"{count} readings' probabilities in {folder}")
 
 
 @app.command(epilog="Example: longball golden check --sample 50")

@@ -18,6 +18,7 @@ from longball.cli.common import (
     Quiet,
     Seed,
     Workers,
+    drawable,
     option_value,
     parsed,
     plain_table,
@@ -26,11 +27,15 @@ from longball.cli.common import (
     show,
     split_assignment,
     tell,
+    writable,
     wrong_call,
 )
 from longball.home_run import (
+    FEWEST,
+    HOME_RUN_DISTANCE,
     PAPER_CURVES,
     AtBats,
+    Curve,
     Estimate,
     Fit,
     Integral,
@@ -42,6 +47,7 @@ from longball.home_run import (
     integrals,
     monte_carlo,
     paper_at_bats,
+    refuse_drawn,
     scenes,
     with_restitution,
 )
@@ -53,7 +59,7 @@ from longball.model.readings import (
     Fig7Parameters,
     SamplingReading,
 )
-from longball.model.scene import AtBatScene, parse_scene
+from longball.model.scene import AtBatScene, Fence, parse_scene
 from longball.pitches import load_fitted
 
 ReadingOption = Annotated[
@@ -70,6 +76,7 @@ Rows = Sequence[Estimate] | Sequence[Integral]
 
 
 def homerun(
+    ctx: typer.Context,
     samples: Annotated[int, typer.Option(min=1, help="Number of at-bats drawn.")] = 1000,
     e: Annotated[
         str, typer.Option(help="Restitutions of the ball: first:last:step, or values with commas.")
@@ -80,10 +87,17 @@ def homerun(
     workers: Workers = -1,
     scheduler: Scheduler = None,
     as_json: Json = False,
-    csv_file: Annotated[Path | None, typer.Option("--csv", help="Write the table here.")] = None,
-    figure: Annotated[Path | None, typer.Option(help="Draw P(e) here: .png, .svg, .pdf")] = None,
+    csv_file: Annotated[
+        Path | None, typer.Option("--csv", callback=writable, help="Write the table here.")
+    ] = None,
+    figure: Annotated[
+        Path | None, typer.Option(callback=drawable, help="Draw P(e) here: .png, .svg, .pdf")
+    ] = None,
     scenes_file: Annotated[
-        Path | None, typer.Option("--scenes", help="Write the sampled at-bats here, as scenes.")
+        Path | None,
+        typer.Option(
+            "--scenes", callback=writable, help="Write the sampled at-bats here, as scenes."
+        ),
     ] = None,
     pitches: Annotated[
         Path | None, typer.Option(help="Draw pitches from what longball fit --json wrote.")
@@ -108,6 +122,8 @@ def homerun(
     if method == "quadrature":
         for wrong, sentence in (
             (engine != "batch", f"--engine {engine}: quadrature takes the engine batch"),
+            (_is_given(ctx, "samples"), "--samples: quadrature draws no samples"),
+            (_is_given(ctx, "seed"), "--seed: quadrature draws no samples"),
             (scenes_file, "--scenes: quadrature draws no samples"),
             (scheduler, "--scheduler: quadrature takes seconds, and runs on this machine"),
         ):
@@ -143,22 +159,30 @@ def homerun(
         rows = [estimate(x, one, space) for x, one in zip(restitutions, struck, strict=True)]
         fitted = fit(rows)
         failed = max(row.failed for row in rows)
+    # The paper's form and its curves are those of 150 m.
+    of_paper = base.fence in (None, Fence(radius=HOME_RUN_DISTANCE))
+    curves = PAPER_CURVES if of_paper else {}
+    fitted = fitted if of_paper else None
     if csv_file:
         write_csv(csv_file, rows)
     if figure:
         from longball.pictures import save_probability
 
-        with refusing(f"--figure {figure}: "):  # an ending that matplotlib does not know
-            save_probability(figure, rows, fitted)
+        save_probability(figure, rows, fitted, curves)
     if as_json:
         chosen = base.reading.model_dump() | sampling.model_dump() | switches["figure"]
-        data = as_data(rows, fitted, chosen) | {"method": method} | drawn
+        data = as_data(rows, fitted, curves, chosen) | {"method": method} | drawn
         print(json.dumps(data, ensure_ascii=False))
     else:
-        print_probability(rows, fitted, curve)
+        print_probability(rows, fitted, curves, curve)
     if failed:
         tell(f"{failed} at-bats could not be solved; they count as no home run")
         raise typer.Exit(1)
+
+
+def _is_given(ctx: typer.Context, option: str) -> bool:
+    source = ctx.get_parameter_source(option)
+    return source is not None and source.name == "COMMANDLINE"
 
 
 def chosen_switches(readings: Sequence[str]) -> dict[Belongs, dict[str, Any]]:
@@ -193,11 +217,8 @@ def base_scene(
     scene: dict[str, Any] = {"id": "base", "kind": "at-bat", "reading": reading}
     if fence is not None:
         scene["fence"] = fence_block(fence)
-    drawn = {"ball.restitution", "pitch.speed", "pitch.aim", "swing.tilt", "swing.height_offset"}
     for text in values:
         name, value = split_assignment("--set", text)
-        if name in drawn:
-            wrong_call(f"--set {name}: it varies from sample to sample")
         block, _, key = name.partition(".")
         if key:
             inner = scene.setdefault(block, {})
@@ -209,6 +230,8 @@ def base_scene(
     with refusing():
         found = parse_scene(json.dumps(scene))
     assert isinstance(found, AtBatScene)
+    with refusing("--set "):
+        refuse_drawn(found)
     return found
 
 
@@ -243,7 +266,9 @@ def parse_restitutions(text: str) -> list[float]:
             values = [round(first + i * step, 12) for i in range(min(count, 10_001))]
     except (ValueError, OverflowError):
         wrong_call(f"--e {text}: first:last:step, or values with commas between them")
-    if not values or not all(0 <= value <= 1 for value in values):
+    if not values:
+        wrong_call(f"--e {text}: the last value is below the first")
+    if not all(0 <= value <= 1 for value in values):
         wrong_call(f"--e {text}: restitutions lie between 0 and 1")
     if len(values) > 10_000:
         wrong_call(f"--e {text}: at most 10000 values")
@@ -263,7 +288,9 @@ def write_scenes(
         tell(f"{omitted} samples drew a speed that is not positive; not in {path}")
 
 
-def as_data(rows: Rows, fitted: Fit | None, reading: Mapping[str, Any]) -> dict[str, Any]:
+def as_data(
+    rows: Rows, fitted: Fit | None, curves: Mapping[str, Curve], reading: Mapping[str, Any]
+) -> dict[str, Any]:
     """Return what --json prints; a number that is not defined is null."""
     return {
         "rows": [{name: None if x != x else x for name, x in columns(row).items()} for row in rows],
@@ -271,7 +298,7 @@ def as_data(rows: Rows, fitted: Fit | None, reading: Mapping[str, Any]) -> dict[
         and asdict(fitted.curve) | {"c1_error": fitted.c1_error, "sigma_error": fitted.sigma_error},
         "paper": {
             name: asdict(curve) | {"p": [curve(row.e) for row in rows]}
-            for name, curve in PAPER_CURVES.items()
+            for name, curve in curves.items()
         },
         "reading": reading,
     }
@@ -285,26 +312,30 @@ def write_csv(path: Path, rows: Rows) -> None:
         writer.writerows(map(columns, rows))
 
 
-def print_probability(rows: Rows, fitted: Fit | None, chosen: Fig7Parameters) -> None:
+def print_probability(
+    rows: Rows, fitted: Fit | None, curves: Mapping[str, Curve], chosen: Fig7Parameters
+) -> None:
     """Print P(e) beside the paper's printed curves, and its difference from one of them."""
     sampled = isinstance(rows[0], Estimate)
     found = ("P(e)", "95 %", "home runs") if sampled else ("P(e)", "error", "dP/de", "error")
-    table = plain_table("e", *found, "paper's caption", "text", "difference")
+    beside = ("paper's caption", "text", "difference") if curves else ()
+    table = plain_table("e", *found, *beside)
     for row in rows:
-        table.add_row(
-            f"{row.e:g}",
-            *found_at(row),
-            *(f"{curve(row.e):.4f}" for curve in PAPER_CURVES.values()),
-            f"{row.p - PAPER_CURVES[chosen](row.e):+.4f}",
-        )
+        of_paper = [f"{curve(row.e):.4f}" for curve in curves.values()]
+        off = [f"{row.p - curves[chosen](row.e):+.4f}"] if curves else []
+        table.add_row(f"{row.e:g}", *found_at(row), *of_paper, *off)
     show(table)
+    if not curves:
+        return
     if fitted:
         c1 = f"C1 = {fitted.curve.c1:.0f} ± {fitted.c1_error:.0f} m"
         print(f"fit: {c1}, sigma = {fitted.curve.sigma:.1f} ± {fitted.sigma_error:.1f} m")
+    elif len(rows) < FEWEST:
+        print(f"fit: C1 and sigma need {FEWEST} values of e or more")
     else:
         print("fit: these home runs do not determine C1 and sigma")
-    curves = PAPER_CURVES.items()
-    print("paper:", "; ".join(f"{n} C1 = {c.c1:g} m, sigma = {c.sigma:g} m" for n, c in curves))
+    named = (f"{n} C1 = {c.c1:g} m, sigma = {c.sigma:g} m" for n, c in curves.items())
+    print("paper:", "; ".join(named))
     print(f"difference: from the paper's {chosen} (reading fig7_parameters)")
 
 

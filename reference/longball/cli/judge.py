@@ -10,12 +10,14 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from longball.cli.common import (
+    Expected,
     Json,
     Quiet,
     Seed,
     progress_bar,
     refusing,
     split_assignment,
+    writable,
     wrong_call,
 )
 
@@ -101,7 +103,7 @@ def judge(
         str | None,
         typer.Option(
             metavar="FROM:TO:COUNT",
-            help="The time steps, s, that replace {dt} one after the other. Default: "
+            help="The time steps, s, that replace {dt} one after the other, at least 5. Default: "
             "0.01:0.0001:9.",
         ),
     ] = None,
@@ -114,19 +116,21 @@ def judge(
             "the like.",
         ),
     ] = None,
-    expected: Annotated[
-        float | None, typer.Option(help="The order of convergence that the method should have.")
-    ] = None,
+    expected: Expected = None,
     timeout: Annotated[
         float, typer.Option(min=0.001, help="Longest wait for the next result, s.")
     ] = 60.0,
     total_timeout: Annotated[float, typer.Option(min=0.001, help="Longest run, s.")] = 3600.0,
     as_json: Json = False,
     junit: Annotated[
-        Path | None, typer.Option(help="Write the verdict to this file as JUnit XML.")
+        Path | None,
+        typer.Option(callback=writable, help="Write the verdict to this file as JUnit XML."),
     ] = None,
     html: Annotated[
-        Path | None, typer.Option(help="Write the verdict to this file as a page with pictures.")
+        Path | None,
+        typer.Option(
+            callback=writable, help="Write the verdict to this file as a page with pictures."
+        ),
     ] = None,
     quiet: Quiet = False,
 ) -> None:

@@ -10,7 +10,16 @@ from typing import Annotated
 import typer
 
 from longball import engines
-from longball.cli.common import Json, Quiet, reading_table, refusing, tell, wrong_call
+from longball.cli.common import (
+    Json,
+    Quiet,
+    drawable,
+    reading_table,
+    refusing,
+    tell,
+    writable,
+    wrong_call,
+)
 from longball.pitches import EXAMPLE
 from longball.pitches.models import MODELS
 from longball.pitches.prediction import as_data, as_frame, as_text, predict, scenes
@@ -38,14 +47,23 @@ def measured(
     ] = None,
     engine: Annotated[str, typer.Option(metavar="NAME", help="What solves the scenes.")] = "batch",
     scenes_file: Annotated[
-        Path | None, typer.Option("--scenes", metavar="FILE", help="Write the scenes here.")
+        Path | None,
+        typer.Option("--scenes", metavar="FILE", callback=writable, help="Write the scenes here."),
     ] = None,
     csv_file: Annotated[
         Path | None,
-        typer.Option("--csv", metavar="FILE", help="Write each prediction here, in SI units."),
+        typer.Option(
+            "--csv",
+            metavar="FILE",
+            callback=writable,
+            help="Write each prediction here, in SI units.",
+        ),
     ] = None,
     figure: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Draw the errors here: .png, .svg, .pdf")
+        Path | None,
+        typer.Option(
+            metavar="FILE", callback=drawable, help="Draw the errors here: .png, .svg, .pdf"
+        ),
     ] = None,
     as_json: Json = False,
     quiet: Quiet = False,
@@ -56,6 +74,8 @@ def measured(
     spin that was measured, and is compared where it crosses the front of the plate. A batted ball
     has the spin that a published regression expects of it, and is compared in its distance.
     """
+    if example and table != "-":
+        wrong_call(f"either --example or {table}, not both")
     if model not in MODELS:
         wrong_call(f"--model {model}: the models are {', '.join(MODELS)}")
     law = MODELS[model]
@@ -73,8 +93,7 @@ def measured(
     if figure:
         from longball.pictures import save_prediction
 
-        with refusing(f"--figure {figure}: "):  # an ending that matplotlib does not know
-            save_prediction(figure, prediction)
+        save_prediction(figure, prediction)
     if as_json:
         print(json.dumps({"model": model} | as_data(prediction), ensure_ascii=False))
     else:

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from longball import engines
-from longball.cli.common import EngineName, Quiet, refusing, tell
+from longball.cli.common import EngineName, Quiet, drawable, named, tell
 from longball.cli.solve import Source, scenes_from
 from longball.engines.chain import solve_with_path
 from longball.model.result import Result
@@ -18,7 +18,8 @@ from longball.model.scene import InvalidScene, parse_scene
 def plot(
     source: Source = "-",
     output: Annotated[
-        Path, typer.Option("-o", "--output", help="The picture: .png, .svg, .pdf.")
+        Path,
+        typer.Option("-o", "--output", callback=drawable, help="The picture: .png, .svg, .pdf."),
     ] = Path("paths.png"),
     engine: EngineName = "ivp",
     quiet: Quiet = False,
@@ -45,10 +46,9 @@ def plot(
                 tell(f"line {number}: {result.error or 'nothing flies in an impact'}")
                 failed += 1
     if pictured:
-        with refusing(f"{output}: "):  # an ending that matplotlib does not know
-            save_paths(output, pictured)
+        save_paths(output, pictured)
     else:
-        tell(f"no paths in {source}")
+        tell(f"no paths in {named(source)}")
     if failed or not pictured:
         raise typer.Exit(1)
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import gc
 import os
+import re
 import stat
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
-from importlib.util import find_spec
+from importlib import import_module
 from io import BytesIO
 from pathlib import Path
 from typing import Annotated, Any, BinaryIO
@@ -21,12 +22,14 @@ from longball.cli.common import (
     EngineName,
     Quiet,
     Workers,
+    named,
     note,
     progress_bar,
     reading_from,
     refusing,
     say,
     tell,
+    writable,
     writing_to,
     wrong_call,
 )
@@ -43,12 +46,28 @@ Source = Annotated[
 ]
 
 
+TABLES = (".csv", ".parquet")
+LINES = (".jsonl", ".ndjson", ".json", "")
+
+
+def _results_file(output: Path | None) -> Path | None:
+    if output is None or str(output) == "-":
+        return None
+    if output.suffix not in (*LINES, *TABLES):
+        endings = ", ".join(filter(None, (*LINES, *TABLES)))
+        raise typer.BadParameter(f"{output}: the endings of results are {endings}, or none")
+    return writable(output)
+
+
 def solve(
     source: Source = "-",
     output: Annotated[
         Path | None,
         typer.Option(
-            "-o", "--output", help="Where results go, .jsonl, .csv or .parquet; by default stdout."
+            "-o",
+            "--output",
+            callback=_results_file,
+            help="Where results go, .jsonl, .csv or .parquet; by default, or if -, stdout.",
         ),
     ] = None,
     engine: EngineName = "ivp",
@@ -70,7 +89,10 @@ def solve(
         typer.Option("--landing-error", help="batch: the error allowed at landing, m; 1e-13."),
     ] = None,
     digits: Annotated[
-        int | None, typer.Option(help="enclosure, multiprecision: digits of each number; 30.")
+        int | None,
+        typer.Option(
+            help="enclosure, multiprecision: digits of each number, up to 500 and 290; 30."
+        ),
     ] = None,
     dt: Annotated[float | None, typer.Option(help="verlet: the step, s; 0.05.")] = None,
     forces: Annotated[
@@ -109,13 +131,16 @@ def solve(
         wrong_call(f"--path: {output} is a table, which has no place for paths; .jsonl has")
     if asked and certify:
         wrong_call("--path: its points cannot be certified; take --engine enclosure")
-    tables = {Path(name).suffix for name in (source, output or "")}
-    if ".parquet" in tables and find_spec("pyarrow") is None:
-        wrong_call("Parquet needs pyarrow; pip install 'longball[tables]'")
-    with refusing():
+    if ".parquet" in {Path(name).suffix for name in (source, output or "")}:
+        import_module("pyarrow")
+    if output and output.suffix in TABLES:
+        import_module("pandas")
+    try:
         solver: Engine[Any] | ManyAtOnce = engines.create(
             engine, **{k: v for k, v in options.items() if v is not None}
         )
+    except ValueError as error:
+        wrong_call(_with_options(str(error), options))
     if certify:
         from longball.engines.certify import Certifying  # brings ball arithmetic
 
@@ -140,13 +165,20 @@ def solve(
                 repeated.add(result.id)
             ids.add(result.id)
     if solved == 0:
-        tell(f"no scenes in {source}")
+        tell(f"no scenes in {named(source)}")
     elif failed:
         tell(f"{failed} of {solved} lines could not be solved{' and certified' * certify}")
     if repeated:
         tell(f"ids that more than one line has: {len(repeated)}, among them {min(repeated)!r}")
     if failed or not solved:
         raise typer.Exit(1)
+
+
+def _with_options(sentence: str, options: Iterable[str]) -> str:
+    """Return what an engine says of its options with those of the command line."""
+    names = {option: f"--{option}" for option in options}
+    names |= {"method": "--integrator", "tolerance": "--landing-error"}
+    return re.sub(rf"\b({'|'.join(names)})\b", lambda name: names[name[0]], sentence)
 
 
 @contextmanager
@@ -162,9 +194,6 @@ def progress_of(lines: BinaryIO, output: Path | None) -> Iterator[Callable[[int]
     lines.seek(0)
     with progress_bar("scenes", total) as advance:
         yield advance
-
-
-TABLES = (".csv", ".parquet")  # all other files are JSON Lines
 
 
 @contextmanager

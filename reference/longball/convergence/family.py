@@ -117,7 +117,15 @@ def observe(
         Of each step, for a quantity that jumps with them; 1 if none is to be looked for.
     progress
         Called with the evaluations done, and how many there are so far as is known.
+
+    Raises
+    ------
+    ValueError
+        If the expected order is none.
     """
+    wanted = expected.values() if isinstance(expected, Mapping) else [expected or 0.0]
+    if not all(map(math.isfinite, wanted)):
+        raise ValueError(f"expected = {expected}: an order is a finite number")
     done: dict[tuple[int, int], Sequence[Observed]] = {}
 
     def measured(count: int) -> list[_Measured]:
@@ -152,8 +160,8 @@ def observe(
     for one, jump in zip(found, jumps, strict=True):
         if one.size == 0.0:
             continue
-        wanted = expected.get(one.quantity) if isinstance(expected, Mapping) else expected
-        order, law = _assess(one, jump, wanted)
+        theory = expected.get(one.quantity) if isinstance(expected, Mapping) else expected
+        order, law = _assess(one, jump, theory)
         orders.append(order)
         if law is not None:
             limits += _limits(one, jump > JUMP, law, scenes)
@@ -329,11 +337,15 @@ def _verdict(
             f"the error stays at {errors[finest]:.2e} {unit}, which rounding does not explain "
             f"(at most {bound[finest]:.0e}): the limit is not the truth"
         )
+    advice = ""
+    if errors[finest] <= bound[finest]:
+        advice = "; the errors at the finest steps are rounding: try longer steps"
     if law is None or wide is None:
-        return "not resolved", f"no {FEWEST} steps lie on one line: there is no asymptotic range"
+        why = f"no {FEWEST} steps lie on one line: there is no asymptotic range"
+        return "not resolved", why + advice
     seen = f"order {law.order:.3f} ({wide.low:.3f} to {wide.high:.3f})"
     if law.half_width > UNDECIDED / 2:
-        return "not resolved", f"{seen} does not tell an order from the next"
+        return "not resolved", f"{seen} does not tell an order from the next{advice}"
     if expected is None:
         return "no expectation", seen
     if abs(law.order - expected) <= TOLERANCE + wide.half_width:

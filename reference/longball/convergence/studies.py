@@ -66,7 +66,7 @@ def study(
     Raises
     ------
     ValueError
-        If there are too few steps.
+        If there are too few steps; if the values change their shape, or the truth has another one.
 
     Examples
     --------
@@ -74,17 +74,23 @@ def study(
     >>> print(f"{euler.orders[0].order:.2f}, limit {euler.limits[0].value[0]:.6f}")
     1.00, limit 0.367879
     """
+    shapes: dict[str, tuple[int, ...]] = {}
 
-    def observed(values: ArrayLike) -> list[Observed]:
+    def observed(values: ArrayLike, where: str) -> list[Observed]:
+        numbers = np.asarray(values, float)
+        shapes[where] = numbers.shape
+        (first, shape), (last, other) = next(iter(shapes.items())), (where, numbers.shape)
+        if other != shape:
+            raise ValueError(f"values of one shape are needed: {shape} {first}, {other} {last}")
         return [
             Observed("value" + (str(list(index)) if index else ""), "", np.array([[number]]))
-            for index, number in np.ndenumerate(np.asarray(values, float))
+            for index, number in np.ndenumerate(numbers)
         ]
 
     orders, limits = observe(
-        lambda step: observed(function_of_dt(step)),
+        lambda step: observed(function_of_dt(step), f"at dt = {step:g}"),
         step_family(steps),
-        None if truth is None else observed(truth),
+        None if truth is None else observed(truth, "in truth"),
         scenes=[""],
         expected=expected,
         first=duration,
@@ -157,10 +163,10 @@ def sample_of(result: Result) -> Sample:
 
 
 def converge(
-    run: Callable[[float], Sequence[Result | Sample]],
+    run: Callable[[float], Sequence[Any]],
     scenes: Sequence[Scene],
     steps: Sequence[float],
-    truth: Sequence[Result] | None = None,
+    truth: Sequence[Any] | None = None,
     expected: Expected = None,
     *,
     phases: int = PHASES,
@@ -171,7 +177,8 @@ def converge(
     Parameters
     ----------
     run
-        Solves all the scenes with a step, s; the results carry the scenes' ids. Samples may lack
+        Solves all the scenes with a step, s, as `longball.solve_many` does. The results carry the
+        scenes' ids; one without an id is that of the scene in its place. Samples may lack
         quantities.
     scenes
         What is solved; at least one.
@@ -190,6 +197,8 @@ def converge(
     ------
     ValueError
         If there are too few steps, no scenes, or results that belong to no scene.
+    TypeError
+        If a result is none.
     """
     if not scenes:
         raise ValueError("there is no scene to converge in")
@@ -261,10 +270,20 @@ def _first_and_last_event(results: Sequence[Sample]) -> tuple[float, float]:
     return min(later), max(later)
 
 
-def _in_order(results: Sequence[Result | Sample], ids: Sequence[str]) -> list[Sample]:
+def _as_sample(result: Any) -> Sample:
+    """Return a `Sample`, a `Result`, or a `longball.Solution` as a sample."""
+    result = getattr(result, "result", result)
+    if isinstance(result, Result):
+        return sample_of(result)
+    if not isinstance(result, Sample):
+        raise TypeError(f"a result is needed; not an object of type {type(result).__name__}")
+    return result
+
+
+def _in_order(results: Sequence[Any], ids: Sequence[str]) -> list[Sample]:
     """Return the results in the order of the scenes; an error for one that is missing."""
-    samples = [r if isinstance(r, Sample) else sample_of(r) for r in results]
-    by_id = {sample.id: sample for sample in samples}
+    samples = map(_as_sample, results)
+    by_id = {sample.id or str(number): sample for number, sample in enumerate(samples, 1)}
     unknown = [name for name in by_id if name not in ids]
     if unknown:
         raise ValueError(f"a result belongs to no scene: its id is {unknown[0]!r}")

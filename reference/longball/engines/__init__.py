@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dataclasses import fields
 from importlib import import_module
-from typing import Any, Literal
+from numbers import Integral, Real
+from typing import Any, Literal, get_args, get_type_hints
 
 from longball.engines.engine import Engine
 from longball.extras import naming_extras
@@ -28,6 +29,8 @@ def create(name: str, **options: object) -> Engine[Any]:
     ------
     ValueError
         If there is no such engine, or if it does not take an option or its value.
+    TypeError
+        If an option is of another type.
     MissingExtra
         If it needs a library that is not installed.
     """
@@ -37,8 +40,27 @@ def create(name: str, **options: object) -> Engine[Any]:
     with naming_extras():
         family = getattr(import_module(module), attribute)
     takes = [field.name for field in fields(family)]
+    types = get_type_hints(family)
     for option in options:
         if option not in takes:
             raise ValueError(f"engine {name} takes {', '.join(takes)}; not {option}")
-    engine: Engine[Any] = family(**options)
+    values = {option: _of_type(types[option], option, options[option]) for option in options}
+    engine: Engine[Any] = family(**values)
     return engine
+
+
+_NUMBERS: tuple[tuple[Any, Any, str], ...] = (
+    (int, Integral, "a whole number"),
+    (float, Real, "a number"),
+)
+
+
+def _of_type(kind: Any, option: str, value: Any) -> Any:
+    """Return the value of an option; numbers, which may be NumPy's, as Python's."""
+    kinds = get_args(kind) or (kind,)  # float | None
+    for number, sort, what in _NUMBERS:
+        if number in kinds and not (value is None and type(None) in kinds):
+            if isinstance(value, bool) or not isinstance(value, sort):
+                raise TypeError(f"{option} = {value!r} is not {what}")
+            return number(value)
+    return value

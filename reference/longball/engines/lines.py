@@ -125,7 +125,7 @@ def _solve_in_turn(
     )
     for (number, _), scene in zip(chunk, read, strict=True):
         data = _refused(scene) if isinstance(scene, InvalidScene) else next(solved)
-        yield _answer(number, scene, data)
+        yield _answer(number, data)
 
 
 def _read(line: bytes) -> Scene | InvalidScene:
@@ -139,9 +139,9 @@ def _refused(error: InvalidScene) -> dict[str, Any]:
     return Result(id=error.scene_id, error=str(error), code=error.code).data()
 
 
-def _answer(number: int, scene: Scene | InvalidScene, data: dict[str, Any]) -> Answer:
-    """Return a result as the answer to a line."""
-    if data["id"] is None and not isinstance(scene, InvalidScene):
+def _answer(number: int, data: dict[str, Any]) -> Answer:
+    """Return a result as the answer to a line, whose number it bears if it has no id."""
+    if data["id"] is None:
         data["id"] = str(number)
     if "engine" in data:
         data["engine"] = signed(data["engine"])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import signal
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, nullcontext
-from itertools import starmap
+from itertools import chain, islice, starmap
 from typing import Any, TypeVar
 
 from longball.extras import naming_extras
@@ -26,24 +26,32 @@ def in_parallel(
     function, calls
         What is called, and with what.
     workers
-        How many calls run at once; -1 for one per core. Without joblib (extra ``fast``) that is
-        one.
+        How many calls run at once; -1 for one per core, and never more than there are cores or
+        calls. Without joblib (extra ``fast``) that is one.
     threads
         Whether workers are threads, and not processes.
 
     Raises
     ------
+    ValueError
+        If the number of workers is none.
     MissingExtra
         If several workers are asked for, and joblib is not installed.
     """
+    if workers < 1 and workers != -1:
+        raise ValueError(f"workers = {workers}: a positive number, or -1 for one per core")
     try:
-        from joblib import Parallel, delayed  # slow to import
+        from joblib import Parallel, delayed, effective_n_jobs  # slow to import
     except ImportError:
         if workers in (1, -1):
             return starmap(function, calls)
         with naming_extras():
             raise
-    tasks = (delayed(function)(*arguments) for arguments in calls)
+    cores, calls = effective_n_jobs(-1), iter(calls)  # cores of the cluster, if there is one
+    workers = cores if workers == -1 else min(workers, cores)
+    first = list(islice(calls, workers))
+    workers = max(1, len(first))
+    tasks = (delayed(function)(*arguments) for arguments in chain(first, calls))
     prefer = "threads" if threads else "processes"
     with nullcontext() if threads or workers == 1 else _interrupts_held():
         found: Iterator[T] = Parallel(n_jobs=workers, return_as="generator", prefer=prefer)(tasks)

@@ -46,7 +46,7 @@ from numpy.typing import NDArray
 from longball.engines.arithmetic import ARRAYS, Dual
 from longball.engines.compiled import BEYOND, Code
 from longball.engines.contact import TURNS_VERTICAL, BatSection, inside_bat
-from longball.engines.engine import CannotSolve, Launch, OutOfRange, Stepped, Touch
+from longball.engines.engine import CannotSolve, Launch, OutOfRange, Stepped, TooLong, Touch
 from longball.engines.event import Event
 from longball.engines.path import Flight, Path
 from longball.model.frame import Frame, launch_frame
@@ -317,6 +317,11 @@ class Verlet(Stepped[float]):
 
         Each has a row for each component of the state. It comes with the number of the step in its
         first column, the last one of the array before.
+
+        Raises
+        ------
+        TooLong
+            If the flight takes too many steps.
         """
         treatment = TREATMENTS[self.forces]
         last, done, length = np.array(start, dtype=float), 0, _FIRST_STEPS
@@ -325,6 +330,11 @@ class Verlet(Stepped[float]):
         force = _acceleration(form)(*_halves(last.tolist()), _parameters(form))
         steps = math.ceil(min(limit / self.dt, 2.0**53))
         while done < steps:
+            if done > _MOST_WORK:
+                raise TooLong(
+                    f"the flight takes more than {_MOST_WORK:,} steps of {self.dt!r} s; the first "
+                    f"{done * self.dt:.3g} s of it can be had by a lower time_limit"
+                )
             states = np.full((len(start), 1 + min(length, steps - done)), math.nan)
             states[:, 0] = last
             march = steps_of(form.program).count(states.shape[1]).march
@@ -364,6 +374,9 @@ class Verlet(Stepped[float]):
 # Steps that are taken at a time: some more than a flight of the paper's steps has, so that it takes
 # one array; and what a processor's cache holds.
 _FIRST_STEPS, _MOST_STEPS = 128, 4096
+
+# Steps of a flight: compiled they take some ten seconds.
+_MOST_WORK = 200_000_000
 
 
 @_QUIET

@@ -15,10 +15,12 @@ from longball.home_run.at_bats import (
     draw,
     draw_block,
     paper_at_bats,
+    refuse_drawn,
     scenes,
     with_restitution,
 )
 from longball.home_run.estimation import (
+    FEWEST,
     PAPER_CURVES,
     RESTITUTIONS,
     Curve,
@@ -36,6 +38,7 @@ from longball.home_run.simulation import HOME_RUN_DISTANCE, Struck, monte_carlo
 
 __all__ = [
     "BLOCK",
+    "FEWEST",
     "HOME_RUN_DISTANCE",
     "MIDDLE_CELL",
     "PAPER_CURVES",
@@ -58,6 +61,7 @@ __all__ = [
     "integrals",
     "monte_carlo",
     "paper_at_bats",
+    "refuse_drawn",
     "scenes",
     "scrambled",
     "wilson",

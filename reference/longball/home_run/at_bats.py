@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from longball.model.quantities import replaced
+from longball.model.quantities import at, replaced
 from longball.model.readings import SamplingReading
 from longball.model.scene import AtBatScene
 
@@ -147,6 +147,30 @@ class Samples:
             "swing.height_offset": self.offset,
             "swing.tilt": self.tilt,
         }
+
+
+# Numbers of an at-bat that a sample has of its own; a velocity stands for the speed and the aim.
+DRAWN = (
+    "ball.restitution",
+    "pitch.velocity",
+    "pitch.speed",
+    "pitch.aim",
+    "swing.tilt",
+    "swing.height_offset",
+)
+
+
+def refuse_drawn(base: AtBatScene) -> None:
+    """Refuse an at-bat that sets what varies from sample to sample.
+
+    Raises
+    ------
+    ValueError
+        With the name of the number.
+    """
+    for name in DRAWN:
+        if at(base, name) != at(AtBatScene(), name):
+            raise ValueError(f"{name}: it varies from sample to sample")
 
 
 def draw(at_bats: AtBats, count: int, seed: int, first: int = 0) -> Samples:

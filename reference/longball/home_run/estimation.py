@@ -87,6 +87,7 @@ class Curve:
         return 0.5 * math.erfc((HOME_RUN_DISTANCE - self.c1 * e) / (math.sqrt(2) * self.sigma))
 
 
+FEWEST = 3  # values of P(e) that the form is fitted to
 PAPER_CURVES = {"caption": Curve(242.0, 52.2), "text": Curve(271.0, 59.8)}  # Fig. 7 and its text
 
 
@@ -123,14 +124,14 @@ def fit_form(
     Without `errors`, the standard ones of P, every value weighs the same, and the errors of the fit
     come from how far the values are from the form.
 
-    Returns None for fewer than three values, or too few of them strictly between 0 and 1: fewer
+    Returns None for fewer than `FEWEST` values, or too few of them strictly between 0 and 1: fewer
     than two, or without errors three.
     """
     from scipy.optimize import curve_fit
     from scipy.special import erfc
 
     inner = [i for i, value in enumerate(p) if 0 < value < 1]
-    if len(p) < 3 or len(inner) < (3 if errors is None else 2):
+    if len(p) < FEWEST or len(inner) < (3 if errors is None else 2):
         return None
 
     def form(e: Array, slope: float, intercept: float) -> Array:

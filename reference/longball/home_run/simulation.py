@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from longball.engines import create
 from longball.engines.chain import solve_with_restitutions
-from longball.engines.engine import Engine
+from longball.engines.engine import Engine, ManyAtOnce
 from longball.engines.parallel import in_parallel
-from longball.extras import naming_extras
 from longball.home_run.at_bats import BLOCK, AtBats, draw, scenes
 from longball.model.scene import AtBatScene
 
@@ -115,11 +115,8 @@ def monte_carlo(
     progress
         Called with the number of samples done.
     """
-    with naming_extras():
-        from longball.engines.batch import Batch  # slow to import, and not needed for --help
-
-    solver = engine or Batch()
-    threads = isinstance(solver, Batch)
+    solver = engine or create("batch")
+    threads = isinstance(solver, ManyAtOnce)
     strike, size = (_strike_columns, COLUMNS) if threads else (_strike_scenes, BLOCK)
     calls = (
         (base, at_bats, tuple(restitutions), first, min(size, count - first), seed, solver)

@@ -25,7 +25,15 @@ from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
-import sympy as sp
+from longball.extras import MissingExtra, naming_extras
+
+try:
+    with naming_extras():
+        import sympy as sp
+except MissingExtra as missing:
+    if __name__ == "__main__":
+        sys.exit(str(missing))
+    raise
 
 # --------------------------------------------------------------------------------------------------
 # Notation

@@ -521,7 +521,15 @@ def _explain_fault(fault: dict[str, Any], model: type[BaseModel]) -> str:
         case "json_invalid":  # pydantic's parser is stricter than Python's
             return f"not JSON: {fault['ctx']['error']}"
     sentence = fault["msg"].removeprefix("Input ").replace("should", "must")
+    for limit in fault.get("ctx", {}).values():
+        if isinstance(limit, float):
+            unit = _UNITS.get(str(location[-1]), "")
+            sentence = re.sub(r"\S+$", f"{limit:g}{unit}", sentence)  # 1e-30, not all its zeros
     return f"{where}: {sentence} (got {_short(fault['input'])})"
+
+
+# Of numbers that are likely to be in another unit if they are beyond their limits.
+_UNITS = {"temperature": " K; 20 °C is 293.15 K", "latitude": " rad; 45° is 0.7854 rad"}
 
 
 def _is_form(step: str | int) -> bool:
@@ -557,5 +565,6 @@ def _is_model(option: Any) -> bool:
 
 
 def _short(value: Any) -> str:
-    text = repr(value)
+    # As JSON has them: null, true.
+    text = json.dumps(value) if value is None or isinstance(value, bool) else repr(value)
     return text if len(text) <= 40 else text[:37] + "..."

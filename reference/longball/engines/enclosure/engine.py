@@ -41,6 +41,9 @@ _INSTANT = 2.0**-20
 # take 5 rows, the limit is 3,600 of 30 digits, 700 of 90: at some 3 and 10 ms, ten seconds.
 _MOST_WORK = 60_000_000
 
+# The work of a flight grows as the cube of its digits: an at-bat then takes some ten seconds.
+_MOST_DIGITS = 500
+
 # Bounds need few digits, unlike what they are bounds of.
 _BITS_OF_BOUNDS = 64
 
@@ -295,8 +298,8 @@ class Enclosure(PathEngine[arb]):
     digits: int = 30
 
     def __post_init__(self) -> None:
-        if self.digits < 1:
-            raise ValueError(f"digits = {self.digits} is not positive")
+        if not 1 <= self.digits <= _MOST_DIGITS:
+            raise ValueError(f"digits = {self.digits} is not between 1 and {_MOST_DIGITS}")
 
     @property
     def numbers(self) -> Balls:
