@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from longball.convergence.order import (
+    _is_bent,
     errors_without_truth,
     fit_power_law,
     richardson,
@@ -28,6 +29,12 @@ def test_a_range_of_steps_spans_a_factor_of_four():
     assert fit_power_law(steps, steps**2).order == pytest.approx(2, abs=1e-12)
     steps[-1] = 0.26
     assert fit_power_law(steps, steps**2) is None
+
+
+def test_scatter_about_a_straight_line_is_rarely_a_bend():
+    rng, steps = np.random.default_rng(3), np.geomspace(0.1, 1e-3, 10)
+    laws = (steps**2 * np.exp(0.05 * rng.standard_normal(10)) for _ in range(300))
+    assert sum(_is_bent(steps, errors) for errors in laws) < 30
 
 
 def test_steps_before_the_asymptotic_range_are_left_out():

@@ -395,6 +395,7 @@ def test_columns_in_plane_and_space(model):
             "fence: polyline crosses itself",
         ),
         ({"polyline": [[70, 70, 1], [70, -70, 1], [70, 10, 1]]}, "crosses itself"),
+        ({"polyline": [[70, 70, 1], [100, 40, 1], [90, 50, 1]]}, "crosses itself"),
         ({"polyline": [[70, 70], [122, 0]]}, r"fence.polyline\[0\]\[2\]: is missing"),
         ({"height": 3}, "fence.height: unknown key; the keys here are radius, polyline"),
         ({"radius": 0.5}, "launch.position is outside"),
@@ -403,6 +404,18 @@ def test_columns_in_plane_and_space(model):
 def test_a_bad_fence_is_named(fence, message):
     with pytest.raises(InvalidScene, match=message):
         flight((40.0, 0.0, 20.0), fence, position=(0.0, 0.6, 1.0))
+
+
+@pytest.mark.parametrize(
+    "polyline",
+    [
+        [[70, 70, 1], [100, 40, 1], [110, 30, 1], [90, -60, 1]],  # straight on
+        [[10, 2, 1], [11, 1, 1], [11.3, 1, 1], [10.6, 1.6, 1], [60, -40, 1]],  # back, 0.1 m beside
+    ],
+)
+def test_a_fence_that_only_comes_near_to_itself_is_one(polyline):
+    scene = flight((40.0, 0.0, 20.0), {"polyline": polyline}, position=(0.0, 0.0, 1.0))
+    assert len(scene.fence.polyline) == len(polyline)
 
 
 def test_a_scene_without_a_fence_is_written_as_ever():

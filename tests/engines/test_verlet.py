@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from longball.engines import create, event
-from longball.engines.chain import Model, approach_of, solve
+from longball.engines.chain import Model, approach_of, solve, solve_with_path
 from longball.engines.contact import BatSection
 from longball.engines.multiprecision import Multiprecision
 from longball.engines.verlet import (
@@ -603,6 +603,14 @@ def test_a_flight_of_too_many_steps_is_given_up(monkeypatch):
     result = solve(flight(), Verlet(1e-12))
     assert result.code == "too_long"
     assert "1,000 steps of 1e-12 s" in result.error
+
+
+def test_the_path_of_a_ball_that_stays_up_ends_with_its_last_step():
+    scene = flight(gravity=0.0, air=None, time_limit=1.0)
+    _, way = solve_with_path(scene, Verlet(0.3))
+    assert way.end == pytest.approx(1.2)
+    there = [x + 1.2 * v for x, v in zip(scene.launch.position, scene.launch.velocity, strict=True)]
+    assert way.at(way.end)[0] == pytest.approx(there)
 
 
 def test_the_options_are_named():

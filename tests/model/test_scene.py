@@ -204,6 +204,13 @@ def test_a_spin_along_the_velocity_needs_a_lift_that_falls_with_the_spin_paramet
         assert "has no direction where pitch.spin is parallel" in str(refused(line))
 
 
+def test_a_spin_along_the_velocity_is_one_along_that_through_the_air():
+    pitch = {"velocity": [-30.0, 0.0, 6.0], "spin": [-50.0, 0.0, 12.0]}
+    air = {"lift_coefficient": 0.2, "wind": [-5.0, 0.0, 0.0]}
+    line = json.dumps(LEAST["pitch"] | {"pitch": pitch, "air": air})
+    assert "has no direction where pitch.spin is parallel" in str(refused(line))
+
+
 def test_all_faults_of_a_line_are_told():
     message = str(refused(json.dumps(LEAST["pitch"] | {"gravity": -1, "foo": 2})))
     assert "gravity: must be" in message
