@@ -25,7 +25,17 @@ from longball.model.air import CrisisDrag, Table, Weather
 from longball.model.atmosphere import ZERO_CELSIUS, density
 from longball.model.bat import CollisionParameters, collision_parameters, moment_of_inertia
 from longball.model.earth import CORIOLIS
-from longball.model.force import Drag, Force, Lift, Motion, Piecewise, Term, scaled
+from longball.model.force import (
+    Drag,
+    Flow,
+    Force,
+    Lift,
+    Motion,
+    Piecewise,
+    Term,
+    scaled,
+    size,
+)
 from longball.model.law import GRAVITY
 from longball.model.numbers import DOUBLES, Vector, dot, plus
 from longball.model.quantities import at
@@ -276,6 +286,15 @@ def _displaced(factors: Callable[[float], Mapping[str, float]]) -> Change:
     return _scene(values)
 
 
+_EARTH_RADIUS = 6_371_000.0  # m
+
+
+def _falling(motion: Motion, p: Any) -> Any:
+    """Return ``-g (R/(R + z))²`` with the Earth's radius R."""
+    share = _EARTH_RADIUS / (_EARTH_RADIUS + motion.position[2])
+    return -p.gravity * (share * share)
+
+
 _NO_MORE = "weight, drag and lift are all the forces that there are"
 _AGAINST = "the drag is -k V v: against the velocity, in every component"
 _ACROSS = "the lift is k_L V (ê × v), which is k_L V (-w, u) in the flight plane"
@@ -319,6 +338,9 @@ _PAPERS_LAW: tuple[Mistake, ...] = (
     Mistake("no-lift", "flies without lift", "add k_L V (ê × v)", _without(_lifts)),
     Mistake("no-gravity", "flies without gravity", "add -g to the vertical",
             _without(lambda term: term is GRAVITY)),
+    Mistake("gravity-falls", "lets gravity fall with height",
+            "gravity is the scene's at every height",
+            _instead(GRAVITY, lambda m, p: (trace.ZERO, trace.ZERO, _falling(m, p)))),
     Mistake("gravity-up", "falls upwards", "gravity is -g along z",
             _instead(GRAVITY, lambda m, p: (trace.ZERO, trace.ZERO, p.gravity))),
     Mistake("coefficients-exchanged", "exchanges the coefficients of drag and lift", _SCENE,
@@ -546,6 +568,14 @@ def _earth(key: str, change: Callable[[float], float]) -> Change:
 
 _EARTH = "add -2 Ω × v, Ω = 7.292115e-5 rad/s (cos λ north + sin λ up)"
 _LINEAR = "a table is linear between its nodes, and constant outside"
+
+
+def _ground_speed(term: Drag) -> Drag:
+    """Return a drag by the speed over the ground."""
+    return replace(term, rate=lambda motion, p: term.rate(
+        motion._replace(air=Flow(motion.air.velocity, size(motion.velocity))), p))  # fmt: skip
+
+
 _DIRECTION = "take the direction of spin from the scene's vector, whichever way the ball flies"
 _UNIT = "spin is in rad/s"
 _WEATHER = (
@@ -567,6 +597,10 @@ EXTENDED: tuple[Mistake, ...] = (
             "other sign", _DIRECTION, _spins(_times(-1.0), "pitch", "incoming")),
     Mistake("spin-sign-of-flights", "takes the spin of a ball that flies away from the plate with "
             "the other sign", _DIRECTION, _spins(_times(-1.0), "launch")),
+    Mistake("spin-in-degrees", "takes the spin for degrees per second", _UNIT,
+            _spins(_times(math.pi / 180), *_ANYWHERE)),
+    Mistake("spin-side-sign", "has the spin's y the other way round", _DIRECTION,
+            _spins(lambda scene, spin: (spin[0], -spin[1], spin[2]), *_ANYWHERE)),
     Mistake("spin-y-only", "takes the spin's y only", _DIRECTION,
             _spins(lambda scene, spin: (0.0, spin[1], 0.0), *_ANYWHERE)),
     Mistake("spin-all-back", "takes the size of the spin for backspin", _DIRECTION,
@@ -604,6 +638,9 @@ EXTENDED: tuple[Mistake, ...] = (
             _reading(wind_acts_on="drag")),
     Mistake("wind-in-size-only", "drags by the airspeed, but along the velocity over the ground",
             _WIND, _terms(lambda f: _over_ground(f) if isinstance(f, Drag) else f)),
+    Mistake("wind-in-direction-only", "drags along the velocity through the air, but by the speed "
+            "over the ground", _WIND,
+            _terms(lambda f: _ground_speed(f) if isinstance(f, Drag) else f)),
     Mistake("wind-everywhere", "has the same wind at all heights",
             "a wind with `above` blows above that height, one with `height` grows with ln z",
             _scene(lambda scene: {"air.wind": getattr(scene.air.wind, "velocity", scene.air.wind)}
@@ -644,11 +681,11 @@ EXTENDED: tuple[Mistake, ...] = (
     Mistake("azimuth-ignored", "takes +x for north", "earth.azimuth is that of +x",
             _earth("azimuth", lambda angle: 0.0)),
     Mistake("table-in-steps", "takes a table's value at the node below", _LINEAR, _tables(
-        lambda at, values: _steps(at[1:], values))),
+        lambda at, values: _steps(at[1:], values)), True),
     Mistake("table-of-next", "takes a table's value at the node above", _LINEAR, _tables(
-        lambda at, values: _steps(at[:-1], values))),
+        lambda at, values: _steps(at[:-1], values)), True),
     Mistake("table-of-nearest", "takes a table's value at the nearest node", _LINEAR, _tables(
-        lambda at, values: _steps([(a + b) / 2 for a, b in pairwise(at)], values))),
+        lambda at, values: _steps([(a + b) / 2 for a, b in pairwise(at)], values)), True),
     Mistake("table-extrapolated", "goes on along the first and last line outside a table", _LINEAR,
             _tables(lambda at, values: _extrapolated(at, values))),
     *(Mistake(f"table-in-{unit}", f"takes a table of the airspeed for one in {unit}",
@@ -1114,6 +1151,8 @@ FORMULAS: tuple[Formula, ...] = (
             lambda v: (math.dist(v["landing.position"][:2], v.start[:2]),)),
     Formula("landing.distance", "distance-in-space", "measures the distance in space, height too",
             _D, lambda v: (math.hypot(*v["landing.position"]),)),
+    Formula("landing.distance", "distance-of-x-and-z", "takes z for y in the distance", _D,
+            lambda v: (math.hypot(v["landing.position"][0], v["landing.position"][2]),)),
     Formula("landing.distance", "distance-along-x", "takes x for the distance", _D,
             lambda v: (v["landing.position"][0],)),
     Formula("landing.distance", "distance-abs-x", "takes |x| for the distance", _D,

@@ -109,11 +109,14 @@ def rule(failing: Sequence[Case], passing: Sequence[Case]) -> str | None:
         else:
             whole.setdefault(name, text)
     if whole:
-        # Forms of air and spin come in only where nothing simpler tells the scenes.
-        plain = [t for n, t in whole.items() if _sorts(n) or t == f"{n} = 0"]
-        simple = [t for n, t in whole.items() if t in plain and n not in FORMS and not _law(n)]
-        told = sorted(simple or plain, key=lambda text: "flagged" in text) or list(whole.values())
-        return "; or, which are the same scenes, ".join(told) if len(told) <= MOST_RULES else None
+        plain = [n for n in whole if _sorts(n)]
+        zero = [n for n, text in whole.items() if n not in plain and text == f"{n} = 0"]
+        simple = [n for n in plain if n not in FORMS and not _law(n)]
+        for names in (plain + zero, plain, simple, [] if plain or zero else list(whole)):
+            if 0 < len(names) <= MOST_RULES:
+                told = sorted((whole[n] for n in names), key=lambda text: "flagged" in text)
+                return "; or, which are the same scenes, ".join(told)
+        return None
     if choices < CHANCE * TWO:
         return None
     half.sort(key=lambda one: one[0])

@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections import namedtuple
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cache
+from functools import cache, lru_cache
 from types import SimpleNamespace
 from typing import Any, Generic, NamedTuple
 
@@ -178,7 +178,7 @@ class Law(Generic[N]):
 
     def _value(self, node: Node, numbers: Numbers[N]) -> Callable[..., N]:
         """Return the function from the components of a state to the value of a node."""
-        bound = replace(self.program, outputs=(node,)).bind(self.strengths, numbers.functions)
+        bound = _value(self.program, node).bind(self.strengths, numbers.functions)
         return lambda *state: bound(*state)[0]
 
     @property
@@ -212,10 +212,7 @@ class Law(Generic[N]):
 
         It has the law's variables and parameters, and the parameter `level`.
         """
-        traced = self._traced
-        top, bottom = bend.piecewise.argument(traced.motion, traced.parameters)
-        value = trace.as_node(top) - trace.parameter("level") * bottom
-        return replace(self.program, outputs=(value,), parameters=(*self.strengths, "level"))
+        return _passage(self.program, self._traced, tuple(self.strengths), bend.piecewise)
 
     def beyond(self, bend: Bend[N], level: N, numbers: Numbers[N]) -> Callable[[Any], Any]:
         """Return a function of the state that is positive where an argument is beyond a level."""
@@ -331,7 +328,7 @@ def law_with(
     return Law(program, strengths, acting, polynomial=polynomial)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class _Traced:
     """What is traced of a law.
 
@@ -470,6 +467,20 @@ def _program(
     if trace.parameter(_SENSE) in program.nodes:
         program = replace(program, parameters=(*names, _SENSE))
     return program
+
+
+@lru_cache(maxsize=1024)
+def _passage(
+    program: Program, traced: _Traced, names: tuple[str, ...], piecewise: Piecewise
+) -> Program:
+    top, bottom = piecewise.argument(traced.motion, traced.parameters)
+    value = trace.as_node(top) - trace.parameter("level") * bottom
+    return replace(program, outputs=(value,), parameters=(*names, "level"))
+
+
+@lru_cache(maxsize=1024)
+def _value(program: Program, node: Node) -> Program:
+    return replace(program, outputs=(node,))
 
 
 _SENSE = "sense"
