@@ -209,6 +209,11 @@ class Path:
     def sample(self, points: int = 200) -> pd.DataFrame:
         """Return states at evenly spaced times from start to end.
 
+        Parameters
+        ----------
+        points
+            How many: the first at the start, the last at the end.
+
         Returns
         -------
         pandas.DataFrame

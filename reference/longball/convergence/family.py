@@ -344,13 +344,13 @@ def _verdict(
         why = f"no {FEWEST} steps lie on one line: there is no asymptotic range"
         return "not resolved", why + advice
     seen = f"order {law.order:.3f} ({wide.low:.3f} to {wide.high:.3f})"
+    if expected is not None and abs(law.order - expected) > TOLERANCE + wide.half_width:
+        return "other order", f"{seen}, but {expected:g} in theory"
     if law.half_width > UNDECIDED / 2:
         return "not resolved", f"{seen} does not tell an order from the next{advice}"
     if expected is None:
         return "no expectation", seen
-    if abs(law.order - expected) <= TOLERANCE + wide.half_width:
-        return "as expected", f"{seen}, {expected:g} in theory"
-    return "other order", f"{seen}, but {expected:g} in theory"
+    return "as expected", f"{seen}, {expected:g} in theory"
 
 
 def _limits(one: _Measured, jumps: bool, law: PowerLaw, scenes: Sequence[str]) -> list[Limit]:

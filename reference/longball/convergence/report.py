@@ -78,10 +78,10 @@ class ConvergenceReport(Frozen):
     """What a family of steps showed."""
 
     engine: str | None = Field(description="as the implementation names itself")
-    against_truth: bool
-    orders: tuple[Order, ...]
-    limits: tuple[Limit, ...]
-    lost: tuple[Lost, ...]
+    against_truth: bool = Field(description="whether errors are against a truth, or a finest step")
+    orders: tuple[Order, ...] = Field(description="one for each quantity")
+    limits: tuple[Limit, ...] = Field(description="extrapolated, by scene and quantity")
+    lost: tuple[Lost, ...] = Field(description="steps at which scenes ended otherwise")
 
     @property
     def passed(self) -> bool:

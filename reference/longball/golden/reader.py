@@ -31,16 +31,29 @@ EXTENDED = (
 )
 
 
-def load(family: str | None = None, folder: Path = DATA) -> list[Case]:
+def load(family: str | None = None, folder: str | Path = DATA) -> list[Case]:
     """Return the cases of a family, of all families ("all"), or of all of the paper's model (None).
 
     An implementation of the paper's model knows no key of the others' scenes.
+
+    Parameters
+    ----------
+    family
+        Its name, "all", or None.
+    folder
+        Of another set than the one that comes with longball.
+
+    Returns
+    -------
+    list of Case
+        In the order of the files.
 
     Raises
     ------
     ValueError
         If there is no such family; the message names those that there are.
     """
+    folder = Path(folder)
     families = header(folder).families
     if family is not None and family not in (*families, "all"):
         raise ValueError(f"there is no family {family!r}; the families are {', '.join(families)}")

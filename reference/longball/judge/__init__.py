@@ -39,7 +39,7 @@ def judge(
         function from a scene to its result: a mapping with the keys of one, or what
         `longball.solve` returns. What the function raises counts as no answer.
     golden
-        A family of the golden data; all if left out.
+        A family of the golden data, or "all"; the families of the paper's model if left out.
     profile
         How near is near enough: "exact", "converged" or "paper", or one with a number of its own,
         such as ``longball.judge.cases.Converged(1e-4)``; "exact" if left out.
@@ -80,7 +80,10 @@ def judge(
 
 
 def cases(family: str | None = None, folder: Path | None = None) -> Sequence[Case]:
-    """Return the golden cases of a family, or all; see `longball.golden.load`."""
+    """Return the golden cases of a family, "all", or those of the paper's model.
+
+    Parameters are those of `longball.golden.load`.
+    """
     from longball import golden
 
     return golden.load(family) if folder is None else golden.load(family, folder)

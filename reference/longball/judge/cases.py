@@ -95,8 +95,14 @@ def solved(
 
 
 def attainable(case: Case, quantity: str) -> float:
-    """Return what double precision cannot avoid, as the length of the error of a vector."""
-    return math.hypot(*map(case.attainable, QUANTITIES[quantity].names))
+    """Return what double precision cannot avoid, as the length of the error of a vector.
+
+    Of a landing at (0, 0, 0) that is the rounding of the height that the ball falls from.
+    """
+    error = math.hypot(*map(case.attainable, QUANTITIES[quantity].names))
+    if error == 0.0 and quantity == "landing.position" and isinstance(case.scene, FlightScene):
+        return 2.0**-53 * abs(case.scene.launch.position[2])
+    return error
 
 
 # The golden data's flag of an outcome that a few ulps of an input decide: whoever answers with

@@ -593,7 +593,7 @@ EXTENDED: tuple[Mistake, ...] = (
             _spins(_times(2 * math.pi), *_ANYWHERE)),
     Mistake("spin-sign", "takes the spin with the other sign", _DIRECTION,
             _spins(_times(-1.0), *_ANYWHERE)),
-    Mistake("spin-sign-of-pitches", "takes the spin of a ball that flies toward the plate with the "
+    Mistake("spin-sign-of-pitches", "takes the spin of a ball that flies to the plate with the "
             "other sign", _DIRECTION, _spins(_times(-1.0), "pitch", "incoming")),
     Mistake("spin-sign-of-flights", "takes the spin of a ball that flies away from the plate with "
             "the other sign", _DIRECTION, _spins(_times(-1.0), "launch")),

@@ -215,7 +215,7 @@ def draw_flight(figure: Figure, comparison: Comparison) -> None:
     )
     side.set_ylabel("height z, m")
     above.set_ylabel("aside y, m")
-    above.set_xlabel("x, m: from the plate (0) toward the pitcher")
+    above.set_xlabel("x, m: from the plate (0) towards the pitcher")
     side.legend(fontsize="small", frameon=False, loc="best")
 
 

@@ -18,7 +18,7 @@ from typing import Any, TextIO
 
 from longball.judge.testing import plain
 from longball.model.quantities import numbers
-from longball.model.scene import parse_scene
+from longball.model.scene import InvalidScene, parse_scene
 
 State = tuple[float, float, float, float, float, float]
 Fly = Callable[[State, Mapping[str, float]], Any]
@@ -47,7 +47,10 @@ def serve(
 
 
 def _answer(function: Fly, line: str) -> dict[str, Any]:
-    scene: Any = parse_scene(line)
+    try:
+        scene: Any = parse_scene(line)
+    except InvalidScene as error:
+        return {"id": error.scene_id, "error": str(error)}
     if scene.kind not in ("flight", "pitch"):
         return {"id": scene.id, "error": f"only flights and pitches are served, not {scene.kind}"}
     if scene.kind == "flight":
