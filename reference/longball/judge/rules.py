@@ -29,7 +29,7 @@ def features(case: Case) -> Features:
     found |= _forms(scene)
     landing, contact, impact = case.expected.landing, case.expected.contact, case.expected.impact
     if landing is not None:
-        found["landing.velocity[0] > 0"] = float(landing.velocity[0]) > 0
+        found["direction at landing"] = "+x" if float(landing.velocity[0]) > 0 else "-x"
         found["landing.time"] = float(landing.time)
     if impact is not None:
         found["impact.restitution"] = float(impact.restitution)
