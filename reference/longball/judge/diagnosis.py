@@ -213,8 +213,8 @@ class _Search:
         return Finding(
             stage="all", quantity="", kind="unexplained", names=[], share=0.0, wrong=len(small),
             checked=len(checks), worst=0.0, example=small[0].case.id,
-            sentence=f"{many(len(small), 'answer')} wrong though each stage follows, as far as that "
-            "can be told; they are among the wrong answers",
+            sentence=f"{many(len(small), 'answer')} wrong though each stage follows, as far as "
+            "that can be told; they are among the wrong answers",
         )  # fmt: skip
 
     def _where_made(self, rows: Sequence[StageRow]) -> list[StageRow]:
