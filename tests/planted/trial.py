@@ -281,11 +281,11 @@ been read.
 The authors of the judge have seen both sets, so that the numbers below do not tell how it does
 with a new mistake. When the second set was new, 4 of its 32 mistakes, and 9 of the 203 of the first
 set that were judged with them, had a false name or a false reassurance; the judge was then changed.
-A third trial, which is not in the table, had a fourth program, in C++, and 135 mistakes that are in
-neither set, 12 of them in pairs, by somebody who had not read the judge. It caught 130; 6 verdicts had
-a false name, 8 a false reassurance, and one run ended without a verdict. After further changes it
-catches 134 (the other one leaves out `impact.recontact`, as a program may), and its authors, who read
-the verdicts, found no false name in them.
+A third trial, which is not in the table, had a fourth program, in C++, and 135 mistakes that are
+in neither set, 12 of them in pairs, by somebody who had not read the judge. It caught 130; 6
+verdicts had a false name, 8 a false reassurance, and one run ended without a verdict. After further
+changes it catches 134 (the other one leaves out `impact.recontact`, as a program may), and its
+authors, who read the verdicts, found no false name in them.
 
 The table has one run of all of them, by the judge of revision {revision}.
 
