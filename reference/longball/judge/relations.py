@@ -250,8 +250,8 @@ def few_digits(trials: Sequence[Trial]) -> Finding | None:
     if resolution >= 0.5 * 10.0**-FEW_DECIMALS:
         name, said, worst = "few-decimals", _writes(round(-math.log10(2 * resolution))), resolution
     elif share:
-        digits = 1 - round(math.log10(2 * share))
-        name, said, worst = "few-digits", _writes(digits, "digit"), share
+        count = 1 - round(math.log10(2 * share))
+        name, said, worst = "few-digits", _writes(count, "digit"), share
     else:
         return None
     return Finding(
