@@ -10,6 +10,7 @@ import io
 import os
 import signal
 import sys
+import threading
 import warnings
 from types import FrameType
 from typing import NoReturn
@@ -67,6 +68,7 @@ def main() -> None:
         # An exception, so that worker processes end, too; a second signal ends at once.
         signal.signal(number, signal.SIG_DFL)
         warnings.simplefilter("ignore")  # such as that tasks of the workers are cancelled
+        threading.excepthook = lambda failure: None  # such as of the thread that misses them
         stopped_by.append(number)
         raise SystemExit
 
