@@ -149,6 +149,7 @@ def _relative(error: float, measured: Measured) -> float:
 def _draw_attainable(axes: Axes, attainable: Sequence[float]) -> None:
     axes.set_xscale("log")
     axes.set_yscale("log")
+    axes.tick_params(axis="x", which="minor", labelbottom=False)  # on a short axis they overlap
     if attainable:
         ends = np.array([min(attainable) / 2, max(attainable) * 2])
         axes.plot(ends, ends, "k-", linewidth=0.8, label="as good as doubles can be")
