@@ -142,6 +142,7 @@ def check(
     if report.left_out:
         tell(report.left_out)
     found = f"{len(report.failures)} failures" if report.failures else "nothing is wrong"
-    note(f"{report.cases} cases, {report.solved_again} solved again: {found}")
+    count = f"{report.cases} cases, with those of P(e)"
+    note(f"{count}; {report.solved_again} solved again: {found}")
     if report.failures:
         raise typer.Exit(1)
