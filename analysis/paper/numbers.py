@@ -129,7 +129,8 @@ def draw_ranges(report: Path, found: dict[str, tuple[Share, list[tuple[Change, C
                 xlabel=f"P({E})", title=f"from the {name} reading", ylim=(-0.6, len(UNKNOWN) - 0.4)
             )
             axes.set_xlim(left=-0.004)  # a mark at 0 is seen whole
-        panels[0].legend(fontsize="small", loc="center right")
+            axes.locator_params(axis="x", nbins=5)
+        panels[0].legend(fontsize="small", loc="center", bbox_to_anchor=(0.62, 0.5))
 
 
 # --- sensitivities --------------------------------------------------------------------------------
