@@ -11,7 +11,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Annotated, Any, BinaryIO, NoReturn, TypeVar
+from typing import Annotated, Any, BinaryIO, NoReturn, TextIO, TypeVar
 
 import typer
 from pydantic import BaseModel, ValidationError
@@ -22,7 +22,7 @@ from rich.table import Table
 from longball import engines
 from longball.extras import naming_extras
 from longball.model.scene import explain
-from longball.pitches import TableError
+from longball.pitches import EXAMPLE, TableError
 
 M = TypeVar("M", bound=BaseModel)
 
@@ -118,6 +118,13 @@ def refusing(what: str = "") -> Iterator[None]:
         yield
     except ValueError as error:
         wrong_call(f"{what}{error}")
+
+
+def chosen_table(table: str, example: bool) -> str | Path | TextIO:
+    """Return the table to read: longball's example, or a file; - is standard input."""
+    if example and table != "-":
+        wrong_call(f"either --example or {table}, not both")
+    return EXAMPLE if example else sys.stdin if table == "-" else table
 
 
 @contextmanager

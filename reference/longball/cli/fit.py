@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from typing import Annotated, Any
 
 import typer
@@ -11,13 +10,13 @@ from longball.cli.common import (
     Json,
     Quiet,
     Seed,
+    chosen_table,
     option_value,
     parsed,
     reading_table,
     split_assignment,
-    wrong_call,
 )
-from longball.pitches import EXAMPLE, Columns, PitchTypes, as_text, fit_pitches
+from longball.pitches import Columns, PitchTypes, as_text, fit_pitches
 from longball.pitches.fitted import Method
 from longball.pitches.fitting import BIN_WIDTH
 
@@ -54,8 +53,7 @@ def fit(
     quiet: Quiet = False,
 ) -> None:
     """Fit the paper's distributions of speeds and places to a table of pitches."""
-    if example and pitches != "-":
-        wrong_call(f"either --example or {pitches}, not both")
+    table = chosen_table(pitches, example)
     pairs = (split_assignment("--column", text) for text in column or [])
     columns = parsed(Columns, {name: option_value(value) for name, value in pairs})
     classes: dict[str, Any] = {}
@@ -64,7 +62,6 @@ def fit(
     if breaking is not None:
         classes["breaking"] = tuple(breaking.split(","))
     types = parsed(PitchTypes, classes)
-    table = EXAMPLE if example else sys.stdin if pitches == "-" else pitches
     with reading_table():
         fitted = fit_pitches(
             table, columns, types, bin_width=bin_width, draw_from=draw_from, seed=seed

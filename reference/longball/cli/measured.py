@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import sys
 from pathlib import Path
 from typing import Annotated
 
@@ -13,6 +12,7 @@ from longball import engines
 from longball.cli.common import (
     Json,
     Quiet,
+    chosen_table,
     drawable,
     reading_table,
     refusing,
@@ -20,7 +20,6 @@ from longball.cli.common import (
     writable,
     wrong_call,
 )
-from longball.pitches import EXAMPLE
 from longball.pitches.models import MODELS
 from longball.pitches.prediction import as_data, as_frame, as_text, predict, scenes
 from longball.pitches.statcast import GAMES, Kind, read_measured
@@ -74,15 +73,13 @@ def measured(
     spin that was measured, and is compared where it crosses the front of the plate. A batted ball
     has the spin that a published regression expects of it, and is compared in its distance.
     """
-    if example and table != "-":
-        wrong_call(f"either --example or {table}, not both")
+    source = chosen_table(table, example)
     if model not in MODELS:
         wrong_call(f"--model {model}: the models are {', '.join(MODELS)}")
     law = MODELS[model]
     with refusing():
         solver = engines.create(engine)
     with reading_table():
-        source = EXAMPLE if example else sys.stdin if table == "-" else table
         rows = read_measured(source, kind, games or GAMES)
         if scenes_file:
             lines = [scene.line() + "\n" for scene in scenes(rows, law)]
