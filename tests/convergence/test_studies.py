@@ -10,8 +10,9 @@ import pytest
 
 import longball as lb
 from longball.convergence import ConvergenceReport, converge, studies, study
-from longball.convergence.family import phase_step
+from longball.convergence.family import _widened, phase_step
 from longball.convergence.figure import save_convergence
+from longball.convergence.order import PowerLaw
 from longball.engines.chain import solve
 from longball.engines.verlet import Verlet
 from longball.model.result import Landing, Result
@@ -178,6 +179,37 @@ def test_phases_are_spread_over_the_step():
     gaps = np.diff([*phases, phases[0] + 1.0])
     assert gaps.max() < 2.7 / 8  # three-gap theorem: never more than φ² times the mean
     assert phase_step(step, clock, 0) == step
+
+
+@pytest.mark.parametrize("phases", [2, 8])
+def test_means_over_phases_widen_the_interval_of_an_order(phases):
+    """An error of 1/√(2 phases) in each log e is one of that over √Σ(x - mean)² in the slope."""
+    steps = np.geomspace(1.0, 1e-3, 7)
+    x = np.log(steps[1:6])
+    slope = 1 / math.sqrt(2 * phases) / math.sqrt(np.var(x) * 5)
+    wide = _widened(PowerLaw(2.0, 1.9, 2.1, 1.0, 1, 5), steps, phases)
+    half = math.sqrt(0.1**2 + (2 * slope) ** 2)  # two standard deviations
+    assert (wide.low, wide.high) == pytest.approx((2.0 - half, 2.0 + half), rel=1e-12)
+    assert wide.order == 2.0
+
+
+def test_events_at_the_start_are_no_clock():
+    def at(plate, landing):
+        values = {"plate.time": [plate], "landing.time": [landing], "landing.distance": [9.0]}
+        return studies.Sample("a", "landed", values)
+
+    events = studies._first_and_last_event
+    assert events([at(0.5, 4.0), at(0.4, 3.0)]) == (0.4, 4.0)
+    assert events([at(0.0, 4.0)]) == (4.0, 4.0)
+    assert events([studies.Sample("a", None, {})]) == (1.0, 1.0)
+
+
+def test_one_scene_is_enough():
+    run, truth = implementation(lambda h, v: v * h)
+    report = converge(lambda h: run(h)[:1], SCENES[:1], STEPS, truth[:1], 1)
+    assert distance_of(report).verdict == "as expected"
+    with pytest.raises(ValueError, match="no scene to converge in"):
+        converge(run, [], STEPS)
 
 
 def test_a_limit_that_is_not_the_truth_is_found():

@@ -583,6 +583,23 @@ def test_a_graze_is_an_error_with_its_margin() -> None:
     assert list(alone["outcome"]) == ["", "batted"]
 
 
+@pytest.mark.parametrize(("height", "outcome"), [(1e-17, None), (1e-14, None), (1e-12, "airborne")])
+@pytest.mark.parametrize("engine", [Batch(), Ivp()], ids=["batch", "ivp"])
+def test_a_ball_that_glides_within_the_error_of_the_ground_is_an_error(
+    engine: Engine[float], height: float, outcome: str | None
+) -> None:
+    """Level and without gravity; the error after 60 s is said to be 2e-14 m."""
+    scene = FlightScene(
+        id="glide",
+        gravity=0.0,
+        air=None,
+        launch=Launch(position=(0.0, 0.0, height), velocity=(30.0, 0.0, 0.0)),
+    )
+    result = solve(scene, engine)
+    assert result.outcome == outcome
+    assert outcome or "lies within its error 2e-14" in str(result.error)
+
+
 def test_a_circle_that_comes_back_to_the_ground_where_it_left_it_is_an_error() -> None:
     """Without gravity the path is a circle, here one that the ground is a tangent to."""
     scene = FlightScene(
