@@ -179,6 +179,9 @@ def test_phases_are_spread_over_the_step():
     gaps = np.diff([*phases, phases[0] + 1.0])
     assert gaps.max() < 2.7 / 8  # three-gap theorem: never more than φ² times the mean
     assert phase_step(step, clock, 0) == step
+    for phase in range(1, 8):  # a multiple of the golden ratio
+        behind = clock / phase_step(step, clock, phase) - clock / step
+        assert behind == pytest.approx(phase * (math.sqrt(5) + 1) / 2 % 1.0, abs=1e-9)
 
 
 @pytest.mark.parametrize("phases", [2, 8])
@@ -202,6 +205,20 @@ def test_events_at_the_start_are_no_clock():
     assert events([at(0.5, 4.0), at(0.4, 3.0)]) == (0.4, 4.0)
     assert events([at(0.0, 4.0)]) == (4.0, 4.0)
     assert events([studies.Sample("a", None, {})]) == (1.0, 1.0)
+
+
+def test_faults_are_wrong_limits_and_orders_that_were_expected():
+    (seen,) = study(lambda h: h, STEPS, truth=0.0).orders
+    verdicts = ["as expected", "exact", "wrong limit", "other order", "not resolved"]
+    for expected, wanted in ((None, verdicts[2:3]), (2.0, verdicts[2:])):
+        orders = [seen.model_copy(update={"verdict": v, "expected": expected}) for v in verdicts]
+        report = ConvergenceReport(
+            engine=None, against_truth=True, orders=tuple(orders), limits=(), lost=()
+        )
+        assert report.faults == [f"value: {verdict}" for verdict in wanted]
+        assert not report.passed
+    none = report.model_copy(update={"orders": ()})
+    assert (none.passed, len(none.faults)) == (False, 1)
 
 
 def test_one_scene_is_enough():
