@@ -7,11 +7,12 @@ import math
 import jsonschema
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 import longball as lb
 from longball.convergence import ConvergenceReport, converge, studies, study
 from longball.convergence.family import _widened, phase_step
-from longball.convergence.figure import save_convergence
+from longball.convergence.figure import draw_convergence, save_convergence
 from longball.convergence.order import PowerLaw
 from longball.engines.chain import solve
 from longball.engines.verlet import Verlet
@@ -204,7 +205,7 @@ def test_events_at_the_start_are_no_clock():
     events = studies._first_and_last_event
     assert events([at(0.5, 4.0), at(0.4, 3.0)]) == (0.4, 4.0)
     assert events([at(0.0, 4.0)]) == (4.0, 4.0)
-    assert events([studies.Sample("a", None, {})]) == (1.0, 1.0)
+    assert events([studies.Sample("a", None, {})]) == (1.0, 1.0)  # nothing happens
 
 
 def test_faults_are_wrong_limits_and_orders_that_were_expected():
@@ -361,6 +362,27 @@ def test_the_table_has_every_step(report):
     rows = report.csv().splitlines()
     assert len(rows) == 1 + len(report.orders) * len(STEPS)
     assert rows[0] == "quantity,unit,step_s,error,scenes,phases,use"
+
+
+def test_the_picture_shows_every_step_and_the_law_through_those_that_are_fitted(report):
+    axes = Figure().add_subplot()
+    draw_convergence(axes, report)
+    lines, labels = list(axes.lines), [t.get_text() for t in axes.get_legend().get_texts()]
+    for order, label in zip(report.orders, labels, strict=True):
+        assert label.startswith(order.quantity)
+        fitted = [(step, error) for step, error, use in order.errors if use == "fitted"]
+        if order.order is not None:
+            assert label == f"{order.quantity}, order {order.order:.2f}"
+            law = np.array([[h, order.constant * h**order.order] for h, _ in fitted])
+            np.testing.assert_allclose(lines.pop(0).get_xydata(), law)
+        every, filled = lines.pop(0), lines.pop(0)
+        assert every.get_xydata().tolist() == [[h, e] for h, e, _ in order.errors]
+        assert filled.get_xydata().tolist() == [[h, e] for h, e in fitted]
+        assert every.get_markerfacecolor() == "none"
+        assert filled.get_color() == every.get_color()
+    assert lines == []
+    assert any(order.order is not None for order in report.orders)
+    assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")
 
 
 def test_the_picture_is_drawn(report, tmp_path):

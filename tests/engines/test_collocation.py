@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from fractions import Fraction
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -97,7 +98,7 @@ def test_a_step_is_changed_to_where_its_coefficients_just_suffice() -> None:
 
 
 def test_how_many_coefficients_are_needed() -> None:
-    """The last that changes the velocity by more than the tolerance; beyond those, by their fall."""
+    """The last that changes the velocity by more than the tolerance; or more, by how they fall."""
     n, tolerance, speed = len(METHOD.rule.nodes), METHOD.tolerance, exact(3)
     small, large = tolerance * speed, 2 * tolerance * speed
     for count in (0, 1, 5, n - 3):
@@ -127,7 +128,7 @@ def test_segments_join_and_reach_the_end() -> None:
     segments = list(METHOD.segments(law, begin, start, end))
     assert (segments[0].begin, segments[0].start) == (begin, start)
     assert 2 < len(segments) < 40
-    for before, after in zip(segments, segments[1:], strict=False):
+    for before, after in pairwise(segments):
         assert after.begin == before.begin + before.length
         assert after.start == before.end == before.at(before.length)
         assert after.at(exact(0)) == after.start
