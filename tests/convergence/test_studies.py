@@ -208,6 +208,24 @@ def test_events_at_the_start_are_no_clock():
     assert events([studies.Sample("a", None, {})]) == (1.0, 1.0)  # nothing happens
 
 
+def test_only_what_a_scene_should_end_with_is_observed():
+    def sample(outcome, **values):
+        return studies.Sample("a", outcome, {k.replace("_", "."): v for k, v in values.items()})
+
+    right = sample("landed", landing_distance=[9.0])
+    should = [right, sample("missed"), right, right, right]
+    results = [
+        sample("landed", landing_distance=[8.0]),
+        sample("missed", landing_distance=[7.0]),
+        sample("airborne", landing_distance=[6.0]),
+        sample("landed"),
+        sample(None, landing_distance=[5.0]),
+    ]
+    seen = {one.quantity: one.values for one in studies._observed(results, should)}
+    np.testing.assert_array_equal(seen["distance"][:, 0], [8.0, *[math.nan] * 3, 5.0])
+    assert np.isnan(seen["landing time"]).all()
+
+
 def test_faults_are_wrong_limits_and_orders_that_were_expected():
     (seen,) = study(lambda h: h, STEPS, truth=0.0).orders
     verdicts = ["as expected", "exact", "wrong limit", "other order", "not resolved"]
