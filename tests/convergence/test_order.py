@@ -237,3 +237,5 @@ def test_a_step_is_held_against_one_that_is_finer_by_more_than_the_ratio():
     far = errors_without_truth(steps, values, 1.0, 4.0)
     assert far[:3] == pytest.approx([6.5 / (7 / 8), 3.75 / (15 / 16), 1.75 / (7 / 8)])
     assert np.isnan(far[3:]).all()
+    close = errors_without_truth(np.array([1.0, 0.8, 0.5]), np.array([[1.0], [0.9], [0.0]]), 1.0)
+    assert close[:2] == pytest.approx([0.1 / 0.2, 0.9 / (0.3 / 0.8)])

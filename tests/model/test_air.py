@@ -1,4 +1,4 @@
-"""The air of a scene: published constants, the weather's density, and what is refused at a limit."""
+"""The air of a scene: published constants, the density, and what is refused at a limit."""
 
 from __future__ import annotations
 
@@ -236,7 +236,7 @@ def test_a_ball_starts_on_the_ground_or_above_and_inside_the_fence() -> None:
         scene("at-bat", fence={"radius": reach})
     wind = {"velocity": [1, 0, 0], "height": 10.0, "roughness": 0.5}
     scene(air={"wind": wind}, ground={"height": -0.4999})
-    with pytest.raises(InvalidScene, match="must be above -air.wind.roughness = -0.5"):
+    with pytest.raises(InvalidScene, match=r"must be above -air\.wind\.roughness = -0\.5"):
         scene(air={"wind": wind}, ground={"height": -0.5})
 
 
@@ -284,8 +284,7 @@ def crosses(*vertices: tuple[float, float]) -> bool:
     try:
         scene(fence={"polyline": [[x, y, 1] for x, y in vertices]})
     except InvalidScene as error:
-        assert "crosses itself" in str(error) or "the wrong way round" in str(error)
-        return "crosses itself" in str(error)
+        return "crosses itself" in str(error)  # it may also go the wrong way round
     return False
 
 
