@@ -14,15 +14,18 @@ from typing import Any
 
 import pytest
 
+from longball.engines.batch import Batch
 from longball.engines.chain import approach_of, solve
 from longball.engines.contact import BatSection, margin_error
+from longball.engines.engine import Engine
 from longball.engines.event import ground, past, plate, vertical
 from longball.engines.ivp import Ivp
 from longball.model.frame import Frame
 from longball.model.law import PlaneState
 from longball.model.numbers import DOUBLES, Doubles, Undecided
 from longball.model.result import Result
-from longball.model.scene import parse_scene
+from longball.model.scene import AtBatScene, PitchScene, Scene, Swing, parse_scene
+from longball.model.scene import Pitch as PitchBlock
 
 HALF_ULP, ERROR = 2.0**-53, Ivp().flight_error
 
@@ -272,3 +275,81 @@ def test_what_lies_within_its_error_is_not_decided() -> None:
     for x in (0.5, -0.5, 0.0):
         with pytest.raises(Undecided, match=r"whether it is cannot be decided in double precision"):
             DOUBLES.positive(x, 0.5, "whether it is")
+
+
+# --- ties, on either side of the stated error -----------------------------------------------------
+
+ENGINES = pytest.mark.parametrize("engine", [Ivp(), Batch()], ids=["ivp", "batch"])
+REACH = 0.0366 + 0.033
+
+
+def level_pitch(x: float, offset: float) -> Scene:
+    """Without air and gravity, so that the ball stays at 1.8 m; the bat is `offset` above that."""
+    return AtBatScene(
+        id="level",
+        air=None,
+        gravity=0.0,
+        pitch=PitchBlock(release=(x, 0.0, 1.8), aim=(0.0, 1.8)),
+        swing=Swing(height_offset=offset),
+    )
+
+
+@ENGINES
+@pytest.mark.parametrize("side", [1.0, -1.0])
+@pytest.mark.parametrize("share", [-1.05, -0.95, 0.0, 0.95, 1.05])
+def test_a_graze_is_decided_beyond_the_error_of_its_margin(
+    engine: Engine[float], side: float, share: float
+) -> None:
+    """The margin is `share` of what `margin_error` says."""
+    error = 2 * REACH * ERROR + HALF_ULP * (8 * (1.8 + REACH) + 4 * 18.44 + 2 * REACH)
+    result = solve(level_pitch(18.44, side * (REACH - share * error)), engine)
+    if abs(share) < 1:
+        assert "whether the ball touches the bat cannot be decided" in str(result.error)
+    else:
+        assert result.error is None
+        assert (result.outcome == "missed") is (share < 0)
+    assert result.contact is not None
+    assert float(result.contact.margin) == pytest.approx(share * error, abs=4e-16)
+
+
+@ENGINES
+@pytest.mark.parametrize(
+    ("share", "said"),
+    [
+        (-1.05, "the ball starts inside the bat: "),
+        (-0.95, "whether the ball starts inside the bat or touches it cannot be decided"),
+        (0.0, ""),
+        (0.95, "whether the ball starts inside the bat or touches it cannot be decided"),
+        (1.05, ""),
+    ],
+)
+def test_a_release_next_to_the_bat_is_decided_beyond_the_error(
+    engine: Engine[float], share: float, said: str
+) -> None:
+    error = 2 * REACH * ERROR + HALF_ULP * (8 * 1.8 + 4 * REACH + 2 * REACH)
+    result = solve(level_pitch(REACH + share * error, 0.0), engine)
+    assert str(result.error or "").startswith(said)
+    assert (result.error is None) is (said == "")
+    if not said:
+        assert result.impact is not None
+
+
+@ENGINES
+@pytest.mark.parametrize(
+    ("height", "outcome", "said"),
+    [
+        (-5e-14, "grounded", ""),  # 4.5e-13 m before the plate
+        (-3e-14, None, "the ball touches the ground before the ball reaches the plate"),
+        (0.0, None, "the ball touches the ground before the ball reaches the plate"),
+        (3.6e-14, None, "the ball reaches the plate before the ball touches the ground"),
+        (4.4e-14, "crossed", ""),
+    ],
+)
+def test_plate_and_ground_are_told_apart_beyond_the_error(
+    engine: Engine[float], height: float, outcome: str | None, said: str
+) -> None:
+    """A straight line from 2 m high and 18 m away: errors of 4e-14 m up, and of 3.6e-13 m along."""
+    pitch = PitchBlock(release=(18.0, 0.0, 2.0), aim=(0.0, height))
+    result = solve(PitchScene(id="line", air=None, gravity=0.0, pitch=pitch), engine)
+    assert result.outcome == outcome
+    assert said in str(result.error or "")
