@@ -149,8 +149,9 @@ def test_there_are_no_more_workers_than_cores_and_calls(monkeypatch):
     for calls, workers in ((1, 1000), (3, -1), (9, 1000), (9, 2), (0, 2)):
         assert len(in_parallel(abs, [(1,)] * calls, workers, threads=True)) == calls
     assert asked == [1, 3, 4, 2, 1]
-    with pytest.raises(ValueError, match="workers = 0: a positive number"):
-        in_parallel(abs, [(1,)], 0)
+    for none in (0, -2):
+        with pytest.raises(ValueError, match=f"workers = {none}: a positive number"):
+            in_parallel(abs, [(1,)], none)
 
 
 def test_what_is_told_and_not_measured_is_no_double():

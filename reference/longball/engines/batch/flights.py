@@ -157,7 +157,7 @@ def fly_all(kernel: Kernel, flights: Records, order: int, truncation: float) -> 
     -------
     records of `arrival_dtype`, of the same shape
     """
-    return _flown(kernel, flights, order, truncation, np.empty((0, 0)))
+    return _flown(kernel, flights, order, truncation, np.array([]))
 
 
 def trail(kernel: Kernel, flights: Records, order: int, truncation: float) -> tuple[Records, Array]:
