@@ -565,6 +565,17 @@ def test_a_dip_within_the_error_is_in_doubt() -> None:
         assert least == pytest.approx(in_doubt, abs=1e-12, nan_ok=True)
 
 
+def test_without_an_error_nothing_is_in_doubt() -> None:
+    """A value that only touches zero falls to it there; three roots in one are told as such."""
+    p, slope, scratch, degree = polynomial(0.5, 0.5)
+    time, least = first_fall(p, slope, scratch, degree, 1.0, 0.0)
+    assert time == pytest.approx(0.5, abs=1e-7)
+    assert math.isnan(least)
+    p, slope, scratch, degree = polynomial(0.5, 0.5, 0.5)
+    time, least = first_fall(p, slope, scratch, degree, 1.0, 0.0)
+    assert math.isnan(time)
+
+
 def test_the_second_dip_counts_when_the_first_is_too_shallow() -> None:
     p, slope, scratch, degree = polynomial(0.5, 0.5, 1.5, 1.6)
     p[0] += 1e-4

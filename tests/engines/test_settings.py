@@ -77,8 +77,9 @@ def test_the_limits_of_settings(
 def test_the_limits_of_tolerances() -> None:
     smallest = 100 * np.finfo(float).eps
     for rtol, atol in ((smallest, 1e-300), (0.999, 0.999)):
-        assert Ivp("RK45", rtol, atol).flight_error == 10 * max(rtol, atol)
-        assert Ivp("BDF", rtol, atol).flight_error == 100 * max(rtol, atol)
+        # Pitches were off by 2.3 tolerances with one-step methods, and by 70 with the others.
+        assert 2.3 < Ivp("RK45", rtol, atol).flight_error / max(rtol, atol) < 23
+        assert 70 < Ivp("BDF", rtol, atol).flight_error / max(rtol, atol) < 700
     for rtol in (0.999 * smallest, 1.0):
         with pytest.raises(ValueError, match="rtol = "):
             Ivp("RK45", rtol)
@@ -100,12 +101,15 @@ def test_no_number_of_a_report_is_nan() -> None:
 
 
 def test_the_order_of_the_batch_engine_grows_with_its_digits() -> None:
-    """Half the natural logarithm of the truncation, a hundredth of the tolerance, and five."""
+    """The cheapest is half the logarithm of the truncation; a step has costs besides.
+
+    Positions are off by 11 truncations at most, or by 3 half ulps.
+    """
     for tolerance in (1e-4, 1e-9, 1e-14):
         engine = Batch(tolerance)
-        assert engine.truncation == pytest.approx(tolerance / 100)
-        assert abs(engine.order - 5 + 0.5 * math.log(tolerance / 100)) <= 0.5
-        assert engine.flight_error == pytest.approx(20 * max(tolerance / 100, 2.0**-53))
+        assert engine.truncation < tolerance / 11
+        assert 0 <= engine.order + 0.5 * math.log(engine.truncation) < 10
+        assert 1 < engine.flight_error / max(11 * engine.truncation, 3 * 2.0**-53) < 10
 
 
 # --- what no other scene comes to -----------------------------------------------------------------

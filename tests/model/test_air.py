@@ -200,6 +200,16 @@ def test_which_coefficients_mean_nothing_without_a_spin(drag: Any, lift: Any, ne
         scene(air=air)
 
 
+def test_a_lift_without_direction_is_none() -> None:
+    """A spin along the velocity: a constant lift would act, but which way?"""
+    along = LAUNCH | {"spin": [40, 50, 60]}
+    for lift in (0.0, {"law": "constant", "value": 0.0}):
+        assert not scene(air={"lift_coefficient": lift}, launch=along).air.lift_is_constant
+    for lift in (1.0, -0.2, {"law": "constant", "value": 1.0}):
+        with pytest.raises(InvalidScene, match=r"has no direction where launch\.spin is parallel"):
+            scene(air={"lift_coefficient": lift}, launch=along)
+
+
 def test_other_contradictions_of_the_air() -> None:
     for air, message in (
         ({"spin_decay_length": 100.0}, "air.spin_decay_length needs a spin"),
@@ -258,6 +268,15 @@ def test_an_incoming_ball_touches_the_bat_to_a_nanometre(off: int) -> None:
         InvalidScene, match=f"incoming.position is {'inside' if off < 0 else 'away'}"
     ):
         at(0.0696 + 1.1e-9 * off)
+
+
+def test_a_line_may_be_a_mebibyte_long() -> None:
+    line = json.dumps(LEAST["pitch"])
+    longest = line + " " * (2**20 - len(line))
+    assert parse_scene(longest) == parse_scene(longest.encode()) == parse_scene(line)
+    for longer in (longest + " ", (longest + " ").encode()):
+        with pytest.raises(InvalidScene, match="longer than 1,048,576 bytes"):
+            parse_scene(longer)
 
 
 def test_values_are_quoted_up_to_forty_characters() -> None:
