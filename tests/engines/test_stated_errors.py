@@ -261,6 +261,27 @@ def test_clearing_the_fence(velocity: tuple[float, ...]) -> None:
     assert about(error, ERROR * (abs(x) + abs(y)), rel=0.1)
 
 
+def test_a_ball_that_lift_turns_back_meets_the_fence_behind_it() -> None:
+    """Launched forwards and up, on a circle of some 13 m; the fence ends behind it, at y = 30."""
+    sides = [[40, 30, 1], [40, -30, 1], [-8, -30, 1], [-8, 30, 1]]
+    line = {
+        "kind": "flight",
+        "launch": {"position": [1, 2, 3], "velocity": [20, 1, 34]},
+        "air": {"drag_coefficient": 0, "lift_coefficient": 4},
+        "gravity": 1.0,
+        "fence": {"polyline": sides},
+    }
+    result, questions = asked(line)
+    assert result.fence is not None
+    assert result.fence.segment == 2
+    x, y, _ = map(float, result.fence.position)
+    assert (x, y) == pytest.approx((-8.0, 2.0 - 9.0 / 20.0), rel=1e-12)
+    question = "on which side the ball passes a vertex where the fence ends or has two heights"
+    ((aside, _),) = questions[question]
+    assert aside == pytest.approx((9.0 * 1 + 28.0 * 20) / math.hypot(20.0, 1.0), rel=1e-13)
+    assert float(result.fence.margin) == pytest.approx(30 - y, rel=1e-13)  # type: ignore[arg-type]
+
+
 def test_a_ball_that_lands_in_the_field_is_fair_or_foul() -> None:
     line = FLIGHT | {"fence": {"radius": 900.0}}
     result, questions = asked(line)
