@@ -754,6 +754,17 @@ def test_a_pitch_from_beside_the_plate_touches_the_bat_long_before_it() -> None:
     assert found.outcome == truth.outcome
 
 
+@pytest.mark.parametrize("x", [0.24, 0.25, 0.26])
+def test_a_pitch_from_where_the_search_for_the_bat_begins(x: float) -> None:
+    """0.25 m before the plate; there it has passed that place already."""
+    scene = AtBatScene(id="near", pitch=Pitch(release=(x, 0.0, 1.8), aim=(0.0, 1.8)))
+    found, truth = solve(scene, Batch()), solve(scene, Enclosure(20))
+    assert found.outcome == truth.outcome == "batted"
+    assert found.contact is not None
+    assert truth.contact is not None
+    assert found.contact.time == pytest.approx(float(truth.contact.time), rel=1e-13)
+
+
 def test_a_bat_far_smaller_than_its_distance_is_searched_from_nearby() -> None:
     """Of reach 2e-8 m: from 0.25 m away, where the search begins, reach² is below all roundings."""
     scene = AtBatScene(

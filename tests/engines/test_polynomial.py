@@ -101,6 +101,13 @@ def test_turning_points_where_an_interval_is_cut():
     assert turning_points(np.array([0.0, -1.0, 1.0]), 0.5).tolist() == []
 
 
+def test_a_turning_point_on_a_cut_that_no_bound_has_to_spare():
+    """The slope is (t - 1/2)(3 + 12 t²): about 1/4 it is bounded by exactly its value there."""
+    p = np.array([0.0, -1.5, 1.5, -2.0, 3.0])
+    assert turning_points(p, 1.0) == pytest.approx([0.5], abs=0)
+    assert turning_points(p, 0.5).tolist() == []
+
+
 def test_zeros_at_the_ends_are_found():
     assert zero([0.0, -1.0], 0.0, 1.0) == 0.0
     assert zero([1.0, -1.0], 0.0, 1.0) == 1.0
