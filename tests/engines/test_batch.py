@@ -716,6 +716,30 @@ def test_a_parabola_that_ends_within_the_error_of_the_time_limit_is_an_error(
     assert outcome or "the ground in the time limit cannot be decided" in str(result.error)
 
 
+@pytest.mark.parametrize(("share", "outcome"), [(0.2, None), (1.5, "landed")])
+@pytest.mark.parametrize("sink", [1e-3, 1e-4])
+def test_a_ball_that_sinks_slowly_at_the_time_limit_is_an_error(
+    sink: float, share: float, outcome: str | None
+) -> None:
+    """Of its way of 200 m eight half ulps are kept in the height, which it sinks through in time.
+
+    Those of the place where its last step begins, which is not quite as far.
+    """
+    scene = FlightScene(
+        id="sink",
+        gravity=0.0,
+        air=Air(lift_coefficient=0.0),
+        launch=Launch(position=(0.0, 0.0, 4 * sink), velocity=(60.0, 0.0, -sink)),
+    )
+    landing = solve(scene, Batch()).landing
+    assert landing is not None
+    kept = 8 * 2.0**-53 * float(landing.position[0]) / abs(float(landing.velocity[2]))
+    limit = float(landing.time) + share * kept
+    result = solve(scene.model_copy(update={"time_limit": limit}), Batch())
+    assert result.outcome == outcome
+    assert outcome or "in the time limit cannot be decided" in str(result.error)
+
+
 def test_a_circle_that_comes_back_to_the_ground_where_it_left_it_is_an_error() -> None:
     """Without gravity the path is a circle, here one that the ground is a tangent to."""
     scene = FlightScene(
