@@ -155,6 +155,26 @@ def test_a_table_of_the_spin_parameter_without_spin_is_its_first_value(name: str
     assert float(found.distance) == pytest.approx(float(wanted.distance), rel=1e-14)
 
 
+@pytest.mark.parametrize(("node", "told"), [(20.0, False), (19.9999, True), (20.0001, True)])
+def test_a_node_that_the_airspeed_only_touches_is_not_proven_to_be_passed(
+    node: float, told: bool
+) -> None:
+    """20 m/s at the apex. On both sides of the node no force acts: in doubles it does not matter."""
+    table = {"law": "table", "of": "speed", "at": [node, 90], "values": [0, 0]}
+    line = {
+        "kind": "flight",
+        "launch": {"position": [0, 0, 1], "velocity": [20, 0, 10]},
+        "air": {"drag_coefficient": table, "lift_coefficient": 0},
+    }
+    scene = parse_scene(json.dumps(line))
+    assert solve(scene, Ivp()).outcome == "landed"
+    proven = solve(scene, Enclosure())
+    if told:
+        assert proven.outcome == "landed"
+    else:
+        assert "whether the airspeed passes a node of a table" in str(proven.error)
+
+
 @dataclass(frozen=True)
 class Cut(Ivp):
     """Flies in a straight line, in pieces that end at some times; looks for the bat on those."""
