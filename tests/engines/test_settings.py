@@ -159,7 +159,7 @@ def test_a_table_of_the_spin_parameter_without_spin_is_its_first_value(name: str
 def test_a_node_that_the_airspeed_only_touches_is_not_proven_to_be_passed(
     node: float, told: bool
 ) -> None:
-    """20 m/s at the apex. On both sides of the node no force acts: in doubles it does not matter."""
+    """20 m/s at the apex. No force acts on either side of the node: in doubles it is no matter."""
     table = {"law": "table", "of": "speed", "at": [node, 90], "values": [0, 0]}
     line = {
         "kind": "flight",
