@@ -70,7 +70,7 @@ AT_BAT = {"kind": "at-bat", "pitch": {"aim": [0.1, 1.5]}, "swing": {"height_offs
 
 def about(found: float, wanted: float, rel: float = 1e-3) -> bool:
     """To a thousandth: errors are no more exact than that."""
-    return found == pytest.approx(wanted, rel=rel)
+    return found == pytest.approx(wanted, rel=rel, abs=0)
 
 
 # --- events ---------------------------------------------------------------------------------------
@@ -138,8 +138,9 @@ def test_the_error_of_a_margin(offset: float, height: float, plate_height: float
     way = max(abs(offset), 0.07)
     rounding = HALF_ULP * (8 * max(height, plate_height) + 4 * 18.0 + 2 * 0.07)
     found = margin_error(bat, plate_height, 1e-13, DOUBLES)
-    assert found == pytest.approx(2 * way * 1e-13 + rounding, rel=1e-12)
-    assert margin_error(bat, -plate_height, 0.0, DOUBLES) == pytest.approx(rounding, rel=1e-12)
+    assert found == pytest.approx(2 * way * 1e-13 + rounding, rel=1e-12, abs=0)
+    alone = margin_error(bat, -plate_height, 0.0, DOUBLES)
+    assert alone == pytest.approx(rounding, rel=1e-12, abs=0)
 
 
 def test_meeting_the_bat() -> None:
@@ -213,8 +214,8 @@ def test_where_the_touching_is_told_from_across() -> None:
     above = math.sqrt(0.07**2 - 0.01**2)
     ball = PlaneState(0.49, 1e6 + above, 30.0, 0.0)
     across, up = bat.offset(ball, DOUBLES)
-    assert across == pytest.approx(0.01, rel=1e-14)
-    assert up == pytest.approx(above, rel=1e-14)
+    assert across == pytest.approx(0.01, rel=1e-13, abs=0)
+    assert up == pytest.approx(above, rel=1e-13, abs=0)
     assert up != ball.z - 1e6
     _, down = bat.offset(ball._replace(z=1e6 - above), DOUBLES)
     assert down == -up

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from itertools import product
 from typing import Any
 
 import pytest
@@ -13,7 +14,7 @@ from longball.model.atmosphere import density, speed_of_sound
 from longball.model.earth import CORIOLIS
 from longball.model.frame import Frame
 from longball.model.numbers import DOUBLES
-from longball.model.scene import AtBatScene, InvalidScene, parse_scene
+from longball.model.scene import AtBatScene, InvalidScene, _meet, parse_scene
 
 LAUNCH = {"position": [1, 2, 3], "velocity": [4, 5, 6]}
 INCOMING = {"position": [0.0696, 0, 1], "velocity": [-40, 0, 0], "bat_height": 1}
@@ -320,6 +321,28 @@ def crosses(*vertices: tuple[float, float]) -> bool:
 )
 def test_a_fence_that_comes_back_to_its_first_chord(last: tuple[int, int], wanted: bool) -> None:
     assert crosses((70, 9), (70, -9), (50, -9), last) is wanted
+
+
+def test_chords_meet_if_they_have_a_point_in_common() -> None:
+    """All pairs between points of a small grid, by Cramer's rule, or by an end on the other."""
+
+    def within(p: Any, a: Any, b: Any) -> bool:
+        ways = [(p[0] - a[0], p[1] - a[1]), (b[0] - a[0], b[1] - a[1])]
+        aside = ways[0][0] * ways[1][1] - ways[0][1] * ways[1][0]
+        along = ways[0][0] * ways[1][0] + ways[0][1] * ways[1][1]
+        return aside == 0 and 0 <= along <= ways[1][0] ** 2 + ways[1][1] ** 2
+
+    points = list(product((0.0, 1.0, 3.0), (0.0, 2.0, 3.0)))
+    chords = [(a, b) for a, b in product(points, points) if a != b]
+    for (a, b), (c, d) in product(chords, chords):
+        u, v, w = ((q[0] - p[0], q[1] - p[1]) for p, q in ((a, b), (c, d), (a, c)))
+        both = u[0] * v[1] - u[1] * v[0]
+        first, second = w[0] * v[1] - w[1] * v[0], w[0] * u[1] - w[1] * u[0]
+        if both != 0:
+            wanted = 0 <= first / both <= 1 and 0 <= second / both <= 1
+        else:
+            wanted = any(within(*x) for x in ((a, c, d), (b, c, d), (c, a, b), (d, a, b)))
+        assert _meet(a, b, c, d) is wanted
 
 
 def test_a_fence_that_folds_back_on_itself() -> None:
