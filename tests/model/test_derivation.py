@@ -386,20 +386,38 @@ def test_what_is_not_plain_arithmetic_is_refused(expression):
 
 
 def test_the_command_writes_and_checks(tmp_path, monkeypatch, capsys):
+    generated = derivation.generate()
     monkeypatch.setattr(derivation, "__file__", str(tmp_path / "derivation.py"))
     written = tmp_path / "impact.py"
-    assert derivation.main(["--check"]) == 1
-    assert not written.exists()
-    assert derivation.main([]) == 0
-    assert written.read_text(encoding="utf-8") == derivation.generate()
-    capsys.readouterr()
-    assert derivation.main(["--check"]) == 0
-    assert capsys.readouterr().err == ""
-    altered = derivation.generate().replace("restitution + 1", "restitution - 1")
-    written.write_text(altered, encoding="utf-8")
-    assert derivation.main(["--check"]) == 1
-    assert "run `python -m longball.model.derivation`" in capsys.readouterr().err
-    assert written.read_text(encoding="utf-8") == altered
+    returned = "return -normal_speed * reduced_mass * (restitution + 1)"
+    for altered in (returned.replace("+ 1", "- 1"), "return 0", "return (\n        0\n    )"):
+        wrong = generated.replace(returned, altered)
+        assert wrong != generated
+        written.write_text(wrong, encoding="utf-8")
+        assert derivation.main(["--check"]) == 1
+        assert "run `python -m longball.model.derivation`" in capsys.readouterr().err
+        assert written.read_text(encoding="utf-8") == wrong
+        assert derivation.main([]) == 0
+        assert written.read_text(encoding="utf-8") == generated
+        capsys.readouterr()
+        assert derivation.main(["--check"]) == 0
+        assert capsys.readouterr().err == ""
+
+
+@pytest.mark.parametrize(
+    ("word", "other", "fault"),
+    [
+        ("def impulse", "def push", "has the functions"),
+        ("(reduced_mass: Number, restitution", "(restitution", "not plain arithmetic"),
+        ("n_x, n_y, n_z = normal", "n_x, n_y, n = normal", "not plain arithmetic"),
+    ],
+)
+def test_a_function_that_lacks_what_it_needs_is_refused(tmp_path, monkeypatch, word, other, fault):
+    text = derivation.generate().replace(word, other)
+    monkeypatch.setattr(derivation, "__file__", str(tmp_path / "derivation.py"))
+    (tmp_path / "impact.py").write_text(text, encoding="utf-8")
+    with pytest.raises(ValueError, match=fault):
+        derivation.generate()
 
 
 def test_a_derivation_that_goes_wrong_says_so(monkeypatch):

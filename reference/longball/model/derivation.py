@@ -5,11 +5,11 @@ The module reads from top to bottom like the paper's Appendix A, whose equations
 bodies is left out, as it is there. After the derivation come the laws that the result obeys, each
 proved in the components of three-dimensional vectors with a general unit normal, then what the
 paper's coefficient of restitution (Eq. 10) means. The impact of bodies that turn and rub follows,
-with the paper's as its limit, and last the printer that writes :mod:`longball.model.impact` from
-the derived expressions::
+with the paper's as its limit, and last the printer that writes what the functions of
+:mod:`longball.model.impact` return::
 
-    python -m longball.model.derivation            # write impact.py
-    python -m longball.model.derivation --check    # fail if impact.py is not what would be written
+    python -m longball.model.derivation            # write it
+    python -m longball.model.derivation --check    # fail if it is not what would be written
 
 A law is a function that returns a residual: what must be zero for the law to hold. It takes the
 collision rule as an argument, so that a rule which breaks the law can be seen to leave a residual.
@@ -700,62 +700,25 @@ def steps() -> list[Step]:
 # From expressions to impact.py
 # --------------------------------------------------------------------------------------------------
 
-_HEADER = '''\
-"""The impulse between ball and bat, as executed.
-
-Generated from the expressions of :mod:`longball.model.derivation`; do not edit. To regenerate::
-
-    python -m longball.model.derivation
-
-Only + - * / and whole numbers occur, so the functions serve every kind of number alike: float,
-Fraction, mpf, arb, and arrays, elementwise. Components of three are along the normal, along the
-bat, and across both; all others are in space.
-"""
-
-from typing import Any
-
-Number = Any  # float, mpf, arb or array: whatever adds, multiplies and divides
-Vector = tuple[Number, Number, Number]
-'''
-
-
-class Argument(NamedTuple):
-    """An argument of a generated function: a number, or several, and what it is."""
-
-    name: str
-    symbols: Sequence[sp.Symbol]
-    text: str
-
-
-_COMPONENTS = "along the normal, along the bat, and across both"
-_ARGUMENTS = (
-    Argument("m", [BALL_MASS], "Mass of the ball, in kg."),
-    Argument("M", [BAT_MASS], "Mass of the bat, in kg."),
-    Argument("mass", [BALL_MASS], "Of the ball, in kg."),
-    Argument("reduced_mass", [REDUCED_MASS], "μ, in kg."),
-    Argument("restitution", [RESTITUTION], "ẽ, dimensionless."),
-    Argument("normal_speed", [NORMAL_SPEED], "Ṽ·n, negative if they approach, in m/s."),
-    Argument("impulse", [IMPULSE], "Along the normal, in N·s."),
-    Argument("velocity", VELOCITY, "Of the ball, in m/s."),
-    Argument("normal", NORMAL, "Unit normal, from bat to ball."),
-    Argument("spin", SPIN, "Of the ball, in rad/s."),
-    Argument("bat_velocity", BAT_VELOCITY, "Of the bat on its axis, in m/s."),
-    Argument("rotation", ROTATION, "Angular velocity of the bat, in rad/s."),
-    Argument("radius", [RADIUS], "R, of the ball, in m."),
-    Argument("bat_radius", [BAT_RADIUS], "r_b, in m."),
-    Argument("inertia_factor", [INERTIA_FACTOR], "β = I/(m R²) of the ball, dimensionless."),
-    Argument("inverse_bat_mass", [INVERSE_BAT_MASS], "1/M of a free bat, 0 at a pivot, in 1/kg."),
-    Argument("inertia", [INERTIA], "Of the bat, about an axis across it, in kg·m²."),
-    Argument("axial_inertia", [AXIAL_INERTIA], "Of the bat, about its own axis, in kg·m²."),
-    Argument("arm", [ARM], "y of the contact, from the pivot or the bat's centre, in m."),
-    Argument("inverse_mass", INVERSE_MASS, "K_nn, K_ny, K_yy, K_tt of `inverse_mass`, in 1/kg."),
-    Argument("slip", SLIP, f"Relative velocity at the contact, {_COMPONENTS}, in m/s."),
-    Argument("tangential_restitution", [TANGENTIAL_RESTITUTION], "e_T, from -1 to 1."),
-    Argument("friction", [FRICTION], "μ_f, dimensionless."),
-    Argument("direction", DIRECTION, "Unit vector of the sliding: along the bat, and across."),
-    Argument("resistance", [RESISTANCE], "Of `sliding_resistance`, in 1/kg."),
-    Argument("push", PUSH, f"The impulse: {_COMPONENTS}, in N·s."),
-)
+# What is one number in impact.py, by its name there; components bear those of their symbols.
+_NAMES = {
+    BALL_MASS: "mass",
+    BAT_MASS: "bat_mass",
+    REDUCED_MASS: "reduced_mass",
+    RESTITUTION: "restitution",
+    NORMAL_SPEED: "normal_speed",
+    IMPULSE: "impulse",
+    RADIUS: "radius",
+    BAT_RADIUS: "bat_radius",
+    INERTIA_FACTOR: "inertia_factor",
+    INVERSE_BAT_MASS: "inverse_bat_mass",
+    INERTIA: "inertia",
+    AXIAL_INERTIA: "axial_inertia",
+    ARM: "arm",
+    TANGENTIAL_RESTITUTION: "tangential_restitution",
+    FRICTION: "friction",
+    RESISTANCE: "resistance",
+}
 
 
 class _ProductsForPowers(ast.NodeTransformer):
@@ -807,136 +770,65 @@ def plain_arithmetic(expression: sp.Expr, names: dict[sp.Symbol, str]) -> str:
     return ast.unparse(tree)
 
 
-def _function(
-    name: str, summary: str, arguments: str, results: Sequence[sp.Expr] | sp.Expr, returned: str
-) -> str:
-    """Return the source of a function of some arguments that returns some expressions."""
-    chosen = [next(a for a in _ARGUMENTS if a.name == word) for word in arguments.split()]
-    names: dict[sp.Symbol, str] = {}
-    signature, explained, unpacking = [], [], []
-    for argument in chosen:
-        parts = list(argument.symbols)
-        short = [part.name for part in parts] if len(parts) > 1 else [argument.name]
-        names |= zip(parts, short, strict=True)
-        kind = {1: "Number", 3: "Vector"}.get(len(parts), "tuple[Number, ...]")
-        signature.append(f"    {argument.name}: {kind},\n")
-        shape = "number" if len(parts) == 1 else f"{len(parts)} numbers"
-        explained.append(f"    {argument.name} : {shape}\n        {argument.text}\n")
-        if len(parts) > 1:
-            unpacking.append(f"    {', '.join(short)} = {argument.name}\n")
-    several = not isinstance(results, sp.Expr)
-    printed = [plain_arithmetic(x, names) for x in (results if several else [results])]
-    body = "".join(f"        {text},\n" for text in printed)
-    value = f"(\n{body}    )" if several else printed[0]
-    kind = {1: "Number", 3: "Vector"}.get(len(printed), "tuple[Number, ...]")
-    noqa = "  # noqa: N803  (the paper's letters)" if "M" in arguments.split() else ""
-    return (
-        f"\n\ndef {name}(\n{''.join(signature)}) -> {kind}:{noqa}\n"
-        f'    """{summary}\n\n    Parameters\n    ----------\n{"".join(explained)}\n'
-        f"    Returns\n    -------\n    {kind}\n        {returned}\n"
-        f'    """\n{"".join(unpacking)}    return {value}\n'
-    )
-
-
 def _in_space(components: sp.Matrix) -> sp.Matrix:
     """Return a vector of components along the normal, along the bat, and across both in space."""
     n_x, _, n_z = NORMAL
     return sp.Matrix([[n_x, 0, -n_z], [0, 1, 0], [n_z, 0, n_x]]) * components
 
 
-def generate() -> str:
-    """Source text of impact.py, from the derived expressions."""
+def _impact() -> Path:
+    return Path(__file__).with_name("impact.py")
+
+
+def _derived() -> dict[str, sp.Expr | sp.Matrix]:
+    """Return what each function of impact.py returns."""
     to_components = _in_space(sp.eye(3)).T
     on_axis = Bodies(*(to_components * vector for vector in BODIES))
     moved = pushed(Bodies(*(sp.zeros(3, 1) for _ in BODIES)))
     resistance, sliding = sliding_impulse()
-    functions = [
-        _function(
-            "reduced_mass",
-            "Mass that the impulse between two free bodies meets: 1/μ = 1/m + 1/M.",
-            "m M",
-            reduced_mass(),
-            "μ, in kg. The paper's Appendix A, below Eq. (A2).",
-        ),
-        _function(
-            "impulse",
-            "Impulse that the ball receives along the normal; the bat receives the opposite.",
-            "reduced_mass restitution normal_speed",
-            impulse(),
-            "-μ (1 + ẽ) (Ṽ·n), in N·s. The paper's Eq. (A10) times Δt, which is its Eq. (9).",
-        ),
-        _function(
-            "velocity_after",
-            "Velocity of the ball after the impulse.",
-            "velocity normal mass impulse",
-            list(ball_velocity_after(VELOCITY, NORMAL, IMPULSE)),
-            "V + (J/m) n, in m/s. The paper's Eq. (A1).",
-        ),
-        _function(
-            "energy_change",
-            "Change of the kinetic energy of ball and bat, factored so as not to cancel at ẽ = 1.",
-            "reduced_mass restitution normal_speed",
-            energy_change(),
-            "-½ μ (1 - ẽ²) (Ṽ·n)², in J; positive if ẽ > 1. Not in the paper.",
-        ),
-        _function(
-            "slip",
-            "Velocity of the ball relative to the bat at the contact, where both turn.",
-            "velocity spin bat_velocity rotation normal radius bat_radius",
-            list(slip(on_axis).subs(ARM, 0)),
-            f"g, {_COMPONENTS}, in m/s; g_n is Ṽ·n.",
-        ),
-        _function(
-            "inverse_mass",
-            "Change of the relative velocity at the contact for an impulse there: g' = g + K P.",
-            "mass inertia_factor inverse_bat_mass inertia axial_inertia arm bat_radius",
-            list(elements().values()),
-            "K_nn, K_ny, K_yy, K_tt, in 1/kg; n: normal, y: along the bat, t: across both.",
-        ),
-        _function(
-            "gripping_impulse",
-            "Impulse after which the ball does not slide: g' = -ẽ g_n n - e_T g_t.",
-            "inverse_mass restitution tangential_restitution slip",
-            list(gripping_impulse()),
-            f"P, {_COMPONENTS}, in N·s.",
-        ),
-        _function(
-            "sliding_resistance",
-            "What resists the impulse of a ball that slides; not positive: the two jam.",
-            "inverse_mass friction direction",
-            resistance,
-            "D = n·K(n - μ_f t), in 1/kg.",
-        ),
-        _function(
-            "sliding_impulse",
-            "Impulse of Coulomb's friction on a ball that slides.",
-            "resistance restitution friction slip direction",
-            list(sliding),
-            f"P = P_n (n - μ_f t), {_COMPONENTS}, in N·s.",
-        ),
-        _function(
-            "velocity_after_push",
-            "Velocity of the ball after an impulse that is not along the normal.",
-            "velocity push normal mass",
-            list(VELOCITY + _in_space(moved.velocity)),
-            "V + P/m, in m/s.",
-        ),
-        _function(
-            "spin_after_push",
-            "Spin of the ball after an impulse at the contact.",
-            "spin push normal mass radius inertia_factor",
-            list(SPIN + _in_space(moved.spin)),
-            "ω - (R/I) n × P, in rad/s.",
-        ),
-        _function(
-            "push_energy",
-            "Change of the kinetic energy of ball and bat by an impulse at the contact.",
-            "push slip inverse_mass",
-            work(),
-            "P·(g + K P/2), in J; positive if the collision creates energy.",
-        ),
-    ]
-    return _HEADER + "".join(functions)
+    return {
+        "reduced_mass": reduced_mass(),
+        "impulse": impulse(),
+        "velocity_after": ball_velocity_after(VELOCITY, NORMAL, IMPULSE),
+        "energy_change": energy_change(),
+        "slip": slip(on_axis).subs(ARM, 0),
+        "inverse_mass": sp.Matrix([*elements().values()]),
+        "gripping_impulse": gripping_impulse(),
+        "sliding_resistance": resistance,
+        "sliding_impulse": sliding,
+        "velocity_after_push": VELOCITY + _in_space(moved.velocity),
+        "spin_after_push": SPIN + _in_space(moved.spin),
+        "push_energy": work(),
+    }
+
+
+def generate() -> str:
+    """Return the text of impact.py, with what its functions return as derived.
+
+    Raises
+    ------
+    ValueError
+        If it has other functions, or one that lacks a number that its expression needs.
+    """
+    text = _impact().read_text(encoding="utf-8")
+    lines, derived = text.splitlines(keepends=True), _derived()
+    functions = [node for node in ast.parse(text).body if isinstance(node, ast.FunctionDef)]
+    if (there := [function.name for function in functions]) != [*derived]:
+        raise ValueError(f"impact.py has the functions {there}, and derived are {[*derived]}")
+    for function in reversed(functions):
+        last, result = function.body[-1], derived[function.name]
+        inside = {argument.arg for argument in function.args.args}
+        for node in ast.walk(function):
+            if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
+                inside.add(node.id)
+        names = {s: name for s in result.free_symbols if (name := _NAMES.get(s, s.name)) in inside}
+        if isinstance(result, sp.Expr):
+            returned = plain_arithmetic(result, names)
+        else:
+            parts = "".join(f"        {plain_arithmetic(part, names)},\n" for part in result)
+            returned = f"(\n{parts}    )"
+        lines[last.lineno - 1 : last.end_lineno] = [f"    return {returned}\n"]
+    return "".join(lines)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -953,11 +845,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     )
     parser.add_argument("--check", action="store_true", help="write nothing; fail on a difference")
     check = parser.parse_args(arguments).check
-    target = Path(__file__).with_name("impact.py")
-    text = generate()
+    target, text = _impact(), generate()
     if not check:
         target.write_text(text, encoding="utf-8")
-    elif not target.exists() or target.read_text(encoding="utf-8") != text:
+    elif target.read_text(encoding="utf-8") != text:
         print(
             f"{target} is not what the derivation generates; "
             "run `python -m longball.model.derivation` to write it anew.",
