@@ -1,8 +1,11 @@
 """The derivation of the impulse: each step, each law, and that no law is proved of everything."""
 
+import re
+
 import pytest
 import sympy as sp
 
+from analysis.derivation import run
 from longball.model import derivation
 from longball.model.derivation import (
     APPARENT_RESTITUTION,
@@ -328,24 +331,29 @@ def test_every_step_holds_in_the_collision_worked_by_hand():
         "Energy created",  # ẽ = 1/2 creates none,
         "Energy created as printed",  # and r = 1/4 is below 2/3
     }
-    outcome = {step.title: at_hand_values(step.equation) for step in derivation.steps()[:-4]}
+    equations = list(derivation.equations().items())
+    outcome = {title: at_hand_values(equation) for title, equation in equations[:-4]}
     assert set(outcome.values()) <= {sp.true, sp.false}
     assert {title for title, holds in outcome.items() if holds == sp.false} == false_there
 
 
 def test_the_discarded_root_satisfies_the_printed_quadratic_too():
-    equations = {step.title: step.equation for step in derivation.steps()}
+    equations = derivation.equations()
     discarded = equations["Discarded root"].rhs
     assert sp.expand(equations["Restitution"].lhs.subs(BETA, discarded)) == 0
 
 
-def test_steps_can_be_printed():
-    steps = derivation.steps()
-    assert len({step.title for step in steps}) == len(steps)
-    for step in steps:
-        assert step.explanation.endswith(".")
-        assert sp.latex(step.equation)
-        assert step.equation not in (sp.true, sp.false)
+def test_equations_can_be_printed():
+    for equation in derivation.equations().values():
+        assert sp.latex(equation)
+        assert equation not in (sp.true, sp.false)
+
+
+def test_the_report_says_what_each_equation_means(tmp_path):
+    section = run(tmp_path, full=False)
+    steps = re.findall(r"^\d+\. \*\*(.+)\.\*\* .+\.\n\n   \$\$ (.+) \$\$$", section, re.MULTILINE)
+    printed = {title: sp.latex(equation) for title, equation in derivation.equations().items()}
+    assert steps == list(printed.items())
 
 
 # ---- from expressions to source ------------------------------------------------------------------

@@ -561,139 +561,41 @@ def gripping_threshold() -> sp.Expr:
 # --------------------------------------------------------------------------------------------------
 
 
-class Step(NamedTuple):
-    """One line of the derivation: a title, a sentence, and what the sentence says in symbols."""
-
-    title: str
-    explanation: str
-    equation: sp.Basic
-
-
 def _equal(name: str, value: sp.Matrix) -> sp.Eq:
     return sp.Eq(sp.MatrixSymbol(name, *value.shape), sp.ImmutableMatrix(value), evaluate=False)
 
 
-def steps() -> list[Step]:
-    """List the derivation and its consequences in order, to be printed with `sympy.latex`.
+def equations() -> dict[str, sp.Basic]:
+    """Return the derivation and its consequences in order, by title, to print with `sympy.latex`.
 
-    Returns
-    -------
-    list of Step
-        The right-hand sides are the expressions that the functions above derive.
+    The right-hand sides are the expressions that the functions above derive.
     """
     penetrating, rebounding = roots()
     momentum = BALL_MASS * _V + BAT_MASS * _V_BAT
     momentum_after = BALL_MASS * _V_AFTER + BAT_MASS * _V_BAT_AFTER
-    return [
-        Step(
-            "Ball",
-            "The contact force, averaged over the contact, acts along the normal (A1).",
-            sp.Eq(_V_AFTER, ball_velocity_after(_V, _N, IMPULSE)),
-        ),
-        Step(
-            "Bat",
-            "The bat receives the opposite impulse (A2).",
-            sp.Eq(_V_BAT_AFTER, bat_velocity_after(_V_BAT, _N, IMPULSE)),
-        ),
-        Step(
-            "Momentum",
-            "Equal and opposite impulses leave the total momentum as it was.",
-            sp.Eq(momentum_after, momentum),
-        ),
-        Step(
-            "Reduced mass",
-            "Subtracting the two shows by which factor the impulse changes the relative velocity.",
-            sp.Eq(1 / REDUCED_MASS, inverse_reduced_mass()),
-        ),
-        Step(
-            "Relative velocity",
-            "So the relative velocity changes along the normal only (A3).",
-            sp.Eq(_V_RELATIVE_AFTER, _V_RELATIVE + _N * IMPULSE / REDUCED_MASS),
-        ),
-        Step(
-            "Normal component",
-            "Its normal component changes by β, the impulse over the reduced mass (A4).",
-            sp.Eq(_NORMAL_SPEED_AFTER, NORMAL_SPEED + BETA),
-        ),
-        Step(
-            "Restitution",
-            "The restitution relation (A5), squared, is quadratic in β (A6).",
-            sp.Eq(sp.Mul(*(BETA - root for root in roots())), 0),
-        ),
-        Step(
-            "Discarded root",
-            "This root keeps the sign of the normal component, so the ball would go on into the "
-            "bat; at a restitution of one there would be no force at all (A7).",
-            sp.Eq(BETA, penetrating),
-        ),
-        Step(
-            "Root of the rebound",
-            "This root reverses the normal component (A8).",
-            sp.Eq(BETA, rebounding),
-        ),
-        Step(
-            "Impulse",
-            "With β known, the impulse follows (A10).",
-            sp.Eq(IMPULSE, impulse()),
-        ),
-        Step(
-            "Energy",
-            "The kinetic energies of both bodies change by an amount that depends on nothing but "
-            "the reduced mass, the restitution and the normal component.",
-            sp.Eq(_ENERGY_CHANGE, energy_change()),
-        ),
-        Step(
-            "Energy created",
-            "The two bodies together gain energy exactly for these restitutions.",
-            sp.Contains(RESTITUTION, energy_creating_restitutions()),
-        ),
-        Step(
-            "Apparent restitution",
-            "A ball that meets a bat at rest, of effective mass m/r, head-on leaves with this "
-            "fraction of its speed (Nathan 2003).",
-            sp.Eq(APPARENT_RESTITUTION, apparent_restitution()),
-        ),
-        Step(
-            "Apparent restitution, inverted",
-            "Solved for the restitution, so that a measured fraction can be used.",
-            sp.Eq(RESTITUTION, restitution_from_apparent()),
-        ),
-        Step(
-            "Printed restitution",
-            "Eq. 10 as printed is the same formula: its e stands where the apparent one belongs.",
-            sp.Eq(RESTITUTION, printed_restitution()),
-        ),
-        Step(
-            "Energy created as printed",
-            "The printed restitution exceeds one, and so creates energy, exactly for these ratios "
-            "of the ball's mass to the effective mass of the bat.",
-            energy_creating_mass_ratios(),
-        ),
-        Step(
-            "Inverse mass at the contact",
-            "If ball and bat turn, an impulse P at the contact changes their relative velocity g "
-            "there by K P; along the normal, along the bat (of inertia J across and J_a along its "
-            "axis, w = 1/M or 0 at a pivot, a distance d away), and across both.",
-            _equal("K", inverse_mass()),
-        ),
-        Step(
-            "Grip",
-            "With a tangential restitution, the ball grips the bat by this impulse, if friction "
-            "allows its tangential part.",
-            _equal(r"\mathbf{P}", gripping_impulse()),
-        ),
-        Step(
-            "Slide",
-            "If not, Coulomb's friction acts against the slip, in the direction t.",
-            _equal(r"\mathbf{P}", sliding_impulse()[1].subs(RESISTANCE, sliding_impulse()[0])),
-        ),
-        Step(
-            "Threshold",
-            "On a body that nothing moves, the ball slides beyond this ratio of slip to normal "
-            "speed.",
-            sp.Eq(sp.Abs(SLIP[2] / SLIP[0]), gripping_threshold()),
-        ),
-    ]
+    resistance, sliding = sliding_impulse()
+    return {
+        "Ball": sp.Eq(_V_AFTER, ball_velocity_after(_V, _N, IMPULSE)),
+        "Bat": sp.Eq(_V_BAT_AFTER, bat_velocity_after(_V_BAT, _N, IMPULSE)),
+        "Momentum": sp.Eq(momentum_after, momentum),
+        "Reduced mass": sp.Eq(1 / REDUCED_MASS, inverse_reduced_mass()),
+        "Relative velocity": sp.Eq(_V_RELATIVE_AFTER, _V_RELATIVE + _N * IMPULSE / REDUCED_MASS),
+        "Normal component": sp.Eq(_NORMAL_SPEED_AFTER, NORMAL_SPEED + BETA),
+        "Restitution": sp.Eq(sp.Mul(*(BETA - root for root in roots())), 0),
+        "Discarded root": sp.Eq(BETA, penetrating),
+        "Root of the rebound": sp.Eq(BETA, rebounding),
+        "Impulse": sp.Eq(IMPULSE, impulse()),
+        "Energy": sp.Eq(_ENERGY_CHANGE, energy_change()),
+        "Energy created": sp.Contains(RESTITUTION, energy_creating_restitutions()),
+        "Apparent restitution": sp.Eq(APPARENT_RESTITUTION, apparent_restitution()),
+        "Apparent restitution, inverted": sp.Eq(RESTITUTION, restitution_from_apparent()),
+        "Printed restitution": sp.Eq(RESTITUTION, printed_restitution()),
+        "Energy created as printed": energy_creating_mass_ratios(),
+        "Inverse mass at the contact": _equal("K", inverse_mass()),
+        "Grip": _equal(r"\mathbf{P}", gripping_impulse()),
+        "Slide": _equal(r"\mathbf{P}", sliding.subs(RESISTANCE, resistance)),
+        "Threshold": sp.Eq(sp.Abs(SLIP[2] / SLIP[0]), gripping_threshold()),
+    }
 
 
 # --------------------------------------------------------------------------------------------------
