@@ -137,12 +137,7 @@ class Multiprecision(PathEngine[Mpf]):
         return 10.0 ** -(self.digits + _FLIGHT_GUARD)
 
     def steps(
-        self,
-        law: Law[Mpf],
-        start: State[Mpf],
-        begin: Mpf,
-        limit: Mpf,
-        events: Sequence[Event[Mpf]],
+        self, law: Law[Mpf], start: State[Mpf], begin: Mpf, limit: Mpf, events: Sequence[Event[Mpf]]
     ) -> Iterator[Segment]:
         """Yield the pieces of a flight; see `longball.engines.path_engine.PathEngine.steps`.
 

@@ -170,11 +170,7 @@ class Verlet(Stepped[float]):
 
     @_QUIET
     def fly(
-        self,
-        law: Law[float],
-        start: State[float],
-        events: Sequence[Event[float]],
-        limit: float,
+        self, law: Law[float], start: State[float], events: Sequence[Event[float]], limit: float
     ) -> Flight[float]:
         """Fly until the first of several events; see `longball.engines.engine.Engine.fly`.
 
@@ -200,11 +196,7 @@ class Verlet(Stepped[float]):
         return Flight(path, "time", count * self.dt, after)
 
     def stop_between(
-        self,
-        count: int,
-        before: State[float],
-        after: State[float],
-        events: Sequence[Event[float]],
+        self, count: int, before: State[float], after: State[float], events: Sequence[Event[float]]
     ) -> tuple[str, float, State[float]]:
         """Return which event is met first in step number `count`, when, and in what state."""
         ends = [(event, event.value(before), event.value(after)) for event in events]

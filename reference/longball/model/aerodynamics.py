@@ -438,10 +438,7 @@ def _left_at_speed(path: Any, speed: Any, p: Any) -> Any:
 DECAY_ALONG_PATH = Decay(("decay",), _decay("path"), lambda speed, p: speed, _left)
 # e^(-t/τ), with τ the time that L_ω takes at 100 mph.
 DECAY_IN_TIME = Decay(
-    ("decay", "decay_speed"),
-    _decay("time", REFERENCE_SPEED),
-    lambda speed, p: p.decay_speed,
-    _left,
+    ("decay", "decay_speed"), _decay("time", REFERENCE_SPEED), lambda speed, p: p.decay_speed, _left
 )
 # e^(-t U/L_ω) with the present U: ω solves no equation of its own, but the law of motion with it
 # is one in (r, v, t), and solved as such.

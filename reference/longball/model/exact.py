@@ -65,10 +65,7 @@ def parabola(start: PlaneState[N], gravity: N, time: N) -> PlaneState[N]:
     """
     fall = gravity * time
     return PlaneState(
-        start.s + start.u * time,
-        start.z + (start.w - fall / 2) * time,
-        start.u,
-        start.w - fall,
+        start.s + start.u * time, start.z + (start.w - fall / 2) * time, start.u, start.w - fall
     )
 
 

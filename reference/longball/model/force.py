@@ -208,11 +208,7 @@ def scaled(factor: Any, a: Vector[Any]) -> Vector[Any]:
 
 def cross(a: Vector[Any], b: Vector[Any]) -> Vector[Any]:
     """Return ``a × b``."""
-    return (
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    )
+    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
 
 
 def square(vector: Vector[Any]) -> Node:

@@ -99,10 +99,7 @@ WINDS = tuple(
     for wind in (
         Wind(("wind_s", "wind_y", "wind_z"), _uniform(on), _same_everywhere, on == "both"),
         Wind(
-            ("log_wind_s", "log_wind_y", ROUGHNESS),
-            _logarithmic(on),
-            _higher_faster,
-            on == "both",
+            ("log_wind_s", "log_wind_y", ROUGHNESS), _logarithmic(on), _higher_faster, on == "both"
         ),
     )
 )

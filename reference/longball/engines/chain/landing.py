@@ -8,11 +8,7 @@ from typing import Any, Generic, cast
 
 from longball.engines.chain.cases import Cases
 from longball.engines.chain.flying import fly, to_ground
-from longball.engines.engine import (
-    Engine,
-    Launch,
-    Stepped,
-)
+from longball.engines.engine import Engine, Launch, Stepped
 from longball.engines.event import Event, Piece
 from longball.engines.fence import Place, Stop, at_stop, first_crossing, stop_at
 from longball.engines.path import Flight, Path
@@ -82,11 +78,7 @@ def _land(cases: Cases[N], ball: Batted[N], outcome: Outcome) -> None:
 
 
 def _come_down(
-    cases: Cases[N],
-    ball: Batted[N],
-    flight: Flight[N],
-    outcome: Outcome,
-    fair: bool | None = None,
+    cases: Cases[N], ball: Batted[N], flight: Flight[N], outcome: Outcome, fair: bool | None = None
 ) -> None:
     """Conclude flights that end on the ground, or with the time limit.
 

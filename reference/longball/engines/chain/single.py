@@ -12,13 +12,7 @@ from longball.engines.chain.at_bat import CHAINS, Approach, Meeting, approach_ba
 from longball.engines.chain.cases import Cases
 from longball.engines.chain.collision import MODEL, Model
 from longball.engines.chain.landing import Batted, land_in_space
-from longball.engines.engine import (
-    CannotSolve,
-    Engine,
-    ManyAtOnce,
-    OutOfRange,
-    Touch,
-)
+from longball.engines.engine import CannotSolve, Engine, ManyAtOnce, OutOfRange, Touch
 from longball.engines.parallel import in_parallel
 from longball.engines.path import Flight, Leg, Trajectory
 from longball.model import result as written

@@ -36,10 +36,7 @@ class Defect:
     """
 
     def __init__(
-        self,
-        program: Program,
-        static: Mapping[Node, arb],
-        approximations: Mapping[Node, arb_poly],
+        self, program: Program, static: Mapping[Node, arb], approximations: Mapping[Node, arb_poly]
     ) -> None:
         self._static = static
         self._nodes = dynamic(program)

@@ -317,12 +317,7 @@ class Enclosure(PathEngine[arb]):
         return 0.0
 
     def steps(
-        self,
-        law: Law[arb],
-        start: State[arb],
-        begin: arb,
-        limit: arb,
-        events: Sequence[Event[Any]],
+        self, law: Law[arb], start: State[arb], begin: arb, limit: arb, events: Sequence[Event[Any]]
     ) -> Iterator[EnclosedPiece]:
         """Yield the pieces of a flight; see `PathEngine.steps`."""
         balls = self.numbers
