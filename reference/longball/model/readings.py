@@ -15,14 +15,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal, Self
 
-from pydantic import (
-    BaseModel,
-    ConfigDict,
-    Field,
-    SerializerFunctionWrapHandler,
-    model_serializer,
-    model_validator,
-)
+from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
+
+from longball.model.block import Strict
 
 EffectiveMass = Literal["inertia_over_r_squared", "as_printed"]
 Inertia = Literal["solid_cylinder", "thin_rod", "about_centre"]
@@ -46,9 +41,7 @@ SCHEME_OPTIONS = {"verlet_forces": "forces", "verlet_landing": "landing", "appen
 FIGURE_SWITCH = "fig7_parameters"
 
 
-class _Switches(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
-
+class _Switches(Strict):
     @model_serializer(mode="wrap")
     def _only_what_differs(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
         default = type(self).model_fields
