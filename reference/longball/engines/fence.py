@@ -213,11 +213,7 @@ def first_crossing(
             for crossing in _on_piece(piece, last, chord, value, frame, error, numbers)
         ]
         if found:
-            first = found[0]
-            for other in found[1:]:
-                if other.time < first.time:
-                    first = other
-            return first
+            return min(found, key=lambda crossing: crossing.time)
         if not piece.length < left:
             return None
     return None

@@ -98,20 +98,10 @@ Rule = Callable[[sp.Matrix, sp.Matrix, sp.Matrix], After]
 def on_unit_normal(expression: sp.Expr) -> sp.Expr:
     """Reduce an expression by |n| = 1 to a form that is zero exactly if it vanishes there.
 
-    Parameters
-    ----------
-    expression : sympy.Expr
-        A rational expression in the components of the normal and any other symbols.
-
-    Returns
-    -------
-    sympy.Expr
-        The factored remainder of the numerator on division by n·n - 1, over the denominator.
-
-    Notes
-    -----
-    n·n - 1 has leading coefficient one in n_z, so the remainder is unique; and the polynomial is
-    irreducible, so what vanishes on the whole unit sphere is a multiple of it.
+    It is rational in the components of the normal and any other symbols; what is returned is the
+    factored remainder of the numerator on division by n·n - 1, over the denominator. n·n - 1 has
+    leading coefficient one in n_z, so the remainder is unique; and the polynomial is irreducible,
+    so what vanishes on the whole unit sphere is a multiple of it.
     """
     numerator, denominator = sp.fraction(sp.together(expression))
     remainder = sp.rem(sp.expand(numerator), NORMAL.dot(NORMAL) - 1, NORMAL[2])
@@ -138,12 +128,7 @@ def bat_velocity_after(velocity: sp.Expr, normal: sp.Expr, impulse: sp.Expr) -> 
 
 @cache
 def inverse_reduced_mass() -> sp.Expr:
-    """Factor 1/μ by which the impulse changes the relative velocity: (A1) minus (A2), giving (A3).
-
-    Returns
-    -------
-    sympy.Expr
-        1/m + 1/M.
+    """Factor 1/μ = 1/m + 1/M of the impulse in the relative velocity: (A1) minus (A2) gives (A3).
 
     Raises
     ------
@@ -170,11 +155,8 @@ def reduced_mass() -> sp.Expr:
 def restitution_equation() -> sp.Expr:
     """Polynomial in β whose roots satisfy the restitution relation (A4) to (A6).
 
-    Returns
-    -------
-    sympy.Expr
-        (Ṽ'·n)² - ẽ² (Ṽ·n)² with Ṽ'·n = Ṽ·n + β and β = F̄Δt/μ. Squaring takes the moduli off
-        both sides, and no root is added because both sides are non-negative.
+    (Ṽ'·n)² - ẽ² (Ṽ·n)² with Ṽ'·n = Ṽ·n + β and β = F̄Δt/μ. Squaring takes the moduli off both
+    sides, and no root is added because both sides are non-negative.
     """
     normal_speed_after = NORMAL_SPEED + BETA
     return sp.expand(normal_speed_after**2 - RESTITUTION**2 * NORMAL_SPEED**2)
@@ -214,19 +196,9 @@ def impulse() -> sp.Expr:
 
 
 def collide(velocity: sp.Matrix, bat_velocity: sp.Matrix, normal: sp.Matrix) -> After:
-    """Velocities after the collision of two free bodies under the derived impulse.
+    """Velocities after the collision of two free bodies under the derived impulse: a `Rule`.
 
-    Parameters
-    ----------
-    velocity, bat_velocity : sympy.Matrix, shape (3, 1)
-        Velocities before, in m/s.
-    normal : sympy.Matrix, shape (3, 1)
-        Unit normal, from the bat to the ball.
-
-    Returns
-    -------
-    After
-        In terms of m, M and ẽ.
+    They are in terms of m, M and ẽ; the unit normal points from the bat to the ball.
     """
     normal_speed = (velocity - bat_velocity).dot(normal)
     strength = impulse().xreplace({REDUCED_MASS: reduced_mass(), NORMAL_SPEED: normal_speed})
@@ -243,18 +215,11 @@ def collide(velocity: sp.Matrix, bat_velocity: sp.Matrix, normal: sp.Matrix) -> 
 
 @cache
 def energy_change(rule: Rule = collide) -> sp.Expr:
-    """Change of the kinetic energy of both bodies, in terms of μ, ẽ and Ṽ·n.
+    """Change of the kinetic energy of both bodies: -½ μ (1 - ẽ²) (Ṽ·n)².
 
-    Returns
-    -------
-    sympy.Expr
-        -½ μ (1 - ẽ²) (Ṽ·n)², factored so that it is accurate near ẽ = 1.
-
-    Notes
-    -----
-    Nothing of this is assumed. The energies of the bodies are written in components, V_x is
-    eliminated in favour of Ṽ·n and m in favour of μ; that all other components, the normal and
-    M then drop out is the result.
+    It is factored so that it is accurate near ẽ = 1. Nothing of this is assumed. The energies of
+    the bodies are written in components, V_x is eliminated in favour of Ṽ·n and m in favour of μ;
+    that all other components, the normal and M then drop out is the result.
     """
     after = rule(VELOCITY, BAT_VELOCITY, NORMAL)
     change = (
@@ -287,11 +252,8 @@ def printed_restitution() -> sp.Expr:
 def apparent_restitution() -> sp.Expr:
     """Rebound speed over incident speed of a ball that meets a bat at rest head-on.
 
-    Returns
-    -------
-    sympy.Expr
-        (ẽ - r) / (1 + r), Nathan's e_A (Am. J. Phys. 71, 134 (2003), the paper's nathan03), from
-        the derived collision with a bat of mass M_eff = m / r.
+    (ẽ - r) / (1 + r), Nathan's e_A (Am. J. Phys. 71, 134 (2003), the paper's nathan03), from the
+    derived collision with a bat of mass M_eff = m / r.
     """
     incident_speed = sp.Symbol("v", positive=True)
     velocity = -incident_speed * NORMAL
@@ -303,10 +265,7 @@ def apparent_restitution() -> sp.Expr:
 def restitution_from_apparent() -> sp.Expr:
     """Coefficient of restitution that a measured e_A stands for: `apparent_restitution` inverted.
 
-    Returns
-    -------
-    sympy.Expr
-        e_A (1 + r) + r: Eq. 10, with e_A where the paper has e.
+    e_A (1 + r) + r: Eq. 10, with e_A where the paper has e.
     """
     (solution,) = sp.solve(sp.Eq(APPARENT_RESTITUTION, apparent_restitution()), RESTITUTION)
     return sp.collect(sp.expand(solution), APPARENT_RESTITUTION)
@@ -320,10 +279,7 @@ def apparent_from_printed() -> sp.Expr:
 def energy_creating_mass_ratios() -> sp.Rel:
     """Condition on r = m / M_eff under which Eq. 10 creates energy: r > (1 - e) / (1 + e).
 
-    Returns
-    -------
-    sympy.Rel
-        Equivalent to ẽ > 1, since Eq. 10 rises linearly with r for every e >= 0.
+    Equivalent to ẽ > 1, since Eq. 10 rises linearly with r for every e >= 0.
 
     Raises
     ------
@@ -382,12 +338,9 @@ def slip(bodies: Bodies = BODIES) -> sp.Matrix:
 
 @cache
 def inverse_mass() -> sp.Matrix:
-    """Return K, by which an impulse at the contact changes the relative velocity there.
+    """Return K, 3 × 3, by which an impulse at the contact changes the relative velocity there.
 
-    Returns
-    -------
-    sympy.Matrix, shape (3, 3)
-        Symmetric; nothing couples to the direction across normal and bat.
+    It is symmetric, and nothing couples to the direction across normal and bat.
 
     Raises
     ------
@@ -451,10 +404,7 @@ def elements() -> dict[sp.Symbol, sp.Expr]:
 def gripping_threshold() -> sp.Expr:
     """Return |g_t|/|g_n| at which a ball on a body that nothing moves begins to slide.
 
-    Returns
-    -------
-    sympy.Expr
-        μ_f (1 + ẽ)(1 + 1/β)/(1 + e_T); for a solid sphere, β = 2/5, 7/2 μ_f (1 + ẽ)/(1 + e_T).
+    μ_f (1 + ẽ)(1 + 1/β)/(1 + e_T); for a solid sphere, β = 2/5, 7/2 μ_f (1 + ẽ)/(1 + e_T).
     """
     fixed = {x: sp.limit(sp.limit(k, INERTIA, sp.oo), AXIAL_INERTIA, sp.oo).subs(
         INVERSE_BAT_MASS, 0) for x, k in elements().items()}  # fmt: skip
@@ -544,17 +494,7 @@ class _ProductsForPowers(ast.NodeTransformer):
 def plain_arithmetic(expression: sp.Expr, names: dict[sp.Symbol, str]) -> str:
     """Print an expression as Python that works for every kind of number.
 
-    Parameters
-    ----------
-    expression : sympy.Expr
-        What to print.
-    names : dict of sympy.Symbol to str
-        Name in Python for each symbol.
-
-    Returns
-    -------
-    str
-        Source text of + - * / on names and whole numbers.
+    That is + - * / on whole numbers and the names of symbols.
 
     Raises
     ------
@@ -642,13 +582,7 @@ def generate() -> str:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Write impact.py next to this file, or check that it is what would be written.
-
-    Returns
-    -------
-    int
-        Exit status: 0, or 1 if `--check` finds a difference.
-    """
+    """Write impact.py next to this file, or return 1 if `--check` finds a difference."""
     parser = argparse.ArgumentParser(
         prog="python -m longball.model.derivation",
         description="Write impact.py from the derived impulse.",

@@ -413,12 +413,7 @@ def _require_support(scene: ImpactScene | AtBatScene) -> None:
 
 
 Scene = FlightScene | PitchScene | ImpactScene | AtBatScene
-KINDS: dict[str, type[Scene]] = {
-    "flight": FlightScene,
-    "pitch": PitchScene,
-    "impact": ImpactScene,
-    "at-bat": AtBatScene,
-}
+KINDS: dict[str, type[Scene]] = {x.model_fields["kind"].default: x for x in get_args(Scene)}
 
 
 def ids_of(scenes: Sequence[Scene]) -> list[str]:

@@ -296,7 +296,7 @@ def _fly_all(
     recorded: int,
 ) -> None:
     variables, parameters, functions, order, rows, width = sizes
-    flight_size, arrival_size, count = record_sizes
+    count = record_sizes[2]
     x, rest = unowned_view(memory[0]), unowned_view(memory[1])
     work = unowned_view(memory[4])
     scratch = shifted(work, variables * width)
@@ -327,8 +327,8 @@ def _fly_all(
         shifted(scratch, 4 * width),
         shifted(scratch, 5 * width),
     )
-    starts, ends = unowned_view(records[0]), unowned_view(records[1])
-    marks, active, way = unowned_view(records[2]), unowned_view(numbers), unowned_view(steps)
+    pointers = unowned_view(records[0]), unowned_view(records[1]), unowned_view(records[2])
+    active, way = unowned_view(numbers), unowned_view(steps)
     time_row, length_row = (variables + TIME) * WIDTH, (variables + LENGTH) * WIDTH
     waited_row, farthest_row = (variables + WAITED) * WIDTH, (variables + FARTHEST) * WIDTH
     clearance_row = (variables + CLEARANCE) * WIDTH
@@ -339,13 +339,7 @@ def _fly_all(
         busy = 0
         for lane in range(WIDTH):
             if active[lane] == _NONE and next_one < count:
-                slot = _Slot(
-                    shifted(starts, next_one * flight_size),
-                    shifted(ends, next_one * arrival_size),
-                    shifted(marks, next_one * arrival_size),
-                    lane,
-                )
-                _launch(s, slot)
+                _launch(s, _slot(pointers, record_sizes, next_one, lane))
                 active[lane] = next_one
                 next_one += 1
             busy += active[lane] != _NONE
@@ -359,12 +353,7 @@ def _fly_all(
             i = active[lane]
             if i == _NONE:
                 continue
-            slot = _Slot(
-                shifted(starts, i * flight_size),
-                shifted(ends, i * arrival_size),
-                shifted(marks, i * arrival_size),
-                lane,
-            )
+            slot = _slot(pointers, record_sizes, i, lane)
             if _overflows(s, lane, order):
                 slot.mark[_STOP], active[lane] = OUT_OF_RANGE, _NONE
                 continue
@@ -404,6 +393,13 @@ def _fly_all(
                 slot.mark[_STOP], active[lane] = OUT_OF_RANGE, _NONE
             elif length == 0.0 or slot.mark[_STEPS] >= MOST_STEPS:
                 slot.mark[_STOP], active[lane] = TOO_LONG, _NONE
+
+
+@inner
+def _slot(pointers: Any, sizes: tuple[int, int, int], number: Integer, lane: int) -> _Slot:
+    flight, arrival = number * sizes[0], number * sizes[1]
+    starts, ends, marks = pointers
+    return _Slot(shifted(starts, flight), shifted(ends, arrival), shifted(marks, arrival), lane)
 
 
 @inner
