@@ -176,16 +176,6 @@ class Piecewise(Term):
     question: str
 
 
-def piecewise(
-    term: Term,
-    branches: Callable[[Any, Any, Numbers[Any]], Branches | None],
-    argument: Callable[[Motion, Any], tuple[Any, Any]],
-    question: str,
-) -> Piecewise:
-    """Return a term with several forms; see `Piecewise`."""
-    return Piecewise(term.parameters, term.strengths, term, branches, argument, question)
-
-
 def switched(scene: Any, frame: Any, numbers: Numbers[Any]) -> None:
     """Return no strengths: those of a `Piecewise` term are its branches'."""
 

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from typing import Any
 
 from longball.model import trace
-from longball.model.force import Branches, Strengths, Wind, piecewise, present, scaled, switched
+from longball.model.force import Branches, Piecewise, Strengths, Wind, present, scaled, switched
 from longball.model.numbers import N, Numbers, Vector
 from longball.model.trace import ZERO
 
@@ -85,7 +85,9 @@ def _blows_above(on: str) -> Callable[[Any, Any, Numbers[N]], Branches | None]:
 
 
 WINDS_ABOVE = tuple(
-    piecewise(
+    Piecewise(
+        ("above_s", "above_y", "above_z"),
+        switched,
         Wind(("above_s", "above_y", "above_z"), switched, _aloft, on == "both"),
         _blows_above(on),
         lambda motion, p: (motion.position[2], 1.0),

@@ -140,7 +140,9 @@ def new_flights(program: Program, shape: tuple[int, ...], events: int) -> Record
     return flights
 
 
-def fly_all(kernel: Kernel, flights: Records, order: int, truncation: float) -> Records:
+def fly_all(
+    kernel: Kernel, flights: Records, order: int, truncation: float, steps: Array | None = None
+) -> Records:
     """Fly every flight to its end.
 
     Parameters
@@ -152,31 +154,13 @@ def fly_all(kernel: Kernel, flights: Records, order: int, truncation: float) -> 
         Of the series.
     truncation
         Size of the last terms of the velocity in a step, relative to the speed.
+    steps : array of shape (steps, 1 + variables)
+        Filled with time, s, and state at the beginning of each step of the one flight.
 
     Returns
     -------
     records of `arrival_dtype`, of the same shape
     """
-    return _flown(kernel, flights, order, truncation, np.empty((0, 0)))
-
-
-def trail(kernel: Kernel, flights: Records, order: int, truncation: float) -> tuple[Records, Array]:
-    """Fly one flight to its end; return its arrival, and the way there.
-
-    Returns
-    -------
-    record of `arrival_dtype`
-    array of shape (steps, 1 + variables)
-        Time, s, and state at the beginning of each step.
-    """
-    arrival = fly_all(kernel, flights, order, truncation)
-    steps = np.empty((arrival["steps"].item(), 1 + len(kernel.layout.program.variables)))
-    return _flown(kernel, flights, order, truncation, steps), steps
-
-
-def _flown(
-    kernel: Kernel, flights: Records, order: int, truncation: float, steps: Array
-) -> Records:
     program, layout = kernel.layout.program, kernel.layout
     functions = flights.dtype["events"].shape[0] + 1
     variables, parameters = len(program.variables), len(program.parameters)
@@ -184,6 +168,7 @@ def _flown(
     arrivals = np.empty(len(starts), arrival_dtype(program))
     lanes, rest = layout.allocate(order, WIDTH), layout.allocate(order, 1)
     rows, width = lanes.shape[1], 2 * order + 4
+    steps = np.empty((0, 0)) if steps is None else steps
     _fly_all(
         (kernel.step, kernel.rest, layout.parameters * rows, layout.step * rows),
         (variables, parameters, functions, order, rows, width),
@@ -202,6 +187,13 @@ def _flown(
         len(steps),
     )
     return arrivals.reshape(flights.shape)
+
+
+def trail(kernel: Kernel, flights: Records, order: int, truncation: float) -> tuple[Records, Array]:
+    """Fly one flight to its end; return its arrival, and its steps as `fly_all` has them."""
+    arrival = fly_all(kernel, flights, order, truncation)
+    steps = np.empty((arrival["steps"].item(), 1 + len(kernel.layout.program.variables)))
+    return fly_all(kernel, flights, order, truncation, steps), steps
 
 
 # --- the loop -------------------------------------------------------------------------------------
