@@ -211,11 +211,6 @@ class Columns:
     numbers = NUMBERS
 
     @property
-    def description(self) -> str:
-        """Name and settings."""
-        return self.flyer.description
-
-    @property
     def flight_error(self) -> float:
         """Error of a state at the end of a flight, relative to its size."""
         return self.flyer.flight_error

@@ -740,7 +740,7 @@ def _kernel(program: Program) -> Kernel:
         codemodel="jitdefault",
         jit=True,
     )
-    code = stored("law", [program.source("rates")], compiled)
+    code = stored("law", [program.source], compiled)
     engine = binding.create_mcjit_compiler(binding.parse_assembly(""), target)
     engine.add_object_file(binding.ObjectFileRef.from_data(code))
     engine.finalize_object()
