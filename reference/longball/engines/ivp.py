@@ -158,7 +158,7 @@ class Ivp(PathEngine[float]):
         if self.method == "Taylor":
             pieces: list[PolynomialPiece] = []
             solution = scipy.integrate.solve_ivp(
-                None, span, state, method=_TaylorPieces, law=law, events=ends, pieces=pieces
+                None, span, state, method=_TaylorFlight, law=law, events=ends, ends=ends, pieces=pieces
             )
             return solution, pieces
         rates = right_hand_side(law)
@@ -220,22 +220,34 @@ class Ivp(PathEngine[float]):
 _NEAR = 4.0
 
 
-class _TaylorPieces(Taylor):
-    """Taylor's method that hands on its steps: solve_ivp is slower with its own dense output."""
+class _TaylorFlight(Taylor):
+    """Taylor's method that goes on to an event, and hands on its series.
+
+    solve_ivp looks at an event for longer than a series takes: it is shown the last one alone.
+    """
 
     def __init__(
-        self, *given: Any, law: Law[float], pieces: list[PolynomialPiece], **options: Any
+        self,
+        *given: Any,
+        law: Law[float],
+        ends: Callable[[float, Array], float],
+        pieces: list[PolynomialPiece],
+        **options: Any,
     ) -> None:
         super().__init__(*given, law=law, **options)
-        self._state, self._pieces = law.state, pieces
+        self._state, self._ends, self._pieces = law.state, ends, pieces
 
-    def _step_impl(self) -> tuple[bool, str | None]:
-        begin = self.t
-        success, message = super()._step_impl()
-        if success:
+    def step(self) -> str | None:
+        """Take steps until the event's value is zero."""
+        while True:
+            begin = self.t
+            message: str | None = super().step()
+            if self.status == "failed":
+                return message
             length = _length(begin, self.t)
             self._pieces.append(PolynomialPiece(begin, length, self._state, self._x))
-        return success, message
+            if self.status == "finished" or not self._ends(self.t, self.y) > 0:
+                return message
 
 
 def _expanded(
