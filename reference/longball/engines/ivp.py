@@ -249,6 +249,10 @@ class _TaylorFlight(Taylor):
             if self.status == "finished" or not self._ends(self.t, self.y) > 0:
                 return message
 
+    def _dense_output_impl(self) -> Callable[[float], Array]:
+        """Return the ends of the last series: an event whose value is zero there is not sought."""
+        return {self.t_old: self._x[:, 0], self.t: self.y}.__getitem__
+
 
 def _expanded(
     law: Law[float], times: Sequence[float], states: Iterable[Array]

@@ -34,8 +34,8 @@ COEFFICIENTS = Code(Path(coefficients.__file__).read_text("utf-8"), 5_000)
 
 def values_at(x: Array, h: float) -> Array:
     """Return the values of polynomials, one a row."""
-    run = COEFFICIENTS.now
-    found: Array = run.values(run.taken(x), h)
+    run, found = COEFFICIENTS.now, np.empty(len(x))
+    run.values(run.taken(x), h, found)
     return found
 
 
@@ -44,8 +44,8 @@ def advanced(x: Array, h: float, low: Array) -> tuple[Array, Array]:
 
     `low` is what their values at 0 lack of the true ones.
     """
-    run = COEFFICIENTS.now
-    end, lost = run.advance(run.taken(x), h, run.taken(low))
+    run, end, lost = COEFFICIENTS.now, np.empty(len(x)), np.empty(len(x))
+    run.advance(run.taken(x), h, run.taken(low), end, lost)
     return end, lost
 
 

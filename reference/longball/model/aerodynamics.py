@@ -285,8 +285,9 @@ def _table(
 
     def branches(scene: Any, frame: Any, numbers: Numbers[N]) -> Branches | None:
         law = None if scene.air is None else getattr(scene.air, coefficient)
-        known = getattr(law, "of", "spin_parameter" if law_name(law) == "bilinear" else "")
-        if known != of:
+        if not hasattr(law, "law"):
+            return None
+        if getattr(law, "of", "spin_parameter" if law.law == "bilinear" else "") != of:
             return None
         spins = _spins(frame, numbers)
         if whole is None:
