@@ -157,8 +157,9 @@ class Ivp(PathEngine[float]):
         span, ends = (time, limit), _ends(events, law)
         if self.method == "Taylor":
             pieces: list[PolynomialPiece] = []
+            options = {"law": law, "ends": ends, "pieces": pieces}
             solution = scipy.integrate.solve_ivp(
-                None, span, state, method=_TaylorFlight, law=law, events=ends, ends=ends, pieces=pieces
+                None, span, state, method=_TaylorFlight, events=ends, **options
             )
             return solution, pieces
         rates = right_hand_side(law)

@@ -26,7 +26,7 @@ from longball.engines.polynomial import advanced, values_at
 from longball.engines.series import recurrence, row_of
 from longball.model.law import Law
 from longball.model.numbers import DOUBLES
-from longball.model.trace import Node, Program, squares
+from longball.model.trace import Program, squares
 
 Array = NDArray[np.float64]
 Rows = Any  # an array of shape (rows, order + 2); of lists where nothing is compiled
