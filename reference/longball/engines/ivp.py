@@ -132,16 +132,14 @@ class Ivp(PathEngine[float]):
                 return
             solution, pieces = self._integrate(law, time, state, limit, events)
             for piece in pieces:
-                taken += 1
+                taken, time = taken + 1, piece.begin + piece.length
                 if taken > _MOST_STEPS:
                     raise TooLong(
                         f"the flight takes over {_MOST_STEPS} steps; try a shorter time_limit"
                     )
                 yield piece
             if solution.status < 0:
-                raise OutOfRange(
-                    f"solve_ivp gave up at t = {solution.t[-1]:.6g} s: {solution.message}"
-                )
+                raise OutOfRange(f"solve_ivp gave up at t = {time:.6g} s: {solution.message}")
             time, state = float(solution.t[-1]), solution.y[:, -1]
             events = ()  # whoever asks for more did not stop there
 

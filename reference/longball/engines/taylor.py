@@ -124,7 +124,7 @@ class Taylor(OdeSolver):  # type: ignore[misc]
         end, self._low = advanced(self._x, h, self._low)
         return end
 
-    def _dense_output_impl(self) -> Series:
+    def _dense_output_impl(self) -> Callable[[float], Array]:
         return Series(self.t_old, self.t, self._x)
 
 

@@ -284,7 +284,7 @@ def _table(
     """Return the branches of a table of the speed or the spin parameter."""
 
     def branches(scene: Any, frame: Any, numbers: Numbers[N]) -> Branches | None:
-        law = None if scene.air is None else getattr(scene.air, coefficient)
+        law: Any = None if scene.air is None else getattr(scene.air, coefficient)
         if not hasattr(law, "law"):
             return None
         if getattr(law, "of", "spin_parameter" if law.law == "bilinear" else "") != of:
