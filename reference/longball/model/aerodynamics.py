@@ -290,8 +290,10 @@ def _table(
     of_lift = coefficient == "lift_coefficient"
 
     def branches(scene: Any, frame: Any, numbers: Numbers[N]) -> Branches | None:
-        law = None if scene.air is None else getattr(scene.air, coefficient)
-        known = getattr(law, "of", "spin_parameter" if law_name(law) == "bilinear" else "")
+        law: Any = None if scene.air is None else getattr(scene.air, coefficient)
+        if not hasattr(law, "law"):
+            return None
+        known = getattr(law, "of", "spin_parameter" if law.law == "bilinear" else "")
         if known not in of:
             return None
         spins = _spins(frame, numbers)

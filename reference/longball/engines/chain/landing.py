@@ -139,8 +139,8 @@ def _may_loop(cases: Cases[N], law: Law[N]) -> bool:
     """Tell whether nothing but lift about a fixed axis and gravity acts, in some of the cases."""
     return (
         LIFT in law.forces
-        and {DRAG, LIFT, GRAVITY}.issuperset(law.forces)
         and cases.numbers.absent(cast(Any, law.strengths.get("drag", 0.0)))
+        and {DRAG, LIFT, GRAVITY}.issuperset(law.forces)
         and cases.scene.reading.lift_direction == "fixed_spin_axis"
         and not isinstance(cases.engine, Stepped)  # whose scheme may well come down
     )
