@@ -26,6 +26,7 @@ from pydantic import Field
 from longball.convergence.report import Frozen
 from longball.engines.chain import BLOCKS as MODELS
 from longball.judge.quantities import BLOCKS, QUANTITIES, Value
+from longball.model.quantities import nested
 from longball.model.result import Outcome, Result
 
 # A path of 100,000 points with velocities takes fourteen million bytes.
@@ -171,10 +172,9 @@ class Collector:
 
     def report_columns(self, header: Sequence[str]) -> None:
         """Note the columns of a table that no result has."""
-        known = csv_columns()
         for name in header:
-            if name not in known:
-                self._report_key(1, name, known)
+            if name not in COLUMNS:
+                self._report_key(1, name, COLUMNS)
 
     def take(self, number: int, data: Any) -> bool:
         """Take what a line held; tell whether it answers a scene that had no answer."""
@@ -381,7 +381,7 @@ def read_results(
         Ids of the scenes.
     columns
         CSV only: which quantity a column holds, where the column's name does not say so.
-        See `csv_columns`.
+        See `COLUMNS`.
 
     Raises
     ------
@@ -415,19 +415,6 @@ def _lines(file: BinaryIO, collector: Collector) -> Iterator[bytes]:
         yield line
 
 
-def csv_columns() -> dict[str, tuple[str, int | None]]:
-    """Return what a column can hold: its name, the quantity, and which component.
-
-    ``id``, ``outcome``, ``error``; a number by its name, ``landing.distance``,
-    ``landing.position[0]``.
-    """
-    columns: dict[str, tuple[str, int | None]] = {key: (key, None) for key in _TEXTS}
-    for quantity in QUANTITIES.values():
-        for component, name in enumerate(quantity.names):
-            columns[name] = (quantity.name, component if quantity.size > 1 else None)
-    return columns | {name: (name, None) for name in FACTS}
-
-
 # What is told and not measured.
 FACTS = [
     f"{block}.{key}"
@@ -436,21 +423,22 @@ FACTS = [
     if f"{block}.{key}" not in QUANTITIES
 ]
 
-
 _TEXTS = ("id", "outcome", "error")
+
+# What a column can hold: a number by its name, ``landing.distance``, ``landing.position[0]``.
+COLUMNS = [*_TEXTS, *(name for quantity in QUANTITIES.values() for name in quantity.names), *FACTS]
 
 
 def _read_csv(file: BinaryIO, collector: Collector, columns: Mapping[str, str]) -> None:
     text = io.StringIO(b"".join(_lines(file, collector)).decode("utf-8-sig", errors="replace"))
     rows = csv.reader(text, strict=True)
-    known = csv_columns()
     try:
         header = next(rows, [])
         for column, name in columns.items():
             if column not in header:
                 raise BadTable(f"there is no column {column}; the columns are {', '.join(header)}")
-            if name not in known:
-                raise BadTable(f"a column cannot hold {name}; it can hold {', '.join(known)}")
+            if name not in COLUMNS:
+                raise BadTable(f"a column cannot hold {name}; it can hold {', '.join(COLUMNS)}")
         names = [columns.get(column, column) for column in header]
         collector.report_columns(names)
         if len(set(names)) < len(names):
@@ -466,26 +454,15 @@ def _read_csv(file: BinaryIO, collector: Collector, columns: Mapping[str, str]) 
 
 def _nested(cells: Iterable[tuple[str, str]]) -> dict[str, Any]:
     """Return a row as a result is written in JSON; an empty cell is a quantity left out."""
-    known = csv_columns()
-    data: dict[str, Any] = {}
-    for name, cell in cells:
-        if name not in known or not cell.strip():
+    values: dict[str, object] = {}
+    for name, text in cells:
+        cell = text.strip()
+        if not cell or name not in COLUMNS:
             continue
-        quantity, component = known[name]
-        if quantity in _TEXTS:
-            data[quantity] = cell.strip()
-            continue
-        block, _, key = quantity.partition(".")
-        held = data.setdefault(block, {})
-        if quantity in FACTS:
-            held[key] = _fact(cell.strip())
-        elif component is None:
-            held[key] = _decimal(cell.strip())
-        else:
-            held.setdefault(key, [None] * QUANTITIES[quantity].size)[component] = _decimal(
-                cell.strip()
-            )
-    return data
+        if "[" in name:
+            values = dict.fromkeys(QUANTITIES[name.partition("[")[0]].names) | values
+        values[name] = cell if name in _TEXTS else (_fact if name in FACTS else _decimal)(cell)
+    return nested(values)
 
 
 def _fact(cell: str) -> object:
