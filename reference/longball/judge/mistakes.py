@@ -878,7 +878,7 @@ class Numbered:
 def _wrong(quantity: str, remedy: str, *known: tuple[Any, ...]) -> Iterator[Formula]:
     """Yield mistakes in a formula: names, sentences and values, and remedies if they differ."""
     for name, sentence, value, *other in known:
-        yield Formula(quantity, name, sentence, *other or [remedy], value)
+        yield Formula(quantity, name, sentence, other[0] if other else remedy, value)
 
 
 def _cos_sin(angle: float) -> tuple[float, float]:
