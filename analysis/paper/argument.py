@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from statistics import NormalDist
@@ -12,13 +13,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from analysis import Array
-from analysis.paper import combinations
-from analysis.paper.balls import Balls, Base, Space, cores, strike
-from analysis.paper.printed import CARRIES
+from analysis.paper import combinations, printed
+from analysis.paper.balls import Balls, Base, Space, strike
 from analysis.writing import STYLES, figure, render
 from longball import home_run
 from longball.engines.batch import solve_columns
-from longball.home_run import HOME_RUN_DISTANCE, PAPER_CURVES, RESTITUTIONS, draw, paper_at_bats
+from longball.home_run import HOME_RUN_DISTANCE, RESTITUTIONS
 from longball.model.scene import FlightScene, Launch
 
 SAMPLES = 400_000
@@ -88,26 +88,20 @@ def width(distances: Array) -> float:
 # --- is the pitch's speed at contact nearly constant? ---------------------------------------------
 
 
-class Contact(NamedTuple):
-    """Speeds at the bat, m/s."""
-
-    mean: float  # of the ball's speed as it meets the bat
-    deviation: float
-    by_speed: float  # gained by one deviation of the pitch's speed, all else equal
-    by_restitution: float  # gained from e = 0.41 to 0.45
-
-
-def contact(base: Base, struck: Sequence[Balls]) -> Contact:
-    """Return what the scatter of the pitch's speed amounts to, for the balls hit upwards."""
+def contact(base: Base, struck: Sequence[Balls]) -> dict[str, float]:
+    """Return what the scatter of the pitch's speed amounts to, m/s, for the balls hit upwards."""
     flies = struck[0].elevation > 0
     speeds = struck[0].pitch_speed[flies]
-    samples = draw(paper_at_bats(base.sampling), SAMPLES // 10, SEED)
-    factor = 1 + float(speeds.std() / speeds.mean())
-    faster = home_run.Samples(samples.speed * factor, samples.aim, samples.offset, samples.tilt)
-    usual, quick = (strike(base, one, [E], threads=cores())[0] for one in (samples, faster))
-    by_speed = np.nanmedian(quick.exit_speed - usual.exit_speed)
-    by_restitution = np.median(struck[-1].exit_speed[flies] - struck[0].exit_speed[flies])
-    return Contact(*map(float, (speeds.mean(), speeds.std(), by_speed, by_restitution)))
+    samples = base.drawn(SAMPLES // 10, SEED)
+    faster = replace(samples, speed=samples.speed * (1 + speeds.std() / speeds.mean()))
+    usual, quick = (strike(base, one, [E])[0] for one in (samples, faster))
+    return {
+        "mean": speeds.mean(),  # of the ball's speed as it meets the bat
+        "deviation": speeds.std(),
+        # Gained by one deviation of the pitch's speed, all else equal; and from e = 0.41 to 0.45.
+        "by_speed": np.nanmedian(quick.exit_speed - usual.exit_speed),
+        "by_restitution": np.median(struck[-1].exit_speed[flies] - struck[0].exit_speed[flies]),
+    }
 
 
 # --- is D linear in the exit speed? ---------------------------------------------------------------
@@ -119,6 +113,7 @@ class Line(NamedTuple):
     slope: float
     intercept: float
     off: float  # m, the largest distance of a point from it
+    bent: float  # the same as a share of the change along it
     power: float  # d ln D / d ln x in the middle: 1 if D is proportional to x
 
 
@@ -127,7 +122,8 @@ def line(x: Array, d: Array) -> Line:
     slope, intercept = map(float, np.polyfit(x, d, 1))
     middle = len(x) // 2
     power = np.gradient(d, x)[middle] * x[middle] / d[middle]
-    return Line(slope, intercept, float(np.abs(d - slope * x - intercept).max()), float(power))
+    off = float(np.abs(d - slope * x - intercept).max())
+    return Line(slope, intercept, off, off / (slope * float(x[-1] - x[0])), float(power))
 
 
 SPEEDS = np.linspace(40.0, 60.0, 21)  # m/s
@@ -139,10 +135,8 @@ def ranges(base: Base, elevation: float) -> Array:
     """Return D, m, of flights from 1 m above the ground at the speeds above."""
     angle, launch = math.radians(elevation), Launch(position=(0, 0, 1), velocity=(1, 0, 0))
     same = {name: getattr(base.scene, name) for name in ("ball", "air", "reading")}
-    columns = {
-        "launch.velocity[0]": SPEEDS * math.cos(angle),
-        "launch.velocity[2]": SPEEDS * math.sin(angle),
-    }
+    velocity = {0: SPEEDS * math.cos(angle), 2: SPEEDS * math.sin(angle)}
+    columns = {f"launch.velocity[{i}]": speeds for i, speeds in velocity.items()}
     found: Array = solve_columns(FlightScene(launch=launch, **same), columns)["landing.distance"]
     return found
 
@@ -163,7 +157,6 @@ def exit_line(balls: Balls) -> Line:
 class Shift(NamedTuple):
     """dD/de of single at-bats that land at some distance, by differences over the same swing."""
 
-    distance: float  # m, the middle of where they land, ± 5 m
     balls: int
     median: float  # m, dD/de
     low: float  # m: half of them lie between low and high
@@ -184,7 +177,7 @@ def shift(distance: float, struck: Sequence[Balls]) -> Shift | None:
     low, median, high = np.quantile(slope, (0.25, 0.5, 0.75))
     bend = np.quantile(np.abs((above - 2 * d + below) / STEP / slope), 0.95)
     power = np.median(slope * E / d)
-    return Shift(distance, int(here.sum()), *map(float, (median, low, high, power, bend)))
+    return Shift(int(here.sum()), *map(float, (median, low, high, power, bend)))
 
 
 # --- the report -----------------------------------------------------------------------------------
@@ -197,39 +190,25 @@ class Tested(NamedTuple):
     base: Base
     space: Space
     tail: Tail
-    contact: Contact
-    shifts: list[Shift]
+    contact: dict[str, float]
+    shifts: dict[float, Shift]  # by the middle of where the balls land, ± 5 m
     flights: dict[float, Line]  # by elevation
     exit: Line
     density: Array  # of D, 1/m, in bins of 5 m
 
-    @property
-    def lines(self) -> dict[str, Line]:
-        """All lines, by the balls through which they are laid."""
-        speeds = f"{SPEEDS[0]:g} to {SPEEDS[-1]:g} m/s"
-        flown = {f"launched at {a:g}°, {speeds}": laid for a, laid in self.flights.items()}
-        return flown | {"all fair flies, mean D by exit speed": self.exit}
-
-    @property
-    def bent(self) -> float:
-        """How far the flights are off their lines at most, as a share of the change of D."""
-        rise = float(SPEEDS[-1] - SPEEDS[0])
-        return max(laid.off / (laid.slope * rise) for laid in self.flights.values())
-
-    def covers(self, slope: float) -> bool:
-        """Tell whether a dD/de lies in the middle half of those of the balls that land at 110 m."""
-        return any(at.distance == 110.0 and at.low <= slope <= at.high for at in self.shifts)
+    def shift_at(self, distance: float) -> float:
+        """Return the median of dD/de of the balls that land at a distance, m."""
+        return self.shifts[distance].median if distance in self.shifts else math.nan
 
 
 def tested(name: str, base: Base, space: Space) -> Tested:
     """Try the argument on a reading."""
-    samples = draw(paper_at_bats(base.sampling), SAMPLES, SEED)
-    struck = strike(base, samples, RESTITUTIONS, threads=cores())
-    shifts = [shift(distance, struck) for distance in (75.0, 110.0, 150.0)]
+    struck = strike(base, base.drawn(SAMPLES, SEED), RESTITUTIONS)
+    shifts = {distance: shift(distance, struck) for distance in (75.0, 110.0, 150.0)}
     counts = np.histogram(space.distances(struck[MIDDLE]), np.arange(0.0, 301.0, 5.0))[0]
     return Tested(
         name, base, space, tail(space, struck), contact(base, struck),
-        shifts=[one for one in shifts if one is not None],
+        shifts={distance: found for distance, found in shifts.items() if found},
         flights={angle: line(SPEEDS, ranges(base, angle)) for angle in ELEVATIONS},
         exit=exit_line(struck[MIDDLE]),
         density=counts / (5.0 * space.estimate(E, struck[MIDDLE]).trials),
@@ -246,7 +225,7 @@ def run(report: Path, full: bool) -> str:
     """Write the section; `full` changes nothing."""
     found = everything()
     draw_argument(report, found)
-    return render(report, "argument", globals(), found=found, carries=CARRIES, curves=PAPER_CURVES)
+    return render(report, "argument", vars(printed) | globals(), found=found)
 
 
 def draw_argument(report: Path, found: Sequence[Tested]) -> None:

@@ -11,12 +11,12 @@ from matplotlib.patches import Patch
 from pydantic import ValidationError
 
 from analysis.paper import balls
-from analysis.paper.balls import SPACES, Base, Share, Space, cores, strike
+from analysis.paper.balls import SPACES, Base, Share, Space, strike
 from analysis.paper.combinations import RADII, STEP, Cases
 from analysis.paper.printed import P_TEXT
 from analysis.writing import figure, render
 from longball.engines.verlet import Verlet
-from longball.home_run import PAPER_CURVES, RESTITUTIONS, draw, paper_at_bats
+from longball.home_run import PAPER_CURVES, RESTITUTIONS
 from longball.model.readings import LEDGER, SCHEME_OPTIONS, Reading, SamplingReading
 
 SAMPLES = 100_000
@@ -82,8 +82,7 @@ def turn(base: Base, space: Space) -> tuple[Share, list[Turned]]:
     """Return P(0.42) of a reading, and all that comes of turning one switch."""
 
     def shares(base: Base, space: Space) -> list[Share]:
-        samples = draw(paper_at_bats(base.sampling), SAMPLES, SEED)
-        struck = strike(base, samples, RESTITUTIONS, threads=cores())
+        struck = strike(base, base.drawn(SAMPLES, SEED), RESTITUTIONS)
         return [space.share(one) for one in struck]
 
     at = RESTITUTIONS.index(E)
@@ -96,19 +95,12 @@ def turn(base: Base, space: Space) -> tuple[Share, list[Turned]]:
     return before, found
 
 
-# --- the printed scheme ---------------------------------------------------------------------------
-
-
 class Scheme(NamedTuple):
     """The printed scheme with one of its switches turned; the default has no option."""
 
-    switch: str
-    option: str
+    turned: Turned  # the change is against the defaults
     batted: float  # the share of pitches that it finds to meet the bat
-    p: float  # P(0.42) in the reading's sample space
-    p_error: float
-    change: float  # against the defaults
-    change_error: float
+    p_error: float  # of P in the reading's sample space
 
 
 def turn_scheme(base: Base, space: Space) -> list[Scheme]:
@@ -123,8 +115,8 @@ def turn_scheme(base: Base, space: Space) -> list[Scheme]:
         share = space.share(struck)
         before = before or share
         error = float(share.influence.std() / np.sqrt(STEPPED_SAMPLES))
-        batted = float(struck.batted.mean())
-        found.append(Scheme(switch, option, batted, share.p, error, *share.above(before)))
+        turned = Turned(switch, option, share.p, *share.above(before), np.nan)
+        found.append(Scheme(turned, float(struck.batted.mean()), error))
     return found
 
 
@@ -154,13 +146,9 @@ def section(report: Path, cases: Cases) -> str:
     """Write the section: each reading with each switch turned."""
     found = [Turns(name, balls.describe(*case), *turn(*case)) for name, case in cases.items()]
     draw_tornado(report, found)
-    schemes = turn_scheme(*cases["nearest"])
-    seen = [one for one in schemes if one.option and abs(one.change) > 2 * one.change_error]
-    caption = PAPER_CURVES["caption"]
     return render(
-        report, "switches", globals(), found=found, schemes=schemes, seen=seen,
-        wanted=caption(E), steep=(caption(0.45) - caption(0.41)) / 0.04,
-    )  # fmt: skip
+        report, "switches", globals(), found=found, schemes=turn_scheme(*cases["nearest"])
+    )
 
 
 def draw_tornado(report: Path, found: Sequence[Turns]) -> None:
