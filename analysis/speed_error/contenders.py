@@ -72,10 +72,11 @@ def one_by_one(engine: Engine[Any]) -> Callable[[Work], Answers]:
 
     def solved(work: Work) -> Answers:
         results = [solve(scene, engine) for scene in work.scenes]
-        outcomes, landings = [x.outcome or "" for x in results], [x.landing for x in results]
-        distances = [landing.distance if landing else None for landing in landings]
+        landings = [result.landing for result in results]
         return Answers(
-            outcomes, distances, [landing.time if landing else None for landing in landings]
+            [result.outcome or "" for result in results],
+            [landing.distance if landing else None for landing in landings],
+            [landing.time if landing else None for landing in landings],
         )
 
     return solved

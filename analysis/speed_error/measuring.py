@@ -6,9 +6,10 @@ import itertools
 import math
 import os
 import platform
+import re
 import statistics
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
@@ -86,8 +87,7 @@ class Errors:
     def row(self) -> dict[str, object]:
         """Return the numbers as columns of a table."""
         names = {"median": "median error, m", "most": "99 % error, m", "worst": "worst error, m"}
-        kept = {name: x for name, x in vars(self).items() if name != "worst_time"}
-        return {names.get(name, name): x for name, x in kept.items()}
+        return {names.get(x, x): vars(self)[x] for x in vars(self) if x != "worst_time"}
 
 
 CONTACT = ("batted", "separating", "airborne")
@@ -95,9 +95,13 @@ CONTACT = ("batted", "separating", "airborne")
 
 def errors(answers: Answers, true: Sequence[Result]) -> Errors:
     """Hold answers against the truth."""
-    landings = [result.landing for result in true]
-    off = _differences(answers.distances, [at.distance if at else None for at in landings])
-    late = _differences(answers.times, [at.time if at else None for at in landings])
+
+    def differences(found: Sequence[Number | None], name: str) -> list[float]:
+        pairs = zip(found, (result.landing for result in true), strict=True)
+        both = [(x, landing) for x, landing in pairs if x is not None and landing]
+        return [difference(x, getattr(landing, name)) for x, landing in both] or [math.nan]
+
+    off = differences(answers.distances, "distance")
     met = [
         outcome
         for outcome, result in zip(answers.outcomes, true, strict=True)
@@ -108,19 +112,11 @@ def errors(answers: Answers, true: Sequence[Result]) -> Errors:
         median=float(np.median(off)),
         most=float(np.quantile(off, 0.99)),
         worst=max(off),
-        worst_time=max(late),
+        worst_time=max(differences(answers.times, "time")),
         contacts=len(met),
         missed=sum(outcome not in (*CONTACT, "") for outcome in met),
         unanswered=sum(outcome == "" for outcome in answers.outcomes),
     )
-
-
-def _differences(found: Iterable[Number | None], true: Iterable[Number | None]) -> list[float]:
-    return [
-        difference(a, b)
-        for a, b in zip(found, true, strict=True)
-        if a is not None and b is not None
-    ] or [math.nan]
 
 
 def difference(found: Number, true: Number) -> float:
@@ -130,11 +126,9 @@ def difference(found: Number, true: Number) -> float:
 
 def machine() -> str:
     """Describe the kind of machine."""
-    processor = platform.processor() or platform.machine()
     info = Path("/proc/cpuinfo")
-    if info.exists():
-        names = [line for line in info.read_text().splitlines() if line.startswith("model name")]
-        processor = names[0].partition(":")[2].strip() if names else processor
+    named = re.search(r"model name\s*:(.*)", info.read_text() if info.exists() else "")
+    processor = named[1].strip() if named else platform.processor() or platform.machine()
     return f"{processor}, {os.cpu_count()} cores"
 
 
