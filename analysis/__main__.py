@@ -5,8 +5,6 @@ report/paper.md. Each writes its section, tables and figures; the pages are then
 all the sections that are there.
 """
 
-from __future__ import annotations
-
 import argparse
 import sys
 import time

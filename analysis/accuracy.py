@@ -1,7 +1,5 @@
 """Speed and error of the reference engine, beside plain solve_ivp with its own events."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path

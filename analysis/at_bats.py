@@ -1,7 +1,5 @@
 """A few at-bats, from the pitcher's hand to the ground."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 from typing import Any

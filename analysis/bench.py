@@ -5,8 +5,6 @@ study `analysis.speed_error`, on the same flights and at-bats; so are the measur
 error.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from analysis.speed_error import contenders, laws

@@ -1,7 +1,5 @@
 """The distribution of D and the probability of a home run: the paper's Figs. 6 and 7."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Measured baseball: what models of flight say of a day of measured pitches and batted balls."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """The paper's question, asked of real balls: whether the restitution explains the home runs."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -63,15 +61,15 @@ class Hits:
         """
         return (self.flies.velocity - self.pitch) / (1.0 + e)
 
-    def with_restitution(self, change: float, e: float) -> Hits:
+    def with_restitution(self, change: float, e: float) -> "Hits":
         """Return the hits with a ball whose restitution is larger than `e` by a change."""
         return self._with(self.flies.velocity + change * self.per_restitution(e))
 
-    def harder(self, change: float) -> Hits:
+    def harder(self, change: float) -> "Hits":
         """Return the hits, all of them faster by so many m/s."""
         return self._with(self.flies.velocity * (1.0 + change / self.flies.speed[:, None]))
 
-    def _with(self, velocity: Array) -> Hits:
+    def _with(self, velocity: Array) -> "Hits":
         speed = np.linalg.norm(velocity, axis=1)
         angle = np.arcsin(velocity[:, 2] / speed)
         bearing = np.arctan2(-velocity[:, 1], velocity[:, 0])
@@ -120,7 +118,7 @@ class Variant:
         chance: Array = norm.cdf((self.margins(hits) - self.fence) / self.scatter)
         return chance
 
-    def livelier(self, change: float) -> Hits:
+    def livelier(self, change: float) -> "Hits":
         """Return the hits with a ball whose restitution is larger by a change."""
         return self.hits.with_restitution(change, self.restitution)
 
@@ -155,7 +153,7 @@ class Estimate(NamedTuple):
         low, high = np.quantile(self.draws, [0.025, 0.975])
         return float(low), float(high)
 
-    def map(self, function: Callable[..., Any], *others: Estimate) -> Estimate:
+    def map(self, function: Callable[..., Any], *others: "Estimate") -> "Estimate":
         """Return a function of this estimate and others that are independent of it."""
         every = (self, *others)
         value = float(function(*(one.value for one in every)))

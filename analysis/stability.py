@@ -1,7 +1,5 @@
 """Every engine on every hard case: digits right, digits attainable, verdict, time."""
 
-from __future__ import annotations
-
 import math
 import time
 from decimal import Decimal
@@ -58,8 +56,8 @@ def run(report: Path, full: bool) -> str:
     cases = load() if full else load("hard")
     tasks = (delayed(try_case)(case, name) for name in ENGINES for case in cases)
     frame = pd.DataFrame(Parallel(n_jobs=-1, batch_size=16)(tasks), columns=Trial._fields)
-    rounded = frame.round({"digits": 1, "attainable": 1})
-    rounded["seconds"] = [float(f"{s:.2g}") for s in frame["seconds"]]
+    seconds = [float(f"{s:.2g}") for s in frame["seconds"]]
+    rounded = frame.round({"digits": 1, "attainable": 1}).assign(seconds=seconds)
     write_table(report, "stability", rounded)
     draw(report, frame)
     # What the engines of doubles that aim at the truth fall short of.
@@ -81,9 +79,8 @@ def try_case(case: Case, name: str) -> Trial:
     except CannotSolve as reason:
         result = Result(id=case.id, error=str(reason))
     seconds = time.perf_counter() - start
-    verdict, digits, attainable = compare(case, result)
     answer = result.outcome or str(result.error)
-    return Trial(case.id, name, verdict, digits, attainable, seconds, answer)
+    return Trial(case.id, name, *compare(case, result), seconds, answer)
 
 
 def compare(case: Case, result: Result) -> tuple[str, float, float]:

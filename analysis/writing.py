@@ -1,7 +1,5 @@
 """How the studies write: tables as CSV and Markdown, figures as PNG."""
 
-from __future__ import annotations
-
 import re
 import tomllib
 from collections.abc import Callable, Iterator, Mapping

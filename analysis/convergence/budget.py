@@ -4,8 +4,6 @@ Each part is an engine that is the reference but for that part, so that the chai
 that is written once, and the parts can be added up and held against the whole.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace

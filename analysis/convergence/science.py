@@ -1,7 +1,5 @@
 """What the time step does to P(e) and to the distances, on the same samples."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from itertools import product

@@ -1,7 +1,5 @@
 """The paper's own argument for the form of P(e), step by step (Sec. IV)."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Balls struck by the batch engine, with what the paper's studies ask of them."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
@@ -36,7 +34,7 @@ class Base(NamedTuple):
         block = self.sampling if name in SamplingReading.model_fields else self.scene
         return float(number(block, name))
 
-    def replaced(self, values: Mapping[str, float]) -> Base:
+    def replaced(self, values: Mapping[str, float]) -> "Base":
         """Return the pair with other numbers, by the same names."""
         sampled = {name: x for name, x in values.items() if name in SamplingReading.model_fields}
         fixed = {name: x for name, x in values.items() if name not in sampled}
@@ -55,7 +53,7 @@ class Balls(Struck):
     exit_speed: Array  # m/s, of the ball as it leaves it
     elevation: Array  # rad, of its direction then
 
-    def chosen(self, which: Flags) -> Balls:
+    def chosen(self, which: Flags) -> "Balls":
         """Return some of them."""
         return Balls(*(getattr(self, field.name)[which] for field in fields(self)))
 
@@ -138,6 +136,24 @@ def _chunk(base: Base, some: Samples, restitutions: Sequence[float], scheme: Ver
 
 
 @dataclass(frozen=True)
+class Share:
+    """P, home runs over members of the sample space, and what each at-bat has to do with it.
+
+    `influence` has one number for each at-bat pitched, with the mean 0: p's standard error is their
+    standard deviation over √n, and that of the difference of two shares of the same at-bats is
+    found from the difference of theirs (the delta method for a ratio).
+    """
+
+    p: float
+    influence: Array
+
+    def above(self, other: "Share") -> tuple[float, float]:
+        """Return by how much this share is larger, and the standard error of that."""
+        apart = self.influence - other.influence
+        return self.p - other.p, float(apart.std() / math.sqrt(len(apart)))
+
+
+@dataclass(frozen=True)
 class Space:
     """Which at-bats are among the samples that P(e) is a share of.
 
@@ -169,24 +185,6 @@ class Space:
         over = member & balls.home_run
         p = float(over.sum() / member.sum())
         return Share(p, (over - p * member) / member.mean())
-
-
-@dataclass(frozen=True)
-class Share:
-    """P, home runs over members of the sample space, and what each at-bat has to do with it.
-
-    `influence` has one number for each at-bat pitched, with the mean 0: p's standard error is their
-    standard deviation over √n, and that of the difference of two shares of the same at-bats is
-    found from the difference of theirs (the delta method for a ratio).
-    """
-
-    p: float
-    influence: Array
-
-    def above(self, other: Share) -> tuple[float, float]:
-        """Return by how much this share is larger, and the standard error of that."""
-        apart = self.influence - other.influence
-        return self.p - other.p, float(apart.std() / math.sqrt(len(apart)))
 
 
 SPACES = (

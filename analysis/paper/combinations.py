@@ -1,7 +1,5 @@
 """Every combination of readings that matters, against the paper's Figs. 6 and 7."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 from functools import cache

@@ -1,7 +1,5 @@
 """Every number of the paper that can be had again: printed, ours, the difference, and why."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 from typing import NamedTuple

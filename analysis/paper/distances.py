@@ -1,7 +1,5 @@
 """How far a reading is from the paper's Figs. 6 and 7, in units of their Monte-Carlo noise."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Table I, Figs. 6 and 7, and the numbers of the text about home runs, with our counterparts."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from functools import cache

@@ -1,7 +1,5 @@
 """The numbers that the paper does not print, and how P depends on all of them."""
 
-from __future__ import annotations
-
 import itertools
 import tomllib
 from collections.abc import Callable

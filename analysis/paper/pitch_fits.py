@@ -5,8 +5,6 @@ drawn from its own fits, which an analysis that works must give back; and the pi
 another league, which show what is the paper's and what is baseball's.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Sequence
 from functools import cache

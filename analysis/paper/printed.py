@@ -4,8 +4,6 @@ What it prints about pitches stands in `analysis.paper.pitch_fits`, the numbers 
 `longball.home_run` and `longball.model.scene`.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 SAMPLES = 1_000  # behind each density of Fig. 6 and each point of Fig. 7 (Sec. IV)

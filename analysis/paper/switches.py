@@ -1,7 +1,5 @@
 """The ledger of readings, one switch turned at a time."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple

@@ -1,7 +1,5 @@
 """Which of an at-bat's four random inputs the distance D comes from: Sobol's indices."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple

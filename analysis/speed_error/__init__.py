@@ -4,8 +4,6 @@ The peers are the extra ``peers`` of longball (``pip install 'longball[peers]'``
 installed is left out, and named.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pandas as pd

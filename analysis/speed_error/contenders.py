@@ -1,7 +1,5 @@
 """Who takes part: every engine of longball over its settings, and the peers that are installed."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from importlib.util import find_spec

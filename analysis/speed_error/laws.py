@@ -1,7 +1,5 @@
 """What laws of flight cost: spin, wind and a drag crisis, beside the paper's law and heyoka."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path

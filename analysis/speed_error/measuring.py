@@ -1,7 +1,5 @@
 """Time and error of contenders, side by side."""
 
-from __future__ import annotations
-
 import itertools
 import math
 import os
@@ -24,6 +22,28 @@ from longball.engines.compiled import compile_at_once
 from longball.model.result import Number, Result
 
 VERSIONS = ("numpy", "scipy", "numba", "python-flint", "heyoka", "diffrax", "jax", "scikit-sundae")
+
+
+@dataclass(frozen=True)
+class Errors:
+    """What a contender made of scenes whose truth is known.
+
+    Errors are |D - true D| where both have landed, m; NaN if there is none.
+    """
+
+    scenes: int
+    median: float
+    most: float  # the 99th percentile
+    worst: float
+    worst_time: float  # s, the same of the time of landing
+    contacts: int  # scenes in which the ball truly meets the bat between its ends
+    missed: int  # of those, how many are answered with that it does not
+    unanswered: int  # scenes without an answer
+
+    def row(self) -> dict[str, object]:
+        """Return the numbers as columns of a table."""
+        names = {"median": "median error, m", "most": "99 % error, m", "worst": "worst error, m"}
+        return {names.get(x, x): vars(self)[x] for x in vars(self) if x != "worst_time"}
 
 
 @dataclass(frozen=True)
@@ -66,28 +86,6 @@ def measure(turns: Sequence[tuple[Contender, Known]], rounds: int) -> list[Measu
 def ratio(mine: Sequence[float], measure: Sequence[float]) -> float:
     """Return the median of the rounds' ratios: a slow moment counts on both sides."""
     return statistics.median(a / b for a, b in zip(mine, measure, strict=True))
-
-
-@dataclass(frozen=True)
-class Errors:
-    """What a contender made of scenes whose truth is known.
-
-    Errors are |D - true D| where both have landed, m; NaN if there is none.
-    """
-
-    scenes: int
-    median: float
-    most: float  # the 99th percentile
-    worst: float
-    worst_time: float  # s, the same of the time of landing
-    contacts: int  # scenes in which the ball truly meets the bat between its ends
-    missed: int  # of those, how many are answered with that it does not
-    unanswered: int  # scenes without an answer
-
-    def row(self) -> dict[str, object]:
-        """Return the numbers as columns of a table."""
-        names = {"median": "median error, m", "most": "99 % error, m", "worst": "worst error, m"}
-        return {names.get(x, x): vars(self)[x] for x in vars(self) if x != "worst_time"}
 
 
 CONTACT = ("batted", "separating", "airborne")

@@ -1,7 +1,5 @@
 """What everyone is given to solve: the same flights, the same at-bats; and the truth about them."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -33,11 +31,11 @@ class Work:
     def __len__(self) -> int:
         return min(map(len, self.columns.values()))
 
-    def first(self, count: int) -> Work:
+    def first(self, count: int) -> "Work":
         """Return the first scenes."""
         return self.part(slice(count))
 
-    def part(self, rows: slice | list[int]) -> Work:
+    def part(self, rows: slice | list[int]) -> "Work":
         """Return some of the scenes."""
         return Work(self.base, {name: column[rows] for name, column in self.columns.items()})
 
