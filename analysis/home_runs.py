@@ -31,12 +31,10 @@ def run(report: Path, full: bool) -> str:
             draw_probability(axes, rows, fitted)
         ours.set_ylim(0.0, 1.3 * max(row.high for row in rows))
         handles, labels = papers.get_legend_handles_labels()
-        printed = len(PAPER_CURVES)
-        ours.legend(handles[printed:], labels[printed:], fontsize="small", loc="upper left")
-        papers.legend(
-            handles[:printed], labels[:printed], fontsize="small",
-            loc="lower center", bbox_to_anchor=(0.5, 0.15),
-        )  # fmt: skip
+        n, small = len(PAPER_CURVES), {"fontsize": "small"}
+        ours.legend(handles[n:], labels[n:], **small, loc="upper left")
+        beside: Any = {"loc": "lower center", "bbox_to_anchor": (0.5, 0.15)}
+        papers.legend(handles[:n], labels[:n], **small, **beside)
     ends = {e: struck[RESTITUTIONS.index(e)] for e in (min(RESTITUTIONS), max(RESTITUTIONS))}
     return render(
         report, "home_runs", globals(), count=count, rows=rows, fitted=fitted,
@@ -60,11 +58,7 @@ def draw_distances(report: Path, distances: dict[float, Array]) -> list[dict[str
             axes.stairs(1e3 * density, edges, linestyle=LINES[i], linewidth=1.4, label=label)
             cut = f"{label}: {1e3 * density[0]:.1f} per km"
             axes.annotate(cut, (BIN + 2.0, (0.93 - 0.07 * i) * top), fontsize="small")
-            beyond = np.mean(distances[e] >= HOME_RUN_DISTANCE)
-            highest, median = edges[int(np.argmax(density))], np.median(distances[e])
-            described.append(
-                {"e": e, "d": distances[e], "highest": highest, "median": median, "beyond": beyond}
-            )
+            described.append({"e": e, "d": distances[e], "highest": edges[int(np.argmax(density))]})
         axes.axvline(HOME_RUN_DISTANCE, color="black", linewidth=0.8, linestyle=":")
         axes.annotate("home run", (HOME_RUN_DISTANCE + 2.0, 0.9 * top), fontsize="small")
         axes.set(xlabel="distance D from the plate, m", ylabel="probability density, 1/km")

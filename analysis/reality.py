@@ -27,12 +27,6 @@ SHARES, SOLVED_SHARES = np.linspace(0.05, 1.0, 951), np.linspace(0.05, 1.0, 7)
 REPLICATES, SEED = 999, 11
 CATCH = 1.5  # m, a height at which flies are caught
 CAUGHT = ("field_out", "sac_fly", "double_play", "field_error")
-EVENTS = {
-    "caught or dropped": CAUGHT,
-    "single": ("single",),
-    "double or triple": ("double", "triple"),
-    "home run": ("home_run",),
-}
 
 
 def run(report: Path, full: bool) -> str:

@@ -43,6 +43,7 @@ E_LOW = DULL.restitution
 GAMES = 864  # of a season in Japan, 2010 to 2013: 12 teams of 144 games
 REPLICATES, SEED = 10_000, 12
 STEP = 2e-3  # of e, over which home runs are differentiated: they are smooth over 20 times that
+FASTER, C = 0.1, 0.002  # m/s and of C_D: steps of the other derivatives
 
 
 @dataclass(frozen=True)
@@ -182,21 +183,6 @@ def restitution_slope(variant: Variant) -> tuple[float, Estimate]:
     return float((below + above).sum() / 2.0), slope(variant, STEP, below, above)
 
 
-def speed_slope(variant: Variant) -> float:
-    """Return d ln(home runs) by the speed off the bat of all balls, s/m."""
-    around = (variant.chances(variant.hits.harder(x)) for x in (-0.1, 0.1))
-    return slope(variant, 0.1, *around).value
-
-
-def drag_slope(variant: Variant) -> float:
-    """Return d ln(home runs) by the part of C_D that depends on nothing."""
-    drag: Any = variant.model.drag
-    laws = [drag | {"constant": drag["constant"] + x} for x in (-0.002, 0.002)]
-    models = [replace(variant.model, drag=law) for law in laws]
-    around = (replace(variant, model=model).chances(variant.hits) for model in models)
-    return slope(variant, 0.002, *around).value
-
-
 def season_ratios(variant: Variant) -> list[Estimate]:
     """Return what the restitutions of the pairs of seasons multiply home runs by."""
     changes = [lively.restitution - E_LOW for lively, _ in SEASON_PAIRS]
@@ -214,15 +200,6 @@ def with_fence_for(variant: Variant, home_runs: float) -> Variant:
     return replace(variant, fence=float(brentq(too_many, -20.0, 60.0)))
 
 
-def speed_for(variant: Variant, home_runs: float) -> float:
-    """Return by how much harder all balls are hit, m/s, if there are so many home runs."""
-
-    def too_many(change: float) -> float:
-        return float(variant.chances(variant.hits.harder(change)).sum() - home_runs)
-
-    return float(brentq(too_many, -8.0, 4.0, xtol=0.001))
-
-
 def run(report: Path, full: bool) -> str:
     """Differentiate the home runs of a day by the restitution, and hold it against two seasons."""
     hits = measured_hits()
@@ -231,7 +208,11 @@ def run(report: Path, full: bool) -> str:
     scatter = float(np.std(predict(hits.flies, NATHAN).error))
     plain = Variant("Nathan's laws, this fence", hits, NATHAN, scatter)
     fitted = with_fence_for(replace(plain, name="the same, fence by the day's count"), day)
-    change = speed_for(fitted, japan)
+
+    def too_many(change: float) -> float:
+        return float(fitted.chances(hits.harder(change)).sum() - japan)
+
+    change = float(brentq(too_many, -8.0, 4.0, xtol=0.001))
     name = "the same, balls slower by Japan's count of 2012"
     slower = replace(fitted, name=name, hits=hits.harder(change))
     further = with_fence_for(replace(plain, name="fence alone by Japan's count"), japan)
@@ -247,13 +228,20 @@ def run(report: Path, full: bool) -> str:
     ratios = {x.name: season_ratios(x) for x in (fitted, further, slower)}
     counted = [counted_ratio(*pair) for pair in SEASON_PAIRS]
     draw_ratios(report, counted, ratios[slower.name])
+    by_speed = slope(
+        slower, FASTER, *(slower.chances(slower.hits.harder(x)) for x in (-FASTER, FASTER))
+    )
+    # C_D by the part of it that depends on nothing.
+    drag: Any = NATHAN.drag
+    models = [replace(NATHAN, drag=drag | {"constant": drag["constant"] + x}) for x in (-C, C)]
+    around = (replace(slower, model=model).chances(slower.hits) for model in models)
     return render(
         report, "seasons", vars(printed) | globals(), hits=hits, day=day, games=games, plain=plain,
         fitted=fitted, change=change, slopes=list(slope_rows(slopes, counted)), ratios=ratios,
         counted=counted, alone=ratios[slower.name][0], slope=slopes[slower.name][1],
         explained=ratios[slower.name][0].map(lambda x, y: np.log(x) / np.log(y), counted[0]),
         per_e=float(np.linalg.norm(hits.per_restitution(E_LOW)[hits.home_run], axis=1).mean()),
-        by_speed=speed_slope(slower) * MPH, by_drag=drag_slope(slower),
+        by_speed=by_speed.value * MPH, by_drag=slope(slower, C, *around).value,
     )  # fmt: skip
 
 

@@ -24,15 +24,6 @@ PER_DECADE = 4
 # Proves its digits: what is shown goes down to 1e-11 m and less.
 PROVEN: Engine[Any] = create("enclosure", digits=20)
 
-IN_THEORY: dict[VerletForces, int] = {
-    "old_carried": 1,
-    "old_recomputed": 1,
-    "half_step": 1,
-    "predicted_carried": 2,
-    "predicted_recomputed": 2,
-    "implicit": 2,
-}
-
 
 def flight(speed: float, degrees: float) -> FlightScene:
     """Return a flight launched 1 m over the plate."""

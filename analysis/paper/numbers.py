@@ -5,6 +5,7 @@ import tomllib
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -41,17 +42,8 @@ def share(problem: Problem, space: Space) -> Share:
 # --- what is not printed --------------------------------------------------------------------------
 
 
-class Unknown(NamedTuple):
-    """A number that the paper does not print, or prints for other balls than its own."""
-
-    name: str  # in a scene or its sampling
-    unit: str
-    low: float  # its range
-    high: float
-    source: str  # where that comes from
-
-
-UNKNOWN = tuple(Unknown(**one) for one in DATA["unknown"])
+# In a scene or its sampling: name, unit, low and high end of the range, and their source.
+UNKNOWN = tuple(SimpleNamespace(**one) for one in DATA["unknown"])
 Change = tuple[float, float]  # of P(0.42), with its standard error
 
 
@@ -157,27 +149,25 @@ PARAMETERS = (
 )  # fmt: skip
 
 
-def sensitivity(parameter: Parameter, problem: Problem, space: Space, p: float) -> dict[str, Any]:
-    """Return ∂P/∂x and d ln P / d ln x of a parameter x, with their standard errors.
-
-    By the central difference over ± 2 % with the same random numbers.
-    """
-    above, below = (share(parameter.scaled(problem, 1 + s), space) for s in (STEP, -STEP))
-    value = parameter.value(problem)
-    slope, slope_error = (x / (2 * STEP * value) for x in above.above(below))
-    power, power_error = (x / (2 * STEP * p) for x in above.above(below))
-    return {
-        "parameter": parameter, "value": value, "slope": slope, "slope_error": slope_error,
-        "power": power, "power_error": power_error,
-    }  # fmt: skip
-
-
 def sensitivities(report: Path, cases: Cases) -> str:
-    """Write the section: ∂P/∂parameter at the default and the nearest reading."""
-    found, strongest = {}, {}
+    """Write the section: ∂P/∂x and d ln P / d ln x of a number x at each of the two readings.
+
+    By the central difference over ± 2 % with the same random numbers, with its standard error.
+    """
+    found: dict[str, list[dict[str, Any]]] = {}
     for name, (base, space) in cases.items():
         problem = drawn(base.replaced({"ball.restitution": E}))
         p = share(problem, space).p
-        found[name] = [sensitivity(one, problem, space, p) for one in PARAMETERS]
-        strongest[name] = sorted(found[name], key=lambda one: -abs(one["power"]))[:3]
-    return render(report, "sensitivities", globals(), found=found, strongest=strongest)
+        found[name] = []
+        for one in PARAMETERS:
+            above, below = (share(one.scaled(problem, 1 + x), space) for x in (STEP, -STEP))
+            value, (rise, error) = one.value(problem), above.above(below)
+            row = {"slope": rise / (2 * STEP * value), "slope_error": error / (2 * STEP * value)}
+            row |= {"power": rise / (2 * STEP * p), "power_error": error / (2 * STEP * p)}
+            found[name].append(row | {"parameter": one, "value": value})
+    return render(report, "sensitivities", globals(), found=found)
+
+
+def strongest(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Return the three numbers that change P most."""
+    return sorted(rows, key=lambda row: -abs(row["power"]))[:3]
