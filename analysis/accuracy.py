@@ -1,6 +1,5 @@
 """Speed and error of the reference engine, beside plain solve_ivp with its own events."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -32,7 +31,7 @@ def run(report: Path, full: bool) -> str:
         "longball ivp DOP853": contenders.ivp("DOP853"),
         "longball ivp, Taylor's method": contenders.ivp("Taylor"),
     }
-    turns = [(replace(one, turn=len(results)), flights) for one in candidates.values()]
+    turns = [(one._replace(turn=len(results)), flights) for one in candidates.values()]
     measured = dict(zip(candidates, measuring.measure(turns, ROUNDS), strict=True))
     pairs = list(zip(results, work.truth(struck), strict=True))
     return render(

@@ -225,12 +225,9 @@ def _fence(generator: Generator) -> Written:
         return {"radius": generator.uniform(20.0, 130.0)}
     count = generator.integers(2, 8)
     angles = np.sort(generator.uniform(-0.8, 0.8, count))[::-1].tolist()
-    return {
-        "polyline": [
-            [far * math.cos(angle), far * math.sin(angle), generator.uniform(0.0, 12.0)]
-            for angle, far in zip(angles, generator.uniform(20.0, 130.0, count), strict=True)
-        ]
-    }
+    corners = zip(angles, generator.uniform(20.0, 130.0, count), strict=True)
+    across = ((far * math.cos(angle), far * math.sin(angle)) for angle, far in corners)
+    return {"polyline": [[x, y, generator.uniform(0.0, 12.0)] for x, y in across]}
 
 
 FAMILIES: dict[str, Callable[[str, Generator], Written]] = {

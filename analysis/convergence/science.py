@@ -1,7 +1,6 @@
 """What the time step does to P(e) and to the distances, on the same samples."""
 
 import math
-from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
 from statistics import NormalDist
@@ -60,8 +59,7 @@ def strike(case: Case, step: float | None, chunk: int) -> list[Struck]:
     return home_run.monte_carlo(base, at_bats, case.restitutions, CHUNK, seed, engine=engine)
 
 
-@dataclass(frozen=True)
-class Bias:
+class Bias(NamedTuple):
     """How P differs from the reference's on the same samples, with an interval of 95 %."""
 
     gained: int

@@ -29,26 +29,13 @@ NORMAL = NormalDist()
 # --- is D near 150 m normal, with mean C₁ e? ------------------------------------------------------
 
 
-class Tail(NamedTuple):
-    """What a reading has at the fence, against the normal distribution that the paper assumes.
+def tail(space: Space, struck: Sequence[Balls]) -> dict[str, float]:
+    """Compare the balls of a sample space, struck at the paper's restitutions, with its form.
 
     A normal density of D with mean m and deviation σ is fixed by P = Φ((m - 150)/σ) and by its
     density p at 150 m; and P changes with e by p(150) times the mean of dD/de there, whatever
     the density (Leibniz' rule). The paper's form says that both are C₁: m = C₁ e, and dm/de = C₁.
     """
-
-    p: float  # P(D ≥ 150 m) of the balls in the sample space
-    density: float  # 1/m, theirs at 150 m
-    sigma: float  # m, of the normal distribution that has both
-    mean: float  # m, of the same
-    shift: float  # m, dP/de over the density: the mean of dD/de at the fence
-    curvature: float  # m, the σ of a normal density that bends like this one in the window
-    c1: float  # m, of the paper's form fitted to P(e)
-    c1_sigma: float  # m, of the same
-
-
-def tail(space: Space, struck: Sequence[Balls]) -> Tail:
-    """Compare the balls of a sample space, struck at the paper's restitutions, with the form."""
     rows = [space.estimate(e, balls) for e, balls in zip(RESTITUTIONS, struck, strict=True)]
     p, distances = rows[MIDDLE].p, space.distances(struck[MIDDLE])
     density = density_at_fence(distances) * len(distances) / rows[MIDDLE].trials
@@ -56,9 +43,16 @@ def tail(space: Space, struck: Sequence[Balls]) -> Tail:
     sigma = NORMAL.pdf(z) / density
     slope = (rows[MIDDLE + 1].p - rows[MIDDLE - 1].p) / (2 * STEP)
     fitted = home_run.fit(rows)
-    form = (fitted.curve.c1, fitted.curve.sigma) if fitted else (math.nan, math.nan)
-    mean = HOME_RUN_DISTANCE - z * sigma
-    return Tail(p, density, sigma, mean, slope / density, width(distances), *form)
+    return {
+        "p": p,  # P(D ≥ 150 m) of the balls in the sample space
+        "density": density,  # 1/m, theirs at 150 m
+        "sigma": sigma,  # m, of the normal distribution that has both
+        "mean": HOME_RUN_DISTANCE - z * sigma,  # m, of the same
+        "shift": slope / density,  # m: the mean of dD/de at the fence
+        "curvature": width(distances),  # m, the σ of a normal density that bends like this one
+        "c1": fitted.curve.c1 if fitted else math.nan,  # m, of the paper's form fitted to P(e)
+        "c1_sigma": fitted.curve.sigma if fitted else math.nan,  # m, of the same
+    }
 
 
 def log_density(distances: Array) -> Array:
@@ -152,19 +146,7 @@ def exit_line(balls: Balls) -> Line:
 # --- what does dD/de come to? ---------------------------------------------------------------------
 
 
-class Shift(NamedTuple):
-    """dD/de of single at-bats that land at some distance, by differences over the same swing."""
-
-    balls: int
-    median: float  # m, dD/de
-    low: float  # m: half of them lie between low and high
-    high: float
-    power: float  # median of d ln D / d ln e: 1 if D is proportional to e, as in D = C₁ e
-    # Largest share of dD/de that changes from e = 0.42 to 0.44, for 95 % of them: 0 if linear.
-    bend: float
-
-
-def shift(distance: float, struck: Sequence[Balls]) -> Shift | None:
+def shift(distance: float, struck: Sequence[Balls]) -> dict[str, float] | None:
     """Return dD/de of the fair flies that land at a distance; None if there are too few."""
     at = struck[MIDDLE]
     here = at.fair & (at.elevation > 0) & (np.abs(at.distance - distance) < 5.0)
@@ -173,12 +155,13 @@ def shift(distance: float, struck: Sequence[Balls]) -> Shift | None:
     below, d, above = (struck[MIDDLE + i].distance[here] for i in (-1, 0, 1))
     slope = (above - below) / (2 * STEP)
     low, median, high = np.quantile(slope, (0.25, 0.5, 0.75))
-    bend = np.quantile(np.abs((above - 2 * d + below) / STEP / slope), 0.95)
-    power = np.median(slope * E / d)
-    return Shift(int(here.sum()), *map(float, (median, low, high, power, bend)))
-
-
-# --- the report -----------------------------------------------------------------------------------
+    return {
+        "balls": int(here.sum()),
+        **{"low": low, "median": median, "high": high},  # m, dD/de; half lie between low and high
+        "power": np.median(slope * E / d),  # d ln D / d ln e: 1 if D is proportional to e
+        # Largest share of dD/de that changes from e = 0.42 to 0.44, for 95 % of them: 0 if linear.
+        "bend": np.quantile(np.abs((above - 2 * d + below) / STEP / slope), 0.95),
+    }
 
 
 class Tested(NamedTuple):
@@ -187,16 +170,16 @@ class Tested(NamedTuple):
     name: str
     base: Base
     space: Space
-    tail: Tail
+    tail: dict[str, float]
     contact: dict[str, float]
-    shifts: dict[float, Shift]  # by the middle of where the balls land, ± 5 m
+    shifts: dict[float, dict[str, float]]  # by the middle of where the balls land, ± 5 m
     flights: dict[float, Line]  # by elevation
     exit: Line
     density: Array  # of D, 1/m, in bins of 5 m
 
     def shift_at(self, distance: float) -> float:
         """Return the median of dD/de of the balls that land at a distance, m."""
-        return self.shifts[distance].median if distance in self.shifts else math.nan
+        return self.shifts[distance]["median"] if distance in self.shifts else math.nan
 
 
 def tested(name: str, base: Base, space: Space) -> Tested:
@@ -234,7 +217,7 @@ def draw_argument(report: Path, found: Sequence[Tested]) -> None:
         for one in found:
             line = {key: STYLES[one.name][key] for key in ("color", "linestyle")}
             left.plot(d, 1e3 * one.density, **line, linewidth=1.6, label=f"{one.name} reading")
-            normal = NormalDist(one.tail.mean, one.tail.sigma)
+            normal = NormalDist(one.tail["mean"], one.tail["sigma"])
             densities = [1e3 * normal.pdf(x) for x in d[near]]
             left.plot(d[near], densities, **line, linewidth=0.7, label="normal, same P and density")
             marked: Any = {"markersize": 4, "markevery": 5}

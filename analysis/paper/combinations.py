@@ -127,9 +127,6 @@ def trial(base: Base, space: Space, struck: Sequence[Balls], seed: int | None = 
     return Trial(base, space, rows, mode, low, to, peaks)
 
 
-# --- the study ------------------------------------------------------------------------------------
-
-
 class Study(NamedTuple):
     """Every combination at first sight, and the near ones seen closer, the nearest first."""
 
@@ -194,9 +191,6 @@ def stepped(exact: Trial) -> dict[str, Any]:
         "of_pitches": [one.home_run.mean() for one in struck],
         "away": distance(rows, PAPER_CURVES["caption"]),
     }
-
-
-# --- the report -----------------------------------------------------------------------------------
 
 
 def section(report: Path) -> str:

@@ -124,9 +124,6 @@ def curve_share(curve: Curve, e: float, low: float, high: float) -> float:
     return (above - below) / 2
 
 
-# --- the report -----------------------------------------------------------------------------------
-
-
 def run(report: Path, full: bool) -> str:
     """Write the section; `full` changes nothing."""
     found = reproduced()

@@ -57,22 +57,18 @@ def over_ranges(base: Base, space: Space) -> tuple[Share, list[tuple[Change, Cha
     return before, [(moved(one.name, one.low), moved(one.name, one.high)) for one in UNKNOWN]
 
 
-def at_corners(base: Base, space: Space) -> list[Trial]:
-    """Return P(e) with all numbers at the ends of their ranges, in all combinations."""
-    names, found = [one.name for one in UNKNOWN], []
-    for values in itertools.product(*((one.low, one.high) for one in UNKNOWN)):
-        corner = base.replaced(dict(zip(names, values, strict=True)))
-        struck = strike(*drawn(corner, CORNER_SAMPLES), RESTITUTIONS)
-        found.append(trial(corner, space, struck))
-    return found
-
-
 def section(report: Path, cases: Cases) -> str:
     """Write the section: what the unknown numbers do, alone and together."""
     cases = {name: (base.replaced({"ball.restitution": E}), s) for name, (base, s) in cases.items()}
     found = {name: over_ranges(*case) for name, case in cases.items()}
     draw_ranges(report, found)
-    corners = {name: at_corners(*case) for name, case in cases.items()}
+    names = [one.name for one in UNKNOWN]
+    corners: dict[str, list[Trial]] = {name: [] for name in cases}
+    for values in itertools.product(*((one.low, one.high) for one in UNKNOWN)):
+        for name, (base, space) in cases.items():
+            corner = base.replaced(dict(zip(names, values, strict=True)))
+            struck = strike(*drawn(corner, CORNER_SAMPLES), RESTITUTIONS)
+            corners[name].append(trial(corner, space, struck))
     return render(report, "numbers", globals(), near=NEAR, found=found, corners=corners)
 
 

@@ -8,6 +8,7 @@ another league, which show what is the paper's and what is baseball's.
 import math
 from collections.abc import Iterable, Sequence
 from functools import cache
+from itertools import product
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -152,16 +153,14 @@ def spread_behind_figure_3() -> float:
 def compare(example: FittedPitches, synthetic: FittedPitches, million: FittedPitches) -> Rows:
     """Return printed and ours, by both methods."""
     rows: Rows = []
-    for method in ("least_squares", "maximum_likelihood"):
-        for printed in PRINTED:
-            value, error = printed.ours(synthetic, method)
-            theirs, their_error = printed.ours(example, method)
-            row = {"method": method, "quantity": printed.name, "unit": printed.unit}
-            row |= {"printed": printed.value, "synthetic": value, "synthetic_error": error}
-            row |= {"difference": value - printed.value}
-            row |= {"million": printed.ours(million, method)[0]}
-            row |= {"example": theirs, "example_error": their_error}
-            rows.append(row | {"verdict": verdict(printed, method, value, error)})
+    for method, printed in product(("least_squares", "maximum_likelihood"), PRINTED):
+        value, error = printed.ours(synthetic, method)
+        theirs, their_error = printed.ours(example, method)
+        row = {"method": method, "quantity": printed.name, "unit": printed.unit}
+        row |= {"printed": printed.value, "synthetic": value, "synthetic_error": error}
+        row |= {"difference": value - printed.value, "million": printed.ours(million, method)[0]}
+        row |= {"example": theirs, "example_error": their_error}
+        rows.append(row | {"verdict": verdict(printed, method, value, error)})
     return rows
 
 
@@ -249,12 +248,12 @@ def vary_grid() -> Rows:
 def vary_classes() -> Rows:
     """Return the example's Table II for other meanings of "straight"."""
     rows: Rows = []
-    for straight in (("FF",), ("FF", "FA"), ("FF", "FA", "SI"), ("FF", "FA", "SI", "FC")):
+    names = ("FF", "FA", "SI", "FC")
+    for straight in (names[: i + 1] for i in range(len(names))):
         types = PitchTypes(straight=straight, breaking=None)
         fitted = fit_pitches(EXAMPLE, types=types, replicates=2)
         row: dict[str, Any] = {"straight": " ".join(straight)}
-        for printed in PRINTED[:5]:
-            row[printed.key] = printed.ours(fitted, "maximum_likelihood")[0]
+        row |= {x.key: x.ours(fitted, "maximum_likelihood")[0] for x in PRINTED[:5]}
         rows.append(row | {"r_squared": fitted.speed.least_squares.r_squared})
     return rows
 
@@ -268,8 +267,15 @@ def _ours(example: FittedPitches) -> str:
     return f"{example.rows_used:,} MLB pitches of 11 June 2023"
 
 
-def _mixture(axes: Axes, x: Floats, first: Floats, second: Floats, labels: Sequence[str]) -> None:
-    """Draw a fitted mixture and its two parts."""
+def _mixture(
+    axes: Axes, x: Floats, weight: Estimate, of: Sequence[tuple[Estimate, Estimate]],
+    labels: Sequence[str], unit: float = 1.0, scale: float = 1.0,
+) -> None:  # fmt: skip
+    """Draw a fitted mixture and its two parts, from their means and spreads in a unit."""
+    first, second = (
+        scale * share * normal(x, unit * mean.value, unit * spread.value)
+        for share, (mean, spread) in zip((weight.value, 1 - weight.value), of, strict=True)
+    )
     parts = {"mixture": first + second, "first part": first, "second part": second}
     for (style, y), label in zip(parts.items(), labels, strict=True):
         axes.plot(x, y, **STYLES[style], label=label)
@@ -280,17 +286,17 @@ def draw_speeds(report: Path, example: FittedPitches, synthetic: FittedPitches) 
     panels_of = {THEIRS: synthetic.speed, _ours(example): example.speed}
     with figure(report, "pitch_fits_fig2", columns=2, size=(9.6, 3.8)) as panels:
         for axes, (title, fitted) in zip(panels, panels_of.items(), strict=True):
-            histogram, fit, p = fitted.histogram, fitted.least_squares, fitted.least_squares.weight
+            histogram, fit = fitted.histogram, fitted.least_squares
             edges = np.array(histogram.edges) * 3.6
             width = edges[1] - edges[0]
             counts = np.array(histogram.straight) + np.array(histogram.breaking)
             middles = (edges[1:] + edges[:-1]) / 2
             axes.plot(middles, counts / counts.sum(), **STYLES["measured"], label="pitches")
             v = np.linspace(edges[0], edges[-1], 400)
-            straight = normal(v, 3.6 * fit.straight_mean.value, 3.6 * fit.straight_spread.value)
-            breaking = normal(v, 3.6 * fit.breaking_mean.value, 3.6 * fit.breaking_spread.value)
-            parts = width * p.value * straight, width * (1 - p.value) * breaking
-            _mixture(axes, v, *parts, ("fitted mixture, Eq. 3", "straight", "breaking"))
+            labels = ("fitted mixture, Eq. 3", "straight", "breaking")
+            straight = fit.straight_mean, fit.straight_spread
+            breaking = fit.breaking_mean, fit.breaking_spread
+            _mixture(axes, v, fit.weight, (straight, breaking), labels, 3.6, width)
             axes.set(title=title, xlabel="speed at release, km/h")
             axes.set_ylabel(f"share of pitches per {width:.2g} km/h")
             axes.text(0.03, 0.95, f"R² = {fit.r_squared:.4f}", transform=axes.transAxes, va="top")
@@ -311,10 +317,9 @@ def draw_aims(report: Path, example: FittedPitches, synthetic: FittedPitches) ->
             label="places in quarters of a cell",
         )  # fmt: skip
         for axes, (title, cells, fit) in zip(panels, panels_of, strict=True):
-            y, q = np.linspace(-1.5, 7.5, 500), fit.weight.value
-            left = q * normal(y, fit.left_mean.value, fit.spread.value)
-            right = (1 - q) * normal(y, fit.right_mean.value, fit.spread.value)
-            _mixture(axes, y, left, right, ("fitted mixture, Eq. 4", "left", "right"))
+            sides = (fit.left_mean, fit.spread), (fit.right_mean, fit.spread)
+            labels = ("fitted mixture, Eq. 4", "left", "right")
+            _mixture(axes, np.linspace(-1.5, 7.5, 500), fit.weight, sides, labels)
             shares = np.array(cells) / sum(cells)
             label = "cells (1 and 5 are open)"
             axes.plot(range(1, 6), shares, **STYLES["measured"], label=label)
@@ -353,9 +358,6 @@ def draw_determination(report: Path, determination: Rows) -> None:
         axes.set(title=THEIRS, xlabel="width of the bins, km/h")
         axes.set_ylabel("R² (median, 5 % to 95 % of draws)")
         axes.legend(fontsize="small", loc="center left")
-
-
-# --- the report -----------------------------------------------------------------------------------
 
 
 def write(report: Path, example: FittedPitches, synthetic: FittedPitches, found: Found) -> str:

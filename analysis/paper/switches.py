@@ -93,16 +93,11 @@ def turn(base: Base, space: Space) -> tuple[Share, list[Turned]]:
     return before, found
 
 
-class Scheme(NamedTuple):
-    """The printed scheme with one of its switches turned; the default has no option."""
+def turn_scheme(base: Base, space: Space) -> list[dict[str, Any]]:
+    """Return what becomes of a reading by the printed scheme, under each of its switches.
 
-    turned: Turned  # the change is against the defaults
-    batted: float  # the share of pitches that it finds to meet the bat
-    p_error: float  # of P in the reading's sample space
-
-
-def turn_scheme(base: Base, space: Space) -> list[Scheme]:
-    """Return what becomes of a reading by the printed scheme, under each of its switches."""
+    The defaults come first, without an option.
+    """
     turns = [("default", "")]
     turns += [(x.switch, o) for x in LEDGER if x.belongs == "scheme" for o in x.options[1:]]
     found, before = [], None
@@ -112,13 +107,11 @@ def turn_scheme(base: Base, space: Space) -> list[Scheme]:
         (struck,) = balls.strike_in_steps(base, STEPPED_SAMPLES, SEED, [E], scheme)
         share = space.share(struck)
         before = before or share
-        error = float(share.influence.std() / np.sqrt(STEPPED_SAMPLES))
-        turned = Turned(switch, option, share.p, *share.above(before), np.nan)
-        found.append(Scheme(turned, float(struck.batted.mean()), error))
+        change, change_error = share.above(before)
+        row = {"switch": switch, "option": option, "batted": struck.batted.mean(), "p": share.p}
+        row |= {"p_error": share.influence.std() / np.sqrt(STEPPED_SAMPLES)}
+        found.append(row | {"change": change, "change_error": change_error})
     return found
-
-
-# --- the report -----------------------------------------------------------------------------------
 
 
 class Turns(NamedTuple):

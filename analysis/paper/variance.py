@@ -74,19 +74,16 @@ def quantities(base: Base, samples: Samples) -> dict[str, Array]:
     }
 
 
-def analyse(base: Base) -> dict[str, Indices]:
-    """Return the indices of each quantity."""
-    one, other = (base.drawn(SAMPLES, seed) for seed in SEEDS)
-    a, b = quantities(base, one), quantities(base, other)
-    mixed = [quantities(base, replace(one, **{name: getattr(other, name)})) for name in INPUTS]
-    return {
-        what: indices(a[what], b[what], np.array([each[what] for each in mixed]), seed=SEEDS[0])
-        for what in a
-    }
-
-
 def section(report: Path, bases: dict[str, Base]) -> str:
-    """Write the section."""
-    found = {name: analyse(base) for name, base in bases.items()}
+    """Write the section: the indices of each quantity, under each reading."""
+    found = {}
+    for name, base in bases.items():
+        one, other = (base.drawn(SAMPLES, seed) for seed in SEEDS)
+        a, b = quantities(base, one), quantities(base, other)
+        mixed = [quantities(base, replace(one, **{x: getattr(other, x)})) for x in INPUTS]
+        found[name] = {
+            what: indices(a[what], b[what], np.array([each[what] for each in mixed]), SEEDS[0])
+            for what in a
+        }
     described = {name: describe(base, SPACES[0]) for name, base in bases.items()}
     return render(report, "variance", globals(), found=found, bases=described)

@@ -9,7 +9,7 @@ from pathlib import Path
 import pandas as pd
 
 from analysis.speed_error import contenders, laws, measuring, peers, pictures, work
-from analysis.speed_error.work import Known, at_bats, flights, known
+from analysis.speed_error.work import Work, at_bats, flights, known
 from analysis.writing import render, write_table
 from longball.engines.batch import Batch
 
@@ -44,11 +44,11 @@ def section(report: Path, whole: pd.DataFrame, rounds: int, count: int, full: bo
     )  # fmt: skip
 
 
-def measure(given: Known, rounds: int) -> tuple[pd.DataFrame, pd.DataFrame]:
+def measure(given: Work, rounds: int) -> tuple[pd.DataFrame, pd.DataFrame]:
     """Return the timings of one kind of work, a row a turn, and their summary with the errors."""
     entrants = [
         *contenders.longball_engines(),
-        *contenders.plain_scipy(given.work),
+        *contenders.plain_scipy(given),
         *contenders.installed_peers(),
     ]
     measured = measuring.measure([(entrant, given) for entrant in entrants], rounds)
@@ -56,7 +56,7 @@ def measure(given: Known, rounds: int) -> tuple[pd.DataFrame, pd.DataFrame]:
     timings, rows = [], []
     for found in measured:
         entrant = found.contender
-        whose: dict[str, object] = {"work": given.work.base.kind, "method": entrant.family}
+        whose: dict[str, object] = {"work": given.base.kind, "method": entrant.family}
         whose["setting"] = entrant.setting
         ratio = measuring.ratio(found.seconds, unit.seconds)
         times = {"time each, µs": found.microseconds, "ratio": ratio}

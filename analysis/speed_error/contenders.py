@@ -1,9 +1,8 @@
 """Who takes part: every engine of longball over its settings, and the peers that are installed."""
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 from importlib.util import find_spec
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -25,8 +24,7 @@ from longball.model.scene import AtBatScene
 PEERS = {"heyoka": "heyoka", "diffrax": "diffrax", "scikit-sundae": "sksundae"}
 
 
-@dataclass(frozen=True)
-class Answers:
+class Answers(NamedTuple):
     """Outcomes (empty: no answer), distances D, m, and times of landing, s (None: none)."""
 
     outcomes: Sequence[str]
@@ -34,8 +32,7 @@ class Answers:
     times: Sequence[Number | None]
 
 
-@dataclass(frozen=True)
-class Contender:
+class Contender(NamedTuple):
     """Someone who can solve the work, at one setting."""
 
     family: str  # what the settings belong to: a line of a diagram

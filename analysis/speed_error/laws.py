@@ -2,7 +2,6 @@
 
 import json
 import tomllib
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -59,26 +58,18 @@ def kernel(work: Work) -> Contender:
     return Contender("kernel", "", solved, BLOCK)
 
 
-def entrants(work: Work) -> Iterator[Contender]:
-    """Yield who flies under a law: the kernel, batch, enclosure, and heyoka if it is installed."""
-    yield kernel(work)
-    yield contenders.batch(Batch().tolerance)
-    yield contenders.ENCLOSURE
-    if "heyoka" not in contenders.missing_peers():
-        yield from contenders.heyoka()
-
-
 def compared(rounds: int, count: int) -> dict[tuple[str, str], Measured]:
     """Time all under each law, in the same rounds; return what is found by law and method.
 
     Errors are those of the first `count` flights.
     """
-    turns = {
-        (law, entrant.family): (entrant, given)
-        for law, work in works(contenders.COMPILED).items()
-        for given in [known(work, count)]
-        for entrant in entrants(work)
-    }
+    turns: dict[tuple[str, str], tuple[Contender, Work]] = {}
+    for law, work in works(contenders.COMPILED).items():
+        given = known(work, count)
+        entrants = [kernel(work), contenders.batch(Batch().tolerance), contenders.ENCLOSURE]
+        if "heyoka" not in contenders.missing_peers():
+            entrants += contenders.heyoka()
+        turns |= {(law, entrant.family): (entrant, given) for entrant in entrants}
     return dict(zip(turns, measure([*turns.values()], rounds), strict=True))
 
 

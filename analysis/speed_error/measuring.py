@@ -12,11 +12,12 @@ from contextlib import suppress
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
 from analysis.speed_error.contenders import Answers, Contender
-from analysis.speed_error.work import Known
+from analysis.speed_error.work import Work
 from analysis.stability import exactly
 from longball.engines.compiled import compile_at_once
 from longball.model.result import Number, Result
@@ -46,8 +47,7 @@ class Errors:
         return {names.get(x, x): vars(self)[x] for x in vars(self) if x != "worst_time"}
 
 
-@dataclass(frozen=True)
-class Measured:
+class Measured(NamedTuple):
     """What a contender took for its work, s a scene, by round; and how far off it was."""
 
     contender: Contender
@@ -60,14 +60,14 @@ class Measured:
         return 1e6 * statistics.median(self.seconds)
 
 
-def measure(turns: Sequence[tuple[Contender, Known]], rounds: int) -> list[Measured]:
+def measure(turns: Sequence[tuple[Contender, Work]], rounds: int) -> list[Measured]:
     """Time contenders at the first scenes of their work, and hold their answers against the truth.
 
     In a round everyone takes a turn, so that what the machine does besides slows all alike. A
     first round, in which code is compiled, does not count.
     """
     compile_at_once()
-    portions = [(entrant, known.work.first(entrant.turn)) for entrant, known in turns]
+    portions = [(entrant, work.first(entrant.turn)) for entrant, work in turns]
     for entrant, portion in portions:
         entrant.solve(portion)
     seconds: list[list[float]] = [[] for _ in portions]
@@ -76,9 +76,9 @@ def measure(turns: Sequence[tuple[Contender, Known]], rounds: int) -> list[Measu
         entrant.solve(portion)
         seconds[i].append((time.perf_counter() - begin) / len(portion))
     found = []
-    for (entrant, known), mine in zip(turns, seconds, strict=True):
-        true = known.true[: entrant.most]
-        answers = entrant.solve(known.work.first(len(true)))
+    for (entrant, work), mine in zip(turns, seconds, strict=True):
+        true = work.true[: entrant.most]
+        answers = entrant.solve(work.first(len(true)))
         found.append(Measured(entrant, mine, errors(answers, true)))
     return found
 

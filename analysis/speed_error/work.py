@@ -1,6 +1,7 @@
 """What everyone is given to solve: the same flights, the same at-bats; and the truth about them."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -27,6 +28,7 @@ class Work:
 
     base: Scene  # what is the same in all
     columns: dict[str, Array]  # what differs, as `longball.engines.batch.solve_columns` takes it
+    true: Sequence[Result] = ()  # the truth about the first of them
 
     def __len__(self) -> int:
         return min(map(len, self.columns.values()))
@@ -68,14 +70,6 @@ def truth(work: Work) -> list[Result]:
     return [solve(scene, exact) for scene in work.scenes]
 
 
-@dataclass(frozen=True)
-class Known:
-    """Work, and the truth about its first scenes."""
-
-    work: Work
-    true: list[Result]
-
-
-def known(work: Work, count: int) -> Known:
+def known(work: Work, count: int) -> Work:
     """Return work with the truth about so many of its scenes."""
-    return Known(work, truth(work.first(count)))
+    return replace(work, true=truth(work.first(count)))
