@@ -160,7 +160,7 @@ def _blow(scene: Written, law: Generator, generator: Generator) -> None:
 
     def coefficient_of(others: list[Written]) -> Written:
         table = {"law": "table", "values": values} | tables[law.integers(3 if spins else 2)]
-        laws = [{"law": "constant", "value": coefficient}, table, *others]
+        laws: list[Written] = [{"law": "constant", "value": coefficient}, table, *others]
         return laws[law.integers(len(laws) if spins else 2)]
 
     drag = coefficient_of([{"law": "spin", "constant": coefficient}, crisis])

@@ -1,7 +1,6 @@
 """The paper's question, asked of real balls: whether the restitution explains the home runs."""
 
-import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
@@ -237,8 +236,12 @@ def run(report: Path, full: bool) -> str:
     around = (replace(slower, model=model).chances(slower.hits) for model in models)
     return render(
         report, "seasons", vars(printed) | globals(), hits=hits, day=day, games=games, plain=plain,
-        fitted=fitted, change=change, slopes=list(slope_rows(slopes, counted)), ratios=ratios,
-        counted=counted, alone=ratios[slower.name][0], slope=slopes[slower.name][1],
+        fitted=fitted, change=change, slopes=slopes, ratios=ratios,
+        counted=counted, counted_slopes=[
+            seen.map(lambda x, pair=pair: np.log(x) / (pair[0].restitution - pair[1].restitution))
+            for pair, seen in zip(SEASON_PAIRS, counted, strict=True)
+        ],
+        alone=ratios[slower.name][0], slope=slopes[slower.name][1],
         explained=ratios[slower.name][0].map(lambda x, y: np.log(x) / np.log(y), counted[0]),
         per_e=float(np.linalg.norm(hits.per_restitution(E_LOW)[hits.home_run], axis=1).mean()),
         by_speed=by_speed.value * MPH, by_drag=slope(slower, C, *around).value,
@@ -286,27 +289,6 @@ def carry_slope(variant: Variant) -> float:
         for hits in (variant.livelier(-STEP), variant.livelier(STEP))
     ]
     return float((reach[1] - reach[0]).mean() / (2.0 * STEP))
-
-
-def slope_rows(
-    slopes: Mapping[str, tuple[float, Estimate]], counted: Sequence[Estimate]
-) -> Iterator[tuple[str, str, float, Sequence[float]]]:
-    """Yield d ln(home runs)/de with its interval, and the name and the home runs.
-
-    By variant, of the paper's curves, and as counted.
-    """
-    for name, (expected, slope) in slopes.items():
-        yield name, f"{expected:.1f}", slope.value, slope.interval
-    low, high = E_LOW, LIVELY.restitution
-    paper = {f"the paper's curve, its {name}": c(high) / c(low) for name, c in PAPER_CURVES.items()}
-    paper["the paper's model as we read it"] = model_ratios()[0]
-    for name, ratio in paper.items():
-        yield name, "", math.log(ratio) / (high - low), ()
-    for (lively, dull), seen in zip(SEASON_PAIRS, counted, strict=True):
-        home_runs = f"{dull.home_runs:,} and {lively.home_runs:,}"
-        change = lively.restitution - dull.restitution
-        slope = seen.map(lambda x, change=change: np.log(x) / change)
-        yield f"counted, {dull.year} and {lively.year}", home_runs, slope.value, slope.interval
 
 
 @cache

@@ -5,7 +5,7 @@ import time
 from decimal import Decimal
 from itertools import groupby
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import pandas as pd
 from joblib import Parallel, delayed
@@ -39,23 +39,11 @@ ALLOWED = 100.0
 MOST_DIGITS = 30.0  # of the golden values
 
 
-class Trial(NamedTuple):
-    """One engine on one case: digits right (NaN if it gave no number), and how long it took."""
-
-    case: str
-    engine: str
-    verdict: str
-    digits: float
-    attainable: float
-    seconds: float
-    answer: str
-
-
 def run(report: Path, full: bool) -> str:
     """Solve the golden set's hard family by every engine; `full` adds all other families."""
     cases = load() if full else load("hard")
     tasks = (delayed(try_case)(case, name) for name in ENGINES for case in cases)
-    frame = pd.DataFrame(Parallel(n_jobs=-1, batch_size=16)(tasks), columns=Trial._fields)
+    frame = pd.DataFrame(Parallel(n_jobs=-1, batch_size=16)(tasks))
     seconds = [float(f"{s:.2g}") for s in frame["seconds"]]
     rounded = frame.round({"digits": 1, "attainable": 1}).assign(seconds=seconds)
     write_table(report, "stability", rounded)
@@ -69,8 +57,8 @@ def run(report: Path, full: bool) -> str:
     )  # fmt: skip
 
 
-def try_case(case: Case, name: str) -> Trial:
-    """Solve a case by an engine and compare."""
+def try_case(case: Case, name: str) -> dict[str, object]:
+    """Solve a case by an engine: digits right (NaN if it gave no number), and how long it took."""
     compile_at_once()
     family, options = ENGINES[name]
     start = time.perf_counter()
@@ -79,8 +67,10 @@ def try_case(case: Case, name: str) -> Trial:
     except CannotSolve as reason:
         result = Result(id=case.id, error=str(reason))
     seconds = time.perf_counter() - start
-    answer = result.outcome or str(result.error)
-    return Trial(case.id, name, *compare(case, result), seconds, answer)
+    verdict, digits, attainable = compare(case, result)
+    row = {"case": case.id, "engine": name, "verdict": verdict, "digits": digits}
+    row |= {"attainable": attainable, "seconds": seconds}
+    return row | {"answer": result.outcome or str(result.error)}
 
 
 def compare(case: Case, result: Result) -> tuple[str, float, float]:

@@ -1,12 +1,8 @@
 """Random survival: whatever scene the engines are given, each answers, rightly or with a reason.
 
-Scenes of all kinds and of the families of `analysis.random_scenes` go through `ivp` and `batch`.
-Some of them, and all on which these two do not agree, go through `enclosure`, whose outcomes and
-numbers are proven. None may raise an exception. Outcomes that are given have to be the same. A
-number may be off by `ALLOWED` times what doubles can attain, which is estimated here: the scene is
-solved again, proven, with each of its inputs moved by a few roundings, and the bat by some of the
-place where the flight begins; what they do adds up. A place may at least be off by `_ROUNDINGS` of
-the latter.
+What is right is said in the section. What doubles can attain is estimated here: the scene is solved
+again, proven, with each of its inputs moved by a few roundings, and the bat by some of the place
+where the flight begins; what they do adds up.
 """
 
 import time
@@ -189,7 +185,7 @@ def moved_errors(scene: Scene, truth: Result) -> dict[str, float] | None:
     for name, move in sizes.items():
         steps = (STEP, -STEP) if move else ()
         others = (with_input(scene, name, values[name] + step * move) for step in steps)
-        other = next(filter(None, others), None)  # None: underground, say
+        other: Any = next(filter(None, others), None)  # None: underground, say
         if other is not None:
             found = solve(other, create("enclosure", digits=DIGITS))
             if decisions(found) != decisions(truth):

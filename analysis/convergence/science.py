@@ -65,29 +65,22 @@ class Bias(NamedTuple):
     gained: int
     lost: int
     trials: int
-
-    @property
-    def value(self) -> float:
-        """Return the difference of P."""
-        return (self.gained - self.lost) / self.trials
-
-    @property
-    def interval(self) -> tuple[float, float]:
-        """Return the interval for matched pairs, with half a sample added to each kind of pair.
-
-        A. Agresti and Y. Min, Stat. Med. 24 (2005) 729: it keeps its level where few pairs differ.
-        """
-        count = self.trials + 2
-        difference = (self.gained - self.lost) / count
-        variance = ((self.gained + self.lost + 1) / count - difference**2) / count
-        half = NormalDist().inv_cdf(0.975) * math.sqrt(variance)
-        return difference - half, difference + half
+    value: float
+    interval: tuple[float, float]
 
 
 def bias(found: Found, case: str, step: float, e: float) -> Bias:
-    """Return how a step changes P."""
+    """Return how a step changes P.
+
+    The interval is that for matched pairs, with half a sample added to each kind of pair: A.
+    Agresti and Y. Min, Stat. Med. 24 (2005) 729. It keeps its level where few pairs differ.
+    """
     now, before = found[case, step, e].home_run, found[case, None, e].home_run
-    return Bias(int((now & ~before).sum()), int((before & ~now).sum()), len(now))
+    gained, lost, trials = int((now & ~before).sum()), int((before & ~now).sum()), len(now)
+    middle = (gained - lost) / (trials + 2)
+    variance = ((gained + lost + 1) / (trials + 2) - middle**2) / (trials + 2)
+    half = NormalDist().inv_cdf(0.975) * math.sqrt(variance)
+    return Bias(gained, lost, trials, (gained - lost) / trials, (middle - half, middle + half))
 
 
 def largest_step(found: Found, case: str, e: float, allowed: float) -> float | None:
