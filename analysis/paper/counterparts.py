@@ -2,7 +2,7 @@
 
 import math
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from analysis.paper import argument, distances, home_run_figures, pitch_fits, printed
 from analysis.paper.home_run_figures import Reproduced
@@ -51,21 +51,20 @@ def flat_noise(one: Reproduced) -> float:
     return math.sqrt(2 / (printed.SAMPLES * distances.BIN * float(density.mean())))
 
 
+def likeliest(rows: pitch_fits.Rows, what: str) -> dict[str, Any]:
+    """Return the quantiles of R² at the width of the bins that gives the printed one best."""
+    printed_r_squared = pitch_fits.PRINTED_R_SQUARED[what]
+    same = (row for row in rows if row["what"] == what)
+    return min(same, key=lambda row: float(abs(row["median"] - printed_r_squared)))
+
+
 def run(report: Path, full: bool) -> str:
     """Write the section; `full` takes more draws of pitches."""
     default, nearest = home_run_figures.reproduced()
-    determination = pitch_fits.determine(pitch_fits.FULL_DRAWS if full else pitch_fits.DRAWS)
     return render(
         report, "counterparts", vars(home_run_figures) | globals(), default=default,
-        nearest=nearest, found=argument.everything(), determination=determination,
+        nearest=nearest, found=argument.everything(),
+        determination=pitch_fits.determine(pitch_fits.FULL_DRAWS if full else pitch_fits.DRAWS),
         heights=fit_pitches(EXAMPLE, replicates=2).height,
-        # By what R² is of: the width of the bins at which it is likeliest.
-        likeliest={
-            what: min(
-                (row for row in determination if row["what"] == what),
-                key=lambda row, wanted=wanted: abs(row["median"] - wanted),
-            )
-            for what, wanted in pitch_fits.PRINTED_R_SQUARED.items()
-        },
         pitches=[x for x in pitch_fits.compared() if x["method"] == "maximum_likelihood"],
     )  # fmt: skip

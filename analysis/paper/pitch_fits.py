@@ -156,7 +156,7 @@ def compare(example: FittedPitches, synthetic: FittedPitches, million: FittedPit
     for method, printed in product(("least_squares", "maximum_likelihood"), PRINTED):
         value, error = printed.ours(synthetic, method)
         theirs, their_error = printed.ours(example, method)
-        row = {"method": method, "quantity": printed.name, "unit": printed.unit}
+        row: dict[str, Any] = {"method": method, "quantity": printed.name, "unit": printed.unit}
         row |= {"printed": printed.value, "synthetic": value, "synthetic_error": error}
         row |= {"difference": value - printed.value, "million": printed.ours(million, method)[0]}
         row |= {"example": theirs, "example_error": their_error}
