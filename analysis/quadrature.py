@@ -52,7 +52,7 @@ def run(report: Path, full: bool) -> str:
     integrals = partial(home_run.integrals, *PROBLEM, workers=-1)
     took, curve = _took(integrals, home_run.RESTITUTIONS)
     return render(
-        report, "quadrature", globals(), engine=Batch().description, rows=rows, true=true,
+        report, "quadrature", globals(), engine=Batch().description, rows=rows, known=true,
         took=took, curve=curve,
         best=min(row["error"] for row in rows if row["method"] == "quadrature"),
     )  # fmt: skip
