@@ -60,25 +60,10 @@ STILL = Rotation(angular_speed=0.0)
 def hard() -> Iterator[Draft]:
     """Scenes that sit where implementations break."""
     for cases in (
-        grazes,
-        bat_ends,
-        touching_at_release,
-        lift_through_the_vertical,
-        nearly_vertical,
-        rest,
-        never_landing,
-        on_the_ground,
-        dips,
-        perpendicular,
-        back_and_underside,
-        restitutions,
-        thresholds,
-        ties,
-        extreme_flights,
-        extreme_pitches,
-        extreme_masses,
-        extreme_at_bats,
-    ):
+        grazes, bat_ends, touching_at_release, lift_through_the_vertical, nearly_vertical, rest,
+        never_landing, on_the_ground, dips, perpendicular, back_and_underside, restitutions,
+        thresholds, ties, extreme_flights, extreme_pitches, extreme_masses, extreme_at_bats,
+    ):  # fmt: skip
         yield from cases()
 
 

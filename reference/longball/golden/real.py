@@ -8,9 +8,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from typing import Any
+from itertools import product
 
-from longball.golden.case_builder import Draft, between, five_digits, shares
+from longball.golden.case_builder import (
+    Draft,
+    between,
+    draft,
+    five_digits,
+    flight,
+    shares,
+    towards,
+)
 from longball.model.air import (
     Air,
     ConstantLift,
@@ -64,26 +72,18 @@ def _flights(
     """Yield batted balls with spins about all axes; `air` chooses from three numbers in [0, 1)."""
     for i in range(COUNT):
         a, b, c, d, e, f, g, h, j, k = shares(i)
-        speed, elevation = between(20.0, 52.0, a), math.radians(between(2.0, 65.0, b))
-        heading = math.radians(360.0 * c)
-        ahead = speed * math.cos(elevation)
-        read = reading(i)
         scene = FlightScene(
             id=f"{family}-{i:04d}",
             launch=Launch(
                 position=(0.6, 0.0, between(0.4, 1.4, d)),
-                velocity=(
-                    five_digits(ahead * math.cos(heading)),
-                    five_digits(ahead * math.sin(heading)),
-                    five_digits(speed * math.sin(elevation)),
-                ),
+                velocity=towards(between(20.0, 52.0, a), between(2.0, 65.0, b), 360.0 * c),
                 spin=_direction(e, f, between(40.0, 330.0, g)) if spinning else None,
             ),
             air=air(i, h, j, k),
-            reading=read,
+            reading=reading(i),
             earth=earth(h, j),
         )
-        yield Draft(scene, comment, ("reading",) if read != Reading() else ())
+        yield draft(scene, comment)
 
 
 def flight_spin_lift() -> Iterator[Draft]:
@@ -136,25 +136,19 @@ def flight_wind() -> Iterator[Draft]:
     """Wind from ahead, behind, below and aside; on drag and lift, or on drag alone."""
     for i in range(COUNT):
         a, b, c, d, e, *_ = shares(i)
-        speed, elevation = between(20.0, 52.0, a), math.radians(between(2.0, 65.0, b))
-        side = 1.0 if i % 2 else -1.0
+        vx, vy, vz = towards(between(20.0, 52.0, a), between(2.0, 65.0, b))
         aside = between(-6.0, 6.0, d) if i % 8 == 7 else 0.0
         upwards = between(-2.0, 2.0, e) if i % 3 == 0 else 0.0
-        read = Reading(wind_acts_on=("both", "drag")[i // 2 % 2])
         scene = FlightScene(
             id=f"flight-wind-{i:04d}",
             launch=Launch(
                 position=(0.6, 0.0, between(0.4, 1.4, d)),
-                velocity=(
-                    five_digits(side * speed * math.cos(elevation)),
-                    0.0,
-                    five_digits(speed * math.sin(elevation)),
-                ),
+                velocity=(vx if i % 2 else -vx, vy, vz),
             ),
             air=Air(wind=(between(-9.0, 9.0, c), aside, upwards)),
-            reading=read,
+            reading=Reading(wind_acts_on=("both", "drag")[i // 2 % 2]),
         )
-        yield Draft(scene, "in a wind", ("reading",) if read != Reading() else ())
+        yield draft(scene, "in a wind")
 
 
 def flight_weather() -> Iterator[Draft]:
@@ -212,82 +206,78 @@ def flight_real() -> Iterator[Draft]:
     return _flights("flight-real", "all terms of the flight together", air, earth=earth)
 
 
-def _spinning(name: str, velocity: Point, spin: Point, air: Air, **others: Any) -> FlightScene:
-    launch = Launch(position=(0.0, 0.0, others.pop("height", 1.0)), velocity=velocity, spin=spin)
-    return FlightScene(id=f"hard-real-{name}", launch=launch, air=air, **others)
-
-
 def hard_real() -> Iterator[Draft]:
     """Scenes of the extended model that sit where implementations break."""
-    published = Air(drag_coefficient=NATHAN_DRAG, lift_coefficient=NATHAN_LIFT)
-    for size, word in ((250.0, "forward"), (-250.0, "backward")):
-        # Gyrospin: along the velocity of the launch, from which gravity turns the path away.
-        for angle in (10, 30, 60):
-            c, s = math.cos(math.radians(angle)), math.sin(math.radians(angle))
-            velocity = (five_digits(40.0 * c), 0.0, five_digits(40.0 * s))
-            spin = (five_digits(size * c), 1.0, five_digits(size * s))
-            scene = _spinning(f"gyro-{word}-{angle}", velocity, spin, published)
-            yield Draft(scene, "spin all but along the launch", ("gyro",))
-    for name, spin in (("up", (0.0, 0.0, 200.0)), ("nearly", (1e-6, 0.0, 200.0))):
-        for speed in (30.0, -5.0):
-            # The spin stays parallel to a vertical flight: no lift, whatever its size.
-            scene = _spinning(
-                f"parallel-{name}-{speed:g}", (0.0, 0.0, speed), spin, published, height=40.0
-            )
-            yield Draft(
-                scene, "straight up or down, with the spin along the path", ("gyro", "rest")
-            )
-    for word, side in (("head", -1.0), ("tail", 1.0)):
-        for speed in (5.0, 12.0, 20.0):
-            air = Air(wind=(side * speed, 0.0, 0.0), lift_coefficient=0.0)
-            scene = FlightScene(
-                id=f"hard-real-{word}-wind-{speed:g}",
-                launch=Launch(position=(0.0, 0.0, 30.0), velocity=(speed, 0.0, 0.5)),
-                air=air,
-            )
-            # With a tail wind of its own speed a ball is all but at rest in the air.
-            yield Draft(scene, "a wind as fast as the ball", ("rest",))
-    for power in (3, 6, 9, 12):
-        for sign, word in ((1.0, "under"), (-1.0, "over")):
-            # In a vacuum of weight alone the turning point is known: V = u there, on the node.
-            node = 20.0 + sign * 10.0**-power
-            table = Table(law="table", of="speed", at=(node, 60.0), values=(0.3, 0.3))
-            air = Air(density=1e-6, drag_coefficient=table, lift_coefficient=0.0)
-            scene = FlightScene(
-                id=f"hard-real-node-{word}-1e-{power:02d}",
-                launch=Launch(position=(0.0, 0.0, 1.0), velocity=(20.0, 0.0, 15.0)),
-                air=air,
-            )
-            yield Draft(
-                scene, f"its least speed is some 1e-{power} m/s {word} a table's node", ("kink",)
-            )
+    for cases in (_gyro, _parallel, _still_air, _nodes, _winds_above, _profiles, _spins_gone):
+        yield from cases()
+
+
+PUBLISHED = Air(drag_coefficient=NATHAN_DRAG, lift_coefficient=NATHAN_LIFT)
+
+
+def _gyro() -> Iterator[Draft]:
+    """Yield spins along the velocity of the launch, from which gravity turns the path away."""
+    for (size, word), angle in product(((250.0, "forward"), (-250.0, "backward")), (10, 30, 60)):
+        x, _, z = towards(size, angle)
+        name = f"hard-real-gyro-{word}-{angle}"
+        scene = flight(name, towards(40.0, angle), spin=(x, 1.0, z), air=PUBLISHED)
+        yield draft(scene, "spin all but along the launch", "gyro")
+
+
+def _parallel() -> Iterator[Draft]:
+    """Yield spins that stay parallel to a vertical flight: no lift, whatever their size."""
+    comment = "straight up or down, with the spin along the path"
+    for (word, aside), speed in product((("up", 0.0), ("nearly", 1e-6)), (30.0, -5.0)):
+        name, spin = f"hard-real-parallel-{word}-{speed:g}", (aside, 0.0, 200.0)
+        scene = flight(name, (0.0, 0.0, speed), height=40.0, spin=spin, air=PUBLISHED)
+        yield draft(scene, comment, "gyro", "rest")
+
+
+def _still_air() -> Iterator[Draft]:
+    """Yield winds as fast as the ball, which one from behind leaves all but at rest in the air."""
+    for (word, side), speed in product((("head", -1.0), ("tail", 1.0)), (5.0, 12.0, 20.0)):
+        air = Air(wind=(side * speed, 0.0, 0.0), lift_coefficient=0.0)
+        name = f"hard-real-{word}-wind-{speed:g}"
+        scene = flight(name, (speed, 0.0, 0.5), height=30.0, air=air)
+        yield draft(scene, "a wind as fast as the ball", "rest")
+
+
+def _nodes() -> Iterator[Draft]:
+    """Yield flights all but in a vacuum, where the least speed is known: V = u, on a node."""
+    for power, (sign, word) in product((3, 6, 9, 12), ((1.0, "under"), (-1.0, "over"))):
+        at = (20.0 + sign * 10.0**-power, 60.0)
+        table = Table(law="table", of="speed", at=at, values=(0.3, 0.3))
+        air = Air(density=1e-6, drag_coefficient=table, lift_coefficient=0.0)
+        scene = flight(f"hard-real-node-{word}-1e-{power:02d}", (20.0, 0.0, 15.0), air=air)
+        yield draft(scene, f"its least speed is some 1e-{power} m/s {word} a table's node", "kink")
+
+
+def _winds_above() -> Iterator[Draft]:
     for above in (12.5, 12.4799, 12.479, 12.4):
         wind = WindAbove(velocity=(8.0, 3.0, 0.0), above=above)
         air = Air(wind=wind, drag_coefficient=0.35, lift_coefficient=0.0)
-        scene = FlightScene(
-            id=f"hard-real-wind-above-{above:g}",
-            launch=Launch(position=(0.0, 0.0, 1.0), velocity=(25.0, 0.0, 17.0)),
-            air=air,
-        )
-        yield Draft(scene, "its apex is near the height above which the wind blows", ("kink",))
+        scene = flight(f"hard-real-wind-above-{above:g}", (25.0, 0.0, 17.0), air=air)
+        yield draft(scene, "its apex is near the height above which the wind blows", "kink")
+
+
+def _profiles() -> Iterator[Draft]:
     for height in (10.0, 0.1):
-        wind_profile = WindProfile(velocity=(-9.0, 2.0, 0.0), height=height, roughness=0.03)
-        scene = _spinning(
-            f"profile-{height:g}", (35.0, 5.0, 20.0), (10.0, -220.0, 60.0),
-            Air(wind=wind_profile, drag_coefficient=NATHAN_DRAG, lift_coefficient=NATHAN_LIFT),
-            height=0.05,
-        )  # fmt: skip
-        yield Draft(scene, "a logarithmic wind from the ground up", ("profile",))
-    still = Air(drag_coefficient=NATHAN_DRAG, lift_coefficient=NATHAN_LIFT, spin_decay_length=0.5)
-    yield Draft(
-        _spinning("fast-decay", (35.0, 0.0, 25.0), (0.0, -300.0, 0.0), still),
-        "spin that is gone after some metres",
-        ("decay",),
-    )
+        wind = WindProfile(velocity=(-9.0, 2.0, 0.0), height=height, roughness=0.03)
+        air = Air(wind=wind, drag_coefficient=NATHAN_DRAG, lift_coefficient=NATHAN_LIFT)
+        name, spin = f"hard-real-profile-{height:g}", (10.0, -220.0, 60.0)
+        scene = flight(name, (35.0, 5.0, 20.0), height=0.05, spin=spin, air=air)
+        yield draft(scene, "a logarithmic wind from the ground up", "profile")
+
+
+def _spins_gone() -> Iterator[Draft]:
+    velocity = (35.0, 0.0, 25.0)
+    fast = PUBLISHED.model_copy(update={"spin_decay_length": 0.5})
+    scene = flight("hard-real-fast-decay", velocity, spin=(0.0, -300.0, 0.0), air=fast)
+    yield draft(scene, "spin that is gone after some metres", "decay")
     for power in (6, 12, 18):
         tiny = (0.0, -(10.0**-power), 0.0)
-        scene = _spinning(f"slow-spin-1e-{power:02d}", (35.0, 0.0, 25.0), tiny, published)
-        yield Draft(scene, "hardly any spin", ("gyro",))
+        scene = flight(f"hard-real-slow-spin-1e-{power:02d}", velocity, spin=tiny, air=PUBLISHED)
+        yield draft(scene, "hardly any spin", "gyro")
 
 
 def at_bat_real() -> Iterator[Draft]:
@@ -307,7 +297,7 @@ def at_bat_real() -> Iterator[Draft]:
             spin_decay_length=1341.0,
         )
         if i % 4 == 0:
-            yield Draft(PitchScene(id=f"at-bat-real-{i:04d}", pitch=pitch, air=air), "a pitch", ())
+            yield draft(PitchScene(id=f"at-bat-real-{i:04d}", pitch=pitch, air=air), "a pitch")
             continue
         scene = AtBatScene(
             id=f"at-bat-real-{i:04d}",
@@ -316,4 +306,4 @@ def at_bat_real() -> Iterator[Draft]:
             bat=Bat(friction=between(0.05, 0.6, b)),
             swing=Swing(height_offset=between(-0.05, 0.05, c), tilt=between(0.0, 0.2, d)),
         )
-        yield Draft(scene, "an at-bat with spin, friction, weather and wind", ())
+        yield draft(scene, "an at-bat with spin, friction, weather and wind")
