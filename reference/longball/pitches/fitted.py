@@ -16,9 +16,10 @@ from typing import Annotated, Literal
 from pydantic import AfterValidator, Field, ValidationError
 
 from longball.home_run import MIDDLE_CELL, Mixture
+from longball.model.block import Strict
 from longball.model.scene import explain
 from longball.pitches.chart import Columns, PitchTypes
-from longball.pitches.table import Omission, Strict, TableError
+from longball.pitches.table import Omission, TableError
 
 Method = Literal["maximum_likelihood", "least_squares"]
 Status = Literal["fitted", "held", "at_bound"]
