@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from itertools import product
+from typing import Any
 
 from longball.golden.case_builder import (
     Draft,
@@ -64,12 +65,13 @@ def _direction(a: float, b: float, size: float) -> Point:
 def _flights(
     family: str,
     comment: str,
-    air: Callable[[int, float, float, float], Air],
-    reading: Callable[[int], Reading] = lambda i: Reading(),
-    earth: Callable[[float, float], Earth | None] = lambda a, b: None,
+    blocks: Callable[[int, float, float, float], dict[str, Any]],
     spinning: bool = True,
 ) -> Iterator[Draft]:
-    """Yield batted balls with spins about all axes; `air` chooses from three numbers in [0, 1)."""
+    """Yield batted balls with spins about all axes.
+
+    `blocks` chooses air and reading by the number of the case and three others in [0, 1).
+    """
     for i in range(COUNT):
         a, b, c, d, e, f, g, h, j, k = shares(i)
         scene = FlightScene(
@@ -79,9 +81,7 @@ def _flights(
                 velocity=towards(between(20.0, 52.0, a), between(2.0, 65.0, b), 360.0 * c),
                 spin=_direction(e, f, between(40.0, 330.0, g)) if spinning else None,
             ),
-            air=air(i, h, j, k),
-            reading=reading(i),
-            earth=earth(h, j),
+            **blocks(i, h, j, k),
         )
         yield draft(scene, comment)
 
@@ -89,7 +89,7 @@ def _flights(
 def flight_spin_lift() -> Iterator[Draft]:
     """Lift along ω × v, by every law of C_L and both readings of the spin parameter."""
 
-    def air(i: int, a: float, b: float, c: float) -> Air:
+    def blocks(i: int, a: float, b: float, c: float) -> dict[str, Any]:
         laws = (
             RationalLift(
                 law="rational",
@@ -100,18 +100,18 @@ def flight_spin_lift() -> Iterator[Draft]:
             LinearLift(law="linear", slope=between(0.3, 1.6, a)),
             ConstantLift(law="constant", value=between(0.05, 0.3, a)),
         )
-        return Air(drag_coefficient=between(0.25, 0.5, b), lift_coefficient=laws[i % 3])
+        return {
+            "air": Air(drag_coefficient=between(0.25, 0.5, b), lift_coefficient=laws[i % 3]),
+            "reading": Reading(spin_parameter=("transverse", "total")[i // 3 % 2]),
+        }
 
-    def reading(i: int) -> Reading:
-        return Reading(spin_parameter=("transverse", "total")[i // 3 % 2])
-
-    return _flights("flight-spin-lift", "lift of a spin about any axis", air, reading)
+    return _flights("flight-spin-lift", "lift of a spin about any axis", blocks)
 
 
 def flight_spin_drag() -> Iterator[Draft]:
     """Drag that depends on speed and spin, in both readings of the spin."""
 
-    def air(i: int, a: float, b: float, c: float) -> Air:
+    def blocks(i: int, a: float, b: float, c: float) -> dict[str, Any]:
         per_spin = between(1e-4, 5e-4, c)
         laws = (
             SpinDrag(law="spin", constant=between(0.25, 0.4, a), per_spin=per_spin),
@@ -124,12 +124,12 @@ def flight_spin_drag() -> Iterator[Draft]:
                 per_spin=per_spin if i % 4 == 1 else 0.0,
             ),
         )
-        return Air(drag_coefficient=laws[i % 2], lift_coefficient=NATHAN_LIFT)
+        return {
+            "air": Air(drag_coefficient=laws[i % 2], lift_coefficient=NATHAN_LIFT),
+            "reading": Reading(drag_spin=("transverse", "total")[i // 2 % 2]),
+        }
 
-    def reading(i: int) -> Reading:
-        return Reading(drag_spin=("transverse", "total")[i // 2 % 2])
-
-    return _flights("flight-spin-drag", "drag by speed and spin", air, reading)
+    return _flights("flight-spin-drag", "drag by speed and spin", blocks)
 
 
 def flight_wind() -> Iterator[Draft]:
@@ -154,44 +154,44 @@ def flight_wind() -> Iterator[Draft]:
 def flight_weather() -> Iterator[Draft]:
     """Air whose density follows from the weather, or falls with the height; the paper's lift."""
 
-    def air(i: int, a: float, b: float, c: float) -> Air:
+    def blocks(i: int, a: float, b: float, c: float) -> dict[str, Any]:
         weather = Weather(
             temperature=between(265.0, 312.0, a),
             pressure=between(97000.0, 104000.0, b),
             humidity=between(0.0, 1.0, c),
             elevation=between(0.0, 1700.0, (a + b) % 1.0),
         )
-        return Air(density=weather, density_scale_height=8000.0 if i % 2 else None)
+        return {
+            "air": Air(density=weather, density_scale_height=8000.0 if i % 2 else None),
+            "reading": Reading(pressure=("sea_level", "station")[i // 2 % 2]),
+        }
 
-    def reading(i: int) -> Reading:
-        return Reading(pressure=("sea_level", "station")[i // 2 % 2])
-
-    comment = "density from the weather"
-    return _flights("flight-weather", comment, air, reading, spinning=False)
+    return _flights("flight-weather", "density from the weather", blocks, spinning=False)
 
 
 def flight_spin_decay() -> Iterator[Draft]:
     """Spin that decays along the path through the air, or as two other readings have it."""
 
-    def air(i: int, a: float, b: float, c: float) -> Air:
-        return Air(
+    def blocks(i: int, a: float, b: float, c: float) -> dict[str, Any]:
+        air = Air(
             drag_coefficient=NATHAN_DRAG,
             lift_coefficient=NATHAN_LIFT,
             spin_decay_length=between(100.0, 3000.0, a),
             wind=(between(-5.0, 5.0, b), 0.0, 0.0) if i % 4 == 0 else None,
         )
+        return {
+            "air": air,
+            "reading": Reading(spin_decay=("path", "time", "path", "nathan")[i % 4]),
+        }
 
-    def reading(i: int) -> Reading:
-        return Reading(spin_decay=("path", "time", "path", "nathan")[i % 4])
-
-    return _flights("flight-spin-decay", "spin decays on the way", air, reading)
+    return _flights("flight-spin-decay", "spin decays on the way", blocks)
 
 
 def flight_real() -> Iterator[Draft]:
     """All terms together: spin that decays, weather, wind, the Earth's rotation."""
 
-    def air(i: int, a: float, b: float, c: float) -> Air:
-        return Air(
+    def blocks(i: int, a: float, b: float, c: float) -> dict[str, Any]:
+        air = Air(
             density=Weather(temperature=between(275.0, 308.0, a), humidity=b),
             density_scale_height=8217.0,
             drag_coefficient=NATHAN_DRAG if i % 2 else CrisisDrag(law="crisis", per_spin=7.4e-5),
@@ -199,11 +199,10 @@ def flight_real() -> Iterator[Draft]:
             wind=(between(-6.0, 6.0, b), between(-6.0, 6.0, c), 0.0),
             spin_decay_length=1341.0,
         )
+        earth = Earth(latitude=between(-0.7, 0.9, a), azimuth=between(0.0, 6.28, b))
+        return {"air": air, "earth": earth}
 
-    def earth(a: float, b: float) -> Earth:
-        return Earth(latitude=between(-0.7, 0.9, a), azimuth=between(0.0, 6.28, b))
-
-    return _flights("flight-real", "all terms of the flight together", air, earth=earth)
+    return _flights("flight-real", "all terms of the flight together", blocks)
 
 
 def hard_real() -> Iterator[Draft]:

@@ -13,7 +13,6 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Callable, Sequence
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple, TextIO
 
@@ -362,8 +361,7 @@ class _Aim(NamedTuple):
 
 # Where the search for Eq. 4 may go. The means lie in the grid: what is aimed at is on the chart.
 # The spread, in cells: narrower or wider, five cells see no difference.
-_LOWEST = _Aim(0.0, 0.5, 0.5, 0.05)
-_HIGHEST = _Aim(1.0, 5.5, 5.5, 5.0)
+_RANGE = _Aim(0.0, 0.5, 0.5, 0.05), _Aim(1.0, 5.5, 5.5, 5.0)
 # Where it begins: two peaks at the edges of the strike zone; two broad ones; one beside the other.
 _STARTS = (_Aim(0.5, 2.0, 4.0, 0.8), _Aim(0.5, 1.5, 4.5, 1.3), _Aim(0.8, 3.0, 4.5, 1.2))
 _ONE_NORMAL = _Aim(1.0, 3.0, 3.0, 1.2)
@@ -393,8 +391,8 @@ class _OnePeak(NamedTuple):
         return _Aim(weight, self.main, self.main + side * apart, self.spread)
 
 
-_NARROWEST, _WIDEST = _OnePeak(0.5, 1.0, 0.05), _OnePeak(5.5, 5.0, 5.0)
-_EVEN, _UNEVEN = _OnePeak(3.0, 1.05, 1.0), _OnePeak(3.0, 1.6, 1.0)
+_RANGE_OF_ONE = _OnePeak(0.5, 1.0, 0.05), _OnePeak(5.5, 5.0, 5.0)
+_STARTS_OF_ONE = _OnePeak(3.0, 1.05, 1.0), _OnePeak(3.0, 1.6, 1.0)  # even, and uneven
 
 
 def _likeliest_aim(counts: Counts, edges: Floats) -> tuple[_Aim, float, float]:
@@ -409,29 +407,30 @@ def _likeliest_aim(counts: Counts, edges: Floats) -> tuple[_Aim, float, float]:
     total = int(counts.sum())
     shares = counts / total
 
-    def deviance_residuals(aim: _Aim) -> Floats:
+    def deviance_residuals(*aim: float) -> Floats:
         # Far from every pitch a share underflows; there its logarithm only has to be very low.
-        expected = np.maximum(aim.shares(edges), 1e-300)
+        expected = np.maximum(_Aim(*aim).shares(edges), 1e-300)
         log_ratio = np.log(np.where(counts > 0, shares, 1.0) / expected) * (counts > 0)
         deviance = 2.0 * (shares * log_ratio - shares + expected)
         # Rounding can leave less than zero where a cell is met exactly.
         residuals: Floats = np.sign(shares - expected) * np.sqrt(np.maximum(deviance, 0.0))
         return residuals
 
-    def residuals_of_one(side: int, x: Floats) -> Floats:
-        return deviance_residuals(_OnePeak(*x).aim(side))
+    def cost_beside(side: int) -> float:
+        """Return the cost of the likeliest that is about to have a second peak on a side."""
+        return _nearest(
+            lambda *one: deviance_residuals(*_OnePeak(*one).aim(side)),
+            _STARTS_OF_ONE,
+            _RANGE_OF_ONE,
+            (True, True, True),
+        )[1]
 
-    found, cost = _nearest(deviance_residuals, _STARTS, _EVERYTHING)
-    _, cost_of_normal = _nearest(deviance_residuals, (_ONE_NORMAL,), _LEFT_ALONE)
-    cost_of_peak = cost
+    theta, cost = _nearest(deviance_residuals, _STARTS, _RANGE)
+    _, cost_of_normal = _nearest(deviance_residuals, [_ONE_NORMAL], _RANGE, _LEFT_ALONE)
+    found, cost_of_peak = _Aim(*theta).sorted(), cost
     if found.peaks() == 2:
         # Of densities with one peak the likeliest is then one that is about to have a second.
-        costs = [
-            _least(partial(residuals_of_one, side), start, _NARROWEST, _WIDEST)[1]
-            for side in (-1, 1)
-            for start in (_EVEN, _UNEVEN)
-        ]
-        cost_of_peak = min(cost_of_normal, *costs)
+        cost_of_peak = min(cost_of_normal, cost_beside(-1), cost_beside(1))
     return found, 2.0 * total * (cost_of_normal - cost), 2.0 * total * (cost_of_peak - cost)
 
 
@@ -459,7 +458,7 @@ def _fisher_errors(aim: _Aim, edges: Floats, total: int) -> Errors:
 
 def _within(aim: _Aim) -> Booleans:
     """Tell which parameters ended inside the range of the search, not at its end."""
-    theta, low, high = np.array(aim), np.array(_LOWEST), np.array(_HIGHEST)
+    theta, low, high = np.array([aim, *_RANGE])
     # The search stays inside; that near to an end it would have gone on.
     near = 1e-4 * (high - low)
     inside: Booleans = (theta > low + near) & (theta < high - near)
@@ -479,7 +478,8 @@ def _aim_through(
 
     def fit(drawn: Counts, starts: tuple[_Aim, ...]) -> _Aim:
         shares = drawn / drawn.sum()
-        return _nearest(lambda aim: aim.density(y) - shares, starts, free)[0]
+        theta, _ = _nearest(lambda *aim: _Aim(*aim).density(y) - shares, starts, _RANGE, free)
+        return _Aim(*theta).sorted()
 
     found = fit(counts, starts)
     errors = _bootstrap(counts, lambda drawn: fit(drawn, (found,)), replicates, generator)
@@ -487,54 +487,41 @@ def _aim_through(
 
 
 def _nearest(
-    residuals: Callable[[_Aim], Floats], starts: tuple[_Aim, ...], free: tuple[bool, ...]
-) -> tuple[_Aim, float]:
+    residuals: Callable[..., Floats],
+    starts: Sequence[Sequence[float]],
+    bounds: tuple[Sequence[float], Sequence[float]],
+    free: Sequence[bool] = _EVERYTHING,
+) -> tuple[list[float], float]:
     """Return the parameters with the least sum of squares, and half that sum.
 
-    Only the `free` ones move from where they start.
+    Only the `free` ones move from where they start, within their bounds.
     """
-    moving = np.array(free)
-
-    def whole(start: _Aim, part: Floats) -> _Aim:
-        theta = np.array(start)
-        theta[moving] = part
-        return _Aim(*theta.tolist())
-
-    def residuals_of_part(start: _Aim, part: Floats) -> Floats:
-        return residuals(whole(start, part))
-
-    ends = []
-    for start in starts:
-        x, cost = _least(
-            partial(residuals_of_part, start),
-            *(np.array(each)[moving] for each in (start, _LOWEST, _HIGHEST)),
-        )
-        ends.append((cost, whole(start, x)))
-    cost, best = min(ends, key=lambda end: end[0])
-    return best.sorted(), cost
-
-
-def _least(
-    residuals: Callable[[Floats], Floats],
-    start: Sequence[float] | Floats,
-    low: Sequence[float] | Floats,
-    high: Sequence[float] | Floats,
-) -> tuple[Floats, float]:
-    """Return where between the bounds the sum of squares is least, and half that sum."""
     from scipy.optimize import least_squares
 
-    low, high = np.array(low), np.array(high)
-    found = least_squares(
-        residuals,
-        # It wants to start inside; a thousandth is far from any end that it may seek.
-        np.clip(start, low + 1e-3, high - 1e-3),
-        bounds=(low, high),
-        # A step or a gain this small is far below every error bar.
-        xtol=1e-10,
-        ftol=1e-12,
-        gtol=1e-12,
-    )
-    return found.x, float(found.cost)
+    moving = np.array(free)
+    low, high = np.array(bounds)[:, moving]
+
+    def search(start: Sequence[float]) -> tuple[list[float], float]:
+        theta = np.array(start)
+
+        def residuals_of_part(part: Floats) -> Floats:
+            theta[moving] = part
+            return residuals(*theta.tolist())
+
+        found = least_squares(
+            residuals_of_part,
+            # It wants to start inside; a thousandth is far from any end that it may seek.
+            np.clip(theta[moving], low + 1e-3, high - 1e-3),
+            bounds=(low, high),
+            # A step or a gain this small is far below every error bar.
+            xtol=1e-10,
+            ftol=1e-12,
+            gtol=1e-12,
+        )
+        theta[moving] = found.x
+        return theta.tolist(), float(found.cost)
+
+    return min(map(search, starts), key=lambda end: end[1])
 
 
 def _aim_fit(
