@@ -13,8 +13,9 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple, TextIO
+from typing import TYPE_CHECKING, NamedTuple, TextIO, cast
 
 import numpy as np
 
@@ -25,6 +26,7 @@ from longball.pitches.fitted import (
     Aims,
     Estimate,
     FittedPitches,
+    Five,
     Heights,
     Method,
     SpeedFit,
@@ -38,6 +40,8 @@ if TYPE_CHECKING:
     import pandas as pd
 
 Errors = Sequence[float | None]
+# From counts, and how they are fitted, to the errors of what is fitted.
+Bootstrap = Callable[[Counts, Callable[[Counts], tuple[float, ...]]], tuple[float, ...]]
 
 # Relative error of a standard error from so many replicates: 1/√(2 · 200) = 5 %.
 REPLICATES = 200
@@ -99,9 +103,11 @@ def fit_pitches(
     _enough(pitches)
     if replicates < 2:
         raise TableError(f"replicates = {replicates}: a bootstrap takes at least 2")
-    generator = np.random.default_rng(seed)
-    straight = Counter(np.array(pitches.types)[pitches.straight].tolist())
-    breaking = Counter(np.array(pitches.types)[~pitches.straight].tolist())
+    bootstrap = partial(_bootstrap, replicates, np.random.default_rng(seed))
+    straight, breaking = (
+        dict(Counter(np.array(pitches.types)[chosen].tolist()).most_common())
+        for chosen in (pitches.straight, ~pitches.straight)
+    )
     return FittedPitches(
         source=pitches.source,
         columns=pitches.columns,
@@ -109,10 +115,10 @@ def fit_pitches(
         rows_read=pitches.rows_read,
         rows_used=len(pitches.types),
         left_out=pitches.left_out,
-        straight=dict(straight.most_common()),
-        breaking=dict(breaking.most_common()),
-        speed=_fit_speeds(pitches, bin_width, replicates, generator),
-        aim=_fit_aims(pitches, replicates, generator),
+        straight=straight,
+        breaking=breaking,
+        speed=_fit_speeds(pitches, bin_width, bootstrap),
+        aim=_fit_aims(pitches, bootstrap),
         height=None if pitches.height is None else _describe_heights(_count_cells(pitches.height)),
         bootstrap_replicates=replicates,
         bootstrap_seed=seed,
@@ -122,9 +128,9 @@ def fit_pitches(
 
 def r_squared(observed: Floats, fitted: Floats) -> float | None:
     """Return the coefficient of determination, 1 - Σ(o - f)² / Σ(o - ō)²; None if all o agree."""
-    spread = np.sum((observed - observed.mean()) ** 2)
     if np.ptp(observed) == 0.0:
         return None
+    spread = np.sum((observed - observed.mean()) ** 2)
     return float(1.0 - np.sum((observed - fitted) ** 2) / spread)
 
 
@@ -170,9 +176,7 @@ def _normal_through(
     return float(mean), abs(float(deviation))
 
 
-def _fit_speeds(
-    pitches: Pitches, bin_width: float, replicates: int, generator: np.random.Generator
-) -> Speeds:
+def _fit_speeds(pitches: Pitches, bin_width: float, bootstrap: Bootstrap) -> Speeds:
     edges = _bins(pitches.speed, bin_width, pitches.columns)
     classes = (pitches.straight, ~pitches.straight)
     counts = np.stack([np.histogram(pitches.speed[chosen], edges)[0] for chosen in classes])
@@ -185,9 +189,9 @@ def _fit_speeds(
             breaking=tuple(counts[1].tolist()),
         ),
         maximum_likelihood=by_likelihood,
-        least_squares=_speeds_through(1.0, edges, counts, start, replicates, generator),
+        least_squares=_speeds_through(1.0, edges, counts, start, bootstrap),
         least_squares_as_printed=_speeds_through(
-            INTEGRAL_AS_PRINTED, edges, counts, start, replicates, generator
+            INTEGRAL_AS_PRINTED, edges, counts, start, bootstrap
         ),
     )
 
@@ -215,12 +219,11 @@ def _bins(speed: Floats, bin_width: float, columns: Columns) -> Floats:
 def _likeliest_speeds(pitches: Pitches, edges: Floats, counts: Counts) -> SpeedFit:
     total = len(pitches.speed)
     share = float(np.mean(pitches.straight))
-    (mean_1, spread_1), (mean_2, spread_2) = (
-        _likeliest_normal(pitches.speed[chosen], _variance_of_rounding(pitches.columns))
-        for chosen in (pitches.straight, ~pitches.straight)
-    )
+    rounding = _variance_of_rounding(pitches.columns)
+    classes = (pitches.straight, ~pitches.straight)
+    one, two = (_likeliest_normal(pitches.speed[chosen], rounding) for chosen in classes)
     weight = Estimate(value=share, standard_error=math.sqrt(share * (1.0 - share) / total))
-    return _speed_fit(1.0, edges, counts, (mean_1, spread_1, mean_2, spread_2, weight))
+    return _speed_fit(1.0, edges, counts, (*one, *two, weight))
 
 
 def _variance_of_rounding(columns: Columns) -> float:
@@ -237,12 +240,10 @@ def _likeliest_normal(speed: Floats, rounding: float) -> tuple[Estimate, Estimat
     """
     mean, spread = float(speed.mean()), math.sqrt(speed.var() - rounding)
     fourth_moment = float(np.mean(((speed - mean) / spread) ** 4))
+    of_spread = spread * math.sqrt((fourth_moment - 1.0) / (4.0 * len(speed)))
     return (
         Estimate(value=mean, standard_error=spread / math.sqrt(len(speed))),
-        Estimate(
-            value=spread,
-            standard_error=spread * math.sqrt((fourth_moment - 1.0) / (4.0 * len(speed))),
-        ),
+        Estimate(value=spread, standard_error=of_spread),
     )
 
 
@@ -257,8 +258,8 @@ def _speed_fit(
     mean_1, spread_1, mean_2, spread_2, p = (estimate.value for estimate in estimates)
     v, width = _middles(edges)
     straight, breaking = (
-        normal(v, mean, spread, integral)
-        for mean, spread in ((mean_1, spread_1), (mean_2, spread_2))
+        normal(v, mean_1, spread_1, integral),
+        normal(v, mean_2, spread_2, integral),
     )
     everything = counts.sum(axis=0) / (counts.sum() * width)
     fitted = r_squared(everything, p * straight + (1.0 - p) * breaking)
@@ -266,24 +267,14 @@ def _speed_fit(
 
 
 def _speeds_through(
-    integral: float,
-    edges: Floats,
-    counts: Counts,
-    start: SpeedValues,
-    replicates: int,
-    generator: np.random.Generator,
+    integral: float, edges: Floats, counts: Counts, start: SpeedValues, bootstrap: Bootstrap
 ) -> SpeedFit:
     """Lay Eqs. 2 and 3 through the histograms of the classes, and of all pitches."""
     fitted = _least_squares_speeds(integral, edges, counts, start)
-    errors = _bootstrap(
-        counts,
-        lambda drawn: _least_squares_speeds(integral, edges, drawn, fitted),
-        replicates,
-        generator,
-    )
-    statuses: list[Status] = ["fitted"] * 4
-    statuses.append("at_bound" if fitted[-1] in (0.0, 1.0) else "fitted")
-    return _speed_fit(integral, edges, counts, _estimates(fitted, errors, statuses))
+    errors = bootstrap(counts, lambda drawn: _least_squares_speeds(integral, edges, drawn, fitted))
+    of_weight: Status = "at_bound" if fitted[-1] in (0.0, 1.0) else "fitted"
+    estimates = _estimates(fitted, errors, [*["fitted"] * 4, of_weight])
+    return _speed_fit(integral, edges, counts, estimates)
 
 
 def _least_squares_speeds(
@@ -309,7 +300,7 @@ def _middles(edges: Floats) -> tuple[Floats, float]:
 # --- across the plate: Fig. 3 ---------------------------------------------------------------------
 
 
-def _fit_aims(pitches: Pitches, replicates: int, generator: np.random.Generator) -> Aims:
+def _fit_aims(pitches: Pitches, bootstrap: Bootstrap) -> Aims:
     cells = _count_cells(pitches.across)
     edges = CELL_EDGES if pitches.columns.place_unit == "cell" else FINE_EDGES
     counts = np.histogram(pitches.across, edges)[0]
@@ -317,13 +308,13 @@ def _fit_aims(pitches: Pitches, replicates: int, generator: np.random.Generator)
     errors = _fisher_errors(likeliest, edges, len(pitches.across))
     cost_of_two = 2.0 * math.log(len(pitches.across))  # parameters, by Schwarz's criterion
     return Aims(
-        cells=_five(cells),
+        cells=cast(Five[int], tuple(cells.tolist())),
         maximum_likelihood=_aim_fit(likeliest, errors, cells, likeliest.shares(CELL_EDGES)),
         gain_over_one_normal=over_one_normal,
         gain_over_one_peak=over_one_peak,
         two_peaks_supported=over_one_normal > cost_of_two and over_one_peak > PEAK_GAIN,
-        least_squares=_aim_through(cells, None, replicates, generator),
-        least_squares_at_edges=_aim_through(cells, EDGES_OF_THE_ZONE, replicates, generator),
+        least_squares=_aim_through(cells, None, bootstrap),
+        least_squares_at_edges=_aim_through(cells, EDGES_OF_THE_ZONE, bootstrap),
     )
 
 
@@ -465,12 +456,7 @@ def _within(aim: _Aim) -> Booleans:
     return inside
 
 
-def _aim_through(
-    counts: Counts,
-    means: tuple[float, float] | None,
-    replicates: int,
-    generator: np.random.Generator,
-) -> AimFit:
+def _aim_through(counts: Counts, means: tuple[float, float] | None, bootstrap: Bootstrap) -> AimFit:
     """Lay the density of Eq. 4, at the number of each cell, through the cells' shares."""
     y = np.arange(1.0, 6.0)
     starts = _STARTS if means is None else (_Aim(0.5, *means, 0.8),)
@@ -482,7 +468,7 @@ def _aim_through(
         return _Aim(*theta).sorted()
 
     found = fit(counts, starts)
-    errors = _bootstrap(counts, lambda drawn: fit(drawn, (found,)), replicates, generator)
+    errors = bootstrap(counts, lambda drawn: fit(drawn, (found,)))
     return _aim_fit(found, errors, counts, found.density(y), free)
 
 
@@ -557,8 +543,8 @@ def _describe_heights(counts: Counts) -> Heights:
     ]
     lower_four = chisquare(counts[:4])
     return Heights(
-        cells=_five(counts),
-        shares=(shares[0], shares[1], shares[2], shares[3], shares[4]),
+        cells=cast(Five[int], tuple(counts.tolist())),
+        shares=cast(Five[Estimate], tuple(shares)),
         chi_squared_of_lower_four=float(lower_four.statistic),
         p_value_of_lower_four=float(lower_four.pvalue),
     )
@@ -566,11 +552,6 @@ def _describe_heights(counts: Counts) -> Heights:
 
 def _count_cells(place: Floats) -> Counts:
     return np.bincount(cell(place), minlength=6)[1:]
-
-
-def _five(counts: Counts) -> tuple[int, int, int, int, int]:
-    one, two, three, four, five = counts.tolist()
-    return one, two, three, four, five
 
 
 # --- uncertainty ----------------------------------------------------------------------------------
@@ -590,10 +571,10 @@ def _estimates(
 
 
 def _bootstrap(
-    counts: Counts,
-    fit: Callable[[Counts], tuple[float, ...]],
     replicates: int,
     generator: np.random.Generator,
+    counts: Counts,
+    fit: Callable[[Counts], tuple[float, ...]],
 ) -> tuple[float, ...]:
     """Return the spread of what is fitted to counts that are drawn from the observed shares."""
     total = int(counts.sum())
