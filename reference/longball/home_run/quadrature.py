@@ -134,19 +134,13 @@ def integrals(
 
     Parameters
     ----------
-    base
-        Everything about the at-bats that is not random, its reading included.
-    at_bats
-        The distributions of what is.
-    restitutions
-        Values of e.
+    base, at_bats, restitutions, workers
+        As `longball.home_run.monte_carlo` takes them.
     sample_space
         Of which the home runs are a share.
     tolerance
         Error of P that is asked for; ten times as much of dP/de. The rules are refined until two in
         a row agree so far, or there is no finer one.
-    workers
-        Threads; -1 for one per core. The answer does not depend on them, to the last bit.
     progress
         Called with the number of restitutions done.
     """
@@ -331,10 +325,7 @@ def _speeds(clearance: Clearance, law: Mixture) -> tuple[Array, Array]:
     def arrives(speed: Array, line: Places) -> Array:
         return np.where(clearance.window(speed) > 0.0, 1.0, -1.0)
 
-    low, high = (
-        extreme(mean + far * deviation for _, mean, deviation in law.parts)
-        for extreme, far in ((min, -FARTHEST), (max, FARTHEST))
-    )
+    low, high = law.range(FARTHEST)
     # The printed columns of Table II draw negative speeds, too: such a ball is never pitched.
     grid = np.linspace(max(low, high / 1000), high, _SPEEDS)
     cuts = crossings(arrives, grid[None], sampled(arrives, grid[None])).place

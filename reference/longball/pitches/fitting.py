@@ -272,8 +272,9 @@ def _speeds_through(
     """Lay Eqs. 2 and 3 through the histograms of the classes, and of all pitches."""
     fitted = _least_squares_speeds(integral, edges, counts, start)
     errors = bootstrap(counts, lambda drawn: _least_squares_speeds(integral, edges, drawn, fitted))
-    of_weight: Status = "at_bound" if fitted[-1] in (0.0, 1.0) else "fitted"
-    estimates = _estimates(fitted, errors, [*["fitted"] * 4, of_weight])
+    statuses: list[Status] = ["fitted"] * 4
+    statuses.append("at_bound" if fitted[-1] in (0.0, 1.0) else "fitted")
+    estimates = _estimates(fitted, errors, statuses)
     return _speed_fit(integral, edges, counts, estimates)
 
 
