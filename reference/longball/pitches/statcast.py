@@ -352,8 +352,7 @@ def _side(column: pd.Series) -> Floats:
             f"{column.name}: row {int(np.argmax(odd)) + 1} below the header has "
             f"{text[odd].iloc[0]!r}, which is neither R nor L"
         )
-    side: Floats = text.map({"R": 1.0, "L": -1.0}).to_numpy(dtype=np.float64, na_value=np.nan)
-    return side
+    return np.asarray(text.map({"R": 1.0, "L": -1.0}), dtype=np.float64)
 
 
 def _common(
