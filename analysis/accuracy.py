@@ -1,11 +1,6 @@
 """Speed and error of the reference engine, beside plain solve_ivp with its own events."""
 
-from __future__ import annotations
-
-from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -14,6 +9,7 @@ from analysis.speed_error.work import Work
 from analysis.writing import render
 from longball.engines.chain import solve
 from longball.engines.ivp import Ivp
+from longball.model.quantities import at
 from longball.model.result import Result
 from longball.model.scene import FlightScene, Launch
 
@@ -22,18 +18,6 @@ SEED = 7
 ROUNDS = 9  # interleaved repetitions of each timing
 TOLERANCES = (1e-6, 1e-9, 1e-12)
 UNIT = "solve_ivp DOP853 1e-12, its own event"
-
-# m, s, m/s
-QUANTITIES: dict[str, Callable[[Any], Any]] = {
-    "plate, time, s": lambda result: result.plate.time,
-    "plate, height, m": lambda result: result.plate.position[2],
-    "contact, time, s": lambda result: result.contact.time,
-    "contact, margin, m": lambda result: result.contact.margin,
-    "impact, velocity x, m/s": lambda result: result.impact.velocity[0],
-    "impact, velocity z, m/s": lambda result: result.impact.velocity[2],
-    "landing, time, s": lambda result: result.landing.time,
-    "landing, distance, m": lambda result: result.landing.distance,
-}
 
 
 def run(report: Path, full: bool) -> str:
@@ -47,16 +31,13 @@ def run(report: Path, full: bool) -> str:
         "longball ivp DOP853": contenders.ivp("DOP853"),
         "longball ivp, Taylor's method": contenders.ivp("Taylor"),
     }
-    turns = [(replace(one, turn=len(results)), flights) for one in candidates.values()]
+    turns = [(one._replace(turn=len(results)), flights) for one in candidates.values()]
     measured = dict(zip(candidates, measuring.measure(turns, ROUNDS), strict=True))
     pairs = list(zip(results, work.truth(struck), strict=True))
     return render(
         report, "accuracy", globals(), count=len(results), measured=measured,
         unit=measured[UNIT], default=measured["longball ivp, Taylor's method"],
-        at_bats={
-            name: max(measuring.difference(of(ours), of(best)) for ours, best in pairs)
-            for name, of in QUANTITIES.items()
-        },
+        worst=lambda x: max(measuring.difference(at(a, x), at(b, x)) for a, b in pairs),
     )  # fmt: skip
 
 
@@ -70,10 +51,10 @@ def batted(count: int) -> tuple[Work, list[Result]]:
 
 def flights_of(results: list[Result]) -> Work:
     """Return the flights of batted balls as scenes of their own."""
-    columns = {}
-    for i in range(3):
-        for name, block in (("position", "contact"), ("velocity", "impact")):
-            values = [float(getattr(getattr(result, block), name)[i]) for result in results]
-            columns[f"launch.{name}[{i}]"] = np.array(values)
+    columns = {
+        f"launch.{name}[{i}]": np.array([float(at(x, f"{block}.{name}[{i}]")) for x in results])
+        for i in range(3)
+        for name, block in (("position", "contact"), ("velocity", "impact"))
+    }
     anywhere = Launch(position=(0.0, 0.0, 1.0), velocity=(1.0, 0.0, 0.0))
     return Work(FlightScene(id="flight", launch=anywhere), columns)

@@ -1,7 +1,5 @@
 """A few at-bats, from the pitcher's hand to the ground."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 from typing import Any
@@ -14,6 +12,7 @@ from analysis.writing import LINES, figure, render
 from longball.engines.chain import solve_with_path
 from longball.engines.ivp import Ivp
 from longball.engines.path import Trajectory
+from longball.model.quantities import number
 from longball.model.scene import AtBatScene, Pitch, Swing
 
 # A pitch at the mean speed of the straight balls, on the middle cell, and five swings at it:
@@ -51,14 +50,12 @@ def run(report: Path, full: bool) -> str:
         axes.legend(fontsize="small", loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=5)
     with figure(report, "at_bats_contact", columns=len(SWINGS), size=(9.0, 2.6)) as panels:
         for axes, (name, (result, way)) in zip(panels, solved.items(), strict=True):
-            scene, plate, contact = scenes[name], result.plate, result.contact
-            assert plate is not None
-            assert contact is not None
-            height = float(plate.position[2]) + scene.swing.height_offset
+            scene = scenes[name]
+            height = number(result, "plate.position[2]") + scene.swing.height_offset
             bat = Circle((0.0, height), scene.bat.radius, facecolor="0.8", edgecolor="black")
             axes.add_patch(bat)
-            if contact.position is not None:
-                x, _, z = map(float, contact.position)
+            if result.contact and result.contact.position is not None:
+                x, _, z = map(float, result.contact.position)
                 axes.add_patch(Circle((x, z), scene.ball.radius, fill=False, linestyle=":"))
                 begin = way.legs[-1].begin
                 batted = along(way, begin, min(way.end, begin + BEHIND))
@@ -67,8 +64,8 @@ def run(report: Path, full: bool) -> str:
             axes.set(title=name, xlabel="x, m", xlim=(-0.15, 0.15), ylim=(1.08, 1.38))
             axes.set_aspect("equal")
         panels[0].set_ylabel("height z, m")
-    rows = [(*item, solved[item[0]][0]) for item in SWINGS.items()]
-    return render(report, "at_bats", globals(), rows=rows)
+    results = {name: result for name, (result, _) in solved.items()}
+    return render(report, "at_bats", globals(), results=results)
 
 
 def along(way: Trajectory[float], begin: float, end: float) -> tuple[Array, Array]:

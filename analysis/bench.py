@@ -5,8 +5,6 @@ study `analysis.speed_error`, on the same flights and at-bats; so are the measur
 error.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from analysis.speed_error import contenders, laws
@@ -39,7 +37,7 @@ def main() -> None:
     turns = [(entrant, given) for given in works for entrant in entrants()]
     units: dict[str, list[float]] = {}
     for (_, given), found in zip(turns, measure(turns, TURNS), strict=True):
-        kind, wrong = given.work.base.kind, found.errors
+        kind, wrong = given.base.kind, found.errors
         unit = units.setdefault(kind, found.seconds)
         missed = f"{wrong.missed} of {wrong.contacts}" if wrong.contacts else ""
         print(

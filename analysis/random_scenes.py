@@ -7,8 +7,6 @@ that hardly approach each other. `extended` has what the paper's model does not:
 weather, laws and tables of the coefficients, the turning Earth, fences, friction of ball and bat.
 """
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Callable
@@ -92,18 +90,12 @@ def close(kind: str, generator: Generator) -> Written:
     match kind, generator.integers(3):
         case "impact", 0:  # the bat's end
             scene["incoming"]["position"][1] = float(generator.choice([-0.5, 0.5])) + nudge
-        case "impact", 1:  # hardly approaching
-            incoming = scene["incoming"]
-            arm = 0.5 - incoming["position"][1]
-            swing = scene["swing"]
-            moving = [swing["angular_speed"] * arm * math.cos(swing["tilt"]), 0.0, 0.0]
-            x, z = incoming["position"][0], incoming["position"][2] - incoming["bat_height"]
-            along = generator.normal(0.0, 20.0)
-            incoming["velocity"] = [
-                moving[0] - along * z / 0.0696 + nudge,
-                0.0,
-                moving[2] + along * x / 0.0696,
-            ]
+        case "impact", 1:  # hardly approaching: along the surface of the bat, which moves along x
+            swing, (x, y, z) = scene["swing"], scene["incoming"]["position"]
+            moving = swing["angular_speed"] * (0.5 - y) * math.cos(swing["tilt"])
+            along, height = generator.normal(0.0, 20.0), z - scene["incoming"]["bat_height"]
+            velocity = [moving - along * height / 0.0696 + nudge, 0.0, along * x / 0.0696]
+            scene["incoming"]["velocity"] = velocity
         case "flight", 0:  # to be at rest in the air, or all but so
             scene["launch"]["velocity"] = [nudge, 0.0, generator.choice([0.0, 10.0])]
         case "flight", 1:  # level over the ground
@@ -112,16 +104,15 @@ def close(kind: str, generator: Generator) -> Written:
                 "velocity": [generator.uniform(1.0, 60.0), 0.0, generator.choice([0.0, nudge])],
             }
         case "pitch" | "flight", _:  # ends with the time limit
-            scene["time_limit"] = _duration(scene) * (1.0 + nudge)
+            block = "landing" if kind == "flight" else "plate"
+            scene["time_limit"] = float(_quantity(scene, block, "time") or 1.0) * (1.0 + nudge)
         case "at-bat", 0:  # grazes the bat
             scene["swing"]["height_offset"] = 0.0
-            margin = _quantity(scene, "contact", "margin")
-            if margin is not None:
+            if _quantity(scene, "contact", "margin") is not None:
                 sign = float(generator.choice([-1.0, 1.0]))
                 scene["swing"]["height_offset"] = sign * (0.0696 + nudge)
         case "at-bat", 1:  # the bat's end
-            position = _quantity(scene, "contact", "position")
-            if position is not None:
+            if (position := _quantity(scene, "contact", "position")) is not None:
                 scene["pitch"]["aim"][0] += 0.5 + nudge - position[1]
     return scene
 
@@ -157,6 +148,8 @@ def _blow(scene: Written, law: Generator, generator: Generator) -> None:
     coefficient = uniform(0.05, 0.6)
     at = np.cumsum(uniform(1.0, 12.0, 4)).tolist()
     values = [0.0 if law.random() < 0.5 else coefficient, *uniform(0.05, 0.6, 3)]
+    crisis = {"law": "crisis", "speed": uniform(5.0, 50.0), "width": size(generator, 0.1, 10.0)}
+    linear = {"law": "linear", "slope": uniform(0.5, 1.5)}
     # What needs a spin comes last.
     spins = law.random() < 0.8
     tables: list[Written] = [
@@ -164,24 +157,14 @@ def _blow(scene: Written, law: Generator, generator: Generator) -> None:
         {"of": "mach", "at": [x / 340.0 for x in at]},
         {"of": "spin_parameter", "at": [0.0, *(x / 40.0 for x in at[:3])]},
     ]
-    drag, lift = (
-        [
-            {"law": "constant", "value": coefficient},
-            {"law": "table", "values": values} | tables[law.integers(3 if spins else 2)],
-            *others,
-        ][law.integers(2 + len(others) if spins else 2)]
-        for others in (
-            [
-                {"law": "spin", "constant": coefficient},
-                {"law": "crisis", "speed": uniform(5.0, 50.0), "width": size(generator, 0.1, 10.0)},
-            ],
-            [
-                {"law": "rational"},
-                {"law": "linear", "slope": uniform(0.5, 1.5)},
-                {"law": "bilinear"},
-            ],
-        )
-    )
+
+    def coefficient_of(others: list[Written]) -> Written:
+        table = {"law": "table", "values": values} | tables[law.integers(3 if spins else 2)]
+        laws: list[Written] = [{"law": "constant", "value": coefficient}, table, *others]
+        return laws[law.integers(len(laws) if spins else 2)]
+
+    drag = coefficient_of([{"law": "spin", "constant": coefficient}, crisis])
+    lift = coefficient_of([{"law": "rational"}, linear, {"law": "bilinear"}])
     blowing = (size(generator, 0.1, 30.0) * generator.standard_normal(3)).tolist()
     winds: list[Any] = [
         None,
@@ -242,20 +225,13 @@ def _fence(generator: Generator) -> Written:
         return {"radius": generator.uniform(20.0, 130.0)}
     count = generator.integers(2, 8)
     angles = np.sort(generator.uniform(-0.8, 0.8, count))[::-1].tolist()
-    return {
-        "polyline": [
-            [far * math.cos(angle), far * math.sin(angle), generator.uniform(0.0, 12.0)]
-            for angle, far in zip(angles, generator.uniform(20.0, 130.0, count), strict=True)
-        ]
-    }
+    corners = zip(angles, generator.uniform(20.0, 130.0, count), strict=True)
+    across = ((far * math.cos(angle), far * math.sin(angle)) for angle, far in corners)
+    return {"polyline": [[x, y, generator.uniform(0.0, 12.0)] for x, y in across]}
 
 
 FAMILIES: dict[str, Callable[[str, Generator], Written]] = {
-    "baseball": baseball,
-    "wide": wide,
-    "extreme": extreme,
-    "close": close,
-    "extended": extended,
+    family.__name__: family for family in (baseball, wide, extreme, close, extended)
 }
 
 
@@ -340,12 +316,8 @@ def _numbers(scene: Written) -> list[tuple[Any, Any]]:
             places.append((scene, key))
         elif isinstance(value, dict) and key not in ("reading", "incoming"):
             places += [(value, name) for name in value if isinstance(value[name], float)]
-            places += [
-                (each, i)
-                for each in value.values()
-                if isinstance(each, list)
-                for i in range(len(each))
-            ]
+            vectors = [each for each in value.values() if isinstance(each, list)]
+            places += [(vector, i) for vector in vectors for i in range(len(vector))]
     return places
 
 
@@ -356,8 +328,3 @@ def _quantity(scene: Written, block: str, name: str) -> Any:
     except ValidationError:
         return None
     return getattr(getattr(solve(parsed, create("batch")), block), name, None)
-
-
-def _duration(scene: Written) -> float:
-    block = "landing" if scene["kind"] == "flight" else "plate"
-    return float(_quantity(scene, block, "time") or 1.0)

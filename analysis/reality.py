@@ -1,7 +1,5 @@
 """Measured baseball: what models of flight say of a day of measured pitches and batted balls."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -15,11 +13,10 @@ from scipy.stats import bootstrap
 from analysis.writing import figure, render
 from longball.model.scene import Ball
 from longball.pictures import draw_errors
-from longball.pitches import EXAMPLE
+from longball.pitches import EXAMPLE, prediction, statcast
 from longball.pitches.models import MODELS, STANDARD_GRAVITY, FlightModel, regression_spin
-from longball.pitches.prediction import ANGLES, INCH, Prediction, bands, predict, solve, summaries
-from longball.pitches.statcast import FOOT, RPM, MeasuredFlies, MeasuredPitches, read_measured
-from longball.pitches.table import Booleans
+from longball.pitches.prediction import ANGLES, Prediction, bands, predict, solve
+from longball.pitches.statcast import RPM, MeasuredFlies, MeasuredPitches, read_measured
 from longball.pitches.table import Floats as Array
 
 NATHAN = MODELS["nathan"]
@@ -30,12 +27,6 @@ SHARES, SOLVED_SHARES = np.linspace(0.05, 1.0, 951), np.linspace(0.05, 1.0, 7)
 REPLICATES, SEED = 999, 11
 CATCH = 1.5  # m, a height at which flies are caught
 CAUGHT = ("field_out", "sac_fly", "double_play", "field_error")
-EVENTS = {
-    "caught or dropped": CAUGHT,
-    "single": ("single",),
-    "double or triple": ("double", "triple"),
-    "home run": ("home_run",),
-}
 
 
 def run(report: Path, full: bool) -> str:
@@ -45,48 +36,26 @@ def run(report: Path, full: bool) -> str:
     of_flies = fly_predictions(flies, launch)
     shares, held_out, spread = held_out_shares(pitches)
     of_pitches = pitch_predictions(pitches)
-    of_pitches["Nathan, the active share of its type, fitted to the other games"] = held_out
-    off = of_flies["Nathan, backspin and side spin"].error[:, 0]
-    day = pd.read_csv(EXAMPLE).iloc[flies.rows - 1]
-    caught = day["events"].isin(CAUGHT).to_numpy()
-    drawn = np.asarray(np.hypot(day["hc_x"] - 125.42, 198.27 - day["hc_y"]))
-
-    def correlation(which: Booleans) -> float:
-        """Return that of the distance and of where the drawing has the fielder."""
-        return float(np.corrcoef(flies.measured[which, 0], drawn[which])[0, 1])
-
+    of_pitches[HELD_OUT] = held_out
     draw_flies(report, flies, of_flies)
     with figure(report, "reality_pitches", size=(5.6, 4.2)) as (axes,):
         draw_errors(axes, held_out)
-    by_place, by_place_and_bearing = scatter(flies)
     return render(
-        report, "reality", globals(),
-        flies=flies, pitches=pitches,
-        bounced=next(x.count for x in pitches.left_out if "bounced" in x.reason),
-        spinless=next(x.count for x in pitches.left_out if "spin" in x.reason),
-        of_flies=[(name, x.error[x.solved, 0] / FOOT) for name, x in of_flies.items()],
-        angles=list(bands(np.degrees(flies.angle), ANGLES)),
-        compared={name: of_flies[name].error[:, 0] / FOOT for name in COMPARED},
-        events={name: off[day["events"].isin(kinds)] / FOOT for name, kinds in EVENTS.items()},
-        of_pitches={name: summaries(x)[-1] for name, x in of_pitches.items()},
-        types=summaries(held_out)[:-1], shares=shares, spread=spread,
-        paper=error(of_flies["the paper"]) / FOOT,
-        nathan=error(of_flies["Nathan, backspin and side spin"]) / FOOT,
-        launched=error(of_flies[LAUNCHED]) / FOOT,
-        mean_spin=mean_rate(regression_spin(flies)),
-        launched_spin=mean_rate(regression_spin(launch)),
-        turned=np.degrees(np.abs(launch.bearing - flies.bearing)).mean(),
-        held_out=error(held_out) / INCH,
-        paper_pitches=error(of_pitches["the paper"]) / INCH,
-        floor=error(of_pitches[FLOOR]) / INCH,
-        best=best_constants(flies),
-        by_place=by_place / FOOT,
-        by_place_and_bearing=by_place_and_bearing / FOOT,
-        drawn=correlation(caught),
-        not_drawn=correlation((day["events"] == "single").to_numpy()),
-        caught_bias=off[caught].mean() / FOOT,
-        catch=catch_shift(flies)[caught].mean() / FOOT,
+        report, "reality", vars(statcast) | vars(prediction) | globals(),
+        flies=flies, launch=launch, pitches=pitches, of_flies=of_flies, of_pitches=of_pitches,
+        shares=shares, spread=spread, day=pd.read_csv(EXAMPLE).iloc[flies.rows - 1],
+        best=best_constants(flies), scatters=scatter(flies), distance=flies.measured[:, 0],
     )  # fmt: skip
+
+
+def too_far(prediction: Prediction) -> Array:
+    """Return by how much flies are predicted to go too far, ft."""
+    return prediction.error[:, 0] / statcast.FOOT
+
+
+def left_out(pitches: MeasuredPitches, word: str) -> int:
+    """Return how many pitches are left out for a reason."""
+    return next(omission.count for omission in pitches.left_out if word in omission.reason)
 
 
 def measured_flies() -> MeasuredFlies:
@@ -107,15 +76,11 @@ def measured_pitches() -> MeasuredPitches:
     return replace(pitches, release=pitches.release + up, measured=pitches.measured + up[1:])
 
 
-def error(prediction: Prediction) -> float:
-    """Return the root mean square of the length of the error, m."""
-    return summaries(prediction)[-1].rms
-
-
 # --- batted balls ---------------------------------------------------------------------------------
 
-COMPARED = ("the paper", "best constants", "Nathan, backspin and side spin")
+FULL_SPIN = "Nathan, backspin and side spin"
 LAUNCHED = "the same, launched so that it comes down where it was fielded"
+COMPARED = ("the paper", "best constants", FULL_SPIN)
 
 
 def fly_predictions(flies: MeasuredFlies, launch: MeasuredFlies) -> dict[str, Prediction]:
@@ -129,7 +94,7 @@ def fly_predictions(flies: MeasuredFlies, launch: MeasuredFlies) -> dict[str, Pr
         "Giordano and Nakanishi": predict(flies, MODELS["giordano"]),
         "Nathan, 2,000 rpm of backspin for all": predict(flies, NATHAN, backspin),
         "Nathan, backspin by the angle": predict(flies, NATHAN, by_angle),
-        "Nathan, backspin and side spin": predict(flies, NATHAN),
+        FULL_SPIN: predict(flies, NATHAN),
         LAUNCHED: predict(launch, NATHAN),
         "drag crisis fitted to the day": predict(flies, MODELS["crisis"]),
     }
@@ -191,14 +156,13 @@ def scatter(flies: MeasuredFlies) -> tuple[float, float]:
                 columns.append(np.prod([x**p for x, p in zip(scaled, powers, strict=True)], axis=0))
         q, _ = np.linalg.qr(np.stack(columns, axis=1))
         distance = flies.measured[:, 0]
-        residual = (distance - q @ (q.T @ distance)) / (1.0 - np.sum(q**2, axis=1))
-        found.append(float(np.sqrt(np.mean(residual**2))))
+        found.append(float(rms((distance - q @ (q.T @ distance)) / (1.0 - np.sum(q**2, axis=1)))))
     return found[0], found[1]
 
 
-def mean_rate(spin: Array) -> float:
-    """Return the mean size of spins, rpm."""
-    return float(np.linalg.norm(spin, axis=1).mean() / RPM)
+def mean_spin(flies: MeasuredFlies) -> float:
+    """Return the mean size of the spins that the regression expects, rpm."""
+    return float(np.linalg.norm(regression_spin(flies), axis=1).mean() / RPM)
 
 
 def rms(x: Array, axis: int = -1) -> Array:
@@ -227,6 +191,7 @@ def draw_flies(report: Path, flies: MeasuredFlies, predictions: dict[str, Predic
 
 # --- pitches --------------------------------------------------------------------------------------
 
+HELD_OUT = "Nathan, the active share of its type, fitted to the other games"
 FLOOR = "each pitch's own constant C_D, C_L and axis"
 
 

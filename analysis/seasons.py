@@ -1,9 +1,6 @@
 """The paper's question, asked of real balls: whether the restitution explains the home runs."""
 
-from __future__ import annotations
-
-import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
@@ -14,7 +11,9 @@ import pandas as pd
 from scipy.optimize import brentq
 from scipy.stats import norm
 
-from analysis.paper.printed import CARRIES, PAIRS, Season
+from analysis.paper import printed
+from analysis.paper.home_run_figures import curve_ratio
+from analysis.paper.printed import PAIRS, Season
 from analysis.reality import NATHAN, landings, launched, measured_flies, measured_pitches
 from analysis.writing import figure, render
 from longball import home_run
@@ -43,6 +42,7 @@ E_LOW = DULL.restitution
 GAMES = 864  # of a season in Japan, 2010 to 2013: 12 teams of 144 games
 REPLICATES, SEED = 10_000, 12
 STEP = 2e-3  # of e, over which home runs are differentiated: they are smooth over 20 times that
+FASTER, C = 0.1, 0.002  # m/s and of C_D: steps of the other derivatives
 
 
 @dataclass(frozen=True)
@@ -61,16 +61,15 @@ class Hits:
         """
         return (self.flies.velocity - self.pitch) / (1.0 + e)
 
-    def with_restitution(self, change: float, e: float) -> Hits:
+    def with_restitution(self, change: float, e: float) -> "Hits":
         """Return the hits with a ball whose restitution is larger than `e` by a change."""
         return self._with(self.flies.velocity + change * self.per_restitution(e))
 
-    def harder(self, change: float) -> Hits:
+    def harder(self, change: float) -> "Hits":
         """Return the hits, all of them faster by so many m/s."""
-        faster = 1.0 + change / self.flies.speed[:, None]
-        return self._with(self.flies.velocity * faster)
+        return self._with(self.flies.velocity * (1.0 + change / self.flies.speed[:, None]))
 
-    def _with(self, velocity: Array) -> Hits:
+    def _with(self, velocity: Array) -> "Hits":
         speed = np.linalg.norm(velocity, axis=1)
         angle = np.arcsin(velocity[:, 2] / speed)
         bearing = np.arctan2(-velocity[:, 1], velocity[:, 0])
@@ -116,14 +115,10 @@ class Variant:
 
     def chances(self, hits: Hits) -> Array:
         """Return the probability of a home run of each ball."""
-        return self.over(self.margins(hits))
-
-    def over(self, margins: Array) -> Array:
-        """Return the same of balls that carry further than needed by margins."""
-        chance: Array = norm.cdf((margins - self.fence) / self.scatter)
+        chance: Array = norm.cdf((self.margins(hits) - self.fence) / self.scatter)
         return chance
 
-    def livelier(self, change: float) -> Hits:
+    def livelier(self, change: float) -> "Hits":
         """Return the hits with a ball whose restitution is larger by a change."""
         return self.hits.with_restitution(change, self.restitution)
 
@@ -158,10 +153,11 @@ class Estimate(NamedTuple):
         low, high = np.quantile(self.draws, [0.025, 0.975])
         return float(low), float(high)
 
-    def map(self, function: Callable[..., Any], *others: Estimate) -> Estimate:
+    def map(self, function: Callable[..., Any], *others: "Estimate") -> "Estimate":
         """Return a function of this estimate and others that are independent of it."""
-        value = float(function(self.value, *(other.value for other in others)))
-        return Estimate(value, function(self.draws, *(other.draws for other in others)))
+        every = (self, *others)
+        value = float(function(*(one.value for one in every)))
+        return Estimate(value, function(*(one.draws for one in every)))
 
 
 def of_games(function: Callable[..., Any], variant: Variant, *chances: Array) -> Estimate:
@@ -186,24 +182,9 @@ def restitution_slope(variant: Variant) -> tuple[float, Estimate]:
     return float((below + above).sum() / 2.0), slope(variant, STEP, below, above)
 
 
-def speed_slope(variant: Variant) -> float:
-    """Return d ln(home runs) by the speed off the bat of all balls, s/m."""
-    around = (variant.chances(variant.hits.harder(x)) for x in (-0.1, 0.1))
-    return slope(variant, 0.1, *around).value
-
-
-def drag_slope(variant: Variant) -> float:
-    """Return d ln(home runs) by the part of C_D that depends on nothing."""
-    drag = variant.model.drag
-    assert isinstance(drag, Mapping)
-    constants = (drag["constant"] - 0.002, drag["constant"] + 0.002)
-    models = [replace(variant.model, drag={**drag, "constant": c}) for c in constants]
-    around = (replace(variant, model=model).chances(variant.hits) for model in models)
-    return slope(variant, 0.002, *around).value
-
-
-def season_ratios(variant: Variant, changes: Sequence[float]) -> list[Estimate]:
-    """Return what larger restitutions multiply home runs by."""
+def season_ratios(variant: Variant) -> list[Estimate]:
+    """Return what the restitutions of the pairs of seasons multiply home runs by."""
+    changes = [lively.restitution - E_LOW for lively, _ in SEASON_PAIRS]
     dull, *lively = (variant.chances(variant.livelier(x)) for x in (0.0, *changes))
     return [of_games(lambda before, after: after / before, variant, dull, x) for x in lively]
 
@@ -213,19 +194,9 @@ def with_fence_for(variant: Variant, home_runs: float) -> Variant:
     margins = variant.margins(variant.hits)
 
     def too_many(fence: float) -> float:
-        return float(replace(variant, fence=fence).over(margins).sum() - home_runs)
+        return float(norm.cdf((margins - fence) / variant.scatter).sum() - home_runs)
 
     return replace(variant, fence=float(brentq(too_many, -20.0, 60.0)))
-
-
-def with_speed_for(variant: Variant, home_runs: float) -> tuple[Variant, float]:
-    """Return a variant with all balls slower, so that it has so many home runs; and by what."""
-
-    def too_many(change: float) -> float:
-        return float(variant.chances(variant.hits.harder(change)).sum() - home_runs)
-
-    change = float(brentq(too_many, -8.0, 4.0, xtol=0.001))
-    return replace(variant, hits=variant.hits.harder(change)), change
 
 
 def run(report: Path, full: bool) -> str:
@@ -236,8 +207,13 @@ def run(report: Path, full: bool) -> str:
     scatter = float(np.std(predict(hits.flies, NATHAN).error))
     plain = Variant("Nathan's laws, this fence", hits, NATHAN, scatter)
     fitted = with_fence_for(replace(plain, name="the same, fence by the day's count"), day)
-    slower, change = with_speed_for(fitted, japan)
-    slower = replace(slower, name="the same, balls slower by Japan's count of 2012")
+
+    def too_many(change: float) -> float:
+        return float(fitted.chances(hits.harder(change)).sum() - japan)
+
+    change = float(brentq(too_many, -8.0, 4.0, xtol=0.001))
+    name = "the same, balls slower by Japan's count of 2012"
+    slower = replace(fitted, name=name, hits=hits.harder(change))
     further = with_fence_for(replace(plain, name="fence alone by Japan's count"), japan)
     launch = measured_hits(launched)
     others = [
@@ -248,26 +224,27 @@ def run(report: Path, full: bool) -> str:
     ]
     variants = [plain, fitted, *(with_fence_for(x, day) for x in others), further, slower]
     slopes = {variant.name: restitution_slope(variant) for variant in variants}
-    changes = [lively.restitution - E_LOW for lively, _ in SEASON_PAIRS]
-    ratios = {x.name: season_ratios(x, changes) for x in (fitted, further, slower)}
+    ratios = {x.name: season_ratios(x) for x in (fitted, further, slower)}
     counted = [counted_ratio(*pair) for pair in SEASON_PAIRS]
-    seen, expected = counted[0], ratios[slower.name][0]
-    by_speed, slope = speed_slope(slower) * MPH, slopes[slower.name][1]
-    per_e = float(np.linalg.norm(hits.per_restitution(E_LOW)[hits.home_run], axis=1).mean())
-    gap = math.log(seen.value / expected.value)
     draw_ratios(report, counted, ratios[slower.name])
+    by_speed = slope(
+        slower, FASTER, *(slower.chances(slower.hits.harder(x)) for x in (-FASTER, FASTER))
+    )
+    # C_D by the part of it that depends on nothing.
+    drag: Any = NATHAN.drag
+    models = [replace(NATHAN, drag=drag | {"constant": drag["constant"] + x}) for x in (-C, C)]
+    around = (replace(slower, model=model).chances(slower.hits) for model in models)
     return render(
-        report, "seasons", globals(), n=len(hits.flies), day=day, games=games, scatter=scatter,
-        fence_moved=fitted.fence, slower_by=-change / MPH, proportional=proportionality(),
-        per_e=per_e, speed_gain=changes[0] * per_e, carry=carry_slope(plain), carries=CARRIES,
-        slopes=list(slope_rows(slopes, counted)),
-        ratios=ratios, counted_ratios=counted, counted=seen, expected=expected, slope=slope,
-        counted_slope=math.log(seen.value) / changes[0],
-        paper=PAPER_CURVES["caption"](E_LOW + changes[0]) / PAPER_CURVES["caption"](E_LOW),
-        explained=expected.map(lambda x, y: np.log(x) / np.log(y), seen),
-        by_speed=by_speed, rest_speed=gap / by_speed, rest_drag=-gap / drag_slope(slower),
-        rest_e=math.log(seen.value) / slope.value,
-        rounding=math.log(expected.value) * 0.001 / changes[0],
+        report, "seasons", vars(printed) | globals(), hits=hits, day=day, games=games, plain=plain,
+        fitted=fitted, change=change, slopes=slopes, ratios=ratios,
+        counted=counted, counted_slopes=[
+            seen.map(lambda x, pair=pair: np.log(x) / (pair[0].restitution - pair[1].restitution))
+            for pair, seen in zip(SEASON_PAIRS, counted, strict=True)
+        ],
+        alone=ratios[slower.name][0], slope=slopes[slower.name][1],
+        explained=ratios[slower.name][0].map(lambda x, y: np.log(x) / np.log(y), counted[0]),
+        per_e=float(np.linalg.norm(hits.per_restitution(E_LOW)[hits.home_run], axis=1).mean()),
+        by_speed=by_speed.value * MPH, by_drag=slope(slower, C, *around).value,
     )  # fmt: skip
 
 
@@ -314,27 +291,6 @@ def carry_slope(variant: Variant) -> float:
     return float((reach[1] - reach[0]).mean() / (2.0 * STEP))
 
 
-def slope_rows(
-    slopes: Mapping[str, tuple[float, Estimate]], counted: Sequence[Estimate]
-) -> Iterator[tuple[str, str, float, Sequence[float]]]:
-    """Yield d ln(home runs)/de with its interval, and the name and the home runs.
-
-    By variant, of the paper's curves, and as counted.
-    """
-    for name, (expected, slope) in slopes.items():
-        yield name, f"{expected:.1f}", slope.value, slope.interval
-    low, high = E_LOW, LIVELY.restitution
-    paper = {f"the paper's curve, its {name}": c(high) / c(low) for name, c in PAPER_CURVES.items()}
-    paper["the paper's model as we read it"] = model_ratios()[0]
-    for name, ratio in paper.items():
-        yield name, "", math.log(ratio) / (high - low), ()
-    for (lively, dull), seen in zip(SEASON_PAIRS, counted, strict=True):
-        home_runs = f"{dull.home_runs:,} and {lively.home_runs:,}"
-        change = lively.restitution - dull.restitution
-        slope = seen.map(lambda x, change=change: np.log(x) / change)
-        yield f"counted, {dull.year} and {lively.year}", home_runs, slope.value, slope.interval
-
-
 @cache
 def model_ratios() -> list[float]:
     """Return what the paper's model, in the default reading, makes of each pair of seasons."""
@@ -342,12 +298,6 @@ def model_ratios() -> list[float]:
     restitutions = [E_LOW, *(lively.restitution for lively, _ in SEASON_PAIRS)]
     dull, *lively = home_run.integrals(AtBatScene(id="base"), at_bats, restitutions)
     return [row.p / dull.p for row in lively]
-
-
-def curve_ratio(name: str, pair: tuple[Season, Season]) -> float:
-    """Return what one of the paper's curves makes of a pair of seasons."""
-    lively, dull = (PAPER_CURVES[name](season.restitution) for season in pair)
-    return lively / dull
 
 
 def draw_ratios(report: Path, counted: Sequence[Estimate], expected: Sequence[Estimate]) -> None:
@@ -363,7 +313,7 @@ def draw_ratios(report: Path, counted: Sequence[Estimate], expected: Sequence[Es
                 style: Any = {"fmt": marker, "capsize": 3, "label": label if i == 0 else None}
                 axes.errorbar(estimate.value, y, xerr=bars, **style)
             for value, marker, label in (
-                (curve_ratio("caption", pair), "C1^", "the paper's curve"),
+                (curve_ratio(PAPER_CURVES["caption"], pair), "C1^", "the paper's curve"),
                 (model, "C2v", "the paper's model, as we read it"),
             ):
                 axes.plot(value, i - 0.2, marker, label=label if i == 0 else None)

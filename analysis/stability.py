@@ -1,13 +1,11 @@
 """Every engine on every hard case: digits right, digits attainable, verdict, time."""
 
-from __future__ import annotations
-
 import math
 import time
 from decimal import Decimal
 from itertools import groupby
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import pandas as pd
 from joblib import Parallel, delayed
@@ -41,25 +39,13 @@ ALLOWED = 100.0
 MOST_DIGITS = 30.0  # of the golden values
 
 
-class Trial(NamedTuple):
-    """One engine on one case: digits right (NaN if it gave no number), and how long it took."""
-
-    case: str
-    engine: str
-    verdict: str
-    digits: float
-    attainable: float
-    seconds: float
-    answer: str
-
-
 def run(report: Path, full: bool) -> str:
     """Solve the golden set's hard family by every engine; `full` adds all other families."""
     cases = load() if full else load("hard")
     tasks = (delayed(try_case)(case, name) for name in ENGINES for case in cases)
-    frame = pd.DataFrame(Parallel(n_jobs=-1, batch_size=16)(tasks), columns=Trial._fields)
-    rounded = frame.round({"digits": 1, "attainable": 1})
-    rounded["seconds"] = [float(f"{s:.2g}") for s in frame["seconds"]]
+    frame = pd.DataFrame(Parallel(n_jobs=-1, batch_size=16)(tasks))
+    seconds = [float(f"{s:.2g}") for s in frame["seconds"]]
+    rounded = frame.round({"digits": 1, "attainable": 1}).assign(seconds=seconds)
     write_table(report, "stability", rounded)
     draw(report, frame)
     # What the engines of doubles that aim at the truth fall short of.
@@ -71,8 +57,8 @@ def run(report: Path, full: bool) -> str:
     )  # fmt: skip
 
 
-def try_case(case: Case, name: str) -> Trial:
-    """Solve a case by an engine and compare."""
+def try_case(case: Case, name: str) -> dict[str, object]:
+    """Solve a case by an engine: digits right (NaN if it gave no number), and how long it took."""
     compile_at_once()
     family, options = ENGINES[name]
     start = time.perf_counter()
@@ -82,8 +68,9 @@ def try_case(case: Case, name: str) -> Trial:
         result = Result(id=case.id, error=str(reason))
     seconds = time.perf_counter() - start
     verdict, digits, attainable = compare(case, result)
-    answer = result.outcome or str(result.error)
-    return Trial(case.id, name, verdict, digits, attainable, seconds, answer)
+    row = {"case": case.id, "engine": name, "verdict": verdict, "digits": digits}
+    row |= {"attainable": attainable, "seconds": seconds}
+    return row | {"answer": result.outcome or str(result.error)}
 
 
 def compare(case: Case, result: Result) -> tuple[str, float, float]:

@@ -1,15 +1,9 @@
 """Random survival: whatever scene the engines are given, each answers, rightly or with a reason.
 
-Scenes of all kinds and of the families of `analysis.random_scenes` go through `ivp` and `batch`.
-Some of them, and all on which these two do not agree, go through `enclosure`, whose outcomes and
-numbers are proven. None may raise an exception. Outcomes that are given have to be the same. A
-number may be off by `ALLOWED` times what doubles can attain, which is estimated here: the scene is
-solved again, proven, with each of its inputs moved by a few roundings, and the bat by some of the
-place where the flight begins; what they do adds up. A place may at least be off by `_ROUNDINGS` of
-the latter.
+What is right is said in the section. What doubles can attain is estimated here: the scene is solved
+again, proven, with each of its inputs moved by a few roundings, and the bat by some of the place
+where the flight begins; what they do adds up.
 """
-
-from __future__ import annotations
 
 import time
 from collections import defaultdict
@@ -20,7 +14,6 @@ from typing import Any
 import numpy as np
 import pandas as pd
 from joblib import Parallel, delayed
-from pydantic import ValidationError
 
 from analysis.random_scenes import FAMILIES, random_scene
 from analysis.stability import ALLOWED, exactly
@@ -28,10 +21,10 @@ from analysis.writing import render, write_table
 from longball.engines import create
 from longball.engines.chain import solve
 from longball.golden.case import ROUNDING, decisions, vector_of
-from longball.golden.condition import STEP, inputs
-from longball.model.quantities import numbers, replaced
+from longball.golden.condition import STEP, inputs, with_input
+from longball.model.quantities import numbers
 from longball.model.result import Result
-from longball.model.scene import AtBatScene, FlightScene, PitchScene, Scene
+from longball.model.scene import AtBatScene, FlightScene, Scene
 
 SCENES, FULL_SCENES = 2_000, 1_000_000
 # Of the full number, those that the enclosure solves, too: every so many; of others all.
@@ -71,8 +64,7 @@ def survive(block: int, stride: int) -> list[dict[str, object]]:
     rows: list[dict[str, object]] = []
     for number in range(block * BLOCK, (block + 1) * BLOCK):
         turn, family = divmod(number, len(FAMILIES))
-        name = list(FAMILIES)[family]
-        scene = random_scene(name, turn, SEED)
+        scene = random_scene(name := list(FAMILIES)[family], turn, SEED)
         found = examine(scene, proven=turn % stride == 0)
         rows += [{"family": name, "scene": scene.id, **row} for row in found]
     return rows
@@ -136,9 +128,7 @@ def verdict_of(scene: Scene, result: Result, truth: Result | None) -> str:
         return "wrong outcome"
     excess = errors(result, truth)
     doubtful = {name: error for name, (error, fine) in excess.items() if error > _FINE * fine}
-    if not doubtful:
-        return "right"
-    attainable = moved_errors(scene, truth)
+    attainable = moved_errors(scene, truth) if doubtful else {}
     if attainable is None:
         return "not compared"
     for name, error in doubtful.items():
@@ -152,21 +142,22 @@ def _least(scene: Scene, truth: Result, name: str) -> float:
     """Return by how much a number may be off, whatever moves with the inputs."""
     if ".position" in name:
         return _ROUNDINGS * ROUNDING * _start(scene)
-    if name == "contact.margin" and isinstance(scene, AtBatScene) and truth.plate is not None:
+    if name == "contact.margin" and isinstance(scene, AtBatScene):
         # A height less that of the bat, as `longball.engines.contact.margin_error` counts.
-        height = abs(float(truth.plate.position[2]))
-        return 8 * ROUNDING * (height + abs(scene.swing.height_offset))
+        return 8 * ROUNDING * (_height(truth) + abs(scene.swing.height_offset))
     return 0.0
+
+
+def _height(truth: Result) -> float:
+    """Return the height of the pitch over the plate, m; 0 where there is none."""
+    return abs(float(truth.plate.position[2])) if truth.plate else 0.0
 
 
 def _start(scene: Scene) -> float:
     """Return the largest coordinate of the release or launch, m; 0 where nothing flies."""
-    match scene:
-        case FlightScene():
-            return max(map(abs, scene.launch.position))
-        case PitchScene() | AtBatScene():
-            return max(map(abs, scene.pitch.release))
-    return 0.0
+    if isinstance(scene, FlightScene):
+        return max(map(abs, scene.launch.position))
+    return max(map(abs, scene.pitch.release)) if hasattr(scene, "pitch") else 0.0
 
 
 def errors(result: Result, truth: Result) -> dict[str, tuple[float, float]]:
@@ -189,19 +180,16 @@ def moved_errors(scene: Scene, truth: Result) -> dict[str, float] | None:
     sizes = {name: abs(x) for name, x in values.items()}
     if isinstance(scene, AtBatScene) and truth.plate is not None:
         # A double holds z_b, and the way of the ball, no better, however small the offset is.
-        height = abs(float(truth.plate.position[2]))
-        sizes["swing.height_offset"] += max(height, _start(scene))
+        sizes["swing.height_offset"] += max(_height(truth), _start(scene))
     moved: dict[str, float] = defaultdict(float)
     for name, move in sizes.items():
-        for step in (STEP, -STEP) if move else ():
-            try:
-                other = replaced(scene, {name: values[name] + step * move})
-            except ValidationError:
-                continue  # underground, say
+        steps = (STEP, -STEP) if move else ()
+        others = (with_input(scene, name, values[name] + step * move) for step in steps)
+        other: Any = next(filter(None, others), None)  # None: underground, say
+        if other is not None:
             found = solve(other, create("enclosure", digits=DIGITS))
             if decisions(found) != decisions(truth):
                 return None
             for quantity, (error, _) in errors(found, truth).items():
                 moved[quantity] += error * ROUNDING / STEP
-            break
     return moved or None

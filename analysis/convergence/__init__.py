@@ -5,8 +5,6 @@ that made them: an interrupted study goes on where it was. On two cores the stud
 minutes; `--full`, with thirty times as many pieces, about forty.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from analysis.convergence import budget, flights, science, tunnelling

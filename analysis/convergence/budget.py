@@ -4,8 +4,6 @@ Each part is an engine that is the reference but for that part, so that the chai
 that is written once, and the parts can be added up and held against the whole.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
@@ -67,23 +65,22 @@ LawOf = Callable[[Frame[float]], Air]
 
 
 class StruckAtOnce(Stepped[float]):
-    """The whole impulse at once, where the ball is at `struck`."""
-
-    def struck(self, touch: Any) -> Touched:
-        """Return when, and in what state, the ball goes on."""
-        exact: Touched = touch
-        return exact
+    """The whole impulse at once, where the ball touches the bat."""
 
     def rebound(
         self, frame: Frame[float], touch: Any, delta_v: Vector[float], law_in: LawOf, ground: Ground
     ) -> Launch[float]:
         """Set the ball free; see `longball.engines.engine.Stepped`."""
-        at = self.struck(touch)
-        assert at.time is not None
-        assert at.state is not None
-        vx, vy, vz = frame.velocity(at.state)
-        after = (vx + delta_v[0], vy + delta_v[1], vz + delta_v[2])
-        return Launch(frame.position(at.state), after, at.time, 0.0)
+        at: Any = touch.exact if isinstance(touch, LineTouch) else touch
+        after = tuple(v + dv for v, dv in zip(frame.velocity(at.state), delta_v, strict=True))
+        return Launch(frame.position(at.state), cast(Vector[float], after), at.time, 0.0)
+
+
+@dataclass(frozen=True)
+class LineTouch(Touch[float]):
+    """A touch at the end of a straight line, and the true one."""
+
+    exact: Touch[float] | None = None
 
 
 @dataclass(frozen=True)
@@ -144,13 +141,6 @@ class PlateOnTheLine(Ivp):
 
 
 @dataclass(frozen=True)
-class LineTouch(Touch[float]):
-    """A touch at the end of a straight line, and the true one."""
-
-    exact: Touch[float] | None = None
-
-
-@dataclass(frozen=True)
 class StraightToTheBat(StruckAtOnce, Ivp):
     """The impulse from where a straight line from the step before leads to; all else exact.
 
@@ -159,10 +149,6 @@ class StraightToTheBat(StruckAtOnce, Ivp):
     """
 
     dt: float = 0.05
-
-    def struck(self, touch: Any) -> Touch[float]:
-        """Return the true touching."""
-        return cast(Touch[float], touch.exact)
 
     def touch(self, pitch: Flown, law: Air, bat: Section, events: Events, limit: float) -> Touched:
         """Touch as Appendix B does; see `longball.engines.engine.Engine.touch`."""
@@ -241,33 +227,26 @@ def run(report: Path, full: bool) -> str:
         for name in (*IN_THEORY, *map(WHOLE.format, SHOWN))
     }
     seen = {name: typical(rms(part)) for name, part in parts.items()}
-    left = {treatment: unexplained(parts, treatment) for treatment in SHOWN}
+    left = {}
+    for treatment in SHOWN:
+        names = (FORCE.format(treatment), PLATE, LINE, HALF_FORCE.format(treatment), GROUND)
+        total = np.sum([parts[name] for name in names], axis=0)
+        left[treatment] = typical(rms(parts[WHOLE.format(treatment)] - total))
     draw(report, seen, left)
-    coarse, fine = (int(np.argmin(np.abs(np.array(STEPS) - h))) for h in (0.05, 1e-3))
     laws = {name: fit_power_law(np.array(STEPS), of) for name, of in seen.items()}
-    largest, second = sorted(IN_THEORY, key=lambda name: -float(seen[name][0]))[:2]
     return render(
         report, "budget", globals(), scenes=len(scenes), phases=phases, seen=seen, laws=laws,
-        largest=largest, second=second, coarse=coarse, fine=fine,
+        left=left, largest=sorted(IN_THEORY, key=lambda name: -float(seen[name][0])),
         missed=[name for name in IN_THEORY if not as_in_theory(name, laws[name])],
-        shares={t: 100 * left[t][fine] / seen[WHOLE.format(t)][fine] for t in SHOWN},
     )  # fmt: skip
 
 
 def rms(errors: Array) -> Array:
     """Return the root mean square over phases of those that are there: (scene, step)."""
     known = np.isfinite(errors)
-    total = (np.where(known, errors, 0.0) ** 2).sum(axis=2)
     with np.errstate(invalid="ignore"):
-        mean: Array = np.sqrt(total / known.sum(axis=2))
-    return mean
-
-
-def unexplained(parts: dict[str, Array], treatment: VerletForces) -> Array:
-    """Return the typical error of the whole that the sum of the parts leaves, (step,), m."""
-    names = (FORCE.format(treatment), PLATE, LINE, HALF_FORCE.format(treatment), GROUND)
-    total = np.sum([parts[name] for name in names], axis=0)
-    return typical(rms(parts[WHOLE.format(treatment)] - total))
+        mean: Array = (np.where(known, errors, 0.0) ** 2).sum(axis=2) / known.sum(axis=2)
+    return np.sqrt(mean)
 
 
 def as_in_theory(name: str, law: PowerLaw | None) -> bool:

@@ -1,7 +1,5 @@
 """The six treatments of the force on a flight, from the printed step down to rounding."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from pathlib import Path
@@ -26,31 +24,6 @@ PER_DECADE = 4
 # Proves its digits: what is shown goes down to 1e-11 m and less.
 PROVEN: Engine[Any] = create("enclosure", digits=20)
 
-IN_THEORY: dict[VerletForces, int] = {
-    "old_carried": 1,
-    "old_recomputed": 1,
-    "half_step": 1,
-    "predicted_carried": 2,
-    "predicted_recomputed": 2,
-    "implicit": 2,
-}
-
-
-def run(report: Path, full: bool) -> str:
-    """Find the orders, and the errors of one flight at the printed step."""
-    finest = FULL_FINEST if full else FINEST
-    found = each(report, "orders", order, [(t, finest) for t in TREATMENTS])
-    orders = dict(zip(TREATMENTS, found, strict=True))
-    draw(report, orders)
-    below = Verlet(PRINTED, "implicit", "first_below")
-    return render(
-        report, "flights", globals(), orders=orders,
-        distance=distance(ONE, PROVEN),
-        off={name: error_at_printed(Verlet(PRINTED, name)) for name in TREATMENTS},
-        below=distance(ONE, below) - distance(ONE, Verlet(PRINTED, "implicit")),
-        jump=converged(below, step_family(1e-4), phases=8),
-    )  # fmt: skip
-
 
 def flight(speed: float, degrees: float) -> FlightScene:
     """Return a flight launched 1 m over the plate."""
@@ -64,34 +37,36 @@ ONE = flight(45.0, 30.0)
 FOUR = [flight(speed, angle) for speed in (30.0, 45.0) for angle in (25.0, 45.0)]
 
 
-def order(treatment: VerletForces, finest: float) -> Order:
-    """Return how D converges with a treatment, down to a finest step."""
-    return converged(Verlet(forces=treatment), step_family(finest), phases=2)
+def run(report: Path, full: bool) -> str:
+    """Find the orders, and the errors of one flight at the printed step."""
+    finest = FULL_FINEST if full else FINEST
+    calls = [(Verlet(forces=treatment), finest, 2) for treatment in TREATMENTS]
+    orders = dict(zip(TREATMENTS, each(report, "orders", converged, calls), strict=True))
+    draw(report, orders)
+    below = Verlet(PRINTED, "implicit", "first_below")
+    true = distance(PROVEN)
+    return render(
+        report, "flights", globals(), orders=orders, distance=true,
+        off={name: distance(Verlet(PRINTED, name)) - true for name in TREATMENTS},
+        below=distance(below) - distance(Verlet(PRINTED, "implicit")),
+        jump=converged(below, 1e-4, phases=8),
+    )  # fmt: skip
 
 
-def step_family(finest: float) -> list[float]:
-    """Return steps from the printed one down."""
+def converged(scheme: Verlet, finest: float, phases: int) -> Order:
+    """Return how D converges by a scheme, from the printed step down to a finest one."""
     count = 1 + round(PER_DECADE * math.log10(PRINTED / finest))
-    return [float(step) for step in np.geomspace(PRINTED, finest, count)]
-
-
-def converged(scheme: Verlet, steps: list[float], phases: int) -> Order:
-    """Return how D converges by a scheme, whatever its own step."""
     report = converge(
         lambda step: [solve(scene, replace(scheme, dt=step)) for scene in FOUR],
-        FOUR, steps, [solve(scene, PROVEN) for scene in FOUR], phases=phases,
+        FOUR, np.geomspace(PRINTED, finest, count).tolist(),
+        [solve(scene, PROVEN) for scene in FOUR], phases=phases,
     )  # fmt: skip
     return next(found for found in report.orders if found.quantity == "distance")
 
 
-def error_at_printed(scheme: Verlet) -> float:
-    """Return the error of D, m, of the one flight."""
-    return distance(ONE, scheme) - distance(ONE, PROVEN)
-
-
-def distance(scene: FlightScene, engine: Engine[Any]) -> float:
-    """Return D, m."""
-    landing = solve(scene, engine).landing
+def distance(engine: Engine[Any]) -> float:
+    """Return D of the one flight, m."""
+    landing = solve(ONE, engine).landing
     assert landing is not None
     return float(landing.distance)
 

@@ -1,8 +1,5 @@
 """The pieces that the studies of the time step share: the truth, and work that can be resumed."""
 
-from __future__ import annotations
-
-import hashlib
 import math
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
@@ -25,24 +22,18 @@ from longball.model.scene import AtBatScene
 TRUTH = Ivp()
 
 
-def fingerprint() -> str:
-    """Return a hash of the package and the studies: what the numbers depend on."""
-    digest = hashlib.sha256()
-    for folder in (Path(longball.__file__).parent, Path(__file__).parent):
-        for path in sorted(folder.rglob("*.py")):
-            digest.update(path.read_bytes())
-    return digest.hexdigest()
-
-
 def each(
     report: Path, what: str, work: Callable[..., Any], calls: Iterable[Sequence[object]]
 ) -> list[Any]:
     """Return what a function gives for each of many arguments, on all cores.
 
-    Every answer is kept as soon as it is there, and not computed again while the code is the same.
+    Every answer is kept as soon as it is there, and not computed again while the package and the
+    studies, which it depends on, are the same.
     """
     kept = joblib.Memory(report / ".resume", verbose=0).cache(_call, ignore=["work"])
-    code = fingerprint()
+    folders = Path(longball.__file__).parent, Path(__file__).parent.parent
+    files = sorted(path for folder in folders for path in folder.rglob("*.py"))
+    code = joblib.hash([path.read_bytes() for path in files])
     tasks = [
         joblib.delayed(kept)(f"{work.__module__}.{work.__name__}", arguments, code, work)
         for arguments in map(tuple, calls)
@@ -76,18 +67,16 @@ class Pass(NamedTuple):
 def passing(scene: AtBatScene) -> Pass | None:
     """Return how a pitch passes through the bat, by the reference; None if it does not."""
     approach = approach_of(scene, TRUTH)
-    if approach is None:
+    if approach is None or approach.touch.time is None or approach.touch.state is None:
         return None
     touch, frame = approach.touch, approach.pitch.frame
-    if touch.time is None or touch.state is None:
+    if abs(frame.position(approach.touch.state)[1]) >= scene.bat.length / 2:
         return None
-    if abs(frame.position(touch.state)[1]) >= scene.bat.length / 2:
-        return None
-    across, _, falling = frame.velocity(touch.state)
+    across, _, falling = frame.velocity(approach.touch.state)
     speed = math.hypot(across, falling)
     reach = scene.ball.radius + scene.bat.radius
     window = 2 * math.sqrt(touch.margin * (2 * reach - touch.margin)) / speed
-    return Pass(touch.time, window, speed, abs(across) / speed)
+    return Pass(approach.touch.time, window, speed, abs(across) / speed)
 
 
 def golden(count: int) -> list[float]:

@@ -5,8 +5,6 @@ probability min(1, w/Δt) for a random phase. At a distance d of the axis the wi
 path is w = 2 √(reach² - d²)/V. Grazes have windows down to zero, so that no step is safe.
 """
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 from typing import Any
@@ -120,7 +118,6 @@ def run(report: Path, full: bool) -> str:
     blocks = range(FULL_BLOCKS if full else BLOCKS)
     found = each(report, "tunnelling", count_block, [(block,) for block in blocks])
     counts = sum(counts for counts, _ in found)
-    trials, missed, waited = counts
     ways = np.array([way for _, some in found for way in some])
     safe = {
         rare: float(brentq(lambda h, r=rare: math.log(expected(h, ways) / r), 1e-7, 0.05))
@@ -129,18 +126,11 @@ def run(report: Path, full: bool) -> str:
     count = (FULL_GRAZES if full else GRAZES) // 4
     calls = [(step, seed, count) for step in safe.values() for seed in range(4)]
     grazes = np.array(each(report, "grazes", count_grazes, calls)).reshape(len(RARE), 4, 3)
-    draw_shares(report, missed / trials, waited / trials, ways, safe)
+    draw_shares(report, counts, ways, safe)
     return render(
-        report, "tunnelling", globals(), pitches=len(blocks) * BLOCK, ways=ways,
-        window=2e3 * REACH / ways[:, 0].mean(),
-        rows=[
-            {"step": step, "expected": expected(step, ways)} | described(*column)
-            for step, column in zip(STEPS, counts.T, strict=True)
-        ],
-        grazes=[
-            {"rare": rare, "step": safe[rare]} | described(*of.sum(axis=0))
-            for rare, of in zip(RARE, grazes, strict=True)
-        ],
+        report, "tunnelling", globals(), pitches=len(blocks) * BLOCK, ways=ways, safe=safe,
+        rows=[described(*column) for column in counts.T],
+        grazes=[described(*of.sum(axis=0)) for of in grazes],
     )  # fmt: skip
 
 
@@ -152,16 +142,15 @@ def described(trials: float, missed: float, waited: float) -> dict[str, Any]:
     return counts | {"low": low, "high": high, "agrees": low <= share <= high}
 
 
-def draw_shares(
-    report: Path, share: Array, waited: Array, ways: Array, safe: dict[float, float]
-) -> None:
+def draw_shares(report: Path, counts: Array, ways: Array, safe: dict[float, float]) -> None:
     """Draw counted shares over the closed form."""
+    (trials, missed, waited), style = counts, STYLES["measured"]
     grid = np.geomspace(min(safe.values()) / 2, 0.06, 80)
     with figure(report, "convergence_tunnelling", size=(6.4, 3.8)) as (axes,):
         axes.plot(grid, [expected(h, ways) for h in grid], "--", label="closed form, all pitches")
         label = "closed form, the pitches tried"
-        axes.plot(STEPS, waited, **STYLES["measured"], markersize=10, label=label)
-        axes.plot(STEPS, share, "k.", markersize=6, label="counted")
+        axes.plot(STEPS, waited / trials, **style, markersize=10, label=label)
+        axes.plot(STEPS, missed / trials, "k.", markersize=6, label="counted")
         for rare, step in safe.items():
             axes.plot([step], [rare], "s", color="#D55E00")
             text = f"1 in {1 / rare:,.0f}: Δt = {step:.1e} s"

@@ -1,9 +1,8 @@
 """The paper's own argument for the form of P(e), step by step (Sec. IV)."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from statistics import NormalDist
@@ -12,13 +11,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from analysis import Array
-from analysis.paper import combinations
-from analysis.paper.balls import Balls, Base, Space, cores, strike
-from analysis.paper.printed import CARRIES
+from analysis.paper import combinations, printed
+from analysis.paper.balls import Balls, Base, Space, strike
 from analysis.writing import STYLES, figure, render
 from longball import home_run
 from longball.engines.batch import solve_columns
-from longball.home_run import HOME_RUN_DISTANCE, PAPER_CURVES, RESTITUTIONS, draw, paper_at_bats
+from longball.home_run import HOME_RUN_DISTANCE, RESTITUTIONS
 from longball.model.scene import FlightScene, Launch
 
 SAMPLES = 400_000
@@ -31,26 +29,13 @@ NORMAL = NormalDist()
 # --- is D near 150 m normal, with mean C₁ e? ------------------------------------------------------
 
 
-class Tail(NamedTuple):
-    """What a reading has at the fence, against the normal distribution that the paper assumes.
+def tail(space: Space, struck: Sequence[Balls]) -> dict[str, float]:
+    """Compare the balls of a sample space, struck at the paper's restitutions, with its form.
 
     A normal density of D with mean m and deviation σ is fixed by P = Φ((m - 150)/σ) and by its
     density p at 150 m; and P changes with e by p(150) times the mean of dD/de there, whatever
     the density (Leibniz' rule). The paper's form says that both are C₁: m = C₁ e, and dm/de = C₁.
     """
-
-    p: float  # P(D ≥ 150 m) of the balls in the sample space
-    density: float  # 1/m, theirs at 150 m
-    sigma: float  # m, of the normal distribution that has both
-    mean: float  # m, of the same
-    shift: float  # m, dP/de over the density: the mean of dD/de at the fence
-    curvature: float  # m, the σ of a normal density that bends like this one in the window
-    c1: float  # m, of the paper's form fitted to P(e)
-    c1_sigma: float  # m, of the same
-
-
-def tail(space: Space, struck: Sequence[Balls]) -> Tail:
-    """Compare the balls of a sample space, struck at the paper's restitutions, with the form."""
     rows = [space.estimate(e, balls) for e, balls in zip(RESTITUTIONS, struck, strict=True)]
     p, distances = rows[MIDDLE].p, space.distances(struck[MIDDLE])
     density = density_at_fence(distances) * len(distances) / rows[MIDDLE].trials
@@ -58,9 +43,16 @@ def tail(space: Space, struck: Sequence[Balls]) -> Tail:
     sigma = NORMAL.pdf(z) / density
     slope = (rows[MIDDLE + 1].p - rows[MIDDLE - 1].p) / (2 * STEP)
     fitted = home_run.fit(rows)
-    form = (fitted.curve.c1, fitted.curve.sigma) if fitted else (math.nan, math.nan)
-    mean = HOME_RUN_DISTANCE - z * sigma
-    return Tail(p, density, sigma, mean, slope / density, width(distances), *form)
+    return {
+        "p": p,  # P(D ≥ 150 m) of the balls in the sample space
+        "density": density,  # 1/m, theirs at 150 m
+        "sigma": sigma,  # m, of the normal distribution that has both
+        "mean": HOME_RUN_DISTANCE - z * sigma,  # m, of the same
+        "shift": slope / density,  # m: the mean of dD/de at the fence
+        "curvature": width(distances),  # m, the σ of a normal density that bends like this one
+        "c1": fitted.curve.c1 if fitted else math.nan,  # m, of the paper's form fitted to P(e)
+        "c1_sigma": fitted.curve.sigma if fitted else math.nan,  # m, of the same
+    }
 
 
 def log_density(distances: Array) -> Array:
@@ -88,26 +80,20 @@ def width(distances: Array) -> float:
 # --- is the pitch's speed at contact nearly constant? ---------------------------------------------
 
 
-class Contact(NamedTuple):
-    """Speeds at the bat, m/s."""
-
-    mean: float  # of the ball's speed as it meets the bat
-    deviation: float
-    by_speed: float  # gained by one deviation of the pitch's speed, all else equal
-    by_restitution: float  # gained from e = 0.41 to 0.45
-
-
-def contact(base: Base, struck: Sequence[Balls]) -> Contact:
-    """Return what the scatter of the pitch's speed amounts to, for the balls hit upwards."""
+def contact(base: Base, struck: Sequence[Balls]) -> dict[str, float]:
+    """Return what the scatter of the pitch's speed amounts to, m/s, for the balls hit upwards."""
     flies = struck[0].elevation > 0
     speeds = struck[0].pitch_speed[flies]
-    samples = draw(paper_at_bats(base.sampling), SAMPLES // 10, SEED)
-    factor = 1 + float(speeds.std() / speeds.mean())
-    faster = home_run.Samples(samples.speed * factor, samples.aim, samples.offset, samples.tilt)
-    usual, quick = (strike(base, one, [E], threads=cores())[0] for one in (samples, faster))
-    by_speed = np.nanmedian(quick.exit_speed - usual.exit_speed)
-    by_restitution = np.median(struck[-1].exit_speed[flies] - struck[0].exit_speed[flies])
-    return Contact(*map(float, (speeds.mean(), speeds.std(), by_speed, by_restitution)))
+    samples = base.drawn(SAMPLES // 10, SEED)
+    faster = replace(samples, speed=samples.speed * (1 + speeds.std() / speeds.mean()))
+    usual, quick = (strike(base, one, [E])[0] for one in (samples, faster))
+    return {
+        "mean": speeds.mean(),  # of the ball's speed as it meets the bat
+        "deviation": speeds.std(),
+        # Gained by one deviation of the pitch's speed, all else equal; and from e = 0.41 to 0.45.
+        "by_speed": np.nanmedian(quick.exit_speed - usual.exit_speed),
+        "by_restitution": np.median(struck[-1].exit_speed[flies] - struck[0].exit_speed[flies]),
+    }
 
 
 # --- is D linear in the exit speed? ---------------------------------------------------------------
@@ -119,6 +105,7 @@ class Line(NamedTuple):
     slope: float
     intercept: float
     off: float  # m, the largest distance of a point from it
+    bent: float  # the same as a share of the change along it
     power: float  # d ln D / d ln x in the middle: 1 if D is proportional to x
 
 
@@ -127,7 +114,8 @@ def line(x: Array, d: Array) -> Line:
     slope, intercept = map(float, np.polyfit(x, d, 1))
     middle = len(x) // 2
     power = np.gradient(d, x)[middle] * x[middle] / d[middle]
-    return Line(slope, intercept, float(np.abs(d - slope * x - intercept).max()), float(power))
+    off = float(np.abs(d - slope * x - intercept).max())
+    return Line(slope, intercept, off, off / (slope * float(x[-1] - x[0])), float(power))
 
 
 SPEEDS = np.linspace(40.0, 60.0, 21)  # m/s
@@ -139,10 +127,8 @@ def ranges(base: Base, elevation: float) -> Array:
     """Return D, m, of flights from 1 m above the ground at the speeds above."""
     angle, launch = math.radians(elevation), Launch(position=(0, 0, 1), velocity=(1, 0, 0))
     same = {name: getattr(base.scene, name) for name in ("ball", "air", "reading")}
-    columns = {
-        "launch.velocity[0]": SPEEDS * math.cos(angle),
-        "launch.velocity[2]": SPEEDS * math.sin(angle),
-    }
+    velocity = {0: SPEEDS * math.cos(angle), 2: SPEEDS * math.sin(angle)}
+    columns = {f"launch.velocity[{i}]": speeds for i, speeds in velocity.items()}
     found: Array = solve_columns(FlightScene(launch=launch, **same), columns)["landing.distance"]
     return found
 
@@ -160,20 +146,7 @@ def exit_line(balls: Balls) -> Line:
 # --- what does dD/de come to? ---------------------------------------------------------------------
 
 
-class Shift(NamedTuple):
-    """dD/de of single at-bats that land at some distance, by differences over the same swing."""
-
-    distance: float  # m, the middle of where they land, ± 5 m
-    balls: int
-    median: float  # m, dD/de
-    low: float  # m: half of them lie between low and high
-    high: float
-    power: float  # median of d ln D / d ln e: 1 if D is proportional to e, as in D = C₁ e
-    # Largest share of dD/de that changes from e = 0.42 to 0.44, for 95 % of them: 0 if linear.
-    bend: float
-
-
-def shift(distance: float, struck: Sequence[Balls]) -> Shift | None:
+def shift(distance: float, struck: Sequence[Balls]) -> dict[str, float] | None:
     """Return dD/de of the fair flies that land at a distance; None if there are too few."""
     at = struck[MIDDLE]
     here = at.fair & (at.elevation > 0) & (np.abs(at.distance - distance) < 5.0)
@@ -182,12 +155,13 @@ def shift(distance: float, struck: Sequence[Balls]) -> Shift | None:
     below, d, above = (struck[MIDDLE + i].distance[here] for i in (-1, 0, 1))
     slope = (above - below) / (2 * STEP)
     low, median, high = np.quantile(slope, (0.25, 0.5, 0.75))
-    bend = np.quantile(np.abs((above - 2 * d + below) / STEP / slope), 0.95)
-    power = np.median(slope * E / d)
-    return Shift(distance, int(here.sum()), *map(float, (median, low, high, power, bend)))
-
-
-# --- the report -----------------------------------------------------------------------------------
+    return {
+        "balls": int(here.sum()),
+        **{"low": low, "median": median, "high": high},  # m, dD/de; half lie between low and high
+        "power": np.median(slope * E / d),  # d ln D / d ln e: 1 if D is proportional to e
+        # Largest share of dD/de that changes from e = 0.42 to 0.44, for 95 % of them: 0 if linear.
+        "bend": np.quantile(np.abs((above - 2 * d + below) / STEP / slope), 0.95),
+    }
 
 
 class Tested(NamedTuple):
@@ -196,40 +170,26 @@ class Tested(NamedTuple):
     name: str
     base: Base
     space: Space
-    tail: Tail
-    contact: Contact
-    shifts: list[Shift]
+    tail: dict[str, float]
+    contact: dict[str, float]
+    shifts: dict[float, dict[str, float]]  # by the middle of where the balls land, ± 5 m
     flights: dict[float, Line]  # by elevation
     exit: Line
     density: Array  # of D, 1/m, in bins of 5 m
 
-    @property
-    def lines(self) -> dict[str, Line]:
-        """All lines, by the balls through which they are laid."""
-        speeds = f"{SPEEDS[0]:g} to {SPEEDS[-1]:g} m/s"
-        flown = {f"launched at {a:g}°, {speeds}": laid for a, laid in self.flights.items()}
-        return flown | {"all fair flies, mean D by exit speed": self.exit}
-
-    @property
-    def bent(self) -> float:
-        """How far the flights are off their lines at most, as a share of the change of D."""
-        rise = float(SPEEDS[-1] - SPEEDS[0])
-        return max(laid.off / (laid.slope * rise) for laid in self.flights.values())
-
-    def covers(self, slope: float) -> bool:
-        """Tell whether a dD/de lies in the middle half of those of the balls that land at 110 m."""
-        return any(at.distance == 110.0 and at.low <= slope <= at.high for at in self.shifts)
+    def shift_at(self, distance: float) -> float:
+        """Return the median of dD/de of the balls that land at a distance, m."""
+        return self.shifts[distance]["median"] if distance in self.shifts else math.nan
 
 
 def tested(name: str, base: Base, space: Space) -> Tested:
     """Try the argument on a reading."""
-    samples = draw(paper_at_bats(base.sampling), SAMPLES, SEED)
-    struck = strike(base, samples, RESTITUTIONS, threads=cores())
-    shifts = [shift(distance, struck) for distance in (75.0, 110.0, 150.0)]
+    struck = strike(base, base.drawn(SAMPLES, SEED), RESTITUTIONS)
+    shifts = {distance: shift(distance, struck) for distance in (75.0, 110.0, 150.0)}
     counts = np.histogram(space.distances(struck[MIDDLE]), np.arange(0.0, 301.0, 5.0))[0]
     return Tested(
         name, base, space, tail(space, struck), contact(base, struck),
-        shifts=[one for one in shifts if one is not None],
+        shifts={distance: found for distance, found in shifts.items() if found},
         flights={angle: line(SPEEDS, ranges(base, angle)) for angle in ELEVATIONS},
         exit=exit_line(struck[MIDDLE]),
         density=counts / (5.0 * space.estimate(E, struck[MIDDLE]).trials),
@@ -246,7 +206,7 @@ def run(report: Path, full: bool) -> str:
     """Write the section; `full` changes nothing."""
     found = everything()
     draw_argument(report, found)
-    return render(report, "argument", globals(), found=found, carries=CARRIES, curves=PAPER_CURVES)
+    return render(report, "argument", vars(printed) | globals(), found=found)
 
 
 def draw_argument(report: Path, found: Sequence[Tested]) -> None:
@@ -257,7 +217,7 @@ def draw_argument(report: Path, found: Sequence[Tested]) -> None:
         for one in found:
             line = {key: STYLES[one.name][key] for key in ("color", "linestyle")}
             left.plot(d, 1e3 * one.density, **line, linewidth=1.6, label=f"{one.name} reading")
-            normal = NormalDist(one.tail.mean, one.tail.sigma)
+            normal = NormalDist(one.tail["mean"], one.tail["sigma"])
             densities = [1e3 * normal.pdf(x) for x in d[near]]
             left.plot(d[near], densities, **line, linewidth=0.7, label="normal, same P and density")
             marked: Any = {"markersize": 4, "markevery": 5}

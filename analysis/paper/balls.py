@@ -1,12 +1,9 @@
 """Balls struck by the batch engine, with what the paper's studies ask of them."""
 
-from __future__ import annotations
-
 import math
-import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
-from typing import NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import joblib
 import numpy as np
@@ -18,11 +15,12 @@ from longball.engines.batch import solve_columns_with_restitutions
 from longball.engines.chain import solve_with_restitutions
 from longball.engines.verlet import Verlet
 from longball.home_run import Estimate, Samples, Struck
-from longball.model.quantities import number, replaced
+from longball.model.quantities import number, numbers, replaced
 from longball.model.readings import SampleSpace, SamplingReading
 from longball.model.scene import AtBatScene
 
 Flags = NDArray[np.bool_]
+S = TypeVar("S", bound=Struck)
 
 
 class Base(NamedTuple):
@@ -36,11 +34,15 @@ class Base(NamedTuple):
         block = self.sampling if name in SamplingReading.model_fields else self.scene
         return float(number(block, name))
 
-    def replaced(self, values: Mapping[str, float]) -> Base:
+    def replaced(self, values: Mapping[str, float]) -> "Base":
         """Return the pair with other numbers, by the same names."""
         sampled = {name: x for name, x in values.items() if name in SamplingReading.model_fields}
         fixed = {name: x for name, x in values.items() if name not in sampled}
         return Base(replaced(self.scene, fixed), replaced(self.sampling, sampled))
+
+    def drawn(self, count: int, seed: int) -> Samples:
+        """Return random inputs: the same ones for every scene."""
+        return home_run.draw(home_run.paper_at_bats(self.sampling), count, seed)
 
 
 @dataclass(frozen=True)
@@ -51,127 +53,86 @@ class Balls(Struck):
     exit_speed: Array  # m/s, of the ball as it leaves it
     elevation: Array  # rad, of its direction then
 
-    def chosen(self, which: Flags) -> Balls:
+    def chosen(self, which: Flags) -> "Balls":
         """Return some of them."""
         return Balls(*(getattr(self, field.name)[which] for field in fields(self)))
 
 
+def joined(parts: Sequence[S]) -> S:
+    """Return the balls of all parts, one after the other."""
+    columns = (field.name for field in fields(parts[0]))
+    return type(parts[0])(
+        *(np.concatenate([getattr(part, name) for part in parts]) for name in columns)
+    )
+
+
 def strike(
-    base: Base, samples: Samples, restitutions: Sequence[float], threads: int = 1
+    base: Base,
+    samples: Samples,
+    restitutions: Sequence[float],
+    threads: int = joblib.effective_n_jobs(-1),
 ) -> list[Balls]:
     """Return what becomes of samples, the same ones at each restitution.
 
     `longball.home_run.monte_carlo` gives the same landings; here the collision is kept too.
     """
-    pitched = samples.pitched
-    tables = solve_columns_with_restitutions(
-        base.scene, samples.chosen(pitched).columns, restitutions, threads=threads
-    )
+    columns = samples.chosen(samples.pitched).columns
+    tables = solve_columns_with_restitutions(base.scene, columns, restitutions, threads=threads)
+    return [_balls(table, base, samples.pitched) for table in tables]
+
+
+def _balls(table: Mapping[str, NDArray[Any]], base: Base, pitched: Flags) -> Balls:
+    """Return the balls of a table of results, which has a row for each that was pitched."""
 
     def whole(column: Array) -> Array:
         full = np.full(len(pitched), np.nan)
         full[pitched] = column
         return full
 
-    def one(table: Mapping[str, Array]) -> Balls:
-        after = np.array([table[f"impact.velocity[{i}]"] for i in range(3)])
-        normal = np.array([table[f"contact.normal[{i}]"] for i in range(3)])
-        before = after - table["impact.impulse"] / base.scene.ball.mass * normal
-        failed = np.zeros(len(pitched), bool)
-        failed[pitched] = table["outcome"] == ""
-        return Balls(
-            x=whole(table["landing.position[0]"]),
-            y=whole(table["landing.position[1]"]),
-            failed=failed,
-            pitch_speed=whole(np.sqrt((before * before).sum(axis=0))),
-            exit_speed=whole(np.sqrt((after * after).sum(axis=0))),
-            elevation=whole(np.arctan2(after[2], np.hypot(after[0], after[1]))),
-        )
-
-    return [one(table) for table in tables]
+    after, normal = (
+        np.array([table[f"{name}[{i}]"] for i in range(3)])
+        for name in ("impact.velocity", "contact.normal")
+    )
+    before = after - table["impact.impulse"] / base.scene.ball.mass * normal
+    return Balls(
+        x=whole(table["landing.position[0]"]),
+        y=whole(table["landing.position[1]"]),
+        failed=whole(table["outcome"] == "") == 1.0,
+        pitch_speed=whole(np.sqrt((before * before).sum(axis=0))),
+        exit_speed=whole(np.sqrt((after * after).sum(axis=0))),
+        elevation=whole(np.arctan2(after[2], np.hypot(after[0], after[1]))),
+    )
 
 
 CHUNK = 500  # at-bats that a process takes at a time by the paper's scheme
+NEEDED = (
+    *("landing.position[0]", "landing.position[1]", "impact.impulse"),
+    *(f"{name}[{i}]" for name in ("impact.velocity", "contact.normal") for i in range(3)),
+)
 
 
 def strike_in_steps(
     base: Base, count: int, seed: int, restitutions: Sequence[float], scheme: Verlet
 ) -> list[Balls]:
     """Return what becomes of samples by the paper's scheme."""
+    samples = base.drawn(count, seed)
     parts = joblib.Parallel(n_jobs=-1)(
-        joblib.delayed(_chunk_in_steps)(base, first, min(CHUNK, count - first), seed, e, scheme)
-        for e in [tuple(restitutions)]
-        for first in range(0, count, CHUNK)
+        joblib.delayed(_chunk)(base, samples.chosen(slice(i, i + CHUNK)), restitutions, scheme)
+        for i in range(0, count, CHUNK)
     )
-    columns = np.concatenate(parts, axis=2)
-    return [Balls(x, y, failed > 0, *blow) for x, y, failed, *blow in columns]
+    return [joined(part) for part in zip(*parts, strict=True)]
 
 
-def _chunk_in_steps(
-    base: Base, first: int, count: int, seed: int, restitutions: tuple[float, ...], scheme: Verlet
-) -> Array:
-    """Return the fields of `Balls` for some of the samples: (restitution, field, sample)."""
-    found = np.full((len(restitutions), len(fields(Balls)), count), np.nan)
-    found[:, 2] = 0.0
-    samples = home_run.draw(home_run.paper_at_bats(base.sampling), count, seed, first)
-    for i, scene in enumerate(home_run.scenes(base.scene, samples, first)):
-        if scene is None:
-            continue
-        for k, result in enumerate(solve_with_restitutions(scene, restitutions, scheme)):
-            if result.error is not None:
-                found[k, 2, i] = 1.0
-            elif result.landing and result.impact and result.contact:
-                after = np.array(result.impact.velocity, np.float64)
-                normal = np.array(result.contact.normal, np.float64)
-                push = float(result.impact.impulse) / scene.ball.mass
-                found[k, :2, i] = result.landing.position[:2]
-                found[k, 3:, i] = (
-                    np.linalg.norm(after - push * normal),
-                    np.linalg.norm(after),
-                    math.atan2(after[2], math.hypot(after[0], after[1])),
-                )
+def _chunk(base: Base, some: Samples, restitutions: Sequence[float], scheme: Verlet) -> list[Balls]:
+    scenes = filter(None, home_run.scenes(base.scene, some))
+    solved = [solve_with_restitutions(scene, restitutions, scheme) for scene in scenes]
+    found = []
+    for results in zip(*solved, strict=True):
+        rows = [dict(numbers(result)) for result in results]
+        table = {name: np.array([row.get(name, math.nan) for row in rows]) for name in NEEDED}
+        table["outcome"] = np.array([result.outcome or "" for result in results])
+        found.append(_balls(table, base, some.pitched))
     return found
-
-
-def cores() -> int:
-    """Return how many threads are worth starting."""
-    return os.cpu_count() or 1
-
-
-@dataclass(frozen=True)
-class Space:
-    """Which at-bats are among the samples that P(e) is a share of.
-
-    `flies` tells whether only balls that leave the bat upwards are among them. The ledger does not
-    have this: the paper nowhere says so, but its Fig. 6 does (see the report).
-    """
-
-    name: str
-    ledger: SampleSpace
-    flies: bool = False
-
-    def members(self, balls: Balls) -> Balls:
-        """Return the balls that may be among the samples, misses included."""
-        return balls.chosen(balls.elevation > 0) if self.flies else balls
-
-    def distances(self, balls: Balls) -> Array:
-        """Return D, m, of the balls among the samples that have one."""
-        members = self.members(balls)
-        landed = members.fair if self.ledger == "fair" else members.batted
-        return members.distance[landed]
-
-    def estimate(self, e: float, balls: Balls) -> Estimate:
-        """Count the home runs."""
-        return home_run.estimate(e, self.members(balls), self.ledger)
-
-    def share(self, balls: Balls) -> Share:
-        """Return P with what each at-bat has to do with it; there must be a member."""
-        everyone = np.ones_like(balls.batted)
-        members = {"pitches": everyone, "batted": balls.batted, "fair": balls.fair}
-        member = members[self.ledger] & ((balls.elevation > 0) | (not self.flies))
-        over = member & (balls.distance >= home_run.HOME_RUN_DISTANCE)
-        p = float(over.sum() / member.sum())
-        return Share(p, (over - p * member) / member.mean())
 
 
 @dataclass(frozen=True)
@@ -186,10 +147,44 @@ class Share:
     p: float
     influence: Array
 
-    def above(self, other: Share) -> tuple[float, float]:
+    def above(self, other: "Share") -> tuple[float, float]:
         """Return by how much this share is larger, and the standard error of that."""
         apart = self.influence - other.influence
         return self.p - other.p, float(apart.std() / math.sqrt(len(apart)))
+
+
+@dataclass(frozen=True)
+class Space:
+    """Which at-bats are among the samples that P(e) is a share of.
+
+    `flies` tells whether only balls that leave the bat upwards are among them. The ledger does not
+    have this: the paper nowhere says so, but its Fig. 6 does (see the report).
+    """
+
+    name: str
+    ledger: SampleSpace
+    flies: bool = False
+
+    def members(self, balls: Balls) -> Flags:
+        """Tell which balls are among the samples."""
+        everyone = np.ones_like(balls.batted)
+        of = {"pitches": everyone, "batted": balls.batted, "fair": balls.fair}[self.ledger]
+        return of & ((balls.elevation > 0) | (not self.flies))
+
+    def distances(self, balls: Balls) -> Array:
+        """Return D, m, of the balls among the samples that have one."""
+        return balls.distance[self.members(balls) & balls.batted]
+
+    def estimate(self, e: float, balls: Balls) -> Estimate:
+        """Count the home runs."""
+        return home_run.estimate(e, balls.chosen(self.members(balls)))
+
+    def share(self, balls: Balls) -> Share:
+        """Return P with what each at-bat has to do with it; there must be a member."""
+        member = self.members(balls)
+        over = member & balls.home_run
+        p = float(over.sum() / member.sum())
+        return Share(p, (over - p * member) / member.mean())
 
 
 SPACES = (
@@ -203,14 +198,9 @@ SPACES = (
 
 def describe(base: Base, space: Space) -> str:
     """Say in which readings and numbers an at-bat differs from the default ones."""
-    default = AtBatScene(id="default")
-    numbers = [
-        f"{name}.{key} = {value:g}"
-        for name in ("ball", "bat", "air")
-        for key, value in getattr(base.scene, name).model_dump().items()
-        if value != getattr(getattr(default, name), key) and key != "restitution"
-    ]
+    usual = dict(numbers(AtBatScene()))
+    changed = [f"{x} = {value:g}" for x, value in numbers(base.scene) if value != usual[x]]
     turned = base.scene.reading.model_dump() | base.sampling.model_dump()
-    switches = [f"{key} = {value}" for key, value in turned.items()]
     chosen = [] if space == SPACES[0] else [f"samples: {space.name}"]
-    return ", ".join(numbers + switches + chosen) or "nothing changed"
+    switches = [f"{switch} = {option}" for switch, option in turned.items()]
+    return ", ".join(changed + switches + chosen) or "nothing changed"

@@ -1,25 +1,22 @@
 """Every combination of readings that matters, against the paper's Figs. 6 and 7."""
 
-from __future__ import annotations
-
-import itertools
 import math
 from collections.abc import Iterator, Sequence
 from functools import cache
+from itertools import chain, product
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import joblib
 import numpy as np
 
-from analysis import Array
 from analysis.paper import balls, distances, printed
 from analysis.paper.balls import SPACES, Balls, Base, Space, strike
 from analysis.paper.distances import BIN, HEIGHT_AND_SLOPE, NEAR_BOTH, Distance, Peak, distance
 from analysis.paper.printed import PEAKS
 from analysis.writing import STYLES, figure, render
 from longball.engines.verlet import Verlet
-from longball.home_run import PAPER_CURVES, RESTITUTIONS, Estimate, draw, paper_at_bats
+from longball.home_run import PAPER_CURVES, RESTITUTIONS, Estimate
 from longball.model.readings import Reading, SamplingReading
 from longball.model.scene import AtBatScene, Ball
 
@@ -53,7 +50,7 @@ RADII = (0.0366, 0.0183)  # m, of the ball; the paper calls 0.0366 m its diamete
 
 def bases() -> Iterator[Base]:
     """Yield the at-bats of all combinations but for the sample spaces, which cost nothing."""
-    for blow, offset, width, radius in itertools.product(BLOWS, OFFSET_SPREADS, CELL_WIDTHS, RADII):
+    for blow, offset, width, radius in product(BLOWS, OFFSET_SPREADS, CELL_WIDTHS, RADII):
         reading = Reading.model_validate(blow)
         yield Base(
             AtBatScene(id="base", ball=Ball(radius=radius), reading=reading),
@@ -67,20 +64,17 @@ class Trial(NamedTuple):
     base: Base
     space: Space
     rows: list[Estimate]  # at the five restitutions
-    mode: dict[float, float]  # m, the middle of the highest bin of D, by restitution
+    mode: float  # m, the middle of the highest bin of D, where it is farthest out
     low: float  # the share of D in the first bin, at the lowest restitution
-    to: dict[str, Distance]  # to Fig. 7's curves, with samples of their own for each e
+    # To Fig. 7's curves, with samples of their own for each e; and to the caption's if the paper
+    # took the same samples for all.
+    to: dict[str, Distance]
     peaks: dict[float, Peak]  # the paper's Fig. 6 against it; empty at first sight
 
     @property
     def name(self) -> str:
         """What it differs in from the default."""
         return balls.describe(self.base, self.space)
-
-    @property
-    def shared(self) -> Distance:
-        """The distance to the caption's curve if the paper took the same samples for all e."""
-        return distance(self.rows, PAPER_CURVES["caption"], shared=True)
 
     @property
     def both(self) -> float:
@@ -102,48 +96,35 @@ class Trial(NamedTuple):
         return self.rows[RESTITUTIONS.index(e)].p
 
 
-def struck_at(base: Base, count: int) -> list[Balls]:
-    """Return what becomes of the same samples at each restitution."""
-    return strike(base, draw(paper_at_bats(base.sampling), count, SEED), RESTITUTIONS)
+def trials(base: Base, spaces: Sequence[Space], count: int, closer: bool = True) -> list[Trial]:
+    """Return what a combination gives in the sample spaces with balls enough.
 
-
-def tried(base: Base) -> list[Trial]:
-    """Return what a combination gives at first sight, in the sample spaces with balls enough."""
-    struck = struck_at(base, SAMPLES)
+    The peaks of Fig. 6 are looked at only for who comes closer.
+    """
+    struck = strike(base, base.drawn(count, SEED), RESTITUTIONS, threads=1)
     return [
-        trial(base, space, struck)
-        for space in SPACES
-        if space.estimate(RESTITUTIONS[0], struck[0]).trials >= FEWEST
+        trial(base, space, struck, SEED if closer else None)
+        for space in spaces
+        if space.members(struck[0]).sum() >= FEWEST
     ]
 
 
-def closer(base: Base, spaces: Sequence[Space], count: int) -> list[Trial]:
-    """Return what a combination gives with more samples, the peaks of Fig. 6 with it."""
-    struck = struck_at(base, count)
-    return [with_peaks(trial(base, space, struck), struck) for space in spaces]
-
-
-def trial(base: Base, space: Space, struck: Sequence[Balls]) -> Trial:
-    """Hold struck balls against Fig. 7."""
+def trial(base: Base, space: Space, struck: Sequence[Balls], seed: int | None = None) -> Trial:
+    """Hold struck balls against Fig. 7; and against Fig. 6, whose peaks are drawn from a seed."""
     rows = [space.estimate(e, one) for e, one in zip(RESTITUTIONS, struck, strict=True)]
-    flown = {e: space.distances(struck[RESTITUTIONS.index(e)]) for e in PEAKS}
-    mode = {e: distances.highest(d) for e, d in flown.items()}
+    at = {e: RESTITUTIONS.index(e) for e in PEAKS}
+    flown = {e: space.distances(struck[i]) for e, i in at.items()}
     to = {name: distance(rows, curve) for name, curve in PAPER_CURVES.items()}
-    return Trial(base, space, rows, mode, float(np.mean(flown[min(PEAKS)] < BIN)), to, peaks={})
-
-
-def with_peaks(one: Trial, struck: Sequence[Balls], seed: int = SEED) -> Trial:
-    """Hold struck balls against Fig. 6, too."""
+    to["shared"] = distance(rows, PAPER_CURVES["caption"], shared=True)
     generator = np.random.default_rng(seed)
-    peaks = {}
-    for row, here in zip(one.rows, struck, strict=True):
-        if row.e in PEAKS:
-            flown = one.space.distances(here)
-            peaks[row.e] = distances.peak(row.e, flown, len(flown) / row.trials, generator)
-    return one._replace(peaks=peaks)
-
-
-# --- the study ------------------------------------------------------------------------------------
+    peaks = {
+        e: distances.peak(e, d, len(d) / rows[at[e]].trials, generator)
+        for e, d in flown.items()
+        if seed is not None
+    }
+    mode = max(map(distances.highest, flown.values()))
+    low = float(np.mean(flown[min(PEAKS)] < BIN))
+    return Trial(base, space, rows, mode, low, to, peaks)
 
 
 class Study(NamedTuple):
@@ -158,27 +139,24 @@ def study() -> Study:
     """Try all combinations; several sections ask for what comes of it."""
     threads = joblib.Parallel(n_jobs=-1, prefer="threads")
 
-    def look(calls: Sequence[tuple[Base, list[Space], int]]) -> list[Trial]:
-        return list(itertools.chain(*threads(joblib.delayed(closer)(*call) for call in calls)))
+    def look(*calls: Sequence[Any]) -> list[list[Trial]]:
+        return list(threads(joblib.delayed(trials)(*call) for call in calls))
 
-    first = threads(joblib.delayed(tried)(base) for base in bases())
-    worth = [
-        (trials[0].base, spaces, CLOSER_SAMPLES)
-        for trials in first
-        if (spaces := [one.space for one in trials if one.to["caption"].squared <= WITHIN])
-    ]
-    near = look(worth)
+    first = look(*((base, SPACES, SAMPLES, False) for base in bases()))
+    worth = [[one for one in some if one.to["caption"].squared <= WITHIN] for some in first]
+    near = list(chain(*look(
+        *((some[0].base, [one.space for one in some], CLOSER_SAMPLES) for some in worth if some)
+    )))  # fmt: skip
     closest = [one for one in near if one.both <= 2 * NEAR_BOTH]
-    again = look([(one.base, [one.space], CLOSEST_SAMPLES) for one in closest])
-    done = [one.name for one in again]
-    near = again + [one for one in near if one.name not in done]
-    return Study(list(itertools.chain(*first)), sorted(near, key=lambda one: one.both))
+    again = chain(*look(*((one.base, [one.space], CLOSEST_SAMPLES) for one in closest)))
+    near = [*again, *(one for one in near if one not in closest)]
+    return Study(list(chain(*first)), sorted(near, key=lambda one: one.both))
 
 
 @cache
 def default_trial() -> Trial:
     """Return the ledger's defaults, seen as close as the near readings."""
-    return closer(Base(AtBatScene(id="base")), SPACES[:1], CLOSEST_SAMPLES)[0]
+    return trials(Base(AtBatScene(id="base")), SPACES[:1], CLOSEST_SAMPLES)[0]
 
 
 Cases = dict[str, tuple[Base, Space]]
@@ -196,74 +174,38 @@ STEP = 0.05  # s, as printed
 STEPPED_SAMPLES = 60_000  # most of them pass the bat unseen
 
 
-class Stepped(NamedTuple):
-    """A reading by the paper's scheme with its step, and the same reading without it."""
-
-    exact: Trial
-    rows: list[Estimate]  # at the five restitutions, in the same sample space
-    batted: float  # share of the pitches
-    batted_exactly: float
-    of_pitches: list[Estimate]  # the home runs as shares of all pitches
-
-    @property
-    def inside(self) -> int:
-        """At how many restitutions the interval of 95 % has P without the scheme inside."""
-        pairs = zip(self.rows, self.exact.rows, strict=True)
-        return sum(row.low <= exact.p <= row.high for row, exact in pairs)
-
-    @property
-    def away(self) -> Distance:
-        """The distance to the caption's curve."""
-        return distance(self.rows, PAPER_CURVES["caption"])
-
-
-def stepped(exact: Trial) -> Stepped:
-    """Take a reading's at-bats with the paper's scheme."""
-    base = exact.base
-    by_steps = balls.strike_in_steps(base, STEPPED_SAMPLES, SEED, RESTITUTIONS, Verlet(STEP))
-    samples = draw(paper_at_bats(base.sampling), STEPPED_SAMPLES, SEED)
-    exactly = strike(base, samples, RESTITUTIONS[:1], threads=balls.cores())[0]
-    at = list(zip(RESTITUTIONS, by_steps, strict=True))
-    return Stepped(
-        exact,
-        [exact.space.estimate(e, one) for e, one in at],
-        float(by_steps[0].batted.mean()),
-        float(exactly.batted.mean()),
-        [SPACES[0].estimate(e, one) for e, one in at],
-    )
-
-
-# --- the report -----------------------------------------------------------------------------------
+def stepped(exact: Trial) -> dict[str, Any]:
+    """Return what the paper's scheme with its step makes of a reading's at-bats."""
+    base, space = exact.base, exact.space
+    struck = balls.strike_in_steps(base, STEPPED_SAMPLES, SEED, RESTITUTIONS, Verlet(STEP))
+    (exactly,) = strike(base, base.drawn(STEPPED_SAMPLES, SEED), RESTITUTIONS[:1])
+    rows = [space.estimate(e, one) for e, one in zip(RESTITUTIONS, struck, strict=True)]
+    return {
+        "exact": exact,
+        "rows": rows,
+        # At how many restitutions the interval of 95 % has P without the scheme inside.
+        "inside": sum(row.low <= exact.p(row.e) <= row.high for row in rows),
+        "batted": struck[0].batted.mean(),
+        "batted_exactly": exactly.batted.mean(),
+        # The home runs as shares of all pitches.
+        "of_pitches": [one.home_run.mean() for one in struck],
+        "away": distance(rows, PAPER_CURVES["caption"]),
+    }
 
 
 def section(report: Path) -> str:
     """Write the section of the combinations."""
     found, default = study(), default_trial()
     draw_plane(report, found, default)
-    best, curve = found.near[0], PAPER_CURVES["caption"]
-    near = [one for one in found.near if one.to["caption"].near]
-    usual = [one for one in near if one.base.scene.ball.radius == default.base.scene.ball.radius]
-    everything = [one for one in found.first if not one.space.flies]
-    flies = [one for one in found.first if one.space.flies]
-    solved = len(list(bases()))
-    as_printed = paper_at_bats(SamplingReading(speed_table="as_printed"))
-    inside = [one for one in found.near if not one.beyond] or [
-        one for one in found.first if not one.beyond
-    ]
+    best = found.near[0]
+    as_printed = Base(default.base.scene, SamplingReading(speed_table="as_printed"))
     return render(
         report, "combinations", globals(),
-        found=found, default=default, best=best, solved=solved,
-        dropped=solved * len(SPACES) - len(found.first),
-        backwards=1 - draw(as_printed, SAMPLES, SEED).pitched.mean(),
-        everything=everything, grounded=sum(max(t.mode.values()) < BIN for t in everything),
-        flies=flies, moved=sum(max(t.mode.values()) > BIN for t in flies),
-        near_ones=near, usual=usual, both=[one for one in found.near if one.both <= NEAR_BOTH],
-        nearest=min(inside, key=lambda one: one.to["caption"].squared),
-        seventh=sorted(found.near, key=lambda one: one.to["caption"].squared)[:6],
-        curve=curve, off=max(abs(one.p - curve(one.e)) for one in best.rows),
+        found=found, default=default, best=best, solved=len(list(bases())),
+        backwards=1 - as_printed.drawn(SAMPLES, SEED).pitched.mean(),
+        off=max(abs(row.p - PAPER_CURVES["caption"](row.e)) for row in best.rows),
         noise=math.sqrt(best.p(0.43) * (1 - best.p(0.43)) / printed.SAMPLES),
-        lowest=min(found.first, key=lambda one: one.to["text"].squared),
-        text=PAPER_CURVES["text"], by_steps=[stepped(best)],
+        one=stepped(best),
     )  # fmt: skip
 
 
@@ -284,21 +226,15 @@ def draw_plane(report: Path, found: Study, default: Trial) -> None:
             p = np.array([curve(e) for e in RESTITUTIONS])
             style = STYLES[f"paper's {name}"] | {"linestyle": "none", "markersize": 11}
             axes.plot(*(HEIGHT_AND_SLOPE @ p), **style, label=f"paper's {name}")
-            if name == "caption":
-                axes.plot(*noise(p), ":", color="black", label="95 % about the caption's")
+            if name == "caption":  # the ellipse that 1,000 samples a point leave open
+                covariance = distances.covariance(p, shared=False) / printed.SAMPLES
+                spread = HEIGHT_AND_SLOPE @ covariance @ HEIGHT_AND_SLOPE.T
+                turn = np.linspace(0.0, 2 * np.pi, 200)
+                around = np.linalg.cholesky(distances.NEAR * spread) @ [np.cos(turn), np.sin(turn)]
+                ellipse = around + (HEIGHT_AND_SLOPE @ p)[:, None]
+                axes.plot(*ellipse, ":", color="black", label="95 % about the caption's")
         for name, one in {"default": default, "nearest": found.near[0]}.items():
             mark([one], **STYLES[name], markersize=8, label=f"{name} reading")
         axes.set(xlabel="height: mean of P(e) over e = 0.41 to 0.45", ylabel="slope dP/de")
         axes.margins(0.05)
         axes.legend(fontsize="small")
-
-
-def noise(p: Array) -> Array:
-    """Return the ellipse of 95 % that 1,000 samples a point leave open: heights and slopes."""
-    covariance = distances.covariance(p, shared=False) / printed.SAMPLES
-    spread = HEIGHT_AND_SLOPE @ covariance @ HEIGHT_AND_SLOPE.T
-    turn = np.linspace(0.0, 2 * np.pi, 200)
-    around: Array = np.linalg.cholesky(distances.NEAR * spread) @ np.array(
-        [np.cos(turn), np.sin(turn)]
-    )
-    return around + (HEIGHT_AND_SLOPE @ p)[:, None]

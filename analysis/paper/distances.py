@@ -1,10 +1,8 @@
 """How far a reading is from the paper's Figs. 6 and 7, in units of their Monte-Carlo noise."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,8 +36,7 @@ def covariance(p: Array, shared: bool) -> Array:
     return np.diag(p * (1 - p))
 
 
-@dataclass(frozen=True)
-class Distance:
+class Distance(NamedTuple):
     """How far the paper's curve lies from a reading, if it was fitted to 1,000 samples a point.
 
     Level and slope are the curve's mean and slope over the five restitutions, less the reading's,
@@ -97,8 +94,7 @@ def peak_chances(distances: Array, share: float, generator: np.random.Generator)
     return np.bincount(tops, minlength=len(counts)) / DRAWS
 
 
-@dataclass(frozen=True)
-class Peak:
+class Peak(NamedTuple):
     """The highest peak of D at one restitution.
 
     The p value is twice the chance of a peak as near as the paper's or nearer, or as far or

@@ -1,7 +1,5 @@
 """Table I, Figs. 6 and 7, and the numbers of the text about home runs, with our counterparts."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from functools import cache
@@ -12,10 +10,10 @@ import numpy as np
 
 from analysis import Array
 from analysis.paper import combinations, printed
-from analysis.paper.balls import Balls, Base, Space, cores, strike
+from analysis.paper.balls import Balls, Base, Space, strike
 from analysis.paper.combinations import Trial
 from analysis.paper.distances import BIN, covariance
-from analysis.paper.printed import FLAT, PAIRS, PEAKS, SEASONS, UZR_SPAN, Season
+from analysis.paper.printed import FLAT, PAIRS, PEAKS, UZR_SPAN, Season
 from analysis.writing import LINES, STYLES, figure, render
 from longball import home_run
 from longball.home_run import HOME_RUN_DISTANCE, PAPER_CURVES, RESTITUTIONS, Curve
@@ -38,11 +36,14 @@ class Reproduced(NamedTuple):
     name: str
     trial: Trial
     fitted: home_run.Fit | None  # the paper's form, to P at the five restitutions
-    fit_noise: tuple[float, float]  # deviations of C₁ and σ of a fit to 1,000 samples a point, m
     density: dict[float, Array]  # of D in bins of 10 m, 1/m, by restitution
-    flat: float  # its largest value over its smallest where the paper calls it the same
     uzr_share: float  # of D in UZR's span, at e = 0.42
     ratios: list[Ratio]  # P(e) of one season's ball over that of another
+
+    @property
+    def curve(self) -> Curve:
+        """The curve of the fit; not numbers if there is none."""
+        return self.fitted.curve if self.fitted else Curve(math.nan, math.nan)
 
 
 @cache
@@ -53,26 +54,19 @@ def reproduced() -> list[Reproduced]:
 
 def reproduce(name: str, base: Base, space: Space) -> Reproduced:
     """Return what a reading gives."""
-    restitutions = sorted({*RESTITUTIONS, *(season.restitution for season in SEASONS.values())})
-    samples = home_run.draw(home_run.paper_at_bats(base.sampling), SAMPLES, SEED)
-    at_all = strike(base, samples, restitutions, threads=cores())
+    restitutions = sorted({*RESTITUTIONS, *(one.restitution for pair in PAIRS for one in pair)})
+    at_all = strike(base, base.drawn(SAMPLES, SEED), restitutions)
     struck = dict(zip(restitutions, at_all, strict=True))
-    usual = [struck[e] for e in RESTITUTIONS]
-    trial = combinations.with_peaks(combinations.trial(base, space, usual), usual, SEED)
-    fitted = home_run.fit(trial.rows)
-    flown = {e: space.distances(struck[e]) for e in (*PEAKS, UZR_E)}
-    density = {
-        e: np.histogram(flown[e], np.arange(0.0, flown[e].max() + BIN, BIN))[0]
-        / (BIN * len(flown[e]))
-        for e in PEAKS
-    }
-    low, high = UZR_SPAN
-    return Reproduced(
-        name, trial, fitted, fit_noise(fitted.curve) if fitted else (math.nan, math.nan),
-        density, flatness(density[max(PEAKS)]),
-        uzr_share=float(np.mean((flown[UZR_E] >= low) & (flown[UZR_E] < high))),
-        ratios=[ratio(pair, space, struck) for pair in PAIRS],
-    )  # fmt: skip
+    trial = combinations.trial(base, space, [struck[e] for e in RESTITUTIONS], SEED)
+    density = {}
+    for e in PEAKS:
+        flown = space.distances(struck[e])
+        edges = np.arange(0.0, flown.max() + BIN, BIN)
+        density[e] = np.histogram(flown, edges)[0] / (BIN * len(flown))
+    flown = space.distances(struck[UZR_E])
+    uzr_share = float(np.mean((flown >= UZR_SPAN[0]) & (flown < UZR_SPAN[1])))
+    ratios = [ratio(pair, space, struck) for pair in PAIRS]
+    return Reproduced(name, trial, home_run.fit(trial.rows), density, uzr_share, ratios)
 
 
 def fit_noise(curve: Curve) -> tuple[float, float]:
@@ -92,10 +86,15 @@ def fit_noise(curve: Curve) -> tuple[float, float]:
     return math.sqrt(to_c1 @ of_line @ to_c1), curve.sigma / b * math.sqrt(of_line[1, 1])
 
 
+def called_flat(density: Array) -> Array:
+    """Return what a density in bins of 10 m has where the paper calls it flat."""
+    first, last = (int(edge / BIN) for edge in FLAT)
+    return density[first:last]
+
+
 def flatness(density: Array) -> float:
     """Return the largest value of a density over its smallest where the paper calls it flat."""
-    first, last = (int(edge / BIN) for edge in FLAT)
-    return float(density[first:last].max() / density[first:last].min())
+    return float(called_flat(density).max() / called_flat(density).min())
 
 
 def ratio(pair: tuple[Season, Season], space: Space, struck: dict[float, Balls]) -> Ratio:
@@ -112,6 +111,11 @@ def printed_ratio(pair: tuple[Season, Season]) -> Ratio:
     return Ratio(above / below, above / below * math.sqrt(1 / above + 1 / below))
 
 
+def curve_ratio(curve: Curve, pair: tuple[Season, Season]) -> float:
+    """Return what a curve makes of a pair of seasons."""
+    return curve(pair[0].restitution) / curve(pair[1].restitution)
+
+
 def curve_share(curve: Curve, e: float, low: float, high: float) -> float:
     """Return the share of D between two distances under the normal distribution of a curve."""
     below, above = (
@@ -120,25 +124,12 @@ def curve_share(curve: Curve, e: float, low: float, high: float) -> float:
     return (above - below) / 2
 
 
-# --- the report -----------------------------------------------------------------------------------
-
-
 def run(report: Path, full: bool) -> str:
     """Write the section; `full` changes nothing."""
-    found, caption = reproduced(), PAPER_CURVES["caption"]
+    found = reproduced()
     draw_distances(report, found)
     draw_probabilities(report, found)
-    pairs = []
-    for i, pair in enumerate(PAIRS):
-        lively, dull = (caption(season.restitution) for season in pair)
-        ratios = [lively / dull, *(one.ratios[i].value for one in found)]
-        hit = printed_ratio(pair)
-        explained = [math.log(value) / math.log(hit.value) for value in ratios]
-        pairs.append({"seasons": pair, "hit": hit, "caption": ratios[0], "explained": explained})
-    return render(
-        report, "home_run_figures", globals(), found=found, pairs=pairs,
-        caption_share=curve_share(caption, UZR_E, *UZR_SPAN),
-    )  # fmt: skip
+    return render(report, "home_run_figures", globals(), found=found)
 
 
 def draw_distances(report: Path, found: Sequence[Reproduced]) -> None:

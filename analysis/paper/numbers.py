@@ -1,21 +1,21 @@
 """The numbers that the paper does not print, and how P depends on all of them."""
 
-from __future__ import annotations
-
 import itertools
+import tomllib
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import NamedTuple
+from types import SimpleNamespace
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from analysis.paper.balls import Base, Share, Space, cores, strike
+from analysis.paper.balls import Base, Share, Space, strike
 from analysis.paper.combinations import Cases, Trial, trial
 from analysis.paper.distances import NEAR
 from analysis.paper.printed import P_TEXT
 from analysis.writing import STYLES, figure, render
-from longball.home_run import PAPER_CURVES, RESTITUTIONS, Samples, draw, paper_at_bats
+from longball.home_run import PAPER_CURVES, RESTITUTIONS, Samples, paper_at_bats
 
 SAMPLES = 100_000
 CORNER_SAMPLES = 20_000
@@ -23,52 +23,27 @@ SEED = 1
 E = P_TEXT[0]
 STEP = 0.02  # of a number's value: its third order is 1 % of P' where P goes like its tenth power
 
+DATA = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))
+
 Problem = tuple[Base, Samples]
 
 
 def drawn(base: Base, count: int = SAMPLES) -> Problem:
     """Return an at-bat with its random numbers: the same ones for every reading."""
-    return base, draw(paper_at_bats(base.sampling), count, SEED)
+    return base, base.drawn(count, SEED)
 
 
 def share(problem: Problem, space: Space) -> Share:
     """Return P at the restitution of the problem's ball."""
     base, samples = problem
-    (balls,) = strike(base, samples, [base.scene.ball.restitution], threads=cores())
-    return space.share(balls)
+    return space.share(strike(base, samples, [base.scene.ball.restitution])[0])
 
 
 # --- what is not printed --------------------------------------------------------------------------
 
 
-class Unknown(NamedTuple):
-    """A number that the paper does not print, or prints for other balls than its own."""
-
-    name: str  # in a scene or its sampling
-    unit: str
-    low: float  # its range
-    high: float
-    source: str  # where that comes from
-
-
-UNKNOWN = (
-    Unknown("ball.mass", "kg", 0.1417, 0.1488, "not printed; NPB's rules"),
-    Unknown("bat.mass", "kg", 0.85, 0.96, "not printed; wooden bats of 30 to 34 oz"),
-    Unknown(
-        "cell_width", "m", 0.12, 0.20,
-        "not printed; a third of the plate is 0.144, with a ball's width 0.168; a chart may be "
-        "drawn narrower or wider",
-    ),
-    Unknown(
-        "air.drag_coefficient", "", 0.3, 0.5,
-        "printed 0.4; baseballs as measured about the drag crisis (the paper's Refs. by Kensrud "
-        "and Smith, Frohlich)",
-    ),
-    Unknown(
-        "air.lift_coefficient", "", 0.1, 0.3,
-        "printed 0.2; baseballs with spin parameters of about 0.1 to 0.4 (its Ref. by Nathan)",
-    ),
-)  # fmt: skip
+# In a scene or its sampling: name, unit, low and high end of the range, and their source.
+UNKNOWN = tuple(SimpleNamespace(**one) for one in DATA["unknown"])
 Change = tuple[float, float]  # of P(0.42), with its standard error
 
 
@@ -82,31 +57,19 @@ def over_ranges(base: Base, space: Space) -> tuple[Share, list[tuple[Change, Cha
     return before, [(moved(one.name, one.low), moved(one.name, one.high)) for one in UNKNOWN]
 
 
-def at_corners(base: Base, space: Space) -> list[Trial]:
-    """Return P(e) with all numbers at the ends of their ranges, in all combinations."""
-    found = []
-    for values in itertools.product(*((one.low, one.high) for one in UNKNOWN)):
-        names = [one.name for one in UNKNOWN]
-        corner = base.replaced(dict(zip(names, values, strict=True)))
-        struck = strike(*drawn(corner, CORNER_SAMPLES), RESTITUTIONS, threads=cores())
-        found.append(trial(corner, space, struck))
-    return found
-
-
 def section(report: Path, cases: Cases) -> str:
     """Write the section: what the unknown numbers do, alone and together."""
     cases = {name: (base.replaced({"ball.restitution": E}), s) for name, (base, s) in cases.items()}
     found = {name: over_ranges(*case) for name, case in cases.items()}
     draw_ranges(report, found)
-    corners = {name: at_corners(*case) for name, case in cases.items()}
-    nearest = {
-        name: min(trials, key=lambda one: one.to["caption"].squared)
-        for name, trials in corners.items()
-    }
-    p = {name: [one.p(E) for one in trials] for name, trials in corners.items()}
-    wanted = PAPER_CURVES["caption"](E)
-    values = {"found": found, "corners": corners, "nearest": nearest, "p": p, "wanted": wanted}
-    return render(report, "numbers", globals(), near=NEAR, **values)
+    names = [one.name for one in UNKNOWN]
+    corners: dict[str, list[Trial]] = {name: [] for name in cases}
+    for values in itertools.product(*((one.low, one.high) for one in UNKNOWN)):
+        for name, (base, space) in cases.items():
+            corner = base.replaced(dict(zip(names, values, strict=True)))
+            struck = strike(*drawn(corner, CORNER_SAMPLES), RESTITUTIONS)
+            corners[name].append(trial(corner, space, struck))
+    return render(report, "numbers", globals(), near=NEAR, found=found, corners=corners)
 
 
 def draw_ranges(report: Path, found: dict[str, tuple[Share, list[tuple[Change, Change]]]]) -> None:
@@ -125,9 +88,8 @@ def draw_ranges(report: Path, found: dict[str, tuple[Share, list[tuple[Change, C
             axes.axvline(caption, color="black", linestyle=":", label="paper's caption")
             labels = [f"{one.name}\n{one.low:g} to {one.high:g} {one.unit}" for one in UNKNOWN]
             axes.set_yticks(heights, labels, fontsize="small")
-            axes.set(
-                xlabel=f"P({E})", title=f"from the {name} reading", ylim=(-0.6, len(UNKNOWN) - 0.4)
-            )
+            axes.set(xlabel=f"P({E})", title=f"from the {name} reading")
+            axes.set_ylim(-0.6, len(UNKNOWN) - 0.4)
             axes.set_xlim(left=-0.004)  # a mark at 0 is seen whole
             axes.locator_params(axis="x", nbins=5)
         panels[0].legend(fontsize="small", loc="center", bbox_to_anchor=(0.62, 0.5))
@@ -164,24 +126,11 @@ def _heights_scaled(problem: Problem, factor: float) -> Problem:
 
 
 PARAMETERS = (
-    of_scene("ball.restitution", ""),
-    of_scene("ball.mass", "kg"),
-    of_scene("ball.radius", "m"),
-    of_scene("bat.mass", "kg"),
-    of_scene("bat.radius", "m"),
-    of_scene("swing.angular_speed", "rad/s"),
-    of_scene("air.density", "kg/m³"),
-    of_scene("air.drag_coefficient", ""),
-    of_scene("air.lift_coefficient", ""),
-    of_scene("gravity", "m/s²"),
-    of_scene("offset_spread", "m"),
-    of_scene("cell_width", "m"),
+    *(of_scene(name, unit) for name, unit in DATA["parameters"].items()),
     Parameter(
         "all pitch speeds, their mean", "m/s",
         lambda problem: float(problem[1].speed.mean()),
-        lambda problem, factor: (
-            problem[0], replace(problem[1], speed=factor * problem[1].speed),
-        ),
+        lambda problem, factor: (problem[0], replace(problem[1], speed=factor * problem[1].speed)),
     ),
     Parameter(
         "largest tilt", "rad",
@@ -196,32 +145,25 @@ PARAMETERS = (
 )  # fmt: skip
 
 
-class Sensitivity(NamedTuple):
-    """∂P/∂x of a parameter x with its standard error, and d ln P / d ln x with its own."""
-
-    parameter: Parameter
-    value: float
-    slope: float
-    slope_error: float
-    power: float
-    power_error: float
-
-
-def sensitivity(parameter: Parameter, problem: Problem, space: Space, p: float) -> Sensitivity:
-    """Return the central difference over ± 2 % with the same random numbers."""
-    above, below = (share(parameter.scaled(problem, 1 + s), space) for s in (STEP, -STEP))
-    rise, error = above.above(below)
-    value = parameter.value(problem)
-    x, share_of = 2 * STEP * value, 2 * STEP * p
-    return Sensitivity(parameter, value, rise / x, error / x, rise / share_of, error / share_of)
-
-
 def sensitivities(report: Path, cases: Cases) -> str:
-    """Write the section: ∂P/∂parameter at the default and the nearest reading."""
-    found, strongest = {}, {}
+    """Write the section: ∂P/∂x and d ln P / d ln x of a number x at each of the two readings.
+
+    By the central difference over ± 2 % with the same random numbers, with its standard error.
+    """
+    found: dict[str, list[dict[str, Any]]] = {}
     for name, (base, space) in cases.items():
         problem = drawn(base.replaced({"ball.restitution": E}))
         p = share(problem, space).p
-        found[name] = [sensitivity(one, problem, space, p) for one in PARAMETERS]
-        strongest[name] = sorted(found[name], key=lambda one: -abs(one.power))[:3]
-    return render(report, "sensitivities", globals(), found=found, strongest=strongest)
+        found[name] = []
+        for one in PARAMETERS:
+            above, below = (share(one.scaled(problem, 1 + x), space) for x in (STEP, -STEP))
+            value, (rise, error) = one.value(problem), above.above(below)
+            row = {"slope": rise / (2 * STEP * value), "slope_error": error / (2 * STEP * value)}
+            row |= {"power": rise / (2 * STEP * p), "power_error": error / (2 * STEP * p)}
+            found[name].append(row | {"parameter": one, "value": value})
+    return render(report, "sensitivities", globals(), found=found)
+
+
+def strongest(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Return the three numbers that change P most."""
+    return sorted(rows, key=lambda row: -abs(row["power"]))[:3]

@@ -5,11 +5,10 @@ drawn from its own fits, which an analysis that works must give back; and the pi
 another league, which show what is the paper's and what is baseball's.
 """
 
-from __future__ import annotations
-
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from functools import cache
+from itertools import product
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -20,7 +19,7 @@ from matplotlib.axes import Axes
 
 from analysis.writing import STYLES, figure, render, write_table
 from longball.pitches import EXAMPLE, Columns, FittedPitches, PitchTypes, fit_pitches, read_pitches
-from longball.pitches.fitted import AimFit, Estimate
+from longball.pitches.fitted import Estimate
 from longball.pitches.fitting import BIN_WIDTH, normal
 from longball.pitches.table import Floats
 
@@ -75,24 +74,6 @@ PRINTED = (
 )
 
 
-def run(report: Path, full: bool) -> str:
-    """Write tables and figures and return the section; `full`: with more random draws."""
-    draws = FULL_DRAWS if full else DRAWS
-    example, synthetic = fit_pitches(EXAMPLE), synthetic_fit()
-    found = Found(compared(), cover(draws), determine(draws), vary_grid(), vary_classes())
-
-    def rounded(x: object) -> object:
-        return f"{x:.6g}" if isinstance(x, float) and x == x else x
-
-    for name, rows in found._asdict().items():
-        write_table(report, f"pitch_fits_{name}", pd.DataFrame(rows).map(rounded))
-    draw_speeds(report, example, synthetic)
-    draw_aims(report, example, synthetic)
-    draw_heights(report, example)
-    draw_determination(report, found.r_squared)
-    return write(report, example, synthetic, found)
-
-
 class Found(NamedTuple):
     """The tables, by their names."""
 
@@ -101,6 +82,20 @@ class Found(NamedTuple):
     r_squared: Rows
     grid: Rows
     classes: Rows
+
+
+def run(report: Path, full: bool) -> str:
+    """Write tables and figures and return the section; `full`: with more random draws."""
+    draws = FULL_DRAWS if full else DRAWS
+    example, synthetic = fit_pitches(EXAMPLE), synthetic_fit()
+    found = Found(compared(), cover(draws), determine(draws), vary_grid(), vary_classes())
+    for name, rows in found._asdict().items():
+        write_table(report, f"pitch_fits_{name}", pd.DataFrame(rows), float_format="%.6g")
+    draw_speeds(report, example, synthetic)
+    draw_aims(report, example, synthetic)
+    draw_heights(report, example)
+    draw_determination(report, found.r_squared)
+    return write(report, example, synthetic, found)
 
 
 @cache
@@ -158,25 +153,14 @@ def spread_behind_figure_3() -> float:
 def compare(example: FittedPitches, synthetic: FittedPitches, million: FittedPitches) -> Rows:
     """Return printed and ours, by both methods."""
     rows: Rows = []
-    for method in ("least_squares", "maximum_likelihood"):
-        for printed in PRINTED:
-            value, error = printed.ours(synthetic, method)
-            theirs, their_error = printed.ours(example, method)
-            rows.append(
-                {
-                    "method": method,
-                    "quantity": printed.name,
-                    "unit": printed.unit,
-                    "printed": printed.value,
-                    "synthetic": value,
-                    "synthetic_error": error,
-                    "difference": value - printed.value,
-                    "million": printed.ours(million, method)[0],
-                    "example": theirs,
-                    "example_error": their_error,
-                    "verdict": verdict(printed, method, value, error),
-                }
-            )
+    for method, printed in product(("least_squares", "maximum_likelihood"), PRINTED):
+        value, error = printed.ours(synthetic, method)
+        theirs, their_error = printed.ours(example, method)
+        row: dict[str, Any] = {"method": method, "quantity": printed.name, "unit": printed.unit}
+        row |= {"printed": printed.value, "synthetic": value, "synthetic_error": error}
+        row |= {"difference": value - printed.value, "million": printed.ours(million, method)[0]}
+        row |= {"example": theirs, "example_error": their_error}
+        rows.append(row | {"verdict": verdict(printed, method, value, error)})
     return rows
 
 
@@ -197,12 +181,16 @@ def verdict(printed: Printed, method: str, value: float, error: float | None) ->
     return f"off by {z:.1f} standard errors" + (": chance" if z < 3.0 else ", unexplained")
 
 
+def fit_all(tables: Iterable[pd.DataFrame], **options: Any) -> list[FittedPitches]:
+    """Return the fits of drawn pitches."""
+    fit = joblib.delayed(fit_pitches)
+    calls = (fit(table, CHART, KINDS, replicates=2, **options) for table in tables)
+    return list(joblib.Parallel(n_jobs=-1)(calls))
+
+
 def cover(draws: int) -> Rows:
     """Return how far from the printed numbers the fits of many draws lie, in standard errors."""
-    fits = joblib.Parallel(n_jobs=-1)(
-        joblib.delayed(fit_pitches)(draw_pitches(PITCHES, seed), CHART, KINDS, replicates=2)
-        for seed in range(draws)
-    )
+    fits = fit_all(draw_pitches(PITCHES, seed) for seed in range(draws))
     rows: Rows = []
     for printed in PRINTED:
         found = [printed.ours(fitted, "maximum_likelihood") for fitted in fits]
@@ -217,31 +205,23 @@ def cover(draws: int) -> Rows:
 def determine(draws: int) -> Rows:
     """Return what R² the paper's fits would have if they were the truth, by width of bin."""
     tables = [draw_pitches(PITCHES, 10_000 + seed) for seed in range(draws)]
-    widths = (1.0, 2.0, 3.0, 4.0, 5.0, 6.0)
-    everything = joblib.Parallel(n_jobs=-1)(
-        joblib.delayed(fit_pitches)(table, CHART, KINDS, bin_width=width, replicates=2)
-        for width in widths
-        for table in tables
-    )
     rows: Rows = []
-    for i, width in enumerate(widths):
-        fits = [fitted.speed for fitted in everything[i * draws : (i + 1) * draws]]
-        rows.append(_quantiles("speed", width, [x.least_squares.r_squared for x in fits]))
-        as_printed = [x.least_squares_as_printed.r_squared for x in fits]
-        rows.append(_quantiles("speed as printed", width, as_printed))
+
+    def add(what: str, width: float, fits: Iterable[Any]) -> None:
+        known = [fit.r_squared for fit in fits if fit.r_squared is not None]
+        low, median, high = np.quantile(known, (0.05, 0.5, 0.95))
+        row = {"what": what, "bin_width": width, "draws": len(known)}
+        rows.append(row | {"low": low, "median": median, "high": high})
+
+    for width in (1.0, 2.0, 3.0, 4.0, 5.0, 6.0):
+        speeds = [fitted.speed for fitted in fit_all(tables, bin_width=width)]
+        add("speed", width, (x.least_squares for x in speeds))
+        add("speed as printed", width, (x.least_squares_as_printed for x in speeds))
     random, p = np.random.default_rng(0), printed_shares()
     on_the_curve = [x.assign(y=random.choice(range(1, 6), len(x), p=p)) for x in tables]
     for what, drawn in (("aim", tables), ("aim on the curve", on_the_curve)):
-        aims = [fit_pitches(table, CHART, KINDS, replicates=2).aim for table in drawn]
-        rows.append(_quantiles(what, 1.0, [x.least_squares_at_edges.r_squared for x in aims]))
+        add(what, 1.0, (fitted.aim.least_squares_at_edges for fitted in fit_all(drawn)))
     return rows
-
-
-def _quantiles(what: str, width: float, values: list[float | None]) -> dict[str, Any]:
-    known = [value for value in values if value is not None]
-    low, median, high = np.quantile(known, (0.05, 0.5, 0.95))
-    row = {"what": what, "bin_width": width, "draws": len(known)}
-    return row | {"low": low, "median": median, "high": high}
 
 
 def vary_grid() -> Rows:
@@ -258,22 +238,22 @@ def vary_grid() -> Rows:
     for name, chosen, width in cases:
         aim = fit_pitches(chosen, Columns(cell_width=width), replicates=2).aim
         count = sum(aim.cells)
-        shares = {f"share_{cell}": n / count for cell, n in enumerate(aim.cells, start=1)}
-        gain = {"gain_over_one_normal": aim.gain_over_one_normal}
-        peaks = {"peaks": aim.maximum_likelihood.peaks}
-        rows.append({"case": name, "pitches": count, **shares, **peaks, **gain})
+        row: dict[str, Any] = {"case": name, "pitches": count}
+        row |= {f"share_{cell}": n / count for cell, n in enumerate(aim.cells, start=1)}
+        row |= {"peaks": aim.maximum_likelihood.peaks}
+        rows.append(row | {"gain_over_one_normal": aim.gain_over_one_normal})
     return rows
 
 
 def vary_classes() -> Rows:
     """Return the example's Table II for other meanings of "straight"."""
     rows: Rows = []
-    for straight in (("FF",), ("FF", "FA"), ("FF", "FA", "SI"), ("FF", "FA", "SI", "FC")):
+    names = ("FF", "FA", "SI", "FC")
+    for straight in (names[: i + 1] for i in range(len(names))):
         types = PitchTypes(straight=straight, breaking=None)
         fitted = fit_pitches(EXAMPLE, types=types, replicates=2)
         row: dict[str, Any] = {"straight": " ".join(straight)}
-        for printed in PRINTED[:5]:
-            row[printed.key] = printed.ours(fitted, "maximum_likelihood")[0]
+        row |= {x.key: x.ours(fitted, "maximum_likelihood")[0] for x in PRINTED[:5]}
         rows.append(row | {"r_squared": fitted.speed.least_squares.r_squared})
     return rows
 
@@ -287,8 +267,15 @@ def _ours(example: FittedPitches) -> str:
     return f"{example.rows_used:,} MLB pitches of 11 June 2023"
 
 
-def _mixture(axes: Axes, x: Floats, first: Floats, second: Floats, labels: Sequence[str]) -> None:
-    """Draw a fitted mixture and its two parts."""
+def _mixture(
+    axes: Axes, x: Floats, weight: Estimate, of: Sequence[tuple[Estimate, Estimate]],
+    labels: Sequence[str], unit: float = 1.0, scale: float = 1.0,
+) -> None:  # fmt: skip
+    """Draw a fitted mixture and its two parts, from their means and spreads in a unit."""
+    first, second = (
+        scale * share * normal(x, unit * mean.value, unit * spread.value)
+        for share, (mean, spread) in zip((weight.value, 1 - weight.value), of, strict=True)
+    )
     parts = {"mixture": first + second, "first part": first, "second part": second}
     for (style, y), label in zip(parts.items(), labels, strict=True):
         axes.plot(x, y, **STYLES[style], label=label)
@@ -299,17 +286,17 @@ def draw_speeds(report: Path, example: FittedPitches, synthetic: FittedPitches) 
     panels_of = {THEIRS: synthetic.speed, _ours(example): example.speed}
     with figure(report, "pitch_fits_fig2", columns=2, size=(9.6, 3.8)) as panels:
         for axes, (title, fitted) in zip(panels, panels_of.items(), strict=True):
-            histogram, fit, p = fitted.histogram, fitted.least_squares, fitted.least_squares.weight
+            histogram, fit = fitted.histogram, fitted.least_squares
             edges = np.array(histogram.edges) * 3.6
             width = edges[1] - edges[0]
             counts = np.array(histogram.straight) + np.array(histogram.breaking)
             middles = (edges[1:] + edges[:-1]) / 2
             axes.plot(middles, counts / counts.sum(), **STYLES["measured"], label="pitches")
             v = np.linspace(edges[0], edges[-1], 400)
-            straight = normal(v, 3.6 * fit.straight_mean.value, 3.6 * fit.straight_spread.value)
-            breaking = normal(v, 3.6 * fit.breaking_mean.value, 3.6 * fit.breaking_spread.value)
-            parts = width * p.value * straight, width * (1 - p.value) * breaking
-            _mixture(axes, v, *parts, ("fitted mixture, Eq. 3", "straight", "breaking"))
+            labels = ("fitted mixture, Eq. 3", "straight", "breaking")
+            straight = fit.straight_mean, fit.straight_spread
+            breaking = fit.breaking_mean, fit.breaking_spread
+            _mixture(axes, v, fit.weight, (straight, breaking), labels, 3.6, width)
             axes.set(title=title, xlabel="speed at release, km/h")
             axes.set_ylabel(f"share of pitches per {width:.2g} km/h")
             axes.text(0.03, 0.95, f"R² = {fit.r_squared:.4f}", transform=axes.transAxes, va="top")
@@ -319,30 +306,30 @@ def draw_speeds(report: Path, example: FittedPitches, synthetic: FittedPitches) 
 
 def draw_aims(report: Path, example: FittedPitches, synthetic: FittedPitches) -> None:
     """Draw the counterpart of Fig. 3."""
-    with figure(report, "pitch_fits_fig3", columns=2, size=(9.6, 3.8)) as (left, right):
-        _draw_aim(left, THEIRS, synthetic.aim.cells, synthetic.aim.least_squares)
-        right.hist(
+    panels_of = (
+        (THEIRS, synthetic.aim.cells, synthetic.aim.least_squares),
+        (_ours(example), example.aim.cells, example.aim.maximum_likelihood),
+    )
+    with figure(report, "pitch_fits_fig3", columns=2, size=(9.6, 3.8)) as panels:
+        panels[1].hist(
             read_pitches(EXAMPLE).across, np.arange(-1.5, 7.51, 0.25).tolist(), density=True,
             histtype="stepfilled", facecolor="0.85", edgecolor="0.6",
             label="places in quarters of a cell",
         )  # fmt: skip
-        _draw_aim(right, _ours(example), example.aim.cells, example.aim.maximum_likelihood)
-        left.set_ylabel("share of a cell; density per cell")
-
-
-def _draw_aim(axes: Axes, title: str, cells: Sequence[int], fit: AimFit) -> None:
-    y, q = np.linspace(-1.5, 7.5, 500), fit.weight.value
-    left = q * normal(y, fit.left_mean.value, fit.spread.value)
-    right = (1 - q) * normal(y, fit.right_mean.value, fit.spread.value)
-    _mixture(axes, y, left, right, ("fitted mixture, Eq. 4", "left", "right"))
-    shares = np.array(cells) / sum(cells)
-    axes.plot(range(1, 6), shares, **STYLES["measured"], label="cells (1 and 5 are open)")
-    axes.set(title=title, xlabel="cell across the plate, from the pitcher's left")
-    axes.set(xticks=range(-1, 8), ylim=(0.0, 0.4))
-    dotted: Any = {"ymax": 0.65, "color": "0.4", "linewidth": 0.9, "dashes": (1, 3)}
-    axes.axvline(1.5, **dotted, label="edges of the strike zone")
-    axes.axvline(4.5, **dotted)
-    axes.legend(fontsize="small", loc="upper right")
+        for axes, (title, cells, fit) in zip(panels, panels_of, strict=True):
+            sides = (fit.left_mean, fit.spread), (fit.right_mean, fit.spread)
+            labels = ("fitted mixture, Eq. 4", "left", "right")
+            _mixture(axes, np.linspace(-1.5, 7.5, 500), fit.weight, sides, labels)
+            shares = np.array(cells) / sum(cells)
+            label = "cells (1 and 5 are open)"
+            axes.plot(range(1, 6), shares, **STYLES["measured"], label=label)
+            axes.set(title=title, xlabel="cell across the plate, from the pitcher's left")
+            axes.set(xticks=range(-1, 8), ylim=(0.0, 0.4))
+            dotted: Any = {"ymax": 0.65, "color": "0.4", "linewidth": 0.9, "dashes": (1, 3)}
+            axes.axvline(1.5, **dotted, label="edges of the strike zone")
+            axes.axvline(4.5, **dotted)
+            axes.legend(fontsize="small", loc="upper right")
+        panels[0].set_ylabel("share of a cell; density per cell")
 
 
 def draw_heights(report: Path, example: FittedPitches) -> None:
@@ -360,38 +347,26 @@ def draw_heights(report: Path, example: FittedPitches) -> None:
 def draw_determination(report: Path, determination: Rows) -> None:
     """Draw R² against the width of the bins."""
     frame = pd.DataFrame(determination)
+    printed = PRINTED_R_SQUARED["speed"]
     with figure(report, "pitch_fits_r_squared", size=(4.8, 3.8)) as (axes,):
-        for what, label, color, marker, line in (
-            ("speed", "normal density", "black", "o", "-"),
-            ("speed as printed", "Eq. 2 as printed", "#D55E00", "s", "--"),
-        ):
-            rows = frame[frame["what"] == what]
-            axes.errorbar(
-                rows["bin_width"], rows["median"],
-                yerr=[rows["median"] - rows["low"], rows["high"] - rows["median"]],
-                color=color, marker=marker, linestyle=line, markerfacecolor="white", capsize=3,
-                label=label,
-            )  # fmt: skip
-        printed = PRINTED_R_SQUARED["speed"]
+        for what, label in ("speed", "normal density"), ("speed as printed", "Eq. 2 as printed"):
+            low, median, high = (frame[frame["what"] == what][x] for x in ("low", "median", "high"))
+            style, widths = STYLES[label], frame[frame["what"] == what]["bin_width"]
+            bars = [median - low, high - median]
+            axes.errorbar(widths, median, yerr=bars, **style, capsize=3, label=label)
         axes.axhline(printed, color="0.4", linestyle=":", label=f"printed: {printed}")
         axes.set(title=THEIRS, xlabel="width of the bins, km/h")
         axes.set_ylabel("R² (median, 5 % to 95 % of draws)")
         axes.legend(fontsize="small", loc="center left")
 
 
-# --- the report -----------------------------------------------------------------------------------
-
-
 def write(report: Path, example: FittedPitches, synthetic: FittedPitches, found: Found) -> str:
     """Return the report in Markdown; every number and verdict in it comes from the fits."""
     of = {what: [r for r in found.r_squared if r["what"] == what] for what in WHAT}
-    printed = PRINTED_R_SQUARED["speed"]
     return render(
         report, "pitch_fits", globals(), example=example, synthetic=synthetic, found=found,
         within=float(np.mean([row["within_1.96"] for row in found.coverage])),
         speed=of["speed"], aim=of["aim"][0], on_the_curve=of["aim on the curve"][0],
-        fitting=[f"{r['bin_width']:g}" for r in of["speed"] if r["low"] <= printed <= r["high"]],
         as_printed=max(row["high"] for row in of["speed as printed"]),
-        spread=spread_behind_figure_3(), curve=printed_density(), heights=example.height,
-        two=[row["case"] for row in found.grid if row["peaks"] == 2],
+        spread=spread_behind_figure_3(),
     )  # fmt: skip

@@ -4,8 +4,6 @@ What it prints about pitches stands in `analysis.paper.pitch_fits`, the numbers 
 `longball.home_run` and `longball.model.scene`.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 SAMPLES = 1_000  # behind each density of Fig. 6 and each point of Fig. 7 (Sec. IV)
@@ -23,38 +21,35 @@ class Season(NamedTuple):
     home_runs: int
 
 
-SEASONS = {
-    2010: Season(2010, 0.418, 1605),
-    2011: Season(2011, 0.408, 939),
-    2012: Season(2012, 0.408, 881),
-    2013: Season(2013, 0.416, 1311),
-}
 # Seasons that Table I invites to compare: a livelier ball, and a duller one.
-PAIRS = ((SEASONS[2010], SEASONS[2011]), (SEASONS[2013], SEASONS[2012]))
+PAIRS = (
+    (Season(2010, 0.418, 1605), Season(2011, 0.408, 939)),
+    (Season(2013, 0.416, 1311), Season(2012, 0.408, 881)),
+)
 
 
 class Carry(NamedTuple):
     """What somebody else says a change of the restitution does to the carry of a ball."""
 
     who: str
-    restitutions: tuple[float, float]
+    step: float  # of the restitution
     change: float  # m
     rounding: float  # m, half of the last digit of the change, or of both carries
 
     @property
     def slope(self) -> float:
         """Return dD/de, m."""
-        return self.change / (self.restitutions[1] - self.restitutions[0])
+        return self.change / self.step
 
     @property
     def slope_error(self) -> float:
         """Return how far the rounding lets the slope be off, m."""
-        return self.rounding / (self.restitutions[1] - self.restitutions[0])
+        return self.rounding / self.step
 
 
 # The league's carries are 109.4 m and 110.4 m. The maker gives 20 cm for 0.001, for a pitch of
 # 144 km/h, a swing of 126 km/h and a launch at 27° (Mizuno, notice of 12 June 2013).
 CARRIES = (
-    Carry("the league", (0.4134, 0.417), 110.4 - 109.4, 0.1),
-    Carry("the maker of the ball", (0.416, 0.417), 0.20, 0.05),
+    Carry("the league", 0.417 - 0.4134, 110.4 - 109.4, 0.1),
+    Carry("the maker of the ball", 0.417 - 0.416, 0.20, 0.05),
 )

@@ -1,7 +1,5 @@
 """Which reading of the paper gives its numbers: the study `python -m analysis readings`."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from analysis.paper import combinations, numbers, switches, variance

@@ -1,7 +1,5 @@
 """The ledger of readings, one switch turned at a time."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -11,12 +9,12 @@ from matplotlib.patches import Patch
 from pydantic import ValidationError
 
 from analysis.paper import balls
-from analysis.paper.balls import SPACES, Base, Share, Space, cores, strike
+from analysis.paper.balls import SPACES, Base, Share, Space, strike
 from analysis.paper.combinations import RADII, STEP, Cases
 from analysis.paper.printed import P_TEXT
 from analysis.writing import figure, render
 from longball.engines.verlet import Verlet
-from longball.home_run import PAPER_CURVES, RESTITUTIONS, draw, paper_at_bats
+from longball.home_run import PAPER_CURVES, RESTITUTIONS
 from longball.model.readings import LEDGER, SCHEME_OPTIONS, Reading, SamplingReading
 
 SAMPLES = 100_000
@@ -82,8 +80,7 @@ def turn(base: Base, space: Space) -> tuple[Share, list[Turned]]:
     """Return P(0.42) of a reading, and all that comes of turning one switch."""
 
     def shares(base: Base, space: Space) -> list[Share]:
-        samples = draw(paper_at_bats(base.sampling), SAMPLES, SEED)
-        struck = strike(base, samples, RESTITUTIONS, threads=cores())
+        struck = strike(base, base.drawn(SAMPLES, SEED), RESTITUTIONS)
         return [space.share(one) for one in struck]
 
     at = RESTITUTIONS.index(E)
@@ -96,23 +93,11 @@ def turn(base: Base, space: Space) -> tuple[Share, list[Turned]]:
     return before, found
 
 
-# --- the printed scheme ---------------------------------------------------------------------------
+def turn_scheme(base: Base, space: Space) -> list[dict[str, Any]]:
+    """Return what becomes of a reading by the printed scheme, under each of its switches.
 
-
-class Scheme(NamedTuple):
-    """The printed scheme with one of its switches turned; the default has no option."""
-
-    switch: str
-    option: str
-    batted: float  # the share of pitches that it finds to meet the bat
-    p: float  # P(0.42) in the reading's sample space
-    p_error: float
-    change: float  # against the defaults
-    change_error: float
-
-
-def turn_scheme(base: Base, space: Space) -> list[Scheme]:
-    """Return what becomes of a reading by the printed scheme, under each of its switches."""
+    The defaults come first, without an option.
+    """
     turns = [("default", "")]
     turns += [(x.switch, o) for x in LEDGER if x.belongs == "scheme" for o in x.options[1:]]
     found, before = [], None
@@ -122,13 +107,11 @@ def turn_scheme(base: Base, space: Space) -> list[Scheme]:
         (struck,) = balls.strike_in_steps(base, STEPPED_SAMPLES, SEED, [E], scheme)
         share = space.share(struck)
         before = before or share
-        error = float(share.influence.std() / np.sqrt(STEPPED_SAMPLES))
-        batted = float(struck.batted.mean())
-        found.append(Scheme(switch, option, batted, share.p, error, *share.above(before)))
+        change, change_error = share.above(before)
+        row = {"switch": switch, "option": option, "batted": struck.batted.mean(), "p": share.p}
+        row |= {"p_error": share.influence.std() / np.sqrt(STEPPED_SAMPLES)}
+        found.append(row | {"change": change, "change_error": change_error})
     return found
-
-
-# --- the report -----------------------------------------------------------------------------------
 
 
 class Turns(NamedTuple):
@@ -154,13 +137,9 @@ def section(report: Path, cases: Cases) -> str:
     """Write the section: each reading with each switch turned."""
     found = [Turns(name, balls.describe(*case), *turn(*case)) for name, case in cases.items()]
     draw_tornado(report, found)
-    schemes = turn_scheme(*cases["nearest"])
-    seen = [one for one in schemes if one.option and abs(one.change) > 2 * one.change_error]
-    caption = PAPER_CURVES["caption"]
     return render(
-        report, "switches", globals(), found=found, schemes=schemes, seen=seen,
-        wanted=caption(E), steep=(caption(0.45) - caption(0.41)) / 0.04,
-    )  # fmt: skip
+        report, "switches", globals(), found=found, schemes=turn_scheme(*cases["nearest"])
+    )
 
 
 def draw_tornado(report: Path, found: Sequence[Turns]) -> None:

@@ -1,7 +1,5 @@
 """Which of an at-bat's four random inputs the distance D comes from: Sobol's indices."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
@@ -9,9 +7,9 @@ from typing import NamedTuple
 import numpy as np
 
 from analysis import Array
-from analysis.paper.balls import SPACES, Base, cores, describe, strike
+from analysis.paper.balls import SPACES, Base, describe, strike
 from analysis.writing import render
-from longball.home_run import HOME_RUN_DISTANCE, Samples, draw, paper_at_bats
+from longball.home_run import HOME_RUN_DISTANCE, Samples
 
 INPUTS = {"speed": "pitch's speed", "aim": "aim", "tilt": "tilt", "offset": "offset"}
 SAMPLES = 50_000  # of each of the two sets; six times as many at-bats are solved
@@ -67,7 +65,7 @@ def _saltelli_jansen(a: Array, b: Array, mixed: Array) -> Array:
 
 def quantities(base: Base, samples: Samples) -> dict[str, Array]:
     """Return what is asked of at-bats: D, 0 for a miss, and whether it is a home run's."""
-    (balls,) = strike(base, samples, [E], threads=cores())
+    (balls,) = strike(base, samples, [E])
     distance = np.where(balls.batted, balls.distance, 0.0)
     return {
         "D": distance,
@@ -76,24 +74,16 @@ def quantities(base: Base, samples: Samples) -> dict[str, Array]:
     }
 
 
-def analyse(base: Base) -> dict[str, Indices]:
-    """Return the indices of each quantity."""
-    one, other = (draw(paper_at_bats(base.sampling), SAMPLES, seed) for seed in SEEDS)
-    a, b = quantities(base, one), quantities(base, other)
-    mixed = [quantities(base, replace(one, **{name: getattr(other, name)})) for name in INPUTS]
-    return {
-        what: indices(a[what], b[what], np.array([each[what] for each in mixed]), seed=SEEDS[0])
-        for what in a
-    }
-
-
 def section(report: Path, bases: dict[str, Base]) -> str:
-    """Write the section."""
-    found = {name: analyse(base) for name, base in bases.items()}
-    labels = list(INPUTS.values())
-    return render(
-        report, "variance", globals(), found=found, inputs=labels,
-        bases={name: describe(base, SPACES[0]) for name, base in bases.items()},
-        ranked={n: [labels[i] for i in np.argsort(-of["D"].total)] for n, of in found.items()},
-        speed=list(INPUTS).index("speed"),
-    )  # fmt: skip
+    """Write the section: the indices of each quantity, under each reading."""
+    found = {}
+    for name, base in bases.items():
+        one, other = (base.drawn(SAMPLES, seed) for seed in SEEDS)
+        a, b = quantities(base, one), quantities(base, other)
+        mixed = [quantities(base, replace(one, **{x: getattr(other, x)})) for x in INPUTS]
+        found[name] = {
+            what: indices(a[what], b[what], np.array([each[what] for each in mixed]), SEEDS[0])
+            for what in a
+        }
+    described = {name: describe(base, SPACES[0]) for name, base in bases.items()}
+    return render(report, "variance", globals(), found=found, bases=described)

@@ -1,11 +1,8 @@
 """Who takes part: every engine of longball over its settings, and the peers that are installed."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 from importlib.util import find_spec
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -27,8 +24,7 @@ from longball.model.scene import AtBatScene
 PEERS = {"heyoka": "heyoka", "diffrax": "diffrax", "scikit-sundae": "sksundae"}
 
 
-@dataclass(frozen=True)
-class Answers:
+class Answers(NamedTuple):
     """Outcomes (empty: no answer), distances D, m, and times of landing, s (None: none)."""
 
     outcomes: Sequence[str]
@@ -36,8 +32,7 @@ class Answers:
     times: Sequence[Number | None]
 
 
-@dataclass(frozen=True)
-class Contender:
+class Contender(NamedTuple):
     """Someone who can solve the work, at one setting."""
 
     family: str  # what the settings belong to: a line of a diagram
@@ -72,10 +67,11 @@ def one_by_one(engine: Engine[Any]) -> Callable[[Work], Answers]:
 
     def solved(work: Work) -> Answers:
         results = [solve(scene, engine) for scene in work.scenes]
-        outcomes, landings = [x.outcome or "" for x in results], [x.landing for x in results]
-        distances = [landing.distance if landing else None for landing in landings]
+        landings = [result.landing for result in results]
         return Answers(
-            outcomes, distances, [landing.time if landing else None for landing in landings]
+            [result.outcome or "" for result in results],
+            [landing.distance if landing else None for landing in landings],
+            [landing.time if landing else None for landing in landings],
         )
 
     return solved

@@ -1,11 +1,9 @@
 """What laws of flight cost: spin, wind and a drag crisis, beside the paper's law and heyoka."""
 
-from __future__ import annotations
-
-from collections.abc import Iterator
+import json
+import tomllib
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 from analysis.speed_error import contenders
 from analysis.speed_error.contenders import Answers, Contender
@@ -15,32 +13,19 @@ from analysis.writing import render
 from longball.engines.batch import Batch, solve_columns
 from longball.engines.batch.flights import Records
 from longball.engines.batch.many import BLOCK
-from longball.model.air import Air
 from longball.model.scene import FlightScene
 from longball.model.trace import Program
 
-RATIONAL: dict[str, Any] = {"lift_coefficient": {"law": "rational"}}
-CRISIS = {"drag_coefficient": {"law": "crisis"}}
-ACROSS, ASKEW = (0.0, -200.0, 0.0), (30.0, -200.0, 60.0)  # rad/s, spins
-AHEAD, ASIDE = (-4.0, 0.0, 0.0), (-4.0, 3.0, 0.0)  # m/s, winds
-
-# The first is the measure of the others: spin, air.
-LAWS: dict[str, tuple[tuple[float, float, float] | None, dict[str, Any]]] = {
-    "the paper's, planar": (None, {}),
-    "spin across, C_L(S), head wind, planar": (ACROSS, RATIONAL | {"wind": AHEAD}),
-    "spin vector, C_L(S), wind, in space": (ASKEW, RATIONAL | {"wind": ASIDE}),
-    "the same, and a drag crisis": (ASKEW, RATIONAL | {"wind": ASIDE} | CRISIS),
-}
+LAWS = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))
 
 
 def works(count: int) -> dict[str, Work]:
     """Return the same launches under each law."""
-    level = flights(count)
-    assert isinstance(level.base, FlightScene)
-    launch, found = level.base.launch, {}
-    for law, (spin, air) in LAWS.items():
-        base = FlightScene(launch=launch.model_copy(update={"spin": spin}), air=Air(**air))
-        found[law] = Work(base, level.columns)
+    level, found = flights(count), {}
+    for name, law in LAWS.items():
+        written = json.loads(level.base.model_dump_json())
+        written["launch"]["spin"], written["air"] = law.get("spin"), law.get("air", {})
+        found[name] = Work(FlightScene.model_validate_json(json.dumps(written)), level.columns)
     return found
 
 
@@ -73,26 +58,18 @@ def kernel(work: Work) -> Contender:
     return Contender("kernel", "", solved, BLOCK)
 
 
-def entrants(work: Work) -> Iterator[Contender]:
-    """Yield who flies under a law: the kernel, batch, enclosure, and heyoka if it is installed."""
-    yield kernel(work)
-    yield contenders.batch(Batch().tolerance)
-    yield contenders.ENCLOSURE
-    if "heyoka" not in contenders.missing_peers():
-        yield from contenders.heyoka()
-
-
 def compared(rounds: int, count: int) -> dict[tuple[str, str], Measured]:
     """Time all under each law, in the same rounds; return what is found by law and method.
 
     Errors are those of the first `count` flights.
     """
-    turns = {
-        (law, entrant.family): (entrant, given)
-        for law, work in works(contenders.COMPILED).items()
-        for given in [known(work, count)]
-        for entrant in entrants(work)
-    }
+    turns: dict[tuple[str, str], tuple[Contender, Work]] = {}
+    for law, work in works(contenders.COMPILED).items():
+        given = known(work, count)
+        entrants = [kernel(work), contenders.batch(Batch().tolerance), contenders.ENCLOSURE]
+        if "heyoka" not in contenders.missing_peers():
+            entrants += contenders.heyoka()
+        turns |= {(law, entrant.family): (entrant, given) for entrant in entrants}
     return dict(zip(turns, measure([*turns.values()], rounds), strict=True))
 
 

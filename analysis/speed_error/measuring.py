@@ -1,70 +1,28 @@
 """Time and error of contenders, side by side."""
 
-from __future__ import annotations
-
 import itertools
 import math
 import os
 import platform
+import re
 import statistics
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
 from analysis.speed_error.contenders import Answers, Contender
-from analysis.speed_error.work import Known
+from analysis.speed_error.work import Work
 from analysis.stability import exactly
 from longball.engines.compiled import compile_at_once
 from longball.model.result import Number, Result
 
 VERSIONS = ("numpy", "scipy", "numba", "python-flint", "heyoka", "diffrax", "jax", "scikit-sundae")
-
-
-@dataclass(frozen=True)
-class Measured:
-    """What a contender took for its work, s a scene, by round; and how far off it was."""
-
-    contender: Contender
-    seconds: list[float]
-    errors: Errors
-
-    @property
-    def microseconds(self) -> float:
-        """The median time of a scene, µs."""
-        return 1e6 * statistics.median(self.seconds)
-
-
-def measure(turns: Sequence[tuple[Contender, Known]], rounds: int) -> list[Measured]:
-    """Time contenders at the first scenes of their work, and hold their answers against the truth.
-
-    In a round everyone takes a turn, so that what the machine does besides slows all alike. A
-    first round, in which code is compiled, does not count.
-    """
-    compile_at_once()
-    portions = [(entrant, known.work.first(entrant.turn)) for entrant, known in turns]
-    for entrant, portion in portions:
-        entrant.solve(portion)
-    seconds: list[list[float]] = [[] for _ in portions]
-    for _, (i, (entrant, portion)) in itertools.product(range(rounds), enumerate(portions)):
-        begin = time.perf_counter()
-        entrant.solve(portion)
-        seconds[i].append((time.perf_counter() - begin) / len(portion))
-    found = []
-    for (entrant, known), mine in zip(turns, seconds, strict=True):
-        true = known.true[: entrant.most]
-        answers = entrant.solve(known.work.first(len(true)))
-        found.append(Measured(entrant, mine, errors(answers, true)))
-    return found
-
-
-def ratio(mine: Sequence[float], measure: Sequence[float]) -> float:
-    """Return the median of the rounds' ratios: a slow moment counts on both sides."""
-    return statistics.median(a / b for a, b in zip(mine, measure, strict=True))
 
 
 @dataclass(frozen=True)
@@ -86,8 +44,48 @@ class Errors:
     def row(self) -> dict[str, object]:
         """Return the numbers as columns of a table."""
         names = {"median": "median error, m", "most": "99 % error, m", "worst": "worst error, m"}
-        kept = {name: x for name, x in vars(self).items() if name != "worst_time"}
-        return {names.get(name, name): x for name, x in kept.items()}
+        return {names.get(x, x): vars(self)[x] for x in vars(self) if x != "worst_time"}
+
+
+class Measured(NamedTuple):
+    """What a contender took for its work, s a scene, by round; and how far off it was."""
+
+    contender: Contender
+    seconds: list[float]
+    errors: Errors
+
+    @property
+    def microseconds(self) -> float:
+        """The median time of a scene, µs."""
+        return 1e6 * statistics.median(self.seconds)
+
+
+def measure(turns: Sequence[tuple[Contender, Work]], rounds: int) -> list[Measured]:
+    """Time contenders at the first scenes of their work, and hold their answers against the truth.
+
+    In a round everyone takes a turn, so that what the machine does besides slows all alike. A
+    first round, in which code is compiled, does not count.
+    """
+    compile_at_once()
+    portions = [(entrant, work.first(entrant.turn)) for entrant, work in turns]
+    for entrant, portion in portions:
+        entrant.solve(portion)
+    seconds: list[list[float]] = [[] for _ in portions]
+    for _, (i, (entrant, portion)) in itertools.product(range(rounds), enumerate(portions)):
+        begin = time.perf_counter()
+        entrant.solve(portion)
+        seconds[i].append((time.perf_counter() - begin) / len(portion))
+    found = []
+    for (entrant, work), mine in zip(turns, seconds, strict=True):
+        true = work.true[: entrant.most]
+        answers = entrant.solve(work.first(len(true)))
+        found.append(Measured(entrant, mine, errors(answers, true)))
+    return found
+
+
+def ratio(mine: Sequence[float], measure: Sequence[float]) -> float:
+    """Return the median of the rounds' ratios: a slow moment counts on both sides."""
+    return statistics.median(a / b for a, b in zip(mine, measure, strict=True))
 
 
 CONTACT = ("batted", "separating", "airborne")
@@ -95,9 +93,13 @@ CONTACT = ("batted", "separating", "airborne")
 
 def errors(answers: Answers, true: Sequence[Result]) -> Errors:
     """Hold answers against the truth."""
-    landings = [result.landing for result in true]
-    off = _differences(answers.distances, [at.distance if at else None for at in landings])
-    late = _differences(answers.times, [at.time if at else None for at in landings])
+
+    def differences(found: Sequence[Number | None], name: str) -> list[float]:
+        pairs = zip(found, (result.landing for result in true), strict=True)
+        both = [(x, landing) for x, landing in pairs if x is not None and landing]
+        return [difference(x, getattr(landing, name)) for x, landing in both] or [math.nan]
+
+    off = differences(answers.distances, "distance")
     met = [
         outcome
         for outcome, result in zip(answers.outcomes, true, strict=True)
@@ -108,19 +110,11 @@ def errors(answers: Answers, true: Sequence[Result]) -> Errors:
         median=float(np.median(off)),
         most=float(np.quantile(off, 0.99)),
         worst=max(off),
-        worst_time=max(late),
+        worst_time=max(differences(answers.times, "time")),
         contacts=len(met),
         missed=sum(outcome not in (*CONTACT, "") for outcome in met),
         unanswered=sum(outcome == "" for outcome in answers.outcomes),
     )
-
-
-def _differences(found: Iterable[Number | None], true: Iterable[Number | None]) -> list[float]:
-    return [
-        difference(a, b)
-        for a, b in zip(found, true, strict=True)
-        if a is not None and b is not None
-    ] or [math.nan]
 
 
 def difference(found: Number, true: Number) -> float:
@@ -130,11 +124,9 @@ def difference(found: Number, true: Number) -> float:
 
 def machine() -> str:
     """Describe the kind of machine."""
-    processor = platform.processor() or platform.machine()
     info = Path("/proc/cpuinfo")
-    if info.exists():
-        names = [line for line in info.read_text().splitlines() if line.startswith("model name")]
-        processor = names[0].partition(":")[2].strip() if names else processor
+    named = re.search(r"model name\s*:(.*)", info.read_text() if info.exists() else "")
+    processor = named[1].strip() if named else platform.processor() or platform.machine()
     return f"{processor}, {os.cpu_count()} cores"
 
 

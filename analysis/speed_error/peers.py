@@ -7,8 +7,6 @@ given the function that comes to mind first: the height above the ground, the wa
 the distance from the bat's axis less R + r_b. The bat is looked for from the release on.
 """
 
-from __future__ import annotations
-
 import math
 import os
 from abc import ABC, abstractmethod

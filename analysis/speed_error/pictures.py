@@ -1,7 +1,5 @@
 """Pictures of speed against error, and of missed contacts."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pandas as pd

@@ -1,8 +1,7 @@
 """What everyone is given to solve: the same flights, the same at-bats; and the truth about them."""
 
-from __future__ import annotations
-
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -29,15 +28,16 @@ class Work:
 
     base: Scene  # what is the same in all
     columns: dict[str, Array]  # what differs, as `longball.engines.batch.solve_columns` takes it
+    true: Sequence[Result] = ()  # the truth about the first of them
 
     def __len__(self) -> int:
         return min(map(len, self.columns.values()))
 
-    def first(self, count: int) -> Work:
+    def first(self, count: int) -> "Work":
         """Return the first scenes."""
         return self.part(slice(count))
 
-    def part(self, rows: slice | list[int]) -> Work:
+    def part(self, rows: slice | list[int]) -> "Work":
         """Return some of the scenes."""
         return Work(self.base, {name: column[rows] for name, column in self.columns.items()})
 
@@ -70,14 +70,6 @@ def truth(work: Work) -> list[Result]:
     return [solve(scene, exact) for scene in work.scenes]
 
 
-@dataclass(frozen=True)
-class Known:
-    """Work, and the truth about its first scenes."""
-
-    work: Work
-    true: list[Result]
-
-
-def known(work: Work, count: int) -> Known:
+def known(work: Work, count: int) -> Work:
     """Return work with the truth about so many of its scenes."""
-    return Known(work, truth(work.first(count)))
+    return replace(work, true=truth(work.first(count)))

@@ -1,7 +1,5 @@
 """Simulators that install from a package index, held against the golden data."""
 
-from __future__ import annotations
-
 import io
 import json
 import math
@@ -16,7 +14,7 @@ import numpy as np
 
 from analysis import Array
 from analysis.wild.simulators import SIMULATORS, Method, Simulator
-from analysis.writing import COLOURS, figure, render
+from analysis.writing import figure, render
 from longball.convergence import PowerLaw, fit_power_law
 from longball.convergence.order import typical
 from longball.golden import load
@@ -64,23 +62,14 @@ def run(report: Path, full: bool) -> str:
     there = [simulator for simulator in SIMULATORS if simulator.version]
     tried = [tried for simulator in there for tried in trials(simulator, full)]
     draw(report, [t for t in tried if t.method.order])
-    return render(
-        report, "wild", globals(), there=there, tried=tried,
-        missing=[simulator.title for simulator in SIMULATORS if simulator not in there],
-        places=[
-            [m for c in t.evaluation.comparisons for m in c.measured if m.quantity in PLACES]
-            for t in tried
-        ],
-    )  # fmt: skip
+    return render(report, "wild", globals(), there=there, tried=tried)
 
 
 def trials(simulator: Simulator, full: bool) -> list[Tried]:
     """Hold each method of a simulator against the scenes that it can take."""
-    cases: Sequence[Case] = [
-        case
-        for case in sample(load(), simulator.families)
-        if case.expected.outcome in ("landed", "crossed")
-    ]
+    outcomes = ("landed", "crossed")
+    sampled = sample(load(), simulator.families)
+    cases: Sequence[Case] = [case for case in sampled if case.expected.outcome in outcomes]
     if not full:
         cases = cases[:: max(1, len(cases) // SCENES)]
     own = cases
@@ -102,12 +91,11 @@ def trial(
         judge = Judge(cases, Exact(), partial=True, dt=step)
         diagnosis = judge.evaluate_function(usual).verdict.diagnosis
     judge = Judge(own, Exact(), partial=True, diagnose=False)
-    evaluation = judge.evaluate_function(usual)
     sweep = replace(judge, cases=own[::2])
     runs = [candidate(simulator, method, knob) for knob in method.knobs]
     errors = [list(map(place_error, sweep.evaluate_function(run).comparisons)) for run in runs]
     typically = typical(np.array(errors).T) if errors else np.empty(0)
-    return Tried(simulator, method, evaluation, diagnosis, typically)
+    return Tried(simulator, method, judge.evaluate_function(usual), diagnosis, typically)
 
 
 def candidate(simulator: Simulator, method: Method, knob: float) -> Callable[[Scene], Any]:
@@ -137,15 +125,15 @@ def adapter_lines(simulator: Simulator) -> int:
 def draw(report: Path, stepped: Sequence[Tried]) -> None:
     """Draw errors by the step, and claimed and observed order."""
     with figure(report, "wild_orders", columns=2, size=(9.0, 4.4)) as (left, right):
-        for row, (t, color, mark) in enumerate(zip(stepped, cycle(COLOURS), cycle("osD^vP*X"))):
-            style: dict[str, Any] = {"color": color, "marker": mark}
+        for row, (t, mark) in enumerate(zip(stepped, cycle("osD^vP*X"))):
+            style: dict[str, Any] = {"color": f"C{row}", "marker": mark}
             left.loglog(t.steps, t.errors, **style, markersize=4, linewidth=1)
             claimed: dict[str, Any] = {"color": "0.7", "markersize": 9, "fillstyle": "none"}
             right.plot([t.method.order or 0], [row], "s", **claimed)
             if law := t.law:
                 right.errorbar(law.order, row, xerr=law.half_width, **style, markersize=5)
             else:
-                right.text(0.1, row, "none", color=color, va="center")
+                right.text(0.1, row, "none", color=f"C{row}", va="center")
         left.set(xlabel="step, s", ylabel="error of the place of landing, m")
         right.set_yticks(range(len(stepped)), [t.name for t in stepped])
         right.set(xlabel="order", xlim=(0.0, None))

@@ -1,7 +1,5 @@
 """The law of the air, for simulators that have none of their own or another one."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 

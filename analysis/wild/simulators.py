@@ -1,7 +1,5 @@
 """The simulators of the study: what they are, and how they are asked."""
 
-from __future__ import annotations
-
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field

@@ -531,7 +531,6 @@ def test_the_first_fall_is_that_of_a_search_on_a_grid(
         assert abs(least) <= error
 
 
-@pytest.mark.xfail(strict=True, reason="a bound of 0 passes for a curvature of 0: found 0.1")
 def test_a_root_where_the_bound_on_the_curvature_vanishes() -> None:
     """Of ``1/10 - t + t²/2 - t³/6``, of which -p'' = t - 1 is at most 0 up to 1."""
     p = np.array([0.1, -1.0, 0.5, -1 / 6])

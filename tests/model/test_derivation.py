@@ -1,8 +1,11 @@
 """The derivation of the impulse: each step, each law, and that no law is proved of everything."""
 
+import re
+
 import pytest
 import sympy as sp
 
+from analysis.derivation import run
 from longball.model import derivation
 from longball.model.derivation import (
     APPARENT_RESTITUTION,
@@ -22,6 +25,7 @@ from longball.model.derivation import (
     on_unit_normal,
     plain_arithmetic,
 )
+from tests.model import impact_laws
 
 HALF = sp.Rational(1, 2)
 
@@ -143,10 +147,10 @@ def no_collision(velocity, bat_velocity, normal):
 
 
 LAWS = {
-    "momentum": derivation.momentum_residual,
-    "tangential": derivation.tangential_residual,
-    "restitution": derivation.restitution_residual,
-    "galilean": derivation.galilean_residual,
+    "momentum": impact_laws.momentum_residual,
+    "tangential": impact_laws.tangential_residual,
+    "restitution": impact_laws.restitution_residual,
+    "galilean": impact_laws.galilean_residual,
 }
 
 
@@ -176,7 +180,7 @@ def disturbed(ball, bat):
     return rule
 
 
-@pytest.mark.parametrize("law", [derivation.tangential_residual, derivation.galilean_residual])
+@pytest.mark.parametrize("law", [impact_laws.tangential_residual, impact_laws.galilean_residual])
 @pytest.mark.parametrize(("ball", "bat"), [(1, 0), (0, 1)])
 def test_each_body_is_held_to_the_law_in_every_component(law, ball, bat):
     """A residual of one body, or of fewer components, would prove less than it says."""
@@ -186,7 +190,7 @@ def test_each_body_is_held_to_the_law_in_every_component(law, ball, bat):
 
 @pytest.mark.parametrize(("ball", "bat"), [(1, 0), (0, 1)])
 def test_momentum_is_held_to_its_law_in_every_component(ball, bat):
-    assert 0 not in derivation.momentum_residual(disturbed(ball, bat))
+    assert 0 not in impact_laws.momentum_residual(disturbed(ball, bat))
 
 
 def test_the_unit_normal_is_used_and_nothing_more():
@@ -266,9 +270,9 @@ def test_beyond_that_mass_ratio_and_only_there_the_energy_grows(e, nudge):
 
 def test_an_impulse_at_the_contact_keeps_what_it_must():
     """Momentum and angular momentum of both, the ball's about the contact, and the energy."""
-    assert derivation.total_momentum_residual().is_zero_matrix
-    assert derivation.contact_momentum_residual().is_zero_matrix
-    assert derivation.energy_residual() == 0
+    assert impact_laws.total_momentum_residual().is_zero_matrix
+    assert impact_laws.contact_momentum_residual().is_zero_matrix
+    assert impact_laws.energy_residual() == 0
 
 
 def test_another_push_would_show(monkeypatch):
@@ -279,9 +283,9 @@ def test_another_push_would_show(monkeypatch):
         return whole(before, push)._replace(spin=before.spin)
 
     monkeypatch.setattr(derivation, "pushed", without_moment)
-    assert not derivation.total_momentum_residual().is_zero_matrix
-    assert not derivation.contact_momentum_residual().is_zero_matrix
-    assert derivation.energy_residual() != 0
+    assert not impact_laws.total_momentum_residual().is_zero_matrix
+    assert not impact_laws.contact_momentum_residual().is_zero_matrix
+    assert impact_laws.energy_residual() != 0
 
 
 def test_a_coupled_impulse_is_not_solved_by_components(monkeypatch):
@@ -305,7 +309,7 @@ def test_gripping_and_sliding_satisfy_the_restitution_relations():
 
 
 def test_the_papers_impulse_is_the_frictionless_limit():
-    assert derivation.frictionless_residual() == 0
+    assert impact_laws.frictionless_residual() == 0
     pivot = derivation.elements()[derivation.INVERSE_MASS[0]].subs(derivation.INVERSE_BAT_MASS, 0)
     effective_mass = derivation.INERTIA / derivation.ARM**2
     assert sp.expand(pivot - derivation.inverse_reduced_mass().subs(BAT_MASS, effective_mass)) == 0
@@ -328,24 +332,29 @@ def test_every_step_holds_in_the_collision_worked_by_hand():
         "Energy created",  # ẽ = 1/2 creates none,
         "Energy created as printed",  # and r = 1/4 is below 2/3
     }
-    outcome = {step.title: at_hand_values(step.equation) for step in derivation.steps()[:-4]}
+    equations = list(derivation.equations().items())
+    outcome = {title: at_hand_values(equation) for title, equation in equations[:-4]}
     assert set(outcome.values()) <= {sp.true, sp.false}
     assert {title for title, holds in outcome.items() if holds == sp.false} == false_there
 
 
 def test_the_discarded_root_satisfies_the_printed_quadratic_too():
-    equations = {step.title: step.equation for step in derivation.steps()}
+    equations = derivation.equations()
     discarded = equations["Discarded root"].rhs
     assert sp.expand(equations["Restitution"].lhs.subs(BETA, discarded)) == 0
 
 
-def test_steps_can_be_printed():
-    steps = derivation.steps()
-    assert len({step.title for step in steps}) == len(steps)
-    for step in steps:
-        assert step.explanation.endswith(".")
-        assert sp.latex(step.equation)
-        assert step.equation not in (sp.true, sp.false)
+def test_equations_can_be_printed():
+    for equation in derivation.equations().values():
+        assert sp.latex(equation)
+        assert equation not in (sp.true, sp.false)
+
+
+def test_the_report_says_what_each_equation_means(tmp_path):
+    section = run(tmp_path, full=False)
+    steps = re.findall(r"^\d+\. \*\*(.+)\.\*\* .+\.\n\n   \$\$ (.+) \$\$$", section, re.MULTILINE)
+    printed = {title: sp.latex(equation) for title, equation in derivation.equations().items()}
+    assert steps == list(printed.items())
 
 
 # ---- from expressions to source ------------------------------------------------------------------
@@ -386,20 +395,38 @@ def test_what_is_not_plain_arithmetic_is_refused(expression):
 
 
 def test_the_command_writes_and_checks(tmp_path, monkeypatch, capsys):
+    generated = derivation.generate()
     monkeypatch.setattr(derivation, "__file__", str(tmp_path / "derivation.py"))
     written = tmp_path / "impact.py"
-    assert derivation.main(["--check"]) == 1
-    assert not written.exists()
-    assert derivation.main([]) == 0
-    assert written.read_text(encoding="utf-8") == derivation.generate()
-    capsys.readouterr()
-    assert derivation.main(["--check"]) == 0
-    assert capsys.readouterr().err == ""
-    altered = derivation.generate().replace("restitution + 1", "restitution - 1")
-    written.write_text(altered, encoding="utf-8")
-    assert derivation.main(["--check"]) == 1
-    assert "run `python -m longball.model.derivation`" in capsys.readouterr().err
-    assert written.read_text(encoding="utf-8") == altered
+    returned = "return -normal_speed * reduced_mass * (restitution + 1)"
+    for altered in (returned.replace("+ 1", "- 1"), "return 0", "return (\n        0\n    )"):
+        wrong = generated.replace(returned, altered)
+        assert wrong != generated
+        written.write_text(wrong, encoding="utf-8")
+        assert derivation.main(["--check"]) == 1
+        assert "run `python -m longball.model.derivation`" in capsys.readouterr().err
+        assert written.read_text(encoding="utf-8") == wrong
+        assert derivation.main([]) == 0
+        assert written.read_text(encoding="utf-8") == generated
+        capsys.readouterr()
+        assert derivation.main(["--check"]) == 0
+        assert capsys.readouterr().err == ""
+
+
+@pytest.mark.parametrize(
+    ("word", "other", "fault"),
+    [
+        ("def impulse", "def push", "has the functions"),
+        ("(reduced_mass: Number, restitution", "(restitution", "not plain arithmetic"),
+        ("n_x, n_y, n_z = normal", "n_x, n_y, n = normal", "not plain arithmetic"),
+    ],
+)
+def test_a_function_that_lacks_what_it_needs_is_refused(tmp_path, monkeypatch, word, other, fault):
+    text = derivation.generate().replace(word, other)
+    monkeypatch.setattr(derivation, "__file__", str(tmp_path / "derivation.py"))
+    (tmp_path / "impact.py").write_text(text, encoding="utf-8")
+    with pytest.raises(ValueError, match=fault):
+        derivation.generate()
 
 
 def test_a_derivation_that_goes_wrong_says_so(monkeypatch):

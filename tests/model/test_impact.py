@@ -1,6 +1,7 @@
 """The impulse as executed: generated, and right in every kind of number."""
 
 import ast
+import inspect
 import math
 import subprocess
 import sys
@@ -282,6 +283,17 @@ def test_the_impulse_runs_without_sympy():
     assert done.stdout.strip() == "[]"
 
 
-@pytest.mark.parametrize("name", ["reduced_mass", "impulse", "velocity_after", "energy_change"])
+FUNCTIONS = [name for name, value in vars(impact).items() if callable(value) and name[0].islower()]
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
 def test_units_are_documented(name):
-    assert any(unit in getattr(impact, name).__doc__ for unit in (", in kg", ", in N·s", ", in J"))
+    units = ("kg", "1/kg", "N·s", "J", "m/s", "rad/s")
+    assert any(f", in {unit}" in getattr(impact, name).__doc__ for unit in units)
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_arguments_are_documented(name):
+    heads = [line for line in impact.__doc__.splitlines() if line[:1].islower()]
+    known = {word for line in heads for word in line.split(", ")}
+    assert set(inspect.signature(getattr(impact, name)).parameters) <= known

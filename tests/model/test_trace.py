@@ -89,7 +89,7 @@ def test_static_factors_stand_before_quotients():
 
 
 def test_static_values_are_computed_once():
-    source = trace.Program(("x",), ("k",), (X * (K * K + 1),)).source("f")
+    source = trace.Program(("x",), ("k",), (X * (K * K + 1),)).source
     head, _, body = source.partition("def rates")
     assert "k * k" in head
     assert "k * k" not in body

@@ -1,7 +1,8 @@
 """Polynomials as sequences of their coefficients: what is compiled once it is worth it.
 
 This source runs in a namespace of its own (`longball.engines.compiled.Code`): on lists of numbers
-as it is, and on arrays of doubles when it is compiled.
+as it is, and on arrays of doubles when it is compiled. What is found is written into arrays that
+are handed in: compiled code takes as long to make one as to sum a polynomial.
 """
 
 from __future__ import annotations
@@ -18,20 +19,17 @@ MOST_NEWTON_STEPS = 50
 _CLOSE = 1e-6
 
 
-def values(x: Any, h: float) -> Any:
-    """Return the values of polynomials, the rows of `x`, at `h`."""
-    found = np.empty(len(x))
+def values(x: Any, h: float, found: Any) -> None:
+    """Find the values of polynomials, the rows of `x`, at `h`."""
     for i in range(len(x)):
         found[i] = x[i][0] + _change(x[i], h)
-    return found
 
 
-def advance(x: Any, h: float, low: Any) -> tuple[Any, Any]:
+def advance(x: Any, h: float, low: Any, end: Any, lost: Any) -> None:
     """Sum polynomials, the rows of `x`, at `h`: values, rounded, and what they lack of the true.
 
     `low` is what their values at 0 lack.
     """
-    end, lost = np.empty(len(x)), np.empty(len(x))
     for i in range(len(x)):
         change = _change(x[i], h) + low[i]
         start = x[i][0]
@@ -39,7 +37,6 @@ def advance(x: Any, h: float, low: Any) -> tuple[Any, Any]:
         taken = after - start
         end[i] = after
         lost[i] = (start - (after - taken)) + (change - taken)
-    return end, lost
 
 
 def _change(p: Any, t: float) -> float:

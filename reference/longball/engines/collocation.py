@@ -23,7 +23,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Container, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from operator import mul
 from typing import Any
 
@@ -215,6 +214,8 @@ class Dynamics:
         From the index of any other variable to that of its rate.
     partials
         The pairs (i, k) of a free variable and one that its rate depends on.
+    used
+        The variables that the rates of the free ones depend on.
     """
 
     def __init__(self, law: Law[Mpf], numbers: Numbers[Mpf]) -> None:
@@ -234,17 +235,13 @@ class Dynamics:
             for pair, partial in zip(pairs, program.jacobian().outputs, strict=True)
             if pair[0] in self.free and partial is not ZERO
         ]
+        self.used = frozenset(k for _, k in self.partials)
         self.exact = law.rates(numbers)
         in_doubles: Law[Any] = replace(
             law, strengths={k: float(x) for k, x in law.strengths.items()}
         )
         self._rates = in_doubles.rates(ARRAYS)
         self._jacobian = in_doubles.jacobian(ARRAYS)
-
-    @cached_property
-    def used(self) -> frozenset[int]:
-        """The variables that the rates of the free ones depend on."""
-        return frozenset(k for _, k in self.partials)
 
     def doubles(self, state: Array) -> tuple[Array, dict[tuple[int, int], Array]]:
         """Return the rates of the free variables, and their partial derivatives.

@@ -134,7 +134,7 @@ class Engine(Protocol[N]):
         """
 
 
-class Stepped(ABC, Generic[N]):
+class Stepped(Generic[N], ABC):
     """What an engine offers besides if it advances in fixed steps, as the paper does.
 
     Its bat pushes for some of the steps instead of striking at once.

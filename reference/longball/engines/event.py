@@ -240,12 +240,12 @@ def first_met(
             for event in events:
                 kept, known = event.slope * rounded, errors[event.name]
                 errors[event.name] = numbers.where(kept > known, kept, known)
-        found = [
-            Met(event, piece.begin + t, event.place(piece.at(t)))
-            for event in events
-            if (t := _fall_on(piece, event, end, errors[event.name], numbers, number == 0))
-            is not None
-        ]
+        found = []
+        for event in events:
+            curve, off = piece.curve(event.value), errors[event.name]
+            t = first_fall(curve, end, off, event.question, numbers, launch=number == 0)
+            if t is not None:
+                found.append(Met(event, piece.begin + t, event.place(piece.at(t))))
         if found:
             return _earliest(found, events, errors, limit, error, numbers)
         last = piece, end
@@ -266,12 +266,6 @@ def first_met(
 _ROUNDINGS = 4
 
 
-def _fall_on(
-    piece: Piece[N], event: Event[N], end: N, error: N, numbers: Numbers[N], launch: bool
-) -> N | None:
-    return first_fall(piece.curve(event.value), end, error, event.question, numbers, launch)
-
-
 def _earliest(
     found: list[Met[N]],
     events: Sequence[Event[N]],
@@ -281,10 +275,7 @@ def _earliest(
     numbers: Numbers[N],
 ) -> Met[N]:
     """Return the first of what was met on a piece, if nothing else is met within the error."""
-    first = found[0]
-    for met in found[1:]:
-        if met.time < first.time:
-            first = met
+    first = min(found, key=lambda met: met.time)
     for other in events:
         if other is not first.event and not first.time <= 0:
             question = f"whether {first.event.question} before {other.question}"

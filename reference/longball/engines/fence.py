@@ -151,12 +151,7 @@ def _along(frame: Frame[N], vertex: Sequence[N]) -> N:
 
 
 def _seen(
-    frame: Frame[N],
-    vertex: Sequence[N],
-    is_open: bool,
-    sense: int,
-    error: N,
-    numbers: Numbers[N],
+    frame: Frame[N], vertex: Sequence[N], is_open: bool, sense: int, error: N, numbers: Numbers[N]
 ) -> tuple[Any, N, Any]:
     """Tell whether a vertex is to the left of the flight or on it, how far, and if on it, open."""
     x, y = vertex[0] - frame.x, vertex[1] - frame.y
@@ -189,12 +184,7 @@ class Crossing(Generic[N]):
 
 
 def first_crossing(
-    fence: Any,
-    frame: Frame[N],
-    pieces: Iterator[Piece[N]],
-    end: N,
-    error: N,
-    numbers: Numbers[N],
+    fence: Any, frame: Frame[N], pieces: Iterator[Piece[N]], end: N, error: N, numbers: Numbers[N]
 ) -> Crossing[N] | None:
     """Return where a flight in space first leaves the field; None if it does not before an end.
 
@@ -223,11 +213,7 @@ def first_crossing(
             for crossing in _on_piece(piece, last, chord, value, frame, error, numbers)
         ]
         if found:
-            first = found[0]
-            for other in found[1:]:
-                if other.time < first.time:
-                    first = other
-            return first
+            return min(found, key=lambda crossing: crossing.time)
         if not piece.length < left:
             return None
     return None

@@ -132,16 +132,14 @@ class Ivp(PathEngine[float]):
                 return
             solution, pieces = self._integrate(law, time, state, limit, events)
             for piece in pieces:
-                taken += 1
+                taken, time = taken + 1, piece.begin + piece.length
                 if taken > _MOST_STEPS:
                     raise TooLong(
                         f"the flight takes over {_MOST_STEPS} steps; try a shorter time_limit"
                     )
                 yield piece
             if solution.status < 0:
-                raise OutOfRange(
-                    f"solve_ivp gave up at t = {solution.t[-1]:.6g} s: {solution.message}"
-                )
+                raise OutOfRange(f"solve_ivp gave up at t = {time:.6g} s: {solution.message}")
             time, state = float(solution.t[-1]), solution.y[:, -1]
             events = ()  # whoever asks for more did not stop there
 
@@ -157,8 +155,9 @@ class Ivp(PathEngine[float]):
         span, ends = (time, limit), _ends(events, law)
         if self.method == "Taylor":
             pieces: list[PolynomialPiece] = []
+            options = {"law": law, "ends": ends, "pieces": pieces}
             solution = scipy.integrate.solve_ivp(
-                None, span, state, method=_TaylorPieces, law=law, events=ends, pieces=pieces
+                None, span, state, method=_TaylorFlight, events=ends, **options
             )
             return solution, pieces
         rates = right_hand_side(law)
@@ -220,22 +219,38 @@ class Ivp(PathEngine[float]):
 _NEAR = 4.0
 
 
-class _TaylorPieces(Taylor):
-    """Taylor's method that hands on its steps: solve_ivp is slower with its own dense output."""
+class _TaylorFlight(Taylor):
+    """Taylor's method that goes on to an event, and hands on its series.
+
+    solve_ivp looks at an event for longer than a series takes: it is shown the last one alone.
+    """
 
     def __init__(
-        self, *given: Any, law: Law[float], pieces: list[PolynomialPiece], **options: Any
+        self,
+        *given: Any,
+        law: Law[float],
+        ends: Callable[[float, Array], float],
+        pieces: list[PolynomialPiece],
+        **options: Any,
     ) -> None:
         super().__init__(*given, law=law, **options)
-        self._state, self._pieces = law.state, pieces
+        self._state, self._ends, self._pieces = law.state, ends, pieces
 
-    def _step_impl(self) -> tuple[bool, str | None]:
-        begin = self.t
-        success, message = super()._step_impl()
-        if success:
+    def step(self) -> str | None:
+        """Take steps until the event's value is zero."""
+        while True:
+            begin = self.t
+            message: str | None = super().step()
+            if self.status == "failed":
+                return message
             length = _length(begin, self.t)
             self._pieces.append(PolynomialPiece(begin, length, self._state, self._x))
-        return success, message
+            if self.status == "finished" or not self._ends(self.t, self.y) > 0:
+                return message
+
+    def _dense_output_impl(self) -> Callable[[float], Array]:
+        """Return the ends of the last series: an event whose value is zero there is not sought."""
+        return {self.t_old: self._x[:, 0], self.t: self.y}.__getitem__
 
 
 def _expanded(

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -21,7 +20,7 @@ from longball.engines.engine import TooLong
 from longball.engines.event import Event
 from longball.engines.path_engine import PathEngine
 from longball.model.law import Law, State
-from longball.model.numbers import Single, Undecided, ratio
+from longball.model.numbers import Single, ratio
 from longball.model.result import Bounded
 
 # Digits beyond those that are printed. What a step leaves out is 14 digits below; a flight of
@@ -43,7 +42,7 @@ class MultiprecisionNumbers(Single[Mpf]):
     """
 
     def __init__(self, digits: int) -> None:
-        self.digits = digits
+        self.digits, self.precision = digits, f"with {digits} digits"
         self.context = MPContext()
         self.context.dps = digits + _ROUNDING_GUARD
         self.pi: Mpf = +self.context.pi
@@ -54,10 +53,6 @@ class MultiprecisionNumbers(Single[Mpf]):
             "log": self.context.log,
             "unit": ratio,
         }
-
-    def arithmetic(self) -> AbstractContextManager[None]:
-        """Return a context that does nothing: these numbers bring their own precision."""
-        return nullcontext()
 
     def exact(self, value: float) -> Mpf:
         """Return the double itself."""
@@ -70,15 +65,6 @@ class MultiprecisionNumbers(Single[Mpf]):
     def cos_sin(self, angle: Mpf) -> tuple[Mpf, Mpf]:
         """Return cosine and sine of an angle in radians."""
         return self.context.cos(angle), self.context.sin(angle)
-
-    def positive(self, x: Mpf, error: Mpf | float, question: str) -> bool:
-        """Tell whether ``x > 0``; see `longball.model.numbers.Numbers.positive`."""
-        if abs(x) > error or x == error == 0:
-            return bool(x > 0)
-        raise Undecided(
-            f"{question} cannot be decided with {self.digits} digits: "
-            f"the value {float(x):.3g} lies within its error {float(error):.3g}"
-        )
 
     def report(self, x: Mpf) -> Bounded:
         """Return the number rounded to the digits asked for; its error is not proven."""
@@ -137,12 +123,7 @@ class Multiprecision(PathEngine[Mpf]):
         return 10.0 ** -(self.digits + _FLIGHT_GUARD)
 
     def steps(
-        self,
-        law: Law[Mpf],
-        start: State[Mpf],
-        begin: Mpf,
-        limit: Mpf,
-        events: Sequence[Event[Mpf]],
+        self, law: Law[Mpf], start: State[Mpf], begin: Mpf, limit: Mpf, events: Sequence[Event[Mpf]]
     ) -> Iterator[Segment]:
         """Yield the pieces of a flight; see `longball.engines.path_engine.PathEngine.steps`.
 

@@ -22,6 +22,8 @@ Array = NDArray[np.float64]
 # Of six digits and more that a single value would lose: a hop of a nanometre off the ground, or a
 # bat that is met a hundred kilometres up.
 _FAR_SMALLER = 2.0**-20
+# s; for pieces between these a second is a unit that is about as long.
+_SHORT, _LONG = 2.0**-3, 2.0**3
 # Of the times on a piece: hundreds of roundings. Newton's method doubles the digits, so that what
 # moves by less is there.
 _CLOSE_TIMES = 2.0**-44
@@ -32,8 +34,8 @@ COEFFICIENTS = Code(Path(coefficients.__file__).read_text("utf-8"), 5_000)
 
 def values_at(x: Array, h: float) -> Array:
     """Return the values of polynomials, one a row."""
-    run = COEFFICIENTS.now
-    found: Array = run.values(run.taken(x), h)
+    run, found = COEFFICIENTS.now, np.empty(len(x))
+    run.values(run.taken(x), h, found)
     return found
 
 
@@ -42,8 +44,8 @@ def advanced(x: Array, h: float, low: Array) -> tuple[Array, Array]:
 
     `low` is what their values at 0 lack of the true ones.
     """
-    run = COEFFICIENTS.now
-    end, lost = run.advance(run.taken(x), h, run.taken(low))
+    run, end, lost = COEFFICIENTS.now, np.empty(len(x)), np.empty(len(x))
+    run.advance(run.taken(x), h, run.taken(low), end, lost)
     return end, lost
 
 
@@ -89,7 +91,7 @@ class PolynomialCurve(NamedTuple):
     value
         Of a state.
     unit
-        s, a power of 2 no shorter than the piece.
+        s, a power of 2 about as long as the piece.
     run
         The functions of `longball.engines.coefficients`.
     coefficients
@@ -107,11 +109,12 @@ class PolynomialCurve(NamedTuple):
 
     def __call__(self, t: float) -> float:
         """Return the value."""
-        if t:
-            terms = self.run.terms(self.coefficients, abs(t) / self.unit)
-            origin = self.piece.state(*[0.0] * len(self.piece.coefficients))
-            if terms > _FAR_SMALLER * abs(float(self.value(origin))):
-                return float(self.value(self.piece.at(t)))
+        if not t:
+            return float(self.coefficients[0])
+        terms = self.run.terms(self.coefficients, abs(t) / self.unit)
+        origin = self.piece.state(*[0.0] * len(self.piece.coefficients))
+        if terms > _FAR_SMALLER * abs(float(self.value(origin))):
+            return float(self.value(self.piece.at(t)))
         return float(self.run.value(self.coefficients, t / self.unit))
 
     def _from(self, begin: float) -> Any:
@@ -177,10 +180,11 @@ class PolynomialPiece(NamedTuple):
 
     def curve(self, value: Callable[[Any], Any]) -> PolynomialCurve:
         """Return the value of an event along the piece."""
-        power = math.frexp(self.length)[1]
-        columns = np.arange(self.coefficients.shape[1], dtype=np.intc)
-        scaled = np.ldexp(self.coefficients, power * columns)
+        unit, scaled = 1.0, self.coefficients
+        if not _SHORT < self.length < _LONG:
+            power = math.frexp(self.length)[1]
+            columns = np.arange(self.coefficients.shape[1], dtype=np.intc)
+            unit, scaled = math.ldexp(1.0, power), np.ldexp(self.coefficients, power * columns)
         along: Polynomial = value(self.state(*map(Polynomial, scaled)))
         run = COEFFICIENTS.count()
-        given = run.taken(along.coefficients)
-        return PolynomialCurve(self, value, math.ldexp(1.0, power), run, given)
+        return PolynomialCurve(self, value, unit, run, run.taken(along.coefficients))

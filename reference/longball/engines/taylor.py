@@ -23,17 +23,17 @@ from scipy.integrate import DenseOutput, OdeSolver
 
 from longball.engines.compiled import BEYOND, Code
 from longball.engines.polynomial import advanced, values_at
-from longball.engines.series import recurrence
+from longball.engines.series import recurrence, row_of
 from longball.model.law import Law
 from longball.model.numbers import DOUBLES
-from longball.model.trace import Program
+from longball.model.trace import Program, squares
 
 Array = NDArray[np.float64]
 Rows = Any  # an array of shape (rows, order + 2); of lists where nothing is compiled
 
-# The reach of a series to 16 digits grows like the order, the work like its square. But solve_ivp's
-# own work for a step is ten times that of a series: all orders from 30 to 42 cost much the same.
-ORDER = 34
+# The reach of a series to 16 digits grows like the order, the work like its square. But all that
+# else is done for a step takes ten times as long as a series: orders from 38 to 46 cost the same.
+ORDER = 40
 # The first terms left out are then smaller than the rounding of the velocity.
 TRUNCATION = 2.0**-54
 # From a speed of 1e-300 m/s steps grow by half each, until a thousand later they can be seen.
@@ -124,7 +124,7 @@ class Taylor(OdeSolver):  # type: ignore[misc]
         end, self._low = advanced(self._x, h, self._low)
         return end
 
-    def _dense_output_impl(self) -> Series:
+    def _dense_output_impl(self) -> Callable[[float], Array]:
         return Series(self.t_old, self.t, self._x)
 
 
@@ -245,8 +245,9 @@ def _source(program: Program, at_rest: bool) -> str:
     large that their roundings show: the term of second order stays below twice the size, and so a
     step within a third of a turn.
 
-    A square root has to stay analytic: V² ≈ V₀² + S₁ t + S₂ t² has its complex zeros near V₀/√S₂
-    from a place where V is least, and a step stays within half of it.
+    A square root has to stay analytic, also where its singularity is too weak to show in the terms.
+    V² ≈ V₀² + S₁ t + S₂ t² has its complex zeros near V₀/√S₂ from a place where V is least; V of a
+    vector v + a t, at V₀/|a|. A step stays within half of the farther.
     """
     for name in (*program.variables, *program.parameters):
         if _TAKEN.fullmatch(name):
@@ -258,7 +259,7 @@ def _source(program: Program, at_rest: bool) -> str:
     def total(index: str) -> str:
         return " + ".join(f"abs(x[{i}][{index}])" for i in changing)
 
-    roots = [i for i, node in enumerate(series.rows) if node.kind == "sqrt"]
+    roots = [(i, node) for i, node in enumerate(series.rows) if node.kind == "sqrt"]
     moving = "if x[{i}][0] != 0.0 and bend != 0.0:" if at_rest else "if bend != 0.0:"
     lines = [
         f"    expand(x, order{''.join(f', {name}' for name in program.parameters)})",
@@ -287,11 +288,15 @@ def _source(program: Program, at_rest: bool) -> str:
         f"            if last > 0.0 and rtol * own > {sys.float_info.min}:",
         "                reach = min(reach, (rtol * own / last) ** (1.0 / n))",
     ]
-    for i in roots:
+    for i, root in roots:
+        lines.append(f"    bend = abs(x[{i}][1] * x[{i}][1] + 2.0 * x[{i}][0] * x[{i}][2])")
+        parts = [series.rows.index(row_of(p)) for p in squares(root.args[0]) if not p.static]
+        if parts:
+            pushed = " + ".join(f"x[{k}][1] * x[{k}][1]" for k in parts)
+            lines.append(f"    bend = min(bend, {pushed})")
         lines += [
-            f"    bend = x[{i}][1] * x[{i}][1] + 2.0 * x[{i}][0] * x[{i}][2]",
             "    " + moving.format(i=i),
-            f"        reach = min(reach, 0.5 * x[{i}][0] / sqrt(abs(bend)))",
+            f"        reach = min(reach, 0.5 * x[{i}][0] / sqrt(bend))",
         ]
     return "\n".join(
         [

@@ -51,9 +51,9 @@ from longball.engines.event import Event
 from longball.engines.path import Flight, Path
 from longball.model.frame import Frame, launch_frame
 from longball.model.law import Law, PlaneState, SpaceState, State
-from longball.model.numbers import DOUBLES, Doubles, Vector, plus
+from longball.model.numbers import DOUBLES, Vector, plus
 from longball.model.readings import AppendixBRoot, VerletForces, VerletLanding
-from longball.model.trace import Names, Program
+from longball.model.trace import Names, Program, run_source
 from longball.model.wind import ROUGHNESS
 
 T = TypeVar("T")
@@ -146,17 +146,14 @@ class Verlet(Stepped[float]):
     landing: VerletLanding = "interpolated"
     root: AppendixBRoot = "first"
 
+    numbers = DOUBLES
+
     def __post_init__(self) -> None:
         if not 0 < self.dt < math.inf:
             raise ValueError(f"dt = {self.dt} is not a positive number of seconds")
         for name, options in OPTIONS.items():
             if (chosen := getattr(self, name)) not in options:
                 raise ValueError(f"{name} {chosen!r} is not one of {', '.join(options)}")
-
-    @property
-    def numbers(self) -> Doubles:
-        """Double precision."""
-        return DOUBLES
 
     @property
     def description(self) -> str:
@@ -170,11 +167,7 @@ class Verlet(Stepped[float]):
 
     @_QUIET
     def fly(
-        self,
-        law: Law[float],
-        start: State[float],
-        events: Sequence[Event[float]],
-        limit: float,
+        self, law: Law[float], start: State[float], events: Sequence[Event[float]], limit: float
     ) -> Flight[float]:
         """Fly until the first of several events; see `longball.engines.engine.Engine.fly`.
 
@@ -200,11 +193,7 @@ class Verlet(Stepped[float]):
         return Flight(path, "time", count * self.dt, after)
 
     def stop_between(
-        self,
-        count: int,
-        before: State[float],
-        after: State[float],
-        events: Sequence[Event[float]],
+        self, count: int, before: State[float], after: State[float], events: Sequence[Event[float]]
     ) -> tuple[str, float, State[float]]:
         """Return which event is met first in step number `count`, when, and in what state."""
         ends = [(event, event.value(before), event.value(after)) for event in events]
@@ -584,20 +573,17 @@ def print_law(program: Program) -> str:
     return f"\n\nfrom math import exp, log, sqrt\n{written}"
 
 
-def _plain_step() -> Callable[..., Any]:
-    """Return the step in plain Python, for any vectors; its `parameters` are the acceleration."""
-    space: dict[str, Any] = {
+# The step in plain Python, for any vectors; its `parameters` are the acceleration.
+plain_step: Callable[..., Any] = run_source(
+    _SOURCE,
+    "step",
+    {
         "accelerate": lambda position, velocity, air: air(position, velocity),
         "plus": plus,
         "moved": lambda position, dt, velocity, _: plus(position, dt, velocity),
         "largest": lambda a: max(map(abs, a)),
-    }
-    exec(compile(_SOURCE, "verlet_steps", "exec"), space)
-    step: Callable[..., Any] = space["step"]
-    return step
-
-
-plain_step = _plain_step()
+    },
+)
 
 
 def air_in_space(law_in: Callable[[Frame[float]], Law[float]]) -> Callable[..., Vector[float]]:

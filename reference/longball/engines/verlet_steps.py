@@ -84,13 +84,7 @@ def step(
 
 
 def march(
-    states: Any,
-    force: Any,
-    dt: float,
-    ahead: float,
-    iterates: bool,
-    carries: bool,
-    parameters: Any,
+    states: Any, force: Any, dt: float, ahead: float, iterates: bool, carries: bool, parameters: Any
 ) -> Any:
     """Fill an array with the states after one step, two, …, from its first column on.
 

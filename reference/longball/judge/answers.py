@@ -26,6 +26,7 @@ from pydantic import Field
 from longball.convergence.report import Frozen
 from longball.engines.chain import BLOCKS as MODELS
 from longball.judge.quantities import BLOCKS, QUANTITIES, Value
+from longball.model.quantities import nested
 from longball.model.result import Outcome, Result
 
 # A path of 100,000 points with velocities takes fourteen million bytes.
@@ -415,6 +416,17 @@ def _lines(file: BinaryIO, collector: Collector) -> Iterator[bytes]:
         yield line
 
 
+# What is told and not measured.
+FACTS = [
+    f"{block}.{key}"
+    for block, model in MODELS.items()
+    for key in model.model_fields
+    if f"{block}.{key}" not in QUANTITIES
+]
+
+_TEXTS = ("id", "outcome", "error")
+
+
 def csv_columns() -> dict[str, tuple[str, int | None]]:
     """Return what a column can hold: its name, the quantity, and which component.
 
@@ -426,18 +438,6 @@ def csv_columns() -> dict[str, tuple[str, int | None]]:
         for component, name in enumerate(quantity.names):
             columns[name] = (quantity.name, component if quantity.size > 1 else None)
     return columns | {name: (name, None) for name in FACTS}
-
-
-# What is told and not measured.
-FACTS = [
-    f"{block}.{key}"
-    for block, model in MODELS.items()
-    for key in model.model_fields
-    if f"{block}.{key}" not in QUANTITIES
-]
-
-
-_TEXTS = ("id", "outcome", "error")
 
 
 def _read_csv(file: BinaryIO, collector: Collector, columns: Mapping[str, str]) -> None:
@@ -466,26 +466,16 @@ def _read_csv(file: BinaryIO, collector: Collector, columns: Mapping[str, str]) 
 
 def _nested(cells: Iterable[tuple[str, str]]) -> dict[str, Any]:
     """Return a row as a result is written in JSON; an empty cell is a quantity left out."""
-    known = csv_columns()
-    data: dict[str, Any] = {}
-    for name, cell in cells:
-        if name not in known or not cell.strip():
+    known, values = csv_columns(), dict[str, object]()
+    for name, text in cells:
+        cell = text.strip()
+        if not cell or name not in known:
             continue
         quantity, component = known[name]
-        if quantity in _TEXTS:
-            data[quantity] = cell.strip()
-            continue
-        block, _, key = quantity.partition(".")
-        held = data.setdefault(block, {})
-        if quantity in FACTS:
-            held[key] = _fact(cell.strip())
-        elif component is None:
-            held[key] = _decimal(cell.strip())
-        else:
-            held.setdefault(key, [None] * QUANTITIES[quantity].size)[component] = _decimal(
-                cell.strip()
-            )
-    return data
+        if component is not None:
+            values = dict.fromkeys(QUANTITIES[quantity].names) | values
+        values[name] = cell if name in _TEXTS else (_fact if name in FACTS else _decimal)(cell)
+    return nested(values)
 
 
 def _fact(cell: str) -> object:

@@ -3,8 +3,8 @@
 Stage by stage (`longball.judge.stages`), in the order in which a scene goes through them. A stage
 that does not follow from the candidate's own earlier values is explained, if anything explains its
 errors in every scene (`longball.judge.explanations`): a relation or a formula in the quantity
-itself (`relations`), a known mistake in the chain or a number of its own (`changes`), when it ends
-or how time is counted (`clocks`), or a scheme in steps (`integrators`). The explanation is then
+itself (`relations`), a known mistake in the chain or a number of its own (`fits`), when it ends
+or how time is counted (`clocks`), or a scheme in steps (`steps`). The explanation is then
 part of the chain that later stages are computed with, so that one mistake does not show twice and
 two do not hide each other. What is left is told, with its size.
 """
@@ -13,13 +13,12 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from statistics import median
 
 from longball.engines.verlet import Verlet
 from longball.judge.answers import Answer
 from longball.judge.cases import FRAGILE, Case, decidable
-from longball.judge.changes import pairs, parts
 from longball.judge.clocks import clocks, ends, grid, on_chords
 from longball.judge.explanations import (
     ALIKE,
@@ -27,14 +26,14 @@ from longball.judge.explanations import (
     Checked,
     Explanation,
     Sought,
+    Work,
     doubt_of,
     duration,
     evenly,
     told_together,
 )
-from longball.judge.findings import Diagnosis, Finding, StageRow, many
-from longball.judge.fits import Work
-from longball.judge.integrators import schemes
+from longball.judge.findings import Diagnosis, Finding, StageRow, found, many
+from longball.judge.fits import pairs, parts
 from longball.judge.outcomes import made_otherwise, outcome_findings, told_findings
 from longball.judge.quantities import untrue
 from longball.judge.relations import (
@@ -61,6 +60,7 @@ from longball.judge.stages import (
     stage_of,
     trial_of,
 )
+from longball.judge.steps import schemes
 from longball.model.readings import Reading
 
 # Scenes that an explanation is sought in, failing and passing ones; it is then held against all.
@@ -124,18 +124,24 @@ def diagnose(
     if 2 * sum(t.resolution > 0 or t.share > 0 for t in trials) <= len(trials):
         # A few answers have short numbers by chance, such as those of the scene.
         trials = [replace(t, resolution=0.0, share=0.0) for t in trials]
-    search = _Search(trials, dt, scheme, causes)
-    search.single = in_single_precision(answers.values())
-    search.unread = sum(bool(answer.unreadable) for answer in answers.values())
-    search.wrong = frozenset(wrong)
-    return search.diagnosis()
+    single = in_single_precision(answers.values())
+    unread = sum(bool(answer.unreadable) for answer in answers.values())
+    base = NONE if scheme is None else Change(engine=scheme, push=True)
+    return _Search(trials, dt, scheme, causes, single, unread, frozenset(wrong), base).diagnosis()
 
 
+@dataclass
 class _Search:
     """The search for what explains one candidate's errors.
 
     Attributes
     ----------
+    trials, dt, scheme, causes, wrong
+        See `diagnose`.
+    single
+        Whether the answers are in single precision.
+    unread
+        Answers with values that are no numbers.
     base
         The chain as far as it is explained.
     excused
@@ -152,22 +158,24 @@ class _Search:
         Stages whose errors are explained by a mistake at another one, and that.
     """
 
-    def __init__(
-        self, trials: Sequence[Trial], dt: float | None, scheme: Verlet | None, causes: bool
-    ) -> None:
-        self.single, self.unread = False, 0
-        self.wrong: frozenset[str] = frozenset()
-        self.trials, self.dt, self.scheme, self.causes = list(trials), dt, scheme, causes
-        self.base = NONE if scheme is None else Change(engine=scheme, push=True)
-        self.findings: list[Finding] = []
-        self.stepless = self.jumps = False
-        self.loose: dict[str, float] = {}
-        self.begun: dict[str, float] = {}
-        self.moved: dict[str, str] = {}
-        self.excused: set[str] = set()
-        self.work = Work()
-        self._raw: dict[int, Checked] = {}  # under the base, by the trial's identity
-        self._followed: list[Checked] | None = None
+    trials: list[Trial]
+    dt: float | None
+    scheme: Verlet | None
+    causes: bool
+    single: bool
+    unread: int
+    wrong: Collection[str]
+    base: Change
+    findings: list[Finding] = field(default_factory=list)
+    excused: set[str] = field(default_factory=set)
+    stepless: bool = False
+    jumps: bool = False
+    loose: dict[str, float] = field(default_factory=dict)
+    begun: dict[str, float] = field(default_factory=dict)
+    moved: dict[str, str] = field(default_factory=dict)
+    work: Work = field(default_factory=Work)
+    _raw: dict[int, Checked] = field(default_factory=dict)  # under the base, by trial's identity
+    _followed: list[Checked] | None = None
 
     def diagnosis(self) -> Diagnosis:
         checks, coarse = self._follow(), few_digits(self.trials)
@@ -210,11 +218,10 @@ class _Search:
         ]
         if not small:
             return None
-        return Finding(
-            stage="all", quantity="", kind="unexplained", names=[], share=0.0, wrong=len(small),
-            checked=len(checks), worst=0.0, example=small[0].case.id,
-            sentence=f"{many(len(small), 'answer')} wrong though each stage follows, as far as "
-            "that can be told; they are among the wrong answers",
+        return found(
+            "all", f"{many(len(small), 'answer')} wrong though each stage follows, as far as that "
+            "can be told; they are among the wrong answers", len(small), len(checks), worst=0.0,
+            example=small[0].case.id,
         )  # fmt: skip
 
     def _where_made(self, rows: Sequence[StageRow]) -> list[StageRow]:
@@ -290,12 +297,11 @@ class _Search:
             return
         stage = first or stage_of(meant.quantity or "landing")
         wrong = max((r.wrong for r in rows if r.stage == stage), default=len(self.trials))
+        checked = max((r.checked for r in rows if r.stage == stage), default=wrong)
         self.findings.append(
-            Finding(
-                stage=stage, quantity=meant.quantity or "", kind="named", names=[meant.name],
-                sentence=meant.sentence, remedy=meant.remedy, share=1 - meant.left, wrong=wrong,
-                checked=max((r.checked for r in rows if r.stage == stage), default=wrong),
-                worst=1.0,
+            found(
+                stage, meant.sentence, wrong, checked, [meant.name], remedy=meant.remedy,
+                quantity=meant.quantity or "", share=1 - meant.left,
             )
         )  # fmt: skip
         self.begun[stage] = 1.0
@@ -320,25 +326,24 @@ class _Search:
             return False
         right = [t for t, _ in good]
         quantity = max((c for _, cs in wrong for c in cs), key=lambda c: c.error / c.scale).quantity
-        told = Finding(
-            stage=stage, quantity=quantity.partition(":")[0], kind="unexplained", names=[],
-            share=0.0, sentence=_unknown(stage, sizes, minor, before > 0),
-            wrong=len(wrong), checked=len(wrong) + len(right), worst=worst,
+        told = found(
+            stage, _unknown(stage, sizes, minor, before > 0), len(wrong), len(wrong) + len(right),
+            quantity=quantity.partition(":")[0], worst=worst,
             scenes=_told_apart(seen, sizes, minor),
         )  # fmt: skip
-        found = []
+        causes: list[Explanation] = []
         rest = worst < MINOR * min(before, 1.0)
         stepped = before and (isinstance(self.base.engine, Verlet) or self.jumps)
         searched = self.causes and not (rest or stepped)
         if searched and self.single and worst < SINGLE_NOISE:
-            found = [SINGLE]
+            causes = [SINGLE]
         elif searched and worst > FINE:
-            found = self._found(stage, wrong, good, checks, told.scenes is not None)
-        if not found:
+            causes = self._found(stage, wrong, good, checks, told.scenes is not None)
+        if not causes:
             self.findings.append(told)
             self._leave(stage, wrong)
             return False
-        broken, same = self._least_harm(found, stage)
+        broken, same = self._least_harm(causes, stage)
         best, alone = same[0], broken > 0
         sentence = told_together([e.sentence for e in same])
         if alone:

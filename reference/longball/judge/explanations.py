@@ -17,9 +17,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from longball.judge.any_law import EFFORT
 from longball.judge.cases import Case
-from longball.judge.fits import Work
-from longball.judge.stages import ANY_LAW_ERROR, NONE, Change, Check, Numbers, Trial
+from longball.judge.stages import (
+    ANY_LAW_ERROR,
+    FLYING,
+    NONE,
+    Change,
+    Check,
+    Numbers,
+    Trial,
+    follow,
+)
 
 Array = NDArray[np.float64]
 
@@ -139,6 +148,56 @@ def duration(case: Case) -> float:
     """Return how long a ball flies in a scene, s."""
     landing = case.expected.landing
     return 0.5 if landing is None else float(landing.time)
+
+
+class Work:
+    """What a search has done: so many flights, or what takes as long.
+
+    Attributes
+    ----------
+    done
+        Flights.
+    """
+
+    done = 0.0
+
+    def __init__(self) -> None:
+        self._begun = EFFORT.steps
+
+    @property
+    def exhausted(self) -> bool:
+        """Whether the search has done all that it may."""
+        return self.done > PATIENCE or self.spent
+
+    @property
+    def spent(self) -> bool:
+        """Whether its flights have taken very many steps."""
+        return EFFORT.steps - self._begun > MOST_EFFORT
+
+    def residuals(self, trial: Trial, change: Change, stages: Iterable[str]) -> Array:
+        """Return the relative errors that a change leaves in some stages."""
+        wanted, step = frozenset(stages), getattr(change.engine, "dt", LONG_STEP)
+        landing = trial.case.expected.landing
+        seconds = 0.5 if landing is None else float(landing.time)
+        self.done += 0.2 if wanted.isdisjoint(FLYING) else seconds * LONG_STEP / step
+        errors = np.array(
+            [
+                (o - e) / check.scale
+                for check in follow(trial, change, wanted)
+                if check.stage in wanted
+                for e, o in zip(check.expected, check.obtained, strict=True)
+            ]
+        )
+        return np.where(np.isfinite(errors), errors, 1.0)
+
+
+# Flights of a search, so that a verdict is the same on every machine and comes within ten seconds;
+# what has not been tried by then is not.
+PATIENCE = 3_000.0
+
+MOST_EFFORT = 30_000  # steps of DOP853: a law that drives the ball on takes many
+
+LONG_STEP = 5e-3  # s: with such steps a second of flight takes as long as a flight under any law
 
 
 class Sought:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, Literal
 
 from pydantic import Field
@@ -37,6 +38,17 @@ class Finding(Frozen):
     def beside_stage(self) -> str:
         """The sentence where the stage stands before it already."""
         return self.sentence.removeprefix(f"{self.stage}: ")
+
+
+def found(
+    stage: str, sentence: str, wrong: int, checked: int, names: Sequence[str] = (), **more: Any
+) -> Finding:
+    """Return a finding that is named, if there are names, and explains all of the error or none."""
+    said = {"quantity": "", "kind": "named" if names else "unexplained", "worst": 1.0}
+    return Finding(
+        stage=stage, sentence=sentence, wrong=wrong, checked=checked, names=list(names),
+        **said | {"share": 1.0 if names else 0.0} | more,
+    )  # fmt: skip
 
 
 class StageRow(Frozen):

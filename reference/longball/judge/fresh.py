@@ -7,6 +7,8 @@ from __future__ import annotations
 
 import csv
 import io
+import itertools
+import json
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any
@@ -17,7 +19,7 @@ from pydantic import ValidationError
 from longball import engines
 from longball.engines.chain import solve
 from longball.judge.cases import Known
-from longball.model.quantities import numbers
+from longball.model.quantities import nested, numbers
 from longball.model.scene import KINDS, Scene
 
 DIGITS = 20  # of the truth: more than any double shows
@@ -44,23 +46,15 @@ def proven(
 def usual_constants() -> list[Scene]:
     """Return flights and pitches with values of g and ρ that programs have built in."""
     scenes: list[Scene] = []
-    for i, (g, density) in enumerate((g, d) for g in GRAVITIES for d in DENSITIES):
-        common = {"gravity": g, "air": {"density": density}}
+    for i, (g, density) in enumerate(itertools.product(GRAVITIES, DENSITIES)):
         angle = math.radians(20 + 2 * i)
-        launch = {
-            "position": (0.0, 0.0, 1.0),
-            "velocity": (42 * math.cos(angle), 3.0, 42 * math.sin(angle)),
-        }
-        scenes.append(
-            KINDS["flight"].model_validate(
-                {"id": f"{USUAL}-flight-{i:02}", "launch": launch} | common
-            )
-        )
-        scenes.append(
-            KINDS["pitch"].model_validate(
-                {"id": f"{USUAL}-pitch-{i:02}", "pitch": {"speed": 34.0 + i / 2}} | common
-            )
-        )
+        velocity = (42 * math.cos(angle), 3.0, 42 * math.sin(angle))
+        for kind, block in (
+            ("flight", {"launch": {"position": (0.0, 0.0, 1.0), "velocity": velocity}}),
+            ("pitch", {"pitch": {"speed": 34.0 + i / 2}}),
+        ):
+            given = {"id": f"{USUAL}-{kind}-{i:02}", "gravity": g, "air": {"density": density}}
+            scenes.append(KINDS[kind].model_validate(given | block))
     return scenes
 
 
@@ -70,8 +64,8 @@ def random_scenes(count: int, seed: int) -> Iterator[Scene]:
     while made < count:
         kind = ("at-bat", "flight", "pitch", "impact")[made % 4]
         try:
-            scene = KINDS[kind].model_validate(
-                {"id": f"random-{seed}-{made:04}", "kind": kind} | _drawn(kind, rng)
+            scene = KINDS[kind].model_validate_json(
+                json.dumps({"id": f"random-{seed}-{made:04}", "kind": kind} | _drawn(kind, rng))
             )
         except ValidationError:
             continue  # underground, for one
@@ -79,60 +73,53 @@ def random_scenes(count: int, seed: int) -> Iterator[Scene]:
         yield scene
 
 
-def _drawn(kind: str, rng: np.random.Generator) -> dict[str, Any]:
-    def within(low: float, high: float) -> float:
-        return float(rng.uniform(low, high))
+# Of the kinds, and of each number: from and to. The order is that of the draws.
+_RANGES: tuple[tuple[tuple[str, ...], dict[str, tuple[float, float]]], ...] = (
+    (("flight", "pitch", "impact", "at-bat"), {
+        "ball.mass": (0.14, 0.15), "ball.radius": (0.036, 0.038), "ball.restitution": (0.4, 0.5),
+        "air.density": (0.9, 1.3), "air.drag_coefficient": (0.2, 0.5),
+        "air.lift_coefficient": (-0.1, 0.3)}),
+    (("flight", "pitch", "at-bat"), {"gravity": (9.7, 9.9)}),
+    (("flight", "at-bat"), {"ground.height": (-0.5, 0.5)}),
+    (("flight",), {
+        "speed": (20, 50), "up": (0.1, 1.4), "aside": (-0.8, 0.8), "launch.position[0]": (-1, 1),
+        "launch.position[1]": (-1, 1), "launch.position[2]": (0.6, 1.5)}),
+    (("pitch", "at-bat"), {
+        "pitch.speed": (30, 45), "pitch.release[0]": (16.5, 18.44),
+        "pitch.release[1]": (-0.6, 0.6), "pitch.release[2]": (1.5, 2.1),
+        "pitch.aim[0]": (-0.25, 0.25), "pitch.aim[1]": (1.5, 2.2)}),
+    (("impact", "at-bat"), {
+        "bat.mass": (0.8, 1.0), "bat.length": (0.8, 1.0), "bat.radius": (0.03, 0.034),
+        "swing.angular_speed": (28, 40), "swing.tilt": (0.0, 0.2)}),
+    (("at-bat",), {"swing.height_offset": (-0.9, 0.9)}),
+    (("impact",), {
+        "angle": (-0.9, 0.9), "incoming.bat_height": (0.5, 1.2),
+        "incoming.position[1]": (-0.3, 0.3), "incoming.velocity[0]": (-42, -28),
+        "incoming.velocity[1]": (-1, 1), "incoming.velocity[2]": (-6, -1)}),
+)  # fmt: skip
 
-    ball = {
-        "mass": within(0.14, 0.15),
-        "radius": within(0.036, 0.038),
-        "restitution": within(0.4, 0.5),
+
+def _drawn(kind: str, rng: np.random.Generator) -> dict[str, Any]:
+    """Return a scene without its id, as plain data."""
+    drawn = {
+        name: float(rng.uniform(*ends))
+        for kinds, ranges in _RANGES
+        for name, ends in (ranges.items() if kind in kinds else ())
     }
-    air = {
-        "density": within(0.9, 1.3),
-        "drag_coefficient": within(0.2, 0.5),
-        "lift_coefficient": within(-0.1, 0.3),
-    }
-    scene: dict[str, Any] = {"ball": ball}
-    if kind != "impact":
-        scene |= {"air": air, "gravity": within(9.7, 9.9)}
-    if kind in ("flight", "at-bat"):
-        scene["ground"] = {"height": within(-0.5, 0.5)}
+    reach = drawn["ball.radius"] + drawn.get("bat.radius", 0.0)
     if kind == "flight":
-        speed, up, aside = within(20, 50), within(0.1, 1.4), within(-0.8, 0.8)
-        scene["launch"] = {
-            "position": (within(-1, 1), within(-1, 1), within(0.6, 1.5)),
-            "velocity": (
-                speed * math.cos(up) * math.cos(aside),
-                speed * math.cos(up) * math.sin(aside),
-                speed * math.sin(up),
-            ),
-        }
-    if kind in ("pitch", "at-bat"):
-        scene["pitch"] = {
-            "speed": within(30, 45),
-            "release": (within(16.5, 18.44), within(-0.6, 0.6), within(1.5, 2.1)),
-            "aim": (within(-0.25, 0.25), within(1.5, 2.2)),
-        }
-    if kind in ("impact", "at-bat"):
-        bat = {"mass": within(0.8, 1.0), "length": within(0.8, 1.0), "radius": within(0.03, 0.034)}
-        swing = {"angular_speed": within(28, 40), "tilt": within(0.0, 0.2)}
-        scene |= {"bat": bat, "swing": swing}
-        reach = ball["radius"] + bat["radius"]
-        if kind == "at-bat":
-            swing["height_offset"] = within(-0.9, 0.9) * reach
-        else:
-            angle, height = within(-0.9, 0.9), within(0.5, 1.2)
-            scene["incoming"] = {
-                "position": (
-                    reach * math.cos(angle),
-                    within(-0.3, 0.3),
-                    height + reach * math.sin(angle),
-                ),
-                "velocity": (within(-42, -28), within(-1, 1), within(-6, -1)),
-                "bat_height": height,
-            }
-    return scene
+        speed, up, aside = (drawn.pop(name) for name in ("speed", "up", "aside"))
+        drawn["launch.velocity[0]"] = speed * math.cos(up) * math.cos(aside)
+        drawn["launch.velocity[1]"] = speed * math.cos(up) * math.sin(aside)
+        drawn["launch.velocity[2]"] = speed * math.sin(up)
+    if kind == "at-bat":
+        drawn["swing.height_offset"] *= reach
+    if kind == "impact":
+        angle, height = drawn.pop("angle"), drawn["incoming.bat_height"]
+        drawn["incoming.position[0]"] = reach * math.cos(angle)
+        drawn["incoming.position[2]"] = height + reach * math.sin(angle)
+        drawn = {name: x for name, x in drawn.items() if not name.startswith("air.")}
+    return nested(drawn)
 
 
 def as_csv(scenes: Iterable[Scene]) -> Iterator[bytes]:

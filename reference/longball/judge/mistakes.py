@@ -21,7 +21,7 @@ from longball.engines.chain import OneCase, collide
 from longball.judge.stages import Change, Numbers, with_values
 from longball.model import trace
 from longball.model.aerodynamics import DRAG, LIFT
-from longball.model.air import CrisisDrag, Table, Weather
+from longball.model.air import Table, Weather
 from longball.model.atmosphere import ZERO_CELSIUS, density
 from longball.model.bat import CollisionParameters, collision_parameters, moment_of_inertia
 from longball.model.earth import CORIOLIS
@@ -121,122 +121,125 @@ def _rising(motion: Motion) -> Any:
     return (1.0 + w / trace.sqrt(w * w + SMALL * SMALL)) * 0.5
 
 
-def _with_axes(term: Term) -> Callable[[Any, Any, Any], tuple[Any, ...] | None]:
-    """Return the strengths of a term, and behind them where the axes of the frame point."""
+def _more(term: Term, names: tuple[str, ...], values: Callable[[Any, Any], Any]) -> Term:
+    """Return a term with more parameters, whose values are from the scene and the frame."""
 
     def strengths(scene: Any, frame: Any, numbers: Any) -> tuple[Any, ...] | None:
         found = term.strengths(scene, frame, numbers)
-        return found and (*found, frame.cos, frame.sin)
+        return found and (*found, *values(scene, frame))
 
-    return strengths
+    return Term((*term.parameters, *names), strengths)
 
 
-def _with_launch(term: Term) -> Callable[[Any, Any, Any], tuple[Any, ...] | None]:
-    """Return the strengths of a term, and behind them the velocity at launch: along, up, size."""
+def _with_axes(term: Term) -> Term:
+    """Return a term with where the axes of the frame point."""
+    return _more(term, ("cos", "sin"), lambda scene, frame: (frame.cos, frame.sin))
 
-    def strengths(scene: Any, frame: Any, numbers: Any) -> tuple[Any, ...] | None:
-        found = term.strengths(scene, frame, numbers)
-        if found is None or scene.kind != "flight":
-            return found and (*found, *[None] * 3)
+
+def _with_launch(term: Term) -> Term:
+    """Return a term with the velocity at launch: along, up, size."""
+
+    def values(scene: Any, frame: Any) -> tuple[Any, ...]:
+        if scene.kind != "flight":
+            return (None,) * 3
         x, y, z = scene.launch.velocity
-        return (*found, math.hypot(x, y), z, math.hypot(x, y, z))
+        return math.hypot(x, y), z, math.hypot(x, y, z)
 
-    return strengths
+    return _more(term, ("launch_u", "launch_w", "launch_speed"), values)
+
+
+def _in_air(
+    term: Term, form: Callable[[Motion, Flow, Any], Vector[Any]], extended: Term | None = None
+) -> Change:
+    """Return the change of drag or lift to ρ k times a form: of the motion, the flow, parameters.
+
+    `extended` is the term with more parameters, if the form needs them.
+    """
+    (strength,), given = term.parameters, extended or term
+
+    def acceleration(motion: Motion, p: Any) -> Vector[Any]:
+        flow = motion.air if term is DRAG else motion.lift
+        return scaled(motion.density * getattr(p, strength), form(motion, flow, p))
+
+    return _replaced(term, Force(given.parameters, given.strengths, acceleration))
+
+
+def _in_space(flow: Flow, p: Any) -> Vector[Any]:
+    """Return the velocity in the axes of the scene."""
+    (u, v, w), cos, sin = flow.velocity, p.cos, p.sin
+    return cos * u - sin * v, sin * u + cos * v, w
 
 
 def _by_component(square: Callable[[Any], Any]) -> Change:
     """Return the change of the drag to ``-k square(c)`` for each component c in space."""
 
-    def acceleration(motion: Motion, p: Any) -> Vector[Any]:
-        (u, v, w), rate = motion.air.velocity, motion.density * p.drag
-        x, y, z = (-rate * square(c) for c in (p.cos * u - p.sin * v, p.sin * u + p.cos * v, w))
+    def form(motion: Motion, flow: Flow, p: Any) -> Vector[Any]:
+        x, y, z = (-square(c) for c in _in_space(flow, p))
         return p.cos * x + p.sin * y, p.cos * y - p.sin * x, z
 
-    return _replaced(DRAG, Force(("drag", "cos", "sin"), _with_axes(DRAG), acceleration))
+    return _in_air(DRAG, form, _with_axes(DRAG))
 
 
-def _summed_speed() -> Change:
-    """Return the change of the drag to one with |x| + |y| + |z| for the speed."""
-
-    def acceleration(motion: Motion, p: Any) -> Vector[Any]:
-        (u, v, w), cos, sin = motion.air.velocity, p.cos, p.sin
-        speed = _size(cos * u - sin * v) + _size(sin * u + cos * v) + _size(w)
-        rate = motion.density * p.drag * speed
-        return -rate * u, -rate * v, -rate * w
-
-    return _replaced(DRAG, Force(("drag", "cos", "sin"), _with_axes(DRAG), acceleration))
+def _summed(motion: Motion, flow: Flow, p: Any) -> Vector[Any]:
+    """Return minus the velocity times |x| + |y| + |z| of it."""
+    x, y, z = map(_size, _in_space(flow, p))
+    return scaled(-(x + y + z), flow.velocity)
 
 
-def _about_minus_y() -> Change:
-    """Return the change of the lift to one about -y, whatever the ball's heading."""
-
-    def acceleration(motion: Motion, p: Any) -> Vector[Any]:
-        (u, v, w), speed = motion.lift
-        rate = motion.density * p.lift * speed
-        return -rate * p.cos * w, rate * p.sin * w, rate * (p.cos * u - p.sin * v)
-
-    return _replaced(LIFT, Force(("lift", "cos", "sin"), _with_axes(LIFT), acceleration))
+def _about_minus_y(motion: Motion, flow: Flow, p: Any) -> Vector[Any]:
+    (u, v, w), speed = flow
+    return -speed * p.cos * w, speed * p.sin * w, speed * (p.cos * u - p.sin * v)
 
 
-def _drag(factor: Callable[[Motion, Any], Any]) -> Change:
+def _drag(factor: Callable[[Motion, Any], Any], given: Term = DRAG) -> Change:
     """Return the change of the drag to ``-k factor v``."""
-    return _replaced(
-        DRAG, Drag(DRAG.parameters, DRAG.strengths, lambda m, p: p.drag * factor(m, p))
-    )
+    changed = Drag(given.parameters, given.strengths, lambda m, p: p.drag * factor(m, p))
+    return _replaced(DRAG, changed)
 
 
 def _vertical_drag(vertical: Callable[[Any], Any]) -> Change:
     """Return the change of the drag's vertical component to ``-k V vertical(w)``."""
 
-    def acceleration(motion: Motion, p: Any) -> Vector[Any]:
-        (u, v, w), rate = motion.air.velocity, motion.density * p.drag * motion.speed
-        return -rate * u, -rate * v, -rate * vertical(w)
+    def form(motion: Motion, flow: Flow, p: Any) -> Vector[Any]:
+        u, v, w = flow.velocity
+        return scaled(-flow.speed, (u, v, vertical(w)))
 
-    return _instead(DRAG, acceleration)
+    return _in_air(DRAG, form)
 
 
 def _lift(direction: Callable[[Any, Any, Any], Vector[Any]]) -> Change:
     """Return the change of the lift to k_L times a function of u, w and V."""
-
-    def acceleration(motion: Motion, p: Any) -> Vector[Any]:
-        (u, _, w), speed = motion.lift
-        x, y, z = direction(u, w, speed)
-        rate = motion.density * p.lift
-        return rate * x, rate * y, rate * z
-
-    return _instead(LIFT, acceleration)
+    return _in_air(
+        LIFT, lambda m, flow, p: direction(flow.velocity[0], flow.velocity[2], flow.speed)
+    )
 
 
 def _lift_rising(share: Callable[[Any], Any]) -> Change:
     """Return the change of the lift to one that depends on whether the ball rises."""
 
-    def acceleration(motion: Motion, p: Any) -> Vector[Any]:
-        (u, _, w), speed = motion.lift
-        rate = motion.density * p.lift * speed * share(_rising(motion))
+    def form(motion: Motion, flow: Flow, p: Any) -> Vector[Any]:
+        (u, _, w), rate = flow.velocity, flow.speed * share(_rising(motion))
         return -rate * w, trace.ZERO, rate * u
 
-    return _instead(LIFT, acceleration)
+    return _in_air(LIFT, form)
 
 
-_LAUNCH = ("launch_u", "launch_w", "launch_speed")
-
-
-def _launch_speed_in_drag() -> Change:
-    return _replaced(DRAG, Drag(
-        ("drag", *_LAUNCH), _with_launch(DRAG), lambda m, p: p.drag * p.launch_speed))  # fmt: skip
-
-
-def _launch_direction_of_lift() -> Change:
-    def acceleration(motion: Motion, p: Any) -> Vector[Any]:
-        rate = motion.density * p.lift * motion.lift.speed * motion.lift.speed / p.launch_speed
-        return -rate * p.launch_w, trace.ZERO, rate * p.launch_u
-
-    return _replaced(LIFT, Force(("lift", *_LAUNCH), _with_launch(LIFT), acceleration))
+def _as_at_launch(motion: Motion, flow: Flow, p: Any) -> Vector[Any]:
+    """Return V² across the velocity at launch."""
+    rate = flow.speed * flow.speed / p.launch_speed
+    return -rate * p.launch_w, trace.ZERO, rate * p.launch_u
 
 
 def _scene(values: Callable[[Any], Mapping[str, Any]]) -> Change:
-    """Return the change of a scene's values, by their names."""
-    return Change(lambda scene: with_values(scene, values(scene)))
+    """Return the change of a scene's values, by their names; none if it lacks what they need."""
+
+    def change(scene: Any) -> Any:
+        try:
+            return with_values(scene, values(scene))
+        except (AttributeError, TypeError):
+            return scene
+
+    return Change(change)
 
 
 def _reading(**switches: str) -> Change:
@@ -250,35 +253,15 @@ def _reading(**switches: str) -> Change:
     return Change(change)
 
 
-def _exchanged(one: str, other: str) -> Change:
-    """Return the exchange of two values of a scene, where it has both."""
-
-    def values(scene: Any) -> Mapping[str, Any]:
-        try:
-            a, b = at(scene, one), at(scene, other)
-        except ValueError:
-            return {}
-        return {} if a is None or b is None else {one: b, other: a}
-
-    return _scene(values)
-
-
 def _thrown(values: Callable[[Any], Mapping[str, Any]]) -> Change:
     """Return the change of a pitch that is given by release, speed and aim."""
-
-    def changed(scene: Any) -> Mapping[str, Any]:
-        pitch = getattr(scene, "pitch", None)
-        return {} if pitch is None or getattr(pitch, "aim", None) is None else values(pitch)
-
-    return _scene(changed)
+    return _scene(lambda scene: {} if scene.pitch.aim is None else values(scene.pitch))
 
 
 def _displaced(factors: Callable[[float], Mapping[str, float]]) -> Change:
     """Return the change of some values by factors of the share of the ball that air would weigh."""
 
     def values(scene: Any) -> Mapping[str, Any]:
-        if getattr(scene, "air", None) is None:
-            return {}
         volume = 4 / 3 * math.pi * scene.ball.radius**3
         share = float(density(scene, DOUBLES)) * volume / scene.ball.mass
         return {name: at(scene, name) * factor for name, factor in factors(share).items()}
@@ -289,10 +272,10 @@ def _displaced(factors: Callable[[float], Mapping[str, float]]) -> Change:
 _EARTH_RADIUS = 6_371_000.0  # m
 
 
-def _falling(motion: Motion, p: Any) -> Any:
-    """Return ``-g (R/(R + z))²`` with the Earth's radius R."""
+def _falling(motion: Motion, p: Any) -> Vector[Any]:
+    """Return ``-g (R/(R + z))²`` with the Earth's radius R, upwards."""
     share = _EARTH_RADIUS / (_EARTH_RADIUS + motion.position[2])
-    return -p.gravity * (share * share)
+    return trace.ZERO, trace.ZERO, -p.gravity * (share * share)
 
 
 _NO_MORE = "weight, drag and lift are all the forces that there are"
@@ -314,12 +297,14 @@ _PAPERS_LAW: tuple[Mistake, ...] = (
             "the drag is ½ C_D ρ A V²: V v holds the square already",
             _drag(lambda motion, p: motion.speed * motion.speed), scaled="air.drag_coefficient"),
     Mistake("drag-with-launch-speed", "drags with the speed at launch all the time",
-            "the drag is -k V v with the present speed V", _launch_speed_in_drag()),
+            "the drag is -k V v with the present speed V",
+            _drag(lambda m, p: p.launch_speed, _with_launch(DRAG))),
     Mistake("drag-with-horizontal-speed", "takes the horizontal speed for V in the drag",
             "V is the whole speed", _drag(lambda m, p: trace.sqrt(
                 m.air.velocity[0] * m.air.velocity[0] + m.air.velocity[1] * m.air.velocity[1]))),
     Mistake("drag-with-summed-speed", "takes the sum of the components' sizes for V in the drag",
-            "V is the root of the sum of their squares", _summed_speed()),
+            "V is the root of the sum of their squares",
+            _in_air(DRAG, _summed, _with_axes(DRAG))),
     Mistake("drag-rising-only", "drags the ball on its way up only",
             "the drag acts on the way down too", _drag(lambda m, p: m.speed * _rising(m)), True),
     Mistake("density-falls", "lets the air grow thinner with height",
@@ -340,14 +325,15 @@ _PAPERS_LAW: tuple[Mistake, ...] = (
             _without(lambda term: term is GRAVITY)),
     Mistake("gravity-falls", "lets gravity fall with height",
             "gravity is the scene's at every height",
-            _instead(GRAVITY, lambda m, p: (trace.ZERO, trace.ZERO, _falling(m, p)))),
+            _instead(GRAVITY, _falling)),
     Mistake("gravity-up", "falls upwards", "gravity is -g along z",
             _instead(GRAVITY, lambda m, p: (trace.ZERO, trace.ZERO, p.gravity))),
     Mistake("coefficients-exchanged", "exchanges the coefficients of drag and lift", _SCENE,
-            _exchanged("air.drag_coefficient", "air.lift_coefficient")),
+            _scene(lambda s: {"air.drag_coefficient": s.air.lift_coefficient,
+                              "air.lift_coefficient": s.air.drag_coefficient})),
     Mistake("lift-coefficient-for-drag", "takes the coefficient of the drag for that of the lift",
-            _SCENE, _scene(lambda s: {} if getattr(s, "air", None) is None else {
-                "air.lift_coefficient": s.air.drag_coefficient}), scaled="air.lift_coefficient"),
+            _SCENE, _scene(lambda s: {"air.lift_coefficient": s.air.drag_coefficient}),
+            scaled="air.lift_coefficient"),
     Mistake("lift-sign", "lifts the ball the wrong way",
             "with backspin the lift turns the velocity upwards: k_L V (-w, u) in the flight plane",
             _lift(lambda u, w, speed: (speed * w, trace.ZERO, -speed * u))),
@@ -363,13 +349,14 @@ _PAPERS_LAW: tuple[Mistake, ...] = (
     Mistake("lift-with-horizontal-speed", "takes the horizontal speed for V in the lift", _ACROSS,
             _lift(lambda u, w, speed: (-_size(u) * w, trace.ZERO, _size(u) * u))),
     Mistake("lift-as-at-launch", "keeps the direction that the lift has at launch", _ACROSS,
-            _launch_direction_of_lift()),
+            _in_air(LIFT, _as_at_launch, _with_launch(LIFT))),
     Mistake("lift-rising-only", "lifts the ball on its way up only",
             "the lift acts on the way down too", _lift_rising(lambda up: up), True),
     Mistake("lift-sign-falling", "lifts a falling ball the wrong way", _ACROSS,
             _lift_rising(lambda up: 2.0 * up - 1.0), True),
     Mistake("lift-about-minus-y", "lifts about -y, whatever the ball's heading",
-            "the axis ê is horizontal and across the heading at launch", _about_minus_y()),
+            "the axis ê is horizontal and across the heading at launch",
+            _in_air(LIFT, _about_minus_y, _with_axes(LIFT))),
     Mistake("lift-sideways", "lifts the ball sideways",
             "the spin axis is horizontal: the lift lies in the vertical plane of the launch",
             _lift(lambda u, w, speed: (trace.ZERO, speed * u, trace.ZERO))),
@@ -430,13 +417,10 @@ def _spins(change: Callable[[Any, Numbers], Any], *places: str) -> Change:
     """Return the change of the ball's spin, where a scene gives one."""
 
     def values(scene: Any) -> Mapping[str, Any]:
-        spins = {f"{place}.spin": at(scene, f"{place}.spin") for place in places}
-        return {name: change(scene, spin) for name, spin in spins.items() if spin is not None}
+        names = [f"{place}.spin" for place in places or ("launch", "pitch", "incoming")]
+        return {name: change(scene, spin) for name in names if (spin := at(scene, name))}
 
     return _scene(values)
-
-
-_ANYWHERE = "launch", "pitch", "incoming"
 
 
 def _times(factor: float) -> Callable[[Any, Numbers], Numbers]:
@@ -456,10 +440,10 @@ def _backspin(scene: Any, spin: Numbers) -> Numbers:
 
 def _winds(change: Callable[[Numbers], Numbers]) -> Change:
     def values(scene: Any) -> Mapping[str, Any]:
-        wind = None if getattr(scene, "air", None) is None else scene.air.wind
+        wind = scene.air.wind
         if isinstance(wind, tuple):
             return {"air.wind": change(wind)}
-        return {} if wind is None else {"air.wind.velocity": change(wind.velocity)}
+        return {"air.wind.velocity": change(wind.velocity)}
 
     return _scene(values)
 
@@ -517,7 +501,7 @@ def _tables(change: Callable[..., Any], of: str = "") -> Change:
     def values(scene: Any) -> Mapping[str, Any]:
         found: dict[str, Any] = {}
         for name in ("air.drag_coefficient", "air.lift_coefficient"):
-            table = None if getattr(scene, "air", None) is None else at(scene, name)
+            table = at(scene, name)
             if isinstance(table, Table) and of in ("", table.of):
                 nodes, there = change(table.at, table.values)
                 found |= {f"{name}.at": tuple(nodes), f"{name}.values": tuple(there)}
@@ -557,13 +541,7 @@ def _coriolis(factor: float) -> Change:
 
 def _earth(key: str, change: Callable[[float], float]) -> Change:
     """Return the change of an angle of the Earth's rotation."""
-    return _scene(
-        lambda scene: (
-            {}
-            if getattr(scene, "earth", None) is None
-            else {f"earth.{key}": change(getattr(scene.earth, key))}
-        )
-    )
+    return _scene(lambda scene: {f"earth.{key}": change(getattr(scene.earth, key))})
 
 
 _EARTH = "add -2 Ω × v, Ω = 7.292115e-5 rad/s (cos λ north + sin λ up)"
@@ -586,25 +564,25 @@ _WIND = "the wind is subtracted from the ball's velocity, in drag and lift alike
 
 EXTENDED: tuple[Mistake, ...] = (
     Mistake("spin-in-rpm", "takes the spin for rpm", _UNIT,
-            _spins(_times(math.pi / 30), *_ANYWHERE)),
+            _spins(_times(math.pi / 30))),
     Mistake("spin-to-rpm", "turns the spin into rpm", _UNIT,
-            _spins(_times(30 / math.pi), *_ANYWHERE)),
+            _spins(_times(30 / math.pi))),
     Mistake("spin-in-revolutions", "takes the spin for revolutions per second", _UNIT,
-            _spins(_times(2 * math.pi), *_ANYWHERE)),
+            _spins(_times(2 * math.pi))),
     Mistake("spin-sign", "takes the spin with the other sign", _DIRECTION,
-            _spins(_times(-1.0), *_ANYWHERE)),
+            _spins(_times(-1.0))),
     Mistake("spin-sign-of-pitches", "takes the spin of a ball that flies to the plate with the "
             "other sign", _DIRECTION, _spins(_times(-1.0), "pitch", "incoming")),
     Mistake("spin-sign-of-flights", "takes the spin of a ball that flies away from the plate with "
             "the other sign", _DIRECTION, _spins(_times(-1.0), "launch")),
     Mistake("spin-in-degrees", "takes the spin for degrees per second", _UNIT,
-            _spins(_times(math.pi / 180), *_ANYWHERE)),
+            _spins(_times(math.pi / 180))),
     Mistake("spin-side-sign", "has the spin's y the other way round", _DIRECTION,
-            _spins(lambda scene, spin: (spin[0], -spin[1], spin[2]), *_ANYWHERE)),
+            _spins(lambda scene, spin: (spin[0], -spin[1], spin[2]))),
     Mistake("spin-y-only", "takes the spin's y only", _DIRECTION,
-            _spins(lambda scene, spin: (0.0, spin[1], 0.0), *_ANYWHERE)),
+            _spins(lambda scene, spin: (0.0, spin[1], 0.0))),
     Mistake("spin-all-back", "takes the size of the spin for backspin", _DIRECTION,
-            _spins(_backspin, *_ANYWHERE)),
+            _spins(_backspin)),
     Mistake("spin-total", "takes the whole spin, gyro spin included, where the part across the "
             "velocity belongs", "S = R ω_T/U with ω_T = |ω × u|/U",
             _reading(spin_parameter="total", drag_spin="total")),
@@ -643,8 +621,7 @@ EXTENDED: tuple[Mistake, ...] = (
             _terms(lambda f: _ground_speed(f) if isinstance(f, Drag) else f)),
     Mistake("wind-everywhere", "has the same wind at all heights",
             "a wind with `above` blows above that height, one with `height` grows with ln z",
-            _scene(lambda scene: {"air.wind": getattr(scene.air.wind, "velocity", scene.air.wind)}
-                   if getattr(scene, "air", None) else {})),
+            _scene(lambda scene: {"air.wind": scene.air.wind.velocity})),
     Mistake("celsius-for-kelvin", "takes the temperature for °C: adds 273.15 once more", _WEATHER,
             _density(lambda s, w: _of_weather(s, temperature=w.temperature + ZERO_CELSIUS))),
     Mistake("celsius-in-gas-law", "divides by the temperature in °C", _WEATHER,
@@ -696,8 +673,7 @@ EXTENDED: tuple[Mistake, ...] = (
             "C_D falls from low_speed to high_speed",
             _scene(lambda scene: {
                 "air.drag_coefficient.high_speed": scene.air.drag_coefficient.low_speed,
-                "air.drag_coefficient.low_speed": scene.air.drag_coefficient.high_speed}
-                if isinstance(getattr(scene.air, "drag_coefficient", None), CrisisDrag) else {})),
+                "air.drag_coefficient.low_speed": scene.air.drag_coefficient.high_speed})),
 )  # fmt: skip
 
 LAW = (*_PAPERS_LAW, *EXTENDED)
@@ -709,14 +685,7 @@ SPIN = tuple(mistake for mistake in EXTENDED if mistake.name.startswith("spin-")
 
 def _fence(change: Callable[[Any], Any]) -> Change:
     """Return the change of the vertices of a fence."""
-
-    def values(scene: Any) -> Mapping[str, Any]:
-        fence = getattr(scene, "fence", None)
-        if fence is None or fence.polyline is None:
-            return {}
-        return {"fence.polyline": tuple(change(fence.polyline))}
-
-    return _scene(values)
+    return _scene(lambda scene: {"fence.polyline": tuple(change(scene.fence.polyline))})
 
 
 _PARTS = 64  # of a chord that is bent
@@ -754,11 +723,14 @@ FENCE: tuple[Mistake, ...] = (
 # --- the collision --------------------------------------------------------------------------------
 
 
+@dataclass(frozen=True)
 class View:
     """A scene, and the values that a formula has before it, by the names of the quantities."""
 
-    def __init__(self, scene: Any, values: Mapping[str, Numbers], before: Numbers, height: float):
-        self.scene, self.values, self.before, self.height = scene, values, before, height
+    scene: Any
+    values: Mapping[str, Numbers]
+    before: Numbers
+    height: float
 
     def __getitem__(self, name: str) -> Numbers:
         return self.values[name]
@@ -768,10 +740,31 @@ class View:
         return self.values[name][0]
 
     @property
+    def m(self) -> float:
+        """The ball's mass, kg."""
+        return float(self.scene.ball.mass)
+
+    @property
+    def M(self) -> float:  # noqa: N802 (the paper's symbol)
+        """The bat's mass, kg."""
+        return float(self.scene.bat.mass)
+
+    @property
+    def e(self) -> float:
+        """The ball's restitution."""
+        return float(self.scene.ball.restitution)
+
+    @property
     def position(self) -> Numbers:
         """Of the ball at the contact, m."""
         held = self.values.get("contact.position")
         return held if held is not None else tuple(self.scene.incoming.position)
+
+    @property
+    def axis(self) -> Numbers:
+        """From the bat's axis to the ball, m."""
+        x, _, z = self.position
+        return x, 0.0, z - self.height
 
     @property
     def start(self) -> Numbers:
@@ -803,7 +796,7 @@ class View:
     @property
     def ratio(self) -> float:
         """m/M_eff."""
-        return float(self.scene.ball.mass) / self.bare - 1
+        return self.m / self.bare - 1
 
     @property
     def inertia(self) -> float:
@@ -813,13 +806,7 @@ class View:
     @property
     def relative(self) -> Numbers:
         """Ṽ, m/s."""
-        bat = self["contact.bat_velocity"]
-        return plus(self.before, -1.0, bat)
-
-    @property
-    def along(self) -> float:
-        """Ṽ·n, m/s."""
-        return self.number("contact.normal_speed")
+        return plus(self.before, -1.0, self["contact.bat_velocity"])
 
     @property
     def restitution(self) -> float:
@@ -830,6 +817,10 @@ class View:
     def kick(self) -> Numbers:
         """J n, N s."""
         return tuple(self.number("impact.impulse") * n for n in self["contact.normal"])
+
+
+Number = Callable[[View], float]
+Value = Callable[[View], Numbers]
 
 
 @dataclass(frozen=True)
@@ -850,7 +841,7 @@ class Formula:
     name: str
     sentence: str
     remedy: str
-    value: Callable[[View], Numbers]
+    value: Value
 
 
 @dataclass(frozen=True)
@@ -884,18 +875,35 @@ class Numbered:
         )  # fmt: skip
 
 
-def _spun(v: View, lever: float, cos: float, sin: float) -> Numbers:
-    speed = v.scene.swing.angular_speed * lever
-    return speed * cos, 0.0, speed * sin
+def _wrong(quantity: str, remedy: str, *known: tuple[Any, ...]) -> Iterator[Formula]:
+    """Yield mistakes in a formula: names, sentences and values, and remedies if they differ."""
+    for name, sentence, value, *other in known:
+        yield Formula(quantity, name, sentence, other[0] if other else remedy, value)
 
 
-def _restitution(formula: Callable[[View, float, float], float]) -> Callable[[View], Numbers]:
+def _cos_sin(angle: float) -> tuple[float, float]:
+    return math.cos(angle), math.sin(angle)
+
+
+def _swung(
+    lever: Number = lambda v: v.lever, tilt: Callable[[float], tuple[float, ...]] = _cos_sin
+) -> Value:
+    """Return ω times a lever, m, along what is made of the tilt: x and z."""
+
+    def value(v: View) -> Numbers:
+        speed = v.scene.swing.angular_speed * lever(v)
+        x, z = tilt(v.scene.swing.tilt)
+        return speed * x, 0.0, speed * z
+
+    return value
+
+
+def _restitution(formula: Callable[[View, float, float], float]) -> Value:
     """Return ẽ by a formula of e and m/M_eff, where it is not e itself."""
 
     def value(v: View) -> Numbers:
-        e = v.scene.ball.restitution
         printed = v.scene.reading.bat_ball_restitution == "as_printed"
-        return (formula(v, e, v.ratio) if printed else e,)
+        return (formula(v, v.e, v.ratio) if printed else v.e,)
 
     return value
 
@@ -904,9 +912,14 @@ def _printed(e: float, ratio: float) -> float:
     return e * (1 + ratio) + ratio
 
 
-def _read(**switches: str) -> Callable[[View], Numbers]:
+def _read(**switches: str) -> Value:
     """Return ẽ with some switches of the reading set otherwise."""
     return lambda v: (v.collision(**switches).restitution,)
+
+
+def _closing(velocity: Value) -> Value:
+    """Return the part of a velocity along the normal."""
+    return lambda v: (dot(velocity(v), v["contact.normal"]),)
 
 
 def _along(vector: Numbers, normal: Numbers) -> Numbers:
@@ -914,39 +927,39 @@ def _along(vector: Numbers, normal: Numbers) -> Numbers:
     return tuple(part * n for n in normal)
 
 
-def _push(mass: Callable[[View], float], e: Callable[[View], float]) -> Callable[[View], Numbers]:
-    return lambda v: (-mass(v) * (1 + e(v)) * v.along,)
+def _push(mass: Number = lambda v: v.mu, e: Number = lambda v: v.restitution) -> Value:
+    return lambda v: (-mass(v) * (1 + e(v)) * v.number("contact.normal_speed"),)
 
 
-def _after(factor: Callable[[View], float], keep: float = 1.0) -> Callable[[View], Numbers]:
+def _after(factor: Number, keep: float = 1.0) -> Value:
     return lambda v: tuple(keep * b + factor(v) * k for b, k in zip(v.before, v.kick, strict=True))
 
 
-def _energy(mass: Callable[[View], float], loss: Callable[[View], float]) -> Any:
-    return lambda v: (-0.5 * mass(v) * loss(v) * v.along**2,)
+def _energy(mass: Number = lambda v: v.mu, loss: Number = lambda v: 1 - v.restitution**2) -> Value:
+    return lambda v: (-0.5 * mass(v) * loss(v) * v.number("contact.normal_speed") ** 2,)
+
+
+def _less(quantity: str, what: Value) -> Value:
+    """Return what follows for a quantity, less something."""
+    return lambda v: plus(v[f"{quantity}:follows"], -1.0, what(v))
+
+
+def _distance(formula: Callable[[float, float, float], float]) -> Value:
+    return lambda v: (formula(*v["landing.position"]),)
 
 
 _I = "I = M(L²/3 + r_b²/4) about the end B"
+_PLAIN = "uses e where ẽ belongs"
 _EFFECTIVE = "ẽ = e(1 + m/M_eff) + m/M_eff with M_eff = I/r̃²"
+_N = "n points from the bat's axis to the ball: (x, 0, z - z_b)/d"
+_PIVOT = "the pivot B is at y = +L/2: r̃ = L/2 - y"
 _V_B = "V_b = ω r̃ (cos θ, 0, sin θ) with r̃ = L/2 - y"
+_MU = "1/μ = 1/m + 1/M, with the bat's mass M"
 _J = "J = -μ(1 + ẽ)(Ṽ·n) with 1/μ = 1/m + 1/M"
 _V = "V' = V + (J/m) n"
 _DE = "ΔE = -½ μ (1 - ẽ²)(Ṽ·n)²"
 _SPUN = "ω' = ω - (R/I) n × P with I = inertia_factor m R²"
 _D = "D is the horizontal distance from the origin to the landing"
-
-
-def _cos(v: View) -> float:
-    return math.cos(v.scene.swing.tilt)
-
-
-def _sin(v: View) -> float:
-    return math.sin(v.scene.swing.tilt)
-
-
-def _axis(v: View) -> Numbers:
-    x, _, z = v.position
-    return x, 0.0, z - v.height
 
 
 def _unit(v: Numbers) -> Numbers:
@@ -956,8 +969,8 @@ def _unit(v: Numbers) -> Numbers:
 
 def _turned_inertia(v: View, said: Numbers) -> float:
     """Return c of the moment of inertia M(L²/3 + c r_b²) that a candidate's ẽ is made with."""
-    e, bat = v.scene.ball.restitution, v.scene.bat
-    inertia = v.inertia * v.ratio * (1 + e) / (said[0] - e)
+    bat = v.scene.bat
+    inertia = v.inertia * v.ratio * (1 + v.e) / (said[0] - v.e)
     return float((inertia / bat.mass - bat.length**2 / 3) / bat.radius**2)
 
 
@@ -968,7 +981,7 @@ def _with_inertia(v: View, c: float) -> Numbers:
 
 
 def _tilted(v: View, share: float) -> Numbers:
-    x, _, z = _axis(v)
+    x, _, z = v.axis
     return _unit((x, share * v.position[1], z))
 
 
@@ -977,190 +990,169 @@ def _off_centre(v: View, radii: float) -> Numbers:
     return plus(place, -step, v["contact.normal"])
 
 
+# In the bat's parameters: names, sentences, remedies, and the switches of the reading that make
+# them.
+_MISREAD: dict[str, tuple[str, str, dict[str, str]]] = {
+    "effective-mass": ("takes M_eff = I/r̃, as printed, which is no mass", "M_eff = I/r̃²",
+                       {"effective_mass": "as_printed"}),
+    "thin-rod": ("takes the bat for a thin rod", _I, {"inertia": "thin_rod"}),
+    "inertia-about-centre": ("takes the bat's moment of inertia about its centre", _I,
+                             {"inertia": "about_centre"}),
+}  # fmt: skip
+
+
+def _misread(*names: str) -> Iterator[Mistake]:
+    for name in names:
+        sentence, remedy, switches = _MISREAD[name]
+        yield Mistake(name, sentence, remedy, _reading(**switches))
+
+
 FORMULAS: tuple[Formula, ...] = (
-    Formula("plate.velocity", "velocity-of-release", "gives the release's velocity for that "
-            "at the plate", "plate.velocity is where the ball crosses x = 0",
-            lambda v: tuple(v.scene.pitch.thrown)),
-    Formula("contact.margin", "margin-at-plate", "takes the margin from the height above the bat's "
-            "axis at the plate", "the margin is reach less the least distance from the bat's axis",
-            lambda v: (v.scene.ball.radius + v.scene.bat.radius
-                       - abs(v["plate.position"][2] - v.height),)),
-    Formula("contact.normal", "normal-not-unit", "does not divide the normal by its length",
-            "n is a unit vector", _axis),
-    Formula("contact.normal", "normal-level", "has the normal along x, whatever the height of the "
-            "ball above the bat", "n points from the bat's axis to the ball: (x, 0, z - z_b)/d",
-            lambda v: (1.0, 0.0, 0.0)),
-    Formula("contact.normal", "offset-ignored", "takes the normal without swing.height_offset",
-            "the bat's height is z'_b + σ_b",
-            lambda v: _unit((v.position[0], 0.0, v.position[2] - v["plate.position"][2]))),
-    Formula("contact.normal", "normal-swapped", "exchanges x and z of the normal",
-            "n points from the bat's axis to the ball: (x, 0, z - z_b)/d",
-            lambda v: _unit(_axis(v)[::-1])),
-    Formula("contact.bat_velocity", "other-pivot", "lets the bat turn about its end A, at y = -L/2",
-            "the pivot B is at y = +L/2: r̃ = L/2 - y",
-            lambda v: _spun(v, v.scene.bat.length / 2 + v.position[1], _cos(v), _sin(v))),
-    Formula("contact.bat_velocity", "other-pivot-backwards", "turns the bat about its end A, and "
-            "backwards", "the pivot B is at y = +L/2: r̃ = L/2 - y",
-            lambda v: _spun(v, -v.scene.bat.length / 2 - v.position[1], _cos(v), _sin(v))),
-    Formula("contact.bat_velocity", "pivot-in-the-middle", "lets the bat turn about its middle",
-            _V_B, lambda v: _spun(v, -v.position[1], _cos(v), _sin(v))),
-    Formula("contact.bat_velocity", "tip-speed", "gives all of the bat the speed of its tip", _V_B,
-            lambda v: _spun(v, v.scene.bat.length, _cos(v), _sin(v))),
-    Formula("contact.bat_velocity", "middle-speed", "gives all of the bat the speed of its middle",
-            _V_B, lambda v: _spun(v, v.scene.bat.length / 2, _cos(v), _sin(v))),
-    Formula("contact.bat_velocity", "tilt-sign", "tilts the swing downwards", _V_B,
-            lambda v: _spun(v, v.lever, _cos(v), -_sin(v))),
-    Formula("contact.bat_velocity", "tilt-ignored", "swings level: the tilt is not used", _V_B,
-            lambda v: _spun(v, v.lever, 1.0, 0.0)),
-    Formula("contact.bat_velocity", "tilt-swapped", "exchanges sine and cosine of the tilt", _V_B,
-            lambda v: _spun(v, v.lever, _sin(v), _cos(v))),
-    Formula("contact.bat_velocity", "tilt-cosine-left-out", "leaves the cosine of the tilt out",
-            _V_B, lambda v: _spun(v, v.lever, 1.0, _sin(v))),
-    Formula("contact.bat_velocity", "tilt-in-degrees", "takes the tilt of the swing for degrees",
-            "swing.tilt is in radians",
-            lambda v: _spun(v, v.lever, math.cos(math.radians(v.scene.swing.tilt)),
-                            math.sin(math.radians(v.scene.swing.tilt)))),
-    Formula("contact.bat_velocity", "tilt-to-degrees", "turns the tilt into degrees before its "
-            "sine", "swing.tilt is in radians",
-            lambda v: _spun(v, v.lever, math.cos(math.degrees(v.scene.swing.tilt)),
-                            math.sin(math.degrees(v.scene.swing.tilt)))),
-    Formula("contact.normal_speed", "bat-at-rest", "takes the ball's own velocity, as if the bat "
-            "were at rest", "Ṽ = V - V_b",
-            lambda v: (dot(v.before, v["contact.normal"]),)),
-    Formula("contact.normal_speed", "velocities-added", "adds the bat's velocity to the ball's",
-            "Ṽ = V - V_b", lambda v: (dot(plus(v.before, 1.0, v["contact.bat_velocity"]),
-                                           v["contact.normal"]),)),
-    Formula("contact.normal_speed", "whole-speed", "takes the size of Ṽ, not its part along n",
-            "Ṽ·n", lambda v: (-math.hypot(*v.relative),)),
-    Formula("contact.normal_speed", "plate-velocity", "takes the ball's velocity at the plate",
-            "take it at the contact",
-            lambda v: (dot(plus(v["plate.velocity"], -1.0, v["contact.bat_velocity"]),
-                            v["contact.normal"]),)),
-    Formula("impact.restitution", "plain-restitution", "uses e where ẽ belongs", _EFFECTIVE,
-            lambda v: (v.scene.ball.restitution,)),
-    Formula("impact.restitution", "effective-mass", "takes M_eff = I/r̃, as printed, which is no "
-            "mass", "M_eff = I/r̃²", _read(effective_mass="as_printed")),
-    Formula("impact.restitution", "thin-rod", "takes the bat for a thin rod", _I,
-            _read(inertia="thin_rod")),
-    Formula("impact.restitution", "inertia-about-centre", "takes the bat's moment of inertia about "
-            "its centre", _I, _read(inertia="about_centre")),
-    Formula("impact.restitution", "bat-mass-ratio", "takes the bat's whole mass for M_eff",
-            _EFFECTIVE, _restitution(
-                lambda v, e, r: _printed(e, v.scene.ball.mass / v.scene.bat.mass))),
-    Formula("impact.restitution", "other-pivot", "measures r̃ from the bat's end A, at y = -L/2",
-            "the pivot B is at y = +L/2: r̃ = L/2 - y", _restitution(
-                lambda v, e, r: _printed(e, r * ((v.scene.bat.length - v.lever) / v.lever)**2))),
-    Formula("impact.restitution", "ratio-once", "leaves m/M_eff out behind e(1 + m/M_eff)",
-            _EFFECTIVE, _restitution(lambda v, e, r: e * (1 + r))),
-    Formula("impact.restitution", "ratio-inverted", "takes M_eff/m for m/M_eff", _EFFECTIVE,
-            _restitution(lambda v, e, r: _printed(e, 1 / r))),
-    Formula("impact.restitution", "ratio-subtracted", "subtracts m/M_eff", _EFFECTIVE,
-            _restitution(lambda v, e, r: e * (1 + r) - r)),
-    Formula("impact.restitution", "bat-speed-ratio", "gives the collision efficiency "
-            "(e - m/M_eff)/(1 + m/M_eff)", _EFFECTIVE,
-            _restitution(lambda v, e, r: (e - r) / (1 + r))),
-    Formula("impact.impulse", "reduced-mass", "takes μ from M_eff", "1/μ = 1/m + 1/M, with the "
-            "bat's mass M", _push(lambda v: v.bare, lambda v: v.restitution)),
-    Formula("impact.impulse", "ball-mass-for-mu", "takes the ball's mass for μ", _J,
-            _push(lambda v: v.scene.ball.mass, lambda v: v.restitution)),
-    Formula("impact.impulse", "bat-mass-for-mu", "takes the bat's mass for μ", _J,
-            _push(lambda v: v.scene.bat.mass, lambda v: v.restitution)),
-    Formula("impact.impulse", "sum-of-masses", "takes m + M for μ", _J,
-            _push(lambda v: v.scene.ball.mass + v.scene.bat.mass, lambda v: v.restitution)),
-    Formula("impact.impulse", "mean-of-masses", "takes (m + M)/2 for μ", _J,
-            _push(lambda v: (v.scene.ball.mass + v.scene.bat.mass) / 2, lambda v: v.restitution)),
-    Formula("impact.impulse", "impulse-of-ball-speed", "takes the ball's own velocity along n, as "
-            "if the bat were at rest", _J, lambda v: (
-                -v.mu * (1 + v.restitution) * dot(v.before, v["contact.normal"]),)),
-    Formula("impact.impulse", "plain-e-in-impulse", "uses 1 + e where 1 + ẽ belongs", _J,
-            _push(lambda v: v.mu, lambda v: v.scene.ball.restitution)),
-    Formula("impact.impulse", "one-minus-e", "uses 1 - ẽ where 1 + ẽ belongs", _J,
-            _push(lambda v: v.mu, lambda v: -v.restitution)),
-    Formula("impact.impulse", "no-one-plus", "uses ẽ where 1 + ẽ belongs", _J,
-            _push(lambda v: v.mu, lambda v: v.restitution - 1)),
-    Formula("impact.impulse", "inelastic", "leaves the restitution out: the impulse is -μ Ṽ·n", _J,
-            _push(lambda v: v.mu, lambda v: 0.0)),
-    Formula("impact.velocity", "impulse-over-bat-mass", "divides the impulse by the bat's mass", _V,
-            _after(lambda v: 1 / v.scene.bat.mass)),
-    Formula("impact.velocity", "impulse-not-divided", "adds the impulse without dividing it by the "
-            "ball's mass", _V, _after(lambda v: 1.0)),
-    Formula("impact.velocity", "impulse-sign", "subtracts the impulse", _V,
-            _after(lambda v: -1 / v.scene.ball.mass)),
-    Formula("impact.velocity", "impulse-alone", "forgets the velocity before the impact", _V,
-            _after(lambda v: 1 / v.scene.ball.mass, 0.0)),
-    Formula("impact.velocity", "impulse-over-reduced-mass", "divides the impulse by μ", _V,
-            _after(lambda v: 1 / v.mu)),
-    Formula("impact.velocity", "relative-velocity", "starts from Ṽ instead of V", _V,
-            lambda v: plus(v.relative, 1 / v.scene.ball.mass, v.kick)),
-    Formula("impact.velocity", "velocity-along-normal", "keeps the velocity along the normal only",
-            _V, lambda v: _along(v["impact.velocity:follows"], v["contact.normal"])),
-    Formula("impact.velocity", "velocity-reversed", "turns the whole velocity round, -ẽ times it",
-            _V, lambda v: tuple(-v.restitution * b for b in v.before)),
-    Formula("impact.velocity", "bat-velocity-added", "adds the bat's velocity to the ball's", _V,
-            lambda v: plus(v["impact.velocity:follows"], 1.0, v["contact.bat_velocity"])),
-    Formula("impact.velocity", "plate-velocity-after", "starts from the velocity at the plate", _V,
-            lambda v: plus(v["plate.velocity"], 1 / v.scene.ball.mass, v.kick)),
-    Formula("impact.energy_change", "energy-with-e", "uses e where ẽ belongs", _DE,
-            _energy(lambda v: v.mu, lambda v: 1 - v.scene.ball.restitution**2)),
-    Formula("impact.energy_change", "energy-e-not-squared", "uses 1 - ẽ where 1 - ẽ² belongs", _DE,
-            _energy(lambda v: v.mu, lambda v: 1 - v.restitution)),
-    Formula("impact.energy_change", "energy-with-effective-mass", "takes μ from M_eff", _DE,
-            _energy(lambda v: v.bare, lambda v: 1 - v.restitution**2)),
-    Formula("impact.energy_change", "energy-of-ball", "counts the ball's energy only", _DE,
-            lambda v: (0.5 * v.scene.ball.mass * (
-                sum(x * x for x in v["impact.velocity"]) - sum(x * x for x in v.before)),)),
-    Formula("impact.energy_change", "energy-with-ball-mass", "takes the ball's mass for μ", _DE,
-            _energy(lambda v: v.scene.ball.mass, lambda v: 1 - v.restitution**2)),
-    Formula("impact.energy_change", "energy-without-friction", "counts what the normal impulse "
-            "does, and not what friction does", "ΔE = P·(g + K P/2), with the whole impulse P",
-            _energy(lambda v: v.mu, lambda v: 1 - v.restitution**2)),
-    Formula("impact.velocity", "friction-left-out", "leaves the friction's part of the impulse out",
-            "V' = V + P/m with the whole impulse P", _after(lambda v: 1 / v.scene.ball.mass)),
-    Formula("impact.spin", "spin-kept", "keeps the spin that the ball came with",
-            _SPUN, lambda v: v["contact.spin"]),
-    Formula("impact.spin", "spin-change-sign", "changes the spin the other way", _SPUN,
-            lambda v: plus(
-                v["contact.spin"], -1.0, plus(v["impact.spin:follows"], -1.0, v["contact.spin"]))),
-    Formula("impact.spin", "spin-before-forgotten", "forgets the spin that the ball came with",
-            _SPUN, lambda v: plus(v["impact.spin:follows"], -1.0, v["contact.spin"])),
-    Formula("landing.spin", "spin-of-launch", "gives the spin of the launch for that at landing",
-            "spin falls by e along spin_decay_length of path through the air",
-            lambda v: tuple(v.scene.launch.spin)),
-    Formula("landing.time", "time-since-contact", "counts landing.time from the contact",
-            "landing.time is since the start of the scene; landing.hang_time since the contact",
-            lambda v: v["landing.hang_time"]),
-    Formula("landing.time", "time-since-plate", "counts the flight from the plate, not from the "
-            "contact", "landing.time = contact.time + landing.hang_time",
-            lambda v: (v.number("plate.time") + v.number("landing.hang_time"),)),
-    Formula("landing.time", "contact-counted-twice", "adds the contact's time twice",
-            "landing.time = contact.time + landing.hang_time",
-            lambda v: (2 * v.number("contact.time") + v.number("landing.hang_time"),)),
-    Formula("landing.hang_time", "hang-time-since-start", "counts landing.hang_time from the start "
-            "of the scene", "landing.hang_time is since contact or launch",
-            lambda v: v["landing.time"]),
-    Formula("landing.velocity", "speed-for-vertical", "gives the speed for the vertical velocity",
-            "landing.velocity is a vector", lambda v: (
-                *(there := v["landing.velocity:follows"])[:2], -math.hypot(*there))),
-    Formula("landing.velocity", "velocity-through-air", "gives the velocity through the air",
-            "landing.velocity is over the ground", lambda v: plus(
-                v["landing.velocity:follows"], -1.0, v.scene.air.wind)),
-    Formula("landing.velocity", "velocity-of-launch", "gives the velocity of the launch",
-            "landing.velocity is where the ball lands", lambda v: tuple(v.scene.launch.velocity)),
-    Formula("landing.distance", "distance-from-start", "measures the distance from the launch, or "
-            "from where the ball was met, and not from the plate", _D,
-            lambda v: (math.dist(v["landing.position"][:2], v.start[:2]),)),
-    Formula("landing.distance", "distance-in-space", "measures the distance in space, height too",
-            _D, lambda v: (math.hypot(*v["landing.position"]),)),
-    Formula("landing.distance", "distance-of-x-and-z", "takes z for y in the distance", _D,
-            lambda v: (math.hypot(v["landing.position"][0], v["landing.position"][2]),)),
-    Formula("landing.distance", "distance-along-x", "takes x for the distance", _D,
-            lambda v: (v["landing.position"][0],)),
-    Formula("landing.distance", "distance-abs-x", "takes |x| for the distance", _D,
-            lambda v: (abs(v["landing.position"][0]),)),
-    Formula("landing.distance", "distance-squared", "forgets the root of x² + y²", _D,
-            lambda v: (v["landing.position"][0] ** 2 + v["landing.position"][1] ** 2,)),
-    Formula("landing.distance", "distance-summed", "adds |x| and |y|", _D,
-            lambda v: (abs(v["landing.position"][0]) + abs(v["landing.position"][1]),)),
+    *_wrong("plate.velocity", "plate.velocity is where the ball crosses x = 0",
+        ("velocity-of-release", "gives the release's velocity for that at the plate",
+         lambda v: tuple(v.scene.pitch.thrown))),
+    *_wrong("contact.margin", "the margin is reach less the least distance from the bat's axis",
+        ("margin-at-plate", "takes the margin from the height above the bat's axis at the plate",
+         lambda v: (v.scene.ball.radius + v.scene.bat.radius
+                    - abs(v["plate.position"][2] - v.height),))),
+    *_wrong("contact.normal", _N,
+        ("normal-not-unit", "does not divide the normal by its length", lambda v: v.axis,
+         "n is a unit vector"),
+        ("normal-level", "has the normal along x, whatever the height of the ball above the bat",
+         lambda v: (1.0, 0.0, 0.0)),
+        ("offset-ignored", "takes the normal without swing.height_offset",
+         lambda v: _unit((v.position[0], 0.0, v.position[2] - v["plate.position"][2])),
+         "the bat's height is z'_b + σ_b"),
+        ("normal-swapped", "exchanges x and z of the normal", lambda v: _unit(v.axis[::-1]))),
+    *_wrong("contact.bat_velocity", _V_B,
+        ("other-pivot", "lets the bat turn about its end A, at y = -L/2",
+         _swung(lambda v: v.scene.bat.length / 2 + v.position[1]), _PIVOT),
+        ("other-pivot-backwards", "turns the bat about its end A, and backwards",
+         _swung(lambda v: -v.scene.bat.length / 2 - v.position[1]), _PIVOT),
+        ("pivot-in-the-middle", "lets the bat turn about its middle",
+         _swung(lambda v: -v.position[1])),
+        ("tip-speed", "gives all of the bat the speed of its tip",
+         _swung(lambda v: v.scene.bat.length)),
+        ("middle-speed", "gives all of the bat the speed of its middle",
+         _swung(lambda v: v.scene.bat.length / 2)),
+        ("tilt-sign", "tilts the swing downwards", _swung(tilt=lambda t: _cos_sin(-t))),
+        ("tilt-ignored", "swings level: the tilt is not used", _swung(tilt=lambda t: (1.0, 0.0))),
+        ("tilt-swapped", "exchanges sine and cosine of the tilt",
+         _swung(tilt=lambda t: _cos_sin(t)[::-1])),
+        ("tilt-cosine-left-out", "leaves the cosine of the tilt out",
+         _swung(tilt=lambda t: (1.0, math.sin(t)))),
+        ("tilt-in-degrees", "takes the tilt of the swing for degrees",
+         _swung(tilt=lambda t: _cos_sin(math.radians(t))), "swing.tilt is in radians"),
+        ("tilt-to-degrees", "turns the tilt into degrees before its sine",
+         _swung(tilt=lambda t: _cos_sin(math.degrees(t))), "swing.tilt is in radians")),
+    *_wrong("contact.normal_speed", "Ṽ = V - V_b",
+        ("bat-at-rest", "takes the ball's own velocity, as if the bat were at rest",
+         _closing(lambda v: v.before)),
+        ("velocities-added", "adds the bat's velocity to the ball's",
+         _closing(lambda v: plus(v.before, 1.0, v["contact.bat_velocity"]))),
+        ("whole-speed", "takes the size of Ṽ, not its part along n",
+         lambda v: (-math.hypot(*v.relative),), "Ṽ·n"),
+        ("plate-velocity", "takes the ball's velocity at the plate",
+         _closing(lambda v: plus(v["plate.velocity"], -1.0, v["contact.bat_velocity"])),
+         "take it at the contact")),
+    Formula("impact.restitution", "plain-restitution", _PLAIN, _EFFECTIVE, lambda v: (v.e,)),
+    *(Formula("impact.restitution", name, sentence, remedy, _read(**switches))
+      for name, (sentence, remedy, switches) in _MISREAD.items()),
+    *_wrong("impact.restitution", _EFFECTIVE,
+        ("bat-mass-ratio", "takes the bat's whole mass for M_eff",
+         _restitution(lambda v, e, r: _printed(e, v.m / v.M))),
+        ("other-pivot", "measures r̃ from the bat's end A, at y = -L/2", _restitution(
+            lambda v, e, r: _printed(e, r * ((v.scene.bat.length - v.lever) / v.lever) ** 2)),
+         _PIVOT),
+        ("ratio-once", "leaves m/M_eff out behind e(1 + m/M_eff)",
+         _restitution(lambda v, e, r: e * (1 + r))),
+        ("ratio-inverted", "takes M_eff/m for m/M_eff",
+         _restitution(lambda v, e, r: _printed(e, 1 / r))),
+        ("ratio-subtracted", "subtracts m/M_eff", _restitution(lambda v, e, r: e * (1 + r) - r)),
+        ("bat-speed-ratio", "gives the collision efficiency (e - m/M_eff)/(1 + m/M_eff)",
+         _restitution(lambda v, e, r: (e - r) / (1 + r)))),
+    *_wrong("impact.impulse", _J,
+        ("reduced-mass", "takes μ from M_eff", _push(lambda v: v.bare), _MU),
+        ("ball-mass-for-mu", "takes the ball's mass for μ", _push(lambda v: v.m)),
+        ("bat-mass-for-mu", "takes the bat's mass for μ", _push(lambda v: v.M)),
+        ("sum-of-masses", "takes m + M for μ", _push(lambda v: v.m + v.M)),
+        ("mean-of-masses", "takes (m + M)/2 for μ", _push(lambda v: (v.m + v.M) / 2)),
+        ("impulse-of-ball-speed", "takes the ball's own velocity along n, as if the bat were at "
+         "rest", lambda v: (-v.mu * (1 + v.restitution) * dot(v.before, v["contact.normal"]),)),
+        ("plain-e-in-impulse", "uses 1 + e where 1 + ẽ belongs", _push(e=lambda v: v.e)),
+        ("one-minus-e", "uses 1 - ẽ where 1 + ẽ belongs", _push(e=lambda v: -v.restitution)),
+        ("no-one-plus", "uses ẽ where 1 + ẽ belongs", _push(e=lambda v: v.restitution - 1)),
+        ("inelastic", "leaves the restitution out: the impulse is -μ Ṽ·n", _push(e=lambda v: 0.0))),
+    *_wrong("impact.velocity", _V,
+        ("impulse-over-bat-mass", "divides the impulse by the bat's mass",
+         _after(lambda v: 1 / v.M)),
+        ("impulse-not-divided", "adds the impulse without dividing it by the ball's mass",
+         _after(lambda v: 1.0)),
+        ("impulse-sign", "subtracts the impulse", _after(lambda v: -1 / v.m)),
+        ("impulse-alone", "forgets the velocity before the impact", _after(lambda v: 1 / v.m, 0.0)),
+        ("impulse-over-reduced-mass", "divides the impulse by μ", _after(lambda v: 1 / v.mu)),
+        ("relative-velocity", "starts from Ṽ instead of V",
+         lambda v: plus(v.relative, 1 / v.m, v.kick)),
+        ("velocity-along-normal", "keeps the velocity along the normal only",
+         lambda v: _along(v["impact.velocity:follows"], v["contact.normal"])),
+        ("velocity-reversed", "turns the whole velocity round, -ẽ times it",
+         lambda v: tuple(-v.restitution * b for b in v.before)),
+        ("bat-velocity-added", "adds the bat's velocity to the ball's",
+         lambda v: plus(v["impact.velocity:follows"], 1.0, v["contact.bat_velocity"])),
+        ("plate-velocity-after", "starts from the velocity at the plate",
+         lambda v: plus(v["plate.velocity"], 1 / v.m, v.kick)),
+        ("friction-left-out", "leaves the friction's part of the impulse out",
+         _after(lambda v: 1 / v.m), "V' = V + P/m with the whole impulse P")),
+    *_wrong("impact.energy_change", _DE,
+        ("energy-with-e", "uses e where ẽ belongs", _energy(loss=lambda v: 1 - v.e**2)),
+        ("energy-e-not-squared", "uses 1 - ẽ where 1 - ẽ² belongs",
+         _energy(loss=lambda v: 1 - v.restitution)),
+        ("energy-with-effective-mass", "takes μ from M_eff", _energy(lambda v: v.bare)),
+        ("energy-of-ball", "counts the ball's energy only", lambda v: (0.5 * v.m * (
+            sum(x * x for x in v["impact.velocity"]) - sum(x * x for x in v.before)),)),
+        ("energy-with-ball-mass", "takes the ball's mass for μ", _energy(lambda v: v.m)),
+        ("energy-without-friction", "counts what the normal impulse does, and not what friction "
+         "does", _energy(), "ΔE = P·(g + K P/2), with the whole impulse P")),
+    *_wrong("impact.spin", _SPUN,
+        ("spin-kept", "keeps the spin that the ball came with", lambda v: v["contact.spin"]),
+        ("spin-change-sign", "changes the spin the other way", lambda v: plus(
+            v["contact.spin"], -1.0, plus(v["impact.spin:follows"], -1.0, v["contact.spin"]))),
+        ("spin-before-forgotten", "forgets the spin that the ball came with",
+         _less("impact.spin", lambda v: v["contact.spin"]))),
+    *_wrong("landing.spin", "spin falls by e along spin_decay_length of path through the air",
+        ("spin-of-launch", "gives the spin of the launch for that at landing",
+         lambda v: tuple(v.scene.launch.spin))),
+    *_wrong("landing.time", "landing.time = contact.time + landing.hang_time",
+        ("time-since-contact", "counts landing.time from the contact",
+         lambda v: v["landing.hang_time"],
+         "landing.time is since the start of the scene; landing.hang_time since the contact"),
+        ("time-since-plate", "counts the flight from the plate, not from the contact",
+         lambda v: (v.number("plate.time") + v.number("landing.hang_time"),)),
+        ("contact-counted-twice", "adds the contact's time twice",
+         lambda v: (2 * v.number("contact.time") + v.number("landing.hang_time"),))),
+    *_wrong("landing.hang_time", "landing.hang_time is since contact or launch",
+        ("hang-time-since-start", "counts landing.hang_time from the start of the scene",
+         lambda v: v["landing.time"])),
+    *_wrong("landing.velocity", "landing.velocity is a vector",
+        ("speed-for-vertical", "gives the speed for the vertical velocity",
+         lambda v: (*(there := v["landing.velocity:follows"])[:2], -math.hypot(*there))),
+        ("velocity-through-air", "gives the velocity through the air",
+         _less("landing.velocity", lambda v: v.scene.air.wind),
+         "landing.velocity is over the ground"),
+        ("velocity-of-launch", "gives the velocity of the launch",
+         lambda v: tuple(v.scene.launch.velocity), "landing.velocity is where the ball lands")),
+    *_wrong("landing.distance", _D,
+        ("distance-from-start", "measures the distance from the launch, or from where the ball was "
+         "met, and not from the plate",
+         lambda v: (math.dist(v["landing.position"][:2], v.start[:2]),)),
+        ("distance-in-space", "measures the distance in space, height too", _distance(math.hypot)),
+        ("distance-of-x-and-z", "takes z for y in the distance",
+         _distance(lambda x, y, z: math.hypot(x, z))),
+        ("distance-along-x", "takes x for the distance", _distance(lambda x, y, z: x)),
+        ("distance-abs-x", "takes |x| for the distance", _distance(lambda x, y, z: abs(x))),
+        ("distance-squared", "forgets the root of x² + y²",
+         _distance(lambda x, y, z: x**2 + y**2)),
+        ("distance-summed", "adds |x| and |y|", _distance(lambda x, y, z: abs(x) + abs(y)))),
 )  # fmt: skip
 
 
@@ -1173,7 +1165,7 @@ NUMBERED: tuple[Numbered, ...] = (
     Numbered("contact.normal", "normal-along-bat", "gives the normal a part along the bat: "
              "(x, {} y, z - z_b) stands for (x, 0, z - z_b)",
              "n is perpendicular to the bat's axis: its y is 0",
-             lambda v, said: said[1] * math.hypot(*_axis(v))
+             lambda v, said: said[1] * math.hypot(*v.axis)
              / (v.position[1] * math.hypot(said[0], said[2])), _tilted),
     Numbered("impact.restitution", "bat-inertia", "acts as if the bat's moment of inertia were "
              "M(L²/3 + {} r_b²)", _I, _turned_inertia, _with_inertia),
@@ -1190,52 +1182,28 @@ TWO_STEP_PUSH = Mistake(
 # Mistakes that the parts after them hide if their own quantity is not answered: changes of the
 # whole chain, tried where a stage's inputs are longball's own.
 READINGS: tuple[Mistake, ...] = (
-    Mistake(
-        "plain-restitution", "uses e where ẽ belongs", _EFFECTIVE,
-        _reading(bat_ball_restitution="plain"),
-    ),
-    Mistake(
-        "nathan", "uses Nathan's formula: e with the effective mass in μ",
-        "the paper prints ẽ = e(1 + m/M_eff) + m/M_eff with μ from the bat's mass M",
-        _reading(bat_ball_restitution="nathan"),
-    ),
-    Mistake(
-        "effective-mass", "takes M_eff = I/r̃, as printed, which is no mass", "M_eff = I/r̃²",
-        _reading(effective_mass="as_printed"),
-    ),
-    Mistake(
-        "reduced-mass", "takes μ from M_eff", "1/μ = 1/m + 1/M, with the bat's mass M",
-        _reading(reduced_mass="effective_mass"),
-    ),
-    Mistake("thin-rod", "takes the bat for a thin rod", _I, _reading(inertia="thin_rod")),
-    Mistake(
-        "inertia-about-centre", "takes the bat's moment of inertia about its centre", _I,
-        _reading(inertia="about_centre"),
-    ),
-    Mistake(
-        "landing-of-surface", "lets the ball land when its surface touches the ground, at z = R",
-        "the ball lands when its centre reaches the ground, unless the reading ground_contact says "
-        "otherwise", _reading(ground_contact="surface"),
-    ),
-    Mistake(
-        "ignores-reading", "ignores the scene's reading block",
-        "take the switches of scene.reading, or leave those scenes out with --golden",
-        Change(lambda scene: scene.model_copy(update={"reading": Reading()})),
-    ),
+    Mistake("plain-restitution", _PLAIN, _EFFECTIVE, _reading(bat_ball_restitution="plain")),
+    Mistake("nathan", "uses Nathan's formula: e with the effective mass in μ",
+            "the paper prints ẽ = e(1 + m/M_eff) + m/M_eff with μ from the bat's mass M",
+            _reading(bat_ball_restitution="nathan")),
+    *_misread("effective-mass"),
+    Mistake("reduced-mass", "takes μ from M_eff", _MU, _reading(reduced_mass="effective_mass")),
+    *_misread("thin-rod", "inertia-about-centre"),
+    Mistake("landing-of-surface", "lets the ball land when its surface touches the ground, at "
+            "z = R", "the ball lands when its centre reaches the ground, unless the reading "
+            "ground_contact says otherwise", _reading(ground_contact="surface")),
+    Mistake("ignores-reading", "ignores the scene's reading block",
+            "take the switches of scene.reading, or leave those scenes out with --golden",
+            Change(lambda scene: scene.model_copy(update={"reading": Reading()}))),
 )  # fmt: skip
 
 # What shows in outcomes alone.
 OUTCOMES: tuple[Mistake, ...] = (
-    Mistake(
-        "time-limit-ignored", "flies on beyond time_limit",
-        "a ball that has not come down after time_limit seconds of flight is airborne",
-        _scene(lambda scene: {"time_limit": 1e4}),
-    ),
-    Mistake(
-        "ground-ignored", "has the ground at z = 0, whatever ground.height is",
-        "the ball lands at ground.height",
-        _scene(lambda scene: {"ground.height": 0.0}),
-    ),
+    Mistake("time-limit-ignored", "flies on beyond time_limit",
+            "a ball that has not come down after time_limit seconds of flight is airborne",
+            _scene(lambda scene: {"time_limit": 1e4})),
+    Mistake("ground-ignored", "has the ground at z = 0, whatever ground.height is",
+            "the ball lands at ground.height", _scene(lambda scene: {"ground.height": 0.0})),
 )  # fmt: skip
 
 
@@ -1247,17 +1215,15 @@ def _rubbed_without_spin(cases: Any, contact: Any, error: Any, *carried: Any) ->
     if contact.spin is None:
         return collide(cases, contact, error, *carried)
     cases, impact, *rest = collide(cases, replace(contact, spin=(0.0, 0.0, 0.0)), error, *carried)
-    spin = plus(impact.spin, 1.0, contact.spin)
-    return cases, replace(impact, spin=spin), *rest
+    return cases, replace(impact, spin=plus(impact.spin, 1.0, contact.spin)), *rest
 
 
 def _rubbed_without_rotation(
     cases: Any, contact: Any, error: Any, *carried: Any
 ) -> tuple[Any, ...]:
     """Apply the oblique impulse as if the bat's surface moved like its axis."""
-    still = OneCase(
-        with_values(cases.scene, {"swing.angular_speed": 0.0}), cases.engine, cases.model
-    )
+    scene = with_values(cases.scene, {"swing.angular_speed": 0.0})
+    still = OneCase(scene, cases.engine, cases.model)
     return cases, *collide(still, contact, error, *carried)[1:]
 
 

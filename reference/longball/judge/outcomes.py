@@ -10,7 +10,7 @@ from typing import Any
 
 from longball.engines.chain import MODEL, solve
 from longball.judge.explanations import evenly, told_together
-from longball.judge.findings import Finding, many
+from longball.judge.findings import Finding, found, many
 from longball.judge.mistakes import FENCE, OUTCOMES
 from longball.judge.quantities import BLOCKS, OPTIONAL, told_by, untrue
 from longball.judge.rules import rule
@@ -57,12 +57,9 @@ def outcome_findings(
             remedy = (
                 "find the closest approach within the step, where d·v changes sign, and test there"
             )
-        yield Finding(
-            stage="outcome", quantity="outcome", names=names,
-            kind="probably" if names else "unexplained", sentence=sentence, remedy=remedy,
-            share=1.0 if names else 0.0, wrong=len(wrong), checked=len(wrong) + len(same),
-            worst=1.0, scenes=rule([t.case for t in wrong], [t.case for t in same]),
-        )  # fmt: skip
+        one = _told("outcome", "outcome", names, sentence, wrong, same)
+        kind = "probably" if names else "unexplained"
+        yield one.model_copy(update={"kind": kind, "remedy": remedy, "example": None})
 
 
 def _made(
@@ -74,9 +71,9 @@ def _made(
     def makes(change: Change) -> bool:
         return all(map(partial(_explains, change), whole))
 
-    found = [name for f in known for name in f.names[:1] if f.stage != "outcome"]
-    if found and base is not NONE and makes(base):
-        return found[:1], "this follows from the above"
+    named = [name for f in known for name in f.names[:1] if f.stage != "outcome"]
+    if named and base is not NONE and makes(base):
+        return named[:1], "this follows from the above"
     clear = any("home_run" in (t.outcome, t.case.expected.outcome) for t in whole) and not any(
         "fence.clearance" in t.given for t in whole
     )
@@ -192,16 +189,10 @@ def _blocks(names: Iterable[str]) -> set[str]:
 
 
 def _told(
-    stage: str,
-    quantity: str,
-    names: list[str],
-    sentence: str,
-    wrong: Sequence[Trial],
+    stage: str, quantity: str, names: list[str], sentence: str, wrong: Sequence[Trial],
     same: Sequence[Trial],
-) -> Finding:
-    return Finding(
-        stage=stage, quantity=quantity, kind="named" if names else "unexplained", names=names,
-        share=1.0 if names else 0.0, wrong=len(wrong), checked=len(wrong) + len(same), worst=1.0,
-        sentence=sentence, scenes=rule([t.case for t in wrong], [t.case for t in same]),
-        example=wrong[0].case.id,
+) -> Finding:  # fmt: skip
+    return found(
+        stage, sentence, len(wrong), len(wrong) + len(same), names, quantity=quantity,
+        scenes=rule([t.case for t in wrong], [t.case for t in same]), example=wrong[0].case.id,
     )  # fmt: skip

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from longball.judge.answers import Answer
 from longball.judge.explanations import Checked, Explanation, off, share_left, size_of
-from longball.judge.findings import Finding, many
+from longball.judge.findings import Finding, found, many
 from longball.judge.fits import FEW_DIGITS, FIRST, digits_of, factor_meaning, roundest
 from longball.judge.mistakes import FORMULAS, NUMBERED, View
 from longball.judge.quantities import QUANTITIES
@@ -186,8 +186,8 @@ def formulas(
 
     for numbered in NUMBERED:
         said = [(t, c.obtained) for t, cs in chosen for c in cs if c.quantity == numbered.quantity]
-        found = [tried(lambda v, n=numbered, x=x: (n.number(v, x),), t) for t, x in said]  # type: ignore[misc]
-        if number := _settled([one[0] for one in found if one and math.isfinite(one[0])]):
+        seen = [tried(lambda v, n=numbered, x=x: (n.number(v, x),), t) for t, x in said]  # type: ignore[misc]
+        if number := _settled([one[0] for one in seen if one and math.isfinite(one[0])]):
             wanted.append(numbered.of(number))
     for f in wanted:
         left, against = _held(chosen, beside, f.quantity, lambda t, c, f=f: tried(f.value, t))  # type: ignore[misc]
@@ -254,11 +254,9 @@ def few_digits(trials: Sequence[Trial]) -> Finding | None:
         name, said, worst = "few-digits", _writes(count, "digit"), share
     else:
         return None
-    return Finding(
-        stage="all", quantity="", kind="named", names=[name], share=1.0,
-        wrong=sum(not t.right for t in trials),
-        sentence=f"{said}; no error of that size, or that follows from it, is looked into",
-        remedy=DOUBLES, checked=len(trials), worst=worst,
+    return found(
+        "all", f"{said}; no error of that size, or that follows from it, is looked into",
+        sum(not t.right for t in trials), len(trials), [name], remedy=DOUBLES, worst=worst,
     )  # fmt: skip
 
 
@@ -308,11 +306,10 @@ def shifted(trials: Sequence[Trial]) -> Finding | None:
         wrong = [(t, other) for other, t in itertools.pairwise(order) if not t.right]
         moved = [t for t, other in wrong if t.given and _same(t.given, other.expected)]
         if len(moved) >= ENOUGH and 2 * len(moved) > len(wrong):
-            return Finding(
-                stage="all", quantity="id", kind="named", names=["ids-shifted"], share=1.0,
-                sentence=f"gives each scene the answer to the one {whose} it",
+            return found(
+                "all", f"gives each scene the answer to the one {whose} it", len(wrong),
+                len(trials), ["ids-shifted"], quantity="id", example=moved[0].case.id,
                 remedy="write the id of the scene that the answer belongs to",
-                wrong=len(wrong), checked=len(trials), worst=1.0, example=moved[0].case.id,
             )  # fmt: skip
     return None
 
@@ -360,7 +357,7 @@ def conventions(trials: Sequence[Trial]) -> Explanation | None:
                 (f"{other}-for-{unit}", said, lambda x, f=factor: f * x, lambda x, f=factor: x / f,  # type: ignore[misc]
                  names)
             )  # fmt: skip
-    found = []
+    likely = []
     for name, said, image, back, names in ways:
         right = []
         for n in names:
@@ -373,8 +370,8 @@ def conventions(trials: Sequence[Trial]) -> Explanation | None:
             left = sum(share for _, share in right) / len(right)
             one = Explanation(name, sentence, "see the contract's axes and units", left, 0,
                               quantity=right[0][0], mend=mend)  # fmt: skip
-            found.append((-len(right), left, one))
-    return min(found, key=lambda one: one[:2])[2] if found else None
+            likely.append((-len(right), left, one))
+    return min(likely, key=lambda one: one[:2])[2] if likely else None
 
 
 _PROBE = np.array([1.0, 2.0, 3.0])

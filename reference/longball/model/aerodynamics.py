@@ -27,7 +27,6 @@ from longball.model.force import (
     Piecewise,
     Term,
     cross,
-    piecewise,
     present,
     size,
     square,
@@ -185,8 +184,11 @@ def _fixed_axis_lift(motion: Motion, p: Any) -> Vector[Any]:
     ê is horizontal and points to the right of the launch, so that lift turns the velocity upwards
     from the horizontal: u' = -k_L V w, w' = k_L V u.
     """
-    (u, _, w), speed = motion.lift
-    rate = motion.density * (p.lift * speed)
+    return _about_fixed_axis(motion, p.lift * motion.lift.speed)
+
+
+def _about_fixed_axis(motion: Motion, lift: Any) -> Vector[Any]:
+    (u, _, w), rate = motion.lift.velocity, motion.density * lift
     return -rate * w, ZERO, rate * u
 
 
@@ -278,23 +280,27 @@ def _lines(law: Any, numbers: Numbers[N]) -> tuple[tuple[N, ...], list[tuple[N, 
     return tuple(at[first:]), found[first:]
 
 
+_BY_SPEED, _BY_SPIN = ("speed", "mach"), ("spin_parameter",)
+
+
 def _table(
-    coefficient: str, of: str, whole: bool | None
-) -> Callable[[Any, Any, Numbers[N]], Branches | None]:
-    """Return the branches of a table of the speed or the spin parameter."""
+    term: Term, coefficient: str, of: tuple[str, ...], whole: bool | None = None
+) -> Piecewise:
+    """Return a term by a table of the speed or the spin parameter; `whole` takes ω for ω_T."""
+    of_lift = coefficient == "lift_coefficient"
 
     def branches(scene: Any, frame: Any, numbers: Numbers[N]) -> Branches | None:
-        law = None if scene.air is None else getattr(scene.air, coefficient)
-        known = getattr(law, "of", "spin_parameter" if law_name(law) == "bilinear" else "")
-        if known != of:
+        law: Any = None if scene.air is None else getattr(scene.air, coefficient)
+        if not hasattr(law, "law"):
+            return None
+        known = getattr(law, "of", "spin_parameter" if law.law == "bilinear" else "")
+        if known not in of:
             return None
         spins = _spins(frame, numbers)
         if whole is None:
-            if coefficient == "lift_coefficient" and frame.spin is not None:
+            if of_lift and frame.spin is not None:
                 return None
-        elif whole != (scene.reading.spin_parameter == "total") or (
-            not spins and coefficient == "lift_coefficient"
-        ):
+        elif whole != (scene.reading.spin_parameter == "total") or (of_lift and not spins):
             return None
         unit = per_metre(scene, 1.0, numbers)
         if unit is None:
@@ -302,21 +308,25 @@ def _table(
         nodes, lines = _lines(law, numbers)
         # What the slope is multiplied by is U, and R times a spin.
         scale = numbers.exact(1.0)
-        if of == "mach":
+        if known == "mach":
             scale = 1 / speed_of_sound(scene, numbers)
-            nodes = tuple(node / scale for node in nodes)
-        elif of == "spin_parameter":
+        elif known == "spin_parameter":
             scale = numbers.exact(scene.ball.radius)
-            nodes = tuple(node / scale for node in nodes)
         strengths = tuple(
             present((unit * at_0, unit * slope * scale), numbers) or (None, None)
             for at_0, slope in lines
         )
-        if of == "spin_parameter" and not spins:
+        if known == "spin_parameter" and not spins:
             return Branches((), strengths[:1])
-        return Branches(tuple(node * node for node in nodes), strengths)
+        levels = (node / scale for node in nodes)
+        return Branches(tuple(level * level for level in levels), strengths)
 
-    return branches
+    if of is _BY_SPEED:
+        argument, passes = _speed_squared(of_lift), "the airspeed"
+    else:
+        argument, passes = _spin_parameter_squared(of_lift, bool(whole)), "the spin parameter"
+    question = f"{passes} passes a node of a table"
+    return Piecewise(term.parameters, term.strengths, term, branches, argument, question)
 
 
 def _speed_squared(of_lift: bool) -> Callable[[Motion, Any], tuple[Any, Any]]:
@@ -348,28 +358,18 @@ def _over_speed(flow: Flow, p: Any, whole: bool) -> Any:
 
 def _tables() -> Iterator[Piecewise]:
     """Yield the tables of drag and lift."""
-    passes_speed = "the airspeed passes a node of a table"
-    passes_spin = "the spin parameter passes a node of a table"
     drag, lift = ("drag_table", "drag_slope"), ("lift_table", "lift_slope")
-    for of in ("speed", "mach"):
 
-        def drag_rate(motion: Motion, p: Any) -> Any:
-            speed = motion.air.speed
-            return p.drag_table * speed + p.drag_slope * (speed * speed)
+    def drag_by_speed(motion: Motion, p: Any) -> Any:
+        speed = motion.air.speed
+        return p.drag_table * speed + p.drag_slope * (speed * speed)
 
-        def fixed_axis(motion: Motion, p: Any) -> Vector[Any]:
-            (u, _, w), speed = motion.lift
-            rate = motion.density * (p.lift_table * speed + p.lift_slope * (speed * speed))
-            return -rate * w, ZERO, rate * u
+    def fixed_axis(motion: Motion, p: Any) -> Vector[Any]:
+        speed = motion.lift.speed
+        return _about_fixed_axis(motion, p.lift_table * speed + p.lift_slope * (speed * speed))
 
-        branches = _table("drag_coefficient", of, None)
-        yield piecewise(
-            Drag(drag, switched, drag_rate), branches, _speed_squared(False), passes_speed
-        )
-        branches = _table("lift_coefficient", of, None)
-        yield piecewise(
-            Force(lift, switched, fixed_axis), branches, _speed_squared(True), passes_speed
-        )
+    yield _table(Drag(drag, switched, drag_by_speed), "drag_coefficient", _BY_SPEED)
+    yield _table(Force(lift, switched, fixed_axis), "lift_coefficient", _BY_SPEED)
     for whole in (False, True):
 
         def drag_by_spin(motion: Motion, p: Any, whole: bool = whole) -> Any:
@@ -388,17 +388,9 @@ def _tables() -> Iterator[Piecewise]:
             linear = p.lift_slope * motion.spin_left
             return linear if p.lift_table is ZERO else p.lift_table * (a / b) + linear
 
-        branches = _table("drag_coefficient", "spin_parameter", whole)
-        argument = _spin_parameter_squared(False, whole)
-        yield piecewise(Drag(drag, switched, drag_by_spin), branches, argument, passes_spin)
-        for of in ("speed", "mach"):
-            branches = _table("lift_coefficient", of, whole)
-            yield piecewise(
-                Lift(lift, switched, lift_by_speed), branches, _speed_squared(True), passes_speed
-            )
-        branches = _table("lift_coefficient", "spin_parameter", whole)
-        argument = _spin_parameter_squared(True, whole)
-        yield piecewise(Lift(lift, switched, lift_by_spin), branches, argument, passes_spin)
+        yield _table(Drag(drag, switched, drag_by_spin), "drag_coefficient", _BY_SPIN, whole)
+        yield _table(Lift(lift, switched, lift_by_speed), "lift_coefficient", _BY_SPEED, whole)
+        yield _table(Lift(lift, switched, lift_by_spin), "lift_coefficient", _BY_SPIN, whole)
 
 
 TABLES = tuple(_tables())
@@ -440,10 +432,7 @@ def _left_at_speed(path: Any, speed: Any, p: Any) -> Any:
 DECAY_ALONG_PATH = Decay(("decay",), _decay("path"), lambda speed, p: speed, _left)
 # e^(-t/τ), with τ the time that L_ω takes at 100 mph.
 DECAY_IN_TIME = Decay(
-    ("decay", "decay_speed"),
-    _decay("time", REFERENCE_SPEED),
-    lambda speed, p: p.decay_speed,
-    _left,
+    ("decay", "decay_speed"), _decay("time", REFERENCE_SPEED), lambda speed, p: p.decay_speed, _left
 )
 # e^(-t U/L_ω) with the present U: ω solves no equation of its own, but the law of motion with it
 # is one in (r, v, t), and solved as such.

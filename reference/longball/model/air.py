@@ -7,14 +7,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, Discriminator, Field, Tag, field_validator, model_validator
 
-from longball.model.block import (
-    Block,
-    NotNegative,
-    Point,
-    Positive,
-    Quantity,
-    refuse,
-)
+from longball.model.block import Block, NotNegative, Point, Positive, Quantity, refuse
 
 # --- coefficients ---------------------------------------------------------------------------------
 

@@ -5,19 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Annotated, Any, NoReturn
 
-from pydantic import (
-    BaseModel,
-    ConfigDict,
-    Field,
-    SerializerFunctionWrapHandler,
-    model_serializer,
-)
+from pydantic import BaseModel, ConfigDict, Field, SerializerFunctionWrapHandler, model_serializer
 
 
-class Block(BaseModel):
-    """A part of a scene: numbers under fixed keys."""
+class Strict(BaseModel):
+    """What has fixed keys, and values of fixed types."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+
+
+class Block(Strict):
+    """A part of a scene: numbers under fixed keys."""
 
     def named(self) -> Iterator[str]:
         """Yield the keys that it is written with: all but those left out that have no default."""

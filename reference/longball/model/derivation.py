@@ -2,17 +2,16 @@
 
 The module reads from top to bottom like the paper's Appendix A, whose equations are cited as
 (A1) to (A10); equations of the main text are cited by their printed number. Rotation of the two
-bodies is left out, as it is there. After the derivation come the laws that the result obeys, each
-proved in the components of three-dimensional vectors with a general unit normal, then what the
-paper's coefficient of restitution (Eq. 10) means. The impact of bodies that turn and rub follows,
-with the paper's as its limit, and last the printer that writes :mod:`longball.model.impact` from
-the derived expressions::
+bodies is left out, as it is there. After the derivation comes what it does to the energy, proved in
+the components of three-dimensional vectors with a general unit normal, then what the paper's
+coefficient of restitution (Eq. 10) means. The impact of bodies that turn and rub follows, with the
+paper's as its limit, and last the printer that writes what the functions of
+:mod:`longball.model.impact` return::
 
-    python -m longball.model.derivation            # write impact.py
-    python -m longball.model.derivation --check    # fail if impact.py is not what would be written
+    python -m longball.model.derivation            # write it
+    python -m longball.model.derivation --check    # fail if it is not what would be written
 
-A law is a function that returns a residual: what must be zero for the law to hold. It takes the
-collision rule as an argument, so that a rule which breaks the law can be seen to leave a residual.
+The laws that the impulse obeys are proved in ``tests/model/impact_laws.py``.
 """
 
 from __future__ import annotations
@@ -99,20 +98,10 @@ Rule = Callable[[sp.Matrix, sp.Matrix, sp.Matrix], After]
 def on_unit_normal(expression: sp.Expr) -> sp.Expr:
     """Reduce an expression by |n| = 1 to a form that is zero exactly if it vanishes there.
 
-    Parameters
-    ----------
-    expression : sympy.Expr
-        A rational expression in the components of the normal and any other symbols.
-
-    Returns
-    -------
-    sympy.Expr
-        The factored remainder of the numerator on division by n·n - 1, over the denominator.
-
-    Notes
-    -----
-    n·n - 1 has leading coefficient one in n_z, so the remainder is unique; and the polynomial is
-    irreducible, so what vanishes on the whole unit sphere is a multiple of it.
+    It is rational in the components of the normal and any other symbols; what is returned is the
+    factored remainder of the numerator on division by n·n - 1, over the denominator. n·n - 1 has
+    leading coefficient one in n_z, so the remainder is unique; and the polynomial is irreducible,
+    so what vanishes on the whole unit sphere is a multiple of it.
     """
     numerator, denominator = sp.fraction(sp.together(expression))
     remainder = sp.rem(sp.expand(numerator), NORMAL.dot(NORMAL) - 1, NORMAL[2])
@@ -139,12 +128,7 @@ def bat_velocity_after(velocity: sp.Expr, normal: sp.Expr, impulse: sp.Expr) -> 
 
 @cache
 def inverse_reduced_mass() -> sp.Expr:
-    """Factor 1/μ by which the impulse changes the relative velocity: (A1) minus (A2), giving (A3).
-
-    Returns
-    -------
-    sympy.Expr
-        1/m + 1/M.
+    """Factor 1/μ = 1/m + 1/M of the impulse in the relative velocity: (A1) minus (A2) gives (A3).
 
     Raises
     ------
@@ -171,11 +155,8 @@ def reduced_mass() -> sp.Expr:
 def restitution_equation() -> sp.Expr:
     """Polynomial in β whose roots satisfy the restitution relation (A4) to (A6).
 
-    Returns
-    -------
-    sympy.Expr
-        (Ṽ'·n)² - ẽ² (Ṽ·n)² with Ṽ'·n = Ṽ·n + β and β = F̄Δt/μ. Squaring takes the moduli off
-        both sides, and no root is added because both sides are non-negative.
+    (Ṽ'·n)² - ẽ² (Ṽ·n)² with Ṽ'·n = Ṽ·n + β and β = F̄Δt/μ. Squaring takes the moduli off both
+    sides, and no root is added because both sides are non-negative.
     """
     normal_speed_after = NORMAL_SPEED + BETA
     return sp.expand(normal_speed_after**2 - RESTITUTION**2 * NORMAL_SPEED**2)
@@ -215,19 +196,9 @@ def impulse() -> sp.Expr:
 
 
 def collide(velocity: sp.Matrix, bat_velocity: sp.Matrix, normal: sp.Matrix) -> After:
-    """Velocities after the collision of two free bodies under the derived impulse.
+    """Velocities after the collision of two free bodies under the derived impulse: a `Rule`.
 
-    Parameters
-    ----------
-    velocity, bat_velocity : sympy.Matrix, shape (3, 1)
-        Velocities before, in m/s.
-    normal : sympy.Matrix, shape (3, 1)
-        Unit normal, from the bat to the ball.
-
-    Returns
-    -------
-    After
-        In terms of m, M and ẽ.
+    They are in terms of m, M and ẽ; the unit normal points from the bat to the ball.
     """
     normal_speed = (velocity - bat_velocity).dot(normal)
     strength = impulse().xreplace({REDUCED_MASS: reduced_mass(), NORMAL_SPEED: normal_speed})
@@ -238,68 +209,17 @@ def collide(velocity: sp.Matrix, bat_velocity: sp.Matrix, normal: sp.Matrix) -> 
 
 
 # --------------------------------------------------------------------------------------------------
-# What the collision keeps, and what it changes
+# What the collision changes
 # --------------------------------------------------------------------------------------------------
-
-
-def momentum_residual(rule: Rule = collide) -> sp.Matrix:
-    """Change of the total momentum m V + M V_b: zero, as noted below (A2)."""
-    after = rule(VELOCITY, BAT_VELOCITY, NORMAL)
-    change = BALL_MASS * (after.ball - VELOCITY) + BAT_MASS * (after.bat - BAT_VELOCITY)
-    return change.applyfunc(on_unit_normal)
-
-
-def tangential_residual(rule: Rule = collide) -> sp.Matrix:
-    """Change of the velocities tangential to the contact, ball and bat in two columns: zero.
-
-    The averaged force has no tangential part (the paper sets it along n above (A4)).
-    """
-
-    def tangential(vector: sp.Matrix) -> sp.Matrix:
-        return vector - vector.dot(NORMAL) * NORMAL
-
-    after = rule(VELOCITY, BAT_VELOCITY, NORMAL)
-    changes = sp.Matrix.hstack(
-        tangential(after.ball - VELOCITY), tangential(after.bat - BAT_VELOCITY)
-    )
-    return changes.applyfunc(on_unit_normal)
-
-
-def restitution_residual(rule: Rule = collide) -> sp.Expr:
-    """Ṽ⁺·n + ẽ Ṽ·n, the restitution relation (A5) with the sign of a rebound: zero."""
-    after = rule(VELOCITY, BAT_VELOCITY, NORMAL)
-    before = VELOCITY - BAT_VELOCITY
-    return on_unit_normal((after.ball - after.bat + RESTITUTION * before).dot(NORMAL))
-
-
-def galilean_residual(rule: Rule = collide) -> sp.Matrix:
-    """Effect of a common velocity of both bodies, beyond being added after as before: zero.
-
-    Ball and bat in two columns.
-    """
-    common = sp.Matrix(sp.symbols("U_x U_y U_z", real=True))
-    at_rest = rule(VELOCITY, BAT_VELOCITY, NORMAL)
-    moving = rule(VELOCITY + common, BAT_VELOCITY + common, NORMAL)
-    changes = sp.Matrix.hstack(
-        moving.ball - common - at_rest.ball, moving.bat - common - at_rest.bat
-    )
-    return changes.applyfunc(on_unit_normal)
 
 
 @cache
 def energy_change(rule: Rule = collide) -> sp.Expr:
-    """Change of the kinetic energy of both bodies, in terms of μ, ẽ and Ṽ·n.
+    """Change of the kinetic energy of both bodies: -½ μ (1 - ẽ²) (Ṽ·n)².
 
-    Returns
-    -------
-    sympy.Expr
-        -½ μ (1 - ẽ²) (Ṽ·n)², factored so that it is accurate near ẽ = 1.
-
-    Notes
-    -----
-    Nothing of this is assumed. The energies of the bodies are written in components, V_x is
-    eliminated in favour of Ṽ·n and m in favour of μ; that all other components, the normal and
-    M then drop out is the result.
+    It is factored so that it is accurate near ẽ = 1. Nothing of this is assumed. The energies of
+    the bodies are written in components, V_x is eliminated in favour of Ṽ·n and m in favour of μ;
+    that all other components, the normal and M then drop out is the result.
     """
     after = rule(VELOCITY, BAT_VELOCITY, NORMAL)
     change = (
@@ -332,11 +252,8 @@ def printed_restitution() -> sp.Expr:
 def apparent_restitution() -> sp.Expr:
     """Rebound speed over incident speed of a ball that meets a bat at rest head-on.
 
-    Returns
-    -------
-    sympy.Expr
-        (ẽ - r) / (1 + r), Nathan's e_A (Am. J. Phys. 71, 134 (2003), the paper's nathan03), from
-        the derived collision with a bat of mass M_eff = m / r.
+    (ẽ - r) / (1 + r), Nathan's e_A (Am. J. Phys. 71, 134 (2003), the paper's nathan03), from the
+    derived collision with a bat of mass M_eff = m / r.
     """
     incident_speed = sp.Symbol("v", positive=True)
     velocity = -incident_speed * NORMAL
@@ -348,10 +265,7 @@ def apparent_restitution() -> sp.Expr:
 def restitution_from_apparent() -> sp.Expr:
     """Coefficient of restitution that a measured e_A stands for: `apparent_restitution` inverted.
 
-    Returns
-    -------
-    sympy.Expr
-        e_A (1 + r) + r: Eq. 10, with e_A where the paper has e.
+    e_A (1 + r) + r: Eq. 10, with e_A where the paper has e.
     """
     (solution,) = sp.solve(sp.Eq(APPARENT_RESTITUTION, apparent_restitution()), RESTITUTION)
     return sp.collect(sp.expand(solution), APPARENT_RESTITUTION)
@@ -365,10 +279,7 @@ def apparent_from_printed() -> sp.Expr:
 def energy_creating_mass_ratios() -> sp.Rel:
     """Condition on r = m / M_eff under which Eq. 10 creates energy: r > (1 - e) / (1 + e).
 
-    Returns
-    -------
-    sympy.Rel
-        Equivalent to ẽ > 1, since Eq. 10 rises linearly with r for every e >= 0.
+    Equivalent to ẽ > 1, since Eq. 10 rises linearly with r for every e >= 0.
 
     Raises
     ------
@@ -427,12 +338,9 @@ def slip(bodies: Bodies = BODIES) -> sp.Matrix:
 
 @cache
 def inverse_mass() -> sp.Matrix:
-    """Return K, by which an impulse at the contact changes the relative velocity there.
+    """Return K, 3 × 3, by which an impulse at the contact changes the relative velocity there.
 
-    Returns
-    -------
-    sympy.Matrix, shape (3, 3)
-        Symmetric; nothing couples to the direction across normal and bat.
+    It is symmetric, and nothing couples to the direction across normal and bat.
 
     Raises
     ------
@@ -481,15 +389,6 @@ def sliding_impulse() -> tuple[sp.Expr, sp.Matrix]:
     return resistance, normal * along
 
 
-def kinetic_energy(bodies: Bodies) -> sp.Expr:
-    """Return the kinetic energy of ball and free bat, w = 1/M."""
-    spin, rotation = bodies.spin, bodies.rotation
-    ball = bodies.velocity.dot(bodies.velocity) + INERTIA_FACTOR * RADIUS**2 * spin.dot(spin)
-    inertia = sp.diag(INERTIA, AXIAL_INERTIA, INERTIA)
-    bat = bodies.bat_velocity.dot(bodies.bat_velocity) / INVERSE_BAT_MASS
-    return (BALL_MASS * ball + bat + rotation.dot(inertia * rotation)) / 2
-
-
 def work(slip: sp.Matrix = SLIP) -> sp.Expr:
     """Return the change of the kinetic energy that an impulse makes: P·(g + K P/2)."""
     return PUSH.dot(slip + _change(PUSH) / 2)
@@ -501,52 +400,11 @@ def elements() -> dict[sp.Symbol, sp.Expr]:
     return dict(zip(INVERSE_MASS, (k[0, 0], k[0, 1], k[1, 1], k[2, 2]), strict=True))
 
 
-def energy_residual() -> sp.Expr:
-    """Return kinetic energy after less before less `work`: zero, for any impulse."""
-    change = kinetic_energy(pushed(BODIES)) - kinetic_energy(BODIES)
-    return sp.expand(change - work(slip(BODIES)).subs(elements()))
-
-
-def contact_momentum_residual() -> sp.Matrix:
-    """Return the change of β R ω + n × V, the ball's angular momentum about the contact: zero.
-
-    Its normal part says that the spin about the normal stays as it is. Any friction obeys it.
-    """
-    normal, after = sp.Matrix([1, 0, 0]), pushed(BODIES)
-    turned = INERTIA_FACTOR * RADIUS * (after.spin - SPIN)
-    return (turned + normal.cross(after.velocity - VELOCITY)).applyfunc(sp.cancel)
-
-
-def total_momentum_residual() -> sp.Matrix:
-    """Return the changes of momentum and angular momentum of ball and free bat: zero.
-
-    Angular momentum is about the bat's centre; two columns.
-    """
-    after = pushed(BODIES)
-    moved = BALL_MASS * (after.velocity - VELOCITY)
-    momentum = moved + (after.bat_velocity - BAT_VELOCITY) / INVERSE_BAT_MASS
-    spin = INERTIA_FACTOR * BALL_MASS * RADIUS**2 * (after.spin - SPIN)
-    bat = sp.diag(INERTIA, AXIAL_INERTIA, INERTIA) * (after.rotation - ROTATION)
-    angular = (_FROM_BAT - _FROM_BALL).cross(moved) + spin + bat
-    return sp.Matrix.hstack(momentum, angular).applyfunc(sp.cancel)
-
-
-def frictionless_residual() -> sp.Expr:
-    """Return the sliding impulse without friction less the paper's (A10), 1/μ = K_nn: zero."""
-    resistance, found = sliding_impulse()
-    push = found.subs(RESISTANCE, resistance).subs(FRICTION, 0)
-    paper = impulse().subs({REDUCED_MASS: 1 / INVERSE_MASS[0], NORMAL_SPEED: SLIP[0]})
-    return sp.cancel(push[0] - paper) + abs(push[1]) + abs(push[2])
-
-
 @cache
 def gripping_threshold() -> sp.Expr:
     """Return |g_t|/|g_n| at which a ball on a body that nothing moves begins to slide.
 
-    Returns
-    -------
-    sympy.Expr
-        μ_f (1 + ẽ)(1 + 1/β)/(1 + e_T); for a solid sphere, β = 2/5, 7/2 μ_f (1 + ẽ)/(1 + e_T).
+    μ_f (1 + ẽ)(1 + 1/β)/(1 + e_T); for a solid sphere, β = 2/5, 7/2 μ_f (1 + ẽ)/(1 + e_T).
     """
     fixed = {x: sp.limit(sp.limit(k, INERTIA, sp.oo), AXIAL_INERTIA, sp.oo).subs(
         INVERSE_BAT_MASS, 0) for x, k in elements().items()}  # fmt: skip
@@ -561,201 +419,66 @@ def gripping_threshold() -> sp.Expr:
 # --------------------------------------------------------------------------------------------------
 
 
-class Step(NamedTuple):
-    """One line of the derivation: a title, a sentence, and what the sentence says in symbols."""
-
-    title: str
-    explanation: str
-    equation: sp.Basic
-
-
 def _equal(name: str, value: sp.Matrix) -> sp.Eq:
     return sp.Eq(sp.MatrixSymbol(name, *value.shape), sp.ImmutableMatrix(value), evaluate=False)
 
 
-def steps() -> list[Step]:
-    """List the derivation and its consequences in order, to be printed with `sympy.latex`.
+def equations() -> dict[str, sp.Basic]:
+    """Return the derivation and its consequences in order, by title, to print with `sympy.latex`.
 
-    Returns
-    -------
-    list of Step
-        The right-hand sides are the expressions that the functions above derive.
+    The right-hand sides are the expressions that the functions above derive.
     """
     penetrating, rebounding = roots()
     momentum = BALL_MASS * _V + BAT_MASS * _V_BAT
     momentum_after = BALL_MASS * _V_AFTER + BAT_MASS * _V_BAT_AFTER
-    return [
-        Step(
-            "Ball",
-            "The contact force, averaged over the contact, acts along the normal (A1).",
-            sp.Eq(_V_AFTER, ball_velocity_after(_V, _N, IMPULSE)),
-        ),
-        Step(
-            "Bat",
-            "The bat receives the opposite impulse (A2).",
-            sp.Eq(_V_BAT_AFTER, bat_velocity_after(_V_BAT, _N, IMPULSE)),
-        ),
-        Step(
-            "Momentum",
-            "Equal and opposite impulses leave the total momentum as it was.",
-            sp.Eq(momentum_after, momentum),
-        ),
-        Step(
-            "Reduced mass",
-            "Subtracting the two shows by which factor the impulse changes the relative velocity.",
-            sp.Eq(1 / REDUCED_MASS, inverse_reduced_mass()),
-        ),
-        Step(
-            "Relative velocity",
-            "So the relative velocity changes along the normal only (A3).",
-            sp.Eq(_V_RELATIVE_AFTER, _V_RELATIVE + _N * IMPULSE / REDUCED_MASS),
-        ),
-        Step(
-            "Normal component",
-            "Its normal component changes by β, the impulse over the reduced mass (A4).",
-            sp.Eq(_NORMAL_SPEED_AFTER, NORMAL_SPEED + BETA),
-        ),
-        Step(
-            "Restitution",
-            "The restitution relation (A5), squared, is quadratic in β (A6).",
-            sp.Eq(sp.Mul(*(BETA - root for root in roots())), 0),
-        ),
-        Step(
-            "Discarded root",
-            "This root keeps the sign of the normal component, so the ball would go on into the "
-            "bat; at a restitution of one there would be no force at all (A7).",
-            sp.Eq(BETA, penetrating),
-        ),
-        Step(
-            "Root of the rebound",
-            "This root reverses the normal component (A8).",
-            sp.Eq(BETA, rebounding),
-        ),
-        Step(
-            "Impulse",
-            "With β known, the impulse follows (A10).",
-            sp.Eq(IMPULSE, impulse()),
-        ),
-        Step(
-            "Energy",
-            "The kinetic energies of both bodies change by an amount that depends on nothing but "
-            "the reduced mass, the restitution and the normal component.",
-            sp.Eq(_ENERGY_CHANGE, energy_change()),
-        ),
-        Step(
-            "Energy created",
-            "The two bodies together gain energy exactly for these restitutions.",
-            sp.Contains(RESTITUTION, energy_creating_restitutions()),
-        ),
-        Step(
-            "Apparent restitution",
-            "A ball that meets a bat at rest, of effective mass m/r, head-on leaves with this "
-            "fraction of its speed (Nathan 2003).",
-            sp.Eq(APPARENT_RESTITUTION, apparent_restitution()),
-        ),
-        Step(
-            "Apparent restitution, inverted",
-            "Solved for the restitution, so that a measured fraction can be used.",
-            sp.Eq(RESTITUTION, restitution_from_apparent()),
-        ),
-        Step(
-            "Printed restitution",
-            "Eq. 10 as printed is the same formula: its e stands where the apparent one belongs.",
-            sp.Eq(RESTITUTION, printed_restitution()),
-        ),
-        Step(
-            "Energy created as printed",
-            "The printed restitution exceeds one, and so creates energy, exactly for these ratios "
-            "of the ball's mass to the effective mass of the bat.",
-            energy_creating_mass_ratios(),
-        ),
-        Step(
-            "Inverse mass at the contact",
-            "If ball and bat turn, an impulse P at the contact changes their relative velocity g "
-            "there by K P; along the normal, along the bat (of inertia J across and J_a along its "
-            "axis, w = 1/M or 0 at a pivot, a distance d away), and across both.",
-            _equal("K", inverse_mass()),
-        ),
-        Step(
-            "Grip",
-            "With a tangential restitution, the ball grips the bat by this impulse, if friction "
-            "allows its tangential part.",
-            _equal(r"\mathbf{P}", gripping_impulse()),
-        ),
-        Step(
-            "Slide",
-            "If not, Coulomb's friction acts against the slip, in the direction t.",
-            _equal(r"\mathbf{P}", sliding_impulse()[1].subs(RESISTANCE, sliding_impulse()[0])),
-        ),
-        Step(
-            "Threshold",
-            "On a body that nothing moves, the ball slides beyond this ratio of slip to normal "
-            "speed.",
-            sp.Eq(sp.Abs(SLIP[2] / SLIP[0]), gripping_threshold()),
-        ),
-    ]
+    resistance, sliding = sliding_impulse()
+    return {
+        "Ball": sp.Eq(_V_AFTER, ball_velocity_after(_V, _N, IMPULSE)),
+        "Bat": sp.Eq(_V_BAT_AFTER, bat_velocity_after(_V_BAT, _N, IMPULSE)),
+        "Momentum": sp.Eq(momentum_after, momentum),
+        "Reduced mass": sp.Eq(1 / REDUCED_MASS, inverse_reduced_mass()),
+        "Relative velocity": sp.Eq(_V_RELATIVE_AFTER, _V_RELATIVE + _N * IMPULSE / REDUCED_MASS),
+        "Normal component": sp.Eq(_NORMAL_SPEED_AFTER, NORMAL_SPEED + BETA),
+        "Restitution": sp.Eq(sp.Mul(*(BETA - root for root in roots())), 0),
+        "Discarded root": sp.Eq(BETA, penetrating),
+        "Root of the rebound": sp.Eq(BETA, rebounding),
+        "Impulse": sp.Eq(IMPULSE, impulse()),
+        "Energy": sp.Eq(_ENERGY_CHANGE, energy_change()),
+        "Energy created": sp.Contains(RESTITUTION, energy_creating_restitutions()),
+        "Apparent restitution": sp.Eq(APPARENT_RESTITUTION, apparent_restitution()),
+        "Apparent restitution, inverted": sp.Eq(RESTITUTION, restitution_from_apparent()),
+        "Printed restitution": sp.Eq(RESTITUTION, printed_restitution()),
+        "Energy created as printed": energy_creating_mass_ratios(),
+        "Inverse mass at the contact": _equal("K", inverse_mass()),
+        "Grip": _equal(r"\mathbf{P}", gripping_impulse()),
+        "Slide": _equal(r"\mathbf{P}", sliding.subs(RESISTANCE, resistance)),
+        "Threshold": sp.Eq(sp.Abs(SLIP[2] / SLIP[0]), gripping_threshold()),
+    }
 
 
 # --------------------------------------------------------------------------------------------------
 # From expressions to impact.py
 # --------------------------------------------------------------------------------------------------
 
-_HEADER = '''\
-"""The impulse between ball and bat, as executed.
-
-Generated from the expressions of :mod:`longball.model.derivation`; do not edit. To regenerate::
-
-    python -m longball.model.derivation
-
-Only + - * / and whole numbers occur, so the functions serve every kind of number alike: float,
-Fraction, mpf, arb, and arrays, elementwise. Components of three are along the normal, along the
-bat, and across both; all others are in space.
-"""
-
-from typing import Any
-
-Number = Any  # float, mpf, arb or array: whatever adds, multiplies and divides
-Vector = tuple[Number, Number, Number]
-'''
-
-
-class Argument(NamedTuple):
-    """An argument of a generated function: a number, or several, and what it is."""
-
-    name: str
-    symbols: Sequence[sp.Symbol]
-    text: str
-
-
-_COMPONENTS = "along the normal, along the bat, and across both"
-_ARGUMENTS = (
-    Argument("m", [BALL_MASS], "Mass of the ball, in kg."),
-    Argument("M", [BAT_MASS], "Mass of the bat, in kg."),
-    Argument("mass", [BALL_MASS], "Of the ball, in kg."),
-    Argument("reduced_mass", [REDUCED_MASS], "μ, in kg."),
-    Argument("restitution", [RESTITUTION], "ẽ, dimensionless."),
-    Argument("normal_speed", [NORMAL_SPEED], "Ṽ·n, negative if they approach, in m/s."),
-    Argument("impulse", [IMPULSE], "Along the normal, in N·s."),
-    Argument("velocity", VELOCITY, "Of the ball, in m/s."),
-    Argument("normal", NORMAL, "Unit normal, from bat to ball."),
-    Argument("spin", SPIN, "Of the ball, in rad/s."),
-    Argument("bat_velocity", BAT_VELOCITY, "Of the bat on its axis, in m/s."),
-    Argument("rotation", ROTATION, "Angular velocity of the bat, in rad/s."),
-    Argument("radius", [RADIUS], "R, of the ball, in m."),
-    Argument("bat_radius", [BAT_RADIUS], "r_b, in m."),
-    Argument("inertia_factor", [INERTIA_FACTOR], "β = I/(m R²) of the ball, dimensionless."),
-    Argument("inverse_bat_mass", [INVERSE_BAT_MASS], "1/M of a free bat, 0 at a pivot, in 1/kg."),
-    Argument("inertia", [INERTIA], "Of the bat, about an axis across it, in kg·m²."),
-    Argument("axial_inertia", [AXIAL_INERTIA], "Of the bat, about its own axis, in kg·m²."),
-    Argument("arm", [ARM], "y of the contact, from the pivot or the bat's centre, in m."),
-    Argument("inverse_mass", INVERSE_MASS, "K_nn, K_ny, K_yy, K_tt of `inverse_mass`, in 1/kg."),
-    Argument("slip", SLIP, f"Relative velocity at the contact, {_COMPONENTS}, in m/s."),
-    Argument("tangential_restitution", [TANGENTIAL_RESTITUTION], "e_T, from -1 to 1."),
-    Argument("friction", [FRICTION], "μ_f, dimensionless."),
-    Argument("direction", DIRECTION, "Unit vector of the sliding: along the bat, and across."),
-    Argument("resistance", [RESISTANCE], "Of `sliding_resistance`, in 1/kg."),
-    Argument("push", PUSH, f"The impulse: {_COMPONENTS}, in N·s."),
-)
+# What is one number in impact.py, by its name there; components bear those of their symbols.
+_NAMES = {
+    BALL_MASS: "mass",
+    BAT_MASS: "bat_mass",
+    REDUCED_MASS: "reduced_mass",
+    RESTITUTION: "restitution",
+    NORMAL_SPEED: "normal_speed",
+    IMPULSE: "impulse",
+    RADIUS: "radius",
+    BAT_RADIUS: "bat_radius",
+    INERTIA_FACTOR: "inertia_factor",
+    INVERSE_BAT_MASS: "inverse_bat_mass",
+    INERTIA: "inertia",
+    AXIAL_INERTIA: "axial_inertia",
+    ARM: "arm",
+    TANGENTIAL_RESTITUTION: "tangential_restitution",
+    FRICTION: "friction",
+    RESISTANCE: "resistance",
+}
 
 
 class _ProductsForPowers(ast.NodeTransformer):
@@ -771,17 +494,7 @@ class _ProductsForPowers(ast.NodeTransformer):
 def plain_arithmetic(expression: sp.Expr, names: dict[sp.Symbol, str]) -> str:
     """Print an expression as Python that works for every kind of number.
 
-    Parameters
-    ----------
-    expression : sympy.Expr
-        What to print.
-    names : dict of sympy.Symbol to str
-        Name in Python for each symbol.
-
-    Returns
-    -------
-    str
-        Source text of + - * / on names and whole numbers.
+    That is + - * / on whole numbers and the names of symbols.
 
     Raises
     ------
@@ -807,157 +520,79 @@ def plain_arithmetic(expression: sp.Expr, names: dict[sp.Symbol, str]) -> str:
     return ast.unparse(tree)
 
 
-def _function(
-    name: str, summary: str, arguments: str, results: Sequence[sp.Expr] | sp.Expr, returned: str
-) -> str:
-    """Return the source of a function of some arguments that returns some expressions."""
-    chosen = [next(a for a in _ARGUMENTS if a.name == word) for word in arguments.split()]
-    names: dict[sp.Symbol, str] = {}
-    signature, explained, unpacking = [], [], []
-    for argument in chosen:
-        parts = list(argument.symbols)
-        short = [part.name for part in parts] if len(parts) > 1 else [argument.name]
-        names |= zip(parts, short, strict=True)
-        kind = {1: "Number", 3: "Vector"}.get(len(parts), "tuple[Number, ...]")
-        signature.append(f"    {argument.name}: {kind},\n")
-        shape = "number" if len(parts) == 1 else f"{len(parts)} numbers"
-        explained.append(f"    {argument.name} : {shape}\n        {argument.text}\n")
-        if len(parts) > 1:
-            unpacking.append(f"    {', '.join(short)} = {argument.name}\n")
-    several = not isinstance(results, sp.Expr)
-    printed = [plain_arithmetic(x, names) for x in (results if several else [results])]
-    body = "".join(f"        {text},\n" for text in printed)
-    value = f"(\n{body}    )" if several else printed[0]
-    kind = {1: "Number", 3: "Vector"}.get(len(printed), "tuple[Number, ...]")
-    noqa = "  # noqa: N803  (the paper's letters)" if "M" in arguments.split() else ""
-    return (
-        f"\n\ndef {name}(\n{''.join(signature)}) -> {kind}:{noqa}\n"
-        f'    """{summary}\n\n    Parameters\n    ----------\n{"".join(explained)}\n'
-        f"    Returns\n    -------\n    {kind}\n        {returned}\n"
-        f'    """\n{"".join(unpacking)}    return {value}\n'
-    )
-
-
 def _in_space(components: sp.Matrix) -> sp.Matrix:
     """Return a vector of components along the normal, along the bat, and across both in space."""
     n_x, _, n_z = NORMAL
     return sp.Matrix([[n_x, 0, -n_z], [0, 1, 0], [n_z, 0, n_x]]) * components
 
 
-def generate() -> str:
-    """Source text of impact.py, from the derived expressions."""
+def _impact() -> Path:
+    return Path(__file__).with_name("impact.py")
+
+
+def _derived() -> dict[str, sp.Expr | sp.Matrix]:
+    """Return what each function of impact.py returns."""
     to_components = _in_space(sp.eye(3)).T
     on_axis = Bodies(*(to_components * vector for vector in BODIES))
     moved = pushed(Bodies(*(sp.zeros(3, 1) for _ in BODIES)))
     resistance, sliding = sliding_impulse()
-    functions = [
-        _function(
-            "reduced_mass",
-            "Mass that the impulse between two free bodies meets: 1/μ = 1/m + 1/M.",
-            "m M",
-            reduced_mass(),
-            "μ, in kg. The paper's Appendix A, below Eq. (A2).",
-        ),
-        _function(
-            "impulse",
-            "Impulse that the ball receives along the normal; the bat receives the opposite.",
-            "reduced_mass restitution normal_speed",
-            impulse(),
-            "-μ (1 + ẽ) (Ṽ·n), in N·s. The paper's Eq. (A10) times Δt, which is its Eq. (9).",
-        ),
-        _function(
-            "velocity_after",
-            "Velocity of the ball after the impulse.",
-            "velocity normal mass impulse",
-            list(ball_velocity_after(VELOCITY, NORMAL, IMPULSE)),
-            "V + (J/m) n, in m/s. The paper's Eq. (A1).",
-        ),
-        _function(
-            "energy_change",
-            "Change of the kinetic energy of ball and bat, factored so as not to cancel at ẽ = 1.",
-            "reduced_mass restitution normal_speed",
-            energy_change(),
-            "-½ μ (1 - ẽ²) (Ṽ·n)², in J; positive if ẽ > 1. Not in the paper.",
-        ),
-        _function(
-            "slip",
-            "Velocity of the ball relative to the bat at the contact, where both turn.",
-            "velocity spin bat_velocity rotation normal radius bat_radius",
-            list(slip(on_axis).subs(ARM, 0)),
-            f"g, {_COMPONENTS}, in m/s; g_n is Ṽ·n.",
-        ),
-        _function(
-            "inverse_mass",
-            "Change of the relative velocity at the contact for an impulse there: g' = g + K P.",
-            "mass inertia_factor inverse_bat_mass inertia axial_inertia arm bat_radius",
-            list(elements().values()),
-            "K_nn, K_ny, K_yy, K_tt, in 1/kg; n: normal, y: along the bat, t: across both.",
-        ),
-        _function(
-            "gripping_impulse",
-            "Impulse after which the ball does not slide: g' = -ẽ g_n n - e_T g_t.",
-            "inverse_mass restitution tangential_restitution slip",
-            list(gripping_impulse()),
-            f"P, {_COMPONENTS}, in N·s.",
-        ),
-        _function(
-            "sliding_resistance",
-            "What resists the impulse of a ball that slides; not positive: the two jam.",
-            "inverse_mass friction direction",
-            resistance,
-            "D = n·K(n - μ_f t), in 1/kg.",
-        ),
-        _function(
-            "sliding_impulse",
-            "Impulse of Coulomb's friction on a ball that slides.",
-            "resistance restitution friction slip direction",
-            list(sliding),
-            f"P = P_n (n - μ_f t), {_COMPONENTS}, in N·s.",
-        ),
-        _function(
-            "velocity_after_push",
-            "Velocity of the ball after an impulse that is not along the normal.",
-            "velocity push normal mass",
-            list(VELOCITY + _in_space(moved.velocity)),
-            "V + P/m, in m/s.",
-        ),
-        _function(
-            "spin_after_push",
-            "Spin of the ball after an impulse at the contact.",
-            "spin push normal mass radius inertia_factor",
-            list(SPIN + _in_space(moved.spin)),
-            "ω - (R/I) n × P, in rad/s.",
-        ),
-        _function(
-            "push_energy",
-            "Change of the kinetic energy of ball and bat by an impulse at the contact.",
-            "push slip inverse_mass",
-            work(),
-            "P·(g + K P/2), in J; positive if the collision creates energy.",
-        ),
-    ]
-    return _HEADER + "".join(functions)
+    return {
+        "reduced_mass": reduced_mass(),
+        "impulse": impulse(),
+        "velocity_after": ball_velocity_after(VELOCITY, NORMAL, IMPULSE),
+        "energy_change": energy_change(),
+        "slip": slip(on_axis).subs(ARM, 0),
+        "inverse_mass": sp.Matrix([*elements().values()]),
+        "gripping_impulse": gripping_impulse(),
+        "sliding_resistance": resistance,
+        "sliding_impulse": sliding,
+        "velocity_after_push": VELOCITY + _in_space(moved.velocity),
+        "spin_after_push": SPIN + _in_space(moved.spin),
+        "push_energy": work(),
+    }
+
+
+def generate() -> str:
+    """Return the text of impact.py, with what its functions return as derived.
+
+    Raises
+    ------
+    ValueError
+        If it has other functions, or one that lacks a number that its expression needs.
+    """
+    text = _impact().read_text(encoding="utf-8")
+    lines, derived = text.splitlines(keepends=True), _derived()
+    functions = [node for node in ast.parse(text).body if isinstance(node, ast.FunctionDef)]
+    if (there := [function.name for function in functions]) != [*derived]:
+        raise ValueError(f"impact.py has the functions {there}, and derived are {[*derived]}")
+    for function in reversed(functions):
+        last, result = function.body[-1], derived[function.name]
+        inside = {argument.arg for argument in function.args.args}
+        for node in ast.walk(function):
+            if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
+                inside.add(node.id)
+        names = {s: name for s in result.free_symbols if (name := _NAMES.get(s, s.name)) in inside}
+        if isinstance(result, sp.Expr):
+            returned = plain_arithmetic(result, names)
+        else:
+            parts = "".join(f"        {plain_arithmetic(part, names)},\n" for part in result)
+            returned = f"(\n{parts}    )"
+        lines[last.lineno - 1 : last.end_lineno] = [f"    return {returned}\n"]
+    return "".join(lines)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Write impact.py next to this file, or check that it is what would be written.
-
-    Returns
-    -------
-    int
-        Exit status: 0, or 1 if `--check` finds a difference.
-    """
+    """Write impact.py next to this file, or return 1 if `--check` finds a difference."""
     parser = argparse.ArgumentParser(
         prog="python -m longball.model.derivation",
         description="Write impact.py from the derived impulse.",
     )
     parser.add_argument("--check", action="store_true", help="write nothing; fail on a difference")
     check = parser.parse_args(arguments).check
-    target = Path(__file__).with_name("impact.py")
-    text = generate()
+    target, text = _impact(), generate()
     if not check:
         target.write_text(text, encoding="utf-8")
-    elif not target.exists() or target.read_text(encoding="utf-8") != text:
+    elif target.read_text(encoding="utf-8") != text:
         print(
             f"{target} is not what the derivation generates; "
             "run `python -m longball.model.derivation` to write it anew.",

@@ -13,7 +13,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from operator import methodcaller
-from typing import Generic, NamedTuple, Protocol
+from types import SimpleNamespace
+from typing import Any, Generic, NamedTuple, Protocol
 
 from longball.model.law import PlaneState
 from longball.model.numbers import N
@@ -35,16 +36,10 @@ class Functions(Protocol[N]):
     def asinh(self, x: N, /) -> N: ...  # noqa: D102
 
 
-class _Methods:
-    """Functions of numbers that carry them as methods: ``sqrt(x)`` is ``x.sqrt()``."""
-
-    sqrt, exp, expm1, log, log1p, sin, cos, atan, sinh, cosh, asinh = map(
-        methodcaller,
-        ("sqrt", "exp", "expm1", "log", "log1p", "sin", "cos", "atan", "sinh", "cosh", "asinh"),
-    )
-
-
-METHODS = _Methods()
+# Functions of numbers that carry them as methods: ``sqrt(x)`` is ``x.sqrt()``.
+METHODS: Any = SimpleNamespace(
+    **{name: methodcaller(name) for name in vars(Functions) if not name.startswith("_")}
+)
 
 
 # --- closed forms ---------------------------------------------------------------------------------
@@ -65,10 +60,7 @@ def parabola(start: PlaneState[N], gravity: N, time: N) -> PlaneState[N]:
     """
     fall = gravity * time
     return PlaneState(
-        start.s + start.u * time,
-        start.z + (start.w - fall / 2) * time,
-        start.u,
-        start.w - fall,
+        start.s + start.u * time, start.z + (start.w - fall / 2) * time, start.u, start.w - fall
     )
 
 

@@ -176,16 +176,6 @@ class Piecewise(Term):
     question: str
 
 
-def piecewise(
-    term: Term,
-    branches: Callable[[Any, Any, Numbers[Any]], Branches | None],
-    argument: Callable[[Motion, Any], tuple[Any, Any]],
-    question: str,
-) -> Piecewise:
-    """Return a term with several forms; see `Piecewise`."""
-    return Piecewise(term.parameters, term.strengths, term, branches, argument, question)
-
-
 def switched(scene: Any, frame: Any, numbers: Numbers[Any]) -> None:
     """Return no strengths: those of a `Piecewise` term are its branches'."""
 
@@ -208,11 +198,7 @@ def scaled(factor: Any, a: Vector[Any]) -> Vector[Any]:
 
 def cross(a: Vector[Any], b: Vector[Any]) -> Vector[Any]:
     """Return ``a × b``."""
-    return (
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    )
+    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
 
 
 def square(vector: Vector[Any]) -> Node:

@@ -65,10 +65,7 @@ TINY, LARGER = 2.0**-500, 2.0**600
 
 
 def launch_frame(
-    position: Vector[N],
-    velocity: Vector[N],
-    numbers: Numbers[N],
-    spin: Vector[N] | None = None,
+    position: Vector[N], velocity: Vector[N], numbers: Numbers[N], spin: Vector[N] | None = None
 ) -> tuple[Frame[N], PlaneState[N]]:
     """Return the frame of a flight, and its launch in that frame.
 

@@ -1,12 +1,37 @@
 """The impulse between ball and bat, as executed.
 
-Generated from the expressions of :mod:`longball.model.derivation`; do not edit. To regenerate::
+What the functions return is written from the expressions of :mod:`longball.model.derivation`; do
+not edit it. To write it anew::
 
     python -m longball.model.derivation
 
 Only + - * / and whole numbers occur, so the functions serve every kind of number alike: float,
-Fraction, mpf, arb, and arrays, elementwise. Components of three are along the normal, along the
-bat, and across both; all others are in space.
+Fraction, mpf, arb, and arrays, elementwise. Vectors have three components: of `slip` and `push`
+along the normal, along the bat, and across both; all others in space. An argument is the same
+everywhere:
+
+mass, radius, inertia_factor
+    Of the ball: m, in kg; R, in m; β = I/(m R²), dimensionless.
+bat_mass, inverse_bat_mass
+    M, in kg; 1/M of a free bat and 0 at a pivot, in 1/kg.
+inertia, axial_inertia
+    Of the bat, about an axis across it and about its own, in kg·m².
+bat_radius, arm
+    r_b; y of the contact, from the pivot or the bat's centre; in m.
+velocity, spin, bat_velocity, rotation
+    Of the ball, in m/s and rad/s; of the bat on its axis, in m/s; its angular velocity, in rad/s.
+normal
+    Unit vector, from bat to ball.
+reduced_mass, inverse_mass
+    μ, in kg; K_nn, K_ny, K_yy, K_tt of `inverse_mass`, in 1/kg.
+normal_speed, slip
+    Ṽ·n, negative if they approach; relative velocity at the contact; in m/s.
+restitution, tangential_restitution, friction
+    ẽ; e_T, from -1 to 1; μ_f; dimensionless.
+direction, resistance
+    Unit vector of the sliding, along the bat and across; D of `sliding_resistance`, in 1/kg.
+impulse, push
+    Along the normal; the whole of it; in N·s.
 """
 
 from typing import Any
@@ -15,74 +40,26 @@ Number = Any  # float, mpf, arb or array: whatever adds, multiplies and divides
 Vector = tuple[Number, Number, Number]
 
 
-def reduced_mass(
-    m: Number,
-    M: Number,
-) -> Number:  # noqa: N803  (the paper's letters)
+def reduced_mass(mass: Number, bat_mass: Number) -> Number:
     """Mass that the impulse between two free bodies meets: 1/μ = 1/m + 1/M.
 
-    Parameters
-    ----------
-    m : number
-        Mass of the ball, in kg.
-    M : number
-        Mass of the bat, in kg.
-
-    Returns
-    -------
-    Number
-        μ, in kg. The paper's Appendix A, below Eq. (A2).
+    μ, in kg. The paper's Appendix A, below Eq. (A2).
     """
-    return M * m / (M + m)
+    return bat_mass * mass / (bat_mass + mass)
 
 
-def impulse(
-    reduced_mass: Number,
-    restitution: Number,
-    normal_speed: Number,
-) -> Number:
+def impulse(reduced_mass: Number, restitution: Number, normal_speed: Number) -> Number:
     """Impulse that the ball receives along the normal; the bat receives the opposite.
 
-    Parameters
-    ----------
-    reduced_mass : number
-        μ, in kg.
-    restitution : number
-        ẽ, dimensionless.
-    normal_speed : number
-        Ṽ·n, negative if they approach, in m/s.
-
-    Returns
-    -------
-    Number
-        -μ (1 + ẽ) (Ṽ·n), in N·s. The paper's Eq. (A10) times Δt, which is its Eq. (9).
+    -μ (1 + ẽ) (Ṽ·n), in N·s. The paper's Eq. (A10) times Δt, which is its Eq. (9).
     """
     return -normal_speed * reduced_mass * (restitution + 1)
 
 
-def velocity_after(
-    velocity: Vector,
-    normal: Vector,
-    mass: Number,
-    impulse: Number,
-) -> Vector:
+def velocity_after(velocity: Vector, normal: Vector, mass: Number, impulse: Number) -> Vector:
     """Velocity of the ball after the impulse.
 
-    Parameters
-    ----------
-    velocity : 3 numbers
-        Of the ball, in m/s.
-    normal : 3 numbers
-        Unit normal, from bat to ball.
-    mass : number
-        Of the ball, in kg.
-    impulse : number
-        Along the normal, in N·s.
-
-    Returns
-    -------
-    Vector
-        V + (J/m) n, in m/s. The paper's Eq. (A1).
+    V + (J/m) n, in m/s. The paper's Eq. (A1).
     """
     V_x, V_y, V_z = velocity
     n_x, n_y, n_z = normal
@@ -93,26 +70,10 @@ def velocity_after(
     )
 
 
-def energy_change(
-    reduced_mass: Number,
-    restitution: Number,
-    normal_speed: Number,
-) -> Number:
+def energy_change(reduced_mass: Number, restitution: Number, normal_speed: Number) -> Number:
     """Change of the kinetic energy of ball and bat, factored so as not to cancel at ẽ = 1.
 
-    Parameters
-    ----------
-    reduced_mass : number
-        μ, in kg.
-    restitution : number
-        ẽ, dimensionless.
-    normal_speed : number
-        Ṽ·n, negative if they approach, in m/s.
-
-    Returns
-    -------
-    Number
-        -½ μ (1 - ẽ²) (Ṽ·n)², in J; positive if ẽ > 1. Not in the paper.
+    -½ μ (1 - ẽ²) (Ṽ·n)², in J; positive if ẽ > 1. Not in the paper.
     """
     return normal_speed * normal_speed * reduced_mass * (restitution - 1) * (restitution + 1) / 2
 
@@ -128,27 +89,7 @@ def slip(
 ) -> Vector:
     """Velocity of the ball relative to the bat at the contact, where both turn.
 
-    Parameters
-    ----------
-    velocity : 3 numbers
-        Of the ball, in m/s.
-    spin : 3 numbers
-        Of the ball, in rad/s.
-    bat_velocity : 3 numbers
-        Of the bat on its axis, in m/s.
-    rotation : 3 numbers
-        Angular velocity of the bat, in rad/s.
-    normal : 3 numbers
-        Unit normal, from bat to ball.
-    radius : number
-        R, of the ball, in m.
-    bat_radius : number
-        r_b, in m.
-
-    Returns
-    -------
-    Vector
-        g, along the normal, along the bat, and across both, in m/s; g_n is Ṽ·n.
+    g, in m/s; g_n is Ṽ·n.
     """
     V_x, V_y, V_z = velocity
     omega_x, omega_y, omega_z = spin
@@ -173,27 +114,7 @@ def inverse_mass(
 ) -> tuple[Number, ...]:
     """Change of the relative velocity at the contact for an impulse there: g' = g + K P.
 
-    Parameters
-    ----------
-    mass : number
-        Of the ball, in kg.
-    inertia_factor : number
-        β = I/(m R²) of the ball, dimensionless.
-    inverse_bat_mass : number
-        1/M of a free bat, 0 at a pivot, in 1/kg.
-    inertia : number
-        Of the bat, about an axis across it, in kg·m².
-    axial_inertia : number
-        Of the bat, about its own axis, in kg·m².
-    arm : number
-        y of the contact, from the pivot or the bat's centre, in m.
-    bat_radius : number
-        r_b, in m.
-
-    Returns
-    -------
-    tuple[Number, ...]
-        K_nn, K_ny, K_yy, K_tt, in 1/kg; n: normal, y: along the bat, t: across both.
+    K_nn, K_ny, K_yy, K_tt, in 1/kg; n: normal, y: along the bat, t: across both.
     """
     return (
         arm * arm / inertia + inverse_bat_mass + 1 / mass,
@@ -211,21 +132,7 @@ def gripping_impulse(
 ) -> Vector:
     """Impulse after which the ball does not slide: g' = -ẽ g_n n - e_T g_t.
 
-    Parameters
-    ----------
-    inverse_mass : 4 numbers
-        K_nn, K_ny, K_yy, K_tt of `inverse_mass`, in 1/kg.
-    restitution : number
-        ẽ, dimensionless.
-    tangential_restitution : number
-        e_T, from -1 to 1.
-    slip : 3 numbers
-        Relative velocity at the contact, along the normal, along the bat, and across both, in m/s.
-
-    Returns
-    -------
-    Vector
-        P, along the normal, along the bat, and across both, in N·s.
+    P, in N·s.
     """
     K_nn, K_ny, K_yy, K_tt = inverse_mass
     g_n, g_y, g_t = slip
@@ -237,25 +144,11 @@ def gripping_impulse(
 
 
 def sliding_resistance(
-    inverse_mass: tuple[Number, ...],
-    friction: Number,
-    direction: tuple[Number, ...],
+    inverse_mass: tuple[Number, ...], friction: Number, direction: tuple[Number, ...]
 ) -> Number:
     """What resists the impulse of a ball that slides; not positive: the two jam.
 
-    Parameters
-    ----------
-    inverse_mass : 4 numbers
-        K_nn, K_ny, K_yy, K_tt of `inverse_mass`, in 1/kg.
-    friction : number
-        μ_f, dimensionless.
-    direction : 2 numbers
-        Unit vector of the sliding: along the bat, and across.
-
-    Returns
-    -------
-    Number
-        D = n·K(n - μ_f t), in 1/kg.
+    D = n·K(n - μ_f t), in 1/kg.
     """
     K_nn, K_ny, K_yy, K_tt = inverse_mass
     t_y, t_t = direction
@@ -271,23 +164,7 @@ def sliding_impulse(
 ) -> Vector:
     """Impulse of Coulomb's friction on a ball that slides.
 
-    Parameters
-    ----------
-    resistance : number
-        Of `sliding_resistance`, in 1/kg.
-    restitution : number
-        ẽ, dimensionless.
-    friction : number
-        μ_f, dimensionless.
-    slip : 3 numbers
-        Relative velocity at the contact, along the normal, along the bat, and across both, in m/s.
-    direction : 2 numbers
-        Unit vector of the sliding: along the bat, and across.
-
-    Returns
-    -------
-    Vector
-        P = P_n (n - μ_f t), along the normal, along the bat, and across both, in N·s.
+    P = P_n (n - μ_f t), in N·s.
     """
     g_n, g_y, g_t = slip
     t_y, t_t = direction
@@ -298,29 +175,10 @@ def sliding_impulse(
     )
 
 
-def velocity_after_push(
-    velocity: Vector,
-    push: Vector,
-    normal: Vector,
-    mass: Number,
-) -> Vector:
+def velocity_after_push(velocity: Vector, push: Vector, normal: Vector, mass: Number) -> Vector:
     """Velocity of the ball after an impulse that is not along the normal.
 
-    Parameters
-    ----------
-    velocity : 3 numbers
-        Of the ball, in m/s.
-    push : 3 numbers
-        The impulse: along the normal, along the bat, and across both, in N·s.
-    normal : 3 numbers
-        Unit normal, from bat to ball.
-    mass : number
-        Of the ball, in kg.
-
-    Returns
-    -------
-    Vector
-        V + P/m, in m/s.
+    V + P/m, in m/s.
     """
     V_x, V_y, V_z = velocity
     P_n, P_y, P_t = push
@@ -342,25 +200,7 @@ def spin_after_push(
 ) -> Vector:
     """Spin of the ball after an impulse at the contact.
 
-    Parameters
-    ----------
-    spin : 3 numbers
-        Of the ball, in rad/s.
-    push : 3 numbers
-        The impulse: along the normal, along the bat, and across both, in N·s.
-    normal : 3 numbers
-        Unit normal, from bat to ball.
-    mass : number
-        Of the ball, in kg.
-    radius : number
-        R, of the ball, in m.
-    inertia_factor : number
-        β = I/(m R²) of the ball, dimensionless.
-
-    Returns
-    -------
-    Vector
-        ω - (R/I) n × P, in rad/s.
+    ω - (R/I) n × P, in rad/s.
     """
     omega_x, omega_y, omega_z = spin
     P_n, P_y, P_t = push
@@ -372,26 +212,10 @@ def spin_after_push(
     )
 
 
-def push_energy(
-    push: Vector,
-    slip: Vector,
-    inverse_mass: tuple[Number, ...],
-) -> Number:
+def push_energy(push: Vector, slip: Vector, inverse_mass: tuple[Number, ...]) -> Number:
     """Change of the kinetic energy of ball and bat by an impulse at the contact.
 
-    Parameters
-    ----------
-    push : 3 numbers
-        The impulse: along the normal, along the bat, and across both, in N·s.
-    slip : 3 numbers
-        Relative velocity at the contact, along the normal, along the bat, and across both, in m/s.
-    inverse_mass : 4 numbers
-        K_nn, K_ny, K_yy, K_tt of `inverse_mass`, in 1/kg.
-
-    Returns
-    -------
-    Number
-        P·(g + K P/2), in J; positive if the collision creates energy.
+    P·(g + K P/2), in J; positive if the collision creates energy.
     """
     P_n, P_y, P_t = push
     g_n, g_y, g_t = slip

@@ -18,15 +18,7 @@ from types import SimpleNamespace
 from typing import Any, Generic, NamedTuple
 
 from longball.model import trace
-from longball.model.aerodynamics import (
-    CRISIS,
-    DECAYS,
-    DRAG,
-    LIFT,
-    SPIN_TERMS,
-    TABLES,
-    spin_across,
-)
+from longball.model.aerodynamics import CRISIS, DECAYS, DRAG, LIFT, SPIN_TERMS, TABLES, spin_across
 from longball.model.atmosphere import THINNING
 from longball.model.earth import CORIOLIS
 from longball.model.force import (

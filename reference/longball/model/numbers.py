@@ -127,7 +127,19 @@ def doubt(x: N, error: N, question: str, numbers: Numbers[N]) -> str:
 
 
 class Single(Generic[N]):
-    """What number systems of one number at a time share."""
+    """What number systems of one number at a time share.
+
+    Attributes
+    ----------
+    precision
+        As messages have it.
+    """
+
+    precision: str
+
+    def arithmetic(self) -> AbstractContextManager[object]:
+        """Return a context that does nothing: these numbers bring their own precision."""
+        return nullcontext()
 
     def absent(self, value: float) -> bool:
         """Tell whether a number of a scene is zero."""
@@ -137,20 +149,28 @@ class Single(Generic[N]):
         """Return x if a condition holds, else y."""
         return x if condition else y
 
+    def positive(self, x: N, error: N, question: str) -> bool:
+        """Tell whether ``x > 0``; see `Numbers.positive`."""
+        # Exact zero with no error is a clean "no"; everything inside the error is not decided.
+        if abs(x) > error or x == cast(Any, error) == 0:
+            return bool(x > 0)
+        value, off = (float(cast(Any, number)) for number in (x, error))
+        raise Undecided(
+            f"{question} cannot be decided {self.precision}: "
+            f"the value {value:.3g} lies within its error {off:.3g}"
+        )
+
 
 class Doubles(Single[float]):
     """IEEE 754 double precision."""
 
+    precision = "in double precision"
     pi = math.pi
     rounding = 2.0**-53  # half an ulp of 1, relative
     sqrt = staticmethod(math.sqrt)  # correctly rounded; every evaluation of a force calls it
     functions: Mapping[str, Callable[..., float]] = MappingProxyType(
         {"sqrt": math.sqrt, "exp": math.exp, "log": math.log, "unit": ratio}
     )
-
-    def arithmetic(self) -> AbstractContextManager[None]:
-        """Return a context that does nothing: doubles are what they are."""
-        return nullcontext()
 
     def exact(self, value: float) -> float:
         """Return the double itself."""
@@ -159,16 +179,6 @@ class Doubles(Single[float]):
     def cos_sin(self, angle: float) -> tuple[float, float]:
         """Return cosine and sine of an angle in radians."""
         return math.cos(angle), math.sin(angle)
-
-    def positive(self, x: float, error: float, question: str) -> bool:
-        """Tell whether ``x > 0``; see `Numbers.positive`."""
-        # Exact zero with no error is a clean "no"; everything inside the error is not decided.
-        if abs(x) > error or x == error == 0.0:
-            return x > 0.0
-        raise Undecided(
-            f"{question} cannot be decided in double precision: "
-            f"the value {x:.3g} lies within its error {error:.3g}"
-        )
 
     def report(self, x: float) -> Number:
         """Return the double as it is."""

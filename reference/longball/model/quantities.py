@@ -24,7 +24,7 @@ _STEP = re.compile(r"(\w+)(\]?)", re.ASCII)
 
 
 def numbers(block: Any) -> Iterator[tuple[str, Any]]:
-    """Yield the name and the value of every number in a block, in the order of its keys.
+    """Return the name and the value of every number in a block, in the order of its keys.
 
     Parameters
     ----------
@@ -32,17 +32,12 @@ def numbers(block: Any) -> Iterator[tuple[str, Any]]:
         A pydantic model, or plain data as JSON has it. What is neither a number nor a block or
         list of them (texts, null) is passed over.
 
-    Yields
-    ------
-    tuple of str and float, int, `Bounded` or `Certified`
+    Returns
+    -------
+    iterator of tuple of str and float, int, `Bounded` or `Certified`
         Values as they are held.
     """
-    if _is_number(block):
-        yield "", block
-        return
-    for key, inner in _parts(block):
-        for way, value in numbers(inner):
-            yield key + (f".{way}" if way and way[0] != "[" else way), value
+    return ((name, value) for name, value in flat(block) if _is_number(value))
 
 
 def at(block: Any, name: str) -> Any:
@@ -114,8 +109,8 @@ def replaced(block: B, values: Mapping[str, object]) -> B:
 
 
 def flat(data: Any) -> Iterator[tuple[str, Any]]:
-    """Yield the name and the value of everything in plain data that has no parts."""
-    parts = list(_parts(data))
+    """Yield the name and the value of everything in data that has no parts, or is a number."""
+    parts = [] if _is_number(data) else list(_parts(data))
     if not parts:
         yield "", data
     for key, inner in parts:

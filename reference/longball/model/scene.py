@@ -313,9 +313,14 @@ class _FlyingScene(_Scene):
                 )
         return self
 
-    def _refuse_underground(self, key: str, z: float, floor: float) -> None:
+    @model_validator(mode="after")
+    def _above_ground(self) -> Self:
+        flight = isinstance(self, FlightScene)
+        block, key = ("launch", "position") if flight else ("pitch", "release")
+        z, floor = getattr(getattr(self, block), key)[2], landing_height(self)
         if z < floor:
-            _refuse(f"{key} = {z} is underground: the ball lands at height {floor}")
+            _refuse(f"{block}.{key}[2] = {z} is underground: the ball lands at height {floor}")
+        return self
 
 
 def landing_height(scene: Any) -> Any:
@@ -333,9 +338,8 @@ class FlightScene(_FlyingScene):
     fence: Fence | None = None
 
     @model_validator(mode="after")
-    def _above_ground(self) -> Self:
-        x, y, z = self.launch.position
-        self._refuse_underground("launch.position[2]", z, landing_height(self))
+    def _inside_the_fence(self) -> Self:
+        x, y, _ = self.launch.position
         _require_inside(self.fence, "launch.position", math.hypot(x, y))
         return self
 
@@ -350,11 +354,6 @@ class PitchScene(_FlyingScene):
     def ground(self) -> Ground:
         """The paper's field: a pitch scene does not name another."""
         return Ground()
-
-    @model_validator(mode="after")
-    def _above_ground(self) -> Self:
-        self._refuse_underground("pitch.release[2]", self.pitch.release[2], landing_height(self))
-        return self
 
 
 class ImpactScene(_Scene):
@@ -391,8 +390,7 @@ class AtBatScene(_FlyingScene):
     fence: Fence | None = None
 
     @model_validator(mode="after")
-    def _above_ground(self) -> Self:
-        self._refuse_underground("pitch.release[2]", self.pitch.release[2], landing_height(self))
+    def _has_support_inside_the_fence(self) -> Self:
         _require_support(self)
         farthest = math.hypot(self.ball.radius + self.bat.radius, self.bat.length / 2)
         _require_inside(self.fence, "the bat's reach", farthest)
@@ -413,12 +411,7 @@ def _require_support(scene: ImpactScene | AtBatScene) -> None:
 
 
 Scene = FlightScene | PitchScene | ImpactScene | AtBatScene
-KINDS: dict[str, type[Scene]] = {
-    "flight": FlightScene,
-    "pitch": PitchScene,
-    "impact": ImpactScene,
-    "at-bat": AtBatScene,
-}
+KINDS: dict[str, type[Scene]] = {x.model_fields["kind"].default: x for x in get_args(Scene)}
 
 
 def ids_of(scenes: Sequence[Scene]) -> list[str]:

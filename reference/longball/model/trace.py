@@ -332,14 +332,15 @@ class Program:
             tuple(derivative(o, by, known) for o in self.outputs for by, known in columns),
         )
 
-    def source(self, name: str) -> str:
-        """Return the code of a Python function of that name.
+    @cached_property
+    def source(self) -> str:
+        """The code of a Python function, `program`.
 
         It takes the parameters, one by one, and returns a function that takes the variables. Both
         call `sqrt`, `exp`, `log` and `unit` from their globals.
         """
         names = Names()
-        outer = [f"def {name}({', '.join(self.parameters)}):"]
+        outer = [f"def program({', '.join(self.parameters)}):"]
         inner = [f"    def rates({', '.join(self.variables)}):"]
         for node in self.nodes:
             if text := names.define(node):
@@ -348,10 +349,6 @@ class Program:
                 )
         inner.append(f"        return ({''.join(f'{names[o]}, ' for o in self.outputs)})")
         return "\n".join([*outer, *inner, "    return rates"]) + "\n"
-
-    @cached_property
-    def _source(self) -> str:
-        return self.source("program")
 
     def bind(
         self, values: Mapping[str, Any], functions: Mapping[str, Callable[..., Any]]
@@ -365,7 +362,7 @@ class Program:
         functions
             What `sqrt`, `exp`, `log` and `unit` are for the numbers at hand.
         """
-        make = run_source(self._source, "program", functions)
+        make = run_source(self.source, "program", functions)
         bound: Callable[..., tuple[Any, ...]] = make(*(values[name] for name in self.parameters))
         return bound
 

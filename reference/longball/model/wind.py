@@ -9,7 +9,7 @@ from collections.abc import Callable
 from typing import Any
 
 from longball.model import trace
-from longball.model.force import Branches, Strengths, Wind, piecewise, present, scaled, switched
+from longball.model.force import Branches, Piecewise, Strengths, Wind, present, scaled, switched
 from longball.model.numbers import N, Numbers, Vector
 from longball.model.trace import ZERO
 
@@ -85,7 +85,9 @@ def _blows_above(on: str) -> Callable[[Any, Any, Numbers[N]], Branches | None]:
 
 
 WINDS_ABOVE = tuple(
-    piecewise(
+    Piecewise(
+        ("above_s", "above_y", "above_z"),
+        switched,
         Wind(("above_s", "above_y", "above_z"), switched, _aloft, on == "both"),
         _blows_above(on),
         lambda motion, p: (motion.position[2], 1.0),
@@ -99,10 +101,7 @@ WINDS = tuple(
     for wind in (
         Wind(("wind_s", "wind_y", "wind_z"), _uniform(on), _same_everywhere, on == "both"),
         Wind(
-            ("log_wind_s", "log_wind_y", ROUGHNESS),
-            _logarithmic(on),
-            _higher_faster,
-            on == "both",
+            ("log_wind_s", "log_wind_y", ROUGHNESS), _logarithmic(on), _higher_faster, on == "both"
         ),
     )
 )

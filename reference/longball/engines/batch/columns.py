@@ -63,6 +63,7 @@ class Elementwise:
 
     pi = math.pi
     rounding = DOUBLES.rounding
+    sqrt = staticmethod(np.sqrt)  # correctly rounded
     functions: Mapping[str, Callable[..., Any]] = {
         "sqrt": np.sqrt,
         "exp": _one_by_one(math.exp),
@@ -82,18 +83,9 @@ class Elementwise:
         """Return x where a condition holds, else y."""
         return np.where(condition, x, y)[()]  # a number of numbers
 
-    def sqrt(self, x: Array) -> Array:
-        """Return the correctly rounded square roots."""
-        return np.sqrt(x)
-
     def cos_sin(self, angle: Array) -> tuple[Array, Array]:
-        """Return cosines and sines by the functions that `math` has, not by NumPy's vector code."""
-        angles = np.atleast_1d(angle)
-        cos, sin = (
-            np.fromiter(map(function, angles.tolist()), float, angles.size)
-            for function in (math.cos, math.sin)
-        )
-        return cos.reshape(np.shape(angle))[()], sin.reshape(np.shape(angle))[()]
+        """Return cosines and sines."""
+        return _one_by_one(math.cos)(angle), _one_by_one(math.sin)(angle)
 
     def positive(self, x: Array, error: Any, question: str) -> Any:
         """Tell where ``x > 0``, of numbers without error."""
@@ -217,11 +209,6 @@ class Columns:
     flyer: BatchFlyer
 
     numbers = NUMBERS
-
-    @property
-    def description(self) -> str:
-        """Name and settings."""
-        return self.flyer.description
 
     @property
     def flight_error(self) -> float:

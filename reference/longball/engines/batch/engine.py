@@ -41,7 +41,7 @@ from longball.engines.path import Flight, Path, Rest
 from longball.engines.polynomial import PolynomialPiece
 from longball.engines.series import recurrence
 from longball.model.law import Law, State
-from longball.model.numbers import DOUBLES, Doubles, Undecided, doubt
+from longball.model.numbers import DOUBLES, Undecided, doubt
 from longball.model.scene import Scene
 from longball.model.trace import Program
 
@@ -74,6 +74,8 @@ class Batch(ManyAtOnce):
 
     tolerance: float = 1e-13
 
+    numbers = DOUBLES
+
     def __post_init__(self) -> None:
         if not TIGHTEST <= self.tolerance <= LOOSEST:
             raise ValueError(
@@ -97,11 +99,6 @@ class Batch(ManyAtOnce):
         -ln(truncation)/2, and somewhat more, as a step has costs besides.
         """
         return round(-0.5 * math.log(self.truncation)) + 5
-
-    @property
-    def numbers(self) -> Doubles:
-        """Double precision."""
-        return DOUBLES
 
     @property
     def description(self) -> str:

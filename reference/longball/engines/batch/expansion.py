@@ -108,7 +108,9 @@ class _Writer:
         arguments = [self.type.as_pointer()] * pointers + [_INDEX] * integers + [_DOUBLE] * doubles
         self.function = ir.Function(module, ir.FunctionType(_INDEX, arguments), name)
         self.arguments = self.function.args
-        self.builder = ir.IRBuilder(self.function.append_basic_block())
+        self.builder = build = ir.IRBuilder(self.function.append_basic_block())
+        self.add, self.subtract = build.fadd, build.fsub
+        self.multiply, self.divide = build.fmul, build.fdiv
 
     def number(self, value: float) -> Value:
         """Return a number, the same in every lane."""
@@ -130,16 +132,13 @@ class _Writer:
         """Return an integer that indexes rows."""
         return ir.Constant(_INDEX, value)
 
-    def _address(self, array: Value, index: Value) -> Value:
-        return self.builder.gep(array, [index])
-
     def load(self, array: Value, index: Value) -> Value:
         """Return a row of an array."""
-        return self.builder.load(self._address(array, index), align=8)
+        return self.builder.load(self.builder.gep(array, [index]), align=8)
 
     def store(self, array: Value, index: Value, value: Value) -> None:
         """Write a row of an array."""
-        self.builder.store(value, self._address(array, index), align=8)
+        self.builder.store(value, self.builder.gep(array, [index]), align=8)
 
     def call(self, name: str, *arguments: Value) -> Value:
         """Call a function of LLVM: fma, sqrt, exp, log, fabs."""
@@ -153,22 +152,6 @@ class _Writer:
     def fma(self, a: Value, b: Value, c: Value) -> Value:
         """Return ``a b + c``, rounded once."""
         return self.call("fma", a, b, c)
-
-    def add(self, a: Value, b: Value) -> Value:
-        """Return ``a + b``."""
-        return self.builder.fadd(a, b)
-
-    def subtract(self, a: Value, b: Value) -> Value:
-        """Return ``a - b``."""
-        return self.builder.fsub(a, b)
-
-    def multiply(self, a: Value, b: Value) -> Value:
-        """Return ``a b``."""
-        return self.builder.fmul(a, b)
-
-    def divide(self, a: Value, b: Value) -> Value:
-        """Return ``a / b``."""
-        return self.builder.fdiv(a, b)
 
     def choose(self, a: Value, comparison: str, b: Value, yes: Value, no: Value) -> Value:
         """Return `yes` in the lanes where a comparison holds, else `no`; it fails for NaN."""
@@ -757,7 +740,7 @@ def _kernel(program: Program) -> Kernel:
         codemodel="jitdefault",
         jit=True,
     )
-    code = stored("law", [program.source("rates")], compiled)
+    code = stored("law", [program.source], compiled)
     engine = binding.create_mcjit_compiler(binding.parse_assembly(""), target)
     engine.add_object_file(binding.ObjectFileRef.from_data(code))
     engine.finalize_object()

@@ -140,7 +140,9 @@ def new_flights(program: Program, shape: tuple[int, ...], events: int) -> Record
     return flights
 
 
-def fly_all(kernel: Kernel, flights: Records, order: int, truncation: float) -> Records:
+def fly_all(
+    kernel: Kernel, flights: Records, order: int, truncation: float, steps: Array | None = None
+) -> Records:
     """Fly every flight to its end.
 
     Parameters
@@ -152,31 +154,13 @@ def fly_all(kernel: Kernel, flights: Records, order: int, truncation: float) -> 
         Of the series.
     truncation
         Size of the last terms of the velocity in a step, relative to the speed.
+    steps : array of shape (steps, 1 + variables)
+        Filled with time, s, and state at the beginning of each step of the one flight.
 
     Returns
     -------
     records of `arrival_dtype`, of the same shape
     """
-    return _flown(kernel, flights, order, truncation, np.array([]))
-
-
-def trail(kernel: Kernel, flights: Records, order: int, truncation: float) -> tuple[Records, Array]:
-    """Fly one flight to its end; return its arrival, and the way there.
-
-    Returns
-    -------
-    record of `arrival_dtype`
-    array of shape (steps, 1 + variables)
-        Time, s, and state at the beginning of each step.
-    """
-    arrival = fly_all(kernel, flights, order, truncation)
-    steps = np.empty((arrival["steps"].item(), 1 + len(kernel.layout.program.variables)))
-    return _flown(kernel, flights, order, truncation, steps), steps
-
-
-def _flown(
-    kernel: Kernel, flights: Records, order: int, truncation: float, steps: Array
-) -> Records:
     program, layout = kernel.layout.program, kernel.layout
     functions = flights.dtype["events"].shape[0] + 1
     variables, parameters = len(program.variables), len(program.parameters)
@@ -184,6 +168,7 @@ def _flown(
     arrivals = np.empty(len(starts), arrival_dtype(program))
     lanes, rest = layout.allocate(order, WIDTH), layout.allocate(order, 1)
     rows, width = lanes.shape[1], 2 * order + 4
+    steps = np.array([]) if steps is None else steps
     _fly_all(
         (kernel.step, kernel.rest, layout.parameters * rows, layout.step * rows),
         (variables, parameters, functions, order, rows, width),
@@ -202,6 +187,13 @@ def _flown(
         len(steps),
     )
     return arrivals.reshape(flights.shape)
+
+
+def trail(kernel: Kernel, flights: Records, order: int, truncation: float) -> tuple[Records, Array]:
+    """Fly one flight to its end; return its arrival, and its steps as `fly_all` has them."""
+    arrival = fly_all(kernel, flights, order, truncation)
+    steps = np.empty((arrival["steps"].item(), 1 + len(kernel.layout.program.variables)))
+    return fly_all(kernel, flights, order, truncation, steps), steps
 
 
 # --- the loop -------------------------------------------------------------------------------------
@@ -296,7 +288,7 @@ def _fly_all(
     recorded: int,
 ) -> None:
     variables, parameters, functions, order, rows, width = sizes
-    flight_size, arrival_size, count = record_sizes
+    count = record_sizes[2]
     x, rest = unowned_view(memory[0]), unowned_view(memory[1])
     work = unowned_view(memory[4])
     scratch = shifted(work, variables * width)
@@ -327,8 +319,8 @@ def _fly_all(
         shifted(scratch, 4 * width),
         shifted(scratch, 5 * width),
     )
-    starts, ends = unowned_view(records[0]), unowned_view(records[1])
-    marks, active, way = unowned_view(records[2]), unowned_view(numbers), unowned_view(steps)
+    pointers = unowned_view(records[0]), unowned_view(records[1]), unowned_view(records[2])
+    active, way = unowned_view(numbers), unowned_view(steps)
     time_row, length_row = (variables + TIME) * WIDTH, (variables + LENGTH) * WIDTH
     waited_row, farthest_row = (variables + WAITED) * WIDTH, (variables + FARTHEST) * WIDTH
     clearance_row = (variables + CLEARANCE) * WIDTH
@@ -339,13 +331,7 @@ def _fly_all(
         busy = 0
         for lane in range(WIDTH):
             if active[lane] == _NONE and next_one < count:
-                slot = _Slot(
-                    shifted(starts, next_one * flight_size),
-                    shifted(ends, next_one * arrival_size),
-                    shifted(marks, next_one * arrival_size),
-                    lane,
-                )
-                _launch(s, slot)
+                _launch(s, _slot(pointers, record_sizes, next_one, lane))
                 active[lane] = next_one
                 next_one += 1
             busy += active[lane] != _NONE
@@ -359,12 +345,7 @@ def _fly_all(
             i = active[lane]
             if i == _NONE:
                 continue
-            slot = _Slot(
-                shifted(starts, i * flight_size),
-                shifted(ends, i * arrival_size),
-                shifted(marks, i * arrival_size),
-                lane,
-            )
+            slot = _slot(pointers, record_sizes, i, lane)
             if _overflows(s, lane, order):
                 slot.mark[_STOP], active[lane] = OUT_OF_RANGE, _NONE
                 continue
@@ -404,6 +385,13 @@ def _fly_all(
                 slot.mark[_STOP], active[lane] = OUT_OF_RANGE, _NONE
             elif length == 0.0 or slot.mark[_STEPS] >= MOST_STEPS:
                 slot.mark[_STOP], active[lane] = TOO_LONG, _NONE
+
+
+@inner
+def _slot(pointers: Any, sizes: tuple[int, int, int], number: Integer, lane: int) -> _Slot:
+    flight, arrival = number * sizes[0], number * sizes[1]
+    starts, ends, marks = pointers
+    return _Slot(shifted(starts, flight), shifted(ends, arrival), shifted(marks, arrival), lane)
 
 
 @inner

@@ -11,11 +11,7 @@ from longball.engines.chain.collision import Ball, ContactState, meet, solve_imp
 from longball.engines.chain.flying import fly, lift_is_always_up, to_ground, to_plate
 from longball.engines.chain.landing import land, solve_flights
 from longball.engines.contact import BatSection, margin_error
-from longball.engines.engine import (
-    Launch,
-    Stepped,
-    Touch,
-)
+from longball.engines.engine import Launch, Stepped, Touch
 from longball.engines.event import Event, vertical
 from longball.engines.path import Flight
 from longball.model.frame import Frame, launch_frame

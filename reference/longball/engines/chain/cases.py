@@ -6,11 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, Generic
 
-from longball.engines.engine import (
-    CannotSolve,
-    Engine,
-    Touch,
-)
+from longball.engines.engine import CannotSolve, Engine, Touch
 from longball.engines.event import Event, ground
 from longball.engines.path import Flight
 from longball.model.frame import Frame

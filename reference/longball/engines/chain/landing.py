@@ -4,15 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Generic, cast
 
 from longball.engines.chain.cases import Cases
 from longball.engines.chain.flying import fly, to_ground
-from longball.engines.engine import (
-    Engine,
-    Launch,
-    Stepped,
-)
+from longball.engines.engine import Engine, Launch, Stepped
 from longball.engines.event import Event, Piece
 from longball.engines.fence import Place, Stop, at_stop, first_crossing, stop_at
 from longball.engines.path import Flight, Path
@@ -52,12 +49,14 @@ def land(cases: Cases[N], launch: Launch[N], outcome: Outcome) -> None:
     elif cases.scene.fence is None:
         _land(cases, ball, outcome)
     elif "v" not in ball.law.program.variables and not isinstance(cases.engine, Stepped):
-        flight = fly(cases, ball.law, frame, start, to_ground, _to_fence, _to_fence_behind)
+        senses = {"fence": 1, "fence_behind": -1}
+        fences = (partial(_to_fence, name, sense) for name, sense in senses.items())
+        flight = fly(cases, ball.law, frame, start, to_ground, *fences)
         ahead, behind = flight.stopped("fence"), flight.stopped("fence_behind")
         inside, stayed, whole = cases.take((ahead | behind) ^ True, ball, flight)
         _come_down(inside, stayed, whole, outcome)
-        for sense, there in ((1, ahead), (-1, behind)):
-            some, out, way = cases.take(there, ball, flight)
+        for name, sense in senses.items():
+            some, out, way = cases.take(flight.stopped(name), ball, flight)
             if not some.empty:
                 place = _stop(some, out.frame, out.start, sense).place
                 _meet_fence(some, out, way, place, outcome)
@@ -82,11 +81,7 @@ def _land(cases: Cases[N], ball: Batted[N], outcome: Outcome) -> None:
 
 
 def _come_down(
-    cases: Cases[N],
-    ball: Batted[N],
-    flight: Flight[N],
-    outcome: Outcome,
-    fair: bool | None = None,
+    cases: Cases[N], ball: Batted[N], flight: Flight[N], outcome: Outcome, fair: bool | None = None
 ) -> None:
     """Conclude flights that end on the ground, or with the time limit.
 
@@ -144,8 +139,8 @@ def _may_loop(cases: Cases[N], law: Law[N]) -> bool:
     """Tell whether nothing but lift about a fixed axis and gravity acts, in some of the cases."""
     return (
         LIFT in law.forces
-        and {DRAG, LIFT, GRAVITY}.issuperset(law.forces)
         and cases.numbers.absent(cast(Any, law.strengths.get("drag", 0.0)))
+        and {DRAG, LIFT, GRAVITY}.issuperset(law.forces)
         and cases.scene.reading.lift_direction == "fixed_spin_axis"
         and not isinstance(cases.engine, Stepped)  # whose scheme may well come down
     )
@@ -189,12 +184,8 @@ def _when_asked(engine: Engine[N], law: Law[N], start: State[N], limit: N) -> It
 # --- the fence ------------------------------------------------------------------------------------
 
 
-def _to_fence(cases: Cases[N], frame: Frame[N], start: State[N]) -> Event[N]:
-    return at_stop("fence", _stop(cases, frame, start, 1), 1, cases.numbers)
-
-
-def _to_fence_behind(cases: Cases[N], frame: Frame[N], start: State[N]) -> Event[N]:
-    return at_stop("fence_behind", _stop(cases, frame, start, -1), -1, cases.numbers)
+def _to_fence(name: str, sense: int, cases: Cases[N], frame: Frame[N], start: State[N]) -> Event[N]:
+    return at_stop(name, _stop(cases, frame, start, sense), sense, cases.numbers)
 
 
 def _flight_error(cases: Cases[N]) -> float:

@@ -12,13 +12,7 @@ from longball.engines.chain.at_bat import CHAINS, Approach, Meeting, approach_ba
 from longball.engines.chain.cases import Cases
 from longball.engines.chain.collision import MODEL, Model
 from longball.engines.chain.landing import Batted, land_in_space
-from longball.engines.engine import (
-    CannotSolve,
-    Engine,
-    ManyAtOnce,
-    OutOfRange,
-    Touch,
-)
+from longball.engines.engine import CannotSolve, Engine, ManyAtOnce, OutOfRange, Touch
 from longball.engines.parallel import in_parallel
 from longball.engines.path import Flight, Leg, Trajectory
 from longball.model import result as written
@@ -31,18 +25,17 @@ from longball.model.scene import AtBatScene, InvalidScene, Scene
 
 @dataclass(frozen=True)
 class OneCase(Cases[N]):
-    """A scene, whose results are written into `answer`, and the way of its ball into `legs`."""
+    """A scene, whose results are written into `answer`, and the way of its ball into `legs`.
+
+    Once its outcome is known it is there no more.
+    """
 
     scene: Scene
     engine: Engine[N]
     model: Model
     answer: dict[str, Any] = field(default_factory=dict)
     legs: list[Leg[N]] = field(default_factory=list)
-
-    @property
-    def empty(self) -> bool:
-        """See `Cases`."""
-        return False
+    empty: bool = False
 
     def decide(self, x: N, error: N, question: str) -> tuple[bool, bool]:
         """See `Cases`."""
@@ -51,7 +44,8 @@ class OneCase(Cases[N]):
 
     def refuse(self, reason: CannotSolve | Undecided) -> None:
         """See `Cases`."""
-        raise reason
+        if not self.empty:
+            raise reason
 
     def touched(self, touch: Touch[N]) -> tuple[bool, bool]:
         """See `Cases`."""
@@ -61,7 +55,7 @@ class OneCase(Cases[N]):
 
     def take(self, condition: bool, *values: Any) -> tuple[Any, ...]:
         """See `Cases`."""
-        return self if condition else _Nobody(self.scene, self.engine, self.model), *values
+        return self if condition else replace(self, empty=True), *values
 
     def either(
         self, condition: bool, yes: Callable[..., Any], no: Callable[..., Any], *values: Any
@@ -75,15 +69,17 @@ class OneCase(Cases[N]):
 
     def follow(self, frame: Frame[N], flight: Flight[N], begin: N) -> None:
         """See `Cases`."""
-        self.legs.append(Leg(begin, frame, flight))
+        if not self.empty:
+            self.legs.append(Leg(begin, frame, flight))
 
     def record(self, name: str, value: Any) -> None:
         """See `Cases`."""
-        self.answer[name] = value
+        if not self.empty:
+            self.answer[name] = value
 
     def conclude(self, outcome: Outcome) -> None:
         """See `Cases`."""
-        self.answer["outcome"] = outcome
+        self.record("outcome", outcome)
 
     def result(self, error: InvalidScene | Undecided | CannotSolve | None = None) -> Result:
         """Return what has been written, as a result; with an error, if there is one."""
@@ -105,26 +101,6 @@ class OneCase(Cases[N]):
         if isinstance(value, tuple):
             return tuple(map(self.numbers.report, value))
         return value if isinstance(value, str | int) else self.numbers.report(value)
-
-
-class _Nobody(OneCase[N]):
-    """The one scene, once its outcome is known."""
-
-    @property
-    def empty(self) -> bool:
-        return True
-
-    def follow(self, frame: Frame[N], flight: Flight[N], begin: N) -> None:
-        pass
-
-    def record(self, name: str, value: Any) -> None:
-        pass
-
-    def conclude(self, outcome: Outcome) -> None:
-        pass
-
-    def refuse(self, reason: CannotSolve | Undecided) -> None:
-        pass
 
 
 BLOCKS: dict[str, type[Any]] = {

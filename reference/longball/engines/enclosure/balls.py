@@ -60,11 +60,7 @@ class Balls(Single[arb]):
             return True
         if x <= -error:
             return False
-        raise Undecided(self.open(question, x))
-
-    def open(self, question: str, x: arb) -> str:
-        """Say that a question is open, since `x` may be zero."""
-        return (
+        raise Undecided(
             f"{question} cannot be decided with {self.digits} digits: "
             f"the value is zero but for {float(x.abs_upper()):.3g}; take more digits"
         )

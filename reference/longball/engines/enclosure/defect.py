@@ -21,9 +21,6 @@ TRANSCENDENTAL = ("sqrt", "quotient", "exp", "log")
 class Defect:
     """What polynomials miss a program's equations ``x' = f(x)`` by.
 
-    Sums and products of polynomials are polynomials. For every other node there is an approximating
-    polynomial, whose own equation it misses by a *residual*, a polynomial again.
-
     Parameters
     ----------
     program
@@ -36,10 +33,7 @@ class Defect:
     """
 
     def __init__(
-        self,
-        program: Program,
-        static: Mapping[Node, arb],
-        approximations: Mapping[Node, arb_poly],
+        self, program: Program, static: Mapping[Node, arb], approximations: Mapping[Node, arb_poly]
     ) -> None:
         self._static = static
         self._nodes = dynamic(program)

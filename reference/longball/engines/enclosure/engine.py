@@ -74,43 +74,29 @@ class Motion:
     late: arb
 
 
-class _Steps:
-    """The steps of a flight, one after the other."""
-
-    def __init__(self, system: System, start: State[arb], limit: arb, bits: int) -> None:
-        self._system = system
-        self._limit = limit
-        self._bits = bits
-        structure = system.structure
-        core = [getattr(start, name) for name in structure.core.variables]
-        self._core = start_of(core, arb(0), structure.weights)
-        self._floor = _is_uncertain(system, bits)
-        # What a rounding of the launch's speed is, is no speed.
-        self._negligible = _speed(self._core, structure) * arb(2) ** -bits
-
-    def next(self, begin: arb, state: State[arb]) -> EnclosedPiece:
-        """Take a step from a state, the one that the step before ended with."""
-        system, structure = self._system, self._system.structure
-        core = brought_to_rest(self._core, structure, self._negligible)
-        motion = proven(system, core, self._limit - begin, self._bits, self._floor)
-        families: dict[str, Any] = {}
-        for name, weight, p in zip(
-            structure.core.variables, structure.weights, motion.polynomials, strict=True
-        ):
-            error = arb_poly([arb(0, motion.early / weight), arb(0, motion.late / weight)])
-            families[name] = p + error
-        for name, (rest, terms) in structure.quadratures.items():
-            rate = arb_poly([system.static[rest]])
-            for c, x in terms:
-                rate += system.static[c] * families[x.args[0]]
-            families[name] = getattr(state, name) + rate.integral()
-        length = (motion.length - 2 * begin.rad()).lower()
-        self._core = start_of(
-            [p(length) for p in motion.polynomials],
-            motion.early + motion.late * length,
-            structure.weights,
-        )
-        return EnclosedPiece(begin, length, type(state)(**families))
+def _piece(
+    system: System, motion: Motion, begin: arb, state: State[arb]
+) -> tuple[EnclosedPiece, Start]:
+    """Return the piece that a motion makes from a state on, and the core at its end."""
+    structure = system.structure
+    families: dict[str, Any] = {}
+    for name, weight, p in zip(
+        structure.core.variables, structure.weights, motion.polynomials, strict=True
+    ):
+        error = arb_poly([arb(0, motion.early / weight), arb(0, motion.late / weight)])
+        families[name] = p + error
+    for name, (rest, terms) in structure.quadratures.items():
+        rate = arb_poly([system.static[rest]])
+        for c, x in terms:
+            rate += system.static[c] * families[x.args[0]]
+        families[name] = getattr(state, name) + rate.integral()
+    length = (motion.length - 2 * begin.rad()).lower()
+    core = start_of(
+        [p(length) for p in motion.polynomials],
+        motion.early + motion.late * length,
+        structure.weights,
+    )
+    return EnclosedPiece(begin, length, type(state)(**families)), core
 
 
 def start_of(state: Sequence[arb], error: arb, weights: Sequence[float]) -> Start:
@@ -317,22 +303,24 @@ class Enclosure(PathEngine[arb]):
         return 0.0
 
     def steps(
-        self,
-        law: Law[arb],
-        start: State[arb],
-        begin: arb,
-        limit: arb,
-        events: Sequence[Event[Any]],
+        self, law: Law[arb], start: State[arb], begin: arb, limit: arb, events: Sequence[Event[Any]]
     ) -> Iterator[EnclosedPiece]:
         """Yield the pieces of a flight; see `PathEngine.steps`."""
         balls = self.numbers
         with balls.arithmetic():
             system = System(law, balls)
-            steps = _Steps(system, start, limit, balls.bits)
+            structure = system.structure
+            state = [getattr(start, name) for name in structure.core.variables]
+            core = start_of(state, arb(0), structure.weights)
+            has_floor = _is_uncertain(system, balls.bits)
+            # What a rounding of the launch's speed is, is no speed.
+            negligible = _speed(core, structure) * arb(2) ** -balls.bits
         most = _MOST_WORK // (len(system.rows) * _order(balls.bits) ** 2)
         for _ in range(most):
             with balls.arithmetic():
-                piece = steps.next(begin, start)
+                core = brought_to_rest(core, structure, negligible)
+                motion = proven(system, core, limit - begin, balls.bits, has_floor)
+                piece, core = _piece(system, motion, begin, start)
                 begin, start = begin + piece.length, piece.at(piece.length)
             yield piece
             if not begin < limit:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
-from typing import Any
 
 from flint import arb
 
@@ -134,21 +133,6 @@ def static_values(
     program: Program, strengths: Mapping[str, arb], functions: Mapping[str, Callable[..., arb]]
 ) -> dict[Node, arb]:
     """Return the values of the nodes that depend on parameters alone."""
-    values: dict[Node, Any] = {ZERO: arb(0), constant(1.0): arb(1)}
-    for node in program.nodes:
-        if not node.static:
-            continue
-        match node.kind:
-            case "constant":
-                values[node] = arb(node.args[0])
-            case "parameter":
-                values[node] = strengths[node.args[0]]
-            case "plus":
-                values[node] = values[node.args[0]] + values[node.args[1]]
-            case "product":
-                values[node] = values[node.args[0]] * values[node.args[1]]
-            case "quotient":
-                values[node] = values[node.args[0]] / values[node.args[1]]
-            case kind:
-                values[node] = functions[kind](values[node.args[0]])
-    return values
+    nodes = (ZERO, constant(1.0), *(node for node in program.nodes if node.static))
+    values = Program((), program.parameters, nodes).bind(strengths, functions)()
+    return dict(zip(nodes, map(arb, values), strict=True))
