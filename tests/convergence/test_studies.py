@@ -7,11 +7,13 @@ import math
 import jsonschema
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 import longball as lb
 from longball.convergence import ConvergenceReport, converge, studies, study
-from longball.convergence.family import phase_step
-from longball.convergence.figure import save_convergence
+from longball.convergence.family import _widened, phase_step
+from longball.convergence.figure import draw_convergence, save_convergence
+from longball.convergence.order import PowerLaw
 from longball.engines.chain import solve
 from longball.engines.verlet import Verlet
 from longball.model.result import Landing, Result
@@ -178,6 +180,72 @@ def test_phases_are_spread_over_the_step():
     gaps = np.diff([*phases, phases[0] + 1.0])
     assert gaps.max() < 2.7 / 8  # three-gap theorem: never more than φ² times the mean
     assert phase_step(step, clock, 0) == step
+    for phase in range(1, 8):  # a multiple of the golden ratio
+        behind = clock / phase_step(step, clock, phase) - clock / step
+        assert behind == pytest.approx(phase * (math.sqrt(5) + 1) / 2 % 1.0, abs=1e-9)
+
+
+@pytest.mark.parametrize("phases", [2, 8])
+def test_means_over_phases_widen_the_interval_of_an_order(phases):
+    """An error of 1/√(2 phases) in each log e is one of that over √Σ(x - mean)² in the slope."""
+    steps = np.geomspace(1.0, 1e-3, 7)
+    x = np.log(steps[1:6])
+    slope = 1 / math.sqrt(2 * phases) / math.sqrt(np.var(x) * 5)
+    wide = _widened(PowerLaw(2.0, 1.9, 2.1, 1.0, 1, 5), steps, phases)
+    half = math.sqrt(0.1**2 + (2 * slope) ** 2)  # two standard deviations
+    assert (wide.low, wide.high) == pytest.approx((2.0 - half, 2.0 + half), rel=1e-12)
+    assert wide.order == 2.0
+
+
+def test_events_at_the_start_are_no_clock():
+    def at(plate, landing):
+        values = {"plate.time": [plate], "landing.time": [landing], "landing.distance": [9.0]}
+        return studies.Sample("a", "landed", values)
+
+    events = studies._first_and_last_event
+    assert events([at(0.5, 4.0), at(0.4, 3.0)]) == (0.4, 4.0)
+    assert events([at(0.0, 4.0)]) == (4.0, 4.0)
+    assert events([studies.Sample("a", None, {})]) == (1.0, 1.0)  # nothing happens
+
+
+def test_only_what_a_scene_should_end_with_is_observed():
+    def sample(outcome, **values):
+        return studies.Sample("a", outcome, {k.replace("_", "."): v for k, v in values.items()})
+
+    right = sample("landed", landing_distance=[9.0])
+    should = [right, sample("missed"), right, right, right]
+    results = [
+        sample("landed", landing_distance=[8.0]),
+        sample("missed", landing_distance=[7.0]),
+        sample("airborne", landing_distance=[6.0]),
+        sample("landed"),
+        sample(None, landing_distance=[5.0]),
+    ]
+    seen = {one.quantity: one.values for one in studies._observed(results, should)}
+    np.testing.assert_array_equal(seen["distance"][:, 0], [8.0, *[math.nan] * 3, 5.0])
+    assert np.isnan(seen["landing time"]).all()
+
+
+def test_faults_are_wrong_limits_and_orders_that_were_expected():
+    (seen,) = study(lambda h: h, STEPS, truth=0.0).orders
+    verdicts = ["as expected", "exact", "wrong limit", "other order", "not resolved"]
+    for expected, wanted in ((None, verdicts[2:3]), (2.0, verdicts[2:])):
+        orders = [seen.model_copy(update={"verdict": v, "expected": expected}) for v in verdicts]
+        report = ConvergenceReport(
+            engine=None, against_truth=True, orders=tuple(orders), limits=(), lost=()
+        )
+        assert report.faults == [f"value: {verdict}" for verdict in wanted]
+        assert not report.passed
+    none = report.model_copy(update={"orders": ()})
+    assert (none.passed, len(none.faults)) == (False, 1)
+
+
+def test_one_scene_is_enough():
+    run, truth = implementation(lambda h, v: v * h)
+    report = converge(lambda h: run(h)[:1], SCENES[:1], STEPS, truth[:1], 1)
+    assert distance_of(report).verdict == "as expected"
+    with pytest.raises(ValueError, match="no scene to converge in"):
+        converge(run, [], STEPS)
 
 
 def test_a_limit_that_is_not_the_truth_is_found():
@@ -312,6 +380,27 @@ def test_the_table_has_every_step(report):
     rows = report.csv().splitlines()
     assert len(rows) == 1 + len(report.orders) * len(STEPS)
     assert rows[0] == "quantity,unit,step_s,error,scenes,phases,use"
+
+
+def test_the_picture_shows_every_step_and_the_law_through_those_that_are_fitted(report):
+    axes = Figure().add_subplot()
+    draw_convergence(axes, report)
+    lines, labels = list(axes.lines), [t.get_text() for t in axes.get_legend().get_texts()]
+    for order, label in zip(report.orders, labels, strict=True):
+        assert label.startswith(order.quantity)
+        fitted = [(step, error) for step, error, use in order.errors if use == "fitted"]
+        if order.order is not None:
+            assert label == f"{order.quantity}, order {order.order:.2f}"
+            law = np.array([[h, order.constant * h**order.order] for h, _ in fitted])
+            np.testing.assert_allclose(lines.pop(0).get_xydata(), law)
+        every, filled = lines.pop(0), lines.pop(0)
+        assert every.get_xydata().tolist() == [[h, e] for h, e, _ in order.errors]
+        assert filled.get_xydata().tolist() == [[h, e] for h, e in fitted]
+        assert every.get_markerfacecolor() == "none"
+        assert filled.get_color() == every.get_color()
+    assert lines == []
+    assert any(order.order is not None for order in report.orders)
+    assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")
 
 
 def test_the_picture_is_drawn(report, tmp_path):

@@ -55,7 +55,7 @@ from longball.model.scene import (
 )
 
 # What only compiled functions can call, for Python to call.
-first_fall, two_values, curvature, downward, first_zero = (
+first_fall, two_values, curvature, downward, first_zero, value_and_rate, root_value = (
     numba.njit(function.py_func, error_model="numpy")  # type: ignore[attr-defined]
     for function in (
         roots.first_fall,
@@ -63,6 +63,8 @@ first_fall, two_values, curvature, downward, first_zero = (
         roots.curvature,
         roots.downward,
         roots.first_zero,
+        roots._height_and_rate,
+        roots.value,
     )
 )
 
@@ -469,6 +471,76 @@ def test_no_curvature_is_beyond_its_bounds(coefficients: list[float], end: float
     assert downward(slope, 0, end) == 0.0
 
 
+@pytest.mark.parametrize("degree", range(1, 8))
+def test_sums_of_whole_coefficients_are_exact(degree: int) -> None:
+    """Values and rates; and the bounds on p'' term by term, of which the lowest keeps its sign."""
+    p = np.array([3.0, -5.0, 2.0, 7.0, -1.0, 4.0, -6.0, 2.0])[: degree + 1]
+    series = np.polynomial.Polynomial(p)
+    slope = series.deriv().coef
+    for t in (0.0, 0.5, 2.0):
+        assert root_value(p, degree, t) == series(t)
+        assert value_and_rate(p, slope, degree, t) == (series(t), series.deriv()(t))
+        bends = [k * abs(slope[k]) * t ** (k - 1) for k in range(1, degree)]
+        assert curvature(slope, degree - 1, t) == sum(bends)
+        if degree > 1:
+            assert downward(slope, degree - 1, t) == sum(bends[1:]) - slope[1]
+
+
+@pytest.mark.parametrize("begin", [0.0, 0.25, 0.5])
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize("level", [0.0, 0.125])
+def test_a_root_is_looked_for_from_a_time_on_and_at_a_level(
+    begin: float, sign: float, level: float
+) -> None:
+    """Of a parabola that is least at 1: ``sign p = (t - 1)² - 1/4 + level``, zero at 1/2, 3/2."""
+    p = sign * np.array([0.75 + level, -2.0, 1.0])
+    slope = np.array([p[1], 2 * p[2]])
+    for upper in (-2.0, -1.0, 2.0):  # -sign p'' is -2
+        found = first_zero(p, slope, 2, sign, level, begin, 3.0, upper)
+        assert found == pytest.approx(0.5, abs=1e-15)
+    # From below zero on the fall is there at once, on the rise it is none.
+    assert first_zero(p, slope, 2, sign, level, 0.75, 3.0, 2.0) == 0.75
+    assert first_zero(p, slope, 2, sign, level, 1.25, 3.0, 0.0) == NEVER
+    assert first_zero(p, slope, 2, sign, level, 1.75, 3.0, 2.0) == NEVER
+    assert first_zero(p, slope, 2, sign, level, 0.0, 0.49, 2.0) == NEVER
+
+
+@given(st.lists(st.floats(-3.0, 3.0), min_size=3, max_size=7), st.floats(1e-12, 0.3))
+def test_the_first_fall_is_that_of_a_search_on_a_grid(
+    coefficients: list[float], error: float
+) -> None:
+    """Before what is found nothing is below the error's other side; there it is, or in doubt."""
+    p = np.array([abs(coefficients[0]) + 2 * error, *coefficients[1:]])
+    degree = len(p) - 1
+    slope, scratch = np.polynomial.polynomial.polyder(p), np.zeros(degree + 3)
+    time, least = first_fall(p, slope, scratch, degree, 1.0, error)
+    times = np.linspace(0.0, 1.0, 2001)
+    heights = np.polynomial.polynomial.polyval(times, p)
+    slack = 1e-12 + 1e-6 * error
+    assert not math.isnan(time)
+    if time == NEVER:
+        assert (heights[:-1] >= -error - slack).all() or heights[-1] <= slack
+        return
+    assert heights[times < time].min(initial=math.inf) >= -error - slack
+    there = float(np.polynomial.polynomial.polyval(time, p))
+    if math.isnan(least):
+        assert abs(there) <= slack
+        assert time == 1.0 or float(np.polynomial.polynomial.polyval(time, slope)) <= 1e-5
+    else:
+        assert there == pytest.approx(least, abs=slack)
+        assert abs(least) <= error
+
+
+def test_a_root_where_the_bound_on_the_curvature_vanishes() -> None:
+    """Of ``1/10 - t + t²/2 - t³/6``, of which -p'' = t - 1 is at most 0 up to 1."""
+    p = np.array([0.1, -1.0, 0.5, -1 / 6])
+    slope = np.polynomial.polynomial.polyder(p)
+    assert downward(slope, 2, 1.0) == 0.0
+    time, _ = first_fall(p, slope, np.zeros(6), 3, 1.0, 1e-13)
+    truth = np.polynomial.polynomial.polyroots(p)
+    assert time == pytest.approx(truth[abs(truth.imag) < 1e-9].real.min(), rel=1e-12)
+
+
 def test_a_root_beyond_the_end_is_none() -> None:
     p, slope, _, degree = polynomial(1.01, 1.5, -2.0)
     bend = curvature(slope, degree - 1, 1.0)
@@ -490,6 +562,17 @@ def test_a_dip_within_the_error_is_in_doubt() -> None:
         assert time == pytest.approx(verdict, abs=1e-4)
         in_doubt = lift if abs(lift) < 1e-6 else math.nan
         assert least == pytest.approx(in_doubt, abs=1e-12, nan_ok=True)
+
+
+def test_without_an_error_nothing_is_in_doubt() -> None:
+    """A value that only touches zero falls to it there; three roots in one are told as such."""
+    p, slope, scratch, degree = polynomial(0.5, 0.5)
+    time, least = first_fall(p, slope, scratch, degree, 1.0, 0.0)
+    assert time == pytest.approx(0.5, abs=1e-7)
+    assert math.isnan(least)
+    p, slope, scratch, degree = polynomial(0.5, 0.5, 0.5)
+    time, least = first_fall(p, slope, scratch, degree, 1.0, 0.0)
+    assert math.isnan(time)
 
 
 def test_the_second_dip_counts_when_the_first_is_too_shallow() -> None:
@@ -583,6 +666,79 @@ def test_a_graze_is_an_error_with_its_margin() -> None:
     assert list(alone["outcome"]) == ["", "batted"]
 
 
+@pytest.mark.parametrize(
+    ("height", "outcome"), [(1e-17, None), (1.9e-14, None), (2.1e-14, "airborne")]
+)
+@pytest.mark.parametrize("engine", [Batch(), Ivp()], ids=["batch", "ivp"])
+def test_a_ball_that_glides_within_the_error_of_the_ground_is_an_error(
+    engine: Engine[float], height: float, outcome: str | None
+) -> None:
+    """Level and without gravity; the error after 60 s is said to be 2e-14 m."""
+    scene = FlightScene(
+        id="glide",
+        gravity=0.0,
+        air=None,
+        launch=Launch(position=(0.0, 0.0, height), velocity=(30.0, 0.0, 0.0)),
+    )
+    result = solve(scene, engine)
+    assert result.outcome == outcome
+    assert outcome or "lies within its error 2e-14" in str(result.error)
+
+
+@pytest.mark.parametrize(
+    ("rise", "later", "outcome"),
+    [
+        (4.9, -5e-15, "airborne"),  # 2.5e-14 m above the ground
+        (4.9, -3e-15, None),
+        (4.9, 0.0, None),
+        (4.9, 1.9e-14, None),
+        (4.9, 2.1e-14, "landed"),
+        (19.6, -3e-15, "airborne"),
+        (19.6, -1e-15, None),
+        (19.6, 7e-14, None),
+        (19.6, 9e-14, "landed"),
+    ],
+)
+@pytest.mark.parametrize("engine", [Batch(), Ivp()], ids=["batch", "ivp"])
+def test_a_parabola_that_ends_within_the_error_of_the_time_limit_is_an_error(
+    engine: Engine[float], rise: float, later: float, outcome: str | None
+) -> None:
+    """It takes 1 s, or 4 s; the errors are 2e-14 m, and as large a part of the time limit."""
+    scene = FlightScene(
+        id="tie",
+        air=None,
+        time_limit=rise / 4.9 + later,
+        launch=Launch(position=(0.0, 0.0, 0.0), velocity=(3.0, 0.0, rise)),
+    )
+    result = solve(scene, engine)
+    assert result.outcome == outcome
+    assert outcome or "the ground in the time limit cannot be decided" in str(result.error)
+
+
+@pytest.mark.parametrize(("share", "outcome"), [(0.2, None), (1.5, "landed")])
+@pytest.mark.parametrize("sink", [1e-3, 1e-4])
+def test_a_ball_that_sinks_slowly_at_the_time_limit_is_an_error(
+    sink: float, share: float, outcome: str | None
+) -> None:
+    """Of its way of 200 m eight half ulps are kept in the height, which it sinks through in time.
+
+    Those of the place where its last step begins, which is not quite as far.
+    """
+    scene = FlightScene(
+        id="sink",
+        gravity=0.0,
+        air=Air(lift_coefficient=0.0),
+        launch=Launch(position=(0.0, 0.0, 4 * sink), velocity=(60.0, 0.0, -sink)),
+    )
+    landing = solve(scene, Batch()).landing
+    assert landing is not None
+    kept = 8 * 2.0**-53 * float(landing.position[0]) / abs(float(landing.velocity[2]))
+    limit = float(landing.time) + share * kept
+    result = solve(scene.model_copy(update={"time_limit": limit}), Batch())
+    assert result.outcome == outcome
+    assert outcome or "in the time limit cannot be decided" in str(result.error)
+
+
 def test_a_circle_that_comes_back_to_the_ground_where_it_left_it_is_an_error() -> None:
     """Without gravity the path is a circle, here one that the ground is a tangent to."""
     scene = FlightScene(
@@ -619,6 +775,17 @@ def test_a_pitch_from_beside_the_plate_touches_the_bat_long_before_it() -> None:
     assert truth.contact is not None
     assert found.contact.time == pytest.approx(float(truth.contact.time), rel=1e-14)
     assert found.outcome == truth.outcome
+
+
+@pytest.mark.parametrize("x", [0.24, 0.25, 0.26])
+def test_a_pitch_from_where_the_search_for_the_bat_begins(x: float) -> None:
+    """0.25 m before the plate; there it has passed that place already."""
+    scene = AtBatScene(id="near", pitch=Pitch(release=(x, 0.0, 1.8), aim=(0.0, 1.8)))
+    found, truth = solve(scene, Batch()), solve(scene, Enclosure(20))
+    assert found.outcome == truth.outcome == "batted"
+    assert found.contact is not None
+    assert truth.contact is not None
+    assert found.contact.time == pytest.approx(float(truth.contact.time), rel=1e-13)
 
 
 def test_a_bat_far_smaller_than_its_distance_is_searched_from_nearby() -> None:

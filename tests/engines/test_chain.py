@@ -2,24 +2,28 @@
 
 from __future__ import annotations
 
+import json
 import math
 import random
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from longball import engines
 from longball.engines.chain import (
     MODEL,
+    OneCase,
     approach_of,
     collide,
     solve,
     solve_with_path,
     solve_with_restitutions,
 )
+from longball.engines.chain.landing import _stays_aloft
 from longball.engines.enclosure import Enclosure
 from longball.engines.ivp import Ivp
-from longball.model.law import DRAG, GRAVITY, LIFT, Force
+from longball.model.law import DRAG, GRAVITY, LIFT, Force, PlaneState, law_with
 from longball.model.quantities import replaced
 from longball.model.scene import parse_scene
 from longball.model.trace import ZERO
@@ -298,6 +302,24 @@ def test_balls_that_stay_aloft_are_those_that_do_not_land():
         assert shortcut.outcome == flown.outcome
         outcomes.add((gravity, shortcut.outcome))
     assert len(outcomes) == 4
+
+
+@pytest.mark.parametrize(("above", "aloft"), [(1e-5, True), (-1e-5, False)])
+def test_a_ball_stays_aloft_if_the_bottom_of_its_loop_is_above_the_ground(above, aloft):
+    """There V = u: the larger root of ``k V³/3 - g V = k V₀³/3 - g u₀``, at its own energy."""
+    gravity, lift = 9.8, 4.0 * _PER_LIFT
+    for u, w in ((20.0, 15.0), (-20.0, 15.0), (3.0, -30.0)):
+        speed = math.hypot(u, w)
+        kept = lift * speed**3 / 3 - gravity * u
+        roots = np.polynomial.polynomial.polyroots([-kept, -gravity, 0.0, lift / 3])
+        bottom = max(root.real for root in roots if abs(root.imag) < 1e-9)
+        height = 30.0 + (speed**2 - bottom**2) / (2 * gravity)
+        line = json.loads(LOOP % (gravity, 4.0, 30.0, u, w, 60.0))
+        scene = parse_scene(json.dumps(line | {"ground": {"height": height - above}}))
+        start = PlaneState(0.0, 30.0, u, w)
+        case = OneCase(scene, Ivp(), MODEL)
+        law = law_with({"lift": lift, "gravity": gravity})
+        assert _stays_aloft(case, law, start, case.ground(start)) == (aloft, not aloft)
 
 
 def test_the_way_of_a_ball_that_stays_aloft_is_flown_when_asked():

@@ -13,11 +13,12 @@ from longball.engines.batch import solve_columns
 from longball.engines.certify import certify
 from longball.engines.chain import MODEL, Model, solve, solve_with_path
 from longball.engines.event import ground
-from longball.engines.fence import first_crossing
+from longball.engines.fence import chords, falls, first_crossing, stop_at
 from longball.engines.ivp import Ivp
 from longball.model import quantities
 from longball.model.frame import Frame
-from longball.model.law import GRAVITY, Force, PlaneState, law_with
+from longball.model.law import GRAVITY, Force, PlaneState, SpaceState, law_with
+from longball.model.numbers import DOUBLES
 from longball.model.scene import FlightScene, InvalidScene, parse_scene
 from tests.strategies import between
 
@@ -425,3 +426,171 @@ def test_a_scene_without_a_fence_is_written_as_ever():
     assert isinstance(scene, FlightScene)
     with pytest.raises(InvalidScene, match="fence: unknown key"):
         parse_scene('{"id": "p", "kind": "pitch", "fence": {"radius": 100}}')
+
+
+# --- each part by itself --------------------------------------------------------------------------
+
+
+class Line:
+    """A piece in space, from a place in a straight line but for z; or bent in y."""
+
+    begin, length = 2.0, 10.0
+
+    def __init__(self, x, y, u, v, bend=0.0):
+        self.x = np.array([x, u, 0.0])
+        self.y = np.array([y, v, -bend])
+
+    def at(self, t):
+        x, y = (float(np.polynomial.polynomial.polyval(t, p)) for p in (self.x, self.y))
+        return SpaceState(x, y, 5.0, 0.0, 0.0, 0.0)
+
+    def curve(self, value):
+        return Values(lambda t: value(self.at(t)), self.length)
+
+
+class Values:
+    """A value along a piece by its samples: every turn on a grid of 1/64 s is found."""
+
+    def __init__(self, value, length):
+        self.value, self.length = value, length
+
+    def __call__(self, t):
+        return self.value(t)
+
+    def positive(self, a, b):
+        return all(self(t) > self(a) / 2 for t in np.linspace(a, b, 641))
+
+    def turns(self, a, b):
+        times = np.linspace(a, b, 641)
+        values = [self(t) for t in times]
+        return [
+            float(t)
+            for t, left, here, right in zip(times[1:], values, values[1:], values[2:], strict=False)
+            if (here - left) * (right - here) < 0
+        ]
+
+    def zero(self, a, b):
+        for _ in range(100):
+            middle = (a + b) / 2
+            a, b = (middle, b) if self(middle) > 0 else (a, middle)
+        return b
+
+
+HERE = Frame(0.0, 0.0, 1.0, 0.0)
+
+
+def over(piece, fence, error=1e-12, end=100.0):
+    scene = flight((1.0, 0.0, 1.0), fence)
+    return first_crossing(scene.fence, HERE, iter([piece]), end, error, DOUBLES)
+
+
+def test_a_line_in_space_crosses_a_chord_at_a_share_of_it():
+    met = over(Line(0.0, 0.0, 10.0, 5.0), [[30.0, 40.0, 2.0], [30.0, -10.0, 12.0]])
+    assert met.time == pytest.approx(2.0 + 3.0, rel=1e-14)
+    assert (met.state.s, met.state.y) == pytest.approx((30.0, 15.0), rel=1e-14)
+    place = met.place
+    assert (place.segment, place.height) == (0, pytest.approx(7.0, rel=1e-14))
+    assert (place.margin, place.to_break) == pytest.approx((25.0, 25.0), rel=1e-13)
+    assert place.slope == pytest.approx(0.2, rel=1e-14)
+    assert over(Line(0.0, 0.0, 10.0, 15.0), [[30.0, 40.0, 2.0], [30.0, -10.0, 12.0]]) is None
+    assert over(Line(0.0, 0.0, 10.0, -5.0), [[30.0, 40.0, 2.0], [30.0, -10.0, 12.0]]) is None
+
+
+def test_a_chord_that_goes_on_has_no_break_there():
+    park = [[30.0, 40.0, 2.0], [30.0, -10.0, 12.0], [0.0, -90.0, 12.0], [-9.0, -90.0, 4.0]]
+    met = over(Line(0.0, 0.0, 10.0, 2.0), park)
+    assert met.place.to_break == pytest.approx(34.0)
+    assert met.place.margin == pytest.approx(16.0)
+    made = chords(flight((1.0, 0.0, 1.0), park).fence.polyline, DOUBLES)
+    assert [(c.segment, c.open_a, c.open_b) for c in made] == [
+        (0, True, False),
+        (1, False, False),
+        (2, False, True),
+    ]
+
+
+@pytest.mark.parametrize(("end", "found"), [(5.5, True), (4.5, False)])
+def test_a_crossing_after_the_end_is_none(end, found):
+    met = over(Line(0.0, 0.0, 10.0, 0.0), {"radius": 30.0}, end=end)
+    assert (met is not None) is found
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_the_first_of_two_chords_that_are_crossed_on_a_piece(turned):
+    """Out at x = 30, in again at x = 45 and out at x = 60, whichever the fence names first."""
+    fence = [[60, 50, 9], [60, -5, 9], [45, -5, 9], [45, 5, 1], [30, 5, 1], [30, -50, 1]]
+    if turned:
+        fence = [[x, -y, h] for x, y, h in fence[::-1]]
+    met = over(Line(0.0, 0.0, 10.0, 0.0), fence)
+    assert met.time == pytest.approx(2.0 + 3.0)
+    assert met.place.height == 1.0
+
+
+@pytest.mark.parametrize(("x", "y"), [(0.0, 80.0), (-70.0, 9.0), (60.0, 20.0)])
+@pytest.mark.parametrize(("share", "doubtful"), [(0.9, True), (1.1, False)])
+def test_a_turn_within_the_error_of_a_state_is_doubtful(x, y, share, doubtful):
+    """It turns inside a wall, at a distance of the error times 1 + |x| + |y| where it starts."""
+    error = 1e-3
+    away = share * error * (1 + abs(x) + abs(y))
+    bend = 0.0625
+    top = y + 0.25 / bend * 0.25  # of y + t/2 - t²/16, at t = 4
+    wall = top + away
+    met = over(Line(x, y, 0.125, 0.5, bend), [[-400.0, wall, 1.0], [400.0, wall, 1.0]], error)
+    assert (met is not None) is doubtful
+    if met is not None:
+        assert met.place.to_break == 0.0
+        assert met.time == pytest.approx(2.0 + 4.0)
+
+
+@pytest.mark.parametrize(
+    ("coefficients", "expected"),
+    [
+        ((1.0, -1.0), [(1.0, False)]),
+        ((-1.0, 1.0), []),
+        ((0.5, 0.5, -1.0), [(1.0, False)]),
+        ((9.0, -6.0, 1.0 + 1e-4), [(3.0, True)]),
+        ((9.0, -6.0, 1.0 + 1e-1), []),
+        ((5.0,), []),
+    ],
+)
+def test_falls_of_a_value(coefficients, expected):
+    curve = Values(lambda t: float(np.polynomial.polynomial.polyval(t, coefficients)), 4.0)
+    found = list(falls(curve, 4.0, 1e-2))
+    assert [doubtful for _, doubtful in found] == [doubtful for _, doubtful in expected]
+    assert [t for t, _ in found] == pytest.approx([t for t, _ in expected], abs=0.02)
+
+
+@pytest.mark.parametrize("sense", [1, -1])
+@pytest.mark.parametrize("angle", [0.0, 0.3])
+def test_a_plane_meets_a_chord_where_the_two_lines_cross(sense, angle):
+    """From (1, 2) along the heading, or back: cut by Cramer's rule."""
+    cos, sin = math.cos(angle), math.sin(angle)
+    fence = [[30.0, 40.0, 2.0], [30.0, -40.0, 10.0], [-30.0, -40.0, 3.0], [-30.0, 40.0, 7.0]]
+    frame = Frame(1.0, 2.0, cos, sin)
+    stop = stop_at(flight((1.0, 0.0, 1.0), fence).fence, frame, 0.0, sense, 1e-14, DOUBLES)
+    x = 30.0 * sense
+    s = (x - 1.0) / cos
+    y = 2.0 + s * sin
+    assert stop.s == pytest.approx(s, rel=1e-14)
+    share = (40.0 - y) / 80.0 if sense > 0 else (y + 40.0) / 80.0
+    low, high = (2.0, 10.0) if sense > 0 else (3.0, 7.0)
+    assert stop.place.height == pytest.approx(low + share * (high - low), rel=1e-14)
+    assert stop.place.segment == (0 if sense > 0 else 2)
+    assert stop.place.slope == pytest.approx((high - low) / 80.0, rel=1e-14)
+    assert stop.place.margin == pytest.approx(80.0 * min(share, 1 - share), rel=1e-13)
+    # The fence ends at y = 40 on both sides; seen from the flight it is that far aside.
+    ahead = 80.0 * (share if sense > 0 else 1 - share) * cos
+    assert stop.place.to_break == pytest.approx(ahead, rel=1e-13)
+
+
+def test_a_plane_leaves_a_circle_ahead_and_back():
+    """x = 1 + s cos, y = 2 + s sin: s² + 2 (cos + 2 sin) s = r² - 5."""
+    fence = flight((1.0, 0.0, 1.0), {"radius": 50.0}).fence
+    frame = Frame(1.0, 2.0, 0.6, 0.8)
+    for sense in (1, -1):
+        stop = stop_at(fence, frame, 0.0, sense, 1e-14, DOUBLES)
+        assert sense * stop.s > 0
+        away = math.hypot(1.0 + 0.6 * stop.s, 2.0 + 0.8 * stop.s)
+        assert away == pytest.approx(50.0, rel=1e-15)
+        assert (stop.place.height, stop.place.margin, stop.place.segment) == (0.0, None, 0)
+        assert stop.place.to_break > 1e20

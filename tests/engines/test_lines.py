@@ -146,11 +146,12 @@ def test_there_are_no_more_workers_than_cores_and_calls(monkeypatch):
     monkeypatch.setattr(
         "joblib.Parallel", lambda n_jobs, **_: asked.append(n_jobs) or (lambda tasks: [*tasks])
     )
-    for calls, workers in ((1, 1000), (3, -1), (9, 1000), (9, 2), (0, 2)):
+    for calls, workers in ((1, 1000), (3, -1), (9, 1000), (9, 2), (0, 2), (9, 1)):
         assert len(in_parallel(abs, [(1,)] * calls, workers, threads=True)) == calls
-    assert asked == [1, 3, 4, 2, 1]
-    with pytest.raises(ValueError, match="workers = 0: a positive number"):
-        in_parallel(abs, [(1,)], 0)
+    assert asked == [1, 3, 4, 2, 1, 1]
+    for none in (0, -2):
+        with pytest.raises(ValueError, match=f"workers = {none}: a positive number"):
+            in_parallel(abs, [(1,)], none)
 
 
 def test_what_is_told_and_not_measured_is_no_double():

@@ -369,3 +369,10 @@ def test_a_ball_that_is_down_at_its_launch_has_a_path(engine):
     launch = '{"position": [0, 0, 0], "velocity": [5, 0, -5]}'
     result = solve_with_points(parse_scene(f'{{"kind": "flight", "launch": {launch}}}'), engine, 3)
     assert result.path == ((0.0, 0.0, 0.0, 0.0, 5.0, 0.0, -5.0),) * 3
+
+
+def test_points_are_spread_evenly_from_the_beginning_to_the_end():
+    state = PlaneState(1.0, 2.0, 3.0, 4.0)
+    flight = Flight(Path([Rest(0.0, 4.0, state)]), "time", 4.0, state)
+    way = Trajectory((Leg(2.0, Frame(5.0, 6.0, 1.0, 0.0), flight),))
+    assert way.evenly(3, DOUBLES) == [(t, 6.0, 6.0, 2.0, 3.0, 0.0, 4.0) for t in (2.0, 4.0, 6.0)]

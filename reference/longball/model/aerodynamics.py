@@ -373,8 +373,10 @@ def _tables() -> Iterator[Piecewise]:
     for whole in (False, True):
 
         def drag_by_spin(motion: Motion, p: Any, whole: bool = whole) -> Any:
-            across = motion.spin_left * _over_speed(motion.air, p, whole)
-            return p.drag_table * motion.air.speed + p.drag_slope * across
+            constant = p.drag_table * motion.air.speed
+            if p.drag_slope is ZERO:  # as without spin
+                return constant
+            return constant + p.drag_slope * (motion.spin_left * _over_speed(motion.air, p, whole))
 
         def lift_by_speed(motion: Motion, p: Any, whole: bool = whole) -> Any:
             a, b = spin_ratio(motion.lift, p, whole)

@@ -275,8 +275,11 @@ def law_of(
     for force in forces:
         if isinstance(force, Piecewise):
             branches = force.branches(scene, frame, numbers)
-            if branches is not None:
+            if branches is not None and branches.levels:
                 bends.append(Bend(force, branches))
+            elif branches is not None:  # one form: a table of the spin parameter, without spin
+                acting.append(force.term)
+                strengths |= _named(force.term, branches.strengths[0])
             continue
         values = force.strengths(scene, frame, numbers)
         if values is not None:

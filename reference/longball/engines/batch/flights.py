@@ -168,7 +168,7 @@ def fly_all(
     arrivals = np.empty(len(starts), arrival_dtype(program))
     lanes, rest = layout.allocate(order, WIDTH), layout.allocate(order, 1)
     rows, width = lanes.shape[1], 2 * order + 4
-    steps = np.empty((0, 0)) if steps is None else steps
+    steps = np.array([]) if steps is None else steps
     _fly_all(
         (kernel.step, kernel.rest, layout.parameters * rows, layout.step * rows),
         (variables, parameters, functions, order, rows, width),

@@ -120,8 +120,10 @@ def first_zero(
         t += step
         if not t <= end:
             return NEVER
-        # Above the parabola p has at most `bend step²` left here, and its slope is about `root`.
-        if stays or abs(bend) * step * step <= _NOTHING * t * root:
+        # p'' is at least -bend, and about `2 p''(0) + bend` at most: this is what p may have left
+        # above the parabola; its slope is about `root`.
+        left = (abs(bend) + abs(slope[1])) * step * step
+        if stays or left <= _NOTHING * t * root:
             return t
     return math.nan
 

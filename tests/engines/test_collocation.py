@@ -1,0 +1,203 @@
+"""Gauss-Legendre collocation, part by part: the rule, the choice of steps, events on a segment."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.special import eval_legendre
+
+from longball.engines import collocation
+from longball.engines.collocation import Collocation, SegmentCurve, gauss_legendre, legendre
+from longball.engines.multiprecision import MultiprecisionNumbers, _collocation
+from longball.model.law import PlaneState, law_with
+
+DIGITS = 10
+METHOD: Collocation = _collocation(DIGITS)
+NUMBERS = MultiprecisionNumbers(DIGITS)
+CONTEXT = METHOD.context
+exact = CONTEXT.mpf
+RULE = gauss_legendre(7, CONTEXT)
+# The rounding of sums of seven terms of size one.
+ROUNDING = 64 * CONTEXT.eps
+
+
+def plane_law(**strengths: float) -> Any:
+    return law_with({name: exact(k) for name, k in strengths.items()})
+
+
+def launched(z: float, u: float, w: float) -> PlaneState[Any]:
+    return PlaneState(exact(0), exact(z), exact(u), exact(w))
+
+
+# --- the rule -------------------------------------------------------------------------------------
+
+
+def test_legendre_polynomials_are_those_of_scipy() -> None:
+    for x in (-1.0, -0.3, 0.0, 0.7, 1.0):
+        found = legendre(exact(x), 9)
+        assert [float(p) for p in found] == pytest.approx(
+            [eval_legendre(k, x) for k in range(10)], abs=1e-15
+        )
+
+
+def test_the_nodes_are_zeros_in_rising_order() -> None:
+    for node, rough in zip(RULE.nodes, np.polynomial.legendre.leggauss(7)[0], strict=True):
+        assert abs(legendre(node, 7)[7]) < ROUNDING
+        assert float(node) == pytest.approx(rough, abs=1e-15)
+
+
+def test_the_coefficients_and_integrals_of_polynomials_are_exact() -> None:
+    """Of values P_k at the nodes: the k-th coefficient is 1; ∫P_k = (P_{k+1} - P_{k-1})/(2k+1)."""
+    values = [legendre(node, 8) for node in RULE.nodes]
+    for k in range(7):
+        there = [row[k] for row in values]
+        coefficients = RULE.coefficients @ there
+        for j, found in enumerate(coefficients):
+            assert abs(found - (j == k)) < ROUNDING
+        for node, row, found in zip(RULE.nodes, values, RULE.integrals @ there, strict=True):
+            wanted = (row[k + 1] - row[k - 1]) / (2 * k + 1) if k else 1 + node
+            assert abs(found - wanted) < ROUNDING
+        doubles = np.array([float(x) for x in there])
+        assert RULE.coefficients_in_doubles @ doubles == pytest.approx(
+            [float(j == k) for j in range(7)], abs=1e-14
+        )
+        assert RULE.integrals_in_doubles @ doubles == pytest.approx(
+            [float(x) for x in RULE.integrals @ there], abs=1e-14
+        )
+    assert RULE.coefficients @ ([exact(0)] * 7) == [0] * 7
+
+
+def test_products_in_fixed_point_are_rounded_relative_to_the_largest_entry() -> None:
+    for scale in (Fraction(1), Fraction(1, 2**200), Fraction(2**200)):
+        values = [exact(k) / 3 * exact(scale.numerator) / scale.denominator for k in range(1, 8)]
+        for row, found in zip(RULE.integrals.rows, RULE.integrals @ values, strict=True):
+            wanted = sum(exact((x, -RULE.integrals.bits)) * v for x, v in zip(row, values))  # noqa: B905
+            assert abs(found - wanted) < ROUNDING * max(values)
+
+
+# --- the choice of steps --------------------------------------------------------------------------
+
+
+def test_a_step_is_changed_to_where_its_coefficients_just_suffice() -> None:
+    """They fall as ρ^-k to the tolerance at `needed`; at ρ/r they do at the last that may matter.
+
+    Shorter by a tenth, and never changed by more than the limits.
+    """
+    enough, tolerance = METHOD._enough, float(METHOD.tolerance)
+    assert enough == len(METHOD.rule.nodes) - collocation._IDLE
+    for needed in (enough - 4.0, float(enough), enough + 3.5):
+        ratio = tolerance ** (-1 / needed) / tolerance ** (-1 / enough)
+        assert METHOD._change_of_length(needed) == pytest.approx(collocation._SAFETY * ratio)
+    assert METHOD._change_of_length(0) == METHOD._change_of_length(1) == collocation._MOST_LONGER
+    assert METHOD._change_of_length(math.inf) == collocation._MOST_SHORTER
+
+
+def test_how_many_coefficients_are_needed() -> None:
+    """The last that changes the velocity by more than the tolerance; or more, by how they fall."""
+    n, tolerance, speed = len(METHOD.rule.nodes), METHOD.tolerance, exact(3)
+    small, large = tolerance * speed, 2 * tolerance * speed
+    for count in (0, 1, 5, n - 3):
+        assert METHOD._needed([large] * count + [small] * (n - count), speed) == count
+    ratio = exact(2)
+    falling = [speed * ratio**-k for k in range(1, n + 1)]
+    # Of three that are left over the largest, the first, stands where the last is.
+    wanted = n * math.log(float(tolerance)) / math.log(2.0 ** -(n - 2))
+    assert METHOD._needed(falling, speed) == pytest.approx(wanted)
+    assert METHOD._needed([speed] * n, speed) == math.inf
+
+
+def test_the_first_step_changes_the_velocity_by_its_size() -> None:
+    dynamics = collocation.Dynamics(plane_law(gravity=8.0), NUMBERS)
+    guess = METHOD._first_length
+    assert guess(dynamics, launched(1.0, 3.0, 4.0), exact(60)) == exact(5) / 8
+    assert guess(dynamics, launched(1.0, 3.0, 4.0), exact(0.5)) == 0.5
+    assert guess(dynamics, launched(1.0, 0.0, 0.0), exact(60)) == 60
+    still = collocation.Dynamics(plane_law(), NUMBERS)
+    assert guess(still, launched(1.0, 3.0, 4.0), exact(60)) == 60
+
+
+def test_segments_join_and_reach_the_end() -> None:
+    law = plane_law(drag=0.0075, lift=0.00375, gravity=9.8)
+    begin, end = exact(1.25), exact(9)
+    start = launched(1.0, 30.0, 30.0)
+    segments = list(METHOD.segments(law, begin, start, end))
+    assert (segments[0].begin, segments[0].start) == (begin, start)
+    assert 2 < len(segments) < 40
+    for before, after in pairwise(segments):
+        assert after.begin == before.begin + before.length
+        assert after.start == before.end == before.at(before.length)
+        assert after.at(exact(0)) == after.start
+        assert after.begin < end
+    last = segments[-1]
+    assert end <= last.begin + last.length < end + 1e-20
+    for segment in segments:
+        # The polynomials end where the next segment begins, and satisfy the law between the nodes.
+        near = segment.at(segment.length * (1 - 4 * CONTEXT.eps))
+        for x, y in zip(near, segment.end, strict=True):
+            assert abs(x - y) < 1e-24
+        t, h = segment.length * exact(0.37), exact(10) ** -9
+        rates, low, high = segment.rates(t), segment.at(t - h), segment.at(t + h)
+        for rate, a, b in zip(rates, low, high, strict=True):
+            assert abs((b - a) / (2 * h) - rate) < 1e-14
+
+
+# --- events on a segment --------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def parabola() -> Any:
+    """A segment of 4 s of ``z = 12 t - 4 t²`` (gravity 8): up to 9 at 1.5 s, down at 3 s."""
+    law = plane_law(gravity=8.0)
+    (segment,) = METHOD.segments(law, exact(0), launched(0.0, 60.0, 12.0), exact(4))
+    return segment
+
+
+def curve(segment: Any, value: Any) -> SegmentCurve:
+    found = segment.curve(value)
+    assert isinstance(found, SegmentCurve)
+    return found
+
+
+def test_the_turns_of_a_value_are_all_found(parabola: Any) -> None:
+    zero, end = exact(0), parabola.length
+    (top,) = curve(parabola, lambda y: y.z).turns(zero, end)
+    assert abs(top - 1.5) < 1e-28
+    # (z - 5)² turns where z is 5, at 1/2 and 5/2, and at the top.
+    squared = curve(parabola, lambda y: (y.z - 5) * (y.z - 5))
+    found = squared.turns(zero, end)
+    for t, wanted in zip(found, (0.5, 1.5, 2.5), strict=True):
+        assert abs(t - wanted) < 1e-28
+    assert [float(t) for t in squared.turns(exact(1), exact(2))] == [1.5]
+    assert squared.turns(exact(1.75), exact(2.25)) == []
+    assert curve(parabola, lambda y: y.s).turns(zero, end) == []
+    assert curve(parabola, lambda y: y.u).turns(zero, end) == []
+
+
+def test_values_and_rates_are_those_of_the_flight(parabola: Any) -> None:
+    height = curve(parabola, lambda y: y.z * y.z)
+    for t in (exact(0), exact(0.25), exact(3.5)):
+        z, w = 12 * t - 4 * t * t, 12 - 8 * t
+        assert abs(height(t) - z * z) < 1e-24
+        assert abs(height.rate(t) - 2 * z * w) < 1e-24
+
+
+def test_where_a_value_falls_through_zero(parabola: Any) -> None:
+    height, z = curve(parabola, lambda y: y.z), parabola.end.z
+    assert abs(height.zero(exact(1.5), exact(4)) - 3) < 1e-28
+    low = curve(parabola, lambda y: y.z - 8)
+    assert abs(low.zero(exact(1.5), exact(4)) - 2) < 1e-28
+    # Where it is nowhere positive, it is there from the beginning; a zero at an end is one.
+    assert height.zero(exact(3.25), exact(4)) == 3.25
+    assert height.zero(exact(0), exact(4)) == 0
+    assert curve(parabola, lambda y: y.z - z).zero(exact(1.5), parabola.length) == parabola.length
+
+
+@pytest.mark.parametrize(("floor", "above"), [(-16.1, True), (-15.9, False), (-30.0, True)])
+def test_whether_a_value_is_certainly_positive(parabola: Any, floor: float, above: bool) -> None:
+    """With x from -1 to 1 it is 8/3 - 8 P₁ - 32/3 P₂: at least 8/3 - 8 - 32/3 = -16."""
+    assert curve(parabola, lambda y: y.z - floor).positive(exact(0), exact(4)) is above

@@ -1,0 +1,362 @@
+"""The air of a scene: published constants, the density, and what is refused at a limit."""
+
+from __future__ import annotations
+
+import json
+import math
+from itertools import product
+from typing import Any
+
+import pytest
+
+from longball.model.air import CrisisDrag, LinearLift, RationalLift, SpinDrag, Weather, WindProfile
+from longball.model.atmosphere import density, speed_of_sound
+from longball.model.earth import CORIOLIS
+from longball.model.frame import Frame
+from longball.model.numbers import DOUBLES
+from longball.model.scene import AtBatScene, InvalidScene, _meet, parse_scene
+
+LAUNCH = {"position": [1, 2, 3], "velocity": [4, 5, 6]}
+INCOMING = {"position": [0.0696, 0, 1], "velocity": [-40, 0, 0], "bat_height": 1}
+LEAST: dict[str, dict[str, Any]] = {
+    "flight": {"kind": "flight", "launch": LAUNCH},
+    "pitch": {"kind": "pitch"},
+    "impact": {"kind": "impact", "incoming": INCOMING},
+    "at-bat": {"kind": "at-bat"},
+}
+
+
+def scene(kind: str = "flight", **blocks: Any) -> Any:
+    return parse_scene(json.dumps(LEAST[kind] | blocks))
+
+
+# --- published constants --------------------------------------------------------------------------
+
+
+def test_the_laws_of_nathan_have_his_constants() -> None:
+    spin, crisis = SpinDrag(law="spin"), CrisisDrag(law="crisis")
+    assert spin.constant == 0.3008
+    # 0.0292 for each 1,000 turns a minute.
+    assert spin.per_spin == pytest.approx(0.0292 / 1000 * 60 / (2 * math.pi), rel=1e-3)
+    assert (crisis.high_speed, crisis.low_speed, crisis.per_spin) == (0.33, 0.5, 0.0)
+    assert (crisis.speed, crisis.width) == (31.4, 3.0)
+    lift = RationalLift(law="rational")
+    assert (lift.numerator, lift.constant, lift.slope) == (1.12, 0.583, 2.333)
+    assert LinearLift(law="linear").slope == 1.0
+    assert WindProfile(velocity=(1.0, 0.0, 0.0), height=10.0).roughness == 0.03
+
+
+def test_standard_weather() -> None:
+    """15 °C and 1013.25 hPa, dry, at sea level: 1.2256 kg/m³ by the formula's 1.2929 at 0 °C."""
+    weather = Weather()
+    assert (weather.temperature, weather.pressure) == (288.15, 101325.0)
+    assert (weather.humidity, weather.elevation) == (0.0, 0.0)
+    assert density(scene(air={"density": {}}), DOUBLES) == pytest.approx(1.2256, abs=5e-5)
+    sound = speed_of_sound(scene(air={"density": {}}), DOUBLES)
+    assert sound == pytest.approx(340.29, abs=0.02)  # as tabulated
+
+
+@pytest.mark.parametrize(
+    ("celsius", "vapour"), [(0.0, 611.2), (10.0, 1228.0), (20.0, 2338.8), (30.0, 4245.5)]
+)
+def test_humid_air_is_lighter_by_the_tabulated_vapour_pressure(
+    celsius: float, vapour: float
+) -> None:
+    """Of saturated vapour over water, Pa (CRC Handbook); half of it, at 50 %."""
+    weather = {"temperature": 273.15 + celsius}
+    dry, humid = (
+        density(scene(air={"density": weather | {"humidity": part}}), DOUBLES) for part in (0, 0.5)
+    )
+    assert dry == pytest.approx(1.2929 * 273.15 / (273.15 + celsius), rel=1e-14)
+    assert 1 - humid / dry == pytest.approx(0.3783 * 0.5 * vapour / 101325, rel=1e-3)
+
+
+@pytest.mark.parametrize(("reading", "exponent"), [("sea_level", 1.217e-4 * 1600), ("station", 0)])
+def test_the_pressure_falls_with_the_elevation_if_it_is_that_of_sea_level(
+    reading: str, exponent: float
+) -> None:
+    weather = {"pressure": 1e5, "elevation": 1600}
+    found = density(scene(air={"density": weather}, reading={"pressure": reading}), DOUBLES)
+    dry = 1.2929 * 273.15 / 288.15 * 1e5 / 101325
+    assert found == pytest.approx(dry * math.exp(-exponent), rel=1e-14)
+
+
+def test_the_earth_turns_once_in_a_sidereal_day_about_its_axis() -> None:
+    """Its axis points north at the equator and up at the pole."""
+    frame = Frame(0.0, 0.0, 1.0, 0.0)
+    day, cases = 2 * math.pi / 86164.1, []
+    for latitude, azimuth, axis in (
+        (0.0, 0.0, (1, 0, 0)),
+        (0.0, math.pi / 2, (0, 1, 0)),  # +x to the east, so north is to its left
+        (math.pi / 2, 0.3, (0, 0, 1)),
+        (math.pi / 6, 0.0, (math.cos(math.pi / 6), 0, 0.5)),
+    ):
+        at = scene(earth={"latitude": latitude, "azimuth": azimuth})
+        found = [float(x or 0.0) for x in CORIOLIS.strengths(at, frame, DOUBLES)]
+        cases.append(found)
+        assert found == pytest.approx([day * x for x in axis], rel=1e-6, abs=1e-20)
+    assert len(cases) == 4
+
+
+# --- limits ---------------------------------------------------------------------------------------
+
+TABLE = {"law": "table", "of": "speed"}
+
+# A block, its key and the smallest and the largest number that it takes.
+LIMITS = [
+    ("at-bat", "ball.mass", 1e-30, 1e30),
+    ("at-bat", "ball.radius", 1e-30, 1e30),
+    ("at-bat", "ball.restitution", 0.0, 1.0),
+    ("at-bat", "ball.inertia_factor", 1e-30, 1.0),
+    ("impact", "swing.angular_speed", -1e30, 1e30),
+    ("at-bat", "bat.friction", 1e-30, 1e30),
+    ("at-bat", "pitch.speed", 1e-30, 1e30),
+    ("flight", "gravity", 0.0, 1e30),
+    ("flight", "time_limit", 1e-30, 1e30),
+    ("flight", "earth.latitude", -math.pi / 2, math.pi / 2),
+    ("flight", "air.density", 0.0, 1e30),
+    ("flight", "air.drag_coefficient", 0.0, 1e30),
+    ("flight", "air.lift_coefficient", -1e30, 1e30),
+    ("flight", "air.density.temperature", 150.0, 350.0),
+    ("flight", "air.density.humidity", 0.0, 1.0),
+    ("flight", "air.density.pressure", 0.0, 1e30),
+    ("flight", "fence.radius", None, 1e30),
+]
+
+
+def nested(name: str, value: float) -> dict[str, Any]:
+    *way, last = name.split(".")
+    found: dict[str, Any] = {last: value}
+    for key in reversed(way):
+        found = {key: found}
+    return found
+
+
+@pytest.mark.parametrize(("kind", "name", "least", "most"), LIMITS)
+def test_limits_are_taken_and_what_is_beyond_them_is_refused(
+    kind: str, name: str, least: float | None, most: float
+) -> None:
+    for limit, beyond in ((least, -math.inf), (most, math.inf)):
+        if limit is not None:
+            scene(kind, **nested(name, limit))
+            with pytest.raises(InvalidScene, match=name.split(".")[-1]):
+                scene(kind, **nested(name, math.nextafter(limit, beyond)))
+
+
+@pytest.mark.parametrize("e", [-1.0, 1.0])
+def test_a_tangential_restitution_runs_from_rubbing_nothing_to_a_superball(e: float) -> None:
+    scene("at-bat", bat={"friction": 0.5, "tangential_restitution": e})
+    with pytest.raises(InvalidScene, match="tangential_restitution"):
+        scene("at-bat", bat={"friction": 0.5, "tangential_restitution": 1.0000001 * e})
+    with pytest.raises(InvalidScene, match="tangential_restitution needs friction"):
+        scene("at-bat", bat={"tangential_restitution": e})
+
+
+@pytest.mark.parametrize(
+    ("air", "message"),
+    [
+        ({"at": [1, 2], "values": [1, 2]}, None),
+        ({"at": [0, 2], "values": [0, 2]}, None),
+        ({"at": [1], "values": [1]}, "at least 2"),
+        ({"at": [*range(100)], "values": [0.3] * 100}, None),
+        ({"at": [*range(101)], "values": [0.3] * 101}, "at most 100"),
+        ({"at": [1, 2, 3], "values": [1, 2]}, "at has 3 nodes and values has 2 numbers"),
+        ({"at": [1, 3, 3], "values": [1, 1, 2]}, r"at\[2\] = 3.0 follows 3.0"),
+        ({"at": [1, 2], "values": [1, -0.1]}, "-0.1 is negative"),
+        ({"of": "mach", "at": [1, 2], "values": [1, 1]}, "needs the temperature"),
+        ({"of": "spin_parameter", "at": [1, 2], "values": [1, 1]}, "needs a spin"),
+    ],
+)
+def test_tables_of_drag(air: dict[str, Any], message: str | None) -> None:
+    block = {"drag_coefficient": TABLE | air}
+    if message is None:
+        assert scene(air=block).air.drag_coefficient.values == tuple(air["values"])
+        return
+    with pytest.raises(InvalidScene, match=message):
+        scene(air=block)
+
+
+@pytest.mark.parametrize(
+    ("drag", "lift", "needs"),
+    [
+        (0.4, 0.2, ""),
+        ({"law": "constant", "value": 0.4}, {"law": "constant", "value": 0.2}, ""),
+        ({"law": "spin"}, 0.2, "air.drag_coefficient"),
+        ({"law": "crisis"}, 0.2, ""),
+        ({"law": "crisis", "per_spin": 1e-4}, 0.2, "air.drag_coefficient"),
+        (0.4, {"law": "rational"}, "air.lift_coefficient"),
+        (0.4, {"law": "linear"}, "air.lift_coefficient"),
+        (0.4, {"law": "bilinear"}, "air.lift_coefficient"),
+        (TABLE | {"at": [1, 2], "values": [1, 1]}, 0.2, ""),
+    ],
+)
+def test_which_coefficients_mean_nothing_without_a_spin(drag: Any, lift: Any, needs: str) -> None:
+    air = {"drag_coefficient": drag, "lift_coefficient": lift}
+    spun = scene(air=air, launch=LAUNCH | {"spin": [1.0, 2.0, 0.0]})
+    assert spun.air.needs_spin == needs
+    if needs:
+        with pytest.raises(InvalidScene, match=f"{needs} needs a spin"):
+            scene(air=air)
+    else:
+        scene(air=air)
+
+
+def test_a_lift_without_direction_is_none() -> None:
+    """A spin along the velocity: a constant lift would act, but which way?"""
+    along = LAUNCH | {"spin": [40, 50, 60]}
+    for lift in (0.0, {"law": "constant", "value": 0.0}):
+        assert not scene(air={"lift_coefficient": lift}, launch=along).air.lift_is_constant
+    for lift in (1.0, -0.2, {"law": "constant", "value": 1.0}):
+        with pytest.raises(InvalidScene, match=r"has no direction where launch\.spin is parallel"):
+            scene(air={"lift_coefficient": lift}, launch=along)
+
+
+def test_other_contradictions_of_the_air() -> None:
+    for air, message in (
+        ({"spin_decay_length": 100.0}, "air.spin_decay_length needs a spin"),
+        (
+            {"lift_coefficient": {"law": "rational", "constant": 0, "slope": 0}},
+            "cannot both be 0",
+        ),
+        ({"wind": {"velocity": [1, 0, 1], "height": 10}}, r"velocity\[2\] must be 0"),
+        ({"density": {"humidity": 50}}, "50.0 is not a fraction from 0 to 1; 50 % is written 0.5"),
+    ):
+        with pytest.raises(InvalidScene, match=message):
+            scene(air=air)
+    for half in ({"constant": 0}, {"slope": 0}):
+        scene(
+            air={"lift_coefficient": {"law": "rational"} | half},
+            launch=LAUNCH | {"spin": [1.0, 0.0, 0.0]},
+        )
+
+
+# --- places ---------------------------------------------------------------------------------------
+
+
+def test_a_ball_starts_on_the_ground_or_above_and_inside_the_fence() -> None:
+    floor, below = {"height": 3.0}, math.nextafter(3.0, 4.0)
+    scene(ground=floor)
+    with pytest.raises(InvalidScene, match=r"launch.position\[2\] = 3.0 is underground"):
+        scene(ground={"height": below})
+    scene(launch=LAUNCH | {"position": [3, 4, 1]}, fence={"radius": 5.000001})
+    with pytest.raises(InvalidScene, match=r"launch.position is outside, 5.0 m from the plate"):
+        scene(launch=LAUNCH | {"position": [3, 4, 1]}, fence={"radius": 5.0})
+    reach = math.hypot(0.0366 + 0.033, 0.5)
+    scene("at-bat", fence={"radius": 1.000001 * reach})
+    with pytest.raises(InvalidScene, match="the bat's reach is outside"):
+        scene("at-bat", fence={"radius": reach})
+    wind = {"velocity": [1, 0, 0], "height": 10.0, "roughness": 0.5}
+    scene(air={"wind": wind}, ground={"height": -0.4999})
+    with pytest.raises(InvalidScene, match=r"must be above -air\.wind\.roughness = -0\.5"):
+        scene(air={"wind": wind}, ground={"height": -0.5})
+
+
+def test_a_release_is_in_front_of_the_plate() -> None:
+    assert scene("pitch", pitch={"release": [1e-30, 0, 1]}).pitch.release[0] == 1e-30
+    with pytest.raises(InvalidScene, match="in front of the plate"):
+        scene("pitch", pitch={"release": [0, 0, 1]})
+
+
+@pytest.mark.parametrize("off", [-1, 1])
+def test_an_incoming_ball_touches_the_bat_to_a_nanometre(off: int) -> None:
+    def at(distance: float) -> Any:
+        return scene(
+            "impact", incoming=INCOMING | {"position": [0.6 * distance, 0, 1 + 0.8 * distance]}
+        )
+
+    assert at(0.0696 + 0.9e-9 * off)
+    with pytest.raises(
+        InvalidScene, match=f"incoming.position is {'inside' if off < 0 else 'away'}"
+    ):
+        at(0.0696 + 1.1e-9 * off)
+
+
+def test_a_line_may_be_a_mebibyte_long() -> None:
+    line = json.dumps(LEAST["pitch"])
+    longest = line + " " * (2**20 - len(line))
+    assert parse_scene(longest) == parse_scene(longest.encode()) == parse_scene(line)
+    for longer in (longest + " ", (longest + " ").encode()):
+        with pytest.raises(InvalidScene, match="longer than 1,048,576 bytes"):
+            parse_scene(longer)
+
+
+def test_values_are_quoted_up_to_forty_characters() -> None:
+    for text, quoted in (("x" * 38, "x" * 38 + "'"), ("x" * 39, "x" * 36 + "...")):
+        with pytest.raises(InvalidScene, match=rf"gravity: .* \(got '{quoted}\)$"):
+            scene(gravity=text)
+
+
+def test_a_pitch_is_thrown_along_its_way() -> None:
+    thrown = scene("pitch", pitch={"speed": 30, "release": [12, 3, 2], "aim": [-1, 5]}).pitch
+    assert thrown.way == (-12.0, -4.0, 3.0)
+    assert thrown.thrown == pytest.approx((-12 * 30 / 13, -4 * 30 / 13, 3 * 30 / 13), rel=1e-15)
+    given = scene("pitch", pitch={"velocity": [-30, 1, 2]}).pitch
+    assert given.thrown == given.way == (-30.0, 1.0, 2.0)
+    with pytest.raises(InvalidScene, match="leave out aim and speed"):
+        scene("pitch", pitch={"velocity": [-30, 1, 2], "aim": [0, 1], "speed": 3})
+    assert AtBatScene().pitch.velocity is None
+
+
+# --- a fence that crosses itself ------------------------------------------------------------------
+
+
+def crosses(*vertices: tuple[float, float]) -> bool:
+    try:
+        scene(fence={"polyline": [[x, y, 1] for x, y in vertices]})
+    except InvalidScene as error:
+        return "crosses itself" in str(error)  # it may also go the wrong way round
+    return False
+
+
+@pytest.mark.parametrize(
+    ("last", "wanted"),
+    [
+        ((69, 3), False),  # short of the first chord
+        ((70, 3), True),  # on it
+        ((71, 3), True),
+        ((70, 9), True),  # on its first vertex
+        ((69, 9), False),
+        ((70, 10), False),  # beyond it, on its line
+    ],
+)
+def test_a_fence_that_comes_back_to_its_first_chord(last: tuple[int, int], wanted: bool) -> None:
+    assert crosses((70, 9), (70, -9), (50, -9), last) is wanted
+
+
+def test_chords_meet_if_they_have_a_point_in_common() -> None:
+    """All pairs between points of a small grid, by Cramer's rule, or by an end on the other."""
+
+    def within(p: Any, a: Any, b: Any) -> bool:
+        ways = [(p[0] - a[0], p[1] - a[1]), (b[0] - a[0], b[1] - a[1])]
+        aside = ways[0][0] * ways[1][1] - ways[0][1] * ways[1][0]
+        along = ways[0][0] * ways[1][0] + ways[0][1] * ways[1][1]
+        return aside == 0 and 0 <= along <= ways[1][0] ** 2 + ways[1][1] ** 2
+
+    points = list(product((0.0, 1.0, 3.0), (0.0, 2.0, 3.0)))
+    chords = [(a, b) for a, b in product(points, points) if a != b]
+    for (a, b), (c, d) in product(chords, chords):
+        u, v, w = ((q[0] - p[0], q[1] - p[1]) for p, q in ((a, b), (c, d), (a, c)))
+        both = u[0] * v[1] - u[1] * v[0]
+        first, second = w[0] * v[1] - w[1] * v[0], w[0] * u[1] - w[1] * u[0]
+        if both != 0:
+            wanted = 0 <= first / both <= 1 and 0 <= second / both <= 1
+        else:
+            wanted = any(within(*x) for x in ((a, c, d), (b, c, d), (c, a, b), (d, a, b)))
+        assert _meet(a, b, c, d) is wanted
+
+
+def test_a_fence_that_folds_back_on_itself() -> None:
+    assert crosses((70, 9), (70, -9), (70, 3))
+    assert crosses((70, 9), (70, -9), (70, 20))
+    assert not crosses((70, 9), (70, -9), (70, -20))
+    assert not crosses((70, 9), (70, -9), (70, -9), (60, -20))  # a step of the height
+
+
+def test_a_fence_runs_from_left_to_right_between_two_places() -> None:
+    with pytest.raises(InvalidScene, match="at least two vertices"):
+        scene(fence={"polyline": [[70, 9, 1], [70, 9, 2]]})
+    with pytest.raises(InvalidScene, match="the wrong way round"):
+        scene(fence={"polyline": [[70, -9, 1], [70, 9, 2]]})
+    for fence in ({}, {"radius": 9.0, "polyline": [[70, 9, 1], [70, -9, 2]]}):
+        with pytest.raises(InvalidScene, match="a radius or a polyline, one of the two"):
+            scene(fence=fence)
