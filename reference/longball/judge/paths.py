@@ -2,7 +2,9 @@
 
 A simulator that returns the way of its ball, and no landing, answers with ``path``. Its points are
 held against the true path as they are. The landing, or the plate of a pitch, is found on a
-polynomial through those next to it: eight points, or four with velocities, if there are so many.
+polynomial through the eight next to it; velocities, if there are some, have one of their own, since
+many integrators have others than the slope of their places. Of fewer points with velocities both
+make one polynomial.
 A ball that its points leave in the air at the scene's time limit is airborne, and a pitch that they
 bring to the ground before the plate is grounded.
 """
@@ -115,15 +117,18 @@ def _crossing(heights: Array) -> int | None:
 
 def _met(path: Array, crossing: int, order: int, block: str, scene: Any) -> dict[str, Array] | None:
     """Return when and where a polynomial through `order` numbers next to a crossing is met."""
-    count = order // 2 if path.shape[1] == 7 else order
+    apart = len(path) >= order
+    count = order if apart or path.shape[1] == 4 else order // 2
     low = max(0, min(crossing - count // 2, len(path) - count))
     near = path[low : low + count]
     start = near[0, 0]
-    times, places = near[:, 0] - start, near[:, 1:4]
-    if path.shape[1] == 7:
-        times = np.repeat(times, 2)
-        places = np.stack([places, near[:, 4:7]], axis=1).reshape(-1, 3)
-    curve = KroghInterpolator(times, places)
+    times, places, speeds = near[:, 0] - start, near[:, 1:4], near[:, 4:7]
+    if apart or not speeds.size:
+        curve = KroghInterpolator(times, places)
+    else:
+        both = np.stack([places, speeds], axis=1).reshape(-1, 3)
+        curve = KroghInterpolator(np.repeat(times, 2), both)
+    velocity_at = KroghInterpolator(times, speeds) if apart and speeds.size else curve.derivative
     axis = 0 if block == "plate" else 2
     level = 0.0 if block == "plate" else landing_height(scene)
     before, after = path[crossing - 1, 0] - start, path[crossing, 0] - start
@@ -137,7 +142,7 @@ def _met(path: Array, crossing: int, order: int, block: str, scene: Any) -> dict
     if not height(before) >= 0 >= height(after):
         return None
     time = brentq(height, before, after, xtol=1e-15)
-    position, velocity = curve(time), curve.derivative(time)
+    position, velocity = curve(time), velocity_at(time)
     position[axis] = level
     found = {
         f"{block}.time": np.array([start + time]),

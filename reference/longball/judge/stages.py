@@ -166,7 +166,13 @@ _NO_STATE = (CannotSolve, Undecided, ArithmeticError, ValueError, KeyError, Inde
 
 def trial_of(case: Case, answer: Answer) -> Trial:
     """Return a case and its answer in doubles."""
-    given = {name: tuple(map(float, value)) for name, value in answer.values.items()}
+    # Of points without velocities the slope is known, which many integrators do not move by.
+    slopes = answer.path is not None and answer.path.shape[1] == 4
+    given = {
+        name: tuple(map(float, value))
+        for name, value in answer.values.items()
+        if not (slopes and name.endswith(".velocity"))
+    }
     expected = values_of(case.expected)
     right = answer.outcome in (None, case.expected.outcome) and all(
         name in expected

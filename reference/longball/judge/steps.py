@@ -486,7 +486,8 @@ class _Way:
         end = ", each event on the line between two of them" if self.ends == "line" else ""
         return Explanation(
             self.name, f"flies by {SCHEMES[self.name].words}, in steps of {dt:.4g} s{end}",
-            _REMEDY if self.name in LAGGING else _SHORTER, left, 1, self.change(dt), step=dt,
+            _REMEDY if self.name in LAGGING else _SHORTER, left, 1.1 if end else 1,
+            self.change(dt), step=dt,
         )  # fmt: skip
 
 
@@ -503,15 +504,17 @@ def schemes(sought: Sought, known: float | None) -> Iterator[Explanation]:
         dt = known or _scaled(few, base, way, FIRST)
         if not dt or dt < SHORTEST / NEAR or (way.ends == "line" and dt < FINE_STEP):
             continue  # with such steps, the line between two of them is the path
-        # Where the step is shorter than those tried, the error follows from the order.
-        share, steps = min(1.0, (dt / FINE_STEP) ** way.order), [max(dt, FINE_STEP)]
+        # Where the step is shorter than those tried, the error follows from the order; all schemes
+        # are tried with one that is known, which is to be quick.
+        tried = max(dt, FIRST if known else FINE_STEP)
+        share, steps = min(1.0, (dt / tried) ** way.order), [tried]
         if way.ends == "line" and not known:  # what is between two steps hangs on the step itself
             steps = [step for step in _round(dt, 3) if step >= FINE_STEP] or steps
         for step in steps:
             r = few.residual(way.change(step))
             if r is not None:
                 rest = float(np.abs(base - share * (base - r)).sum())
-                ranked.append((rest, way, dt if dt < FINE_STEP else step))
+                ranked.append((rest, way, dt if dt < tried else step))
     for _, way, dt in sorted(ranked, key=lambda one: one[0])[:BEST]:
         if sought.work.spent:
             return
