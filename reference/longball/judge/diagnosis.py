@@ -16,6 +16,8 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from statistics import median
 
+import numpy as np
+
 from longball.engines.verlet import Verlet
 from longball.judge.answers import Answer
 from longball.judge.cases import FRAGILE, Case, decidable
@@ -30,10 +32,11 @@ from longball.judge.explanations import (
     doubt_of,
     duration,
     evenly,
+    size_of,
     told_together,
 )
 from longball.judge.findings import Diagnosis, Finding, StageRow, found, many
-from longball.judge.fits import pairs, parts
+from longball.judge.fits import fitted, pairs, parts
 from longball.judge.outcomes import made_otherwise, outcome_findings, told_findings
 from longball.judge.quantities import untrue
 from longball.judge.relations import (
@@ -72,8 +75,9 @@ OTHERS = 3
 # What the impact tells besides numbers, which a change of it may change.
 MADE = ("impact.mode",)
 
-# Errors below this, relative, are an integrator's: no mistake of the physics is sought.
-FINE = 1e-7
+# Errors below this, relative, are mostly an integrator's: of the physics only a number may be
+# behind them. Below the second one nothing is sought.
+FINE, FAINT = 1e-7, 1e-10
 
 # Of the largest relative error of any stage: a stage below it is not where the trouble begins.
 MINOR = 1e-3
@@ -173,7 +177,7 @@ class _Search:
         checks, coarse = self._follow(), few_digits(self.trials)
         rows = [row for stage in STAGES if (row := _row(stage, checks))]
         unseen = self._unseen(checks)
-        largest = min(max((r.worst for r in rows), default=0.0), 1.0)
+        largest = _largest(checks)
         first = next((r.stage for r in rows if r.wrong and r.worst >= MINOR * largest), None)
         if self.causes and self.scheme is None:
             self._rewrite(first, rows)
@@ -309,7 +313,7 @@ class _Search:
         if not worst:
             return False
         # Beside large errors small ones are another matter.
-        minor = MINOR * min(worst, 1.0)
+        minor = MINOR * _usual(sizes)
         wrong = [one for one, size in zip(seen, sizes, strict=True) if size > minor]
         good = [one for one, size in zip(seen, sizes, strict=True) if one[1] and size <= minor]
         before = self.begun.get(stage, 0.0)
@@ -318,10 +322,11 @@ class _Search:
             return False
         right = [t for t, _ in good]
         quantity = max((c for _, cs in wrong for c in cs), key=lambda c: c.error / c.scale).quantity
+        scenes = _told_apart(seen, sizes, minor)
         told = found(
-            stage, _unknown(stage, sizes, minor, before > 0), len(wrong), len(wrong) + len(right),
-            quantity=quantity.partition(":")[0], worst=worst,
-            scenes=_told_apart(seen, sizes, minor),
+            stage, _unknown(stage, sizes, minor, before > 0, scenes), len(wrong),
+            len(wrong) + len(right), quantity=quantity.partition(":")[0], worst=worst,
+            scenes=scenes,
         )  # fmt: skip
         causes: list[Explanation] = []
         rest = worst < MINOR * min(before, 1.0)
@@ -329,7 +334,7 @@ class _Search:
         searched = self.causes and not (rest or stepped)
         if searched and self.single and worst < SINGLE_NOISE:
             causes = [SINGLE]
-        elif searched and worst > FINE:
+        elif searched and worst > FAINT:
             causes = self._found(stage, wrong, good, checks, told.scenes is not None)
         if not causes:
             self.findings.append(told)
@@ -503,6 +508,9 @@ class _Search:
         """Return explanations, the cheap ones first, until some are named."""
         chosen = evenly(wrong, SOUGHT)
         right = evenly([t for t, _ in good], BESIDE)
+        sought = Sought([t for t, _ in chosen], right, (stage,), self.base, self.work)
+        if max(size_of(c) for _, cs in wrong for c in cs if not c.follows) < FINE:
+            return list(fitted(stage, sought))
         found = [
             *relations(chosen, beside, self.base),
             *formulas(chosen, beside, self.base),
@@ -523,7 +531,6 @@ class _Search:
                 found += parts(stage, both)
                 if any(e.named for e in found):
                     return found
-        sought = Sought([t for t, _ in chosen], right, (stage,), self.base, self.work)
         found += parts(stage, sought)
         if stage in ("pitch", "flight"):
             found += clocks(stage, chosen, self.base)
@@ -566,20 +573,41 @@ def _without(trial: Trial, quantity: str) -> Trial:
     return replace(trial, given={n: v for n, v in trial.given.items() if n != quantity})
 
 
-def _unknown(stage: str, sizes: Sequence[float], minor: float, rest: bool) -> str:
-    """Return what can be said where nothing explains errors of these relative sizes."""
+def _unknown(
+    stage: str, sizes: Sequence[float], minor: float, rest: bool, scenes: str | None
+) -> str:
+    """Return what can be said where nothing explains errors of these sizes, in such scenes."""
     worst, wrong = max(sizes), sum(size > minor for size in sizes)
     sentence = f"{'what is left at ' if rest else ''}{stage}: wrong by up to {worst:.1e} of the "
     sentence += f"quantity in {many(wrong, 'scene')}"
     if smaller := sum(0 < size <= minor for size in sizes):
         sentence += f" (in {smaller} more by less than {minor:.0e})"
     sentence += ", and none of the known mistakes or fitted numbers explains it"
-    if stage in ("pitch", "flight") and worst < 1e-4:
+    if stage in ("pitch", "flight") and worst < 1e-4 and not scenes:
         sentence += (
-            "; long steps or a loose tolerance of the integrator can leave errors of this size: "
-            "see whether others change it"
+            "; an error of this size may be in a number, or the integrator's (long steps, a loose "
+            "tolerance): see whether shorter steps change it"
         )
     return sentence
+
+
+def _usual(sizes: Iterable[float]) -> float:
+    """Return the relative error, at most 1, that only a tenth of those that have one exceed.
+
+    A few scenes, such as grazes, make any error a thousand times as large.
+    """
+    errors = [min(size, 1.0) for size in sizes if size]
+    return float(np.quantile(errors, 0.9)) if errors else 0.0
+
+
+def _largest(checks: Sequence[Checked]) -> float:
+    """Return the usual relative error of the stage that has the largest."""
+    sizes: dict[str, list[float]] = defaultdict(list)
+    for _, seen in checks:
+        for check in seen:
+            if not check.follows:
+                sizes[check.stage].append(size_of(check))
+    return max(map(_usual, sizes.values()), default=0.0)
 
 
 def _row(stage: str, checks: Iterable[Checked]) -> StageRow | None:

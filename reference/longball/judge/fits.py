@@ -445,7 +445,7 @@ def parts(stage: str, sought: Sought) -> list[Explanation]:
         library += (*IMPACT, *SPIN)
     if stage not in ("pitch", "plate", "touching", "normal", "bat velocity"):
         library += READINGS
-    found = [*_tried(library, sought), *_fitted(stage, sought)]
+    found = [*_tried(library, sought), *fitted(stage, sought)]
     if any(e.named for e in found):
         return found
     return [*found, *_scaled(stage, library, sought)]
@@ -476,7 +476,7 @@ def _scaled(stage: str, library: Iterable[Mistake], sought: Sought) -> Iterator[
                 yield joined
 
 
-def _fitted(stage: str, sought: Sought) -> Iterator[Explanation]:
+def fitted(stage: str, sought: Sought) -> Iterator[Explanation]:
     """Yield what numbers the candidate acts as if it had."""
     whole_chain = stage == "flight" and any(
         t.scene.kind == "at-bat" and "impact.velocity" not in t.given for t in sought.trials

@@ -44,15 +44,21 @@ def outcome_findings(
         if t.confused:
             kinds[str(t.case.expected.outcome), str(t.outcome)].append(t)
     for (expected, obtained), wrong in sorted(kinds.items(), key=lambda k: -len(k[1])):
-        same = [t for t in trials if not t.confused and t.case.expected.outcome == expected]
+        agreed = [t for t in trials if not t.confused]
+        same = [t for t in agreed if t.case.expected.outcome == expected]
+        held = [*evenly(same, RIGHT), *evenly([t for t in agreed if not t.right], RIGHT)]
         sentence, remedy = f"says {obtained} where {expected} is right", None
         names: list[str] = []
         if against := _against_itself(wrong):
             sentence += f", against {against}"
-        elif made := _made(evenly(wrong, WRONG), evenly(same, RIGHT), base, known):
+        elif made := _made(evenly(wrong, WRONG), held, base, known):
             names, reason = made
             sentence += f": {reason}"
-        elif obtained == "missed" and expected in ("batted", "separating", "beyond_bat"):
+        elif (
+            obtained == "missed"
+            and expected in ("batted", "separating", "beyond_bat")
+            and not {f.stage for f in known} & {"pitch", "plate", "touching"}
+        ):
             sentence += ": as one who looks for the bat at the steps only"
             remedy = (
                 "find the closest approach within the step, where d·v changes sign, and test there"
@@ -92,7 +98,7 @@ def _explains(change: Change, trial: Trial) -> bool:
     if result.outcome != (trial.outcome or trial.case.expected.outcome):
         return False
     said = trial.given.get("landing.position")
-    if said is None or result.landing is None or not trial.confused:
+    if said is None or result.landing is None or trial.right:
         return True
     there = tuple(map(float, result.landing.position))
     return math.dist(there, said) <= NEAR * max(1.0, math.hypot(*there))

@@ -103,8 +103,14 @@ def _images(quantity: str, expected: Array, obtained: Array) -> Iterator[tuple[s
     square = np.maximum((expected * expected).sum(axis=1), 1e-300)
     ratios = (obtained * expected).sum(axis=1) / square
     ratio = float(np.median(ratios))
-    if abs(ratio - 1) > 1e-9 and np.ptp(ratios) < 1e-3 * max(abs(ratio), 1e-9):
-        what = factor_meaning(ratio)
+    what = factor_meaning(ratio)
+    # Scenes that expect the same are one: any number is the ratio, and the difference, of one.
+    same = bool((np.ptp(expected, axis=0) <= SAME * np.abs(expected).max()).all())
+    if (
+        abs(ratio - 1) > 1e-9
+        and np.ptp(ratios) < 1e-3 * min(max(abs(ratio), 1e-9), abs(ratio - 1))
+        and (what or not same)
+    ):
         text = "the sign is wrong" if what == "the sign" else (
             f"obtained = {ratio:.8g} × expected" + (f": {what}" if what else ""))  # fmt: skip
         yield f"{quantity}*{ratio:.6g}", f"{quantity}: {text}", lambda x: ratio * x
@@ -119,7 +125,7 @@ def _images(quantity: str, expected: Array, obtained: Array) -> Iterator[tuple[s
         return
     shift = obtained - expected
     middle = float(np.median(shift))
-    if middle and np.ptp(shift) < 1e-3 * abs(middle):
+    if middle and not same and np.ptp(shift) < 1e-3 * abs(middle):
         sentence = f"{quantity}: obtained = expected {'+-'[middle < 0]} {abs(middle):.8g}"
         yield f"{quantity}+{middle:.6g}", sentence, lambda x: x + middle
 
