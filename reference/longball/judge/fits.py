@@ -123,6 +123,11 @@ def _held(scene: Any, name: str) -> tuple[str, Any]:
     return name, None
 
 
+def _leaves_out(scene: Any, name: str) -> bool:
+    """Tell whether a scene has no value of a parameter of its own, and the usual one counts."""
+    return name in _LEFT_OUT and at(scene, name) is None
+
+
 def value_of(scene: Any, name: str) -> float | None:
     """Return the scene's own value of a parameter, of a vector its size; None if it has none."""
     found = _held(scene, name)[1]
@@ -151,7 +156,8 @@ class Fit:
     Attributes
     ----------
     form
-        "fixed": the value whatever the scene says; "factor": times the scene's; "offset": added.
+        "fixed": the value whatever the scene says; "factor": times the scene's; "offset": added;
+        "default": the value where the scene leaves it out.
     value, doubt
         Half the range of nine tenths of the scenes.
     varies
@@ -175,8 +181,10 @@ class Fit:
             own = value_of(scene, self.parameter)
             if own is None or (own == 0.0 and self.form == "factor"):
                 return scene
+            if self.form == "default" and not _leaves_out(scene, self.parameter):
+                return scene
             match self.form:
-                case "fixed":
+                case "fixed" | "default":
                     new = self.value
                 case "factor":
                     new = own * self.value
@@ -189,7 +197,7 @@ class Fit:
     @property
     def name(self) -> str:
         """Parameter and value: ``air.density=1.205``, ``pitch.speed*3.6``."""
-        symbol = {"fixed": "=", "factor": "*", "offset": "+"}[self.form]
+        symbol = {"fixed": "=", "default": "=", "factor": "*", "offset": "+"}[self.form]
         return f"{self.parameter}{symbol}{self.value:.6g}"
 
     @property
@@ -208,6 +216,9 @@ class Fit:
             case "fixed":
                 whatever = "whatever the scene says" if self.varies else f"and not {self.usual:.6g}"
                 return f"acts as if {self.parameter} = {number}{meant}, {whatever}"
+            case "default":
+                where = f"and not {self.usual:.6g}, where the scene leaves it out"
+                return f"acts as if {self.parameter} = {number}, {where}"
             case "factor":
                 factor = f"acts as if {self.parameter} were {number} times the scene's{meant}"
                 if not self.varies:
@@ -302,6 +313,9 @@ UNSURE = 0.2
 # A parameter that leaves so much of a scene, whatever its value, does not explain that scene.
 MISSED = 0.3
 
+# Of the scenes, how many may be missed so: what comes of the others is held against all.
+MOST_MISSED = 0.2
+
 # With so many scenes a number is believed that has many digits.
 FIRST = 3
 
@@ -363,28 +377,39 @@ def fits(
 ) -> list[list[Fit]]:
     """Return for each of some parameters the forms in which they may explain trials together."""
     found: list[tuple[Array, list[float | None]]] = []
+    scenes: list[Any] = []
+    missed = 0
     for trial in trials:
         one = implied(trial, names, stages, base, work)
         if one is None:
             continue
         if one[1] > MISSED:
-            return [[] for _ in names]
-        scene = base.scene(trial.scene)
+            missed += 1  # a slope across a jump, as from grip to slide, leads nowhere
+            if missed > MOST_MISSED * len(trials):
+                return [[] for _ in names]
+            continue
+        scenes.append(scene := base.scene(trial.scene))
         found.append((one[0], [value_of(scene, name) for name in names]))
     if len(found) < max(1, len(trials) // 3):
         return [[] for _ in names]
     values, own = (np.array(rows, float).T for rows in zip(*found, strict=True))
-    return [_forms(*one) for one in zip(names, values, own, strict=True)]
+    unsaid = [all(_leaves_out(scene, name) for scene in scenes) for name in names]
+    return [_forms(*one) for one in zip(names, values, own, unsaid, strict=True)]
 
 
-def _forms(name: str, values: Array, own: Array) -> list[Fit]:
-    """Return the forms in which a parameter has some values, beside the scenes' own."""
+def _forms(name: str, values: Array, own: Array, unsaid: bool) -> list[Fit]:
+    """Return the forms in which a parameter has some values, beside the scenes' own.
+
+    If all leave it out, it is what the candidate has in place of the usual one.
+    """
     varies = bool(np.ptp(own) > 1e-9 * np.abs(own).max(initial=0.0))
     forms: list[tuple[str, Callable[[], Array]]] = [
         ("fixed", lambda: values),
         ("factor", lambda: values / own),
         ("offset", lambda: values - own),
     ]
+    if unsaid:
+        forms = [("default", lambda: values)]
     result = []
     for form, make in forms:
         if form == "factor" and (own == 0).any():
