@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from longball.engines.verlet import Verlet
 from longball.judge.explanations import JUMPED, NAMED, Explanation, Sought, Work
 from longball.judge.mistakes import FENCE, IMPACT, LAW, READINGS, SPIN, TWO_STEP_PUSH, Mistake
+from longball.judge.rubbing import RUBBING
 from longball.judge.stages import COLLISION, NONE, Change, Trial, with_values
 from longball.model.air import (
     ConstantDrag,
@@ -467,7 +468,7 @@ def parts(stage: str, sought: Sought) -> list[Explanation]:
     if stage == "fence":
         library += FENCE
     if stage in ("impulse", "velocity after", "spin after", "energy"):
-        library += (*IMPACT, *SPIN)
+        library += (*IMPACT, *RUBBING, *SPIN)
     if stage not in ("pitch", "plate", "touching", "normal", "bat velocity"):
         library += READINGS
     found = [*_tried(library, sought), *fitted(stage, sought)]
