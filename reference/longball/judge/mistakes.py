@@ -363,9 +363,6 @@ _PAPERS_LAW: tuple[Mistake, ...] = (
     Mistake("lift-always-up", "keeps the lift on the upper side of the path, beyond the vertical "
             "too", "fix the spin axis at launch, or ask for the reading lift_direction = always_up",
             _reading(lift_direction="always_up")),
-    Mistake("ignores-lift-reading", "ignores the reading lift_direction",
-            "take reading.lift_direction from the scene",
-            _reading(lift_direction="fixed_spin_axis")),
     Mistake("buoyancy", "lets the air buoy the ball up: g (1 - ρ V/m)", _NO_MORE,
             _displaced(lambda share: {"gravity": 1 - share})),
     Mistake("added-mass", "adds half the mass of the air that the ball displaces to its inertia",
@@ -935,6 +932,12 @@ def _after(factor: Number, keep: float = 1.0) -> Value:
     return lambda v: tuple(keep * b + factor(v) * k for b, k in zip(v.before, v.kick, strict=True))
 
 
+def _whole_impulse(v: View) -> Numbers:
+    """Return m|V' - V| of a bat with friction; nothing of others, where it says nothing."""
+    rough = v.scene.bat.friction is not None
+    return (v.m * math.dist(v["impact.velocity"], v.before),) if rough else ()
+
+
 def _energy(mass: Number = lambda v: v.mu, loss: Number = lambda v: 1 - v.restitution**2) -> Value:
     return lambda v: (-0.5 * mass(v) * loss(v) * v.number("contact.normal_speed") ** 2,)
 
@@ -1031,6 +1034,8 @@ FORMULAS: tuple[Formula, ...] = (
          _swung(lambda v: -v.scene.bat.length / 2 - v.position[1]), _PIVOT),
         ("pivot-in-the-middle", "lets the bat turn about its middle",
          _swung(lambda v: -v.position[1])),
+        ("lever-of-size", "takes |y| for y in the lever",
+         _swung(lambda v: v.scene.bat.length / 2 - abs(v.position[1]))),
         ("tip-speed", "gives all of the bat the speed of its tip",
          _swung(lambda v: v.scene.bat.length)),
         ("middle-speed", "gives all of the bat the speed of its middle",
@@ -1039,6 +1044,8 @@ FORMULAS: tuple[Formula, ...] = (
         ("tilt-ignored", "swings level: the tilt is not used", _swung(tilt=lambda t: (1.0, 0.0))),
         ("tilt-swapped", "exchanges sine and cosine of the tilt",
          _swung(tilt=lambda t: _cos_sin(t)[::-1])),
+        ("tilt-small-angle", "takes 1 for the cosine of the tilt, and the tilt for its sine",
+         _swung(tilt=lambda t: (1.0, t))),
         ("tilt-cosine-left-out", "leaves the cosine of the tilt out",
          _swung(tilt=lambda t: (1.0, math.sin(t)))),
         ("tilt-in-degrees", "takes the tilt of the swing for degrees",
@@ -1076,10 +1083,14 @@ FORMULAS: tuple[Formula, ...] = (
         ("bat-mass-for-mu", "takes the bat's mass for μ", _push(lambda v: v.M)),
         ("sum-of-masses", "takes m + M for μ", _push(lambda v: v.m + v.M)),
         ("mean-of-masses", "takes (m + M)/2 for μ", _push(lambda v: (v.m + v.M) / 2)),
+        ("harmonic-mean", "takes 2mM/(m + M) for μ",
+         _push(lambda v: 2 * v.m * v.M / (v.m + v.M))),
         ("impulse-of-ball-speed", "takes the ball's own velocity along n, as if the bat were at "
          "rest", lambda v: (-v.mu * (1 + v.restitution) * dot(v.before, v["contact.normal"]),)),
         ("plain-e-in-impulse", "uses 1 + e where 1 + ẽ belongs", _push(e=lambda v: v.e)),
         ("one-minus-e", "uses 1 - ẽ where 1 + ẽ belongs", _push(e=lambda v: -v.restitution)),
+        ("whole-impulse", "gives the size of the whole impulse, the friction's part included",
+         _whole_impulse, "impact.impulse is its part along n"),
         ("no-one-plus", "uses ẽ where 1 + ẽ belongs", _push(e=lambda v: v.restitution - 1)),
         ("inelastic", "leaves the restitution out: the impulse is -μ Ṽ·n", _push(e=lambda v: 0.0))),
     *_wrong("impact.velocity", _V,
@@ -1096,6 +1107,14 @@ FORMULAS: tuple[Formula, ...] = (
          lambda v: _along(v["impact.velocity:follows"], v["contact.normal"])),
         ("velocity-reversed", "turns the whole velocity round, -ẽ times it",
          lambda v: tuple(-v.restitution * b for b in v.before)),
+        ("impulse-along-relative-velocity", "lets the impulse act along the whole relative "
+         "velocity, not along the normal",
+         lambda v: plus(v.before, -v.mu / v.m * (1 + v.restitution), v.relative)),
+        ("relative-velocity-reversed", "turns the whole relative velocity round, -ẽ times it",
+         lambda v: plus(v["contact.bat_velocity"], -v.restitution, v.relative)),
+        ("velocity-mirrored", "mirrors the velocity at the bat's surface, V - (1 + ẽ)(Ṽ·n) n",
+         lambda v: plus(v.before, -(1 + v.restitution) * v.number("contact.normal_speed"),
+                        v["contact.normal"])),
         ("bat-velocity-added", "adds the bat's velocity to the ball's",
          lambda v: plus(v["impact.velocity:follows"], 1.0, v["contact.bat_velocity"])),
         ("plate-velocity-after", "starts from the velocity at the plate",
@@ -1166,6 +1185,11 @@ NUMBERED: tuple[Numbered, ...] = (
              "n is perpendicular to the bat's axis: its y is 0",
              lambda v, said: said[1] * math.hypot(*v.axis)
              / (v.position[1] * math.hypot(said[0], said[2])), _tilted),
+    Numbered("contact.bat_velocity", "pivot-elsewhere", "lets the bat turn about a point {} times "
+             "its length from the middle", _PIVOT,
+             lambda v, said: (math.copysign(math.hypot(*said), said[0])
+                              / v.scene.swing.angular_speed + v.position[1]) / v.scene.bat.length,
+             lambda v, share: _swung(lambda w: share * w.scene.bat.length - w.position[1])(v)),
     Numbered("impact.restitution", "bat-inertia", "acts as if the bat's moment of inertia were "
              "M(L²/3 + {} r_b²)", _I, _turned_inertia, _with_inertia),
 )  # fmt: skip
@@ -1194,6 +1218,13 @@ READINGS: tuple[Mistake, ...] = (
     Mistake("ignores-reading", "ignores the scene's reading block",
             "take the switches of scene.reading, or leave those scenes out with --golden",
             Change(lambda scene: scene.model_copy(update={"reading": Reading()}))),
+)  # fmt: skip
+
+# Whoever takes no heed of one switch has its default: of those that scenes set otherwise.
+IGNORED: tuple[Mistake, ...] = tuple(
+    Mistake(f"ignores-{name}", f"ignores reading.{name}: acts as if it were {field.default}",
+            f"take reading.{name} from the scene", _reading(**{name: field.default}))
+    for name, field in Reading.model_fields.items()
 )  # fmt: skip
 
 # What shows in outcomes alone.
@@ -1230,7 +1261,15 @@ def _colliding(collision: Callable[..., tuple[Any, ...]]) -> Change:
     return Change(model=lambda model: replace(model, collide=collision))
 
 
+def _struck_from_other_end(cases: Any, contact: Any, error: Any, *carried: Any) -> tuple[Any, ...]:
+    """Apply the impulse of a bat that turns about its end A, at y = -L/2."""
+    arm = cases.scene.bat.length - contact.lever_arm
+    return collide(cases, replace(contact, lever_arm=arm), error, *carried)
+
+
 IMPACT: tuple[Mistake, ...] = (
+    Mistake("other-pivot", "measures r̃ from the bat's end A, at y = -L/2", _PIVOT,
+            _colliding(_struck_from_other_end)),
     Mistake("friction-without-spin", "leaves the ball's spin out of the slip",
             "g = V + ω × (-R n) - V_b: the surface moves with the spin",
             _colliding(_rubbed_without_spin)),
