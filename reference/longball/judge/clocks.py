@@ -15,7 +15,7 @@ import numpy as np
 
 from longball.judge.explanations import Checked, Explanation, Sought, share_left, size_of
 from longball.judge.fits import told
-from longball.judge.stages import Change, Placed, Trial, follow, placed
+from longball.judge.stages import ENOUGH, Change, Placed, Trial, follow, placed, view_values
 from longball.judge.steps import ROUND_STEPS, SHORTEST, FixedStep, common_step
 
 # The heights at which a candidate may let the ball land instead: above the ground, m.
@@ -96,6 +96,39 @@ def ends(
         )  # fmt: skip
     elif high <= 0 or low >= 0:
         yield from _at_steps(stage, [t for t, _ in chosen], offs, dt or grid(stage, trials))
+
+
+# What is zero where a candidate may let ball and bat touch instead: from the place of the ball
+# beside the bat's axis and along it (x, y, z), m, and R + r_b.
+_CONTACTS: tuple[tuple[str, str, str, Callable[[Sequence[float], float], float]], ...] = (
+    ("touches-in-space", "measures the way from the bat's middle to the ball in space, y too",
+     "ball and bat touch where x² + (z - z_b)² = (R + r_b)²",
+     lambda way, reach: math.hypot(*way) - reach),
+    ("touches-along-x", "lets ball and bat touch where x is R + r_b, at whatever height",
+     "ball and bat touch where x² + (z - z_b)² = (R + r_b)²",
+     lambda way, reach: abs(way[0]) - reach),
+    ("touches-at-plate", "puts the contact where the ball crosses the plate",
+     "the contact is where the ball is R + r_b from the bat's axis", lambda way, reach: way[0]),
+)  # fmt: skip
+
+
+def touchings(wrong: Sequence[Checked], base: Change) -> Iterator[Explanation]:
+    """Yield where else ball and bat touch, if that is so in every scene with such an error."""
+    events = [c for _, cs in wrong for c in cs if c.quantity.endswith("event") and not c.follows]
+    if len(events) < ENOUGH:
+        return
+    told_at = [t for t, cs in wrong if any(c in events for c in cs)]
+    ways = []
+    for trial in told_at:
+        held = view_values(trial, base, "contact.normal")
+        if held is None or "contact.position" not in trial.given:
+            return
+        scene, _, _, height = held
+        x, y, z = trial.given["contact.position"]
+        ways.append(((x, y, z - height), scene.ball.radius + scene.bat.radius))
+    for name, sentence, remedy, off in _CONTACTS:
+        if all(abs(off(way, reach)) <= 1e-7 * reach for way, reach in ways):
+            yield Explanation(name, sentence, remedy, 0.0, 0)
 
 
 def _at_steps(

@@ -21,7 +21,7 @@ import numpy as np
 from longball.engines.verlet import Verlet
 from longball.judge.answers import Answer
 from longball.judge.cases import FRAGILE, Case, decidable
-from longball.judge.clocks import clocks, ends, grid, on_chords
+from longball.judge.clocks import clocks, ends, grid, on_chords, touchings
 from longball.judge.explanations import (
     ALIKE,
     NAMED,
@@ -53,6 +53,7 @@ from longball.judge.relations import (
 from longball.judge.rules import rule
 from longball.judge.stages import (
     COLLISION,
+    ENOUGH,
     NONE,
     STAGES,
     Change,
@@ -331,19 +332,31 @@ class _Search:
         causes: list[Explanation] = []
         rest = worst < MINOR * min(before, 1.0)
         stepped = before and (isinstance(self.base.engine, Verlet) or self.jumps)
-        searched = self.causes and not (rest or stepped)
+        # Large in a graze is what an earlier stage has left there.
+        inherited = len(wrong) < ENOUGH and all(t.case.id in self.loose for t, _ in wrong)
+        searched = self.causes and not (rest or stepped or inherited)
+        plain = _plain(wrong)
+        of_most = False
         if searched and self.single and worst < SINGLE_NOISE:
             causes = [SINGLE]
         elif searched and worst > FAINT:
             causes = self._found(stage, wrong, good, checks, told.scenes is not None)
+            if not causes and ENOUGH <= len(plain) < len(wrong):
+                causes = self._found(stage, plain, _plain(good), checks, False)
+                of_most = bool(causes)
         if not causes:
             self.findings.append(told)
             self._leave(stage, wrong)
             return False
         broken, same = self._least_harm(causes, stage)
-        best, alone = same[0], broken > 0
+        best, alone = same[0], broken > 0 or of_most
         sentence = told_together([e.sentence for e in same])
-        if alone:
+        if of_most:
+            sentence = (
+                f"in all {len(plain)} scenes that leave the readings as they are: {sentence}; in "
+                f"{len(wrong) - len(plain)} with other readings it is wrong in another way"
+            )
+        elif alone:
             sentence = f"{f'where {told.scenes}' if told.scenes else f'{stage} alone'}: {sentence}"
         said = {
             "kind": "named",
@@ -378,7 +391,7 @@ class _Search:
         # What explains errors must not be contradicted by scenes that pass, unless a rule tells
         # these from the others.
         good = [] if told_apart else good
-        beside = evenly([o for o in good if o[0].scene.reading == Reading()], SOUGHT)
+        beside = evenly(_plain(good), SOUGHT)
         found = [
             replace(e, left=e.left + e.against)
             for e in self._explanations(stage, wrong, good, beside, checks)
@@ -518,6 +531,8 @@ class _Search:
         ]
         if stage in ("landing", "plate"):
             found += ends(stage, chosen, self.trials, self.dt)
+        if stage == "touching":
+            found += touchings(wrong, self.base)
         if stage not in COLLISION and any(e.named for e in found):
             return found
         if stage == "pitch":  # pitch and batted ball fly by one law: one explanation for both
@@ -567,6 +582,11 @@ def _told_apart(seen: Sequence[Checked], sizes: Sequence[float], minor: float) -
         if found := rule(wrong, [case for case, size in known if size <= least]):
             return found
     return None
+
+
+def _plain(checked: Sequence[Checked]) -> list[Checked]:
+    """Return those of scenes that leave the readings as they are."""
+    return [one for one in checked if one[0].scene.reading == Reading()]
 
 
 def _without(trial: Trial, quantity: str) -> Trial:

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from longball.engines.verlet import Verlet
 from longball.judge.explanations import JUMPED, NAMED, Explanation, Sought, Work
-from longball.judge.mistakes import FENCE, IGNORED, IMPACT, LAW, READINGS, SPIN, TWO_STEP_PUSH, Mistake
+from longball.judge.mistakes import FENCE, IGNORED, IMPACT, LAW, READINGS, SPIN, TOUCHING, TWO_STEP_PUSH, Mistake
 from longball.judge.rubbing import RUBBING
 from longball.judge.stages import COLLISION, NONE, Change, Trial, with_values
 from longball.model.air import (
@@ -465,6 +465,8 @@ def parts(stage: str, sought: Sought) -> list[Explanation]:
     library: list[Mistake] = []
     if stage in ("pitch", "flight", "spin decay"):
         library += LAW
+    if stage in ("touching", "normal"):
+        library += TOUCHING
     if stage == "fence":
         library += FENCE
     if stage in ("restitution", "impulse", "velocity after", "spin after", "energy"):

@@ -11,13 +11,14 @@ import math
 import operator
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, lru_cache
 from itertools import pairwise
 from typing import Any
 
 from pydantic import ValidationError
 
-from longball.engines.chain import OneCase, collide
+from longball.engines.chain import MODEL, OneCase, collide, reach_plate
+from longball.judge.any_law import ANY_LAW
 from longball.judge.stages import Change, Numbers, with_values
 from longball.model import trace
 from longball.model.aerodynamics import DRAG, LIFT
@@ -40,6 +41,7 @@ from longball.model.law import GRAVITY
 from longball.model.numbers import DOUBLES, Vector, dot, plus
 from longball.model.quantities import at
 from longball.model.readings import Reading
+from longball.model.scene import parse_scene
 
 
 @dataclass(frozen=True)
@@ -1021,6 +1023,9 @@ FORMULAS: tuple[Formula, ...] = (
     *_wrong("contact.normal", _N,
         ("normal-not-unit", "does not divide the normal by its length", lambda v: v.axis,
          "n is a unit vector"),
+        ("normal-by-reach", "divides the normal by R + r_b, whatever its length is",
+         lambda v: tuple(x / (v.scene.ball.radius + v.scene.bat.radius) for x in v.axis),
+         "n is a unit vector"),
         ("normal-level", "has the normal along x, whatever the height of the ball above the bat",
          lambda v: (1.0, 0.0, 0.0)),
         ("offset-ignored", "takes the normal without swing.height_offset",
@@ -1192,6 +1197,57 @@ NUMBERED: tuple[Numbered, ...] = (
              lambda v, share: _swung(lambda w: share * w.scene.bat.length - w.position[1])(v)),
     Numbered("impact.restitution", "bat-inertia", "acts as if the bat's moment of inertia were "
              "M(L²/3 + {} r_b²)", _I, _turned_inertia, _with_inertia),
+)  # fmt: skip
+
+
+# --- where ball and bat meet ----------------------------------------------------------------------
+
+
+def _swung_at(height: Callable[[Any], float]) -> Change:
+    """Return the change of the height of the bat's axis, m."""
+    return _scene(lambda scene: {"swing.height_offset": height(scene) - _crossing(scene)})
+
+
+@lru_cache(maxsize=4096)
+def _crossing_of(line: str) -> float:
+    case = OneCase(parse_scene(line), ANY_LAW, MODEL)
+    reach_plate(case)
+    return float(case.answer["plate.position"][2]) if "plate.position" in case.answer else math.nan
+
+
+def _crossing(scene: Any) -> float:
+    """Return the height at which the pitch of a scene crosses the plate, m."""
+    return _crossing_of(scene.line())
+
+
+def _reaching(reach: Callable[[Any], float]) -> Change:
+    """Return the change of the distance from the bat's axis at which the ball touches it, m."""
+    return Change(meeting=lambda scene: with_values(
+        scene, {"bat.radius": reach(scene) - scene.ball.radius}))  # fmt: skip
+
+
+_HEIGHT = "the bat's height is z'_b + σ_b: that of the ball at the plate, and swing.height_offset"
+_REACH = "ball and bat touch where the ball's centre is R + r_b from the bat's axis"
+
+TOUCHING: tuple[Mistake, ...] = (
+    Mistake("height-from-aim", "puts the bat at swing.height_offset above the height aimed at",
+            _HEIGHT, _swung_at(lambda s: s.pitch.aim[1] + s.swing.height_offset)),
+    Mistake("height-from-release", "puts the bat at swing.height_offset above the release",
+            _HEIGHT, _swung_at(lambda s: s.pitch.release[2] + s.swing.height_offset)),
+    Mistake("height-of-offset-alone", "puts the bat at swing.height_offset above z = 0",
+            _HEIGHT, _swung_at(lambda s: s.swing.height_offset)),
+    Mistake("offset-sign", "counts swing.height_offset downwards", _HEIGHT,
+            _scene(lambda scene: {"swing.height_offset": -scene.swing.height_offset})),
+    Mistake("offset-ignored", "puts the bat where the ball crosses the plate", _HEIGHT,
+            _scene(lambda scene: {"swing.height_offset": 0.0})),
+    Mistake("touches-at-bat-radius", "lets ball and bat touch at r_b, without the ball's radius",
+            _REACH, _reaching(lambda s: s.bat.radius)),
+    Mistake("touches-at-ball-radius", "lets ball and bat touch at R, without the bat's radius",
+            _REACH, _reaching(lambda s: s.ball.radius)),
+    Mistake("touches-at-diameters", "takes diameters for radii where ball and bat touch",
+            _REACH, _reaching(lambda s: 2 * (s.ball.radius + s.bat.radius))),
+    Mistake("touches-at-ball-diameter", "takes the ball's diameter where ball and bat touch",
+            _REACH, _reaching(lambda s: 2 * s.ball.radius + s.bat.radius)),
 )  # fmt: skip
 
 

@@ -9,6 +9,7 @@ from functools import partial
 from typing import Any
 
 from longball.engines.chain import MODEL, solve
+from longball.judge.any_law import ANY_LAW
 from longball.judge.explanations import evenly, told_together
 from longball.judge.findings import Finding, found, many
 from longball.judge.mistakes import FENCE, OUTCOMES
@@ -16,6 +17,7 @@ from longball.judge.quantities import BLOCKS, OPTIONAL, told_by, untrue
 from longball.judge.rules import rule
 from longball.judge.stages import NONE, Change, Trial, stage_of
 from longball.model.result import Result
+from longball.model.scene import FlightScene
 
 # Wrong outcomes of a kind, and right ones, that an explanation is held against.
 WRONG, RIGHT = 8, 4
@@ -23,6 +25,9 @@ WRONG, RIGHT = 8, 4
 # How near a landing is to the one that an explanation makes, relative: an integrator's errors may
 # be left in it.
 NEAR = 1e-3
+
+# Relative: with a value that is off by less, another outcome does not follow from it.
+FINE = 1e-12
 
 
 def outcome_findings(
@@ -54,6 +59,8 @@ def outcome_findings(
         elif made := _made(evenly(wrong, WRONG), held, base, known):
             names, reason = made
             sentence += f": {reason}"
+        elif own := _follows(wrong):
+            sentence += f": this follows from its own {own}"
         elif (
             obtained == "missed"
             and expected in ("batted", "separating", "beyond_bat")
@@ -136,6 +143,44 @@ def _against_itself(trials: Sequence[Trial]) -> str:
     if speeds and min(speeds) >= 0 and all(t.outcome in ("struck", "batted") for t in trials):
         return "its own contact.normal_speed: where it is not negative, ball and bat separate"
     return ""
+
+
+def _follows(trials: Sequence[Trial]) -> str:
+    """Return from which of their own earlier values wrong outcomes follow, if they do; else ""."""
+    both = {str(trials[0].outcome), str(trials[0].case.expected.outcome)}
+    for quantity, outcomes, holds in (
+        ("contact.margin", {"missed"}, lambda t, x: (t.outcome == "missed") is (x[0] <= 0)),
+        ("contact.normal_speed", {"separating"},
+         lambda t, x: (t.outcome == "separating") is (x[0] >= 0)),
+        ("impact.velocity", set(), _flies_so),
+    ):  # fmt: skip
+        if not outcomes <= both:
+            continue
+        given = [(t, t.given[quantity]) for t in trials if quantity in t.given]
+        wrong = [t for t, value in given if not _told_alike(value, t.expected.get(quantity))]
+        if len(wrong) == len(trials) and all(holds(t, value) for t, value in given):
+            return quantity
+    return ""
+
+
+def _told_alike(said: Sequence[float], true: Sequence[float] | None) -> bool:
+    return true is not None and math.dist(said, true) <= FINE * max(math.hypot(*true), 1e-3)
+
+
+def _flies_so(trial: Trial, velocity: Sequence[float]) -> bool:
+    """Tell whether a ball that is struck so flies as it is told to."""
+    scene, given = trial.scene, trial.given
+    if not {"contact.position", "contact.time"} <= set(given) or "impact.spin" in given:
+        return False
+    said = {"position": given["contact.position"], "velocity": velocity}
+    blocks = ("ball", "reading", "air", "gravity", "time_limit", "ground", "fence")
+    whole = {name: x for name, x in scene.model_dump().items() if name in blocks}
+    try:
+        flight = FlightScene.model_validate({"id": scene.id, "launch": said, **whole})
+        outcome = str(solve(flight, ANY_LAW, MODEL).outcome)
+    except (ArithmeticError, ValueError):
+        return False
+    return trial.outcome == {"landed": "batted"}.get(outcome, outcome)
 
 
 # --- besides numbers ------------------------------------------------------------------------------

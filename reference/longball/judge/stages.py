@@ -65,12 +65,15 @@ class Change:
         Who flies.
     push
         Whether the bat pushes for two steps of the paper's scheme, as Appendix B has it.
+    meeting
+        What is done to the scene where it is looked for when ball and bat meet, and nowhere else.
     """
 
     scene: Callable[[Any], Any] = lambda scene: scene
     model: Callable[[Model], Model] = lambda model: model
     engine: Engine[float] = ANY_LAW
     push: bool = False
+    meeting: Callable[[Any], Any] = lambda scene: scene
 
     def then(self, other: Change) -> Change:
         """Return this change with another one on top."""
@@ -79,6 +82,7 @@ class Change:
             lambda model: other.model(self.model(model)),
             self.engine if other.engine is ANY_LAW else other.engine,
             self.push or other.push,
+            lambda scene: other.meeting(self.meeting(scene)),
         )
 
 
@@ -430,7 +434,8 @@ class _Following:
         _, plate = self.thrown
         offset = self.height - plate["plate.position"][2]
         swing = self.scene.swing.model_copy(update={"height_offset": offset})
-        case = self._case(self.scene.model_copy(update={"swing": swing}))
+        swung = self.scene.model_copy(update={"swing": swing})
+        case = self._case(self.change.meeting(swung))
         _, self.meeting = chain.meet_bat(case)
         for name in ("contact.time", "contact.position", "contact.margin"):
             if name in case.answer:
@@ -499,7 +504,7 @@ class _Following:
             return
         yield from self._maybe("touching", "contact.time", _tuple(met["contact.time"]))
         if position:
-            reach = self.scene.ball.radius + self.scene.bat.radius
+            reach = self.scene.ball.radius + self.change.meeting(self.scene).bat.radius
             gap = math.hypot(position[0], position[2] - self.height) - reach
             yield self._event("touching", "contact.position", 0.0, gap)
             # In the paper's steps the ball goes to the bat on a line of its own (Appendix B).
