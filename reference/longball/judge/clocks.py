@@ -14,9 +14,10 @@ from functools import partial
 import numpy as np
 
 from longball.judge.explanations import Checked, Explanation, Sought, share_left, size_of
-from longball.judge.fits import told
+from longball.judge.fits import Fit, meaning, roundest, told
 from longball.judge.stages import ENOUGH, Change, Placed, Trial, follow, placed, view_values
 from longball.judge.steps import ROUND_STEPS, SHORTEST, FixedStep, common_step
+from longball.model.scene import landing_height
 
 # The heights at which a candidate may let the ball land instead: above the ground, m.
 _SURFACES: tuple[tuple[str, str, str, Callable[[Trial], float]], ...] = (
@@ -34,6 +35,10 @@ _SURFACES: tuple[tuple[str, str, str, Callable[[Trial], float]], ...] = (
      "the ball lands at ground.height",
      lambda t: _launch_height(t) - t.scene.ground.height),
 )  # fmt: skip
+
+
+# Of landings, how many may be elsewhere for another reason.
+FEW_OTHERS = 0.05
 
 
 def _stays(trial: Trial) -> bool:
@@ -86,6 +91,7 @@ def ends(
                 continue
             if heights.any() and np.allclose(offs, heights, rtol=1e-6, atol=1e-9):
                 yield Explanation(name, sentence, remedy, 0.0, 0, quantity=event)
+        yield from _scaled_ground(chosen, trials, event)
     low, high = float(offs.min()), float(offs.max())
     surface = "the ground" if stage == "landing" else "the plate"
     if high - low <= 1e-6 * max(abs(low), abs(high)):
@@ -129,6 +135,32 @@ def touchings(wrong: Sequence[Checked], base: Change) -> Iterator[Explanation]:
     for name, sentence, remedy, off in _CONTACTS:
         if all(abs(off(way, reach)) <= 1e-7 * reach for way, reach in ways):
             yield Explanation(name, sentence, remedy, 0.0, 0)
+
+
+def _scaled_ground(
+    chosen: Sequence[Checked], trials: Sequence[Trial], event: str
+) -> Iterator[Explanation]:
+    """Yield by what the height of the ground is multiplied, if that is so wherever a ball lands."""
+    ratios = [_ground_told(t) / t.scene.ground.height for t, _ in chosen if t.scene.ground.height]
+    if len(ratios) < len(chosen) or len(set(ratios)) < 2:
+        return
+    doubt = float(np.ptp(ratios)) / 2
+    factor = roundest(float(np.median(ratios)), max(doubt, 1e-9))
+    landed = [t for t in trials if "landing.position" in t.given]
+    others = [t for t in landed if abs(
+        _ground_told(t) - factor * t.scene.ground.height) > 1e-6 * max(1.0, abs(_ground_told(t)))]  # fmt: skip
+    if len(others) > FEW_OTHERS * len(landed) or factor in (0.0, 1.0, -1.0):
+        return  # 0 and -1 are named above
+    fit = Fit("ground.height", "factor", factor, 0.0, varies=True)
+    yield Explanation(
+        fit.name, f"lands at {factor:.9g} times ground.height{meaning(fit)}",
+        "the ball lands at ground.height, in metres", 0.0, 0, fit.change, quantity=event,
+    )  # fmt: skip
+
+
+def _ground_told(trial: Trial) -> float:
+    """Return the height of the ground that a landing implies, m."""
+    return trial.given["landing.position"][2] - landing_height(trial.scene) + trial.scene.ground.height
 
 
 def _at_steps(

@@ -24,6 +24,7 @@ from longball.judge.cases import FRAGILE, Case, decidable
 from longball.judge.clocks import clocks, ends, grid, on_chords, touchings
 from longball.judge.explanations import (
     ALIKE,
+    IN_A_SCENE,
     NAMED,
     Checked,
     Explanation,
@@ -402,8 +403,35 @@ class _Search:
             return []
         alike = max(ALIKE * named[0].left, doubt_of(wrong))
         ties = sorted((e for e in named if e.left <= alike), key=lambda e: e.rank)
+        ties = self._told_from_ties(ties, stage, wrong)
         by_name = {e.name: e for e in reversed(ties)}
         return sorted(by_name.values(), key=lambda e: e.rank)
+
+    def _told_from_ties(
+        self, ties: list[Explanation], stage: str, wrong: Sequence[Checked]
+    ) -> list[Explanation]:
+        """Return those that are best where they make different scenes; all, if they nowhere do."""
+        changed = [e for e in ties if e.change is not None]
+        if len(changed) < 2 or len(changed) < len(ties):
+            return ties
+        differ = []
+        for t, _ in wrong:
+            made = [self.base.then(e.change).scene(t.scene) for e in changed if e.change]
+            if any(scene != made[0] for scene in made):
+                differ.append(t)
+        some = evenly(differ, OTHERS)
+        lefts = [
+            sum(
+                size_of(c)
+                for t in some
+                for c in follow(t, self.base.then(e.change), (stage,))
+                if c.stage == stage and not c.follows
+            )
+            for e in changed
+            if e.change
+        ]
+        best = min(lefts)
+        return [e for e, left in zip(changed, lefts, strict=True) if left <= best + IN_A_SCENE]
 
     def _contradicted(self, change: Change, wrong: Sequence[Checked]) -> bool:
         """Tell whether most trials tell rightly, besides numbers, what a change would not make."""

@@ -1230,10 +1230,10 @@ _HEIGHT = "the bat's height is z'_b + σ_b: that of the ball at the plate, and s
 _REACH = "ball and bat touch where the ball's centre is R + r_b from the bat's axis"
 
 TOUCHING: tuple[Mistake, ...] = (
-    Mistake("height-from-aim", "puts the bat at swing.height_offset above the height aimed at",
-            _HEIGHT, _swung_at(lambda s: s.pitch.aim[1] + s.swing.height_offset)),
     Mistake("height-from-release", "puts the bat at swing.height_offset above the release",
             _HEIGHT, _swung_at(lambda s: s.pitch.release[2] + s.swing.height_offset)),
+    Mistake("height-from-aim", "puts the bat at swing.height_offset above the height aimed at",
+            _HEIGHT, _swung_at(lambda s: s.pitch.aim[1] + s.swing.height_offset)),
     Mistake("height-of-offset-alone", "puts the bat at swing.height_offset above z = 0",
             _HEIGHT, _swung_at(lambda s: s.swing.height_offset)),
     Mistake("offset-sign", "counts swing.height_offset downwards", _HEIGHT,

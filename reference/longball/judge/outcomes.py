@@ -26,6 +26,9 @@ WRONG, RIGHT = 8, 4
 # be left in it.
 NEAR = 1e-3
 
+# Of wrong outcomes, how many must follow from something for that to be said.
+MOST = 0.9
+
 # Relative: with a value that is off by less, another outcome does not follow from it.
 FINE = 1e-12
 
@@ -60,7 +63,7 @@ def outcome_findings(
             names, reason = made
             sentence += f": {reason}"
         elif own := _follows(wrong):
-            sentence += f": this follows from its own {own}"
+            sentence += f": {own}"
         elif (
             obtained == "missed"
             and expected in ("batted", "separating", "beyond_bat")
@@ -146,7 +149,7 @@ def _against_itself(trials: Sequence[Trial]) -> str:
 
 
 def _follows(trials: Sequence[Trial]) -> str:
-    """Return from which of their own earlier values wrong outcomes follow, if they do; else ""."""
+    """Return from which of their own earlier values wrong outcomes follow, if most do; else ""."""
     both = {str(trials[0].outcome), str(trials[0].case.expected.outcome)}
     for quantity, outcomes, holds in (
         ("contact.margin", {"missed"}, lambda t, x: (t.outcome == "missed") is (x[0] <= 0)),
@@ -157,9 +160,11 @@ def _follows(trials: Sequence[Trial]) -> str:
         if not outcomes <= both:
             continue
         given = [(t, t.given[quantity]) for t in trials if quantity in t.given]
-        wrong = [t for t, value in given if not _told_alike(value, t.expected.get(quantity))]
-        if len(wrong) == len(trials) and all(holds(t, value) for t, value in given):
-            return quantity
+        wrong = [one for one in given if not _told_alike(one[1], one[0].expected.get(quantity))]
+        count = sum(holds(t, value) for t, value in wrong)
+        if count >= MOST * len(trials):
+            where = "" if count == len(trials) else f"in {count} of them "
+            return f"{where}this follows from its own {quantity}"
     return ""
 
 
