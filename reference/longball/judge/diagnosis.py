@@ -125,7 +125,7 @@ def diagnose(
         # Either outcome of a fragile case may be right.
         and (FRAGILE not in case.flags or answer.outcome in (None, case.expected.outcome))
     ]
-    if causes and (other := shifted(trials)):
+    if other := shifted(trials):
         return Diagnosis(sentence=other.sentence, first=None, stages=[], clean=[], findings=[other])
     if 2 * sum(t.resolution > 0 or t.share > 0 for t in trials) <= len(trials):
         # A few answers have short numbers by chance, such as those of the scene.
