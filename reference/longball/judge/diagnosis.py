@@ -50,6 +50,7 @@ from longball.judge.relations import (
     relations,
     resolutions,
     shifted,
+    singles,
 )
 from longball.judge.rules import rule
 from longball.judge.stages import (
@@ -558,6 +559,8 @@ class _Search:
         chosen = evenly(wrong, SOUGHT)
         right = evenly([t for t, _ in good], BESIDE)
         sought = Sought([t for t, _ in chosen], right, (stage,), self.base, self.work)
+        if found := list(singles(wrong)):
+            return found
         if max(size_of(c) for _, cs in wrong for c in cs if not c.follows) < FINE:
             return list(fitted(stage, sought))
         found = [

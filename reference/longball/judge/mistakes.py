@@ -238,7 +238,7 @@ def _scene(values: Callable[[Any], Mapping[str, Any]]) -> Change:
     def change(scene: Any) -> Any:
         try:
             return with_values(scene, values(scene))
-        except (AttributeError, TypeError):
+        except (AttributeError, TypeError, ValueError):
             return scene
 
     return Change(change)
@@ -675,7 +675,28 @@ EXTENDED: tuple[Mistake, ...] = (
                 "air.drag_coefficient.low_speed": scene.air.drag_coefficient.high_speed})),
 )  # fmt: skip
 
-LAW = (*_PAPERS_LAW, *EXTENDED)
+# The most decimals that a scene's numbers may be rounded to, where that shows.
+_MOST_DECIMALS = 6
+
+
+def _rounded(place: str, decimals: int) -> Mistake:
+    """Return that some numbers of the scene are rounded."""
+
+    def values(scene: Any) -> Mapping[str, Any]:
+        return {place: tuple(round(x, decimals) for x in at(scene, place))}
+
+    said = f"rounds {place} to {decimals} decimal{'s' * (decimals != 1)}"
+    return Mistake(f"rounded:{place}:{decimals}", said, "take the numbers of the scene as they are",
+                   _scene(values))  # fmt: skip
+
+
+ROUNDED = tuple(
+    _rounded(place, decimals)
+    for place in ("launch.velocity", "launch.position")
+    for decimals in range(1, _MOST_DECIMALS + 1)
+)
+
+LAW = (*_PAPERS_LAW, *EXTENDED, *ROUNDED)
 SPIN = tuple(mistake for mistake in EXTENDED if mistake.name.startswith("spin-"))
 
 
@@ -1141,6 +1162,10 @@ FORMULAS: tuple[Formula, ...] = (
         ("spin-kept", "keeps the spin that the ball came with", lambda v: v["contact.spin"]),
         ("spin-change-sign", "changes the spin the other way", lambda v: plus(
             v["contact.spin"], -1.0, plus(v["impact.spin:follows"], -1.0, v["contact.spin"]))),
+        ("spin-after-of-release", "adds to the spin of the release, not to that at the contact",
+         lambda v: plus(v["impact.spin:follows"], -1.0,
+                        plus(v["contact.spin"], -1.0, v.scene.pitch.spin)),
+         "spin falls by e along spin_decay_length, on the way to the bat too"),
         ("spin-before-forgotten", "forgets the spin that the ball came with",
          _less("impact.spin", lambda v: v["contact.spin"]))),
     *_wrong("landing.spin", "spin falls by e along spin_decay_length of path through the air",
@@ -1318,6 +1343,15 @@ def _colliding(collision: Callable[..., tuple[Any, ...]]) -> Change:
     return Change(model=lambda model: replace(model, collide=collision))
 
 
+def _struck_with_spin_of_release(
+    cases: Any, contact: Any, error: Any, *carried: Any
+) -> tuple[Any, ...]:
+    """Apply the impulse to a ball that has the spin still with which it was thrown."""
+    if cases.scene.kind != "at-bat" or contact.spin is None:
+        return collide(cases, contact, error, *carried)
+    return collide(cases, replace(contact, spin=cases.scene.pitch.spin), error, *carried)
+
+
 def _struck_from_other_end(cases: Any, contact: Any, error: Any, *carried: Any) -> tuple[Any, ...]:
     """Apply the impulse of a bat that turns about its end A, at y = -L/2."""
     arm = cases.scene.bat.length - contact.lever_arm
@@ -1327,6 +1361,9 @@ def _struck_from_other_end(cases: Any, contact: Any, error: Any, *carried: Any) 
 IMPACT: tuple[Mistake, ...] = (
     Mistake("other-pivot", "measures r̃ from the bat's end A, at y = -L/2", _PIVOT,
             _colliding(_struck_from_other_end)),
+    Mistake("spin-of-release", "strikes the ball with the spin of the release",
+            "spin falls by e along spin_decay_length, on the way to the bat too",
+            _colliding(_struck_with_spin_of_release)),
     Mistake("friction-without-spin", "leaves the ball's spin out of the slip",
             "g = V + ω × (-R n) - V_b: the surface moves with the spin",
             _colliding(_rubbed_without_spin)),

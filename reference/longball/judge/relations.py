@@ -247,6 +247,22 @@ def resolutions(chosen: Sequence[Checked]) -> Iterator[Explanation]:
         )  # fmt: skip
 
 
+def singles(wrong: Sequence[Checked]) -> Iterator[Explanation]:
+    """Yield the one quantity of a stage that is computed or written in single precision."""
+    failing = [c for _, cs in wrong for c in cs if not c.follows]
+    for quantity in {c.quantity for c in failing}:
+        some = [c for c in failing if c.quantity == quantity]
+        numbers = {Decimal(x) for c in some for x in c.obtained if x}
+        near = all(c.error <= SINGLE_ULPS * max(map(abs, c.obtained)) for c in some)
+        if len(some) == len(failing) and near and len(numbers) >= ENOUGH and all(
+            map(_is_single, numbers)
+        ):
+            yield Explanation(
+                f"single-precision:{quantity}", f"{quantity} holds numbers of single precision",
+                SINGLE.remedy, 0.0, 0, quantity=quantity,
+            )  # fmt: skip
+
+
 def few_digits(trials: Sequence[Trial]) -> Finding | None:
     """Return that all numbers are written with few digits, or few behind the point, if they are."""
     told = [t for t in trials if any(x % 1 for value in t.given.values() for x in value)]
@@ -276,6 +292,9 @@ SINGLE = Explanation(
     "single-precision", "computes or writes in single precision",
     "use doubles throughout, and write them with 17 digits", 0.0, 0,
 )  # fmt: skip
+
+# Of a number, what rounding it to single precision may do, in three components.
+SINGLE_ULPS = 1.1e-7
 
 # Single precision leaves 6e-8 a rounding; some hundred steps, amplified by bat and ball.
 SINGLE_NOISE = 1e-2
