@@ -19,18 +19,18 @@ if TYPE_CHECKING:
     from longball import convergence, golden, judge
     from longball.api import (
         AtBat,
-        CannotSolve,
         Flight,
         Impact,
-        InvalidScene,
         Path,
         Pitch,
         Solution,
         State,
-        Undecided,
         home_run_probability,
         solve,
     )
+    from longball.engines.engine import CannotSolve
+    from longball.model.numbers import Undecided
+    from longball.model.scene import InvalidScene
     from longball.tables import solve_many
 
 __version__ = "0.1.0"

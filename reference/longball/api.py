@@ -44,21 +44,6 @@ from longball.model.scene import AtBatScene, InvalidScene, Scene, parse_scene
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = [
-    "AtBat",
-    "CannotSolve",
-    "Flight",
-    "Impact",
-    "InvalidScene",
-    "Path",
-    "Pitch",
-    "Solution",
-    "State",
-    "Undecided",
-    "home_run_probability",
-    "solve",
-]
-
 Array = NDArray[np.float64]
 
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +21,7 @@ from longball.pitches.table import Floats
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 MARKERS = "osD^v<>ph8*"
 
@@ -41,13 +42,8 @@ def draw_probability(
     pad = 0.05 * (high - low) or 0.01
     grid = [low - pad + (high - low + 2 * pad) * i / 200 for i in range(201)]
     for (name, curve), dash in zip(curves.items(), ("--", ":"), strict=False):
-        axes.plot(
-            grid,
-            [curve(x) for x in grid],
-            dash,
-            color="0.45",
-            label=f"paper's {name}: C₁ = {curve.c1:g} m, σ = {curve.sigma:g} m",
-        )
+        label = f"paper's {name}: C₁ = {curve.c1:g} m, σ = {curve.sigma:g} m"
+        axes.plot(grid, [curve(x) for x in grid], dash, color="0.45", label=label)
     if fit:
         label = f"fit: C₁ = {fit.curve.c1:.0f} m, σ = {fit.curve.sigma:.1f} m"
         axes.plot(grid, [fit.curve(x) for x in grid], "-", color="C0", label=label)
@@ -55,18 +51,9 @@ def draw_probability(
     label = "longball, quadrature"
     if isinstance(first, Estimate):
         label = f"longball, 95 % of {first.trials} at-bats"
-    axes.errorbar(
-        e,
-        [row.p for row in estimates],
-        yerr=[
-            [row.p - row.low for row in estimates],
-            [row.high - row.p for row in estimates],
-        ],
-        fmt="ko",
-        markersize=4,
-        capsize=3,
-        label=label,
-    )
+    p = [row.p for row in estimates]
+    off = [row.p - row.low for row in estimates], [row.high - row.p for row in estimates]
+    axes.errorbar(e, p, yerr=off, fmt="ko", markersize=4, capsize=3, label=label)
     axes.set_xlabel("coefficient of restitution e of the ball")
     axes.set_ylabel("probability of a home run P(e)")
     axes.set_ylim(bottom=0.0)
@@ -91,11 +78,7 @@ def draw_errors(axes: Axes, prediction: Prediction) -> None:
                 marker=MARKERS[i % len(MARKERS)], linewidth=0.8, label=f"{kind} ({len(up)})",
             )  # fmt: skip
         axes.plot(0.0, 0.0, "k+", markersize=12)
-        axes.set(
-            xlabel="too far to the catcher's right, cm",
-            ylabel="too high, cm",
-            aspect="equal",
-        )
+        axes.set(xlabel="too far to the catcher's right, cm", ylabel="too high, cm", aspect="equal")
         axes.legend(fontsize="small", frameon=False, bbox_to_anchor=(1.0, 1.0))
     else:
         angle = np.degrees(measured.angle[solved])
@@ -111,7 +94,7 @@ def _seen(error: Floats) -> Floats:
 
 def save_prediction(path: Path, prediction: Prediction) -> None:
     """Write the picture of a prediction's errors, in the format that the file's ending names."""
-    with _saved(path, (5.6, 4.2)) as axes:
+    with _saved(path, (5.6, 4.2)) as (_, axes):
         draw_errors(axes, prediction)
 
 
@@ -122,21 +105,23 @@ def save_probability(
     curves: Mapping[str, Curve] = PAPER_CURVES,
 ) -> None:
     """Write the picture of P(e) to a file, in the format that its ending names."""
-    with _saved(path, (6.4, 4.2)) as axes:
+    with _saved(path, (6.4, 4.2)) as (_, axes):
         draw_probability(axes, estimates, fit, curves)
 
 
 @contextmanager
-def _saved(path: Path, size: tuple[float, float]) -> Iterator[Axes]:
-    """Yield axes, and write what is drawn on them."""
+def _saved(
+    path: Path, size: tuple[float, float], rows: int = 1, **layout: Any
+) -> Iterator[tuple[Figure, Any]]:
+    """Yield a figure and its axes, one above the other, and write what is drawn on them."""
     with naming_extras():
         import matplotlib
 
     matplotlib.use("agg")
     import matplotlib.pyplot as plt
 
-    figure, axes = plt.subplots(figsize=size, layout="constrained")
-    yield axes
+    figure, axes = plt.subplots(rows, figsize=size, layout="constrained", **layout)
+    yield figure, axes
     figure.savefig(path, dpi=150)
     plt.close(figure)
 
@@ -183,49 +168,37 @@ def save_paths(path: Path, scenes: Sequence[Drawn]) -> None:
 
     Dashed before the contact, solid after it; a mark where a path ends.
     """
-    import matplotlib
-
-    matplotlib.use("agg")
-    import matplotlib.pyplot as plt
-
     every = np.vstack([points for scene in scenes for points in scene.flights])
     low, high = np.minimum(every.min(axis=0), 0.0), np.maximum(every.max(axis=0), 0.0)
     length, width, height = np.maximum(high - low, 0.05 * (high - low).max())
     inches = min(9.0 / length, 9.0 / (width + height))  # for a metre
     heights = [max(extent * inches, _LABEL) for extent in (height, width)]
-    figure, (side, top) = plt.subplots(
-        2,
-        1,
-        figsize=(length * inches + 1.2, sum(heights) + 1.8),
-        height_ratios=heights,
-        sharex=True,
-        layout="constrained",
-    )
-    for i, scene in enumerate(scenes):
-        look = {"color": _COLOURS[i % len(_COLOURS)], "linewidth": 1.4}
-        label = scene.label if len(scenes) <= _MOST_LABELS else None
-        for axes, column in ((side, 2), (top, 1)):
-            for k, points in enumerate(scene.flights, 1):
-                last = k == len(scene.flights)
-                axes.plot(
-                    points[:, 0],
-                    points[:, column],
-                    linestyle="-" if last else "--",
-                    marker=MARKERS[i % len(MARKERS)] if last else None,
-                    markevery=[-1],
-                    markersize=5,
-                    label=label if last else None,
-                    **look,
-                )
-    side.axhline(0.0, color="0.6", linewidth=0.8, zorder=0)
-    for axes, name in ((side, "height z (m)"), (top, "y, to the left (m)")):
-        axes.set_aspect("equal", adjustable="datalim")
-        axes.plot(0.0, 0.0, marker="P", color="0.4", markersize=6, linestyle="none", zorder=0)
-        axes.set_ylabel(name)
-    top.set_xlabel("x, from the plate towards the pitcher (m)")
-    if len(scenes) <= _MOST_LABELS:
-        figure.legend(
-            *side.get_legend_handles_labels(), loc="outside upper left", fontsize="small", ncols=2
-        )
-    figure.savefig(path, dpi=150)
-    plt.close(figure)
+    size = (length * inches + 1.2, sum(heights) + 1.8)
+    with _saved(path, size, 2, height_ratios=heights, sharex=True) as (figure, (side, top)):
+        for i, scene in enumerate(scenes):
+            _draw_flights(side, top, scene, i, labelled=len(scenes) <= _MOST_LABELS)
+        side.axhline(0.0, color="0.6", linewidth=0.8, zorder=0)
+        for axes, name in ((side, "height z (m)"), (top, "y, to the left (m)")):
+            axes.set_aspect("equal", adjustable="datalim")
+            axes.plot(0.0, 0.0, marker="P", color="0.4", markersize=6, linestyle="none", zorder=0)
+            axes.set_ylabel(name)
+        top.set_xlabel("x, from the plate towards the pitcher (m)")
+        if len(scenes) <= _MOST_LABELS:
+            known = side.get_legend_handles_labels()
+            figure.legend(*known, loc="outside upper left", fontsize="small", ncols=2)
+
+
+def _draw_flights(side: Axes, top: Axes, scene: Drawn, i: int, labelled: bool) -> None:
+    """Draw the flights of a scene, the last of them solid and with the scene's label."""
+    look: dict[str, Any] = {"color": _COLOURS[i % len(_COLOURS)], "linewidth": 1.4}
+    last = look | {
+        "marker": MARKERS[i % len(MARKERS)],
+        "markevery": [-1],
+        "markersize": 5,
+        "label": scene.label if labelled else None,
+    }
+    for axes, column in ((side, 2), (top, 1)):
+        *before, batted = scene.flights
+        for points in before:
+            axes.plot(points[:, 0], points[:, column], "--", **look)
+        axes.plot(batted[:, 0], batted[:, column], "-", **last)

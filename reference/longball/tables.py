@@ -300,11 +300,7 @@ def results_table(results: Iterable[Mapping[str, Any]]) -> pd.DataFrame:
 
 
 _ROWS = 10_000
-
-
 _TEXTS = {"outcome": "str", "error": "str", "code": "str"}  # columns that are always there
-
-
 _DISCRETE = {name: "boolean" if kind is bool else "Int64" for name, kind in DISCRETE.items()}
 
 
@@ -332,14 +328,11 @@ def scene_lines(path: Path) -> bytes:
     ValueError
         If the file is no table, or a column has no name of a scene.
     """
+    rows: Iterable[tuple[int, Mapping[Any, Any]]] = _csv_rows(path)
     if path.suffix == ".parquet":
         import pandas as pd
 
-        rows: Iterable[tuple[int, Mapping[Any, Any]]] = enumerate(
-            pd.read_parquet(path).to_dict("records"), 1
-        )
-    else:
-        rows = _csv_rows(path)
+        rows = enumerate(pd.read_parquet(path).to_dict("records"), 1)
     lines: list[bytes] = []
     for number, row in rows:
         lines += [b""] * (number - 1 - len(lines))  # the head, blank lines, the rest of a cell
@@ -364,9 +357,8 @@ def _csv_rows(path: Path) -> Iterator[tuple[int, dict[str, Any]]]:
                             raise ValueError(f"the column {name} is there twice")
                     continue
                 if any(cells[len(head) :]):
-                    raise ValueError(
-                        f"line {number}: {len(cells)} cells, and the head has {len(head)}"
-                    )
+                    told = f"{len(cells)} cells, and the head has {len(head)}"
+                    raise ValueError(f"line {number}: {told}")
                 yield number, {name: x for name, x in zip(head, cells, strict=False) if x}
         except csv.Error as error:
             raise ValueError(f"line {begin}: {error}") from None

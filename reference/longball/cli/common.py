@@ -10,6 +10,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, BinaryIO, NoReturn, TextIO, TypeVar
 
@@ -64,6 +65,16 @@ def drawable(file: Path | None) -> Path | None:
         if file.suffix.lower() not in endings:
             raise typer.BadParameter(f"{file}: the endings of pictures are {', '.join(endings)}")
     return file
+
+
+def to_file(
+    about: str, *names: str, check: Callable[[Path | None], Path | None] = writable, **others: Any
+) -> Any:
+    """Return an option that names a file to be written."""
+    return typer.Option(*names, callback=check, help=about, **others)
+
+
+to_picture = partial(to_file, check=drawable)
 
 
 def _hushed(quiet: bool) -> bool:

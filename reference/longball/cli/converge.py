@@ -13,13 +13,13 @@ from longball.cli.common import (
     Expected,
     Json,
     Quiet,
-    drawable,
     named,
     progress_bar,
     reading_from,
     refusing,
     tell,
-    writable,
+    to_file,
+    to_picture,
     wrong_call,
 )
 from longball.engines.chain import solve
@@ -68,12 +68,8 @@ def converge(
     ] = 8,
     timeout: Annotated[float, typer.Option(min=0.001, help="s to wait for each answer.")] = 60.0,
     as_json: Json = False,
-    csv: Annotated[
-        Path | None, typer.Option(callback=writable, help="Write the error at every step here.")
-    ] = None,
-    figure: Annotated[
-        Path | None, typer.Option(callback=drawable, help="Draw error against step here.")
-    ] = None,
+    csv: Annotated[Path | None, to_file("Write the error at every step here.")] = None,
+    figure: Annotated[Path | None, to_picture("Draw error against step here.")] = None,
     quiet: Quiet = False,
 ) -> None:
     """Run a family of time steps, and report observed orders against theory."""

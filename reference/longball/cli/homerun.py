@@ -18,7 +18,6 @@ from longball.cli.common import (
     Quiet,
     Seed,
     Workers,
-    drawable,
     option_value,
     parsed,
     plain_table,
@@ -27,7 +26,8 @@ from longball.cli.common import (
     show,
     split_assignment,
     tell,
-    writable,
+    to_file,
+    to_picture,
     wrong_call,
 )
 from longball.home_run import (
@@ -87,17 +87,10 @@ def homerun(
     workers: Workers = -1,
     scheduler: Scheduler = None,
     as_json: Json = False,
-    csv_file: Annotated[
-        Path | None, typer.Option("--csv", callback=writable, help="Write the table here.")
-    ] = None,
-    figure: Annotated[
-        Path | None, typer.Option(callback=drawable, help="Draw P(e) here: .png, .svg, .pdf")
-    ] = None,
+    csv_file: Annotated[Path | None, to_file("Write the table here.", "--csv")] = None,
+    figure: Annotated[Path | None, to_picture("Draw P(e) here: .png, .svg, .pdf")] = None,
     scenes_file: Annotated[
-        Path | None,
-        typer.Option(
-            "--scenes", callback=writable, help="Write the sampled at-bats here, as scenes."
-        ),
+        Path | None, to_file("Write the sampled at-bats here, as scenes.", "--scenes")
     ] = None,
     pitches: Annotated[
         Path | None, typer.Option(help="Draw pitches from what longball fit --json wrote.")

@@ -17,7 +17,7 @@ from longball.cli.common import (
     progress_bar,
     refusing,
     split_assignment,
-    writable,
+    to_file,
     wrong_call,
 )
 
@@ -122,15 +122,9 @@ def judge(
     ] = 60.0,
     total_timeout: Annotated[float, typer.Option(min=0.001, help="Longest run, s.")] = 3600.0,
     as_json: Json = False,
-    junit: Annotated[
-        Path | None,
-        typer.Option(callback=writable, help="Write the verdict to this file as JUnit XML."),
-    ] = None,
+    junit: Annotated[Path | None, to_file("Write the verdict to this file as JUnit XML.")] = None,
     html: Annotated[
-        Path | None,
-        typer.Option(
-            callback=writable, help="Write the verdict to this file as a page with pictures."
-        ),
+        Path | None, to_file("Write the verdict to this file as a page with pictures.")
     ] = None,
     quiet: Quiet = False,
 ) -> None:

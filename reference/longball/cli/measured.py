@@ -13,11 +13,11 @@ from longball.cli.common import (
     Json,
     Quiet,
     chosen_table,
-    drawable,
     reading_table,
     refusing,
     tell,
-    writable,
+    to_file,
+    to_picture,
     wrong_call,
 )
 from longball.pitches.models import MODELS
@@ -46,23 +46,13 @@ def measured(
     ] = None,
     engine: Annotated[str, typer.Option(metavar="NAME", help="What solves the scenes.")] = "batch",
     scenes_file: Annotated[
-        Path | None,
-        typer.Option("--scenes", metavar="FILE", callback=writable, help="Write the scenes here."),
+        Path | None, to_file("Write the scenes here.", "--scenes", metavar="FILE")
     ] = None,
     csv_file: Annotated[
-        Path | None,
-        typer.Option(
-            "--csv",
-            metavar="FILE",
-            callback=writable,
-            help="Write each prediction here, in SI units.",
-        ),
+        Path | None, to_file("Write each prediction here, in SI units.", "--csv", metavar="FILE")
     ] = None,
     figure: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="FILE", callback=drawable, help="Draw the errors here: .png, .svg, .pdf"
-        ),
+        Path | None, to_picture("Draw the errors here: .png, .svg, .pdf", metavar="FILE")
     ] = None,
     as_json: Json = False,
     quiet: Quiet = False,

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from longball import engines
-from longball.cli.common import EngineName, Quiet, drawable, named, tell
+from longball.cli.common import EngineName, Quiet, named, tell, to_picture
 from longball.cli.solve import Source, scenes_from
 from longball.engines.chain import solve_with_path
 from longball.model.result import Result
@@ -17,10 +17,9 @@ from longball.model.scene import InvalidScene, parse_scene
 
 def plot(
     source: Source = "-",
-    output: Annotated[
-        Path,
-        typer.Option("-o", "--output", callback=drawable, help="The picture: .png, .svg, .pdf."),
-    ] = Path("paths.png"),
+    output: Annotated[Path, to_picture("The picture: .png, .svg, .pdf.", "-o", "--output")] = Path(
+        "paths.png"
+    ),
     engine: EngineName = "ivp",
     quiet: Quiet = False,
 ) -> None:

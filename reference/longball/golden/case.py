@@ -8,8 +8,9 @@ from collections.abc import Iterator
 from decimal import Decimal
 from typing import Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
+from longball.model.block import Strict
 from longball.model.jsonl import json_line
 from longball.model.quantities import numbers
 from longball.model.result import Bounded, Result
@@ -19,12 +20,6 @@ Difficulty = Literal["lower", "average", "higher"]
 
 # 2^-53: half an ulp of 1, relative; the largest error of rounding a number to a double.
 ROUNDING = 2.0**-53
-
-
-class Strict(BaseModel):
-    """A model that takes what it names, as it is, and nothing else."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
 
 
 class Quantity(Strict):
@@ -171,23 +166,21 @@ def decisions(result: Result) -> tuple[object, ...]:
     return result.outcome, mode, result.fence and result.fence.segment, fair
 
 
+_ASKED: dict[str | None, tuple[str, ...]] = {
+    "batted": ("landing.distance", "landing.time"),
+    "landed": ("landing.distance", "landing.time"),
+    "missed": ("contact.margin",),
+    "beyond_bat": ("contact.margin",),
+    "home_run": ("fence.clearance", "landing.distance"),
+    "wall": ("fence.clearance",),
+    "struck": ("impact.impulse", "impact.friction_margin"),
+    "separating": ("contact.normal_speed",),
+    "crossed": ("plate.time", "plate.position[2]"),
+}
+
+
 def decisive(result: Result) -> tuple[str, ...]:
     """Return the paths of the quantities that an outcome is mainly asked for."""
-    wanted: tuple[str, ...] = ()
-    match result.outcome:
-        case "batted" | "landed":
-            wanted = "landing.distance", "landing.time"
-        case "missed" | "beyond_bat":
-            wanted = ("contact.margin",)
-        case "home_run":
-            wanted = "fence.clearance", "landing.distance"
-        case "wall":
-            wanted = ("fence.clearance",)
-        case "struck":
-            wanted = "impact.impulse", "impact.friction_margin"
-        case "separating":
-            wanted = ("contact.normal_speed",)
-        case "crossed":
-            wanted = "plate.time", "plate.position[2]"
+    wanted = _ASKED.get(result.outcome, ())
     # A touching that is given has no margin.
     return tuple(name for name, _ in numbers_of(result) if name in wanted)

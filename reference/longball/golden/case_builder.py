@@ -6,8 +6,20 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from decimal import Decimal, localcontext
+from typing import Any, TypeVar
 
-from longball.model.scene import Scene
+from longball.engines.chain import solve
+from longball.engines.enclosure import Enclosure
+from longball.golden.case import numbers_of
+from longball.model.block import Point
+from longball.model.quantities import replaced
+from longball.model.readings import Reading
+from longball.model.scene import AtBatScene, FlightScene, ImpactScene, Launch, Scene
+
+S = TypeVar("S", FlightScene, ImpactScene, AtBatScene)
+
+# Digits with which numbers are chosen: a margin of 1e-15 m to all that a double can tell of it.
+CHOOSING = Enclosure(digits=40)
 
 
 @dataclass(frozen=True)
@@ -27,6 +39,19 @@ class Draft:
     scene: Scene
     comment: str
     flags: tuple[str, ...] = ()
+
+
+def draft(scene: Scene, comment: str, *flags: str) -> Draft:
+    """Return a draft whose last flag says that its reading is not the default, if it is not."""
+    return Draft(scene, comment, (*flags, "reading") if scene.reading != Reading() else flags)
+
+
+def flight(
+    name: str, velocity: Point, *, height: float = 1.0, spin: Point | None = None, **blocks: Any
+) -> FlightScene:
+    """Return a flight from a height above the plate."""
+    launch = Launch(position=(0.0, 0.0, height), velocity=velocity, spin=spin)
+    return FlightScene(id=name, launch=launch, **blocks)
 
 
 # Square roots of primes: their multiples fill a cube evenly (Kronecker's sequence), with nothing
@@ -52,6 +77,49 @@ def between(low: float, high: float, share: float) -> float:
 def between_powers(low: float, high: float, share: float) -> float:
     """Return a number between two positive ones, even in its logarithm; three digits."""
     return float(f"{low * (high / low) ** share:.3g}")
+
+
+def towards(speed: float, elevation: float, heading: float = 0.0) -> Point:
+    """Return a velocity, m/s, of an elevation and a heading in degrees, with five digits."""
+    up, left = math.radians(elevation), math.radians(heading)
+    ahead = speed * math.cos(up)
+    return (
+        five_digits(ahead * math.cos(left)),
+        five_digits(ahead * math.sin(left)),
+        five_digits(speed * math.sin(up)),
+    )
+
+
+def beside(x: float) -> tuple[tuple[str, float], ...]:
+    """Return a number between its two neighbours among the doubles."""
+    return (
+        ("below", math.nextafter(x, -math.inf)),
+        ("at", x),
+        ("above", math.nextafter(x, math.inf)),
+    )
+
+
+def number(name: str) -> Callable[[Scene], Decimal]:
+    """Return the function that solves a scene for a number of its result."""
+    return lambda scene: Decimal(dict(numbers_of(solve(scene, CHOOSING)))[name].value)
+
+
+def with_nearest(
+    scene: S,
+    quantity: Callable[[S], Decimal],
+    target: str,
+    guesses: tuple[float, float],
+    *inputs: str,
+) -> S:
+    """Return a scene with the double at which a quantity of it comes nearest to a target.
+
+    The double is the value of all the inputs named.
+    """
+
+    def at(x: float) -> S:
+        return replaced(scene, dict.fromkeys(inputs, x))
+
+    return at(solve_for(lambda x: quantity(at(x)), target, *guesses))
 
 
 def solve_for(

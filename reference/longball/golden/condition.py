@@ -31,7 +31,7 @@ forward error is the condition number times the backward error.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from decimal import Decimal
 from typing import Any
@@ -90,16 +90,16 @@ def inputs(scene: Scene) -> dict[str, float]:
     if isinstance(scene, FlightScene) and not any(scene.launch.velocity[:2]):
         # A vertical launch takes the heading +x; any other heading is a jump away from it.
         del found["launch.velocity[0]"], found["launch.velocity[1]"]
+    # An input of zero is one if it can be another number in either direction.
     return {
         path: x
         for path, x in found.items()
-        if x or (path not in _ABSENT_AT_ZERO and any(_moves(scene, path)))
+        if x
+        or (
+            path not in _ABSENT_AT_ZERO
+            and any(with_input(scene, path, step) for step in (STEP, -STEP))
+        )
     }
-
-
-def _moves(scene: Scene, path: str) -> Iterator[bool]:
-    """Tell in either direction whether an input of zero can be another one."""
-    return (with_input(scene, path, step) is not None for step in (STEP, -STEP))
 
 
 def with_input(scene: Scene, path: str, value: float) -> Scene | None:

@@ -11,21 +11,12 @@ from collections.abc import Callable, Iterator
 from itertools import islice, product
 from typing import get_args
 
-from longball.golden.case_builder import Draft, between, five_digits, shares
+from longball.golden import real
+from longball.golden.case_builder import Draft, between, draft, shares, towards
 from longball.golden.fences import fence
 from longball.golden.hard import hard
 from longball.golden.kinks import flight_kinks
 from longball.golden.oblique import impact_oblique
-from longball.golden.real import (
-    at_bat_real,
-    flight_real,
-    flight_spin_decay,
-    flight_spin_drag,
-    flight_spin_lift,
-    flight_weather,
-    flight_wind,
-    hard_real,
-)
 from longball.home_run import draw, paper_at_bats, scenes, with_restitution
 from longball.model.readings import EffectiveMass, Inertia, Reading, SamplingReading, readings_of
 from longball.model.scene import (
@@ -59,15 +50,8 @@ def _flights(
     """
     for i in range(count):
         a, b, c, d, e, f, g, h, *_ = shares(i)
-        speed = between(5.0, 65.0, a)
         # Batted balls fly forward; launches of every heading are there to keep signs apart.
-        elevation, heading = math.radians(105 * b - 20), math.radians(360 * c)
-        ahead = speed * math.cos(elevation)
-        velocity = (
-            five_digits(ahead * math.cos(heading)),
-            five_digits(ahead * math.sin(heading)),
-            five_digits(speed * math.sin(elevation)),
-        )
+        velocity = towards(between(5.0, 65.0, a), 105 * b - 20, 360 * c)
         scene = FlightScene(
             id=f"{family}-{i:04d}",
             ball=Ball(mass=between(0.1417, 0.1488, d), radius=between(0.03645, 0.0374, e)),
@@ -116,25 +100,19 @@ def flight_vertical() -> Iterator[Draft]:
     """Straight up or down, in air or none, without lift: tan, tanh or a parabola."""
     for i in range(20):
         a, b, c, *_ = shares(i)
-        in_air = i % 4 != 0
         upwards = i % 2 == 0
+        air = Air(drag_coefficient=between(0.2, 0.5, a), lift_coefficient=0.0)
         scene = FlightScene(
             id=f"flight-vertical-{i:04d}",
-            air=Air(drag_coefficient=between(0.2, 0.5, a), lift_coefficient=0.0)
-            if in_air
-            else None,
+            air=air if i % 4 else None,
             launch=Launch(
                 position=(between(-20.0, 20.0, b), between(-20.0, 20.0, c), between(1.0, 40.0, c)),
                 velocity=(0.0, 0.0, between(1.0, 45.0, a) * (1 if upwards else -1)),
             ),
         )
+        comment = "straight " + ("up, at rest at its apex, and down" if upwards else "down")
         # The speed is |w|, which has a kink where the ball turns round.
-        flags = ("rest",) if upwards else ()
-        yield Draft(
-            scene,
-            "straight " + ("up, at rest at its apex, and down" if upwards else "down"),
-            ("closed-form", "vertical", *flags),
-        )
+        yield draft(scene, comment, "closed-form", "vertical", *["rest"] * upwards)
 
 
 def flight_weightless() -> Iterator[Draft]:
@@ -162,12 +140,8 @@ def flight_weightless() -> Iterator[Draft]:
 
 def pitch() -> Iterator[Draft]:
     """Throws of 18 to 50 m/s that cross the plate, come down before it, or are still on the way."""
-    no_lift, no_drag, topspin = (
-        Air(lift_coefficient=0.0),
-        Air(drag_coefficient=0.0),
-        Air(lift_coefficient=-0.2),
-    )
-    airs = (Air(), None, no_lift, no_drag, topspin)
+    no_lift, topspin = (Air(lift_coefficient=x) for x in (0.0, -0.2))
+    airs = (Air(), None, no_lift, Air(drag_coefficient=0.0), topspin)
     for i in range(50):
         a, b, c, d, e, f, *_ = shares(i)
         scene = PitchScene(
@@ -237,8 +211,7 @@ def impact() -> Iterator[Draft]:
                 bat_height=height,
             ),
         )
-        flags = ("reading",) if reading != Reading() else ()
-        yield Draft(scene, "a touching anywhere on the bat", flags)
+        yield draft(scene, "a touching anywhere on the bat")
 
 
 # --- at-bats --------------------------------------------------------------------------------------
@@ -291,32 +264,18 @@ def _drawn(name: str, sampling: SamplingReading, count: int, base: AtBatScene) -
         struck = with_restitution(scene, e).model_copy(update={"id": f"{name}-{i:04d}"})
         drawn_by = "".join(f"{switch} = {x}, " for switch, x in sampling.model_dump().items())
         comment = f"drawn from the paper's distributions, {drawn_by}e = {e:g}"
-        yield Draft(struck, comment, ("reading",) if base.reading != Reading() else ())
+        yield draft(struck, comment)
 
 
 # --- all ------------------------------------------------------------------------------------------
 
 Family = Callable[[], Iterator[Draft]]
 FAMILIES: dict[str, Family] = {
-    "flight-vacuum": flight_vacuum,
-    "flight-drag": flight_drag,
-    "flight-lift": flight_lift,
-    "flight-both": flight_both,
-    "flight-vertical": flight_vertical,
-    "flight-weightless": flight_weightless,
-    "pitch": pitch,
-    "impact": impact,
-    "at-bat": at_bat,
-    "hard": hard,
-    "impact-oblique": impact_oblique,
-    "fence": fence,
-    "flight-spin-lift": flight_spin_lift,
-    "flight-spin-drag": flight_spin_drag,
-    "flight-spin-decay": flight_spin_decay,
-    "flight-wind": flight_wind,
-    "flight-weather": flight_weather,
-    "flight-kinks": flight_kinks,
-    "flight-real": flight_real,
-    "at-bat-real": at_bat_real,
-    "hard-real": hard_real,
-}
+    family.__name__.replace("_", "-"): family
+    for family in (
+        flight_vacuum, flight_drag, flight_lift, flight_both, flight_vertical, flight_weightless,
+        pitch, impact, at_bat, hard, impact_oblique, fence, real.flight_spin_lift,
+        real.flight_spin_drag, real.flight_spin_decay, real.flight_wind, real.flight_weather,
+        flight_kinks, real.flight_real, real.at_bat_real, real.hard_real,
+    )
+}  # fmt: skip

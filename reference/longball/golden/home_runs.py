@@ -10,6 +10,7 @@ from pathlib import Path
 
 from longball import __version__
 from longball.golden.files import PROBABILITIES, schemas, write_files
+from longball.golden.headers import NUMBERS_OF_PROBABILITIES
 from longball.golden.probability import Probabilities, ProbabilityCase, ProbabilityRow, Second
 from longball.home_run import RESTITUTIONS, Randomised, integrals, paper_at_bats, scrambled
 from longball.home_run.randomised import SCRAMBLES
@@ -21,21 +22,6 @@ SEED, SEED_OF_CHECKS = 1, 2
 # A mean of 16 scrambles is farther off than five of the errors that they tell with a probability of
 # 2e-4 (Student's t with 15 degrees of freedom), which a set of some 40 values does not show.
 FARTHEST = 5.0
-
-NUMBERS = {
-    "scene": "What is the same in all at-bats. A number means the double nearest to what is "
-    "written, exactly.",
-    "distributions": "Those of the paper, under the case's sampling reading: pitch.speed and "
-    "pitch.aim[0] are mixtures of two normal distributions each (Table II, Eqs. 2 to 4), "
-    "swing.height_offset is normal with mean 0 (Sec. III.A), swing.tilt uniform from 0 to 10 "
-    "degrees (Sec. III.A), all independent. A speed that is not positive is no pitch but counts.",
-    "p": "Probability that the ball is batted and lands 150 m or more from the plate, in the "
-    "sample space of the case's sampling reading.",
-    "error": "The difference of two rules, the coarser of which makes nearly all of it, with what "
-    "is left out. An estimate that means to be generous, no proof.",
-    "confirmation": "The height offset integrated between its roots of D = 150 m, speed, aim and "
-    "tilt by scrambled Sobol' points.",
-}
 
 
 @dataclass(frozen=True)
@@ -103,7 +89,7 @@ def write_probabilities(
 
     whole = Probabilities(
         title="Longball's golden data: the probability of a home run P(e)",
-        numbers=NUMBERS,
+        numbers=NUMBERS_OF_PROBABILITIES,
         made_by={
             "p": "quadrature",
             "confirmation": f"{SCRAMBLES} scrambles of {lines} Sobol' points",

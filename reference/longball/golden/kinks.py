@@ -12,9 +12,17 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 from longball.engines.chain import solve_with_path
-from longball.engines.enclosure import Enclosure
 from longball.engines.event import first_fall
-from longball.golden.case_builder import Draft, between, five_digits, shares
+from longball.golden.case_builder import (
+    CHOOSING,
+    Draft,
+    between,
+    draft,
+    five_digits,
+    flight,
+    shares,
+    towards,
+)
 from longball.model.air import (
     Air,
     BilinearLift,
@@ -26,13 +34,11 @@ from longball.model.air import (
 )
 from longball.model.block import Point
 from longball.model.readings import Reading
-from longball.model.scene import FlightScene, Launch
-
-# Digits with which numbers are chosen.
-_CHOOSING = Enclosure(digits=40)
+from longball.model.scene import FlightScene
 
 BILINEAR = BilinearLift(law="bilinear")
 BACKSPIN = (0.0, -200.0, 0.0)
+CALM = Air(drag_coefficient=0.35, lift_coefficient=0.0)
 
 # A drag that falls with the speed.
 FALLING_DRAG = Table(
@@ -43,26 +49,14 @@ FALLING_DRAG = Table(
 def flight_kinks() -> Iterator[Draft]:
     """Tables, bilinear lift, and a wind above a height: laws that change their form on the way."""
     for cases in (
-        _lattice,
-        _moving_nodes,
-        _least_speeds,
-        _largest_spin_parameters,
-        _apexes,
-        _two_at_once,
-        _jumps_over_nodes,
-        _from_a_kink,
-        _again_and_again,
-    ):
+        _lattice, _moving_nodes, _least_speeds, _largest_spin_parameters, _apexes, _two_at_once,
+        _jumps_over_nodes, _from_a_kink, _again_and_again,
+    ):  # fmt: skip
         yield from cases()
 
 
 def _flight(name: str, air: Air, velocity: Point, **others: Any) -> FlightScene:
-    launch = Launch(
-        position=(0.0, 0.0, others.pop("height", 1.0)),
-        velocity=velocity,
-        spin=others.pop("spin", None),
-    )
-    return FlightScene(id=f"flight-kinks-{name}", launch=launch, air=air, **others)
+    return flight(f"flight-kinks-{name}", velocity, air=air, **others)
 
 
 # --- all laws -------------------------------------------------------------------------------------
@@ -106,27 +100,21 @@ def _lattice() -> Iterator[Draft]:
     for i in range(16):
         a, b, c, d, e, f, g, h, *_ = shares(i)
         airs = _airs(a, b)
-        spins = i % len(airs) >= 4
-        speed, elevation = between(28.0, 48.0, c), math.radians(between(15.0, 55.0, d))
-        sideways = between(-150.0, 150.0, e) if i >= len(airs) else 0.0
-        read = Reading(
-            spin_parameter=("transverse", "total")[i % 2 if spins else 0],
-            wind_acts_on=("both", "drag")[1 if i == 11 else 0],
-        )
+        spins, in_space = i % len(airs) >= 4, i >= len(airs)
+        vx, _, vz = towards(between(28.0, 48.0, c), between(15.0, 55.0, d))
+        sideways = between(-150.0, 150.0, e) if in_space else 0.0
         scene = _flight(
             f"{i:04d}",
             airs[i % len(airs)],
-            (
-                five_digits(speed * math.cos(elevation)),
-                between(-3.0, 3.0, f) if i >= len(airs) else 0.0,
-                five_digits(speed * math.sin(elevation)),
-            ),
+            (vx, between(-3.0, 3.0, f) if in_space else 0.0, vz),
             spin=(sideways, -between(80.0, 280.0, g), 0.5 * sideways) if spins else None,
             height=between(0.4, 1.4, h),
-            reading=read,
+            reading=Reading(
+                spin_parameter=("transverse", "total")[i % 2 if spins else 0],
+                wind_acts_on=("both", "drag")[1 if i == 11 else 0],
+            ),
         )
-        flags = ("kink", "reading") if read != Reading() else ("kink",)
-        yield Draft(scene, "a law that changes its form on the way", flags)
+        yield draft(scene, "a law that changes its form on the way", "kink")
 
 
 def _moving_nodes() -> Iterator[Draft]:
@@ -157,8 +145,7 @@ def _moving_nodes() -> Iterator[Draft]:
                 spin=(40.0, -190.0, 25.0) if name != "wind" else None,
                 reading=Reading(spin_decay=way),
             )
-            flags = ("kink",) if way == "path" else ("kink", "reading")
-            yield Draft(scene, "a node that moves with the spin left, or with the height", flags)
+            yield draft(scene, "a node that moves with the spin left, or with the height", "kink")
 
 
 # --- turning points -------------------------------------------------------------------------------
@@ -171,9 +158,9 @@ def _first(
 
     Or where the function first falls through zero, if it `falls`.
     """
-    numbers = _CHOOSING.numbers
+    numbers = CHOOSING.numbers
     with numbers.arithmetic():
-        _, way = solve_with_path(scene, _CHOOSING)
+        _, way = solve_with_path(scene, CHOOSING)
         for piece in way.legs[0].flight.path.pieces():
             curve = piece.curve(value)
             if falls:
@@ -201,16 +188,12 @@ def _beside(turning: float, size: float = 1.0) -> Iterator[tuple[str, float]]:
 def _least_speeds() -> Iterator[Draft]:
     """Yield flights whose least speed is next to a node, below which the drag rises."""
     velocity = (28.0, 0.0, 21.0)
-    calm = Air(drag_coefficient=0.35, lift_coefficient=0.0)
-    least = math.sqrt(_first(_flight("first", calm, velocity), _square_of_speed)[0])
+    least = math.sqrt(_first(_flight("first", CALM, velocity), _square_of_speed)[0])
     for name, node in _beside(least):
         drag = Table(law="table", of="speed", at=(node - 6.0, node), values=(0.6, 0.35))
         air = Air(drag_coefficient=drag, lift_coefficient=0.0)
-        yield Draft(
-            _flight(f"speed-node-{name}", air, velocity),
-            "the speed turns next to a node of the drag's table",
-            ("kink",),
-        )
+        scene = _flight(f"speed-node-{name}", air, velocity)
+        yield draft(scene, "the speed turns next to a node of the drag's table", "kink")
 
 
 def _largest_spin_parameters() -> Iterator[Draft]:
@@ -222,26 +205,20 @@ def _largest_spin_parameters() -> Iterator[Draft]:
     for name, node in _beside(first.ball.radius * -BACKSPIN[1] / speed):
         lift = Table(law="table", of="spin_parameter", at=(node, 0.5), values=(0.15, 0.4))
         air = Air(drag_coefficient=0.35, lift_coefficient=lift)
-        yield Draft(
-            _flight(f"spin-node-{name}", air, velocity, spin=BACKSPIN),
-            "the spin parameter turns next to a node of the lift's table",
-            ("kink",),
-        )
+        scene = _flight(f"spin-node-{name}", air, velocity, spin=BACKSPIN)
+        yield draft(scene, "the spin parameter turns next to a node of the lift's table", "kink")
 
 
 def _apexes() -> Iterator[Draft]:
     """Yield flights that rise up to a height, or not quite, above which a wind blows."""
     velocity = (25.0, 0.0, 17.0)
-    calm = Air(drag_coefficient=0.35, lift_coefficient=0.0)
-    top, _ = _first(_flight("first", calm, velocity), lambda state: state.z)
+    top, _ = _first(_flight("first", CALM, velocity), lambda state: state.z)
     for name, above in _beside(top):
         wind = WindAbove(velocity=(8.0, 3.0, 0.0), above=above)
         air = Air(wind=wind, drag_coefficient=0.35, lift_coefficient=0.0)
-        yield Draft(
-            _flight(f"wind-{name}", air, velocity),
-            "the apex is next to the height above which a wind blows",
-            ("kink", "tangential") if name == "at" else ("kink",),
-        )
+        scene = _flight(f"wind-{name}", air, velocity)
+        comment = "the apex is next to the height above which a wind blows"
+        yield draft(scene, comment, "kink", *["tangential"] * (name == "at"))
 
 
 # --- several kinks --------------------------------------------------------------------------------
@@ -249,27 +226,26 @@ def _apexes() -> Iterator[Draft]:
 
 def _two_at_once() -> Iterator[Draft]:
     """Yield flights that pass two kinks at the same time, or all but."""
-    comment, flags = "two kinks at the same time, or all but", ("kink", "tie")
     velocity = (30.0, 0.0, 20.0)
     lift = Table(law="table", of="speed", at=FALLING_DRAG.at, values=(0.3, 0.25, 0.15, 0.1))
     both = Air(drag_coefficient=FALLING_DRAG, lift_coefficient=lift)
-    yield Draft(_flight("both-by-speed", both, velocity), comment, flags)
+    scenes = [_flight("both-by-speed", both, velocity)]
     drag = Table(law="table", of="spin_parameter", at=(0.1, 0.3, 0.5), values=(0.3, 0.35, 0.45))
     lift = Table(law="table", of="spin_parameter", at=(0.1, 0.3, 0.5), values=(0.12, 0.24, 0.3))
     both = Air(drag_coefficient=drag, lift_coefficient=lift)
-    scene = _flight("both-by-spin", both, velocity, spin=(30.0, -190.0, 60.0))
-    yield Draft(scene, comment, flags)
+    scenes.append(_flight("both-by-spin", both, velocity, spin=(30.0, -190.0, 60.0)))
     # On the way up it passes a node at 29 m/s, where a side wind sets in.
-    calm = Air(drag_coefficient=0.35, lift_coefficient=0.0)
     _, state = _first(
-        _flight("first", calm, velocity), lambda state: _square_of_speed(state) - 841.0, falls=True
+        _flight("first", CALM, velocity), lambda state: _square_of_speed(state) - 841.0, falls=True
     )
     drag = Table(law="table", of="speed", at=(23.0, 29.0), values=(0.55, 0.35))
     height = float(state.z.mid())
     for name, shift in (("at", 0.0), ("below", -1e-9)):
         wind = WindAbove(velocity=(0.0, 6.0, 0.0), above=height + shift)
         air = Air(drag_coefficient=drag, lift_coefficient=0.0, wind=wind)
-        yield Draft(_flight(f"node-and-wind-{name}", air, velocity), comment, flags)
+        scenes.append(_flight(f"node-and-wind-{name}", air, velocity))
+    for scene in scenes:
+        yield draft(scene, "two kinks at the same time, or all but", "kink", "tie")
 
 
 def _jumps_over_nodes() -> Iterator[Draft]:
@@ -279,7 +255,7 @@ def _jumps_over_nodes() -> Iterator[Draft]:
         wind = WindAbove(velocity=(blows, 0.0, 0.0), above=8.0)
         air = Air(drag_coefficient=drag, lift_coefficient=0.0, wind=wind)
         scene = _flight(f"jump-{blows:+g}-from-{height:g}", air, (24.0, 0.0, rise), height=height)
-        yield Draft(scene, "the airspeed jumps over the nodes where the wind sets in", ("kink",))
+        yield draft(scene, "the airspeed jumps over the nodes where the wind sets in", "kink")
 
 
 def _from_a_kink() -> Iterator[Draft]:
@@ -288,15 +264,13 @@ def _from_a_kink() -> Iterator[Draft]:
     drag = Table(law="table", of="speed", at=(20.0, 30.0, 40.0), values=(0.5, 0.4, 0.25))
     still = Air(drag_coefficient=drag, lift_coefficient=0.0)
     for word, rise in (("up", 24.0), ("down", -24.0)):  # the speed is 30 m/s
-        yield Draft(
-            _flight(f"on-node-{word}", still, (18.0, 0.0, rise), height=30.0), comment, ("kink",)
-        )
+        scene = _flight(f"on-node-{word}", still, (18.0, 0.0, rise), height=30.0)
+        yield draft(scene, comment, "kink")
     wind = WindAbove(velocity=(-7.0, 2.0, 0.0), above=20.0)
     air = Air(drag_coefficient=0.35, lift_coefficient=0.1, wind=wind)
     for word, rise in (("up", 10.0), ("level", 0.0), ("down", -10.0)):
-        yield Draft(
-            _flight(f"on-height-{word}", air, (30.0, 0.0, rise), height=20.0), comment, ("kink",)
-        )
+        scene = _flight(f"on-height-{word}", air, (30.0, 0.0, rise), height=20.0)
+        yield draft(scene, comment, "kink")
 
 
 def _again_and_again() -> Iterator[Draft]:
@@ -304,11 +278,8 @@ def _again_and_again() -> Iterator[Draft]:
 
     Below it lift carries the ball; above, with a tail wind, it does not.
     """
+    comment = "it rises above the height where the wind sets in, and falls below it, several times"
     for i, (rise, blows) in enumerate(((3.0, 22.0), (6.0, 15.0))):
         wind = WindAbove(velocity=(blows, 1.0, 0.0), above=3.0)
         air = Air(drag_coefficient=0.2, lift_coefficient=0.4, wind=wind)
-        yield Draft(
-            _flight(f"skips-{i}", air, (44.0, 0.0, rise)),
-            "it rises above the height where the wind sets in, and falls below it, several times",
-            ("kink",),
-        )
+        yield draft(_flight(f"skips-{i}", air, (44.0, 0.0, rise)), comment, "kink")

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from decimal import Decimal
+from itertools import product
 from typing import Any
 
-from longball.engines.chain import solve
-from longball.engines.enclosure import Enclosure
-from longball.golden.case_builder import Draft, between, shares, solve_for
+from longball.golden.case_builder import Draft, between, number, shares, with_nearest
+from longball.model.block import Point
 from longball.model.readings import Reading
-from longball.model.result import Bounded
 from longball.model.scene import (
     AtBatScene,
     Ball,
@@ -23,14 +21,8 @@ from longball.model.scene import (
     Swing,
 )
 
-# Digits with which numbers are chosen: a margin of 1e-15 to all that a double can tell of it.
-_CHOOSING = Enclosure(digits=40)
-
 NATHAN = Reading(bat_ball_restitution="nathan")
 FINAL = Reading(bat_ball_restitution="nathan", slide_direction="final")
-ROUGH = Bat(friction=0.5)
-
-Triple = tuple[float, float, float]
 
 
 def impact_oblique() -> Iterator[Draft]:
@@ -39,7 +31,7 @@ def impact_oblique() -> Iterator[Draft]:
         yield from cases()
 
 
-def _touching(angle: float, y: float, velocity: Triple, spin: Triple | None) -> Incoming:
+def _touching(angle: float, y: float, velocity: Point, spin: Point) -> Incoming:
     reach = Ball().radius + Bat().radius
     position = (
         round(reach * math.cos(angle), 12),
@@ -82,11 +74,9 @@ def _special() -> Iterator[Draft]:
     anywhere = (0.4, 0.25, (-38.0, 3.0, -4.0), spin)
 
     def case(name: str, comment: str, touching: Any, **blocks: Any) -> Draft:
-        scene = ImpactScene(
-            id=f"impact-oblique-{name}",
-            incoming=_touching(*touching),
-            **({"bat": ROUGH, "reading": NATHAN} | blocks),
-        )
+        blocks = {"bat": Bat(friction=0.5), "reading": NATHAN} | blocks
+        incoming = _touching(*touching)
+        scene = ImpactScene(id=f"impact-oblique-{name}", incoming=incoming, **blocks)
         return Draft(scene, comment, ("friction",))
 
     lossless = Ball(restitution=1.0)
@@ -112,48 +102,32 @@ def _special() -> Iterator[Draft]:
     yield case("created", comment, barrel, reading=Reading())
 
 
-def _friction_margin(scene: ImpactScene) -> Decimal:
-    impact = solve(scene, _CHOOSING).impact
-    assert impact is not None
-    assert isinstance(impact.friction_margin, Bounded)
-    return Decimal(impact.friction_margin.value)
-
-
 def _thresholds() -> Iterator[Draft]:
     """Yield balls that all but slide, and all but grip, by 1e-3 … 1e-15 of the friction."""
     incoming = _touching(0.3, 0.2, (-38.0, 6.0, -9.0), (20.0, -180.0, 10.0))
-    for reading, name in ((NATHAN, ""), (FINAL, "final-")):
-        for power in (3, 6, 9, 12, 15) if reading is NATHAN else (12,):
-            for sign, word in (("", "grip"), ("-", "slide")):
-
-                def rubbed(
-                    friction: float,
-                    case: str = f"impact-oblique-{name}{word}-1e-{power:02d}",
-                    reading: Reading = reading,
-                ) -> ImpactScene:
-                    bat = Bat(friction=friction)
-                    return ImpactScene(id=case, bat=bat, incoming=incoming, reading=reading)
-
-                margin = f"{sign}1e-{power:02d}"
-                needed = 1 - float(_friction_margin(rubbed(1.0)))
-                friction = solve_for(
-                    lambda x: _friction_margin(rubbed(x)), margin, needed, needed * 1.0001
-                )
-                comment = f"friction has {margin} of itself to spare"
-                yield Draft(rubbed(friction), comment, ("friction", "grip-slide"))
+    margin = number("impact.friction_margin")
+    for reading, name, powers in ((NATHAN, "", (3, 6, 9, 12, 15)), (FINAL, "final-", (12,))):
+        for power, (sign, word) in product(powers, (("", "grip"), ("-", "slide"))):
+            scene = ImpactScene(
+                id=f"impact-oblique-{name}{word}-1e-{power:02d}",
+                bat=Bat(friction=1.0),
+                incoming=incoming,
+                reading=reading,
+            )
+            needed, spare = 1 - float(margin(scene)), f"{sign}1e-{power:02d}"
+            rubbed = with_nearest(scene, margin, spare, (needed, needed * 1.0001), "bat.friction")
+            comment = f"friction has {spare} of itself to spare"
+            yield Draft(rubbed, comment, ("friction", "grip-slide"))
 
 
 def _jamming() -> Iterator[Draft]:
     """Yield a ball that jams on a disc, and the same with less friction and with more."""
-    for friction, word, flags in (
-        (0.3, "slides", ()),
-        (0.6, "jams", ("refused",)),
-        (2.0, "grips", ()),
-    ):
+    incoming = Incoming(
+        position=(1.0366, -0.0249, 1.0), velocity=(-1.0, 100.0, 100.0), bat_height=1.0
+    )
+    cases = (0.3, "slides", ()), (0.6, "jams", ("refused",)), (2.0, "grips", ())
+    for friction, word, flags in cases:
         disc = Bat(mass=0.01, length=0.05, radius=1.0, friction=friction)
-        incoming = Incoming(
-            position=(1.0366, -0.0249, 1.0), velocity=(-1.0, 100.0, 100.0), bat_height=1.0
-        )
         scene = ImpactScene(
             id=f"impact-oblique-disc-{word}",
             bat=disc,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pydantic import Field
 
-from longball.golden.case import Strict
+from longball.model.block import Strict
 from longball.model.readings import SamplingReading
 from longball.model.scene import AtBatScene
 

@@ -17,18 +17,9 @@ def header(folder: Path = DATA) -> Header:
 
 # Families of the extended model.
 EXTENDED = (
-    "impact-oblique",
-    "fence",
-    "flight-spin-lift",
-    "flight-spin-drag",
-    "flight-spin-decay",
-    "flight-wind",
-    "flight-weather",
-    "flight-kinks",
-    "flight-real",
-    "at-bat-real",
-    "hard-real",
-)
+    "impact-oblique", "fence", "flight-spin-lift", "flight-spin-drag", "flight-spin-decay",
+    "flight-wind", "flight-weather", "flight-kinks", "flight-real", "at-bat-real", "hard-real",
+)  # fmt: skip
 
 
 def load(family: str | None = None, folder: str | Path = DATA) -> list[Case]:

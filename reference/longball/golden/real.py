@@ -8,9 +8,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
+from itertools import product
 from typing import Any
 
-from longball.golden.case_builder import Draft, between, five_digits, shares
+from longball.golden.case_builder import (
+    Draft,
+    between,
+    draft,
+    five_digits,
+    flight,
+    shares,
+    towards,
+)
 from longball.model.air import (
     Air,
     ConstantLift,
@@ -56,40 +65,31 @@ def _direction(a: float, b: float, size: float) -> Point:
 def _flights(
     family: str,
     comment: str,
-    air: Callable[[int, float, float, float], Air],
-    reading: Callable[[int], Reading] = lambda i: Reading(),
-    earth: Callable[[float, float], Earth | None] = lambda a, b: None,
+    blocks: Callable[[int, float, float, float], dict[str, Any]],
     spinning: bool = True,
 ) -> Iterator[Draft]:
-    """Yield batted balls with spins about all axes; `air` chooses from three numbers in [0, 1)."""
+    """Yield batted balls with spins about all axes.
+
+    `blocks` chooses air and reading by the number of the case and three others in [0, 1).
+    """
     for i in range(COUNT):
         a, b, c, d, e, f, g, h, j, k = shares(i)
-        speed, elevation = between(20.0, 52.0, a), math.radians(between(2.0, 65.0, b))
-        heading = math.radians(360.0 * c)
-        ahead = speed * math.cos(elevation)
-        read = reading(i)
         scene = FlightScene(
             id=f"{family}-{i:04d}",
             launch=Launch(
                 position=(0.6, 0.0, between(0.4, 1.4, d)),
-                velocity=(
-                    five_digits(ahead * math.cos(heading)),
-                    five_digits(ahead * math.sin(heading)),
-                    five_digits(speed * math.sin(elevation)),
-                ),
+                velocity=towards(between(20.0, 52.0, a), between(2.0, 65.0, b), 360.0 * c),
                 spin=_direction(e, f, between(40.0, 330.0, g)) if spinning else None,
             ),
-            air=air(i, h, j, k),
-            reading=read,
-            earth=earth(h, j),
+            **blocks(i, h, j, k),
         )
-        yield Draft(scene, comment, ("reading",) if read != Reading() else ())
+        yield draft(scene, comment)
 
 
 def flight_spin_lift() -> Iterator[Draft]:
     """Lift along ω × v, by every law of C_L and both readings of the spin parameter."""
 
-    def air(i: int, a: float, b: float, c: float) -> Air:
+    def blocks(i: int, a: float, b: float, c: float) -> dict[str, Any]:
         laws = (
             RationalLift(
                 law="rational",
@@ -100,18 +100,18 @@ def flight_spin_lift() -> Iterator[Draft]:
             LinearLift(law="linear", slope=between(0.3, 1.6, a)),
             ConstantLift(law="constant", value=between(0.05, 0.3, a)),
         )
-        return Air(drag_coefficient=between(0.25, 0.5, b), lift_coefficient=laws[i % 3])
+        return {
+            "air": Air(drag_coefficient=between(0.25, 0.5, b), lift_coefficient=laws[i % 3]),
+            "reading": Reading(spin_parameter=("transverse", "total")[i // 3 % 2]),
+        }
 
-    def reading(i: int) -> Reading:
-        return Reading(spin_parameter=("transverse", "total")[i // 3 % 2])
-
-    return _flights("flight-spin-lift", "lift of a spin about any axis", air, reading)
+    return _flights("flight-spin-lift", "lift of a spin about any axis", blocks)
 
 
 def flight_spin_drag() -> Iterator[Draft]:
     """Drag that depends on speed and spin, in both readings of the spin."""
 
-    def air(i: int, a: float, b: float, c: float) -> Air:
+    def blocks(i: int, a: float, b: float, c: float) -> dict[str, Any]:
         per_spin = between(1e-4, 5e-4, c)
         laws = (
             SpinDrag(law="spin", constant=between(0.25, 0.4, a), per_spin=per_spin),
@@ -124,80 +124,74 @@ def flight_spin_drag() -> Iterator[Draft]:
                 per_spin=per_spin if i % 4 == 1 else 0.0,
             ),
         )
-        return Air(drag_coefficient=laws[i % 2], lift_coefficient=NATHAN_LIFT)
+        return {
+            "air": Air(drag_coefficient=laws[i % 2], lift_coefficient=NATHAN_LIFT),
+            "reading": Reading(drag_spin=("transverse", "total")[i // 2 % 2]),
+        }
 
-    def reading(i: int) -> Reading:
-        return Reading(drag_spin=("transverse", "total")[i // 2 % 2])
-
-    return _flights("flight-spin-drag", "drag by speed and spin", air, reading)
+    return _flights("flight-spin-drag", "drag by speed and spin", blocks)
 
 
 def flight_wind() -> Iterator[Draft]:
     """Wind from ahead, behind, below and aside; on drag and lift, or on drag alone."""
     for i in range(COUNT):
         a, b, c, d, e, *_ = shares(i)
-        speed, elevation = between(20.0, 52.0, a), math.radians(between(2.0, 65.0, b))
-        side = 1.0 if i % 2 else -1.0
+        vx, vy, vz = towards(between(20.0, 52.0, a), between(2.0, 65.0, b))
         aside = between(-6.0, 6.0, d) if i % 8 == 7 else 0.0
         upwards = between(-2.0, 2.0, e) if i % 3 == 0 else 0.0
-        read = Reading(wind_acts_on=("both", "drag")[i // 2 % 2])
         scene = FlightScene(
             id=f"flight-wind-{i:04d}",
             launch=Launch(
                 position=(0.6, 0.0, between(0.4, 1.4, d)),
-                velocity=(
-                    five_digits(side * speed * math.cos(elevation)),
-                    0.0,
-                    five_digits(speed * math.sin(elevation)),
-                ),
+                velocity=(vx if i % 2 else -vx, vy, vz),
             ),
             air=Air(wind=(between(-9.0, 9.0, c), aside, upwards)),
-            reading=read,
+            reading=Reading(wind_acts_on=("both", "drag")[i // 2 % 2]),
         )
-        yield Draft(scene, "in a wind", ("reading",) if read != Reading() else ())
+        yield draft(scene, "in a wind")
 
 
 def flight_weather() -> Iterator[Draft]:
     """Air whose density follows from the weather, or falls with the height; the paper's lift."""
 
-    def air(i: int, a: float, b: float, c: float) -> Air:
+    def blocks(i: int, a: float, b: float, c: float) -> dict[str, Any]:
         weather = Weather(
             temperature=between(265.0, 312.0, a),
             pressure=between(97000.0, 104000.0, b),
             humidity=between(0.0, 1.0, c),
             elevation=between(0.0, 1700.0, (a + b) % 1.0),
         )
-        return Air(density=weather, density_scale_height=8000.0 if i % 2 else None)
+        return {
+            "air": Air(density=weather, density_scale_height=8000.0 if i % 2 else None),
+            "reading": Reading(pressure=("sea_level", "station")[i // 2 % 2]),
+        }
 
-    def reading(i: int) -> Reading:
-        return Reading(pressure=("sea_level", "station")[i // 2 % 2])
-
-    comment = "density from the weather"
-    return _flights("flight-weather", comment, air, reading, spinning=False)
+    return _flights("flight-weather", "density from the weather", blocks, spinning=False)
 
 
 def flight_spin_decay() -> Iterator[Draft]:
     """Spin that decays along the path through the air, or as two other readings have it."""
 
-    def air(i: int, a: float, b: float, c: float) -> Air:
-        return Air(
+    def blocks(i: int, a: float, b: float, c: float) -> dict[str, Any]:
+        air = Air(
             drag_coefficient=NATHAN_DRAG,
             lift_coefficient=NATHAN_LIFT,
             spin_decay_length=between(100.0, 3000.0, a),
             wind=(between(-5.0, 5.0, b), 0.0, 0.0) if i % 4 == 0 else None,
         )
+        return {
+            "air": air,
+            "reading": Reading(spin_decay=("path", "time", "path", "nathan")[i % 4]),
+        }
 
-    def reading(i: int) -> Reading:
-        return Reading(spin_decay=("path", "time", "path", "nathan")[i % 4])
-
-    return _flights("flight-spin-decay", "spin decays on the way", air, reading)
+    return _flights("flight-spin-decay", "spin decays on the way", blocks)
 
 
 def flight_real() -> Iterator[Draft]:
     """All terms together: spin that decays, weather, wind, the Earth's rotation."""
 
-    def air(i: int, a: float, b: float, c: float) -> Air:
-        return Air(
+    def blocks(i: int, a: float, b: float, c: float) -> dict[str, Any]:
+        air = Air(
             density=Weather(temperature=between(275.0, 308.0, a), humidity=b),
             density_scale_height=8217.0,
             drag_coefficient=NATHAN_DRAG if i % 2 else CrisisDrag(law="crisis", per_spin=7.4e-5),
@@ -205,89 +199,84 @@ def flight_real() -> Iterator[Draft]:
             wind=(between(-6.0, 6.0, b), between(-6.0, 6.0, c), 0.0),
             spin_decay_length=1341.0,
         )
+        earth = Earth(latitude=between(-0.7, 0.9, a), azimuth=between(0.0, 6.28, b))
+        return {"air": air, "earth": earth}
 
-    def earth(a: float, b: float) -> Earth:
-        return Earth(latitude=between(-0.7, 0.9, a), azimuth=between(0.0, 6.28, b))
-
-    return _flights("flight-real", "all terms of the flight together", air, earth=earth)
-
-
-def _spinning(name: str, velocity: Point, spin: Point, air: Air, **others: Any) -> FlightScene:
-    launch = Launch(position=(0.0, 0.0, others.pop("height", 1.0)), velocity=velocity, spin=spin)
-    return FlightScene(id=f"hard-real-{name}", launch=launch, air=air, **others)
+    return _flights("flight-real", "all terms of the flight together", blocks)
 
 
 def hard_real() -> Iterator[Draft]:
     """Scenes of the extended model that sit where implementations break."""
-    published = Air(drag_coefficient=NATHAN_DRAG, lift_coefficient=NATHAN_LIFT)
-    for size, word in ((250.0, "forward"), (-250.0, "backward")):
-        # Gyrospin: along the velocity of the launch, from which gravity turns the path away.
-        for angle in (10, 30, 60):
-            c, s = math.cos(math.radians(angle)), math.sin(math.radians(angle))
-            velocity = (five_digits(40.0 * c), 0.0, five_digits(40.0 * s))
-            spin = (five_digits(size * c), 1.0, five_digits(size * s))
-            scene = _spinning(f"gyro-{word}-{angle}", velocity, spin, published)
-            yield Draft(scene, "spin all but along the launch", ("gyro",))
-    for name, spin in (("up", (0.0, 0.0, 200.0)), ("nearly", (1e-6, 0.0, 200.0))):
-        for speed in (30.0, -5.0):
-            # The spin stays parallel to a vertical flight: no lift, whatever its size.
-            scene = _spinning(
-                f"parallel-{name}-{speed:g}", (0.0, 0.0, speed), spin, published, height=40.0
-            )
-            yield Draft(
-                scene, "straight up or down, with the spin along the path", ("gyro", "rest")
-            )
-    for word, side in (("head", -1.0), ("tail", 1.0)):
-        for speed in (5.0, 12.0, 20.0):
-            air = Air(wind=(side * speed, 0.0, 0.0), lift_coefficient=0.0)
-            scene = FlightScene(
-                id=f"hard-real-{word}-wind-{speed:g}",
-                launch=Launch(position=(0.0, 0.0, 30.0), velocity=(speed, 0.0, 0.5)),
-                air=air,
-            )
-            # With a tail wind of its own speed a ball is all but at rest in the air.
-            yield Draft(scene, "a wind as fast as the ball", ("rest",))
-    for power in (3, 6, 9, 12):
-        for sign, word in ((1.0, "under"), (-1.0, "over")):
-            # In a vacuum of weight alone the turning point is known: V = u there, on the node.
-            node = 20.0 + sign * 10.0**-power
-            table = Table(law="table", of="speed", at=(node, 60.0), values=(0.3, 0.3))
-            air = Air(density=1e-6, drag_coefficient=table, lift_coefficient=0.0)
-            scene = FlightScene(
-                id=f"hard-real-node-{word}-1e-{power:02d}",
-                launch=Launch(position=(0.0, 0.0, 1.0), velocity=(20.0, 0.0, 15.0)),
-                air=air,
-            )
-            yield Draft(
-                scene, f"its least speed is some 1e-{power} m/s {word} a table's node", ("kink",)
-            )
+    for cases in (_gyro, _parallel, _still_air, _nodes, _winds_above, _profiles, _spins_gone):
+        yield from cases()
+
+
+PUBLISHED = Air(drag_coefficient=NATHAN_DRAG, lift_coefficient=NATHAN_LIFT)
+
+
+def _gyro() -> Iterator[Draft]:
+    """Yield spins along the velocity of the launch, from which gravity turns the path away."""
+    for (size, word), angle in product(((250.0, "forward"), (-250.0, "backward")), (10, 30, 60)):
+        x, _, z = towards(size, angle)
+        name = f"hard-real-gyro-{word}-{angle}"
+        scene = flight(name, towards(40.0, angle), spin=(x, 1.0, z), air=PUBLISHED)
+        yield draft(scene, "spin all but along the launch", "gyro")
+
+
+def _parallel() -> Iterator[Draft]:
+    """Yield spins that stay parallel to a vertical flight: no lift, whatever their size."""
+    comment = "straight up or down, with the spin along the path"
+    for (word, aside), speed in product((("up", 0.0), ("nearly", 1e-6)), (30.0, -5.0)):
+        name, spin = f"hard-real-parallel-{word}-{speed:g}", (aside, 0.0, 200.0)
+        scene = flight(name, (0.0, 0.0, speed), height=40.0, spin=spin, air=PUBLISHED)
+        yield draft(scene, comment, "gyro", "rest")
+
+
+def _still_air() -> Iterator[Draft]:
+    """Yield winds as fast as the ball, which one from behind leaves all but at rest in the air."""
+    for (word, side), speed in product((("head", -1.0), ("tail", 1.0)), (5.0, 12.0, 20.0)):
+        air = Air(wind=(side * speed, 0.0, 0.0), lift_coefficient=0.0)
+        name = f"hard-real-{word}-wind-{speed:g}"
+        scene = flight(name, (speed, 0.0, 0.5), height=30.0, air=air)
+        yield draft(scene, "a wind as fast as the ball", "rest")
+
+
+def _nodes() -> Iterator[Draft]:
+    """Yield flights all but in a vacuum, where the least speed is known: V = u, on a node."""
+    for power, (sign, word) in product((3, 6, 9, 12), ((1.0, "under"), (-1.0, "over"))):
+        at = (20.0 + sign * 10.0**-power, 60.0)
+        table = Table(law="table", of="speed", at=at, values=(0.3, 0.3))
+        air = Air(density=1e-6, drag_coefficient=table, lift_coefficient=0.0)
+        scene = flight(f"hard-real-node-{word}-1e-{power:02d}", (20.0, 0.0, 15.0), air=air)
+        yield draft(scene, f"its least speed is some 1e-{power} m/s {word} a table's node", "kink")
+
+
+def _winds_above() -> Iterator[Draft]:
     for above in (12.5, 12.4799, 12.479, 12.4):
         wind = WindAbove(velocity=(8.0, 3.0, 0.0), above=above)
         air = Air(wind=wind, drag_coefficient=0.35, lift_coefficient=0.0)
-        scene = FlightScene(
-            id=f"hard-real-wind-above-{above:g}",
-            launch=Launch(position=(0.0, 0.0, 1.0), velocity=(25.0, 0.0, 17.0)),
-            air=air,
-        )
-        yield Draft(scene, "its apex is near the height above which the wind blows", ("kink",))
+        scene = flight(f"hard-real-wind-above-{above:g}", (25.0, 0.0, 17.0), air=air)
+        yield draft(scene, "its apex is near the height above which the wind blows", "kink")
+
+
+def _profiles() -> Iterator[Draft]:
     for height in (10.0, 0.1):
-        wind_profile = WindProfile(velocity=(-9.0, 2.0, 0.0), height=height, roughness=0.03)
-        scene = _spinning(
-            f"profile-{height:g}", (35.0, 5.0, 20.0), (10.0, -220.0, 60.0),
-            Air(wind=wind_profile, drag_coefficient=NATHAN_DRAG, lift_coefficient=NATHAN_LIFT),
-            height=0.05,
-        )  # fmt: skip
-        yield Draft(scene, "a logarithmic wind from the ground up", ("profile",))
-    still = Air(drag_coefficient=NATHAN_DRAG, lift_coefficient=NATHAN_LIFT, spin_decay_length=0.5)
-    yield Draft(
-        _spinning("fast-decay", (35.0, 0.0, 25.0), (0.0, -300.0, 0.0), still),
-        "spin that is gone after some metres",
-        ("decay",),
-    )
+        wind = WindProfile(velocity=(-9.0, 2.0, 0.0), height=height, roughness=0.03)
+        air = Air(wind=wind, drag_coefficient=NATHAN_DRAG, lift_coefficient=NATHAN_LIFT)
+        name, spin = f"hard-real-profile-{height:g}", (10.0, -220.0, 60.0)
+        scene = flight(name, (35.0, 5.0, 20.0), height=0.05, spin=spin, air=air)
+        yield draft(scene, "a logarithmic wind from the ground up", "profile")
+
+
+def _spins_gone() -> Iterator[Draft]:
+    velocity = (35.0, 0.0, 25.0)
+    fast = PUBLISHED.model_copy(update={"spin_decay_length": 0.5})
+    scene = flight("hard-real-fast-decay", velocity, spin=(0.0, -300.0, 0.0), air=fast)
+    yield draft(scene, "spin that is gone after some metres", "decay")
     for power in (6, 12, 18):
         tiny = (0.0, -(10.0**-power), 0.0)
-        scene = _spinning(f"slow-spin-1e-{power:02d}", (35.0, 0.0, 25.0), tiny, published)
-        yield Draft(scene, "hardly any spin", ("gyro",))
+        scene = flight(f"hard-real-slow-spin-1e-{power:02d}", velocity, spin=tiny, air=PUBLISHED)
+        yield draft(scene, "hardly any spin", "gyro")
 
 
 def at_bat_real() -> Iterator[Draft]:
@@ -307,7 +296,7 @@ def at_bat_real() -> Iterator[Draft]:
             spin_decay_length=1341.0,
         )
         if i % 4 == 0:
-            yield Draft(PitchScene(id=f"at-bat-real-{i:04d}", pitch=pitch, air=air), "a pitch", ())
+            yield draft(PitchScene(id=f"at-bat-real-{i:04d}", pitch=pitch, air=air), "a pitch")
             continue
         scene = AtBatScene(
             id=f"at-bat-real-{i:04d}",
@@ -316,4 +305,4 @@ def at_bat_real() -> Iterator[Draft]:
             bat=Bat(friction=between(0.05, 0.6, b)),
             swing=Swing(height_offset=between(-0.05, 0.05, c), tilt=between(0.0, 0.2, d)),
         )
-        yield Draft(scene, "an at-bat with spin, friction, weather and wind", ())
+        yield draft(scene, "an at-bat with spin, friction, weather and wind")

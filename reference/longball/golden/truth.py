@@ -176,25 +176,21 @@ def make(family: str, draft: Draft) -> Case:
     if result.outcome is not None:
         found = sensitivity(scene, result, Enclosure(DIGITS))
     table = quantities(result, attainable_errors(scene, result, found))
-    flags = [*draft.flags]
-    if result.outcome is None and "refused" not in flags:
-        flags.append("undecided")
-    if result.engine != Enclosure(DIGITS).description:
-        flags.append("many-digits")
-    if found.fragile:
-        flags.append("fragile")
-    if not agrees:
-        flags.append("unconfirmed")
-    if result.outcome is not None and not _good_enough(scene, result):
-        flags.append("wide")
+    found_out = {
+        "undecided": result.outcome is None and "refused" not in draft.flags,
+        "many-digits": result.engine != Enclosure(DIGITS).description,
+        "fragile": found.fragile,
+        "unconfirmed": not agrees,
+        "wide": result.outcome is not None and not _good_enough(scene, result),
+    }
     assert scene.id
     return Case(
         id=scene.id,
         family=family,
         level=level_of(result, table, found.fragile),
         comment=draft.comment,
-        flags=tuple(flags),
-        scene=draft.scene,
+        flags=(*draft.flags, *(flag for flag, applies in found_out.items() if applies)),
+        scene=scene,
         expected=result,
         quantities=table,
         condition=condition(result, found) if result.outcome is not None else None,

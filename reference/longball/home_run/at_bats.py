@@ -46,6 +46,11 @@ class Mixture:
         every = zip(weights, self.means, self.deviations, strict=True)
         return tuple(part for part in every if part[0] > 0)
 
+    def range(self, far: float) -> tuple[float, float]:
+        """Return between what all lies that is no more standard deviations than `far` off."""
+        ends = [(mean - far * s, mean + far * s) for _, mean, s in self.parts]
+        return min(low for low, _ in ends), max(high for _, high in ends)
+
     @cached_property
     def distribution(self) -> Any:
         """As `scipy.stats` has it: with ``pdf``, ``cdf`` and ``icdf``."""
@@ -90,19 +95,15 @@ def paper_at_bats(reading: SamplingReading) -> AtBats:
     means, spreads = (large, small) if reading.speed_table == "columns_swapped" else (small, large)
     # As printed, exp(-(v - μ)²/σ²): the standard deviation is σ/√2.
     per_spread = 1.0 if reading.speed_spread == "standard_deviation" else math.sqrt(0.5)
-    cells, deviation = (2.0, 4.0), 0.77  # Eq. 4
     width = reading.cell_width
+    left, right, deviation = (2.0 - MIDDLE_CELL) * width, (4.0 - MIDDLE_CELL) * width, 0.77 * width
     return AtBats(
         speed=Mixture(
             0.45,
             (means[0] * kmh, means[1] * kmh),
             (spreads[0] * kmh * per_spread, spreads[1] * kmh * per_spread),
         ),
-        aim=Mixture(
-            0.52,
-            ((cells[0] - MIDDLE_CELL) * width, (cells[1] - MIDDLE_CELL) * width),
-            (deviation * width, deviation * width),
-        ),
+        aim=Mixture(0.52, (left, right), (deviation, deviation)),  # Eq. 4
         offset_deviation=reading.offset_spread,
         largest_tilt=math.radians(10.0),
     )

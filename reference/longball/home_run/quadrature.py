@@ -134,19 +134,13 @@ def integrals(
 
     Parameters
     ----------
-    base
-        Everything about the at-bats that is not random, its reading included.
-    at_bats
-        The distributions of what is.
-    restitutions
-        Values of e.
+    base, at_bats, restitutions, workers
+        As `longball.home_run.monte_carlo` takes them.
     sample_space
         Of which the home runs are a share.
     tolerance
         Error of P that is asked for; ten times as much of dP/de. The rules are refined until two in
         a row agree so far, or there is no finer one.
-    workers
-        Threads; -1 for one per core. The answer does not depend on them, to the last bit.
     progress
         Called with the number of restitutions done.
     """
@@ -331,10 +325,7 @@ def _speeds(clearance: Clearance, law: Mixture) -> tuple[Array, Array]:
     def arrives(speed: Array, line: Places) -> Array:
         return np.where(clearance.window(speed) > 0.0, 1.0, -1.0)
 
-    low, high = (
-        extreme(mean + far * deviation for _, mean, deviation in law.parts)
-        for extreme, far in ((min, -FARTHEST), (max, FARTHEST))
-    )
+    low, high = law.range(FARTHEST)
     # The printed columns of Table II draw negative speeds, too: such a ball is never pitched.
     grid = np.linspace(max(low, high / 1000), high, _SPEEDS)
     cuts = crossings(arrives, grid[None], sampled(arrives, grid[None])).place
@@ -389,7 +380,7 @@ def share_over_offsets(
     tolerance of its pair.
     """
     lines = _Lines(clearance, at_bats, speed, tilt)
-    p, slope, error, slope_error = np.zeros((4, len(speed)))
+    found = np.zeros((4, len(speed)))
     ranges = _ranges(clearance, at_bats, speed, tilt)
     whole, nodes = lines.over(ranges)
     smooth, pieces = _without_kinks(ranges, nodes, lines.kinds, _OF_OFFSETS)
@@ -409,17 +400,13 @@ def share_over_offsets(
         allowed = tolerance[ranges.line]
         done = np.array((off <= allowed) & (slope_off <= _STEEPER * allowed))
         done |= halving == _HALVINGS - 1
-        doubt = sums[2]
-        for total, values in (
-            (p, sums[0]),
-            (slope, sums[1]),
-            (error, off + doubt),
-            (slope_error, slope_off + _STEEPER * doubt),
-        ):
-            np.add.at(total, ranges.line[done], values[done])
+        p, slope, doubt = sums
+        values = np.array([p, slope, off + doubt, slope_off + _STEEPER * doubt])
+        for total, each in zip(found, values, strict=True):
+            np.add.at(total, ranges.line[done], each[done])
         again = np.tile(~done, 2)
         ranges, whole = halves.at(again), parts[:, again]
-    return Share(p, slope, error, slope_error)
+    return Share(*found)
 
 
 def _sine_rule(ranges: _Ranges) -> tuple[Array, Array, Places]:
@@ -436,13 +423,10 @@ def _sine_rule(ranges: _Ranges) -> tuple[Array, Array, Places]:
 
 def _patterns(clearance: Clearance, at_bats: AtBats, speed: Array, tilt: Array) -> Places:
     """Return a number for each pair, which tells the kinds of intervals that follow each other."""
-    lines, ranges = (
-        _Lines(clearance, at_bats, speed, tilt),
-        _ranges(clearance, at_bats, speed, tilt),
-    )
+    ranges = _ranges(clearance, at_bats, speed, tilt)
     offset, _, number = _sine_rule(ranges)
     line = ranges.line[number]
-    kind = lines.kinds(offset, line)
+    kind = _Lines(clearance, at_bats, speed, tilt).kinds(offset, line)
     order = np.lexsort((offset, line))
     line, number, kind = line[order], number[order], kind[order]
     new = np.ones(len(order), dtype=bool)

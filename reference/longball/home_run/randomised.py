@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from longball.engines.parallel import in_parallel
 from longball.home_run.at_bats import AtBats, Samples
-from longball.home_run.clearance import Clearance, Counted
+from longball.home_run.clearance import Clearance
 from longball.home_run.crossings import Places, crossings, probability, sampled
 from longball.home_run.quadrature import FARTHEST
 from longball.model.readings import SampleSpace
@@ -53,37 +53,24 @@ def scrambled(
 
     Parameters
     ----------
-    base
-        Everything about the at-bats that is not random, its reading included.
-    at_bats
-        The distributions of what is.
-    restitutions
-        Values of e.
+    base, at_bats, restitutions, sample_space, workers, progress
+        As `longball.home_run.integrals` takes them.
     lines
         Lines along the offset in each of the scrambles: a power of 2.
     seed
         Where the scrambles come from.
-    sample_space
-        Of which the home runs are a share.
-    workers
-        Threads; -1 for one per core. The answer does not depend on them, to the last bit.
-    progress
-        Called with the number of restitutions done.
     """
     from longball.engines.batch import Batch  # slow to import, and not needed for --help
 
     everything = Samples.joined([_lines(base, at_bats, lines, seed, i) for i in range(SCRAMBLES)])
-    kinds: list[Counted] = ["home runs"]
-    if sample_space != "pitches":
-        kinds.append("sample space")
     estimates = []
     for done, e in enumerate(restitutions, 1):
-        shares = [
-            _means(Clearance(base, e, Batch(), sample_space, kind), at_bats, everything, workers)
-            for kind in kinds
-        ]
-        with np.errstate(invalid="ignore"):  # 0/0 where there is no sample space
-            each = shares[0] / shares[1] if len(shares) > 1 else shares[0]
+        home_runs = Clearance(base, e, Batch(), sample_space)
+        each = _means(home_runs, at_bats, everything, workers)
+        if sample_space != "pitches":
+            space = replace(home_runs, counted="sample space")
+            with np.errstate(invalid="ignore"):  # 0/0 where there is no sample space
+                each = each / _means(space, at_bats, everything, workers)
         error = float(np.std(each, ddof=1)) / math.sqrt(SCRAMBLES)
         estimates.append(Randomised(e, float(np.mean(each)), error))
         progress(done)
@@ -119,8 +106,8 @@ def _aims(base: AtBatScene, at_bats: AtBats) -> tuple[float, float]:
     x, y, _ = base.pitch.release
     way = (base.ball.radius + base.bat.radius) / x
     farthest = (base.bat.length / 2 + abs(y * way)) / (1.0 - way)
-    low, high = ([m + far * s for _, m, s in at_bats.aim.parts] for far in (-FARTHEST, FARTHEST))
-    return max(-farthest, min(low)), min(farthest, max(high))
+    low, high = at_bats.aim.range(FARTHEST)
+    return max(-farthest, low), min(farthest, high)
 
 
 def _means(clearance: Clearance, at_bats: AtBats, lines: Samples, workers: int) -> Array:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,7 @@ from longball.engines import create
 from longball.engines.chain import solve_with_restitutions
 from longball.engines.engine import Engine, ManyAtOnce
 from longball.engines.parallel import in_parallel
-from longball.home_run.at_bats import BLOCK, AtBats, draw, scenes
+from longball.home_run.at_bats import BLOCK, AtBats, Samples, draw, scenes
 from longball.model.scene import AtBatScene
 
 if TYPE_CHECKING:
@@ -117,14 +117,14 @@ def monte_carlo(
     """
     solver = engine or create("batch")
     threads = isinstance(solver, ManyAtOnce)
-    strike, size = (_strike_columns, COLUMNS) if threads else (_strike_scenes, BLOCK)
+    size = COLUMNS if threads else BLOCK
     calls = (
         (base, at_bats, tuple(restitutions), first, min(size, count - first), seed, solver)
         for first in range(0, count, size)
     )
     landed = np.empty((len(restitutions), 4, count))
     done = 0
-    for part in in_parallel(strike, calls, workers, threads):
+    for part in in_parallel(_strike, calls, workers, threads):
         landed[:, :, done : done + part.shape[2]] = part
         done += part.shape[2]
         progress(done)
@@ -133,59 +133,50 @@ def monte_carlo(
     return [Fenced(x, y, failed > 0, over > 0) for x, y, failed, over in landed]
 
 
-def _strike_columns(
+def _strike(
     base: AtBatScene,
     at_bats: AtBats,
     restitutions: Sequence[float],
     first: int,
     count: int,
     seed: int,
-    engine: Batch,
+    engine: Any,
 ) -> Array:
     """Return x, y, failure and home runs of samples: an array (restitution, 4, sample)."""
-    from longball.engines.batch import solve_columns_with_restitutions
-
     samples = draw(at_bats, count, seed, first)
     pitched = samples.pitched
-    tables = solve_columns_with_restitutions(
-        base, samples.chosen(pitched).columns, restitutions, engine
-    )
-    landed = _nothing(len(restitutions), count)
-    for one, table in zip(landed, tables, strict=True):
+    landed = np.full((len(restitutions), 4, count), np.nan)
+    landed[:, 2:] = 0.0
+    land = _landings_of_columns if isinstance(engine, ManyAtOnce) else _landings_of_scenes
+    landed[:, :, pitched] = land(base, samples.chosen(pitched), restitutions, engine)
+    return landed
+
+
+def _landings_of_columns(
+    base: AtBatScene, samples: Samples, restitutions: Sequence[float], engine: Batch
+) -> Array:
+    from longball.engines.batch import solve_columns_with_restitutions
+
+    landed = []
+    for table in solve_columns_with_restitutions(base, samples.columns, restitutions, engine):
         outcome = table["outcome"]
         stopped, nothing = outcome == "wall", np.full(len(outcome), np.nan)
         place = [
             np.where(stopped, *(table.get(f"{name}.position[{i}]", nothing) for name in _PLACES))
             for i in (0, 1)
         ]
-        one[:, pitched] = *place, outcome == "", outcome == "home_run"
-    return landed
+        landed.append([*place, outcome == "", outcome == "home_run"])
+    return np.array(landed)
 
 
-def _strike_scenes(
-    base: AtBatScene,
-    at_bats: AtBats,
-    restitutions: Sequence[float],
-    first: int,
-    count: int,
-    seed: int,
-    engine: Engine[float],
+def _landings_of_scenes(
+    base: AtBatScene, samples: Samples, restitutions: Sequence[float], engine: Engine[float]
 ) -> Array:
-    """Do the same, scene by scene."""
-    landed = _nothing(len(restitutions), count)
-    for i, scene in enumerate(scenes(base, draw(at_bats, count, seed, first), first)):
-        if scene is None:
-            continue
+    landed = np.full((len(restitutions), 4, len(samples)), np.nan)
+    for i, scene in enumerate(filter(None, scenes(base, samples))):
         for k, result in enumerate(solve_with_restitutions(scene, restitutions, engine)):
             place = result.fence if result.outcome == "wall" else result.landing
             landed[k, 2:, i] = result.error is not None, result.outcome == "home_run"
             if place is not None and result.error is None:
                 landed[k, :2, i] = place.position[:2]
-    return landed
-
-
-def _nothing(restitutions: int, count: int) -> Array:
-    """Return what becomes of balls that are never pitched."""
-    landed = np.full((restitutions, 4, count), np.nan)
-    landed[:, 2:] = 0.0
     return landed

@@ -14,10 +14,14 @@ from pydantic import (
 )
 
 
-class Block(BaseModel):
-    """A part of a scene: numbers under fixed keys."""
+class Strict(BaseModel):
+    """A model that takes what it names, as it is, and nothing else."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+
+
+class Block(Strict):
+    """A part of a scene: numbers under fixed keys."""
 
     def named(self) -> Iterator[str]:
         """Yield the keys that it is written with: all but those left out that have no default."""

@@ -13,13 +13,13 @@ from dataclasses import dataclass
 from typing import Any, Literal, Self, get_args
 
 from pydantic import (
-    BaseModel,
-    ConfigDict,
     Field,
     SerializerFunctionWrapHandler,
     model_serializer,
     model_validator,
 )
+
+from longball.model.block import Strict
 
 SpeedTable = Literal["columns_swapped", "as_printed"]
 SpeedSpread = Literal["standard_deviation", "as_printed"]
@@ -57,9 +57,7 @@ SCHEME_OPTIONS = {"verlet_forces": "forces", "verlet_landing": "landing", "appen
 FIGURE_SWITCH = "fig7_parameters"
 
 
-class _Switches(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
-
+class _Switches(Strict):
     @model_serializer(mode="wrap")
     def _only_what_differs(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
         default = type(self).model_fields

@@ -7,9 +7,10 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, model_serializer
+from pydantic import Field, model_serializer
 
 from longball import __version__
+from longball.model.block import Strict
 from longball.model.jsonl import json_line
 
 Outcome = Literal[
@@ -30,14 +31,10 @@ Outcome = Literal[
 ErrorCode = Literal["invalid", "undecided", "too_long", "out_of_range", "unsupported"]
 
 
-class _Strict(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
-
-
 _RADIUS = r"^[0-9]+(\.[0-9]+)?([eE][+-]?[0-9]+)?$"
 
 
-class Bounded(_Strict):
+class Bounded(Strict):
     """A number as a decimal string, with the radius that an engine proves for it."""
 
     value: str = Field(
@@ -59,7 +56,7 @@ class Bounded(_Strict):
         return {"value": self.value, "radius": self.radius}
 
 
-class Certified(_Strict):
+class Certified(Strict):
     """A double, with the radius that the enclosure engine proves for it."""
 
     value: float = Field(description="the engine's double")
@@ -74,7 +71,7 @@ Number = Annotated[float, Field(description="a double")] | Bounded | Certified
 Triple = tuple[Number, Number, Number]
 
 
-class Plate(_Strict):
+class Plate(Strict):
     """The pitch at x = 0 as if there were no bat."""
 
     time: Number = Field(description="s, since release")
@@ -82,7 +79,7 @@ class Plate(_Strict):
     velocity: Triple = Field(description="m/s")
 
 
-class Contact(_Strict):
+class Contact(Strict):
     """First touching of ball and bat, or how close the pitch came."""
 
     time: Number | None = Field(default=None, description="s, since release")
@@ -99,7 +96,7 @@ class Contact(_Strict):
     )
 
 
-class Impact(_Strict):
+class Impact(Strict):
     """The impulse and what it does."""
 
     restitution: Number = Field(description="ẽ, between ball and bat")
@@ -125,7 +122,7 @@ class Impact(_Strict):
     )
 
 
-class Landing(_Strict):
+class Landing(Strict):
     """Where the ball comes down."""
 
     time: Number = Field(description="s, since the start of the scene")
@@ -143,7 +140,7 @@ class Landing(_Strict):
     )
 
 
-class Fence(_Strict):
+class Fence(Strict):
     """Where the ball first leaves the field over the fence, or meets it."""
 
     time: Number = Field(description="s, since the start of the scene")
@@ -161,7 +158,7 @@ def signed(engine: str) -> str:
     return f"longball {__version__} {engine}"
 
 
-class Result(_Strict):
+class Result(Strict):
     """What an engine answers to one scene."""
 
     id: str | None = Field(description="the scene's id; null if its line had none")

@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Literal, Self, TextIO
 import numpy as np
 from pydantic import Field, model_validator
 
+from longball.model.block import Strict
 from longball.model.readings import SamplingReading
 from longball.pitches.table import (
     LENGTH_UNITS,
@@ -28,7 +29,6 @@ from longball.pitches.table import (
     Counts,
     Floats,
     Omission,
-    Strict,
     TableError,
     and_more,
     numbers,

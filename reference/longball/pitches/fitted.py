@@ -11,17 +11,20 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Literal, TypeVar
 
 from pydantic import AfterValidator, Field, ValidationError
 
 from longball.home_run import MIDDLE_CELL, Mixture
+from longball.model.block import Strict
 from longball.model.scene import explain
 from longball.pitches.chart import Columns, PitchTypes
-from longball.pitches.table import Omission, Strict, TableError
+from longball.pitches.table import Omission, TableError
 
 Method = Literal["maximum_likelihood", "least_squares"]
 Status = Literal["fitted", "held", "at_bound"]
+T = TypeVar("T")
+Five = tuple[T, T, T, T, T]  # a value for each cell
 Share = Annotated[float, Field(ge=0.0, le=1.0)]
 
 # The 95 % point of (χ²₀ + χ²₁)/2, the distribution of a likelihood ratio where the truth lies on
@@ -123,7 +126,7 @@ class Speeds(Strict):
 class Aims(Strict):
     """Fig. 3."""
 
-    cells: tuple[int, int, int, int, int] = Field(description="pitches in cells 1 to 5")
+    cells: Five[int] = Field(description="pitches in cells 1 to 5")
     maximum_likelihood: AimFit = Field(
         description="of the places themselves, or of cells if the table gives no more: "
         "a cell has the integral of the density over it"
@@ -152,8 +155,8 @@ class Aims(Strict):
 class Heights(Strict):
     """Fig. 4."""
 
-    cells: tuple[int, int, int, int, int] = Field(description="pitches in cells 1 to 5")
-    shares: tuple[Estimate, Estimate, Estimate, Estimate, Estimate]
+    cells: Five[int] = Field(description="pitches in cells 1 to 5")
+    shares: Five[Estimate]
     chi_squared_of_lower_four: float = Field(
         description="of cells 1 to 4 against equal shares, 3 degrees of freedom"
     )

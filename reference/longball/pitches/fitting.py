@@ -15,7 +15,7 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple, TextIO
+from typing import TYPE_CHECKING, NamedTuple, TextIO, cast
 
 import numpy as np
 
@@ -26,6 +26,7 @@ from longball.pitches.fitted import (
     Aims,
     Estimate,
     FittedPitches,
+    Five,
     Heights,
     Method,
     SpeedFit,
@@ -39,6 +40,8 @@ if TYPE_CHECKING:
     import pandas as pd
 
 Errors = Sequence[float | None]
+# From counts, and how they are fitted, to the errors of what is fitted.
+Bootstrap = Callable[[Counts, Callable[[Counts], tuple[float, ...]]], tuple[float, ...]]
 
 # Relative error of a standard error from so many replicates: 1/√(2 · 200) = 5 %.
 REPLICATES = 200
@@ -100,9 +103,11 @@ def fit_pitches(
     _enough(pitches)
     if replicates < 2:
         raise TableError(f"replicates = {replicates}: a bootstrap takes at least 2")
-    generator = np.random.default_rng(seed)
-    straight = Counter(np.array(pitches.types)[pitches.straight].tolist())
-    breaking = Counter(np.array(pitches.types)[~pitches.straight].tolist())
+    bootstrap = partial(_bootstrap, replicates, np.random.default_rng(seed))
+    straight, breaking = (
+        dict(Counter(np.array(pitches.types)[chosen].tolist()).most_common())
+        for chosen in (pitches.straight, ~pitches.straight)
+    )
     return FittedPitches(
         source=pitches.source,
         columns=pitches.columns,
@@ -110,10 +115,10 @@ def fit_pitches(
         rows_read=pitches.rows_read,
         rows_used=len(pitches.types),
         left_out=pitches.left_out,
-        straight=dict(straight.most_common()),
-        breaking=dict(breaking.most_common()),
-        speed=_fit_speeds(pitches, bin_width, replicates, generator),
-        aim=_fit_aims(pitches, replicates, generator),
+        straight=straight,
+        breaking=breaking,
+        speed=_fit_speeds(pitches, bin_width, bootstrap),
+        aim=_fit_aims(pitches, bootstrap),
         height=None if pitches.height is None else _describe_heights(_count_cells(pitches.height)),
         bootstrap_replicates=replicates,
         bootstrap_seed=seed,
@@ -123,9 +128,9 @@ def fit_pitches(
 
 def r_squared(observed: Floats, fitted: Floats) -> float | None:
     """Return the coefficient of determination, 1 - Σ(o - f)² / Σ(o - ō)²; None if all o agree."""
-    spread = np.sum((observed - observed.mean()) ** 2)
     if np.ptp(observed) == 0.0:
         return None
+    spread = np.sum((observed - observed.mean()) ** 2)
     return float(1.0 - np.sum((observed - fitted) ** 2) / spread)
 
 
@@ -171,9 +176,7 @@ def _normal_through(
     return float(mean), abs(float(deviation))
 
 
-def _fit_speeds(
-    pitches: Pitches, bin_width: float, replicates: int, generator: np.random.Generator
-) -> Speeds:
+def _fit_speeds(pitches: Pitches, bin_width: float, bootstrap: Bootstrap) -> Speeds:
     edges = _bins(pitches.speed, bin_width, pitches.columns)
     classes = (pitches.straight, ~pitches.straight)
     counts = np.stack([np.histogram(pitches.speed[chosen], edges)[0] for chosen in classes])
@@ -186,9 +189,9 @@ def _fit_speeds(
             breaking=tuple(counts[1].tolist()),
         ),
         maximum_likelihood=by_likelihood,
-        least_squares=_speeds_through(1.0, edges, counts, start, replicates, generator),
+        least_squares=_speeds_through(1.0, edges, counts, start, bootstrap),
         least_squares_as_printed=_speeds_through(
-            INTEGRAL_AS_PRINTED, edges, counts, start, replicates, generator
+            INTEGRAL_AS_PRINTED, edges, counts, start, bootstrap
         ),
     )
 
@@ -216,12 +219,11 @@ def _bins(speed: Floats, bin_width: float, columns: Columns) -> Floats:
 def _likeliest_speeds(pitches: Pitches, edges: Floats, counts: Counts) -> SpeedFit:
     total = len(pitches.speed)
     share = float(np.mean(pitches.straight))
-    (mean_1, spread_1), (mean_2, spread_2) = (
-        _likeliest_normal(pitches.speed[chosen], _variance_of_rounding(pitches.columns))
-        for chosen in (pitches.straight, ~pitches.straight)
-    )
+    rounding = _variance_of_rounding(pitches.columns)
+    classes = (pitches.straight, ~pitches.straight)
+    one, two = (_likeliest_normal(pitches.speed[chosen], rounding) for chosen in classes)
     weight = Estimate(value=share, standard_error=math.sqrt(share * (1.0 - share) / total))
-    return _speed_fit(1.0, edges, counts, (mean_1, spread_1, mean_2, spread_2, weight))
+    return _speed_fit(1.0, edges, counts, (*one, *two, weight))
 
 
 def _variance_of_rounding(columns: Columns) -> float:
@@ -238,12 +240,10 @@ def _likeliest_normal(speed: Floats, rounding: float) -> tuple[Estimate, Estimat
     """
     mean, spread = float(speed.mean()), math.sqrt(speed.var() - rounding)
     fourth_moment = float(np.mean(((speed - mean) / spread) ** 4))
+    of_spread = spread * math.sqrt((fourth_moment - 1.0) / (4.0 * len(speed)))
     return (
         Estimate(value=mean, standard_error=spread / math.sqrt(len(speed))),
-        Estimate(
-            value=spread,
-            standard_error=spread * math.sqrt((fourth_moment - 1.0) / (4.0 * len(speed))),
-        ),
+        Estimate(value=spread, standard_error=of_spread),
     )
 
 
@@ -258,8 +258,8 @@ def _speed_fit(
     mean_1, spread_1, mean_2, spread_2, p = (estimate.value for estimate in estimates)
     v, width = _middles(edges)
     straight, breaking = (
-        normal(v, mean, spread, integral)
-        for mean, spread in ((mean_1, spread_1), (mean_2, spread_2))
+        normal(v, mean_1, spread_1, integral),
+        normal(v, mean_2, spread_2, integral),
     )
     everything = counts.sum(axis=0) / (counts.sum() * width)
     fitted = r_squared(everything, p * straight + (1.0 - p) * breaking)
@@ -267,24 +267,15 @@ def _speed_fit(
 
 
 def _speeds_through(
-    integral: float,
-    edges: Floats,
-    counts: Counts,
-    start: SpeedValues,
-    replicates: int,
-    generator: np.random.Generator,
+    integral: float, edges: Floats, counts: Counts, start: SpeedValues, bootstrap: Bootstrap
 ) -> SpeedFit:
     """Lay Eqs. 2 and 3 through the histograms of the classes, and of all pitches."""
     fitted = _least_squares_speeds(integral, edges, counts, start)
-    errors = _bootstrap(
-        counts,
-        lambda drawn: _least_squares_speeds(integral, edges, drawn, fitted),
-        replicates,
-        generator,
-    )
+    errors = bootstrap(counts, lambda drawn: _least_squares_speeds(integral, edges, drawn, fitted))
     statuses: list[Status] = ["fitted"] * 4
     statuses.append("at_bound" if fitted[-1] in (0.0, 1.0) else "fitted")
-    return _speed_fit(integral, edges, counts, _estimates(fitted, errors, statuses))
+    estimates = _estimates(fitted, errors, statuses)
+    return _speed_fit(integral, edges, counts, estimates)
 
 
 def _least_squares_speeds(
@@ -310,7 +301,7 @@ def _middles(edges: Floats) -> tuple[Floats, float]:
 # --- across the plate: Fig. 3 ---------------------------------------------------------------------
 
 
-def _fit_aims(pitches: Pitches, replicates: int, generator: np.random.Generator) -> Aims:
+def _fit_aims(pitches: Pitches, bootstrap: Bootstrap) -> Aims:
     cells = _count_cells(pitches.across)
     edges = CELL_EDGES if pitches.columns.place_unit == "cell" else FINE_EDGES
     counts = np.histogram(pitches.across, edges)[0]
@@ -318,13 +309,13 @@ def _fit_aims(pitches: Pitches, replicates: int, generator: np.random.Generator)
     errors = _fisher_errors(likeliest, edges, len(pitches.across))
     cost_of_two = 2.0 * math.log(len(pitches.across))  # parameters, by Schwarz's criterion
     return Aims(
-        cells=_five(cells),
+        cells=cast(Five[int], tuple(cells.tolist())),
         maximum_likelihood=_aim_fit(likeliest, errors, cells, likeliest.shares(CELL_EDGES)),
         gain_over_one_normal=over_one_normal,
         gain_over_one_peak=over_one_peak,
         two_peaks_supported=over_one_normal > cost_of_two and over_one_peak > PEAK_GAIN,
-        least_squares=_aim_through(cells, None, replicates, generator),
-        least_squares_at_edges=_aim_through(cells, EDGES_OF_THE_ZONE, replicates, generator),
+        least_squares=_aim_through(cells, None, bootstrap),
+        least_squares_at_edges=_aim_through(cells, EDGES_OF_THE_ZONE, bootstrap),
     )
 
 
@@ -362,8 +353,7 @@ class _Aim(NamedTuple):
 
 # Where the search for Eq. 4 may go. The means lie in the grid: what is aimed at is on the chart.
 # The spread, in cells: narrower or wider, five cells see no difference.
-_LOWEST = _Aim(0.0, 0.5, 0.5, 0.05)
-_HIGHEST = _Aim(1.0, 5.5, 5.5, 5.0)
+_RANGE = _Aim(0.0, 0.5, 0.5, 0.05), _Aim(1.0, 5.5, 5.5, 5.0)
 # Where it begins: two peaks at the edges of the strike zone; two broad ones; one beside the other.
 _STARTS = (_Aim(0.5, 2.0, 4.0, 0.8), _Aim(0.5, 1.5, 4.5, 1.3), _Aim(0.8, 3.0, 4.5, 1.2))
 _ONE_NORMAL = _Aim(1.0, 3.0, 3.0, 1.2)
@@ -393,8 +383,8 @@ class _OnePeak(NamedTuple):
         return _Aim(weight, self.main, self.main + side * apart, self.spread)
 
 
-_NARROWEST, _WIDEST = _OnePeak(0.5, 1.0, 0.05), _OnePeak(5.5, 5.0, 5.0)
-_EVEN, _UNEVEN = _OnePeak(3.0, 1.05, 1.0), _OnePeak(3.0, 1.6, 1.0)
+_RANGE_OF_ONE = _OnePeak(0.5, 1.0, 0.05), _OnePeak(5.5, 5.0, 5.0)
+_STARTS_OF_ONE = _OnePeak(3.0, 1.05, 1.0), _OnePeak(3.0, 1.6, 1.0)  # even, and uneven
 
 
 def _likeliest_aim(counts: Counts, edges: Floats) -> tuple[_Aim, float, float]:
@@ -409,29 +399,30 @@ def _likeliest_aim(counts: Counts, edges: Floats) -> tuple[_Aim, float, float]:
     total = int(counts.sum())
     shares = counts / total
 
-    def deviance_residuals(aim: _Aim) -> Floats:
+    def deviance_residuals(*aim: float) -> Floats:
         # Far from every pitch a share underflows; there its logarithm only has to be very low.
-        expected = np.maximum(aim.shares(edges), 1e-300)
+        expected = np.maximum(_Aim(*aim).shares(edges), 1e-300)
         log_ratio = np.log(np.where(counts > 0, shares, 1.0) / expected) * (counts > 0)
         deviance = 2.0 * (shares * log_ratio - shares + expected)
         # Rounding can leave less than zero where a cell is met exactly.
         residuals: Floats = np.sign(shares - expected) * np.sqrt(np.maximum(deviance, 0.0))
         return residuals
 
-    def residuals_of_one(side: int, x: Floats) -> Floats:
-        return deviance_residuals(_OnePeak(*x).aim(side))
+    def cost_beside(side: int) -> float:
+        """Return the cost of the likeliest that is about to have a second peak on a side."""
+        return _nearest(
+            lambda *one: deviance_residuals(*_OnePeak(*one).aim(side)),
+            _STARTS_OF_ONE,
+            _RANGE_OF_ONE,
+            (True, True, True),
+        )[1]
 
-    found, cost = _nearest(deviance_residuals, _STARTS, _EVERYTHING)
-    _, cost_of_normal = _nearest(deviance_residuals, (_ONE_NORMAL,), _LEFT_ALONE)
-    cost_of_peak = cost
+    theta, cost = _nearest(deviance_residuals, _STARTS, _RANGE)
+    _, cost_of_normal = _nearest(deviance_residuals, [_ONE_NORMAL], _RANGE, _LEFT_ALONE)
+    found, cost_of_peak = _Aim(*theta).sorted(), cost
     if found.peaks() == 2:
         # Of densities with one peak the likeliest is then one that is about to have a second.
-        costs = [
-            _least(partial(residuals_of_one, side), start, _NARROWEST, _WIDEST)[1]
-            for side in (-1, 1)
-            for start in (_EVEN, _UNEVEN)
-        ]
-        cost_of_peak = min(cost_of_normal, *costs)
+        cost_of_peak = min(cost_of_normal, cost_beside(-1), cost_beside(1))
     return found, 2.0 * total * (cost_of_normal - cost), 2.0 * total * (cost_of_peak - cost)
 
 
@@ -459,19 +450,14 @@ def _fisher_errors(aim: _Aim, edges: Floats, total: int) -> Errors:
 
 def _within(aim: _Aim) -> Booleans:
     """Tell which parameters ended inside the range of the search, not at its end."""
-    theta, low, high = np.array(aim), np.array(_LOWEST), np.array(_HIGHEST)
+    theta, low, high = np.array([aim, *_RANGE])
     # The search stays inside; that near to an end it would have gone on.
     near = 1e-4 * (high - low)
     inside: Booleans = (theta > low + near) & (theta < high - near)
     return inside
 
 
-def _aim_through(
-    counts: Counts,
-    means: tuple[float, float] | None,
-    replicates: int,
-    generator: np.random.Generator,
-) -> AimFit:
+def _aim_through(counts: Counts, means: tuple[float, float] | None, bootstrap: Bootstrap) -> AimFit:
     """Lay the density of Eq. 4, at the number of each cell, through the cells' shares."""
     y = np.arange(1.0, 6.0)
     starts = _STARTS if means is None else (_Aim(0.5, *means, 0.8),)
@@ -479,62 +465,50 @@ def _aim_through(
 
     def fit(drawn: Counts, starts: tuple[_Aim, ...]) -> _Aim:
         shares = drawn / drawn.sum()
-        return _nearest(lambda aim: aim.density(y) - shares, starts, free)[0]
+        theta, _ = _nearest(lambda *aim: _Aim(*aim).density(y) - shares, starts, _RANGE, free)
+        return _Aim(*theta).sorted()
 
     found = fit(counts, starts)
-    errors = _bootstrap(counts, lambda drawn: fit(drawn, (found,)), replicates, generator)
+    errors = bootstrap(counts, lambda drawn: fit(drawn, (found,)))
     return _aim_fit(found, errors, counts, found.density(y), free)
 
 
 def _nearest(
-    residuals: Callable[[_Aim], Floats], starts: tuple[_Aim, ...], free: tuple[bool, ...]
-) -> tuple[_Aim, float]:
+    residuals: Callable[..., Floats],
+    starts: Sequence[Sequence[float]],
+    bounds: tuple[Sequence[float], Sequence[float]],
+    free: Sequence[bool] = _EVERYTHING,
+) -> tuple[list[float], float]:
     """Return the parameters with the least sum of squares, and half that sum.
 
-    Only the `free` ones move from where they start.
+    Only the `free` ones move from where they start, within their bounds.
     """
-    moving = np.array(free)
-
-    def whole(start: _Aim, part: Floats) -> _Aim:
-        theta = np.array(start)
-        theta[moving] = part
-        return _Aim(*theta.tolist())
-
-    def residuals_of_part(start: _Aim, part: Floats) -> Floats:
-        return residuals(whole(start, part))
-
-    ends = []
-    for start in starts:
-        x, cost = _least(
-            partial(residuals_of_part, start),
-            *(np.array(each)[moving] for each in (start, _LOWEST, _HIGHEST)),
-        )
-        ends.append((cost, whole(start, x)))
-    cost, best = min(ends, key=lambda end: end[0])
-    return best.sorted(), cost
-
-
-def _least(
-    residuals: Callable[[Floats], Floats],
-    start: Sequence[float] | Floats,
-    low: Sequence[float] | Floats,
-    high: Sequence[float] | Floats,
-) -> tuple[Floats, float]:
-    """Return where between the bounds the sum of squares is least, and half that sum."""
     from scipy.optimize import least_squares
 
-    low, high = np.array(low), np.array(high)
-    found = least_squares(
-        residuals,
-        # It wants to start inside; a thousandth is far from any end that it may seek.
-        np.clip(start, low + 1e-3, high - 1e-3),
-        bounds=(low, high),
-        # A step or a gain this small is far below every error bar.
-        xtol=1e-10,
-        ftol=1e-12,
-        gtol=1e-12,
-    )
-    return found.x, float(found.cost)
+    moving = np.array(free)
+    low, high = np.array(bounds)[:, moving]
+
+    def search(start: Sequence[float]) -> tuple[list[float], float]:
+        theta = np.array(start)
+
+        def residuals_of_part(part: Floats) -> Floats:
+            theta[moving] = part
+            return residuals(*theta.tolist())
+
+        found = least_squares(
+            residuals_of_part,
+            # It wants to start inside; a thousandth is far from any end that it may seek.
+            np.clip(theta[moving], low + 1e-3, high - 1e-3),
+            bounds=(low, high),
+            # A step or a gain this small is far below every error bar.
+            xtol=1e-10,
+            ftol=1e-12,
+            gtol=1e-12,
+        )
+        theta[moving] = found.x
+        return theta.tolist(), float(found.cost)
+
+    return min(map(search, starts), key=lambda end: end[1])
 
 
 def _aim_fit(
@@ -570,8 +544,8 @@ def _describe_heights(counts: Counts) -> Heights:
     ]
     lower_four = chisquare(counts[:4])
     return Heights(
-        cells=_five(counts),
-        shares=(shares[0], shares[1], shares[2], shares[3], shares[4]),
+        cells=cast(Five[int], tuple(counts.tolist())),
+        shares=cast(Five[Estimate], tuple(shares)),
         chi_squared_of_lower_four=float(lower_four.statistic),
         p_value_of_lower_four=float(lower_four.pvalue),
     )
@@ -579,11 +553,6 @@ def _describe_heights(counts: Counts) -> Heights:
 
 def _count_cells(place: Floats) -> Counts:
     return np.bincount(cell(place), minlength=6)[1:]
-
-
-def _five(counts: Counts) -> tuple[int, int, int, int, int]:
-    one, two, three, four, five = counts.tolist()
-    return one, two, three, four, five
 
 
 # --- uncertainty ----------------------------------------------------------------------------------
@@ -603,10 +572,10 @@ def _estimates(
 
 
 def _bootstrap(
-    counts: Counts,
-    fit: Callable[[Counts], tuple[float, ...]],
     replicates: int,
     generator: np.random.Generator,
+    counts: Counts,
+    fit: Callable[[Counts], tuple[float, ...]],
 ) -> tuple[float, ...]:
     """Return the spread of what is fitted to counts that are drawn from the observed shares."""
     total = int(counts.sum())

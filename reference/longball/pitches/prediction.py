@@ -13,7 +13,7 @@ import numpy as np
 
 from longball import engines
 from longball.engines import chain
-from longball.engines.engine import Engine, ManyAtOnce
+from longball.engines.engine import Engine
 from longball.extras import naming_extras
 from longball.model.result import Result
 from longball.model.scene import InvalidScene, Scene, parse_scene
@@ -124,11 +124,8 @@ def solve(
     engine: Engine[Any] | None = None,
 ) -> list[Result]:
     """Return the result of each measured ball, by default of the batch engine; see `scenes`."""
-    solver = engine or engines.create("batch")
     every = list(scenes(measured, model, spin))
-    if isinstance(solver, ManyAtOnce):
-        return solver.solve_all(every)
-    return [chain.solve(scene, solver) for scene in every]
+    return list(chain.solve_each(every, engine or engines.create("batch")))
 
 
 def predict(
@@ -192,12 +189,8 @@ def bands(values: Floats, bounds: Sequence[int]) -> Iterator[tuple[int, int, Boo
 
 def _summary(group: str, which: Booleans, error: Floats) -> Summary:
     chosen = error[which]
-    return Summary(
-        group,
-        len(chosen),
-        tuple(chosen.mean(axis=0).tolist()),
-        float(np.sqrt(np.mean(np.sum(chosen**2, axis=1)))),
-    )
+    rms = float(np.sqrt(np.mean(np.sum(chosen**2, axis=1))))
+    return Summary(group, len(chosen), tuple(chosen.mean(axis=0).tolist()), rms)
 
 
 @naming_extras()

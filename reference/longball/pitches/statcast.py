@@ -352,9 +352,7 @@ def _side(column: pd.Series) -> Floats:
             f"{column.name}: row {int(np.argmax(odd)) + 1} below the header has "
             f"{text[odd].iloc[0]!r}, which is neither R nor L"
         )
-    right, left = ((text == x).to_numpy(dtype=bool, na_value=False) for x in ("R", "L"))
-    side: Floats = np.select([right, left], [1.0, -1.0], np.nan)
-    return side
+    return np.asarray(text.map({"R": 1.0, "L": -1.0}), dtype=np.float64)
 
 
 def _common(

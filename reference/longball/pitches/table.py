@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, TextIO
 
 import numpy as np
 import numpy.typing as npt
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
 from longball.extras import naming_extras
+from longball.model.block import Strict
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -32,12 +33,6 @@ ROWS_NAMED = 10
 
 class TableError(ValueError):
     """A table that cannot be used; the message says in a sentence which column or row, and why."""
-
-
-class Strict(BaseModel):
-    """A model that takes what it names, as it is, and nothing else."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
 
 
 class Omission(Strict):
