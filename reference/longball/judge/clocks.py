@@ -10,12 +10,13 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
+from itertools import pairwise
 
 import numpy as np
 
 from longball.judge.explanations import Checked, Explanation, Sought, share_left, size_of
 from longball.judge.fits import Fit, meaning, roundest, told
-from longball.judge.stages import ENOUGH, Change, Placed, Trial, follow, placed, view_values
+from longball.judge.stages import CLOSE, ENOUGH, Change, Placed, Trial, follow, placed, view_values
 from longball.judge.steps import ROUND_STEPS, SHORTEST, FixedStep, common_step
 from longball.model.scene import landing_height
 
@@ -36,6 +37,9 @@ _SURFACES: tuple[tuple[str, str, str, Callable[[Trial], float]], ...] = (
      lambda t: _launch_height(t) - t.scene.ground.height),
 )  # fmt: skip
 
+
+# Places beside the fence that are enough to tell what they have in common.
+FEWEST_PLACES = 3
 
 # Of landings, how many may be elsewhere for another reason.
 FEW_OTHERS = 0.05
@@ -135,6 +139,45 @@ def touchings(wrong: Sequence[Checked], base: Change) -> Iterator[Explanation]:
     for name, sentence, remedy, off in _CONTACTS:
         if all(abs(off(way, reach)) <= 1e-7 * reach for way, reach in ways):
             yield Explanation(name, sentence, remedy, 0.0, 0)
+
+
+def fences(wrong: Sequence[Checked], base: Change) -> Iterator[Explanation]:
+    """Yield what is wrong with when or where a ball passes the fence."""
+
+    def mend(trial: Trial) -> Trial:
+        time, begin = trial.given.get("fence.time"), trial.given.get("contact.time")
+        if time is None or begin is None:
+            return trial
+        return replace(trial, given={**trial.given, "fence.time": (time[0] + begin[0],)})
+
+    wholes = [sum(map(size_of, cs)) for _, cs in wrong]
+    lefts = [sum(map(size_of, follow(mend(t), base, ("fence",)))) for t, _ in wrong]
+    yield Explanation(
+        "fence-time-since-contact", "counts fence.time from the contact",
+        "fence.time is since the start of the scene", share_left(lefts, wholes), 0, mend=mend,
+    )  # fmt: skip
+    places = [(t, t.given.get("fence.position")) for t, _ in wrong]
+    if len(places) >= FEWEST_PLACES and all(
+        place is not None and _beyond_chord(t, place) for t, place in places
+    ):
+        yield Explanation(
+            "fence-without-ends", "takes the chords of the fence for lines without ends",
+            "the ball passes a chord between its two vertices", 0.0, 0,
+        )  # fmt: skip
+
+
+def _beyond_chord(trial: Trial, place: Sequence[float]) -> bool:
+    """Tell whether a place is on the line of a chord of the fence, and beyond its ends."""
+    x, y, _ = place
+    for (ax, ay, *_), (bx, by, *_) in pairwise(trial.scene.fence.polyline or ()):
+        length = math.hypot(bx - ax, by - ay)
+        if not length:
+            continue
+        aside = ((x - ax) * (by - ay) - (y - ay) * (bx - ax)) / length
+        share = ((x - ax) * (bx - ax) + (y - ay) * (by - ay)) / length**2
+        if abs(aside) < CLOSE and not 0 <= share <= 1:
+            return True
+    return False
 
 
 def _scaled_ground(

@@ -21,7 +21,7 @@ import numpy as np
 from longball.engines.verlet import Verlet
 from longball.judge.answers import Answer
 from longball.judge.cases import FRAGILE, Case, decidable
-from longball.judge.clocks import clocks, ends, grid, on_chords, touchings
+from longball.judge.clocks import clocks, ends, fences, grid, on_chords, touchings
 from longball.judge.explanations import (
     ALIKE,
     IN_A_SCENE,
@@ -570,6 +570,8 @@ class _Search:
         ]
         if stage in ("landing", "plate"):
             found += ends(stage, chosen, self.trials, self.dt)
+        if stage == "fence":
+            found += fences(wrong, self.base)
         if stage == "touching":
             found += touchings(wrong, self.base)
         if stage not in COLLISION and any(e.named for e in found):

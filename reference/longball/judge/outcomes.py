@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from collections import Counter, defaultdict
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
@@ -33,6 +34,85 @@ MOST = 0.9
 FINE = 1e-12
 
 
+@dataclass(frozen=True)
+class Rule:
+    """A mistake in what counts as which outcome, told by the values of an answer.
+
+    Attributes
+    ----------
+    name, sentence, remedy
+        See `longball.judge.mistakes.Mistake`.
+    holds
+        Whether a trial with another outcome is of that kind.
+    """
+
+    name: str
+    sentence: str
+    remedy: str
+    holds: Callable[[Trial], bool]
+
+
+def _beyond_limit(trial: Trial) -> bool:
+    hang = trial.given.get("landing.hang_time")
+    still = trial.case.expected.outcome == "airborne" and hang is not None
+    return bool(still and hang and hang[0] > trial.scene.time_limit)
+
+
+def _limited_together(trial: Trial) -> bool:
+    times = [trial.expected.get(f"landing.{name}") for name in ("hang_time", "time")]
+    if trial.outcome != "airborne" or None in times:
+        return False
+    hang, whole = (time[0] for time in times if time)
+    return bool(hang <= trial.scene.time_limit < whole)
+
+
+def _is_fair(place: Sequence[float]) -> bool:
+    return abs(place[1]) <= place[0]
+
+
+def _foul_over_fence(trial: Trial) -> bool:
+    place, above = trial.given.get("fence.position"), trial.given.get("fence.clearance")
+    over = trial.outcome == "home_run" and place and above and above[0] > 0
+    return bool(over and not _is_fair(place or ()))
+
+
+RULES: tuple[Rule, ...] = (
+    Rule("time-limit-ignored", "flies on beyond time_limit",
+         "a ball that has not come down after time_limit seconds of flight is airborne",
+         _beyond_limit),
+    Rule("time-limit-of-both", "counts time_limit for pitch and batted ball together",
+         "pitch and batted ball have time_limit seconds each", _limited_together),
+    Rule("foul-home-run", "takes a foul ball over the fence for a home run",
+         "a ball that passes the fence foul is none: it flies on, and lands", _foul_over_fence),
+)  # fmt: skip
+
+# What else may be taken for fair: of the place at the fence, or else of the landing, and of that.
+FAIR: tuple[tuple[str, str, Callable[[Sequence[float], Sequence[float]], bool]], ...] = (
+    ("fair-left-line", "looks at the line on the left only, y ≤ x",
+     lambda place, landing: place[1] <= place[0]),
+    ("fair-right-line", "looks at the line on the right only, -y ≤ x",
+     lambda place, landing: -place[1] <= place[0]),
+    ("fair-in-front", "takes for fair whatever is in front of the plate, x > 0",
+     lambda place, landing: place[0] > 0),
+    ("fair-at-landing", "judges where the ball lands, not where it passes the fence",
+     lambda place, landing: _is_fair(landing)),
+    ("fair-reversed", "takes foul for fair", lambda place, landing: not _is_fair(place)),
+)  # fmt: skip
+
+
+def _fair_otherwise(trials: Iterable[Trial]) -> tuple[list[str], str] | None:
+    """Return what explains all that is told to be fair; None if nothing does."""
+    told = []
+    for t in trials:
+        landing = t.given.get("landing.position")
+        if "landing.fair" in t.told and landing is not None:
+            told.append((t.told["landing.fair"], t.given.get("fence.position", landing), landing))
+    ties = [f for f in FAIR if all(f[2](place, landing) is fair for fair, place, landing in told)]
+    if not ties:
+        return None
+    return [name for name, *_ in ties], told_together([sentence for _, sentence, _ in ties])
+
+
 def outcome_findings(
     trials: Sequence[Trial], base: Change, known: Sequence[Finding]
 ) -> Iterator[Finding]:
@@ -59,6 +139,9 @@ def outcome_findings(
         names: list[str] = []
         if against := _against_itself(wrong):
             sentence += f", against {against}"
+        elif rule_ := next((r for r in RULES if all(map(r.holds, wrong))), None):
+            names, remedy = [rule_.name], rule_.remedy
+            sentence += f": {rule_.sentence}"
         elif made := _made(evenly(wrong, WRONG), held, base, known):
             names, reason = made
             sentence += f": {reason}"
@@ -155,6 +238,8 @@ def _follows(trials: Sequence[Trial]) -> str:
         ("contact.margin", {"missed"}, lambda t, x: (t.outcome == "missed") is (x[0] <= 0)),
         ("contact.normal_speed", {"separating"},
          lambda t, x: (t.outcome == "separating") is (x[0] >= 0)),
+        ("fence.clearance", {"home_run"}, lambda t, x: (t.outcome == "home_run") is (x[0] > 0)),
+        ("fence.clearance", {"wall"}, lambda t, x: (t.outcome == "wall") is (x[0] <= 0)),
         ("impact.velocity", set(), _flies_so),
     ):  # fmt: skip
         if not outcomes <= both:
@@ -205,6 +290,9 @@ def told_findings(trials: Sequence[Trial], base: Change) -> Iterator[Finding]:
     for name, told in wrong.items():
         some = [t for t, _, _ in told]
         same = [t for t in right if name in t.told and t not in some]
+        if name == "landing.fair" and (fair := _fair_otherwise(right)):
+            yield _told(stage_of(name), name, *fair, some, same)
+            continue
         for sentence in _misled(name, [(true, given) for _, true, given in told]):
             yield _told(stage_of(name), name, [], sentence, some, same)
     for block in BLOCKS:
