@@ -203,7 +203,9 @@ def _scaled_ground(
 
 def _ground_told(trial: Trial) -> float:
     """Return the height of the ground that a landing implies, m."""
-    return trial.given["landing.position"][2] - landing_height(trial.scene) + trial.scene.ground.height
+    return (
+        trial.given["landing.position"][2] - landing_height(trial.scene) + trial.scene.ground.height
+    )
 
 
 def _at_steps(

@@ -22,7 +22,17 @@ from numpy.typing import NDArray
 
 from longball.engines.verlet import Verlet
 from longball.judge.explanations import JUMPED, NAMED, Explanation, Sought, Work
-from longball.judge.mistakes import FENCE, IGNORED, IMPACT, LAW, READINGS, SPIN, TOUCHING, TWO_STEP_PUSH, Mistake
+from longball.judge.mistakes import (
+    FENCE,
+    IGNORED,
+    IMPACT,
+    LAW,
+    READINGS,
+    SPIN,
+    TOUCHING,
+    TWO_STEP_PUSH,
+    Mistake,
+)
 from longball.judge.rubbing import RUBBING
 from longball.judge.stages import COLLISION, NONE, Change, Trial, with_values
 from longball.model.air import (
@@ -473,7 +483,9 @@ def parts(stage: str, sought: Sought) -> list[Explanation]:
         library += (*IMPACT, *RUBBING, *SPIN)
     if stage not in ("pitch", "plate", "touching", "normal", "bat velocity"):
         library += READINGS
-    library += [m for m in IGNORED if any(m.change.scene(t.scene) != t.scene for t in sought.trials)]
+    library += [
+        m for m in IGNORED if any(m.change.scene(t.scene) != t.scene for t in sought.trials)
+    ]
     found = [*_tried(library, sought), *fitted(stage, sought)]
     if any(e.named for e in found):
         return found

@@ -254,8 +254,11 @@ def singles(wrong: Sequence[Checked]) -> Iterator[Explanation]:
         some = [c for c in failing if c.quantity == quantity]
         numbers = {Decimal(x) for c in some for x in c.obtained if x}
         near = all(c.error <= SINGLE_ULPS * max(map(abs, c.obtained)) for c in some)
-        if len(some) == len(failing) and near and len(numbers) >= ENOUGH and all(
-            map(_is_single, numbers)
+        if (
+            len(some) == len(failing)
+            and near
+            and len(numbers) >= ENOUGH
+            and all(map(_is_single, numbers))
         ):
             yield Explanation(
                 f"single-precision:{quantity}", f"{quantity} holds numbers of single precision",

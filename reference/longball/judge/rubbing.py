@@ -162,7 +162,9 @@ def _squared(scene: Any) -> Any:
 
 _SLIP = "g = V + ω × (-R n) - V_b - Ω × (r_b n), with the bat's Ω = ω'(-sin θ, 0, cos θ)"
 _K = "g' = g + K P, with K of ball and bat at the point of contact, and n·K n = 1/μ"
-_CONE = "the ball grips if the gripping impulse lies within the cone |P_t| ≤ μ_f P_n, else it slides"
+_CONE = (
+    "the ball grips if the gripping impulse lies within the cone |P_t| ≤ μ_f P_n, else it slides"
+)
 _SLID = "P = -(1 + ẽ) g_n/(n·K(n - μ_f t)) (n - μ_f t)"
 
 RUBBING: tuple[Mistake, ...] = (
