@@ -190,8 +190,8 @@ def _scaled_ground(
     doubt = float(np.ptp(ratios)) / 2
     factor = roundest(float(np.median(ratios)), max(doubt, 1e-9))
     landed = [t for t in trials if "landing.position" in t.given]
-    others = [t for t in landed if abs(
-        _ground_told(t) - factor * t.scene.ground.height) > 1e-6 * max(1.0, abs(_ground_told(t)))]  # fmt: skip
+    others = [t for t in landed if not math.isclose(
+        _ground_told(t), factor * t.scene.ground.height, rel_tol=1e-6, abs_tol=1e-6)]  # fmt: skip
     if len(others) > FEW_OTHERS * len(landed) or factor in (0.0, 1.0, -1.0):
         return  # 0 and -1 are named above
     fit = Fit("ground.height", "factor", factor, 0.0, varies=True)
@@ -203,9 +203,8 @@ def _scaled_ground(
 
 def _ground_told(trial: Trial) -> float:
     """Return the height of the ground that a landing implies, m."""
-    return (
-        trial.given["landing.position"][2] - landing_height(trial.scene) + trial.scene.ground.height
-    )
+    above = landing_height(trial.scene) - float(trial.scene.ground.height)
+    return trial.given["landing.position"][2] - above
 
 
 def _at_steps(

@@ -33,7 +33,7 @@ from longball.model.impact import (
     spin_after_push,
     velocity_after_push,
 )
-from longball.model.numbers import DOUBLES, Vector, plus
+from longball.model.numbers import DOUBLES, Vector
 
 Floats = Vector[float]
 Matrix = tuple[float, ...]
@@ -152,7 +152,8 @@ def _level(scene: Any) -> Floats:
 
 
 def _backwards(scene: Any) -> Floats:
-    return plus(_STILL, -1.0, bat_rotation(scene.swing, DOUBLES))
+    x, y, z = bat_rotation(scene.swing, DOUBLES)
+    return -x, -y, -z
 
 
 def _squared(scene: Any) -> Any:

@@ -252,8 +252,8 @@ STAGE_OF = {
     "contact.normal_speed": "normal speed", "contact": "touching",
     "impact.restitution": "restitution", "impact.impulse": "impulse",
     "impact.energy_change": "energy", "impact.spin": "spin after", "impact": "velocity after",
-    "fence": "fence", "landing.fair": "fence", "landing.time": "time", "landing.distance": "distance",
-    "landing.velocity": "landing velocity",
+    "fence": "fence", "landing.fair": "fence", "landing.time": "time",
+    "landing.distance": "distance", "landing.velocity": "landing velocity",
     "landing.spin": "spin decay", "landing.path": "spin decay", "landing": "flight",
 }  # fmt: skip
 
