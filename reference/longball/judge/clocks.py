@@ -204,7 +204,7 @@ def _scaled_ground(
 def _ground_told(trial: Trial) -> float:
     """Return the height of the ground that a landing implies, m."""
     above = landing_height(trial.scene) - float(trial.scene.ground.height)
-    return trial.given["landing.position"][2] - above
+    return float(trial.given["landing.position"][2] - above)
 
 
 def _at_steps(
