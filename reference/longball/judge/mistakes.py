@@ -1352,15 +1352,23 @@ def _struck_with_spin_of_release(
     return collide(cases, replace(contact, spin=cases.scene.pitch.spin), error, *carried)
 
 
-def _struck_from_other_end(cases: Any, contact: Any, error: Any, *carried: Any) -> tuple[Any, ...]:
-    """Apply the impulse of a bat that turns about its end A, at y = -L/2."""
-    arm = cases.scene.bat.length - contact.lever_arm
-    return collide(cases, replace(contact, lever_arm=arm), error, *carried)
+def _levered(lever: Callable[[Any, float], float]) -> Change:
+    """Return the change of r̃ in the bat's parameters, from the scene and the right one, m."""
+
+    def struck(cases: Any, contact: Any, error: Any, *carried: Any) -> tuple[Any, ...]:
+        arm = lever(cases.scene, contact.lever_arm)
+        return collide(cases, replace(contact, lever_arm=arm), error, *carried)
+
+    return _colliding(struck)
 
 
 IMPACT: tuple[Mistake, ...] = (
     Mistake("other-pivot", "measures r̃ from the bat's end A, at y = -L/2", _PIVOT,
-            _colliding(_struck_from_other_end)),
+            _levered(lambda scene, arm: scene.bat.length - arm)),
+    Mistake("middle-lever", "takes half the bat's length for r̃, whatever y is", _PIVOT,
+            _levered(lambda scene, arm: scene.bat.length / 2)),
+    Mistake("lever-of-size", "takes |y| for y in r̃", _PIVOT,
+            _levered(lambda scene, arm: min(arm, scene.bat.length - arm))),
     Mistake("spin-of-release", "strikes the ball with the spin of the release",
             "spin falls by e along spin_decay_length, on the way to the bat too",
             _colliding(_struck_with_spin_of_release)),
