@@ -75,6 +75,10 @@ SOUGHT, BESIDE = 10, 4
 # Scenes of each kind in which it is seen what an explanation does to other stages.
 OTHERS = 3
 
+# Of wrong answers, those in which no stage can be told to be wrong, such as grazes that doubles
+# hardly decide: beside a cause that is named, so few are not worth a line.
+FEW_UNSEEN = 0.05
+
 # What the impact tells besides numbers, which a change of it may change.
 MADE = ("impact.mode",)
 
@@ -199,6 +203,9 @@ class _Search:
         self.findings += outcome_findings(self.trials, self.base, self.findings)
         facts = list(told_findings(self.trials, self.base))
         self.findings += facts
+        named = any(f.names for f in self.findings)
+        if unseen and named and unseen.wrong <= FEW_UNSEEN * len(self.wrong):
+            unseen = None
         if more := (coarse if self.causes and coarse else unseen):
             self.findings.append(more)
         self.findings.sort(key=lambda f: f.worst < MINOR * largest)
@@ -363,8 +370,8 @@ class _Search:
         sentence = told_together([e.sentence for e in same])
         if of_most:
             sentence = (
-                f"in all {len(plain)} scenes that leave the readings as they are: {sentence}; in "
-                f"{len(wrong) - len(plain)} with other readings it is wrong in another way"
+                f"in all {len(plain)} scenes that leave the readings as they are: {sentence}; what "
+                f"is wrong in {len(wrong) - len(plain)} with other readings this does not explain"
             )
         elif alone:
             sentence = f"{f'where {told.scenes}' if told.scenes else f'{stage} alone'}: {sentence}"

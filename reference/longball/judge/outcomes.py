@@ -137,6 +137,7 @@ def outcome_findings(
         held = [*evenly(same, RIGHT), *evenly([t for t in agreed if not t.right], RIGHT)]
         sentence, remedy = f"says {obtained} where {expected} is right", None
         names: list[str] = []
+        own = ""
         if against := _against_itself(wrong):
             sentence += f", against {against}"
         elif rule_ := next((r for r in RULES if all(map(r.holds, wrong))), None):
@@ -157,8 +158,8 @@ def outcome_findings(
                 "find the closest approach within the step, where d·v changes sign, and test there"
             )
         one = _told("outcome", "outcome", names, sentence, wrong, same)
-        kind = "probably" if names else "unexplained"
-        yield one.model_copy(update={"kind": kind, "remedy": remedy, "example": None})
+        said = {"kind": "probably", "share": 1.0} if names or own else {"kind": "unexplained"}
+        yield one.model_copy(update=said | {"remedy": remedy, "example": None})
 
 
 def _made(

@@ -102,7 +102,8 @@ def _struck(scene: Any, contact: ContactState[float], parts: Parts) -> Impact[fl
     if not grips:
         initial = scene.reading.slide_direction == "initial"
         way = g[1:] if initial else (-wanted[1], -wanted[2])
-        direction = way[0] / math.hypot(*way), way[1] / math.hypot(*way)
+        speed = math.hypot(*way) or 1.0  # without slip there is no direction, and no friction
+        direction = way[0] / speed, way[1] / speed
         resistance = sliding_resistance(k, bat.friction, direction)
         slid = sliding_impulse(resistance, e, bat.friction, g, direction)
         push = parts.sliding(slid, wanted, impulse(pair.reduced_mass, e, g[0]))
