@@ -324,7 +324,7 @@ UNSURE = 0.2
 # A parameter that leaves so much of a scene, whatever its value, does not explain that scene.
 MISSED = 0.3
 
-# Of the scenes, how many may be missed so: what comes of the others is held against all.
+# Of impacts, how many may be missed so: what comes of the others is held against all.
 MOST_MISSED = 0.2
 
 # With so many scenes a number is believed that has many digits.
@@ -389,14 +389,14 @@ def fits(
     """Return for each of some parameters the forms in which they may explain trials together."""
     found: list[tuple[Array, list[float | None]]] = []
     scenes: list[Any] = []
-    missed = 0
+    missed, may_miss = 0, MOST_MISSED * len(trials) * (frozenset(stages) <= frozenset(COLLISION))
     for trial in trials:
         one = implied(trial, names, stages, base, work)
         if one is None:
             continue
         if one[1] > MISSED:
             missed += 1  # a slope across a jump, as from grip to slide, leads nowhere
-            if missed > MOST_MISSED * len(trials):
+            if missed > may_miss:
                 return [[] for _ in names]
             continue
         scenes.append(scene := base.scene(trial.scene))
