@@ -28,7 +28,9 @@ FLY, FAR = (40.0, 0.0, 26.0), (46.0, 3.0, 27.0)
 
 def fence() -> Iterator[Draft]:
     """Flights and at-bats in fields with a fence."""
-    for cases in (_parks, _special, _corners, _clearances, _circles, _blown_back, _at_bats):
+    for cases in (
+        _parks, _special, _corners, _clearances, _circles, _blown_back, _at_bats, _across_the_line
+    ):  # fmt: skip
         yield from cases()
 
 
@@ -129,3 +131,15 @@ def _at_bats() -> Iterator[Draft]:
     for name, offset, park in cases:
         scene = AtBatScene(id=f"fence-at-bat-{name}", swing=Swing(height_offset=offset), fence=park)
         yield Draft(scene, "an at-bat in a small park")
+
+
+def _across_the_line() -> Iterator[Draft]:
+    """Yield balls that a wind takes across the foul line behind the fence, out and in."""
+    for (name, angle, wind), side in product(
+        (("out", 41.0, 8.0), ("in", 49.25, -5.0)), (1.0, -1.0)
+    ):
+        air = Air(wind=(0.0, side * wind, 0.0))
+        velocity = towards(52.0, 32.0, side * angle)
+        word = f"line-{name}-{'left' if side > 0 else 'right'}"
+        comment = f"over the fence {'fair, down foul' if name == 'out' else 'foul, down fair'}"
+        yield Draft(_flight(word, velocity, POLES, air=air), comment)

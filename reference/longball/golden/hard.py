@@ -63,6 +63,7 @@ def hard() -> Iterator[Draft]:
         grazes, bat_ends, touching_at_release, lift_through_the_vertical, nearly_vertical, rest,
         never_landing, on_the_ground, dips, perpendicular, back_and_underside, restitutions,
         thresholds, ties, extreme_flights, extreme_pitches, extreme_masses, extreme_at_bats,
+        each_in_time,
     ):  # fmt: skip
         yield from cases()
 
@@ -330,6 +331,14 @@ def never_landing() -> Iterator[Draft]:
     )
     comment = "a pitch that lift turns back before the plate, over and over"
     yield draft(pitch, comment, "airborne", "vertical")
+
+
+def each_in_time() -> Iterator[Draft]:
+    """At-bats of whose time_limit pitch and batted ball take less each, and more together."""
+    for name, offset, limit in (("high", -0.03, 5.7), ("low", -0.02, 4.8)):
+        swing = Swing(height_offset=offset)
+        scene = AtBatScene(id=f"hard-each-in-time-{name}", time_limit=limit, swing=swing)
+        yield draft(scene, "pitch and flight are in time, each by itself")
 
 
 def on_the_ground() -> Iterator[Draft]:

@@ -48,6 +48,9 @@ from longball.model.scene import (
 # Cases in a family.
 COUNT = 40
 
+# Of flights in a wind, those in a logarithmic one, which come last.
+PROFILES = 4
+
 NATHAN_DRAG, NATHAN_LIFT = SpinDrag(law="spin"), RationalLift(law="rational")
 
 
@@ -133,7 +136,7 @@ def flight_spin_drag() -> Iterator[Draft]:
 
 
 def flight_wind() -> Iterator[Draft]:
-    """Wind from ahead, behind, below and aside; on drag and lift, or on drag alone."""
+    """Wind from ahead, behind, below and aside, logarithmic; on drag and lift, or on drag alone."""
     for i in range(COUNT):
         a, b, c, d, e, *_ = shares(i)
         vx, vy, vz = towards(between(20.0, 52.0, a), between(2.0, 65.0, b))
@@ -149,6 +152,23 @@ def flight_wind() -> Iterator[Draft]:
             reading=Reading(wind_acts_on=("both", "drag")[i // 2 % 2]),
         )
         yield draft(scene, "in a wind")
+    for i in range(COUNT, COUNT + PROFILES):
+        a, b, c, d, e, *_ = shares(i)
+        profile = WindProfile(
+            velocity=(between(-9.0, 9.0, c), between(-6.0, 6.0, e), 0.0),
+            height=between(2.0, 15.0, d),
+            roughness=between(0.01, 0.1, a),
+        )
+        scene = FlightScene(
+            id=f"flight-wind-{i:04d}",
+            launch=Launch(
+                position=(0.6, 0.0, between(0.4, 1.4, d)),
+                velocity=towards(between(20.0, 52.0, a), between(2.0, 65.0, b), 40.0 * e - 20.0),
+            ),
+            air=Air(wind=profile),
+            reading=Reading(wind_acts_on=("both", "drag")[i % 2]),
+        )
+        yield draft(scene, "in a logarithmic wind")
 
 
 def flight_weather() -> Iterator[Draft]:

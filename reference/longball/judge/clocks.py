@@ -10,13 +10,15 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
+from itertools import pairwise
 
 import numpy as np
 
 from longball.judge.explanations import Checked, Explanation, Sought, share_left, size_of
-from longball.judge.fits import told
-from longball.judge.stages import Change, Placed, Trial, follow, placed
+from longball.judge.fits import Fit, meaning, roundest, told
+from longball.judge.stages import CLOSE, ENOUGH, Change, Placed, Trial, follow, placed, view_values
 from longball.judge.steps import ROUND_STEPS, SHORTEST, FixedStep, common_step
+from longball.model.scene import landing_height
 
 # The heights at which a candidate may let the ball land instead: above the ground, m.
 _SURFACES: tuple[tuple[str, str, str, Callable[[Trial], float]], ...] = (
@@ -34,6 +36,13 @@ _SURFACES: tuple[tuple[str, str, str, Callable[[Trial], float]], ...] = (
      "the ball lands at ground.height",
      lambda t: _launch_height(t) - t.scene.ground.height),
 )  # fmt: skip
+
+
+# Places beside the fence that are enough to tell what they have in common.
+FEWEST_PLACES = 3
+
+# Of landings, how many may be elsewhere for another reason.
+FEW_OTHERS = 0.05
 
 
 def _stays(trial: Trial) -> bool:
@@ -86,6 +95,7 @@ def ends(
                 continue
             if heights.any() and np.allclose(offs, heights, rtol=1e-6, atol=1e-9):
                 yield Explanation(name, sentence, remedy, 0.0, 0, quantity=event)
+        yield from _scaled_ground(chosen, trials, event)
     low, high = float(offs.min()), float(offs.max())
     surface = "the ground" if stage == "landing" else "the plate"
     if high - low <= 1e-6 * max(abs(low), abs(high)):
@@ -96,6 +106,105 @@ def ends(
         )  # fmt: skip
     elif high <= 0 or low >= 0:
         yield from _at_steps(stage, [t for t, _ in chosen], offs, dt or grid(stage, trials))
+
+
+# What is zero where a candidate may let ball and bat touch instead: from the place of the ball
+# beside the bat's axis and along it (x, y, z), m, and R + r_b.
+_CONTACTS: tuple[tuple[str, str, str, Callable[[Sequence[float], float], float]], ...] = (
+    ("touches-in-space", "measures the way from the bat's middle to the ball in space, y too",
+     "ball and bat touch where x² + (z - z_b)² = (R + r_b)²",
+     lambda way, reach: math.hypot(*way) - reach),
+    ("touches-along-x", "lets ball and bat touch where x is R + r_b, at whatever height",
+     "ball and bat touch where x² + (z - z_b)² = (R + r_b)²",
+     lambda way, reach: abs(way[0]) - reach),
+    ("touches-at-plate", "puts the contact where the ball crosses the plate",
+     "the contact is where the ball is R + r_b from the bat's axis", lambda way, reach: way[0]),
+)  # fmt: skip
+
+
+def touchings(wrong: Sequence[Checked], base: Change) -> Iterator[Explanation]:
+    """Yield where else ball and bat touch, if that is so in every scene with such an error."""
+    events = [c for _, cs in wrong for c in cs if c.quantity.endswith("event") and not c.follows]
+    if len(events) < ENOUGH:
+        return
+    told_at = [t for t, cs in wrong if any(c in events for c in cs)]
+    ways = []
+    for trial in told_at:
+        held = view_values(trial, base, "contact.normal")
+        if held is None or "contact.position" not in trial.given:
+            return
+        scene, _, _, height = held
+        x, y, z = trial.given["contact.position"]
+        ways.append(((x, y, z - height), scene.ball.radius + scene.bat.radius))
+    for name, sentence, remedy, off in _CONTACTS:
+        if all(abs(off(way, reach)) <= 1e-7 * reach for way, reach in ways):
+            yield Explanation(name, sentence, remedy, 0.0, 0)
+
+
+def fences(wrong: Sequence[Checked], base: Change) -> Iterator[Explanation]:
+    """Yield what is wrong with when or where a ball passes the fence."""
+
+    def mend(trial: Trial) -> Trial:
+        time, begin = trial.given.get("fence.time"), trial.given.get("contact.time")
+        if time is None or begin is None:
+            return trial
+        return replace(trial, given={**trial.given, "fence.time": (time[0] + begin[0],)})
+
+    wholes = [sum(map(size_of, cs)) for _, cs in wrong]
+    lefts = [sum(map(size_of, follow(mend(t), base, ("fence",)))) for t, _ in wrong]
+    yield Explanation(
+        "fence-time-since-contact", "counts fence.time from the contact",
+        "fence.time is since the start of the scene", share_left(lefts, wholes), 0, mend=mend,
+    )  # fmt: skip
+    places = [(t, t.given.get("fence.position")) for t, _ in wrong]
+    if len(places) >= FEWEST_PLACES and all(
+        place is not None and _beyond_chord(t, place) for t, place in places
+    ):
+        yield Explanation(
+            "fence-without-ends", "takes the chords of the fence for lines without ends",
+            "the ball passes a chord between its two vertices", 0.0, 0,
+        )  # fmt: skip
+
+
+def _beyond_chord(trial: Trial, place: Sequence[float]) -> bool:
+    """Tell whether a place is on the line of a chord of the fence, and beyond its ends."""
+    x, y, _ = place
+    for (ax, ay, *_), (bx, by, *_) in pairwise(trial.scene.fence.polyline or ()):
+        length = math.hypot(bx - ax, by - ay)
+        if not length:
+            continue
+        aside = ((x - ax) * (by - ay) - (y - ay) * (bx - ax)) / length
+        share = ((x - ax) * (bx - ax) + (y - ay) * (by - ay)) / length**2
+        if abs(aside) < CLOSE and not 0 <= share <= 1:
+            return True
+    return False
+
+
+def _scaled_ground(
+    chosen: Sequence[Checked], trials: Sequence[Trial], event: str
+) -> Iterator[Explanation]:
+    """Yield by what the height of the ground is multiplied, if that is so wherever a ball lands."""
+    ratios = [_ground_told(t) / t.scene.ground.height for t, _ in chosen if t.scene.ground.height]
+    if len(ratios) < len(chosen) or len(set(ratios)) < 2:
+        return
+    doubt = float(np.ptp(ratios)) / 2
+    factor = roundest(float(np.median(ratios)), max(doubt, 1e-9))
+    landed = [t for t in trials if "landing.position" in t.given]
+    others = [t for t in landed if not math.isclose(
+        _ground_told(t), factor * t.scene.ground.height, rel_tol=1e-6, abs_tol=1e-6)]  # fmt: skip
+    if len(others) > FEW_OTHERS * len(landed) or factor in (0.0, 1.0, -1.0):
+        return  # 0 and -1 are named above
+    fit = Fit("ground.height", "factor", factor, 0.0, varies=True)
+    yield Explanation(
+        fit.name, f"lands at {factor:.9g} times ground.height{meaning(fit)}",
+        "the ball lands at ground.height, in metres", 0.0, 0, fit.change, quantity=event,
+    )  # fmt: skip
+
+
+def _ground_told(trial: Trial) -> float:
+    """Return the height of the ground that a landing implies, m."""
+    above = landing_height(trial.scene) - float(trial.scene.ground.height)
+    return float(trial.given["landing.position"][2] - above)
 
 
 def _at_steps(

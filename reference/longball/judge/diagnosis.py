@@ -16,12 +16,15 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from statistics import median
 
+import numpy as np
+
 from longball.engines.verlet import Verlet
 from longball.judge.answers import Answer
 from longball.judge.cases import FRAGILE, Case, decidable
-from longball.judge.clocks import clocks, ends, grid, on_chords
+from longball.judge.clocks import clocks, ends, fences, grid, on_chords, touchings
 from longball.judge.explanations import (
     ALIKE,
+    IN_A_SCENE,
     NAMED,
     Checked,
     Explanation,
@@ -30,10 +33,11 @@ from longball.judge.explanations import (
     doubt_of,
     duration,
     evenly,
+    size_of,
     told_together,
 )
 from longball.judge.findings import Diagnosis, Finding, StageRow, found, many
-from longball.judge.fits import pairs, parts
+from longball.judge.fits import fitted, pairs, parts
 from longball.judge.outcomes import made_otherwise, outcome_findings, told_findings
 from longball.judge.quantities import untrue
 from longball.judge.relations import (
@@ -46,10 +50,12 @@ from longball.judge.relations import (
     relations,
     resolutions,
     shifted,
+    singles,
 )
 from longball.judge.rules import rule
 from longball.judge.stages import (
     COLLISION,
+    ENOUGH,
     NONE,
     STAGES,
     Change,
@@ -69,11 +75,16 @@ SOUGHT, BESIDE = 10, 4
 # Scenes of each kind in which it is seen what an explanation does to other stages.
 OTHERS = 3
 
+# Of wrong answers, those in which no stage can be told to be wrong, such as grazes that doubles
+# hardly decide: beside a cause that is named, so few are not worth a line.
+FEW_UNSEEN = 0.05
+
 # What the impact tells besides numbers, which a change of it may change.
 MADE = ("impact.mode",)
 
-# Errors below this, relative, are an integrator's: no mistake of the physics is sought.
-FINE = 1e-7
+# Errors below this, relative, are mostly an integrator's: of the physics only a number may be
+# behind them. Below the second one nothing is sought.
+FINE, FAINT = 1e-7, 1e-10
 
 # Of the largest relative error of any stage: a stage below it is not where the trouble begins.
 MINOR = 1e-3
@@ -119,7 +130,7 @@ def diagnose(
         # Either outcome of a fragile case may be right.
         and (FRAGILE not in case.flags or answer.outcome in (None, case.expected.outcome))
     ]
-    if causes and (other := shifted(trials)):
+    if other := shifted(trials):
         return Diagnosis(sentence=other.sentence, first=None, stages=[], clean=[], findings=[other])
     if 2 * sum(t.resolution > 0 or t.share > 0 for t in trials) <= len(trials):
         # A few answers have short numbers by chance, such as those of the scene.
@@ -181,7 +192,7 @@ class _Search:
         checks, coarse = self._follow(), few_digits(self.trials)
         rows = [row for stage in STAGES if (row := _row(stage, checks))]
         unseen = self._unseen(checks)
-        largest = min(max((r.worst for r in rows), default=0.0), 1.0)
+        largest = _largest(checks)
         first = next((r.stage for r in rows if r.wrong and r.worst >= MINOR * largest), None)
         if self.causes and self.scheme is None:
             self._rewrite(first, rows)
@@ -192,6 +203,9 @@ class _Search:
         self.findings += outcome_findings(self.trials, self.base, self.findings)
         facts = list(told_findings(self.trials, self.base))
         self.findings += facts
+        named = any(f.names for f in self.findings)
+        if unseen and named and unseen.wrong <= FEW_UNSEEN * len(self.wrong):
+            unseen = None
         if more := (coarse if self.causes and coarse else unseen):
             self.findings.append(more)
         self.findings.sort(key=lambda f: f.worst < MINOR * largest)
@@ -317,7 +331,7 @@ class _Search:
         if not worst:
             return False
         # Beside large errors small ones are another matter.
-        minor = MINOR * min(worst, 1.0)
+        minor = MINOR * _usual(sizes)
         wrong = [one for one, size in zip(seen, sizes, strict=True) if size > minor]
         good = [one for one, size in zip(seen, sizes, strict=True) if one[1] and size <= minor]
         before = self.begun.get(stage, 0.0)
@@ -326,27 +340,40 @@ class _Search:
             return False
         right = [t for t, _ in good]
         quantity = max((c for _, cs in wrong for c in cs), key=lambda c: c.error / c.scale).quantity
+        scenes = _told_apart(seen, sizes, minor)
         told = found(
-            stage, _unknown(stage, sizes, minor, before > 0), len(wrong), len(wrong) + len(right),
-            quantity=quantity.partition(":")[0], worst=worst,
-            scenes=_told_apart(seen, sizes, minor),
+            stage, _unknown(stage, sizes, minor, before > 0, scenes), len(wrong),
+            len(wrong) + len(right), quantity=quantity.partition(":")[0], worst=worst,
+            scenes=scenes,
         )  # fmt: skip
         causes: list[Explanation] = []
         rest = worst < MINOR * min(before, 1.0)
         stepped = before and (isinstance(self.base.engine, Verlet) or self.jumps)
-        searched = self.causes and not (rest or stepped)
+        # Large in a graze is what an earlier stage has left there.
+        inherited = len(wrong) < ENOUGH and all(t.case.id in self.loose for t, _ in wrong)
+        searched = self.causes and not (rest or stepped or inherited)
+        plain = _plain(wrong)
+        of_most = False
         if searched and self.single and worst < SINGLE_NOISE:
             causes = [SINGLE]
-        elif searched and worst > FINE:
+        elif searched and worst > FAINT:
             causes = self._found(stage, wrong, good, checks, told.scenes is not None)
+            if not causes and ENOUGH <= len(plain) < len(wrong):
+                causes = self._found(stage, plain, _plain(good), checks, False)
+                of_most = bool(causes)
         if not causes:
             self.findings.append(told)
             self._leave(stage, wrong)
             return False
         broken, same = self._least_harm(causes, stage)
-        best, alone = same[0], broken > 0
+        best, alone = same[0], broken > 0 or of_most
         sentence = told_together([e.sentence for e in same])
-        if alone:
+        if of_most:
+            sentence = (
+                f"in all {len(plain)} scenes that leave the readings as they are: {sentence}; what "
+                f"is wrong in {len(wrong) - len(plain)} with other readings this does not explain"
+            )
+        elif alone:
             sentence = f"{f'where {told.scenes}' if told.scenes else f'{stage} alone'}: {sentence}"
         said = {
             "kind": "named",
@@ -381,7 +408,7 @@ class _Search:
         # What explains errors must not be contradicted by scenes that pass, unless a rule tells
         # these from the others.
         good = [] if told_apart else good
-        beside = evenly([o for o in good if o[0].scene.reading == Reading()], SOUGHT)
+        beside = evenly(_plain(good), SOUGHT)
         found = [
             replace(e, left=e.left + e.against)
             for e in self._explanations(stage, wrong, good, beside, checks)
@@ -392,8 +419,35 @@ class _Search:
             return []
         alike = max(ALIKE * named[0].left, doubt_of(wrong))
         ties = sorted((e for e in named if e.left <= alike), key=lambda e: e.rank)
+        ties = self._told_from_ties(ties, stage, wrong)
         by_name = {e.name: e for e in reversed(ties)}
         return sorted(by_name.values(), key=lambda e: e.rank)
+
+    def _told_from_ties(
+        self, ties: list[Explanation], stage: str, wrong: Sequence[Checked]
+    ) -> list[Explanation]:
+        """Return those that are best where they make different scenes; all, if they nowhere do."""
+        changed = [e for e in ties if e.change is not None]
+        if len(changed) < 2 or len(changed) < len(ties):
+            return ties
+        differ = []
+        for t, _ in wrong:
+            made = [self.base.then(e.change).scene(t.scene) for e in changed if e.change]
+            if any(scene != made[0] for scene in made):
+                differ.append(t)
+        some = evenly(differ, OTHERS)
+        lefts = [
+            sum(
+                size_of(c)
+                for t in some
+                for c in follow(t, self.base.then(e.change), (stage,))
+                if c.stage == stage and not c.follows
+            )
+            for e in changed
+            if e.change
+        ]
+        best = min(lefts)
+        return [e for e, left in zip(changed, lefts, strict=True) if left <= best + IN_A_SCENE]
 
     def _contradicted(self, change: Change, wrong: Sequence[Checked]) -> bool:
         """Tell whether most trials tell rightly, besides numbers, what a change would not make."""
@@ -511,6 +565,11 @@ class _Search:
         """Return explanations, the cheap ones first, until some are named."""
         chosen = evenly(wrong, SOUGHT)
         right = evenly([t for t, _ in good], BESIDE)
+        sought = Sought([t for t, _ in chosen], right, (stage,), self.base, self.work)
+        if found := list(singles(wrong)):
+            return found
+        if max(size_of(c) for _, cs in wrong for c in cs if not c.follows) < FINE:
+            return list(fitted(stage, sought))
         found = [
             *relations(chosen, beside, self.base),
             *formulas(chosen, beside, self.base),
@@ -518,6 +577,10 @@ class _Search:
         ]
         if stage in ("landing", "plate"):
             found += ends(stage, chosen, self.trials, self.dt)
+        if stage == "fence":
+            found += fences(wrong, self.base)
+        if stage == "touching":
+            found += touchings(wrong, self.base)
         if stage not in COLLISION and any(e.named for e in found):
             return found
         if stage == "pitch":  # pitch and batted ball fly by one law: one explanation for both
@@ -531,7 +594,6 @@ class _Search:
                 found += parts(stage, both)
                 if any(e.named for e in found):
                     return found
-        sought = Sought([t for t, _ in chosen], right, (stage,), self.base, self.work)
         found += parts(stage, sought)
         if stage in ("pitch", "flight"):
             found += clocks(stage, chosen, self.base)
@@ -570,24 +632,51 @@ def _told_apart(seen: Sequence[Checked], sizes: Sequence[float], minor: float) -
     return None
 
 
+def _plain(checked: Sequence[Checked]) -> list[Checked]:
+    """Return those of scenes that leave the readings as they are."""
+    return [one for one in checked if one[0].scene.reading == Reading()]
+
+
 def _without(trial: Trial, quantity: str) -> Trial:
     return replace(trial, given={n: v for n, v in trial.given.items() if n != quantity})
 
 
-def _unknown(stage: str, sizes: Sequence[float], minor: float, rest: bool) -> str:
-    """Return what can be said where nothing explains errors of these relative sizes."""
+def _unknown(
+    stage: str, sizes: Sequence[float], minor: float, rest: bool, scenes: str | None
+) -> str:
+    """Return what can be said where nothing explains errors of these sizes, in such scenes."""
     worst, wrong = max(sizes), sum(size > minor for size in sizes)
     sentence = f"{'what is left at ' if rest else ''}{stage}: wrong by up to {worst:.1e} of the "
     sentence += f"quantity in {many(wrong, 'scene')}"
     if smaller := sum(0 < size <= minor for size in sizes):
         sentence += f" (in {smaller} more by less than {minor:.0e})"
     sentence += ", and none of the known mistakes or fitted numbers explains it"
-    if stage in ("pitch", "flight") and worst < 1e-4:
+    if stage in ("pitch", "flight") and worst < 1e-4 and not scenes:
         sentence += (
-            "; long steps or a loose tolerance of the integrator can leave errors of this size: "
-            "see whether others change it"
+            "; an error of this size may be in a number, or the integrator's (long steps, a loose "
+            "tolerance): see whether shorter steps change it"
         )
     return sentence
+
+
+def _usual(sizes: Iterable[float]) -> float:
+    """Return the relative error, at most 1, that only three in a hundred that have one exceed.
+
+    A few scenes, such as grazes, make any error a thousand times as large. Where a mistake of the
+    physics shows in few scenes, and the integrator's errors in all, it is among the largest.
+    """
+    errors = [min(size, 1.0) for size in sizes if size]
+    return float(np.quantile(errors, 0.97, method="higher")) if errors else 0.0
+
+
+def _largest(checks: Sequence[Checked]) -> float:
+    """Return the usual relative error of the stage that has the largest."""
+    sizes: dict[str, list[float]] = defaultdict(list)
+    for _, seen in checks:
+        for check in seen:
+            if not check.follows:
+                sizes[check.stage].append(size_of(check))
+    return max(map(_usual, sizes.values()), default=0.0)
 
 
 def _row(stage: str, checks: Iterable[Checked]) -> StageRow | None:

@@ -22,7 +22,18 @@ from numpy.typing import NDArray
 
 from longball.engines.verlet import Verlet
 from longball.judge.explanations import JUMPED, NAMED, Explanation, Sought, Work
-from longball.judge.mistakes import FENCE, IMPACT, LAW, READINGS, SPIN, TWO_STEP_PUSH, Mistake
+from longball.judge.mistakes import (
+    FENCE,
+    IGNORED,
+    IMPACT,
+    LAW,
+    READINGS,
+    SPIN,
+    TOUCHING,
+    TWO_STEP_PUSH,
+    Mistake,
+)
+from longball.judge.rubbing import RUBBING
 from longball.judge.stages import COLLISION, NONE, Change, Trial, with_values
 from longball.model.air import (
     ConstantDrag,
@@ -123,6 +134,11 @@ def _held(scene: Any, name: str) -> tuple[str, Any]:
     return name, None
 
 
+def _leaves_out(scene: Any, name: str) -> bool:
+    """Tell whether a scene has no value of a parameter of its own, and the usual one counts."""
+    return name in _LEFT_OUT and at(scene, name) is None
+
+
 def value_of(scene: Any, name: str) -> float | None:
     """Return the scene's own value of a parameter, of a vector its size; None if it has none."""
     found = _held(scene, name)[1]
@@ -151,7 +167,8 @@ class Fit:
     Attributes
     ----------
     form
-        "fixed": the value whatever the scene says; "factor": times the scene's; "offset": added.
+        "fixed": the value whatever the scene says; "factor": times the scene's; "offset": added;
+        "default": the value where the scene leaves it out.
     value, doubt
         Half the range of nine tenths of the scenes.
     varies
@@ -175,8 +192,10 @@ class Fit:
             own = value_of(scene, self.parameter)
             if own is None or (own == 0.0 and self.form == "factor"):
                 return scene
+            if self.form == "default" and not _leaves_out(scene, self.parameter):
+                return scene
             match self.form:
-                case "fixed":
+                case "fixed" | "default":
                     new = self.value
                 case "factor":
                     new = own * self.value
@@ -189,7 +208,7 @@ class Fit:
     @property
     def name(self) -> str:
         """Parameter and value: ``air.density=1.205``, ``pitch.speed*3.6``."""
-        symbol = {"fixed": "=", "factor": "*", "offset": "+"}[self.form]
+        symbol = {"fixed": "=", "default": "=", "factor": "*", "offset": "+"}[self.form]
         return f"{self.parameter}{symbol}{self.value:.6g}"
 
     @property
@@ -208,6 +227,9 @@ class Fit:
             case "fixed":
                 whatever = "whatever the scene says" if self.varies else f"and not {self.usual:.6g}"
                 return f"acts as if {self.parameter} = {number}{meant}, {whatever}"
+            case "default":
+                where = f"and not {self.usual:.6g}, where the scene leaves it out"
+                return f"acts as if {self.parameter} = {number}, {where}"
             case "factor":
                 factor = f"acts as if {self.parameter} were {number} times the scene's{meant}"
                 if not self.varies:
@@ -302,6 +324,9 @@ UNSURE = 0.2
 # A parameter that leaves so much of a scene, whatever its value, does not explain that scene.
 MISSED = 0.3
 
+# Of impacts, how many may be missed so: what comes of the others is held against all.
+MOST_MISSED = 0.2
+
 # With so many scenes a number is believed that has many digits.
 FIRST = 3
 
@@ -363,28 +388,39 @@ def fits(
 ) -> list[list[Fit]]:
     """Return for each of some parameters the forms in which they may explain trials together."""
     found: list[tuple[Array, list[float | None]]] = []
+    scenes: list[Any] = []
+    missed, may_miss = 0, MOST_MISSED * len(trials) * (frozenset(stages) <= frozenset(COLLISION))
     for trial in trials:
         one = implied(trial, names, stages, base, work)
         if one is None:
             continue
         if one[1] > MISSED:
-            return [[] for _ in names]
-        scene = base.scene(trial.scene)
+            missed += 1  # a slope across a jump, as from grip to slide, leads nowhere
+            if missed > may_miss:
+                return [[] for _ in names]
+            continue
+        scenes.append(scene := base.scene(trial.scene))
         found.append((one[0], [value_of(scene, name) for name in names]))
     if len(found) < max(1, len(trials) // 3):
         return [[] for _ in names]
     values, own = (np.array(rows, float).T for rows in zip(*found, strict=True))
-    return [_forms(*one) for one in zip(names, values, own, strict=True)]
+    unsaid = [all(_leaves_out(scene, name) for scene in scenes) for name in names]
+    return [_forms(*one) for one in zip(names, values, own, unsaid, strict=True)]
 
 
-def _forms(name: str, values: Array, own: Array) -> list[Fit]:
-    """Return the forms in which a parameter has some values, beside the scenes' own."""
+def _forms(name: str, values: Array, own: Array, unsaid: bool) -> list[Fit]:
+    """Return the forms in which a parameter has some values, beside the scenes' own.
+
+    If all leave it out, it is what the candidate has in place of the usual one.
+    """
     varies = bool(np.ptp(own) > 1e-9 * np.abs(own).max(initial=0.0))
     forms: list[tuple[str, Callable[[], Array]]] = [
         ("fixed", lambda: values),
         ("factor", lambda: values / own),
         ("offset", lambda: values - own),
     ]
+    if unsaid:
+        forms = [("default", lambda: values)]
     result = []
     for form, make in forms:
         if form == "factor" and (own == 0).any():
@@ -439,13 +475,18 @@ def parts(stage: str, sought: Sought) -> list[Explanation]:
     library: list[Mistake] = []
     if stage in ("pitch", "flight", "spin decay"):
         library += LAW
+    if stage in ("touching", "normal"):
+        library += TOUCHING
     if stage == "fence":
         library += FENCE
-    if stage in ("impulse", "velocity after", "spin after", "energy"):
-        library += (*IMPACT, *SPIN)
+    if stage in ("restitution", "impulse", "velocity after", "spin after", "energy"):
+        library += (*IMPACT, *RUBBING, *SPIN)
     if stage not in ("pitch", "plate", "touching", "normal", "bat velocity"):
         library += READINGS
-    found = [*_tried(library, sought), *_fitted(stage, sought)]
+    library += [
+        m for m in IGNORED if any(m.change.scene(t.scene) != t.scene for t in sought.trials)
+    ]
+    found = [*_tried(library, sought), *fitted(stage, sought)]
     if any(e.named for e in found):
         return found
     return [*found, *_scaled(stage, library, sought)]
@@ -476,7 +517,7 @@ def _scaled(stage: str, library: Iterable[Mistake], sought: Sought) -> Iterator[
                 yield joined
 
 
-def _fitted(stage: str, sought: Sought) -> Iterator[Explanation]:
+def fitted(stage: str, sought: Sought) -> Iterator[Explanation]:
     """Yield what numbers the candidate acts as if it had."""
     whole_chain = stage == "flight" and any(
         t.scene.kind == "at-bat" and "impact.velocity" not in t.given for t in sought.trials

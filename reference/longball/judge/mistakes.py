@@ -11,13 +11,14 @@ import math
 import operator
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, lru_cache
 from itertools import pairwise
 from typing import Any
 
 from pydantic import ValidationError
 
-from longball.engines.chain import OneCase, collide
+from longball.engines.chain import MODEL, OneCase, collide, reach_plate
+from longball.judge.any_law import ANY_LAW
 from longball.judge.stages import Change, Numbers, with_values
 from longball.model import trace
 from longball.model.aerodynamics import DRAG, LIFT
@@ -40,6 +41,7 @@ from longball.model.law import GRAVITY
 from longball.model.numbers import DOUBLES, Vector, dot, plus
 from longball.model.quantities import at
 from longball.model.readings import Reading
+from longball.model.scene import parse_scene
 
 
 @dataclass(frozen=True)
@@ -236,7 +238,7 @@ def _scene(values: Callable[[Any], Mapping[str, Any]]) -> Change:
     def change(scene: Any) -> Any:
         try:
             return with_values(scene, values(scene))
-        except (AttributeError, TypeError):
+        except (AttributeError, TypeError, ValueError):
             return scene
 
     return Change(change)
@@ -363,9 +365,6 @@ _PAPERS_LAW: tuple[Mistake, ...] = (
     Mistake("lift-always-up", "keeps the lift on the upper side of the path, beyond the vertical "
             "too", "fix the spin axis at launch, or ask for the reading lift_direction = always_up",
             _reading(lift_direction="always_up")),
-    Mistake("ignores-lift-reading", "ignores the reading lift_direction",
-            "take reading.lift_direction from the scene",
-            _reading(lift_direction="fixed_spin_axis")),
     Mistake("buoyancy", "lets the air buoy the ball up: g (1 - ρ V/m)", _NO_MORE,
             _displaced(lambda share: {"gravity": 1 - share})),
     Mistake("added-mass", "adds half the mass of the air that the ball displaces to its inertia",
@@ -676,7 +675,28 @@ EXTENDED: tuple[Mistake, ...] = (
                 "air.drag_coefficient.low_speed": scene.air.drag_coefficient.high_speed})),
 )  # fmt: skip
 
-LAW = (*_PAPERS_LAW, *EXTENDED)
+# The most decimals that a scene's numbers may be rounded to, where that shows.
+_MOST_DECIMALS = 6
+
+
+def _rounded(place: str, decimals: int) -> Mistake:
+    """Return that some numbers of the scene are rounded."""
+
+    def values(scene: Any) -> Mapping[str, Any]:
+        return {place: tuple(round(x, decimals) for x in at(scene, place))}
+
+    said = f"rounds {place} to {decimals} decimal{'s' * (decimals != 1)}"
+    return Mistake(f"rounded:{place}:{decimals}", said, "take the numbers of the scene as they are",
+                   _scene(values))  # fmt: skip
+
+
+ROUNDED = tuple(
+    _rounded(place, decimals)
+    for place in ("launch.velocity", "launch.position")
+    for decimals in range(1, _MOST_DECIMALS + 1)
+)
+
+LAW = (*_PAPERS_LAW, *EXTENDED, *ROUNDED)
 SPIN = tuple(mistake for mistake in EXTENDED if mistake.name.startswith("spin-"))
 
 
@@ -935,6 +955,12 @@ def _after(factor: Number, keep: float = 1.0) -> Value:
     return lambda v: tuple(keep * b + factor(v) * k for b, k in zip(v.before, v.kick, strict=True))
 
 
+def _whole_impulse(v: View) -> Numbers:
+    """Return m|V' - V| of a bat with friction; nothing of others, where it says nothing."""
+    rough = v.scene.bat.friction is not None
+    return (v.m * math.dist(v["impact.velocity"], v.before),) if rough else ()
+
+
 def _energy(mass: Number = lambda v: v.mu, loss: Number = lambda v: 1 - v.restitution**2) -> Value:
     return lambda v: (-0.5 * mass(v) * loss(v) * v.number("contact.normal_speed") ** 2,)
 
@@ -1018,6 +1044,13 @@ FORMULAS: tuple[Formula, ...] = (
     *_wrong("contact.normal", _N,
         ("normal-not-unit", "does not divide the normal by its length", lambda v: v.axis,
          "n is a unit vector"),
+        ("normal-by-reach", "divides the normal by R + r_b, whatever its length is",
+         lambda v: tuple(x / (v.scene.ball.radius + v.scene.bat.radius) for x in v.axis),
+         "n is a unit vector"),
+        ("normal-by-ball-radius", "divides the normal by R, not by its length",
+         lambda v: tuple(x / v.scene.ball.radius for x in v.axis), "n is a unit vector"),
+        ("normal-by-bat-radius", "divides the normal by r_b, not by its length",
+         lambda v: tuple(x / v.scene.bat.radius for x in v.axis), "n is a unit vector"),
         ("normal-level", "has the normal along x, whatever the height of the ball above the bat",
          lambda v: (1.0, 0.0, 0.0)),
         ("offset-ignored", "takes the normal without swing.height_offset",
@@ -1031,6 +1064,8 @@ FORMULAS: tuple[Formula, ...] = (
          _swung(lambda v: -v.scene.bat.length / 2 - v.position[1]), _PIVOT),
         ("pivot-in-the-middle", "lets the bat turn about its middle",
          _swung(lambda v: -v.position[1])),
+        ("lever-of-size", "takes |y| for y in the lever",
+         _swung(lambda v: v.scene.bat.length / 2 - abs(v.position[1]))),
         ("tip-speed", "gives all of the bat the speed of its tip",
          _swung(lambda v: v.scene.bat.length)),
         ("middle-speed", "gives all of the bat the speed of its middle",
@@ -1039,6 +1074,8 @@ FORMULAS: tuple[Formula, ...] = (
         ("tilt-ignored", "swings level: the tilt is not used", _swung(tilt=lambda t: (1.0, 0.0))),
         ("tilt-swapped", "exchanges sine and cosine of the tilt",
          _swung(tilt=lambda t: _cos_sin(t)[::-1])),
+        ("tilt-small-angle", "takes 1 for the cosine of the tilt, and the tilt for its sine",
+         _swung(tilt=lambda t: (1.0, t))),
         ("tilt-cosine-left-out", "leaves the cosine of the tilt out",
          _swung(tilt=lambda t: (1.0, math.sin(t)))),
         ("tilt-in-degrees", "takes the tilt of the swing for degrees",
@@ -1077,10 +1114,14 @@ FORMULAS: tuple[Formula, ...] = (
         ("bat-mass-for-mu", "takes the bat's mass for μ", _push(lambda v: v.M)),
         ("sum-of-masses", "takes m + M for μ", _push(lambda v: v.m + v.M)),
         ("mean-of-masses", "takes (m + M)/2 for μ", _push(lambda v: (v.m + v.M) / 2)),
+        ("harmonic-mean", "takes 2mM/(m + M) for μ",
+         _push(lambda v: 2 * v.m * v.M / (v.m + v.M))),
         ("impulse-of-ball-speed", "takes the ball's own velocity along n, as if the bat were at "
          "rest", lambda v: (-v.mu * (1 + v.restitution) * dot(v.before, v["contact.normal"]),)),
         ("plain-e-in-impulse", "uses 1 + e where 1 + ẽ belongs", _push(e=lambda v: v.e)),
         ("one-minus-e", "uses 1 - ẽ where 1 + ẽ belongs", _push(e=lambda v: -v.restitution)),
+        ("whole-impulse", "gives the size of the whole impulse, the friction's part included",
+         _whole_impulse, "impact.impulse is its part along n"),
         ("no-one-plus", "uses ẽ where 1 + ẽ belongs", _push(e=lambda v: v.restitution - 1)),
         ("inelastic", "leaves the restitution out: the impulse is -μ Ṽ·n", _push(e=lambda v: 0.0))),
     *_wrong("impact.velocity", _V,
@@ -1097,6 +1138,14 @@ FORMULAS: tuple[Formula, ...] = (
          lambda v: _along(v["impact.velocity:follows"], v["contact.normal"])),
         ("velocity-reversed", "turns the whole velocity round, -ẽ times it",
          lambda v: tuple(-v.restitution * b for b in v.before)),
+        ("impulse-along-relative-velocity", "lets the impulse act along the whole relative "
+         "velocity, not along the normal",
+         lambda v: plus(v.before, -v.mu / v.m * (1 + v.restitution), v.relative)),
+        ("relative-velocity-reversed", "turns the whole relative velocity round, -ẽ times it",
+         lambda v: plus(v["contact.bat_velocity"], -v.restitution, v.relative)),
+        ("velocity-mirrored", "mirrors the velocity at the bat's surface, V - (1 + ẽ)(Ṽ·n) n",
+         lambda v: plus(v.before, -(1 + v.restitution) * v.number("contact.normal_speed"),
+                        v["contact.normal"])),
         ("bat-velocity-added", "adds the bat's velocity to the ball's",
          lambda v: plus(v["impact.velocity:follows"], 1.0, v["contact.bat_velocity"])),
         ("plate-velocity-after", "starts from the velocity at the plate",
@@ -1117,6 +1166,10 @@ FORMULAS: tuple[Formula, ...] = (
         ("spin-kept", "keeps the spin that the ball came with", lambda v: v["contact.spin"]),
         ("spin-change-sign", "changes the spin the other way", lambda v: plus(
             v["contact.spin"], -1.0, plus(v["impact.spin:follows"], -1.0, v["contact.spin"]))),
+        ("spin-after-of-release", "adds to the spin of the release, not to that at the contact",
+         lambda v: plus(v["impact.spin:follows"], -1.0,
+                        plus(v["contact.spin"], -1.0, v.scene.pitch.spin)),
+         "spin falls by e along spin_decay_length, on the way to the bat too"),
         ("spin-before-forgotten", "forgets the spin that the ball came with",
          _less("impact.spin", lambda v: v["contact.spin"]))),
     *_wrong("landing.spin", "spin falls by e along spin_decay_length of path through the air",
@@ -1167,8 +1220,64 @@ NUMBERED: tuple[Numbered, ...] = (
              "n is perpendicular to the bat's axis: its y is 0",
              lambda v, said: said[1] * math.hypot(*v.axis)
              / (v.position[1] * math.hypot(said[0], said[2])), _tilted),
+    Numbered("contact.bat_velocity", "pivot-elsewhere", "lets the bat turn about a point {} times "
+             "its length from the middle", _PIVOT,
+             lambda v, said: (math.copysign(math.hypot(*said), said[0])
+                              / v.scene.swing.angular_speed + v.position[1]) / v.scene.bat.length,
+             lambda v, share: _swung(lambda w: share * w.scene.bat.length - w.position[1])(v)),
     Numbered("impact.restitution", "bat-inertia", "acts as if the bat's moment of inertia were "
              "M(L²/3 + {} r_b²)", _I, _turned_inertia, _with_inertia),
+)  # fmt: skip
+
+
+# --- where ball and bat meet ----------------------------------------------------------------------
+
+
+def _swung_at(height: Callable[[Any], float]) -> Change:
+    """Return the change of the height of the bat's axis, m."""
+    return _scene(lambda scene: {"swing.height_offset": height(scene) - _crossing(scene)})
+
+
+@lru_cache(maxsize=4096)
+def _crossing_of(line: str) -> float:
+    case = OneCase(parse_scene(line), ANY_LAW, MODEL)
+    reach_plate(case)
+    return float(case.answer["plate.position"][2]) if "plate.position" in case.answer else math.nan
+
+
+def _crossing(scene: Any) -> float:
+    """Return the height at which the pitch of a scene crosses the plate, m."""
+    return _crossing_of(scene.line())
+
+
+def _reaching(reach: Callable[[Any], float]) -> Change:
+    """Return the change of the distance from the bat's axis at which the ball touches it, m."""
+    return Change(meeting=lambda scene: with_values(
+        scene, {"bat.radius": reach(scene) - scene.ball.radius}))  # fmt: skip
+
+
+_HEIGHT = "the bat's height is z'_b + σ_b: that of the ball at the plate, and swing.height_offset"
+_REACH = "ball and bat touch where the ball's centre is R + r_b from the bat's axis"
+
+TOUCHING: tuple[Mistake, ...] = (
+    Mistake("height-from-release", "puts the bat at swing.height_offset above the release",
+            _HEIGHT, _swung_at(lambda s: s.pitch.release[2] + s.swing.height_offset)),
+    Mistake("height-from-aim", "puts the bat at swing.height_offset above the height aimed at",
+            _HEIGHT, _swung_at(lambda s: s.pitch.aim[1] + s.swing.height_offset)),
+    Mistake("height-of-offset-alone", "puts the bat at swing.height_offset above z = 0",
+            _HEIGHT, _swung_at(lambda s: s.swing.height_offset)),
+    Mistake("offset-sign", "counts swing.height_offset downwards", _HEIGHT,
+            _scene(lambda scene: {"swing.height_offset": -scene.swing.height_offset})),
+    Mistake("offset-ignored", "puts the bat where the ball crosses the plate", _HEIGHT,
+            _scene(lambda scene: {"swing.height_offset": 0.0})),
+    Mistake("touches-at-bat-radius", "lets ball and bat touch at r_b, without the ball's radius",
+            _REACH, _reaching(lambda s: s.bat.radius)),
+    Mistake("touches-at-ball-radius", "lets ball and bat touch at R, without the bat's radius",
+            _REACH, _reaching(lambda s: s.ball.radius)),
+    Mistake("touches-at-diameters", "takes diameters for radii where ball and bat touch",
+            _REACH, _reaching(lambda s: 2 * (s.ball.radius + s.bat.radius))),
+    Mistake("touches-at-ball-diameter", "takes the ball's diameter where ball and bat touch",
+            _REACH, _reaching(lambda s: 2 * s.ball.radius + s.bat.radius)),
 )  # fmt: skip
 
 
@@ -1195,6 +1304,13 @@ READINGS: tuple[Mistake, ...] = (
     Mistake("ignores-reading", "ignores the scene's reading block",
             "take the switches of scene.reading, or leave those scenes out with --golden",
             Change(lambda scene: scene.model_copy(update={"reading": Reading()}))),
+)  # fmt: skip
+
+# Whoever takes no heed of one switch has its default: of those that scenes set otherwise.
+IGNORED: tuple[Mistake, ...] = tuple(
+    Mistake(f"ignores-{name}", f"ignores reading.{name}: acts as if it were {field.default}",
+            f"take reading.{name} from the scene", _reading(**{name: field.default}))
+    for name, field in Reading.model_fields.items()
 )  # fmt: skip
 
 # What shows in outcomes alone.
@@ -1231,7 +1347,35 @@ def _colliding(collision: Callable[..., tuple[Any, ...]]) -> Change:
     return Change(model=lambda model: replace(model, collide=collision))
 
 
+def _struck_with_spin_of_release(
+    cases: Any, contact: Any, error: Any, *carried: Any
+) -> tuple[Any, ...]:
+    """Apply the impulse to a ball that has the spin still with which it was thrown."""
+    if cases.scene.kind != "at-bat" or contact.spin is None:
+        return collide(cases, contact, error, *carried)
+    return collide(cases, replace(contact, spin=cases.scene.pitch.spin), error, *carried)
+
+
+def _levered(lever: Callable[[Any, float], float]) -> Change:
+    """Return the change of r̃ in the bat's parameters, from the scene and the right one, m."""
+
+    def struck(cases: Any, contact: Any, error: Any, *carried: Any) -> tuple[Any, ...]:
+        arm = lever(cases.scene, contact.lever_arm)
+        return collide(cases, replace(contact, lever_arm=arm), error, *carried)
+
+    return _colliding(struck)
+
+
 IMPACT: tuple[Mistake, ...] = (
+    Mistake("other-pivot", "measures r̃ from the bat's end A, at y = -L/2", _PIVOT,
+            _levered(lambda scene, arm: scene.bat.length - arm)),
+    Mistake("middle-lever", "takes half the bat's length for r̃, whatever y is", _PIVOT,
+            _levered(lambda scene, arm: scene.bat.length / 2)),
+    Mistake("lever-of-size", "takes |y| for y in r̃", _PIVOT,
+            _levered(lambda scene, arm: min(arm, scene.bat.length - arm))),
+    Mistake("spin-of-release", "strikes the ball with the spin of the release",
+            "spin falls by e along spin_decay_length, on the way to the bat too",
+            _colliding(_struck_with_spin_of_release)),
     Mistake("friction-without-spin", "leaves the ball's spin out of the slip",
             "g = V + ω × (-R n) - V_b: the surface moves with the spin",
             _colliding(_rubbed_without_spin)),

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 from collections import Counter, defaultdict
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
 from longball.engines.chain import MODEL, solve
+from longball.judge.any_law import ANY_LAW
 from longball.judge.explanations import evenly, told_together
 from longball.judge.findings import Finding, found, many
 from longball.judge.mistakes import FENCE, OUTCOMES
@@ -16,6 +18,7 @@ from longball.judge.quantities import BLOCKS, OPTIONAL, told_by, untrue
 from longball.judge.rules import rule
 from longball.judge.stages import NONE, Change, Trial, stage_of
 from longball.model.result import Result
+from longball.model.scene import FlightScene
 
 # Wrong outcomes of a kind, and right ones, that an explanation is held against.
 WRONG, RIGHT = 8, 4
@@ -23,6 +26,91 @@ WRONG, RIGHT = 8, 4
 # How near a landing is to the one that an explanation makes, relative: an integrator's errors may
 # be left in it.
 NEAR = 1e-3
+
+# Of wrong outcomes, how many must follow from something for that to be said.
+MOST = 0.9
+
+# Relative: with a value that is off by less, another outcome does not follow from it.
+FINE = 1e-12
+
+
+@dataclass(frozen=True)
+class Rule:
+    """A mistake in what counts as which outcome, told by the values of an answer.
+
+    Attributes
+    ----------
+    name, sentence, remedy
+        See `longball.judge.mistakes.Mistake`.
+    holds
+        Whether a trial with another outcome is of that kind.
+    """
+
+    name: str
+    sentence: str
+    remedy: str
+    holds: Callable[[Trial], bool]
+
+
+def _beyond_limit(trial: Trial) -> bool:
+    hang = trial.given.get("landing.hang_time")
+    still = trial.case.expected.outcome == "airborne" and hang is not None
+    return bool(still and hang and hang[0] > trial.scene.time_limit)
+
+
+def _limited_together(trial: Trial) -> bool:
+    times = [trial.expected.get(f"landing.{name}") for name in ("hang_time", "time")]
+    if trial.outcome != "airborne" or None in times:
+        return False
+    hang, whole = (time[0] for time in times if time)
+    return bool(hang <= trial.scene.time_limit < whole)
+
+
+def _is_fair(place: Sequence[float]) -> bool:
+    return abs(place[1]) <= place[0]
+
+
+def _foul_over_fence(trial: Trial) -> bool:
+    place, above = trial.given.get("fence.position"), trial.given.get("fence.clearance")
+    over = trial.outcome == "home_run" and place and above and above[0] > 0
+    return bool(over and not _is_fair(place or ()))
+
+
+RULES: tuple[Rule, ...] = (
+    Rule("time-limit-ignored", "flies on beyond time_limit",
+         "a ball that has not come down after time_limit seconds of flight is airborne",
+         _beyond_limit),
+    Rule("time-limit-of-both", "counts time_limit for pitch and batted ball together",
+         "pitch and batted ball have time_limit seconds each", _limited_together),
+    Rule("foul-home-run", "takes a foul ball over the fence for a home run",
+         "a ball that passes the fence foul is none: it flies on, and lands", _foul_over_fence),
+)  # fmt: skip
+
+# What else may be taken for fair: of the place at the fence, or else of the landing, and of that.
+FAIR: tuple[tuple[str, str, Callable[[Sequence[float], Sequence[float]], bool]], ...] = (
+    ("fair-left-line", "looks at the line on the left only, y ≤ x",
+     lambda place, landing: place[1] <= place[0]),
+    ("fair-right-line", "looks at the line on the right only, -y ≤ x",
+     lambda place, landing: -place[1] <= place[0]),
+    ("fair-in-front", "takes for fair whatever is in front of the plate, x > 0",
+     lambda place, landing: place[0] > 0),
+    ("fair-at-landing", "judges where the ball lands, not where it passes the fence",
+     lambda place, landing: _is_fair(landing)),
+    ("fair-reversed", "takes foul for fair", lambda place, landing: not _is_fair(place)),
+)  # fmt: skip
+
+
+def _fair_otherwise(trials: Iterable[Trial]) -> tuple[list[str], str] | None:
+    """Return what explains all that is told to be fair; None if nothing does."""
+    told = []
+    for t in trials:
+        landing = t.given.get("landing.position")
+        if "landing.fair" in t.told and landing is not None:
+            told.append((t.told["landing.fair"], t.given.get("fence.position", landing), landing))
+    ties = [f for f in FAIR if all(f[2](place, landing) is fair for fair, place, landing in told)]
+    if not ties:
+        return None
+    return [name for name, *_ in ties], told_together([sentence for _, sentence, _ in ties])
 
 
 def outcome_findings(
@@ -44,22 +132,34 @@ def outcome_findings(
         if t.confused:
             kinds[str(t.case.expected.outcome), str(t.outcome)].append(t)
     for (expected, obtained), wrong in sorted(kinds.items(), key=lambda k: -len(k[1])):
-        same = [t for t in trials if not t.confused and t.case.expected.outcome == expected]
+        agreed = [t for t in trials if not t.confused]
+        same = [t for t in agreed if t.case.expected.outcome == expected]
+        held = [*evenly(same, RIGHT), *evenly([t for t in agreed if not t.right], RIGHT)]
         sentence, remedy = f"says {obtained} where {expected} is right", None
         names: list[str] = []
+        own = ""
         if against := _against_itself(wrong):
             sentence += f", against {against}"
-        elif made := _made(evenly(wrong, WRONG), evenly(same, RIGHT), base, known):
+        elif rule_ := next((r for r in RULES if all(map(r.holds, wrong))), None):
+            names, remedy = [rule_.name], rule_.remedy
+            sentence += f": {rule_.sentence}"
+        elif made := _made(evenly(wrong, WRONG), held, base, known):
             names, reason = made
             sentence += f": {reason}"
-        elif obtained == "missed" and expected in ("batted", "separating", "beyond_bat"):
+        elif own := _follows(wrong):
+            sentence += f": {own}"
+        elif (
+            obtained == "missed"
+            and expected in ("batted", "separating", "beyond_bat")
+            and not {f.stage for f in known} & {"pitch", "plate", "touching"}
+        ):
             sentence += ": as one who looks for the bat at the steps only"
             remedy = (
                 "find the closest approach within the step, where d·v changes sign, and test there"
             )
         one = _told("outcome", "outcome", names, sentence, wrong, same)
-        kind = "probably" if names else "unexplained"
-        yield one.model_copy(update={"kind": kind, "remedy": remedy, "example": None})
+        said = {"kind": "probably", "share": 1.0} if names or own else {"kind": "unexplained"}
+        yield one.model_copy(update=said | {"remedy": remedy, "example": None})
 
 
 def _made(
@@ -92,7 +192,7 @@ def _explains(change: Change, trial: Trial) -> bool:
     if result.outcome != (trial.outcome or trial.case.expected.outcome):
         return False
     said = trial.given.get("landing.position")
-    if said is None or result.landing is None or not trial.confused:
+    if said is None or result.landing is None or trial.right:
         return True
     there = tuple(map(float, result.landing.position))
     return math.dist(there, said) <= NEAR * max(1.0, math.hypot(*there))
@@ -132,6 +232,48 @@ def _against_itself(trials: Sequence[Trial]) -> str:
     return ""
 
 
+def _follows(trials: Sequence[Trial]) -> str:
+    """Return from which of their own earlier values wrong outcomes follow, if most do; else ""."""
+    both = {str(trials[0].outcome), str(trials[0].case.expected.outcome)}
+    for quantity, outcomes, holds in (
+        ("contact.margin", {"missed"}, lambda t, x: (t.outcome == "missed") is (x[0] <= 0)),
+        ("contact.normal_speed", {"separating"},
+         lambda t, x: (t.outcome == "separating") is (x[0] >= 0)),
+        ("fence.clearance", {"home_run"}, lambda t, x: (t.outcome == "home_run") is (x[0] > 0)),
+        ("fence.clearance", {"wall"}, lambda t, x: (t.outcome == "wall") is (x[0] <= 0)),
+        ("impact.velocity", set(), _flies_so),
+    ):  # fmt: skip
+        if not outcomes <= both:
+            continue
+        given = [(t, t.given[quantity]) for t in trials if quantity in t.given]
+        wrong = [one for one in given if not _told_alike(one[1], one[0].expected.get(quantity))]
+        count = sum(holds(t, value) for t, value in wrong)
+        if count >= MOST * len(trials):
+            where = "" if count == len(trials) else f"in {count} of them "
+            return f"{where}this follows from its own {quantity}"
+    return ""
+
+
+def _told_alike(said: Sequence[float], true: Sequence[float] | None) -> bool:
+    return true is not None and math.dist(said, true) <= FINE * max(math.hypot(*true), 1e-3)
+
+
+def _flies_so(trial: Trial, velocity: Sequence[float]) -> bool:
+    """Tell whether a ball that is struck so flies as it is told to."""
+    scene, given = trial.scene, trial.given
+    if not {"contact.position", "contact.time"} <= set(given) or "impact.spin" in given:
+        return False
+    said = {"position": given["contact.position"], "velocity": velocity}
+    blocks = ("ball", "reading", "air", "gravity", "time_limit", "ground", "fence")
+    whole = {name: x for name, x in scene.model_dump().items() if name in blocks}
+    try:
+        flight = FlightScene.model_validate({"id": scene.id, "launch": said, **whole})
+        outcome = str(solve(flight, ANY_LAW, MODEL).outcome)
+    except (ArithmeticError, ValueError):
+        return False
+    return trial.outcome == {"landed": "batted"}.get(outcome, outcome)
+
+
 # --- besides numbers ------------------------------------------------------------------------------
 
 
@@ -149,6 +291,9 @@ def told_findings(trials: Sequence[Trial], base: Change) -> Iterator[Finding]:
     for name, told in wrong.items():
         some = [t for t, _, _ in told]
         same = [t for t in right if name in t.told and t not in some]
+        if name == "landing.fair" and (fair := _fair_otherwise(right)):
+            yield _told(stage_of(name), name, *fair, some, same)
+            continue
         for sentence in _misled(name, [(true, given) for _, true, given in told]):
             yield _told(stage_of(name), name, [], sentence, some, same)
     for block in BLOCKS:

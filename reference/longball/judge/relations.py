@@ -103,8 +103,14 @@ def _images(quantity: str, expected: Array, obtained: Array) -> Iterator[tuple[s
     square = np.maximum((expected * expected).sum(axis=1), 1e-300)
     ratios = (obtained * expected).sum(axis=1) / square
     ratio = float(np.median(ratios))
-    if abs(ratio - 1) > 1e-9 and np.ptp(ratios) < 1e-3 * max(abs(ratio), 1e-9):
-        what = factor_meaning(ratio)
+    what = factor_meaning(ratio)
+    # Scenes that expect the same are one: any number is the ratio, and the difference, of one.
+    same = bool((np.ptp(expected, axis=0) <= SAME * np.abs(expected).max()).all())
+    if (
+        abs(ratio - 1) > 1e-9
+        and np.ptp(ratios) < 1e-3 * min(max(abs(ratio), 1e-9), abs(ratio - 1))
+        and (what or not same)
+    ):
         text = "the sign is wrong" if what == "the sign" else (
             f"obtained = {ratio:.8g} × expected" + (f": {what}" if what else ""))  # fmt: skip
         yield f"{quantity}*{ratio:.6g}", f"{quantity}: {text}", lambda x: ratio * x
@@ -119,7 +125,7 @@ def _images(quantity: str, expected: Array, obtained: Array) -> Iterator[tuple[s
         return
     shift = obtained - expected
     middle = float(np.median(shift))
-    if middle and np.ptp(shift) < 1e-3 * abs(middle):
+    if middle and not same and np.ptp(shift) < 1e-3 * abs(middle):
         sentence = f"{quantity}: obtained = expected {'+-'[middle < 0]} {abs(middle):.8g}"
         yield f"{quantity}+{middle:.6g}", sentence, lambda x: x + middle
 
@@ -241,6 +247,25 @@ def resolutions(chosen: Sequence[Checked]) -> Iterator[Explanation]:
         )  # fmt: skip
 
 
+def singles(wrong: Sequence[Checked]) -> Iterator[Explanation]:
+    """Yield the one quantity of a stage that is computed or written in single precision."""
+    failing = [c for _, cs in wrong for c in cs if not c.follows]
+    for quantity in {c.quantity for c in failing}:
+        some = [c for c in failing if c.quantity == quantity]
+        numbers = {Decimal(x) for c in some for x in c.obtained if x}
+        near = all(c.error <= SINGLE_ULPS * max(map(abs, c.obtained)) for c in some)
+        if (
+            len(some) == len(failing)
+            and near
+            and len(numbers) >= ENOUGH
+            and all(map(_is_single, numbers))
+        ):
+            yield Explanation(
+                f"single-precision:{quantity}", f"{quantity} holds numbers of single precision",
+                SINGLE.remedy, 0.0, 0, quantity=quantity,
+            )  # fmt: skip
+
+
 def few_digits(trials: Sequence[Trial]) -> Finding | None:
     """Return that all numbers are written with few digits, or few behind the point, if they are."""
     told = [t for t in trials if any(x % 1 for value in t.given.values() for x in value)]
@@ -270,6 +295,9 @@ SINGLE = Explanation(
     "single-precision", "computes or writes in single precision",
     "use doubles throughout, and write them with 17 digits", 0.0, 0,
 )  # fmt: skip
+
+# Of a number, what rounding it to single precision may do, in three components.
+SINGLE_ULPS = 1.1e-7
 
 # Single precision leaves 6e-8 a rounding; some hundred steps, amplified by bat and ball.
 SINGLE_NOISE = 1e-2

@@ -33,6 +33,8 @@ def features(case: Case) -> Features:
         found["landing.time"] = float(landing.time)
     if impact is not None:
         found["impact.restitution"] = float(impact.restitution)
+        if impact.mode is not None:
+            found["impact.mode"] = impact.mode
     if contact is not None and contact.normal_speed is not None:
         found["contact.normal_speed"] = float(contact.normal_speed)
     if scene.kind == "flight" and any(scene.launch.velocity):
@@ -129,7 +131,9 @@ def rule(failing: Sequence[Case], passing: Sequence[Case]) -> str | None:
 
 def _sorts(name: str) -> bool:
     """Tell whether a feature is one that scenes are sorted by: numbers may follow from those."""
-    simple = name in ("kind", "outcome", "air") or name.startswith(("reading.", "flag "))
+    simple = name in ("kind", "outcome", "air", "impact.mode") or name.startswith(
+        ("reading.", "flag ")
+    )
     return simple or name in FORMS or _law(name)
 
 

@@ -1,0 +1,211 @@
+"""Known mistakes in the oblique impulse: where ball and bat rub.
+
+Each is the impulse of `longball.model.impact`, put together otherwise: another slip, another K, a
+ball that grips or slides where it should not, or slides with another impulse.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+from longball.engines.chain import collide
+from longball.engines.chain.collision import ContactState, Impact
+from longball.judge.mistakes import Mistake
+from longball.judge.stages import Change, with_values
+from longball.model.bat import (
+    bat_rotation,
+    collision_parameters,
+    inertia_factor,
+    moment_of_inertia,
+    tangential_restitution,
+)
+from longball.model.impact import (
+    gripping_impulse,
+    impulse,
+    inverse_mass,
+    push_energy,
+    sliding_impulse,
+    sliding_resistance,
+    slip,
+    spin_after_push,
+    velocity_after_push,
+)
+from longball.model.numbers import DOUBLES, Vector
+
+Floats = Vector[float]
+Matrix = tuple[float, ...]
+
+_STILL = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Parts:
+    """What the impulse is put together from; a mistake has another part.
+
+    Attributes
+    ----------
+    spin, rotation
+        Of ball and bat as they go into the slip, rad/s: from the contact and the scene.
+    radii
+        Of ball and bat as they go into the slip, m, from the scene.
+    arguments
+        Those of `inverse_mass` that are others, from the scene and the right ones.
+    matrix
+        K, 1/kg, from what it is and from its own K_nn, which 1/μ stands for.
+    grips
+        Whether the ball grips, from whether it should.
+    sliding
+        The impulse of a ball that slides, N s: from the right one, the gripping one, and the
+        frictionless one along the normal.
+    """
+
+    spin: Callable[[ContactState[float]], Floats] = lambda contact: contact.spin or _STILL
+    rotation: Callable[[Any], Floats] = lambda scene: bat_rotation(scene.swing, DOUBLES)
+    radii: Callable[[Any], tuple[float, float]] = lambda s: (s.ball.radius, s.bat.radius)
+    arguments: Callable[[Any, Mapping[str, float]], Mapping[str, float]] = lambda scene, given: {}
+    matrix: Callable[[Matrix, float], Matrix] = lambda k, own: k
+    grips: Callable[[bool], bool] = lambda grips: grips
+    sliding: Callable[[Floats, Floats, float], Floats] = lambda slid, gripped, plain: slid
+
+
+def _rubbed(**parts: Any) -> Change:
+    """Return the change of some of the `Parts`."""
+    made = Parts(**parts)
+
+    def collision(cases: Any, contact: Any, error: Any, *carried: Any) -> tuple[Any, ...]:
+        if cases.scene.bat.friction is None:
+            return collide(cases, contact, error, *carried)
+        return cases, _struck(cases.scene, contact, made), *carried
+
+    return Change(model=lambda model: replace(model, collide=collision))
+
+
+def _struck(scene: Any, contact: ContactState[float], parts: Parts) -> Impact[float]:
+    """Return the impulse with such parts, and what it does."""
+    ball, bat, normal = scene.ball, scene.bat, contact.normal
+    pair = collision_parameters(ball, bat, contact.lever_arm, scene.reading, DOUBLES)
+    e, e_t = pair.restitution, tangential_restitution(bat, DOUBLES)
+    motion = contact.velocity, parts.spin(contact), contact.bat_velocity, parts.rotation(scene)
+    g = contact.normal_speed, *slip(*motion, normal, *parts.radii(scene))[1:]
+    given = _arguments(scene, contact)
+    own, *others = inverse_mass(**{**given, **parts.arguments(scene, given)})
+    k = parts.matrix((1 / pair.reduced_mass, *others), own)
+
+    wanted = gripping_impulse(k, e, e_t, g)
+    rubbed = math.hypot(*wanted[1:])
+    margin = bat.friction * wanted[0] - rubbed
+    grips = parts.grips(margin > 0)
+    push = wanted
+    if not grips:
+        initial = scene.reading.slide_direction == "initial"
+        way = g[1:] if initial else (-wanted[1], -wanted[2])
+        speed = math.hypot(*way) or 1.0  # without slip there is no direction, and no friction
+        direction = way[0] / speed, way[1] / speed
+        resistance = sliding_resistance(k, bat.friction, direction)
+        slid = sliding_impulse(resistance, e, bat.friction, g, direction)
+        push = parts.sliding(slid, wanted, impulse(pair.reduced_mass, e, g[0]))
+    factor = inertia_factor(ball, DOUBLES)
+    return Impact(
+        e,
+        push[0],
+        velocity_after_push(contact.velocity, push, normal, ball.mass),
+        push_energy(push, g, k),
+        spin_after_push(contact.spin or _STILL, push, normal, ball.mass, ball.radius, factor),
+        "grip" if grips else "slide",
+        margin / (bat.friction * abs(wanted[0])),
+    )
+
+
+def _arguments(scene: Any, contact: ContactState[float]) -> dict[str, float]:
+    """Return the arguments of `inverse_mass`; see `longball.model.bat.inverse_masses`."""
+    bat, free = scene.bat, scene.bat.support == "free"
+    return {
+        "mass": scene.ball.mass,
+        "inertia_factor": inertia_factor(scene.ball, DOUBLES),
+        "inverse_bat_mass": 1 / bat.mass if free else 0.0,
+        "inertia": moment_of_inertia(bat, scene.reading, DOUBLES),
+        "axial_inertia": bat.mass * bat.radius**2 / 2,
+        "arm": bat.length / 2 - contact.lever_arm if free else -contact.lever_arm,
+        "bat_radius": bat.radius,
+    }
+
+
+def _along(factor: Callable[[Floats, Floats, float], float]) -> Callable[..., Floats]:
+    """Return a sliding impulse with another normal part, and friction in proportion."""
+
+    def sliding(slid: Floats, gripped: Floats, plain: float) -> Floats:
+        share = factor(slid, gripped, plain) / slid[0]
+        return share * slid[0], share * slid[1], share * slid[2]
+
+    return sliding
+
+
+def _turned(contact: ContactState[float]) -> Floats:
+    x, y, z = contact.spin or _STILL
+    return -x, -y, -z
+
+
+def _level(scene: Any) -> Floats:
+    return bat_rotation(with_values(scene, {"swing.tilt": 0.0}).swing, DOUBLES)
+
+
+def _backwards(scene: Any) -> Floats:
+    x, y, z = bat_rotation(scene.swing, DOUBLES)
+    return -x, -y, -z
+
+
+def _squared(scene: Any) -> Any:
+    friction = getattr(getattr(scene, "bat", None), "friction", None)
+    return scene if friction is None else with_values(scene, {"bat.friction": friction**2})
+
+
+_SLIP = "g = V + ω × (-R n) - V_b - Ω × (r_b n), with the bat's Ω = ω'(-sin θ, 0, cos θ)"
+_K = "g' = g + K P, with K of ball and bat at the point of contact, and n·K n = 1/μ"
+_CONE = (
+    "the ball grips if the gripping impulse lies within the cone |P_t| ≤ μ_f P_n, else it slides"
+)
+_SLID = "P = -(1 + ẽ) g_n/(n·K(n - μ_f t)) (n - μ_f t)"
+
+RUBBING: tuple[Mistake, ...] = (
+    Mistake("friction-spin-sign", "counts the ball's spin the other way round in the slip", _SLIP,
+            _rubbed(spin=_turned)),
+    Mistake("friction-rotation-level", "turns the bat's surface about z, whatever the tilt", _SLIP,
+            _rubbed(rotation=_level)),
+    Mistake("friction-rotation-sign", "counts the bat's rotation the other way round in the slip",
+            _SLIP, _rubbed(rotation=_backwards)),
+    Mistake("friction-bat-radius", "takes the bat's radius for the ball's in the slip", _SLIP,
+            _rubbed(radii=lambda s: (s.bat.radius, s.bat.radius))),
+    Mistake("friction-ball-radius", "takes the ball's radius for the bat's in the slip", _SLIP,
+            _rubbed(radii=lambda s: (s.ball.radius, s.ball.radius))),
+    Mistake("friction-uncoupled", "leaves out of K what couples the normal to the slip along the "
+            "bat", _K, _rubbed(matrix=lambda k, own: (k[0], 0.0, *k[2:]))),
+    Mistake("friction-bat-fixed", "leaves the bat out of K, as if it gave way along the normal "
+            "only", _K, _rubbed(arguments=lambda s, given: {
+                "inverse_bat_mass": 0.0, "inertia": math.inf, "axial_inertia": math.inf})),
+    Mistake("friction-own-normal", "has n·K n of the bat itself in place of 1/μ", _K,
+            _rubbed(matrix=lambda k, own: (own, *k[1:]))),
+    Mistake("friction-at-centre", "has K at the ball's centre, not at the point of contact", _K,
+            _rubbed(arguments=lambda s, given: {"bat_radius": s.ball.radius + s.bat.radius})),
+    Mistake("friction-on-axis", "has K on the bat's axis, not at the point of contact", _K,
+            _rubbed(arguments=lambda s, given: {"bat_radius": 0.0})),
+    Mistake("friction-same-inertia", "takes the bat's moment of inertia across its axis for that "
+            "about it", _K, _rubbed(arguments=lambda s, given: {
+                "axial_inertia": given["inertia"]})),
+    Mistake("friction-half-axial", "takes M r_b²/4 for the bat's moment of inertia about its axis, "
+            "M r_b²/2", _K, _rubbed(arguments=lambda s, given: {
+                "axial_inertia": given["axial_inertia"] / 2})),
+    Mistake("always-grips", "lets the ball grip always", _CONE, _rubbed(grips=lambda grips: True)),
+    Mistake("always-slides", "lets the ball slide always", _CONE,
+            _rubbed(grips=lambda grips: False)),
+    Mistake("slides-with-gripping-impulse", "slides with the normal part of the gripping impulse",
+            _SLID, _rubbed(sliding=_along(lambda slid, gripped, plain: gripped[0]))),
+    Mistake("slides-with-plain-impulse", "slides with the normal impulse of a bat without "
+            "friction, -μ(1 + ẽ) g_n", _SLID,
+            _rubbed(sliding=_along(lambda slid, gripped, plain: plain))),
+    Mistake("slides-forward", "lets the friction act along the slip, not against it", _SLID,
+            _rubbed(sliding=lambda slid, *others: (slid[0], -slid[1], -slid[2]))),
+    Mistake("friction-squared", "squares bat.friction", _CONE, Change(_squared)),
+)  # fmt: skip
