@@ -36,7 +36,7 @@ from longball.judge.explanations import (
     told_together,
 )
 from longball.judge.findings import Diagnosis, Finding, StageRow, found, many
-from longball.judge.fits import fitted, pairs, parts
+from longball.judge.fits import fitted, one_after_another, pairs, parts
 from longball.judge.outcomes import made_otherwise, outcome_findings, told_findings
 from longball.judge.quantities import untrue
 from longball.judge.relations import (
@@ -509,8 +509,9 @@ class _Search:
         chosen = evenly(wrong, SOUGHT)
         right = evenly([t for t, _ in good], BESIDE)
         sought = Sought([t for t, _ in chosen], right, (stage,), self.base, self.work)
+        together = self._with_flights(wrong, right, checks) if stage == "pitch" else None
         if max(size_of(c) for _, cs in wrong for c in cs if not c.follows) < FINE:
-            return list(fitted(stage, sought))
+            return _fine(stage, [together, sought] if together else [sought])
         found = [
             *relations(chosen, beside, self.base),
             *formulas(chosen, beside, self.base),
@@ -520,17 +521,10 @@ class _Search:
             found += ends(stage, chosen, self.trials, self.dt)
         if stage not in COLLISION and any(e.named for e in found):
             return found
-        if stage == "pitch":  # pitch and batted ball fly by one law: one explanation for both
-            flying = [one for one in checks if any(
-                c.stage == "flight" and not c.follows for c in one[1])]  # fmt: skip
-            if flying:
-                some = evenly(wrong, SOUGHT // 2) + evenly(flying, SOUGHT // 2)
-                both = Sought(
-                    [t for t, _ in some], right, ("pitch", "flight"), self.base, self.work
-                )
-                found += parts(stage, both)
-                if any(e.named for e in found):
-                    return found
+        if together:
+            found += parts(stage, together)
+            if any(e.named for e in found):
+                return found
         found += parts(stage, sought)
         if stage in ("pitch", "flight"):
             found += clocks(stage, chosen, self.base)
@@ -542,8 +536,33 @@ class _Search:
                 # What flies the pitch flies the batted ball.
                 self.stepless = not any(e.named for e in found)
             if not any(e.named for e in found):
-                found += pairs(stage, sought, found)
+                found += pairs(stage, together or sought, found)
+            if not any(e.named for e in found):
+                found += one_after_another(stage, together or sought, found)
         return found
+
+    def _with_flights(
+        self, wrong: Sequence[Checked], right: Sequence[Trial], checks: Sequence[Checked]
+    ) -> Sought | None:
+        """Return pitches and batted balls, which fly by one law: one explanation for both."""
+        flying = [
+            one for one in checks if any(c.stage == "flight" and not c.follows for c in one[1])
+        ]
+        if not flying:
+            return None
+        some = evenly(wrong, SOUGHT // 2) + evenly(flying, SOUGHT // 2)
+        return Sought([t for t, _ in some], right, ("pitch", "flight"), self.base, self.work)
+
+
+def _fine(stage: str, sought: Iterable[Sought]) -> list[Explanation]:
+    """Return the numbers, one or two, that may be behind errors that are mostly an integrator's."""
+    found: list[Explanation] = []
+    for some in sought:
+        for way in (fitted(stage, some), pairs(stage, some, ())):
+            found += way
+            if any(e.named for e in found):
+                return found
+    return found
 
 
 def _with_facts(rows: Sequence[StageRow], facts: Sequence[Finding]) -> list[StageRow]:

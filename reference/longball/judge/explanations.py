@@ -234,6 +234,30 @@ class Sought:
                 self._known[id(trial), change] = found
         return [self._known[id(trial), change] for trial in (*self.trials, *self.beside)]
 
+    def concerned(self, change: Change) -> bool:
+        """Tell whether a change may do anything to the trials: what is done to scenes is cheap."""
+        if change.model is not NONE.model or change.engine is not NONE.engine or change.push:
+            return True
+        scenes = [self.base.scene(t.scene) for t in self.trials]
+        return any(change.scene(scene) is not scene and change.scene(scene) != scene
+                   for scene in scenes)  # fmt: skip
+
+    def given(self, change: Change) -> Sought:
+        """Return what is sought when a change explains a part."""
+        base = self.base.then(change)
+        rest = Sought(self.trials, self.beside, self.stages, base, self.work)
+        rest.trials = [
+            t for t, r in zip(self.trials, rest.rows(NONE), strict=False)
+            if np.abs(r).sum() > NAMED * np.abs(self._known[id(t), NONE]).sum()
+        ]  # fmt: skip
+        return rest
+
+    def sizes(self, change: Change) -> list[float]:
+        """Return the errors that a change leaves in each trial, none counted for more than 1."""
+        rows = zip(self.trials, self.rows(change), self.rows(NONE), strict=False)
+        return [float(np.minimum(np.abs(r), 1.0).sum()) if r.shape == f.shape else float(f.size)
+                for _, r, f in rows]  # fmt: skip
+
     def screened(self, change: Change) -> float | None:
         """Return what a change leaves; of a few trials only, if it leaves much of them."""
         for some in (self.one, self.few, self):

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import partial
@@ -22,7 +22,17 @@ from numpy.typing import NDArray
 
 from longball.engines.verlet import Verlet
 from longball.judge.explanations import JUMPED, NAMED, Explanation, Sought, Work
-from longball.judge.mistakes import FENCE, IMPACT, LAW, READINGS, SPIN, TWO_STEP_PUSH, Mistake
+from longball.judge.mistakes import (
+    FENCE,
+    IMPACT,
+    LAW,
+    OWN,
+    READINGS,
+    SPIN,
+    TWO_STEP_PUSH,
+    Mistake,
+    with_density,
+)
 from longball.judge.stages import COLLISION, NONE, Change, Trial, with_values
 from longball.model.air import (
     ConstantDrag,
@@ -88,6 +98,7 @@ PARAMETERS: dict[str, tuple[str, ...]] = {
     "bat.friction": _IMPULSE,
     "bat.tangential_restitution": _IMPULSE,
     "fence.radius": ("fence",),
+    **dict.fromkeys(OWN, _FLIGHT),
 }  # fmt: skip
 
 # Parameters that stand for a vector's size, or for whichever a scene has.
@@ -108,6 +119,8 @@ _LEFT_OUT: dict[str, Callable[[Any], float]] = {
 
 def _held(scene: Any, name: str) -> tuple[str, Any]:
     """Return where a scene has a parameter, and the number or the vector there, if it has it."""
+    if name in OWN:
+        return name, getattr(scene, name, OWN[name].usual)
     for place in _PLACES.get(name, (name,)):
         try:
             found = at(scene, place)
@@ -135,13 +148,19 @@ def with_parameter(scene: Any, name: str, value: float) -> Any:
     """Return a scene with another value of a parameter."""
     place, found = _held(scene, name)
     new: Any = value
+    if name in OWN:
+        return scene.model_copy(update={name: value})
     if place == "air.density" and isinstance(scene.air.density, Weather):
-        # What the air does goes with density over mass.
-        place, new = "ball.mass", scene.ball.mass * found / value if value else math.inf
+        return with_density(scene, value)
     if isinstance(found, tuple):
         size = math.hypot(*found)
         new = tuple(value / size * x for x in found) if size else found
     return with_values(scene, {place: new})
+
+
+def _in_law(name: str, change: Callable[[Any], Any]) -> Change:
+    """Return the change of a parameter of scenes, or of a number of the law that they carry."""
+    return Change(change).then(OWN[name].change) if name in OWN else Change(change)
 
 
 @dataclass(frozen=True)
@@ -184,13 +203,20 @@ class Fit:
                     new = own + self.value
             return with_parameter(scene, self.parameter, new)
 
-        return Change(change)
+        return _in_law(self.parameter, change)
 
     @property
     def name(self) -> str:
         """Parameter and value: ``air.density=1.205``, ``pitch.speed*3.6``."""
         symbol = {"fixed": "=", "factor": "*", "offset": "+"}[self.form]
         return f"{self.parameter}{symbol}{self.value:.6g}"
+
+    @property
+    def remedy(self) -> str:
+        """How to mend it."""
+        if self.parameter in OWN:
+            return f"it is {OWN[self.parameter].usual:.7g}"
+        return f"take the scene's {self.parameter}"
 
     @property
     def roundness(self) -> float:
@@ -204,16 +230,17 @@ class Fit:
         """What the candidate does."""
         number = told(self.value, self.doubt)
         meant = meaning(self)
+        parameter = OWN[self.parameter].words if self.parameter in OWN else self.parameter
         match self.form:
             case "fixed":
                 whatever = "whatever the scene says" if self.varies else f"and not {self.usual:.6g}"
-                return f"acts as if {self.parameter} = {number}{meant}, {whatever}"
+                return f"acts as if {parameter} = {number}{meant}, {whatever}"
             case "factor":
-                factor = f"acts as if {self.parameter} were {number} times the scene's{meant}"
+                factor = f"acts as if {parameter} were {number} times the scene's{meant}"
                 if not self.varies:
                     factor += f": {self.value * self.usual:.6g} for {self.usual:.6g}"
                 return factor
-        return f"acts as if {self.parameter} were the scene's plus {number}{meant}"
+        return f"acts as if {parameter} were the scene's plus {number}{meant}"
 
 
 # People write 2/3 for what needs more digits than so many.
@@ -319,8 +346,10 @@ def implied(
     wanted = frozenset(stages)
 
     def off(values: Array) -> Array:
-        change = partial(_with_all, dict(zip(names, values.tolist(), strict=True)))
-        return work.residuals(trial, base.then(Change(change)), wanted)
+        change = base
+        for name, value in zip(names, values.tolist(), strict=True):
+            change = change.then(_in_law(name, partial(with_parameter, name=name, value=value)))
+        return work.residuals(trial, change, wanted)
 
     value = np.array(held, float)
     r = off(value)
@@ -350,12 +379,6 @@ def implied(
         if size > 0.999 * old or (abs(move) < 1e-12 * abs(value)).all() or size < 1e-13:
             break
     return value, size / first
-
-
-def _with_all(values: Mapping[str, float], scene: Any) -> Any:
-    for name, value in values.items():
-        scene = with_parameter(scene, name, value)
-    return scene
 
 
 def fits(
@@ -436,6 +459,15 @@ def parts(stage: str, sought: Sought) -> list[Explanation]:
         push = list(_tried([TWO_STEP_PUSH], sought))
         if any(e.named for e in push):
             return push
+    library = _library(stage)
+    found = [*_tried(library, sought), *fitted(stage, sought)]
+    if any(e.named for e in found):
+        return found
+    return [*found, *_scaled(stage, library, sought)]
+
+
+def _library(stage: str) -> list[Mistake]:
+    """Return the known mistakes that may show at a stage."""
     library: list[Mistake] = []
     if stage in ("pitch", "flight", "spin decay"):
         library += LAW
@@ -445,16 +477,15 @@ def parts(stage: str, sought: Sought) -> list[Explanation]:
         library += (*IMPACT, *SPIN)
     if stage not in ("pitch", "plate", "touching", "normal", "bat velocity"):
         library += READINGS
-    found = [*_tried(library, sought), *fitted(stage, sought)]
-    if any(e.named for e in found):
-        return found
-    return [*found, *_scaled(stage, library, sought)]
+    return library
 
 
 def _tried(library: Iterable[Mistake], sought: Sought) -> Iterator[Explanation]:
     for mistake in library:
         if sought.work.exhausted:
             return
+        if not sought.concerned(mistake.change):
+            continue
         left = sought.screened(mistake.change)
         if left is not None:
             yield _explanation(mistake, left)
@@ -495,8 +526,8 @@ def fitted(stage: str, sought: Sought) -> Iterator[Explanation]:
                 if there is not None and there < left + SNAP:
                     fit, left = usual, there
             yield Explanation(
-                fit.name, fit.sentence, f"take the scene's {fit.parameter}", left,
-                2 + fit.roundness, fit.change,
+                fit.name, fit.sentence, fit.remedy, left, 2 + fit.roundness, fit.change,
+                allowed=JUMPED if fit.parameter in OWN and OWN[fit.parameter].switches else NAMED,
             )  # fmt: skip
 
 
@@ -540,6 +571,46 @@ def pairs(stage: str, sought: Sought, known: Sequence[Explanation]) -> Iterator[
             yield joined
 
 
+# Changes that are taken for the first of two, one after the other.
+FIRSTS = 6
+
+
+def one_after_another(
+    stage: str, sought: Sought, known: Sequence[Explanation]
+) -> Iterator[Explanation]:
+    """Yield two of the known mistakes and fitted numbers together, each of any size.
+
+    The first is one that explains a scene wholly, in which the other does nothing, or else one that
+    leaves least; the second explains the rest, given the first.
+    """
+    ranked = []
+    for e in known:
+        if e.change is None or sought.work.exhausted or not sought.concerned(e.change):
+            continue
+        wholes, lefts = sought.sizes(NONE), sought.sizes(e.change)
+        solved = sum(left <= NAMED * whole for left, whole in zip(lefts, wholes, strict=True))
+        worse = sum(left > whole for left, whole in zip(lefts, wholes, strict=True))
+        if solved or worse < len(lefts) // 2:
+            ranked.append((-solved, sum(lefts), e))
+    ranked.sort(key=lambda one: one[:2])
+    for _, _, first in ranked[:FIRSTS]:
+        assert first.change is not None
+        rest = sought.given(first.change)
+        seconds = [*_tried(_library(stage), rest), *fitted(stage, rest)]
+        for second in (e for e in seconds if e.named and e.change is not None):
+            assert second.change is not None
+            change = first.change.then(second.change)
+            left = sought.left(change)
+            if left is not None and second.name != first.name:
+                yield Explanation(
+                    f"{first.name} and {second.name}", f"{first.sentence}; and {second.sentence}",
+                    None, left, 1.9 + (first.rank + second.rank) / 100, change,
+                    allowed=max(first.allowed, second.allowed),
+                )  # fmt: skip
+        if any(e.named for e in seconds):
+            return
+
+
 def _effect(few: Sought, change: Change) -> list[Array] | None:
     """Return what a change does to the errors of each trial, if it leaves the same quantities."""
     pairs = list(zip(few.rows(NONE), few.rows(change), strict=True))
@@ -567,7 +638,7 @@ def _joined(
         own = own.then(x.change)
     fitted: list[Fit] = []
     if free:
-        forms = fits(sought.trials, free, (stage,), sought.base.then(own), sought.work)
+        forms = fits(sought.trials, free, sought.stages, sought.base.then(own), sought.work)
         tried = [
             (left, some)
             for some in itertools.product(*forms)
