@@ -11,6 +11,7 @@ two do not hide each other. What is left is told, with its size.
 
 from __future__ import annotations
 
+import math
 from collections import defaultdict
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -36,7 +37,7 @@ from longball.judge.explanations import (
     told_together,
 )
 from longball.judge.findings import Diagnosis, Finding, StageRow, found, many
-from longball.judge.fits import fitted, one_after_another, pairs, parts
+from longball.judge.fits import fitted, pairs, parts, two
 from longball.judge.outcomes import made_otherwise, outcome_findings, told_findings
 from longball.judge.quantities import untrue
 from longball.judge.relations import (
@@ -506,6 +507,7 @@ class _Search:
         checks: Sequence[Checked],
     ) -> list[Explanation]:
         """Return explanations, the cheap ones first, until some are named."""
+        wrong = [one for one in wrong if all(map(_known, one[1]))] or wrong
         chosen = evenly(wrong, SOUGHT)
         right = evenly([t for t, _ in good], BESIDE)
         sought = Sought([t for t, _ in chosen], right, (stage,), self.base, self.work)
@@ -536,9 +538,7 @@ class _Search:
                 # What flies the pitch flies the batted ball.
                 self.stepless = not any(e.named for e in found)
             if not any(e.named for e in found):
-                found += pairs(stage, together or sought, found)
-            if not any(e.named for e in found):
-                found += one_after_another(stage, together or sought, found)
+                found += two(stage, together or sought, found)
         return found
 
     def _with_flights(
@@ -552,6 +552,11 @@ class _Search:
             return None
         some = evenly(wrong, SOUGHT // 2) + evenly(flying, SOUGHT // 2)
         return Sought([t for t, _ in some], right, ("pitch", "flight"), self.base, self.work)
+
+
+def _known(check: Check) -> bool:
+    """Tell whether it is known what follows: a path may end before a candidate's does."""
+    return all(map(math.isfinite, check.expected))
 
 
 def _fine(stage: str, sought: Iterable[Sought]) -> list[Explanation]:

@@ -39,6 +39,9 @@ NAMED, IN_A_SCENE = 1e-3, 0.05
 # errs by some of what the jump does in that step, and a flight has a hundred steps.
 JUMPED = 1e-2
 
+# Of a quantity, what flights under laws with forces of any kind err by, mostly.
+OWN_ERROR = 3e-9
+
 # Explanations that leave no more than the best one does, this many times, cannot be told apart.
 ALIKE = 3.0
 
@@ -193,7 +196,7 @@ class Work:
 
 # Flights of a search, so that a verdict is the same on every machine and comes within ten seconds;
 # what has not been tried by then is not.
-PATIENCE = 3_000.0
+PATIENCE = 8_000.0
 
 MOST_EFFORT = 30_000  # steps of DOP853: a law that drives the ball on takes many
 
@@ -244,11 +247,11 @@ class Sought:
 
     def given(self, change: Change) -> Sought:
         """Return what is sought when a change explains a part."""
-        base = self.base.then(change)
+        base, first = self.base.then(change), self.rows(NONE)
         rest = Sought(self.trials, self.beside, self.stages, base, self.work)
         rest.trials = [
-            t for t, r in zip(self.trials, rest.rows(NONE), strict=False)
-            if np.abs(r).sum() > NAMED * np.abs(self._known[id(t), NONE]).sum()
+            t for t, r, f in zip(self.trials, rest.rows(NONE), first, strict=False)
+            if np.abs(r).sum() > NAMED * np.abs(f).sum()
         ]  # fmt: skip
         return rest
 
@@ -297,5 +300,7 @@ class Sought:
             float(np.minimum(np.abs(r), 1.0).sum()) if r.shape == f.shape else float(f.size)
             for r, f in zip(self.rows(change), self.rows(NONE), strict=True)
         ]
+        lefts = [max(0.0, left - min(OWN_ERROR, JUMPED * whole))
+                 for left, whole in zip(lefts, wholes, strict=True)]  # fmt: skip
         wholes[len(self.trials) :] = [0.0] * len(self.beside)
         return share_left(lefts, wholes) if any(wholes) else None

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -223,7 +224,9 @@ class Fit:
         """How many digits the number needs, in hundredths: people choose round ones."""
         if factor_meaning(self.value, self.doubt) and self.form == "factor":
             return 0.0
-        return digits_of(self.value) / 100
+        share = self.value if self.form == "factor" else self.value / (self.usual or math.nan)
+        more = digits_of(float(f"{share - 1:.5g}")) if abs(share - 1) < NEARLY else math.inf
+        return min(digits_of(self.value), more) / 100
 
     @property
     def sentence(self) -> str:
@@ -242,6 +245,9 @@ class Fit:
                 return factor
         return f"acts as if {parameter} were the scene's plus {number}{meant}"
 
+
+# A factor so near to 1 is told by what it differs.
+NEARLY = 1e-4
 
 # People write 2/3 for what needs more digits than so many.
 LARGEST_DENOMINATOR, FRACTION_DIGITS = 12, 4
@@ -394,8 +400,17 @@ def fits(
             return [[] for _ in names]
         scene = base.scene(trial.scene)
         found.append((one[0], [value_of(scene, name) for name in names]))
+        if len(found) == FIRST and not all(_all_forms(names, found)):
+            break  # they have nothing in common
     if len(found) < max(1, len(trials) // 3):
         return [[] for _ in names]
+    return _all_forms(names, found)
+
+
+def _all_forms(
+    names: Sequence[str], found: Sequence[tuple[Array, list[float | None]]]
+) -> list[list[Fit]]:
+    """Return for each parameter its forms: of the values in each trial, and the scenes' own."""
     values, own = (np.array(rows, float).T for rows in zip(*found, strict=True))
     return [_forms(*one) for one in zip(names, values, own, strict=True)]
 
@@ -527,11 +542,24 @@ def fitted(stage: str, sought: Sought) -> Iterator[Explanation]:
                     fit, left = usual, there
             yield Explanation(
                 fit.name, fit.sentence, fit.remedy, left, 2 + fit.roundness, fit.change,
-                allowed=JUMPED if fit.parameter in OWN and OWN[fit.parameter].switches else NAMED,
             )  # fmt: skip
 
 
 # --- two at once ----------------------------------------------------------------------------------
+
+
+# Errors above this do not add up.
+SMALL = 0.03
+
+
+def two(stage: str, sought: Sought, known: Sequence[Explanation]) -> Iterator[Explanation]:
+    """Yield two of the known mistakes and fitted numbers together."""
+    small = float(np.median(sought.few.sizes(NONE))) < SMALL
+    for way in (pairs, one_after_another) if small else (one_after_another, pairs):
+        found = list(way(stage, sought, known))
+        yield from found
+        if any(e.named for e in found):
+            return
 
 
 def pairs(stage: str, sought: Sought, known: Sequence[Explanation]) -> Iterator[Explanation]:
@@ -549,30 +577,65 @@ def pairs(stage: str, sought: Sought, known: Sequence[Explanation]) -> Iterator[
         if effect and sum(np.abs(x).sum() for x in effect) > 1e-9:
             columns.append((e, effect))
     columns += _slopes(stage, few)
-    ranked = []
+    ranked: dict[tuple[int, bool], list[tuple[float, Any, Any]]] = defaultdict(list)
     for (a, ea), (b, eb) in itertools.combinations(columns, 2):
-        left = 0.0
-        for rest, *effects in zip(base, ea, eb, strict=True):
-            # A number that is the same in all scenes is another part of each scene's own.
-            free = []
-            for name, does in zip((a, b), effects, strict=True):
-                if isinstance(name, str):
-                    free.append(does)
-                else:
-                    rest = rest - does
-            if free:
-                matrix = np.array(free).T
-                rest = rest - matrix @ np.linalg.lstsq(matrix, rest, rcond=None)[0]
-            left += float(np.abs(rest).sum())
-        ranked.append((left, a, b))
-    ranked.sort(key=lambda one: one[0])
-    for _, a, b in ranked[:4]:
-        if not sought.work.exhausted and (joined := _joined(sought, stage, a, b)):
-            yield joined
+        count = isinstance(a, str) + isinstance(b, str)
+        # A number that is the same in all scenes is another part of each scene's own, and a factor
+        # the same part.
+        for common in (False, True) if count else (False,):
+            left = _left_by((base, ea, eb), (a, b), common)
+            ranked[count, common].append((left, a, b))
+    # What is free fits more, and takes longer.
+    tried: list[tuple[Any, Any]] = []
+    for key, most in (((0, False), 3), ((1, True), 2), ((1, False), 2), ((2, True), 2),
+                      ((2, False), 2)):  # fmt: skip
+        for _, a, b in sorted(ranked[key], key=lambda one: one[0])[:most]:
+            if (a, b) in tried or sought.work.exhausted:
+                continue
+            tried.append((a, b))
+            if joined := _joined(sought, stage, a, b):
+                yield joined
+                if joined.named:
+                    return
+
+
+def _left_by(
+    rows: tuple[list[Array], list[Array], list[Array]], names: tuple[Any, Any], common: bool
+) -> float:
+    """Return what is left of errors by two effects, of which those with a name may have any size.
+
+    Parameters
+    ----------
+    rows
+        The errors and the two effects in each trial.
+    names
+        Of the effects; explanations have their own size.
+    common
+        Whether the size is the same in all trials.
+    """
+    if common:
+        rows = tuple([np.concatenate(one)] for one in rows)  # type: ignore[assignment]
+    left = 0.0
+    for rest, *effects in zip(*rows, strict=True):
+        free = [does for name, does in zip(names, effects, strict=True) if isinstance(name, str)]
+        for name, does in zip(names, effects, strict=True):
+            if not isinstance(name, str):
+                rest = rest - does
+        if free:
+            matrix = np.array(free).T
+            rest = rest - matrix @ np.linalg.lstsq(matrix, rest, rcond=None)[0]
+        left += float(np.abs(rest).sum())
+    return left
 
 
 # Changes that are taken for the first of two, one after the other.
 FIRSTS = 6
+
+# Of the errors, what the first must not leave.
+HELPS = 0.95
+
+# Trials that these are chosen by.
+TRIED = 4
 
 
 def one_after_another(
@@ -584,13 +647,15 @@ def one_after_another(
     leaves least; the second explains the rest, given the first.
     """
     ranked = []
+    few = sought.some(TRIED)
+    wholes = few.sizes(NONE)
     for e in known:
-        if e.change is None or sought.work.exhausted or not sought.concerned(e.change):
+        if e.change is None or sought.work.exhausted or not few.concerned(e.change):
             continue
-        wholes, lefts = sought.sizes(NONE), sought.sizes(e.change)
+        lefts = few.sizes(e.change)
         solved = sum(left <= NAMED * whole for left, whole in zip(lefts, wholes, strict=True))
         worse = sum(left > whole for left, whole in zip(lefts, wholes, strict=True))
-        if solved or worse < len(lefts) // 2:
+        if sum(lefts) < HELPS * sum(wholes) and (solved or worse < len(lefts) // 2):
             ranked.append((-solved, sum(lefts), e))
     ranked.sort(key=lambda one: one[:2])
     for _, _, first in ranked[:FIRSTS]:

@@ -34,6 +34,7 @@ from longball.model.atmosphere import (
 from longball.model.bat import CollisionParameters, collision_parameters, moment_of_inertia
 from longball.model.earth import CORIOLIS, ROTATION
 from longball.model.force import (
+    Branches,
     Drag,
     Flow,
     Force,
@@ -43,8 +44,10 @@ from longball.model.force import (
     Term,
     Wind,
     cross,
+    piecewise,
     scaled,
     size,
+    switched,
 )
 from longball.model.law import GRAVITY
 from longball.model.numbers import DOUBLES, Vector, dot, plus
@@ -91,6 +94,14 @@ def _terms(change: Callable[[Term], Term | None]) -> Change:
         model=lambda model: replace(
             model, forces=tuple(new for f in model.forces if (new := changed(f)) is not None)
         )
+    )
+
+
+def _carrying(change: Callable[[Term], Term], carried: Term) -> Change:
+    """Return the change of each term to one that may use the parameters of another term."""
+    changed = cache(change)
+    return Change(
+        model=lambda model: replace(model, forces=(*map(changed, model.forces), carried))
     )
 
 
@@ -215,13 +226,20 @@ def _is_batted(scene: Any, frame: Any) -> bool:
     return scene.kind == "at-bat" and (frame.x, frame.y) != tuple(scene.pitch.release[:2])
 
 
-def _axis_of_pitch(scene: Any, frame: Any) -> Vector[Any]:
-    """Return the axis of the lift, of a batted ball that which the pitch has had."""
-    if not _is_batted(scene, frame):
-        return frame.sin, -frame.cos, 0.0
-    x, y, _ = scene.pitch.thrown
-    size = math.hypot(x, y) or 1.0
-    return y / size, -x / size, 0.0
+def _axis_of_pitch(straight: bool) -> Callable[[Any, Any], Vector[Any]]:
+    """Return the axis of the lift, of a batted ball that which the pitch has had.
+
+    Or that of a pitch which comes straight along the field.
+    """
+
+    def axis(scene: Any, frame: Any) -> Vector[Any]:
+        if not _is_batted(scene, frame):
+            return frame.sin, -frame.cos, 0.0
+        x, y, _ = (-1.0, 0.0, 0.0) if straight else scene.pitch.thrown
+        size = math.hypot(x, y) or 1.0
+        return y / size, -x / size, 0.0
+
+    return axis
 
 
 def _axis_by_arctangent(scene: Any, frame: Any) -> Vector[Any]:
@@ -398,7 +416,10 @@ _PAPERS_LAW: tuple[Mistake, ...] = (
             _about(lambda scene, frame: (0.0, -1.0, 0.0))),
     Mistake("lift-about-axis-of-pitch", "lifts a batted ball about the axis that the pitch had",
             "the axis ê is fixed at the launch of each flight: at the impact anew",
-            _about(_axis_of_pitch)),
+            _about(_axis_of_pitch(straight=False))),
+    Mistake("lift-about-plus-y", "lifts a batted ball about +y, the axis of a straight pitch",
+            "the axis ê is fixed at the launch of each flight: at the impact anew",
+            _about(_axis_of_pitch(straight=True))),
     Mistake("heading-by-arctangent", "takes the heading for atan(v_y/v_x), which is the "
             "opposite one where v_x < 0: the lift then has the wrong sign", "take atan2(v_y, v_x), "
             "or divide the horizontal velocity by its size", _about(_axis_by_arctangent)),
@@ -669,7 +690,7 @@ def _at_launch(scene: Any) -> Mapping[str, Any]:
     return found
 
 
-def _lift_times(share: Callable[[Flow, Any], Any]) -> Change:
+def _lift_times(share: Callable[[Flow, Any], Any]) -> Callable[[Any], Any]:
     """Return the change of a spinning ball's lift by a factor, from its flow and the parameters."""
 
     def changed(f: Any) -> Any:
@@ -679,7 +700,23 @@ def _lift_times(share: Callable[[Flow, Any], Any]) -> Change:
         new = replace(form, factor=lambda m, p: form.factor(m, p) * share(m.lift, p))
         return replace(f, term=new) if isinstance(f, Piecewise) else new
 
-    return _terms(changed)
+    return changed
+
+
+_TOTAL = "of_total"
+_BY_SPIN = {"linear_lift", "rational_lift"}
+
+
+def _by_whole_spin(f: Any) -> Any:
+    """Return a lift whose size goes with the whole spin, where it goes with spin at all."""
+    by_spin = not _BY_SPIN.isdisjoint(f.parameters)
+    return _lift_times(lambda flow, p: 1.0 + (1.0 if by_spin else getattr(p, _TOTAL)) * (
+        1.0 / _active(flow, p) - 1.0))(f)  # fmt: skip
+
+
+def _of_total(scene: Any, frame: Any, numbers: Any) -> tuple[float | None]:
+    """Return 1 if the scene's lift is one by the whole spin."""
+    return (1.0 if scene.reading.spin_parameter == "total" else None,)
 
 
 def _active(flow: Flow, p: Any) -> Any:
@@ -900,9 +937,13 @@ EXTENDED: tuple[Mistake, ...] = (
     Mistake("lift-of-whole-spin-across", "takes the C_L of the whole spin, gyro spin included, "
             "along ω × u", "S = R ω_T/U with ω_T = |ω × u|/U",
             _reading(spin_parameter="total").then(
-                _lift_times(lambda flow, p: 1.0 / _active(flow, p)))),
+                _terms(_lift_times(lambda flow, p: 1.0 / _active(flow, p))))),
+    Mistake("lift-by-whole-spin", "multiplies by the whole spin, gyro spin included, in the "
+            "lift's size", "S = R ω_T/U with ω_T = |ω × u|/U",
+            _carrying(_by_whole_spin, Term((_TOTAL,), _of_total))),
     Mistake("lift-not-along-unit", "divides ω × u by ωU, and not by its length, in the "
-            "direction of the lift", "the lift is along ω × u/|ω × u|", _lift_times(_active)),
+            "direction of the lift", "the lift is along ω × u/|ω × u|",
+            _terms(_lift_times(_active))),
     Mistake("spin-all-back", "takes the size of the spin for backspin", _DIRECTION,
             _spins(_backspin)),
     Mistake("spin-total", "takes the whole spin, gyro spin included, where the part across the "
@@ -1070,58 +1111,56 @@ class Own:
         What it is in longball.
     change
         The chain with the number that a scene carries under the name, along with its own.
-    switches
-        See `Mistake`.
     """
 
     words: str
     usual: float
     change: Change
-    switches: bool = False
 
 
-def _own(name: str, usual: float, changed: Callable[[Term], Term]) -> Change:
-    """Return the change of terms into some with one more parameter."""
-
-    def strengths(scene: Any, frame: Any, numbers: Any) -> tuple[float]:
-        return (getattr(scene, name, usual),)
-
-    known, carried = cache(changed), Term((name,), strengths)
-    return Change(
-        model=lambda model: replace(model, forces=(*map(known, model.forces), carried))
-    )
+def _always(name: str, usual: float) -> Term:
+    """Return the term that carries a number."""
+    return Term((name,), lambda scene, frame, numbers: (getattr(scene, name, usual),))
 
 
-def _of_drag(name: str, usual: float, factor: Callable[[Motion, Any], Any]) -> Change:
-    """Return the change of all drag by a factor: of the motion and the number."""
+def _carried(term: Term) -> Callable[[Any], Any]:
+    """Return the function from parameters to the one that a term carries; 0 on no branch yet."""
+    (name,) = term.parameters
+    return lambda p: getattr(p, name, trace.ZERO)
+
+
+def _of_drag(carried: Term, factor: Callable[[Motion, Any], Any]) -> Change:
+    """Return the change of all drag by a factor: of the motion and the number carried."""
+    number = _carried(carried)
 
     def changed(f: Any) -> Any:
         form = _form(f)
         if not isinstance(form, Drag):
             return f
-        new = replace(form, rate=lambda m, p: form.rate(m, p) * factor(m, getattr(p, name)))
+        new = replace(form, rate=lambda m, p: form.rate(m, p) * factor(m, number(p)))
         return replace(f, term=new) if isinstance(f, Piecewise) else new
 
-    return _own(name, usual, changed)
+    return _carrying(changed, carried)
 
 
-def _of_lift(name: str, usual: float, factor: Callable[[Motion, Any], Any]) -> Change:
+def _of_lift(carried: Term, factor: Callable[[Motion, Any], Any]) -> Change:
     """Return the same change of all lift."""
+    number = _carried(carried)
 
     def changed(f: Any) -> Any:
         form = _form(f)
         if isinstance(form, Lift):
             new: Term = replace(
-                form, factor=lambda m, p: form.factor(m, p) * factor(m, getattr(p, name))
+                form, factor=lambda m, p: form.factor(m, p) * factor(m, number(p))
             )
         elif isinstance(form, Force) and _lifts(form):
             new = replace(form, acceleration=lambda m, p: scaled(
-                factor(m, getattr(p, name)), form.acceleration(m, p)))  # fmt: skip
+                factor(m, number(p)), form.acceleration(m, p)))  # fmt: skip
         else:
             return f
         return replace(f, term=new) if isinstance(f, Piecewise) else new
 
-    return _own(name, usual, changed)
+    return _carrying(changed, carried)
 
 
 def _to_power(flow: Flow, more: Any) -> Any:
@@ -1129,14 +1168,17 @@ def _to_power(flow: Flow, more: Any) -> Any:
     return trace.exp(more * trace.log(flow.speed * flow.speed + SMALL * SMALL) * 0.5)
 
 
-def _while(rises: bool) -> Callable[[Motion, Any], Any]:
-    """Return a factor that counts while the ball rises, or falls."""
+def _moving(name: str, rises: bool) -> Term:
+    """Return the term that carries a number while the ball rises, or falls, and 1 otherwise."""
 
-    def factor(motion: Motion, number: Any) -> Any:
-        up = _rising(motion)
-        return 1.0 + (number - 1.0) * (up if rises else 1.0 - up)
+    def branches(scene: Any, frame: Any, numbers: Any) -> Branches:
+        number = (getattr(scene, name, 1.0),)
+        return Branches((0.0,), ((1.0,), number) if rises else (number, (1.0,)))
 
-    return factor
+    return piecewise(
+        Term((name,), switched), branches, lambda motion, p: (motion.velocity[2], 1.0),
+        "the ball is at its highest point",
+    )  # fmt: skip
 
 
 def _faster_sound(scene: Any) -> Any:
@@ -1145,19 +1187,24 @@ def _faster_sound(scene: Any) -> Any:
     return _tables(lambda nodes, values: ([x * share for x in nodes], values), "mach").scene(scene)
 
 
+def _share(motion: Motion, number: Any) -> Any:
+    return number
+
+
 OWN: dict[str, Own] = {
     "drag_exponent": Own("the exponent of V in the drag", 2.0, _of_drag(
-        "drag_exponent", 2.0, lambda m, n: _to_power(m.air, n - 2.0))),
+        _always("drag_exponent", 2.0), lambda m, n: _to_power(m.air, n - 2.0))),
     "lift_exponent": Own("the exponent of V in the lift", 2.0, _of_lift(
-        "lift_exponent", 2.0, lambda m, n: _to_power(m.lift, n - 2.0))),
+        _always("lift_exponent", 2.0), lambda m, n: _to_power(m.lift, n - 2.0))),
     **{
         f"{way}_{how}": Own(f"the share of the {way} on a {how} ball", 1.0, of(
-            f"{way}_{how}", 1.0, _while(how == "rising")), True)
+            _moving(f"{way}_{how}", how == "rising"), _share))
         for way, of in (("drag", _of_drag), ("lift", _of_lift)) for how in ("rising", "falling")
     },
-    "rotation": Own("the Earth's rotation in rad/s", ROTATION, _own(
-        "rotation", ROTATION, lambda f: replace(CORIOLIS, acceleration=lambda m, p: scaled(
-            p.rotation / ROTATION, CORIOLIS.acceleration(m, p))) if f is CORIOLIS else f)),
+    "rotation": Own("the Earth's rotation in rad/s", ROTATION, _carrying(
+        lambda f: replace(CORIOLIS, acceleration=lambda m, p: scaled(
+            p.rotation / ROTATION, CORIOLIS.acceleration(m, p))) if f is CORIOLIS else f,
+        _always("rotation", ROTATION))),
     "sound": Own("the share of the speed of sound", 1.0, Change(_faster_sound)),
 }  # fmt: skip
 SPIN = tuple(mistake for mistake in EXTENDED if mistake.name.startswith("spin-"))
