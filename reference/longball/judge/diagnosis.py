@@ -76,6 +76,10 @@ OTHERS = 3
 # What the impact tells besides numbers, which a change of it may change.
 MADE = ("impact.mode",)
 
+# Scenes with these flags magnify the errors of flights under laws other than longball's; where one
+# in so many of them is wrong with an explanation at hand, it is that explanation's own error.
+KEEN, ONE_IN = frozenset(("vertical", "grazing")), 5
+
 # Errors below this, relative, are mostly an integrator's: of the physics only a number may be
 # behind them. Below the second one nothing is sought.
 FINE, FAINT = 1e-7, 1e-10
@@ -318,7 +322,7 @@ class _Search:
         wrong = [one for one, size in zip(seen, sizes, strict=True) if size > minor]
         good = [one for one, size in zip(seen, sizes, strict=True) if one[1] and size <= minor]
         before = self.begun.get(stage, 0.0)
-        if before and worst < FINE:
+        if (before and worst < FINE) or self._is_own(wrong, good):
             self._leave(stage, wrong)
             return False
         right = [t for t, _ in good]
@@ -366,6 +370,14 @@ class _Search:
             self._accept(best, stage, worst)
         self._followed = None
         return True
+
+    def _is_own(self, wrong: Sequence[Checked], good: Sequence[Checked]) -> bool:
+        """Tell whether errors are those of flights with what is found so far in them."""
+        if self.jumps:  # a scene passes a jump where a flight is sensitive to it
+            return ONE_IN * len(wrong) <= len(wrong) + len(good)
+        if self.base is NONE or not all(_keen(t) for t, _ in wrong):
+            return False
+        return ONE_IN * (len(wrong) - 1) <= len(wrong) + sum(_keen(t) for t, _ in good)
 
     def _found(
         self,
@@ -507,9 +519,9 @@ class _Search:
         checks: Sequence[Checked],
     ) -> list[Explanation]:
         """Return explanations, the cheap ones first, until some are named."""
-        wrong = [one for one in wrong if all(map(_known, one[1]))] or wrong
+        wrong = [one for one in wrong if all(map(_known, one[1])) and not _keen(one[0])] or wrong
         chosen = evenly(wrong, SOUGHT)
-        right = evenly([t for t, _ in good], BESIDE)
+        right = evenly([t for t, _ in good if not _keen(t)], BESIDE)
         sought = Sought([t for t, _ in chosen], right, (stage,), self.base, self.work)
         together = self._with_flights(wrong, right, checks) if stage == "pitch" else None
         if max(size_of(c) for _, cs in wrong for c in cs if not c.follows) < FINE:
@@ -546,12 +558,18 @@ class _Search:
     ) -> Sought | None:
         """Return pitches and batted balls, which fly by one law: one explanation for both."""
         flying = [
-            one for one in checks if any(c.stage == "flight" and not c.follows for c in one[1])
-        ]
+            one for one in checks if not _keen(one[0])
+            and any(c.stage == "flight" and not c.follows and _known(c) for c in one[1])
+        ]  # fmt: skip
         if not flying:
             return None
         some = evenly(wrong, SOUGHT // 2) + evenly(flying, SOUGHT // 2)
         return Sought([t for t, _ in some], right, ("pitch", "flight"), self.base, self.work)
+
+
+def _keen(trial: Trial) -> bool:
+    """Tell whether a trial answers to the last digits of what is computed."""
+    return not KEEN.isdisjoint(trial.case.flags)
 
 
 def _known(check: Check) -> bool:

@@ -418,14 +418,16 @@ def _all_forms(
 def _forms(name: str, values: Array, own: Array) -> list[Fit]:
     """Return the forms in which a parameter has some values, beside the scenes' own."""
     varies = bool(np.ptp(own) > 1e-9 * np.abs(own).max(initial=0.0))
+    some = own != 0  # a factor leaves the others as they are
+    stay = some.any() and np.abs(values[~some]).max(initial=0.0) <= 1e-9 * np.abs(own).max()
     forms: list[tuple[str, Callable[[], Array]]] = [
         ("fixed", lambda: values),
-        ("factor", lambda: values / own),
+        ("factor", lambda: values[some] / own[some]),
         ("offset", lambda: values - own),
     ]
     result = []
     for form, make in forms:
-        if form == "factor" and (own == 0).any():
+        if form == "factor" and not stay:
             continue
         if form == "fixed" and not varies and own[0] and factor_meaning(float(values[0] / own[0])):
             continue  # the factor says more
@@ -437,7 +439,8 @@ def _forms(name: str, values: Array, own: Array) -> list[Fit]:
         low, middle, high = np.quantile(spread, (0.05, 0.5, 0.95))
         doubt = float(high - low) / 2
         size = 1.0 if form == "factor" else float(np.abs(own).max())
-        value = roundest(float(middle), max(doubt, 1e-9 * abs(float(middle))), size)
+        fine = min(1e-9 * abs(float(middle)), 1e-3 * _difference(form, float(middle), own))
+        value = roundest(float(middle), max(doubt, fine), size)
         fit = Fit(name, form, value, doubt, varies, float(own[0]))
         if doubt > UNSURE * _difference(form, value, own):
             continue  # scene after scene acts as if it were another number

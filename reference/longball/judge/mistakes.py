@@ -841,14 +841,34 @@ def _tables(change: Callable[..., Any], of: str = "") -> Change:
     return _scene(values)
 
 
-# Relative: of a jump that is made a steep line.
-_NARROW = 1e-7
+# Relative: half the width of the line that stands for a jump in a table; it is left out again.
+_NARROW = 1e-15
 
 
-def _steps(jumps: Sequence[float], values: Sequence[float]) -> tuple[list[float], list[float]]:
-    """Return a table that is level between jumps."""
-    nodes = [x for jump in jumps for x in (jump * (1 - _NARROW), jump * (1 + _NARROW))]
-    return nodes, [value for pair in pairwise(values) for value in pair]
+def _jumping(f: Any) -> Any:
+    """Return the term of a table of steps, without the lines between them."""
+    if not (isinstance(f, Piecewise) and "table" in f.parameters[0]):
+        return f
+
+    def branches(scene: Any, frame: Any, numbers: Any) -> Branches | None:
+        found = f.branches(scene, frame, numbers)
+        held = scene.air and at(scene, f"air.{f.parameters[0].partition('_')[0]}_coefficient")
+        if found is None or not isinstance(held, Table):
+            return found
+        return Branches(found.levels[::2], found.strengths[::2])
+
+    return replace(f, branches=branches)
+
+
+def _stepped(jumps: Callable[[Sequence[float]], Sequence[float]]) -> Change:
+    """Return the change of tables to steps that jump at some places, from the nodes."""
+
+    def steps(nodes: Sequence[float], values: Sequence[float]) -> tuple[Any, Any]:
+        pairs = [one for one in zip(jumps(nodes), pairwise(values), strict=True) if one[0]]
+        at = [x for jump, _ in pairs for x in (jump * (1 - _NARROW), jump * (1 + _NARROW))]
+        return at, [value for _, pair in pairs for value in pair]
+
+    return _tables(steps).then(_terms(_jumping))
 
 
 def _extrapolated(
@@ -1076,12 +1096,12 @@ EXTENDED: tuple[Mistake, ...] = (
             "earth.azimuth is that of +x, clockwise from north", _earth("azimuth", operator.neg)),
     Mistake("azimuth-ignored", "takes +x for north", "earth.azimuth is that of +x",
             _earth("azimuth", lambda angle: 0.0)),
-    Mistake("table-in-steps", "takes a table's value at the node below", _LINEAR, _tables(
-        lambda at, values: _steps(at[1:], values)), True),
-    Mistake("table-of-next", "takes a table's value at the node above", _LINEAR, _tables(
-        lambda at, values: _steps(at[:-1], values)), True),
-    Mistake("table-of-nearest", "takes a table's value at the nearest node", _LINEAR, _tables(
-        lambda at, values: _steps([(a + b) / 2 for a, b in pairwise(at)], values)), True),
+    Mistake("table-in-steps", "takes a table's value at the node below", _LINEAR,
+            _stepped(lambda nodes: nodes[1:]), True),
+    Mistake("table-of-next", "takes a table's value at the node above", _LINEAR,
+            _stepped(lambda nodes: nodes[:-1]), True),
+    Mistake("table-of-nearest", "takes a table's value at the nearest node", _LINEAR,
+            _stepped(lambda nodes: [(a + b) / 2 for a, b in pairwise(nodes)]), True),
     Mistake("table-extrapolated", "goes on along the first and last line outside a table", _LINEAR,
             _tables(lambda at, values: _extrapolated(at, values))),
     *(Mistake(f"table-in-{unit}", f"takes a table of the airspeed for one in {unit}",
