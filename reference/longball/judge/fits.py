@@ -255,7 +255,7 @@ LARGEST_DENOMINATOR, FRACTION_DIGITS = 12, 4
 
 def digits_of(number: float) -> int:
     """Return how many digits a number needs, up to ten, besides zeros at its ends."""
-    return len(f"{number:.10g}".replace(".", "").strip("-0"))
+    return len(f"{number:.10g}".partition("e")[0].replace(".", "").strip("-0"))
 
 
 def roundest(value: float, doubt: float, size: float = 1.0) -> float:
