@@ -64,7 +64,7 @@ from longball.judge.stages import (
     stage_of,
     trial_of,
 )
-from longball.judge.steps import schemes
+from longball.judge.steps import FixedStep, schemes
 from longball.model.readings import Reading
 
 # Scenes that an explanation is sought in, failing and passing ones; it is then held against all.
@@ -373,9 +373,10 @@ class _Search:
 
     def _is_own(self, wrong: Sequence[Checked], good: Sequence[Checked]) -> bool:
         """Tell whether errors are those of flights with what is found so far in them."""
-        if self.jumps:  # a scene passes a jump where a flight is sensitive to it
+        # A scene passes a jump where a flight is sensitive to it, or a scheme its own start.
+        if self.jumps or isinstance(self.base.engine, FixedStep):
             return ONE_IN * len(wrong) <= len(wrong) + len(good)
-        if self.base is NONE or not all(_keen(t) for t, _ in wrong):
+        if not self.begun or not all(_keen(t) for t, _ in wrong):
             return False
         return ONE_IN * (len(wrong) - 1) <= len(wrong) + sum(_keen(t) for t, _ in good)
 

@@ -210,7 +210,8 @@ class Fit:
     def name(self) -> str:
         """Parameter and value: ``air.density=1.205``, ``pitch.speed*3.6``."""
         symbol = {"fixed": "=", "factor": "*", "offset": "+"}[self.form]
-        return f"{self.parameter}{symbol}{self.value:.6g}"
+        digits = 6 if abs(self.value - 1) > NEARLY else 10
+        return f"{self.parameter}{symbol}{self.value:.{digits}g}"
 
     @property
     def remedy(self) -> str:
@@ -290,7 +291,7 @@ def told(value: float, doubt: float) -> str:
     if value == 0.0:
         return "0" if doubt < 1e-9 else f"0 ± {doubt:.1g}"
     if doubt <= 1e-9 * max(abs(value), 1e-3):
-        return f"{value:.9g}"
+        return f"{value:.10g}"
     places = min(12, max(0, 1 - math.floor(math.log10(doubt))))
     return f"{value:.{places}f} ± {doubt:.1g}"
 

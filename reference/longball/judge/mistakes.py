@@ -100,9 +100,7 @@ def _terms(change: Callable[[Term], Term | None]) -> Change:
 def _carrying(change: Callable[[Term], Term], carried: Term) -> Change:
     """Return the change of each term to one that may use the parameters of another term."""
     changed = cache(change)
-    return Change(
-        model=lambda model: replace(model, forces=(*map(changed, model.forces), carried))
-    )
+    return Change(model=lambda model: replace(model, forces=(*map(changed, model.forces), carried)))
 
 
 def _form(term: Term) -> Term:
@@ -629,8 +627,11 @@ def _vapours() -> Iterator[Mistake]:
 
 # Where the density that falls by e in H is 1, as a height of the scene; that of the scale is 0.
 _LEVELS: tuple[tuple[str, str, Callable[[Any], float]], ...] = (
-    ("launch", "from the launch", lambda s: (
-        s.launch.position if s.kind == "flight" else s.pitch.release)[2]),
+    (
+        "launch",
+        "from the launch",
+        lambda s: (s.launch.position if s.kind == "flight" else s.pitch.release)[2],
+    ),
     ("ground", "from the ground", lambda s: s.ground.height),
 )
 
@@ -765,9 +766,13 @@ def _profile(rise: Callable[[Any, Any], Any]) -> Change:
     return _terms(changed)
 
 
+# m: a height at which two forms of the wind go over into each other is so wide.
+_BLEND = 5e-3
+
+
 def _larger(a: Any, b: Any) -> Any:
     """Return the larger of two, smoothly."""
-    return (a + b + trace.sqrt((a - b) * (a - b) + SMALL * SMALL)) * 0.5
+    return (a + b + trace.sqrt((a - b) * (a - b) + _BLEND * _BLEND)) * 0.5
 
 
 def _smaller(a: Any, b: Any) -> Any:
@@ -1108,6 +1113,9 @@ EXTENDED: tuple[Mistake, ...] = (
               "the nodes of a table of the airspeed are in m/s", _tables(
                   lambda at, values, f=factor: ([x * f for x in at], values), "speed"))
       for unit, factor in (("km/h", 1 / 3.6), ("mph", 0.44704), ("ft/s", 0.3048))),
+    Mistake("crisis-without-width", "leaves the width out of the drag crisis: e^(U - U_c)",
+            "C_D = a + (b - a)/(1 + e^((U - U_c)/δ))",
+            _scene(lambda scene: {"air.drag_coefficient.width": 1.0})),
     *_exchanged(),
     *(Mistake(f"launch-rounded-{n}", f"rounds the velocity at launch to {n} decimals", _SCENE,
               _rounded(n)) for n in range(7)),
@@ -1170,9 +1178,7 @@ def _of_lift(carried: Term, factor: Callable[[Motion, Any], Any]) -> Change:
     def changed(f: Any) -> Any:
         form = _form(f)
         if isinstance(form, Lift):
-            new: Term = replace(
-                form, factor=lambda m, p: form.factor(m, p) * factor(m, number(p))
-            )
+            new: Term = replace(form, factor=lambda m, p: form.factor(m, p) * factor(m, number(p)))
         elif isinstance(form, Force) and _lifts(form):
             new = replace(form, acceleration=lambda m, p: scaled(
                 factor(m, number(p)), form.acceleration(m, p)))  # fmt: skip
