@@ -138,18 +138,12 @@ def observe(
                 progress(len(done), len(planned))
         return [
             _Measured(
-                one.quantity,
-                one.unit,
-                steps,
-                np.array([done[key][i].values for key in planned])
-                .reshape(*steps.shape, *one.values.shape)
-                .transpose(2, 0, 1, 3)
-                .copy(),
-                truth[i].values if truth else None,
-                last / family,
+                one.quantity, one.unit, steps, np.array([done[key][i].values for key in planned])
+                .reshape(*steps.shape, *one.values.shape).transpose(2, 0, 1, 3).copy(),
+                truth[i].values if truth else None, last / family,
             )
             for i, one in enumerate(done[0, 0])
-        ]
+        ]  # fmt: skip
 
     found = measured(min(2, phases))
     jumps = [_jump(one) if phases > 1 else 0.0 for one in found]
@@ -358,18 +352,11 @@ def _limits(one: _Measured, jumps: bool, law: PowerLaw, scenes: Sequence[str]) -
     steps, means = one.levels(jumps)[: law.last + 1], one.means(jumps)[:, : law.last + 1]
     limits = []
     for scene, values in enumerate(means):
-        found = richardson(steps, values, law.order)
-        if found is None:
-            continue
-        value, error = found
-        off = None if one.truth is None else float(np.linalg.norm(value - one.truth[scene]))
-        limits.append(
-            Limit(
-                scene=scenes[scene],
-                quantity=one.quantity,
-                value=tuple(value.tolist()),
-                error=error,
-                off=off,
-            )
-        )
+        if found := richardson(steps, values, law.order):
+            value, error = found
+            off = None if one.truth is None else float(np.linalg.norm(value - one.truth[scene]))
+            limits.append(
+                Limit(scene=scenes[scene], quantity=one.quantity, value=tuple(value.tolist()),
+                      error=error, off=off)
+            )  # fmt: skip
     return limits

@@ -8,7 +8,7 @@ assumed, and neither is a constant ratio of the steps.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -112,14 +112,7 @@ def fit_power_law(steps: Array, errors: Array) -> PowerLaw | None:
     best = max(
         (law for law in laws if law.half_width <= allowed), key=lambda law: (law.last, -law.first)
     )
-    return PowerLaw(
-        best.order,
-        best.low,
-        best.high,
-        best.constant,
-        int(there[best.first]),
-        int(there[best.last]),
-    )
+    return replace(best, first=int(there[best.first]), last=int(there[best.last]))
 
 
 def _is_bent(steps: Array, errors: Array) -> bool:

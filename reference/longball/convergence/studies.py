@@ -106,31 +106,18 @@ def study(
 # --- a solver of scenes ---------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class Observable:
-    """A quantity of a result that is observed: what it is called here, and where it stands."""
-
-    name: str
-    unit: str
-    quantity: str
-
-    def of(self, result: Answered) -> list[float] | None:
-        """Return its components as doubles; None if the result does not have it."""
-        value = result.get(self.quantity)
-        return None if value is None else [float(x) for x in value]
-
-
 # Quantities that an implementation answers with, by name: it need not have them all.
 Answered = Mapping[str, Sequence[Any]]
 
+# What is observed of a result: what it is called here, its unit, and where it stands.
 OBSERVABLES = (
-    Observable("plate height", "m", "plate.position[2]"),
-    Observable("contact time", "s", "contact.time"),
-    Observable("contact point", "m", "contact.position"),
-    Observable("exit velocity", "m/s", "impact.velocity"),
-    Observable("landing time", "s", "landing.time"),
-    Observable("landing point", "m", "landing.position"),
-    Observable("distance", "m", "landing.distance"),
+    ("plate height", "m", "plate.position[2]"),
+    ("contact time", "s", "contact.time"),
+    ("contact point", "m", "contact.position"),
+    ("exit velocity", "m/s", "impact.velocity"),
+    ("landing time", "s", "landing.time"),
+    ("landing point", "m", "landing.position"),
+    ("distance", "m", "landing.distance"),
 )
 
 
@@ -239,15 +226,14 @@ def converge(
 def _observed(results: Sequence[Sample], should: Sequence[Sample]) -> list[Observed]:
     """Return what is observed of results; NaN of those that end otherwise than they should."""
     observed = []
-    for one in OBSERVABLES:
-        right = [one.of(result.values) for result in should]
-        width = max((len(value) for value in right if value is not None), default=1)
+    for name, unit, quantity in OBSERVABLES:
+        width = max((len(end.values.get(quantity, ())) for end in should), default=1) or 1
         values = np.full((len(results), width), np.nan)
         for scene, (result, end) in enumerate(zip(results, should, strict=True)):
-            value = one.of(result.values)
-            if value is not None and right[scene] is not None and not _ends_otherwise(result, end):
-                values[scene] = value
-        observed.append(Observed(one.name, one.unit, values))
+            both = quantity in result.values and quantity in end.values
+            if both and not _ends_otherwise(result, end):
+                values[scene] = [float(x) for x in result.values[quantity]]
+        observed.append(Observed(name, unit, values))
     return observed
 
 

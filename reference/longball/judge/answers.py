@@ -172,9 +172,10 @@ class Collector:
 
     def report_columns(self, header: Sequence[str]) -> None:
         """Note the columns of a table that no result has."""
+        known = csv_columns()
         for name in header:
-            if name not in COLUMNS:
-                self._report_key(1, name, COLUMNS)
+            if name not in known:
+                self._report_key(1, name, known)
 
     def take(self, number: int, data: Any) -> bool:
         """Take what a line held; tell whether it answers a scene that had no answer."""
@@ -381,7 +382,7 @@ def read_results(
         Ids of the scenes.
     columns
         CSV only: which quantity a column holds, where the column's name does not say so.
-        See `COLUMNS`.
+        See `csv_columns`.
 
     Raises
     ------
@@ -425,20 +426,31 @@ FACTS = [
 
 _TEXTS = ("id", "outcome", "error")
 
-# What a column can hold: a number by its name, ``landing.distance``, ``landing.position[0]``.
-COLUMNS = [*_TEXTS, *(name for quantity in QUANTITIES.values() for name in quantity.names), *FACTS]
+
+def csv_columns() -> dict[str, tuple[str, int | None]]:
+    """Return what a column can hold: its name, the quantity, and which component.
+
+    ``id``, ``outcome``, ``error``; a number by its name, ``landing.distance``,
+    ``landing.position[0]``.
+    """
+    columns: dict[str, tuple[str, int | None]] = {key: (key, None) for key in _TEXTS}
+    for quantity in QUANTITIES.values():
+        for component, name in enumerate(quantity.names):
+            columns[name] = (quantity.name, component if quantity.size > 1 else None)
+    return columns | {name: (name, None) for name in FACTS}
 
 
 def _read_csv(file: BinaryIO, collector: Collector, columns: Mapping[str, str]) -> None:
     text = io.StringIO(b"".join(_lines(file, collector)).decode("utf-8-sig", errors="replace"))
     rows = csv.reader(text, strict=True)
+    known = csv_columns()
     try:
         header = next(rows, [])
         for column, name in columns.items():
             if column not in header:
                 raise BadTable(f"there is no column {column}; the columns are {', '.join(header)}")
-            if name not in COLUMNS:
-                raise BadTable(f"a column cannot hold {name}; it can hold {', '.join(COLUMNS)}")
+            if name not in known:
+                raise BadTable(f"a column cannot hold {name}; it can hold {', '.join(known)}")
         names = [columns.get(column, column) for column in header]
         collector.report_columns(names)
         if len(set(names)) < len(names):
@@ -454,13 +466,14 @@ def _read_csv(file: BinaryIO, collector: Collector, columns: Mapping[str, str]) 
 
 def _nested(cells: Iterable[tuple[str, str]]) -> dict[str, Any]:
     """Return a row as a result is written in JSON; an empty cell is a quantity left out."""
-    values: dict[str, object] = {}
+    known, values = csv_columns(), dict[str, object]()
     for name, text in cells:
         cell = text.strip()
-        if not cell or name not in COLUMNS:
+        if not cell or name not in known:
             continue
-        if "[" in name:
-            values = dict.fromkeys(QUANTITIES[name.partition("[")[0]].names) | values
+        quantity, component = known[name]
+        if component is not None:
+            values = dict.fromkeys(QUANTITIES[quantity].names) | values
         values[name] = cell if name in _TEXTS else (_fact if name in FACTS else _decimal)(cell)
     return nested(values)
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice
 from typing import Protocol
@@ -331,11 +331,8 @@ def profile(name: str, tolerance: float | None = None, dt: float | None = None) 
         raise ValueError(f"profile {name} takes no tolerance; only converged does")
     if dt is not None and name != "paper":
         raise ValueError(f"profile {name} takes no time step; only paper does")
-    match name:
-        case "exact":
-            return Exact()
-        case "converged":
-            return Converged() if tolerance is None else Converged(tolerance)
-        case "paper":
-            return Paper() if dt is None else Paper(dt)
-    raise ValueError(f"there is no profile {name!r}; the profiles are exact, converged, paper")
+    kinds: dict[str, Callable[..., Profile]]
+    kinds = {"exact": Exact, "converged": Converged, "paper": Paper}
+    if name not in kinds:
+        raise ValueError(f"there is no profile {name!r}; the profiles are {', '.join(kinds)}")
+    return kinds[name](*(x for x in (tolerance, dt) if x is not None))

@@ -14,7 +14,7 @@ from __future__ import annotations
 import math
 from collections import defaultdict
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from statistics import median
 
 import numpy as np
@@ -133,18 +133,24 @@ def diagnose(
     if 2 * sum(t.resolution > 0 or t.share > 0 for t in trials) <= len(trials):
         # A few answers have short numbers by chance, such as those of the scene.
         trials = [replace(t, resolution=0.0, share=0.0) for t in trials]
-    search = _Search(trials, dt, scheme, causes)
-    search.single = in_single_precision(answers.values())
-    search.unread = sum(bool(answer.unreadable) for answer in answers.values())
-    search.wrong = frozenset(wrong)
-    return search.diagnosis()
+    single = in_single_precision(answers.values())
+    unread = sum(bool(answer.unreadable) for answer in answers.values())
+    base = NONE if scheme is None else Change(engine=scheme, push=True)
+    return _Search(trials, dt, scheme, causes, single, unread, frozenset(wrong), base).diagnosis()
 
 
+@dataclass
 class _Search:
     """The search for what explains one candidate's errors.
 
     Attributes
     ----------
+    trials, dt, scheme, causes, wrong
+        See `diagnose`.
+    single
+        Whether the answers are in single precision.
+    unread
+        Answers with values that are no numbers.
     base
         The chain as far as it is explained.
     excused
@@ -161,22 +167,24 @@ class _Search:
         Stages whose errors are explained by a mistake at another one, and that.
     """
 
-    def __init__(
-        self, trials: Sequence[Trial], dt: float | None, scheme: Verlet | None, causes: bool
-    ) -> None:
-        self.single, self.unread = False, 0
-        self.wrong: frozenset[str] = frozenset()
-        self.trials, self.dt, self.scheme, self.causes = list(trials), dt, scheme, causes
-        self.base = NONE if scheme is None else Change(engine=scheme, push=True)
-        self.findings: list[Finding] = []
-        self.stepless = self.jumps = False
-        self.loose: dict[str, float] = {}
-        self.begun: dict[str, float] = {}
-        self.moved: dict[str, str] = {}
-        self.excused: set[str] = set()
-        self.work = Work()
-        self._raw: dict[int, Checked] = {}  # under the base, by the trial's identity
-        self._followed: list[Checked] | None = None
+    trials: list[Trial]
+    dt: float | None
+    scheme: Verlet | None
+    causes: bool
+    single: bool
+    unread: int
+    wrong: Collection[str]
+    base: Change
+    findings: list[Finding] = field(default_factory=list)
+    excused: set[str] = field(default_factory=set)
+    stepless: bool = False
+    jumps: bool = False
+    loose: dict[str, float] = field(default_factory=dict)
+    begun: dict[str, float] = field(default_factory=dict)
+    moved: dict[str, str] = field(default_factory=dict)
+    work: Work = field(default_factory=Work)
+    _raw: dict[int, Checked] = field(default_factory=dict)  # under the base, by trial's identity
+    _followed: list[Checked] | None = None
 
     def diagnosis(self) -> Diagnosis:
         checks, coarse = self._follow(), few_digits(self.trials)

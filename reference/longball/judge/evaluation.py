@@ -235,20 +235,12 @@ class Judge:
             if not diagnosis.findings:
                 wrong_in = {f.what for c in comparisons if not c.passed for f in failure(c).faults}
                 if wrong_in:
-                    said = f"no cause is known; what is wrong is {', '.join(sorted(wrong_in))}"
-                    diagnosis = diagnosis.model_copy(update={"sentence": said})
+                    sentence = f"no cause is known; what is wrong is {', '.join(sorted(wrong_in))}"
+                    diagnosis = diagnosis.model_copy(update={"sentence": sentence})
         truth = engine.description if engine else self.truth
-        return Evaluation(
-            verdict(
-                comparisons,
-                submission,
-                self.profile.told_of(self.cases),
-                truth,
-                self.partial,
-                diagnosis,
-            ),
-            comparisons,
-        )
+        rule = self.profile.told_of(self.cases)
+        said = verdict(comparisons, submission, rule, truth, self.partial, diagnosis)
+        return Evaluation(said, comparisons)
 
 
 def _differ(a: Answer | None, b: Answer | None) -> bool:

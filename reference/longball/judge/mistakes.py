@@ -1505,6 +1505,7 @@ def _distance(formula: Callable[[float, float, float], float]) -> Value:
 
 
 _I = "I = M(L²/3 + r_b²/4) about the end B"
+_PLAIN = "uses e where ẽ belongs"
 _EFFECTIVE = "ẽ = e(1 + m/M_eff) + m/M_eff with M_eff = I/r̃²"
 _N = "n points from the bat's axis to the ball: (x, 0, z - z_b)/d"
 _PIVOT = "the pivot B is at y = +L/2: r̃ = L/2 - y"
@@ -1548,7 +1549,6 @@ def _off_centre(v: View, radii: float) -> Numbers:
 # In the bat's parameters: names, sentences, remedies, and the switches of the reading that make
 # them.
 _MISREAD: dict[str, tuple[str, str, dict[str, str]]] = {
-    "plain-restitution": ("uses e where ẽ belongs", _EFFECTIVE, {"bat_ball_restitution": "plain"}),
     "effective-mass": ("takes M_eff = I/r̃, as printed, which is no mass", "M_eff = I/r̃²",
                        {"effective_mass": "as_printed"}),
     "thin-rod": ("takes the bat for a thin rod", _I, {"inertia": "thin_rod"}),
@@ -1611,6 +1611,7 @@ FORMULAS: tuple[Formula, ...] = (
         ("plate-velocity", "takes the ball's velocity at the plate",
          _closing(lambda v: plus(v["plate.velocity"], -1.0, v["contact.bat_velocity"])),
          "take it at the contact")),
+    Formula("impact.restitution", "plain-restitution", _PLAIN, _EFFECTIVE, lambda v: (v.e,)),
     *(Formula("impact.restitution", name, sentence, remedy, _read(**switches))
       for name, (sentence, remedy, switches) in _MISREAD.items()),
     *_wrong("impact.restitution", _EFFECTIVE,
@@ -1737,7 +1738,7 @@ TWO_STEP_PUSH = Mistake(
 # Mistakes that the parts after them hide if their own quantity is not answered: changes of the
 # whole chain, tried where a stage's inputs are longball's own.
 READINGS: tuple[Mistake, ...] = (
-    *_misread("plain-restitution"),
+    Mistake("plain-restitution", _PLAIN, _EFFECTIVE, _reading(bat_ball_restitution="plain")),
     Mistake("nathan", "uses Nathan's formula: e with the effective mass in μ",
             "the paper prints ẽ = e(1 + m/M_eff) + m/M_eff with μ from the bat's mass M",
             _reading(bat_ball_restitution="nathan")),

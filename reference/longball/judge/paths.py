@@ -90,9 +90,8 @@ def landed(scene: Any, answer: Answer) -> tuple[Answer, Mapping[str, float]]:
         return _ended(answer, "airborne"), {}
     if block == "plate" and fine["plate.position"][2] <= landing_height(scene):  # in the same step
         return _ended(answer, "grounded"), {}
-    if block == "landing":
-        fine["landing.hang_time"] = fine["landing.time"] - begin
-        coarse["landing.hang_time"] = coarse["landing.time"] - begin
+    for found in (fine, coarse) if block == "landing" else ():
+        found["landing.hang_time"] = found["landing.time"] - begin
     slack = {name: float(np.linalg.norm(fine[name] - coarse[name])) for name in fine}
     values = {name: _value(x) for name, x in fine.items()} | dict(answer.values)
     outcome = answer.outcome or {"flight": "landed", "pitch": "crossed", "at-bat": "batted"}[

@@ -281,13 +281,8 @@ def _dependences(columns: Mapping[str, Sequence[float | None]]) -> Iterator[Depe
 def _judge(quantity: str, values: Array) -> Drawn:
     if quantity == "swing.tilt":
         return _judge_tilt(values)
-    match quantity:
-        case "pitch.speed":
-            guesses = list(_speeds())
-        case "pitch.aim[0]":
-            guesses = list(_aims(values))
-        case _:
-            guesses = list(_offsets())
+    ways = {"pitch.speed": _speeds, "swing.height_offset": _offsets}
+    guesses = _aims(values) if quantity == "pitch.aim[0]" else ways[quantity]()
     best = max(guesses, key=lambda guess: guess.log_likelihood(values) - guess.doubt)
     note = ""
     if best.fitted:
@@ -354,21 +349,18 @@ def _paper(**switches: object) -> AtBats:
 
 def _speeds() -> Iterator[_Guess]:
     for table, spread, unit in itertools.product(
-        ("columns_swapped", "as_printed"),
-        ("standard_deviation", "as_printed"),
-        (("", 1.0), ("speed-in-km/h", 3.6)),
+        ("columns_swapped", "as_printed"), ("standard_deviation", "as_printed"), (1.0, 3.6)
     ):
-        named = []
-        if table == "as_printed":
-            named.append("table-columns")
-        if spread == "as_printed":
-            named.append("missing-2")
-        if unit[0]:
-            named.append(unit[0])
+        wrong = {
+            "table-columns": table == "as_printed",
+            "missing-2": spread == "as_printed",
+            "speed-in-km/h": unit == 3.6,
+        }
+        named = tuple(name for name, made in wrong.items() if made)
         mixture = _paper(speed_table=table, speed_spread=spread).speed
-        yield _Guess(tuple(named), mixture, unit[1])
+        yield _Guess(named, mixture, unit)
         if table == "as_printed":  # half of which are below zero, and no pitches
-            yield _Guess(tuple(named), mixture, unit[1], positive=True)
+            yield _Guess(named, mixture, unit, positive=True)
 
 
 def _aims(values: Array) -> Iterator[_Guess]:
@@ -390,11 +382,8 @@ def _aims(values: Array) -> Iterator[_Guess]:
 
 def _offsets() -> Iterator[_Guess]:
     right = _paper().offset_deviation
-    for name, deviation in (
-        ("", right),
-        ("radius-or-diameter", 2 * right),
-        ("missing-2", right * math.sqrt(0.5)),
-    ):
+    wrong = {"radius-or-diameter": 2 * right, "missing-2": right * math.sqrt(0.5)}
+    for name, deviation in {"": right, **wrong}.items():
         mixture = Mixture(1.0, (0.0, 0.0), (deviation, deviation))
         yield _Guess((name,) if name else (), mixture)
 

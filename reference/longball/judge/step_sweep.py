@@ -179,16 +179,8 @@ class StepSweep:
             by_id = {scene.id: scene for scene in scenes}
             return [_sample(answer, by_id[i]) for i, answer in ran.collected.answers.items()]
 
-        report = converge(
-            answers,
-            scenes,
-            self.steps,
-            truth,
-            self.expected,
-            phases=self.phases,
-            progress=self.progress,
-        )
-        return report, issues
+        options: dict[str, Any] = {"phases": self.phases, "progress": self.progress}
+        return converge(answers, scenes, self.steps, truth, self.expected, **options), issues
 
 
 def _sample(answer: Answer, scene: Scene) -> Sample:

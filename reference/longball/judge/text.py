@@ -6,6 +6,7 @@ import json
 import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 
 from longball.convergence import ConvergenceReport
 from longball.convergence.report import aligned
@@ -216,16 +217,11 @@ def describe(fault: Fault) -> str:
 
 def _joined(numbers: Sequence[str]) -> str:
     """Return numbers with no more digits than a double has."""
-    short = [f"{float(n):.17g}" if len(n) > 24 and _is_number(n) else n for n in numbers]
+    short = list(numbers)
+    for i, number in enumerate(numbers):
+        with suppress(ValueError):  # a text
+            short[i] = f"{float(number):.17g}" if len(number) > 24 else number
     return short[0] if len(short) == 1 else f"({', '.join(short)})"
-
-
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True
 
 
 def silence(verdict: Verdict, shown: int) -> Iterator[str]:

@@ -12,7 +12,7 @@ import math
 import sys
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from decimal import Decimal
 from statistics import median
@@ -36,7 +36,7 @@ from longball.judge.cases import (
     passes_corner_within_errors,
     touches_within_errors,
 )
-from longball.judge.findings import Diagnosis
+from longball.judge.findings import Diagnosis, many
 from longball.judge.quantities import (
     BLOCKS,
     OPTIONAL,
@@ -195,26 +195,21 @@ def compare(case: Case, answer: Answer | None, profile: Profile) -> Comparison:
 
         points = worst_points(case.scene, answer.path)
         answer, slack = landed(case.scene, answer)
-    expected = values_of(case.expected)
-    missing = [] if answer.outcome else ["outcome"]
     # Beside another outcome it is no wonder that a quantity is not there.
     wrong = answer.outcome not in (None, case.expected.outcome)
     if wrong and FRAGILE in case.flags:
         return Comparison(case, answer, judged=False)
-    measured = []
-    for quantity, value in expected.items():
-        if quantity in answer.unreadable:
-            continue
-        if quantity not in answer.values:
-            if not wrong:
-                missing.append(quantity)
-            continue
-        more = slack.get(quantity, 0.0)
-        measured.append(_measure(case, quantity, value, answer.values[quantity], profile, more))
-    if not wrong:
-        facts = told_by(case.expected)
-        missing += [name for name in facts if name not in (*answer.told, *OPTIONAL)]
-    for name, (true, given) in points.items():
+    expected, given = values_of(case.expected), answer.values
+    measured = [
+        Measured(
+            name, true, radius_of(case.expected, name), given[name], difference(given[name], true),
+            profile.tolerance(case, name, true) + slack.get(name, 0.0), attainable(case, name),
+            length(true),
+        )
+        for name, true in expected.items()
+        if name in given and name not in answer.unreadable
+    ]  # fmt: skip
+    for name, (true, point) in points.items():
         size = length(true)
         allowed = (
             profile.tolerance(case, "landing.position", true)
@@ -222,22 +217,22 @@ def compare(case: Case, answer: Answer | None, profile: Profile) -> Comparison:
             else profile.allowed(size)
         )
         measured.append(
-            Measured(name, true, (Decimal(0),) * 3, given, difference(given, true), allowed,
+            Measured(name, true, (Decimal(0),) * 3, point, difference(point, true), allowed,
                      Exact().allowed(size), size)
         )  # fmt: skip
-    given_blocks = {name.partition(".")[0] for name in answer.values}
-    known_blocks = {name.partition(".")[0] for name in expected}
-    superfluous = () if wrong else tuple(b for b in BLOCKS if b in given_blocks - known_blocks)
-    return Comparison(
-        case,
-        answer,
-        True,
-        wrong,
-        tuple(measured),
-        tuple(missing),
-        tuple(sorted(answer.unreadable)),
-        superfluous,
-        () if wrong else tuple(untrue(case.expected, answer.told)),
+    unreadable = tuple(sorted(answer.unreadable))
+    found = Comparison(case, answer, True, wrong, tuple(measured), unreadable=unreadable)
+    if wrong:
+        return found
+    missing = [] if answer.outcome else ["outcome"]
+    missing += [n for n in expected if n not in given and n not in unreadable]
+    missing += [n for n in told_by(case.expected) if n not in (*answer.told, *OPTIONAL)]
+    more = {name.partition(".")[0] for name in given} - {n.partition(".")[0] for n in expected}
+    return replace(
+        found,
+        missing=tuple(missing),
+        superfluous=tuple(block for block in BLOCKS if block in more),
+        untrue=tuple(untrue(case.expected, answer.told)),
     )
 
 
@@ -254,21 +249,6 @@ def _may_be_refused(case: Case, profile: Profile) -> bool:
         length(expected[name]) <= profile.tolerance(case, name, expected[name])
         for name in ("contact.margin", "fence.clearance")
         if name in expected
-    )
-
-
-def _measure(
-    case: Case, quantity: str, expected: Value, obtained: Value, profile: Profile, slack: float
-) -> Measured:
-    return Measured(
-        quantity,
-        expected,
-        radius_of(case.expected, quantity),
-        obtained,
-        difference(obtained, expected),
-        profile.tolerance(case, quantity, expected) + slack,
-        attainable(case, quantity),
-        length(expected),
     )
 
 
@@ -534,9 +514,8 @@ def _reasons(
         reasons.append("the answers hold nothing that could be judged")
     if failures:
         reasons.append(f"{len(failures)} of {len(judged)} answers are wrong")
-    if issues := collected.faults:
-        noun = "issue" if issues == 1 else "issues"
-        reasons.append(f"{issues} {noun} with its output or conduct")
+    if collected.faults:
+        reasons.append(f"{many(collected.faults, 'issue')} with its output or conduct")
     return reasons
 
 
@@ -568,11 +547,8 @@ def _missing(comparisons: Iterable[Comparison]) -> list[Missing]:
         for name in comparison.missing:
             found[name].append(comparison.case.id)
     order = ["outcome", *QUANTITIES]
-    return [
-        Missing(quantity=name, cases=len(ids), example=ids[0])
-        for name, ids in sorted(found.items(), key=lambda one: (
-            order.index(one[0]) if one[0] in order else len(order), one[0]))
-    ]  # fmt: skip
+    names = [*(n for n in order if n in found), *sorted(found.keys() - set(order))]
+    return [Missing(quantity=n, cases=len(found[n]), example=found[n][0]) for n in names]
 
 
 def _confusions(judged: Iterable[Comparison]) -> list[Confusion]:
