@@ -401,17 +401,8 @@ def fits(
             return [[] for _ in names]
         scene = base.scene(trial.scene)
         found.append((one[0], [value_of(scene, name) for name in names]))
-        if len(found) == FIRST and not all(_all_forms(names, found)):
-            break  # they have nothing in common
     if len(found) < max(1, len(trials) // 3):
         return [[] for _ in names]
-    return _all_forms(names, found)
-
-
-def _all_forms(
-    names: Sequence[str], found: Sequence[tuple[Array, list[float | None]]]
-) -> list[list[Fit]]:
-    """Return for each parameter its forms: of the values in each trial, and the scenes' own."""
     values, own = (np.array(rows, float).T for rows in zip(*found, strict=True))
     return [_forms(*one) for one in zip(names, values, own, strict=True)]
 
