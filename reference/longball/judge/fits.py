@@ -543,14 +543,9 @@ def fitted(stage: str, sought: Sought) -> Iterator[Explanation]:
 # --- two at once ----------------------------------------------------------------------------------
 
 
-# Errors above this do not add up.
-SMALL = 0.03
-
-
 def two(stage: str, sought: Sought, known: Sequence[Explanation]) -> Iterator[Explanation]:
     """Yield two of the known mistakes and fitted numbers together."""
-    small = float(np.median(sought.few.sizes(NONE))) < SMALL
-    for way in (pairs, one_after_another) if small else (one_after_another, pairs):
+    for way in (pairs, one_after_another):
         found = list(way(stage, sought, known))
         yield from found
         if any(e.named for e in found):
@@ -582,7 +577,7 @@ def pairs(stage: str, sought: Sought, known: Sequence[Explanation]) -> Iterator[
             ranked[count, common].append((left, a, b))
     # What is free fits more, and takes longer.
     tried: list[tuple[Any, Any]] = []
-    for key, most in (((0, False), 3), ((1, True), 2), ((1, False), 2), ((2, True), 2),
+    for key, most in (((0, False), 3), ((1, False), 4), ((1, True), 3), ((2, True), 2),
                       ((2, False), 2)):  # fmt: skip
         for _, a, b in sorted(ranked[key], key=lambda one: one[0])[:most]:
             if (a, b) in tried or sought.work.exhausted:
@@ -646,6 +641,8 @@ def one_after_another(
     wholes = few.sizes(NONE)
     for e in known:
         if e.change is None or sought.work.exhausted or not few.concerned(e.change):
+            continue
+        if isinstance(e.change.engine, Verlet):
             continue
         lefts = few.sizes(e.change)
         solved = sum(left <= NAMED * whole for left, whole in zip(lefts, wholes, strict=True))
