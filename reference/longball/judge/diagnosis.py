@@ -559,7 +559,7 @@ class _Search:
                 # What flies the pitch flies the batted ball.
                 self.stepless = not any(e.named for e in found)
             if not any(e.named for e in found):
-                found += two(stage, together or sought, found)
+                found += two(stage, sought, found)
         return found
 
     def _with_flights(
