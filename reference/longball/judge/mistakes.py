@@ -578,7 +578,7 @@ def _with_vapour(pressure: Callable[[float], float]) -> Change:
         t = weather.temperature - ZERO_CELSIUS
         dry = _of_weather(scene, humidity=0.0)
         vapour = 0.3783 * weather.humidity * pressure(t)
-        return dry * (1 - vapour / _at_station(scene, weather))
+        return dry * (1 - vapour / _at_station(scene, weather))  # type: ignore[no-any-return]
 
     return _density(formula)
 
@@ -621,7 +621,7 @@ def _vapours() -> Iterator[Mistake]:
                 f"vapour-of-{name.split()[0].lower()}-{start:g}-{a:g}",
                 f"takes the vapour pressure by another formula, {start:g} Pa e^({a:g} t/({b:g} + "
                 f"t)) ({name})", _WEATHER,
-                _with_vapour(lambda t, p=start, a=a, b=b: p * math.exp(a * t / (b + t))),
+                _with_vapour(lambda t, p=start, a=a, b=b: p * math.exp(a * t / (b + t))),  # type: ignore[misc]
             )  # fmt: skip
 
 
@@ -813,7 +813,7 @@ def _turning(motion: Motion, p: Any) -> Vector[Any]:
     """Return the Coriolis and the centrifugal acceleration."""
     omega, (s, y, z) = (p.earth_s, p.earth_y, p.earth_z), motion.position
     away = cross(omega, cross(omega, (s, y, z + _NEAR_EARTH)))
-    return plus(CORIOLIS.acceleration(motion, p), -1.0, away)
+    return plus(CORIOLIS.acceleration(motion, p), -1.0, away)  # type: ignore[return-value]
 
 
 def _coriolis_part(which: Callable[[Vector[Any]], Vector[Any]]) -> Change:
@@ -941,14 +941,14 @@ EXTENDED: tuple[Mistake, ...] = (
     Mistake("spin-y-only", "takes the spin's y only", _DIRECTION,
             _spins(lambda scene, spin: (0.0, spin[1], 0.0))),
     *(Mistake(f"spin-{axis}-left-out", f"leaves the spin's {axis} out", _DIRECTION, _spins(
-        lambda scene, spin, i=i: (*spin[:i], 0.0, *spin[i + 1 :])))
+        lambda scene, spin, i=i: (*spin[:i], 0.0, *spin[i + 1 :])))  # type: ignore[misc]
       for i, axis in enumerate("xyz")),
     *(Mistake(f"spin-{axis}-sign", f"has the spin's {axis} the other way round", _DIRECTION, _spins(
-        lambda scene, spin, i=i: (*spin[:i], -spin[i], *spin[i + 1 :])))
+        lambda scene, spin, i=i: (*spin[:i], -spin[i], *spin[i + 1 :])))  # type: ignore[misc]
       for i, axis in ((0, "x"), (2, "z"))),
     *(Mistake(f"spin-{'xyz'[i]}{'xyz'[j]}-exchanged", f"exchanges the spin's {'xyz'[i]} and "
               f"{'xyz'[j]}", _DIRECTION, _spins(
-                  lambda scene, spin, i=i, j=j: _exchange(spin, i, j)))
+                  lambda scene, spin, i=i, j=j: _exchange(spin, i, j)))  # type: ignore[misc]
       for i, j in ((0, 1), (0, 2), (1, 2))),
     Mistake("spin-of-pitch-kept", "lets the batted ball fly with the spin of the pitch",
             "the batted ball has the spin that the impact gives it",
@@ -1056,7 +1056,7 @@ EXTENDED: tuple[Mistake, ...] = (
     Mistake("ideal-gas", "takes an ideal gas with 287.058 J/(kg K), and 461.495 for the vapour",
             _WEATHER, _density(_gas)),
     *(Mistake(f"density-falls-from-{name}", f"counts the height in e^(-z/H) {sentence}", _ALOFT,
-              _denser(lambda scene, scale, level=level: math.exp(level(scene) / scale)))
+              _denser(lambda scene, scale, level=level: math.exp(level(scene) / scale)))  # type: ignore[misc]
       for name, sentence, level in _LEVELS),
     Mistake("density-of-launch-height", "has the density of the launch's height at all heights",
             _ALOFT, _denser(lambda scene, scale: math.exp(-_LEVELS[0][2](scene) / scale), None)),
@@ -1067,7 +1067,7 @@ EXTENDED: tuple[Mistake, ...] = (
     Mistake("sound-of-gas", "takes √(1.4 · 287 T) for the speed of sound", _SOUND,
             _sound(lambda t: math.sqrt(1.4 * 287.0 * t))),
     *(Mistake(f"sound-{speed:g}", f"has a speed of sound of {speed:g} m/s, whatever the weather",
-              _SOUND, _sound(lambda t, speed=speed: speed)) for speed in (340.0, 343.0, 340.29)),
+              _SOUND, _sound(lambda t, speed=speed: speed)) for speed in (340.0, 343.0, 340.29)),  # type: ignore[misc]
     Mistake("coefficients-at-launch", "takes drag and lift coefficients of the speed at launch all "
             "the time", "C_D and C_L follow the present speed through the air", _scene(_at_launch)),
     Mistake("density-the-same-aloft", "has the same density at all heights",

@@ -158,7 +158,7 @@ def _conditions(wrong: Sequence[Features], right: Sequence[Features]) -> Iterato
         if not values:
             continue
         usual, times = Counter(others).most_common(1)[0] if others else (None, 0)
-        differs = name, f"{name} ≠ {_told(usual)}", lambda f, n=name, v=usual: f.get(n, v) != v  # type: ignore[misc]
+        differs = name, f"{name} ≠ {_told(usual)}", lambda f, n=name, v=usual: f.get(n, v) != v
         often = times >= FEWEST and 2 * times > len(others)
         if often and usual == 0.0:  # that there is any says more than how much it is
             yield differs
