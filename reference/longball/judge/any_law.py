@@ -8,8 +8,9 @@ polynomials of degree five by the states at their ends, and their first and seco
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -89,7 +90,7 @@ class AnyLaw(PathEngine[float]):
         if is_papers(law):
             yield from Ivp().steps(law, start, begin, limit, events)
             return
-        state, rates = np.array(start, dtype=float), right_hand_side(law)
+        state, rates = np.array(start, dtype=float), _within(right_hand_side(law))
 
         def bend(state: Array, slope: Array) -> Array:
             """Return the second derivative, as a difference along the way."""
@@ -128,6 +129,18 @@ class AnyLaw(PathEngine[float]):
         yield from (
             Ivp().views(pitch, law, bat) if is_papers(law) else super().views(pitch, law, bat)
         )
+
+
+def _within(rates: Callable[[float, Array], Any]) -> Callable[[float, Array], Any]:
+    """Return rates that are NaN where a law ends, so that a step which goes there is shortened."""
+
+    def known(time: float, state: Array) -> Any:
+        try:
+            return rates(time, state)
+        except (ArithmeticError, ValueError):
+            return np.full(len(state), np.nan)
+
+    return known
 
 
 ANY_LAW = AnyLaw()

@@ -11,6 +11,7 @@ two do not hide each other. What is left is told, with its size.
 
 from __future__ import annotations
 
+import math
 from collections import defaultdict
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -37,7 +38,7 @@ from longball.judge.explanations import (
     told_together,
 )
 from longball.judge.findings import Diagnosis, Finding, StageRow, found, many
-from longball.judge.fits import fitted, pairs, parts
+from longball.judge.fits import fitted, pairs, parts, two
 from longball.judge.outcomes import made_otherwise, outcome_findings, told_findings
 from longball.judge.quantities import untrue
 from longball.judge.relations import (
@@ -66,7 +67,7 @@ from longball.judge.stages import (
     stage_of,
     trial_of,
 )
-from longball.judge.steps import schemes
+from longball.judge.steps import FixedStep, schemes
 from longball.model.readings import Reading
 
 # Scenes that an explanation is sought in, failing and passing ones; it is then held against all.
@@ -81,6 +82,10 @@ FEW_UNSEEN = 0.05
 
 # What the impact tells besides numbers, which a change of it may change.
 MADE = ("impact.mode",)
+
+# Scenes with these flags magnify the errors of flights under laws other than longball's; where one
+# in so many of them is wrong with an explanation at hand, it is that explanation's own error.
+KEEN, ONE_IN = frozenset(("vertical", "grazing")), 5
 
 # Errors below this, relative, are mostly an integrator's: of the physics only a number may be
 # behind them. Below the second one nothing is sought.
@@ -335,7 +340,7 @@ class _Search:
         wrong = [one for one, size in zip(seen, sizes, strict=True) if size > minor]
         good = [one for one, size in zip(seen, sizes, strict=True) if one[1] and size <= minor]
         before = self.begun.get(stage, 0.0)
-        if before and worst < FINE:
+        if (before and worst < FINE) or self._is_own(wrong, good):
             self._leave(stage, wrong)
             return False
         right = [t for t, _ in good]
@@ -395,6 +400,15 @@ class _Search:
             self._accept(best, stage, worst)
         self._followed = None
         return True
+
+    def _is_own(self, wrong: Sequence[Checked], good: Sequence[Checked]) -> bool:
+        """Tell whether errors are those of flights with what is found so far in them."""
+        # A scene passes a jump where a flight is sensitive to it, or a scheme its own start.
+        if self.jumps or isinstance(self.base.engine, FixedStep):
+            return ONE_IN * len(wrong) <= len(wrong) + len(good)
+        if not self.begun or not all(_keen(t) for t, _ in wrong):
+            return False
+        return ONE_IN * (len(wrong) - 1) <= len(wrong) + sum(_keen(t) for t, _ in good)
 
     def _found(
         self,
@@ -563,13 +577,15 @@ class _Search:
         checks: Sequence[Checked],
     ) -> list[Explanation]:
         """Return explanations, the cheap ones first, until some are named."""
+        wrong = [one for one in wrong if all(map(_known, one[1])) and not _keen(one[0])] or wrong
         chosen = evenly(wrong, SOUGHT)
-        right = evenly([t for t, _ in good], BESIDE)
+        right = evenly([t for t, _ in good if not _keen(t)], BESIDE)
         sought = Sought([t for t, _ in chosen], right, (stage,), self.base, self.work)
         if found := list(singles(wrong)):
             return found
+        together = self._with_flights(wrong, right, checks) if stage == "pitch" else None
         if max(size_of(c) for _, cs in wrong for c in cs if not c.follows) < FINE:
-            return list(fitted(stage, sought))
+            return _fine(stage, [together, sought] if together else [sought])
         found = [
             *relations(chosen, beside, self.base),
             *formulas(chosen, beside, self.base),
@@ -583,17 +599,10 @@ class _Search:
             found += touchings(wrong, self.base)
         if stage not in COLLISION and any(e.named for e in found):
             return found
-        if stage == "pitch":  # pitch and batted ball fly by one law: one explanation for both
-            flying = [one for one in checks if any(
-                c.stage == "flight" and not c.follows for c in one[1])]  # fmt: skip
-            if flying:
-                some = evenly(wrong, SOUGHT // 2) + evenly(flying, SOUGHT // 2)
-                both = Sought(
-                    [t for t, _ in some], right, ("pitch", "flight"), self.base, self.work
-                )
-                found += parts(stage, both)
-                if any(e.named for e in found):
-                    return found
+        if together:
+            found += parts(stage, together)
+            if any(e.named for e in found):
+                return found
         found += parts(stage, sought)
         if stage in ("pitch", "flight"):
             found += clocks(stage, chosen, self.base)
@@ -605,8 +614,42 @@ class _Search:
                 # What flies the pitch flies the batted ball.
                 self.stepless = not any(e.named for e in found)
             if not any(e.named for e in found):
-                found += pairs(stage, sought, found)
+                found += two(stage, sought, found)
         return found
+
+    def _with_flights(
+        self, wrong: Sequence[Checked], right: Sequence[Trial], checks: Sequence[Checked]
+    ) -> Sought | None:
+        """Return pitches and batted balls, which fly by one law: one explanation for both."""
+        flying = [
+            one for one in checks if not _keen(one[0])
+            and any(c.stage == "flight" and not c.follows and _known(c) for c in one[1])
+        ]  # fmt: skip
+        if not flying:
+            return None
+        some = evenly(wrong, SOUGHT // 2) + evenly(flying, SOUGHT // 2)
+        return Sought([t for t, _ in some], right, ("pitch", "flight"), self.base, self.work)
+
+
+def _keen(trial: Trial) -> bool:
+    """Tell whether a trial answers to the last digits of what is computed."""
+    return not KEEN.isdisjoint(trial.case.flags)
+
+
+def _known(check: Check) -> bool:
+    """Tell whether it is known what follows: a path may end before a candidate's does."""
+    return all(map(math.isfinite, check.expected))
+
+
+def _fine(stage: str, sought: Iterable[Sought]) -> list[Explanation]:
+    """Return the numbers, one or two, that may be behind errors that are mostly an integrator's."""
+    found: list[Explanation] = []
+    for some in sought:
+        for way in (fitted(stage, some), pairs(stage, some, ())):
+            found += way
+            if any(e.named for e in found):
+                return found
+    return found
 
 
 def _with_facts(rows: Sequence[StageRow], facts: Sequence[Finding]) -> list[StageRow]:
@@ -662,10 +705,11 @@ def _unknown(
 def _usual(sizes: Iterable[float]) -> float:
     """Return the relative error, at most 1, that only three in a hundred that have one exceed.
 
-    A few scenes, such as grazes, make any error a thousand times as large. Where a mistake of the
-    physics shows in few scenes, and the integrator's errors in all, it is among the largest.
+    A few scenes, such as grazes, make any error a thousand times as large; and an integrator that
+    errs faintly in all of them is no measure of a mistake in a few, which is among the largest.
     """
-    errors = [min(size, 1.0) for size in sizes if size]
+    known = [min(size, 1.0) for size in sizes if size]
+    errors = [size for size in known if size > FAINT] or known
     return float(np.quantile(errors, 0.97, method="higher")) if errors else 0.0
 
 

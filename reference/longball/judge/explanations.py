@@ -39,6 +39,9 @@ NAMED, IN_A_SCENE = 1e-3, 0.05
 # errs by some of what the jump does in that step, and a flight has a hundred steps.
 JUMPED = 1e-2
 
+# Of a quantity, what flights under laws with forces of any kind err by, mostly.
+OWN_ERROR = 3e-9
+
 # Explanations that leave no more than the best one does, this many times, cannot be told apart.
 ALIKE = 3.0
 
@@ -193,7 +196,7 @@ class Work:
 
 # Flights of a search, so that a verdict is the same on every machine and comes within ten seconds;
 # what has not been tried by then is not.
-PATIENCE = 3_000.0
+PATIENCE = 8_000.0
 
 MOST_EFFORT = 30_000  # steps of DOP853: a law that drives the ball on takes many
 
@@ -234,6 +237,31 @@ class Sought:
                 self._known[id(trial), change] = found
         return [self._known[id(trial), change] for trial in (*self.trials, *self.beside)]
 
+    def concerned(self, change: Change) -> bool:
+        """Tell whether a change may do anything to the trials: what is done to scenes is cheap."""
+        done = change.model, change.engine, change.meeting, change.push
+        if done != (NONE.model, NONE.engine, NONE.meeting, NONE.push):
+            return True
+        scenes = [self.base.scene(t.scene) for t in self.trials]
+        return any(change.scene(scene) is not scene and change.scene(scene) != scene
+                   for scene in scenes)  # fmt: skip
+
+    def given(self, change: Change) -> Sought:
+        """Return what is sought when a change explains a part."""
+        base, first = self.base.then(change), self.rows(NONE)
+        rest = Sought(self.trials, self.beside, self.stages, base, self.work)
+        rest.trials = [
+            t for t, r, f in zip(self.trials, rest.rows(NONE), first, strict=False)
+            if np.abs(r).sum() > NAMED * np.abs(f).sum()
+        ]  # fmt: skip
+        return rest
+
+    def sizes(self, change: Change) -> list[float]:
+        """Return the errors that a change leaves in each trial, none counted for more than 1."""
+        rows = zip(self.trials, self.rows(change), self.rows(NONE), strict=False)
+        return [float(np.minimum(np.abs(r), 1.0).sum()) if r.shape == f.shape else float(f.size)
+                for _, r, f in rows]  # fmt: skip
+
     def screened(self, change: Change) -> float | None:
         """Return what a change leaves; of a few trials only, if it leaves much of them."""
         for some in (self.one, self.few, self):
@@ -273,5 +301,7 @@ class Sought:
             float(np.minimum(np.abs(r), 1.0).sum()) if r.shape == f.shape else float(f.size)
             for r, f in zip(self.rows(change), self.rows(NONE), strict=True)
         ]
+        lefts = [max(0.0, left - min(OWN_ERROR, JUMPED * whole))
+                 for left, whole in zip(lefts, wholes, strict=True)]  # fmt: skip
         wholes[len(self.trials) :] = [0.0] * len(self.beside)
         return share_left(lefts, wholes) if any(wholes) else None

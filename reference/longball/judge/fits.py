@@ -11,7 +11,8 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import partial
@@ -27,11 +28,13 @@ from longball.judge.mistakes import (
     IGNORED,
     IMPACT,
     LAW,
+    OWN,
     READINGS,
     SPIN,
     TOUCHING,
     TWO_STEP_PUSH,
     Mistake,
+    with_density,
 )
 from longball.judge.rubbing import RUBBING
 from longball.judge.stages import COLLISION, NONE, Change, Trial, with_values
@@ -99,6 +102,7 @@ PARAMETERS: dict[str, tuple[str, ...]] = {
     "bat.friction": _IMPULSE,
     "bat.tangential_restitution": _IMPULSE,
     "fence.radius": ("fence",),
+    **dict.fromkeys(OWN, _FLIGHT),
 }  # fmt: skip
 
 # Parameters that stand for a vector's size, or for whichever a scene has.
@@ -119,6 +123,8 @@ _LEFT_OUT: dict[str, Callable[[Any], float]] = {
 
 def _held(scene: Any, name: str) -> tuple[str, Any]:
     """Return where a scene has a parameter, and the number or the vector there, if it has it."""
+    if name in OWN:
+        return name, getattr(scene, name, OWN[name].usual)
     for place in _PLACES.get(name, (name,)):
         try:
             found = at(scene, place)
@@ -151,13 +157,19 @@ def with_parameter(scene: Any, name: str, value: float) -> Any:
     """Return a scene with another value of a parameter."""
     place, found = _held(scene, name)
     new: Any = value
+    if name in OWN:
+        return scene.model_copy(update={name: value})
     if place == "air.density" and isinstance(scene.air.density, Weather):
-        # What the air does goes with density over mass.
-        place, new = "ball.mass", scene.ball.mass * found / value if value else math.inf
+        return with_density(scene, value)
     if isinstance(found, tuple):
         size = math.hypot(*found)
         new = tuple(value / size * x for x in found) if size else found
     return with_values(scene, {place: new})
+
+
+def _in_law(name: str, change: Callable[[Any], Any]) -> Change:
+    """Return the change of a parameter of scenes, or of a number of the law that they carry."""
+    return Change(change).then(OWN[name].change) if name in OWN else Change(change)
 
 
 @dataclass(frozen=True)
@@ -203,40 +215,54 @@ class Fit:
                     new = own + self.value
             return with_parameter(scene, self.parameter, new)
 
-        return Change(change)
+        return _in_law(self.parameter, change)
 
     @property
     def name(self) -> str:
         """Parameter and value: ``air.density=1.205``, ``pitch.speed*3.6``."""
         symbol = {"fixed": "=", "default": "=", "factor": "*", "offset": "+"}[self.form]
-        return f"{self.parameter}{symbol}{self.value:.6g}"
+        digits = 6 if abs(self.value - 1) > NEARLY else 10
+        return f"{self.parameter}{symbol}{self.value:.{digits}g}"
+
+    @property
+    def remedy(self) -> str:
+        """How to mend it."""
+        if self.parameter in OWN:
+            return f"it is {OWN[self.parameter].usual:.7g}"
+        return f"take the scene's {self.parameter}"
 
     @property
     def roundness(self) -> float:
         """How many digits the number needs, in hundredths: people choose round ones."""
         if factor_meaning(self.value, self.doubt) and self.form == "factor":
             return 0.0
-        return digits_of(self.value) / 100
+        share = self.value if self.form == "factor" else self.value / (self.usual or math.nan)
+        more = digits_of(float(f"{share - 1:.5g}")) if abs(share - 1) < NEARLY else math.inf
+        return min(digits_of(self.value), more) / 100
 
     @property
     def sentence(self) -> str:
         """What the candidate does."""
         number = told(self.value, self.doubt)
         meant = meaning(self)
+        parameter = OWN[self.parameter].words if self.parameter in OWN else self.parameter
         match self.form:
             case "fixed":
                 whatever = "whatever the scene says" if self.varies else f"and not {self.usual:.6g}"
-                return f"acts as if {self.parameter} = {number}{meant}, {whatever}"
+                return f"acts as if {parameter} = {number}{meant}, {whatever}"
             case "default":
                 where = f"and not {self.usual:.6g}, where the scene leaves it out"
-                return f"acts as if {self.parameter} = {number}, {where}"
+                return f"acts as if {parameter} = {number}, {where}"
             case "factor":
-                factor = f"acts as if {self.parameter} were {number} times the scene's{meant}"
+                factor = f"acts as if {parameter} were {number} times the scene's{meant}"
                 if not self.varies:
                     factor += f": {self.value * self.usual:.6g} for {self.usual:.6g}"
                 return factor
-        return f"acts as if {self.parameter} were the scene's plus {number}{meant}"
+        return f"acts as if {parameter} were the scene's plus {number}{meant}"
 
+
+# A factor so near to 1 is told by what it differs.
+NEARLY = 1e-4
 
 # People write 2/3 for what needs more digits than so many.
 LARGEST_DENOMINATOR, FRACTION_DIGITS = 12, 4
@@ -244,7 +270,7 @@ LARGEST_DENOMINATOR, FRACTION_DIGITS = 12, 4
 
 def digits_of(number: float) -> int:
     """Return how many digits a number needs, up to ten, besides zeros at its ends."""
-    return len(f"{number:.10g}".replace(".", "").strip("-0"))
+    return len(f"{number:.10g}".partition("e")[0].replace(".", "").strip("-0"))
 
 
 def roundest(value: float, doubt: float, size: float = 1.0) -> float:
@@ -279,7 +305,7 @@ def told(value: float, doubt: float) -> str:
     if value == 0.0:
         return "0" if doubt < 1e-9 else f"0 ± {doubt:.1g}"
     if doubt <= 1e-9 * max(abs(value), 1e-3):
-        return f"{value:.9g}"
+        return f"{value:.10g}"
     places = min(12, max(0, 1 - math.floor(math.log10(doubt))))
     return f"{value:.{places}f} ± {doubt:.1g}"
 
@@ -344,8 +370,10 @@ def implied(
     wanted = frozenset(stages)
 
     def off(values: Array) -> Array:
-        change = partial(_with_all, dict(zip(names, values.tolist(), strict=True)))
-        return work.residuals(trial, base.then(Change(change)), wanted)
+        change = base
+        for name, value in zip(names, values.tolist(), strict=True):
+            change = change.then(_in_law(name, partial(with_parameter, name=name, value=value)))
+        return work.residuals(trial, change, wanted)
 
     value = np.array(held, float)
     r = off(value)
@@ -375,12 +403,6 @@ def implied(
         if size > 0.999 * old or (abs(move) < 1e-12 * abs(value)).all() or size < 1e-13:
             break
     return value, size / first
-
-
-def _with_all(values: Mapping[str, float], scene: Any) -> Any:
-    for name, value in values.items():
-        scene = with_parameter(scene, name, value)
-    return scene
 
 
 def fits(
@@ -414,16 +436,18 @@ def _forms(name: str, values: Array, own: Array, unsaid: bool) -> list[Fit]:
     If all leave it out, it is what the candidate has in place of the usual one.
     """
     varies = bool(np.ptp(own) > 1e-9 * np.abs(own).max(initial=0.0))
+    some = own != 0  # a factor leaves the others as they are
+    stay = some.any() and np.abs(values[~some]).max(initial=0.0) <= 1e-9 * np.abs(own).max()
     forms: list[tuple[str, Callable[[], Array]]] = [
         ("fixed", lambda: values),
-        ("factor", lambda: values / own),
+        ("factor", lambda: values[some] / own[some]),
         ("offset", lambda: values - own),
     ]
     if unsaid:
         forms = [("default", lambda: values)]
     result = []
     for form, make in forms:
-        if form == "factor" and (own == 0).any():
+        if form == "factor" and not stay:
             continue
         if form == "fixed" and not varies and own[0] and factor_meaning(float(values[0] / own[0])):
             continue  # the factor says more
@@ -435,7 +459,8 @@ def _forms(name: str, values: Array, own: Array, unsaid: bool) -> list[Fit]:
         low, middle, high = np.quantile(spread, (0.05, 0.5, 0.95))
         doubt = float(high - low) / 2
         size = 1.0 if form == "factor" else float(np.abs(own).max())
-        value = roundest(float(middle), max(doubt, 1e-9 * abs(float(middle))), size)
+        fine = min(1e-9 * abs(float(middle)), 1e-3 * _difference(form, float(middle), own))
+        value = roundest(float(middle), max(doubt, fine), size)
         fit = Fit(name, form, value, doubt, varies, float(own[0]))
         if doubt > UNSURE * _difference(form, value, own):
             continue  # scene after scene acts as if it were another number
@@ -472,6 +497,15 @@ def parts(stage: str, sought: Sought) -> list[Explanation]:
         push = list(_tried([TWO_STEP_PUSH], sought))
         if any(e.named for e in push):
             return push
+    library = _library(stage)
+    found = [*_tried(library, sought), *fitted(stage, sought)]
+    if any(e.named for e in found):
+        return found
+    return [*found, *_scaled(stage, library, sought)]
+
+
+def _library(stage: str) -> list[Mistake]:
+    """Return the known mistakes that may show at a stage."""
     library: list[Mistake] = []
     if stage in ("pitch", "flight", "spin decay"):
         library += LAW
@@ -483,19 +517,16 @@ def parts(stage: str, sought: Sought) -> list[Explanation]:
         library += (*IMPACT, *RUBBING, *SPIN)
     if stage not in ("pitch", "plate", "touching", "normal", "bat velocity"):
         library += READINGS
-    library += [
-        m for m in IGNORED if any(m.change.scene(t.scene) != t.scene for t in sought.trials)
-    ]
-    found = [*_tried(library, sought), *fitted(stage, sought)]
-    if any(e.named for e in found):
-        return found
-    return [*found, *_scaled(stage, library, sought)]
+    library += IGNORED
+    return library
 
 
 def _tried(library: Iterable[Mistake], sought: Sought) -> Iterator[Explanation]:
     for mistake in library:
         if sought.work.exhausted:
             return
+        if not sought.concerned(mistake.change):
+            continue
         left = sought.screened(mistake.change)
         if left is not None:
             yield _explanation(mistake, left)
@@ -536,12 +567,20 @@ def fitted(stage: str, sought: Sought) -> Iterator[Explanation]:
                 if there is not None and there < left + SNAP:
                     fit, left = usual, there
             yield Explanation(
-                fit.name, fit.sentence, f"take the scene's {fit.parameter}", left,
-                2 + fit.roundness, fit.change,
+                fit.name, fit.sentence, fit.remedy, left, 2 + fit.roundness, fit.change,
             )  # fmt: skip
 
 
 # --- two at once ----------------------------------------------------------------------------------
+
+
+def two(stage: str, sought: Sought, known: Sequence[Explanation]) -> Iterator[Explanation]:
+    """Yield two of the known mistakes and fitted numbers together."""
+    for way in (pairs, one_after_another):
+        found = list(way(stage, sought, known))
+        yield from found
+        if any(e.named for e in found):
+            return
 
 
 def pairs(stage: str, sought: Sought, known: Sequence[Explanation]) -> Iterator[Explanation]:
@@ -559,26 +598,105 @@ def pairs(stage: str, sought: Sought, known: Sequence[Explanation]) -> Iterator[
         if effect and sum(np.abs(x).sum() for x in effect) > 1e-9:
             columns.append((e, effect))
     columns += _slopes(stage, few)
-    ranked = []
+    ranked: dict[tuple[int, bool], list[tuple[float, Any, Any]]] = defaultdict(list)
     for (a, ea), (b, eb) in itertools.combinations(columns, 2):
-        left = 0.0
-        for rest, *effects in zip(base, ea, eb, strict=True):
-            # A number that is the same in all scenes is another part of each scene's own.
-            free = []
-            for name, does in zip((a, b), effects, strict=True):
-                if isinstance(name, str):
-                    free.append(does)
-                else:
-                    rest = rest - does
-            if free:
-                matrix = np.array(free).T
-                rest = rest - matrix @ np.linalg.lstsq(matrix, rest, rcond=None)[0]
-            left += float(np.abs(rest).sum())
-        ranked.append((left, a, b))
-    ranked.sort(key=lambda one: one[0])
-    for _, a, b in ranked[:4]:
-        if not sought.work.exhausted and (joined := _joined(sought, stage, a, b)):
-            yield joined
+        count = isinstance(a, str) + isinstance(b, str)
+        # A number that is the same in all scenes is another part of each scene's own, and a factor
+        # the same part.
+        for common in (False, True) if count else (False,):
+            left = _left_by((base, ea, eb), (a, b), common)
+            ranked[count, common].append((left, a, b))
+    # What is free fits more, and takes longer.
+    tried: list[tuple[Any, Any]] = []
+    for key, most in (((0, False), 3), ((1, False), 4), ((1, True), 3), ((2, True), 2),
+                      ((2, False), 2)):  # fmt: skip
+        for _, a, b in sorted(ranked[key], key=lambda one: one[0])[:most]:
+            if (a, b) in tried or sought.work.exhausted:
+                continue
+            tried.append((a, b))
+            if joined := _joined(sought, stage, a, b):
+                yield joined
+                if joined.named:
+                    return
+
+
+def _left_by(
+    rows: tuple[list[Array], list[Array], list[Array]], names: tuple[Any, Any], common: bool
+) -> float:
+    """Return what is left of errors by two effects, of which those with a name may have any size.
+
+    Parameters
+    ----------
+    rows
+        The errors and the two effects in each trial.
+    names
+        Of the effects; explanations have their own size.
+    common
+        Whether the size is the same in all trials.
+    """
+    if common:
+        rows = tuple([np.concatenate(one)] for one in rows)  # type: ignore[assignment]
+    left = 0.0
+    for rest, *effects in zip(*rows, strict=True):
+        free = [does for name, does in zip(names, effects, strict=True) if isinstance(name, str)]
+        for name, does in zip(names, effects, strict=True):
+            if not isinstance(name, str):
+                rest = rest - does
+        if free:
+            matrix = np.array(free).T
+            rest = rest - matrix @ np.linalg.lstsq(matrix, rest, rcond=None)[0]
+        left += float(np.abs(rest).sum())
+    return left
+
+
+# Changes that are taken for the first of two, one after the other.
+FIRSTS = 6
+
+# Of the errors, what the first must not leave.
+HELPS = 0.95
+
+# Trials that these are chosen by.
+TRIED = 4
+
+
+def one_after_another(
+    stage: str, sought: Sought, known: Sequence[Explanation]
+) -> Iterator[Explanation]:
+    """Yield two of the known mistakes and fitted numbers together, each of any size.
+
+    The first is one that explains a scene wholly, in which the other does nothing, or else one that
+    leaves least; the second explains the rest, given the first.
+    """
+    ranked = []
+    few = sought.some(TRIED)
+    wholes = few.sizes(NONE)
+    for e in known:
+        if e.change is None or sought.work.exhausted or not few.concerned(e.change):
+            continue
+        if isinstance(e.change.engine, Verlet):
+            continue
+        lefts = few.sizes(e.change)
+        solved = sum(left <= NAMED * whole for left, whole in zip(lefts, wholes, strict=True))
+        worse = sum(left > whole for left, whole in zip(lefts, wholes, strict=True))
+        if sum(lefts) < HELPS * sum(wholes) and (solved or worse < len(lefts) // 2):
+            ranked.append((-solved, sum(lefts), e))
+    ranked.sort(key=lambda one: one[:2])
+    for _, _, first in ranked[:FIRSTS]:
+        assert first.change is not None
+        rest = sought.given(first.change)
+        seconds = [*_tried(_library(stage), rest), *fitted(stage, rest)]
+        for second in (e for e in seconds if e.named and e.change is not None):
+            assert second.change is not None
+            change = first.change.then(second.change)
+            left = sought.left(change)
+            if left is not None and second.name != first.name:
+                yield Explanation(
+                    f"{first.name} and {second.name}", f"{first.sentence}; and {second.sentence}",
+                    None, left, 1.9 + (first.rank + second.rank) / 100, change,
+                    allowed=max(first.allowed, second.allowed),
+                )  # fmt: skip
+        if any(e.named for e in seconds):
+            return
 
 
 def _effect(few: Sought, change: Change) -> list[Array] | None:
@@ -608,7 +726,7 @@ def _joined(
         own = own.then(x.change)
     fitted: list[Fit] = []
     if free:
-        forms = fits(sought.trials, free, (stage,), sought.base.then(own), sought.work)
+        forms = fits(sought.trials, free, sought.stages, sought.base.then(own), sought.work)
         tried = [
             (left, some)
             for some in itertools.product(*forms)

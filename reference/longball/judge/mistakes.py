@@ -7,6 +7,7 @@ Numbers of the scene that are taken for others are not listed here: `longball.ju
 
 from __future__ import annotations
 
+import itertools
 import math
 import operator
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -15,18 +16,26 @@ from functools import cache, lru_cache
 from itertools import pairwise
 from typing import Any
 
+import numpy as np
 from pydantic import ValidationError
 
 from longball.engines.chain import MODEL, OneCase, collide, reach_plate
 from longball.judge.any_law import ANY_LAW
 from longball.judge.stages import Change, Numbers, with_values
 from longball.model import trace
-from longball.model.aerodynamics import DRAG, LIFT
-from longball.model.air import Table, Weather
-from longball.model.atmosphere import ZERO_CELSIUS, density
+from longball.model.aerodynamics import DRAG, LIFT, spin_ratio
+from longball.model.air import CrisisDrag, Table, Weather
+from longball.model.atmosphere import (
+    STANDARD_PRESSURE,
+    THINNING,
+    ZERO_CELSIUS,
+    density,
+    speed_of_sound,
+)
 from longball.model.bat import CollisionParameters, collision_parameters, moment_of_inertia
-from longball.model.earth import CORIOLIS
+from longball.model.earth import CORIOLIS, ROTATION
 from longball.model.force import (
+    Branches,
     Drag,
     Flow,
     Force,
@@ -34,14 +43,18 @@ from longball.model.force import (
     Motion,
     Piecewise,
     Term,
+    Wind,
+    cross,
     scaled,
     size,
+    switched,
 )
 from longball.model.law import GRAVITY
 from longball.model.numbers import DOUBLES, Vector, dot, plus
 from longball.model.quantities import at
 from longball.model.readings import Reading
 from longball.model.scene import parse_scene
+from longball.model.wind import ROUGHNESS
 
 
 @dataclass(frozen=True)
@@ -83,6 +96,12 @@ def _terms(change: Callable[[Term], Term | None]) -> Change:
             model, forces=tuple(new for f in model.forces if (new := changed(f)) is not None)
         )
     )
+
+
+def _carrying(change: Callable[[Term], Term], carried: Term) -> Change:
+    """Return the change of each term to one that may use the parameters of another term."""
+    changed = cache(change)
+    return Change(model=lambda model: replace(model, forces=(*map(changed, model.forces), carried)))
 
 
 def _form(term: Term) -> Term:
@@ -188,9 +207,44 @@ def _summed(motion: Motion, flow: Flow, p: Any) -> Vector[Any]:
     return scaled(-(x + y + z), flow.velocity)
 
 
-def _about_minus_y(motion: Motion, flow: Flow, p: Any) -> Vector[Any]:
-    (u, v, w), speed = flow
-    return -speed * p.cos * w, speed * p.sin * w, speed * (p.cos * u - p.sin * v)
+def _about(axis: Callable[[Any, Any], Vector[Any]]) -> Change:
+    """Return the change of the lift to one about an axis in space, from the scene and the frame."""
+
+    def axis_in_frame(scene: Any, frame: Any) -> tuple[Any, ...]:
+        return tuple(frame.turned(axis(scene, frame)))
+
+    def form(motion: Motion, flow: Flow, p: Any) -> Vector[Any]:
+        axis = p.axis_s, p.axis_y, p.axis_z
+        return scaled(flow.speed, cross(axis, flow.velocity))
+
+    return _in_air(LIFT, form, _more(LIFT, ("axis_s", "axis_y", "axis_z"), axis_in_frame))
+
+
+def _is_batted(scene: Any, frame: Any) -> bool:
+    """Tell whether a flight of an at-bat is that of the batted ball."""
+    return scene.kind == "at-bat" and (frame.x, frame.y) != tuple(scene.pitch.release[:2])
+
+
+def _axis_of_pitch(straight: bool) -> Callable[[Any, Any], Vector[Any]]:
+    """Return the axis of the lift, of a batted ball that which the pitch has had.
+
+    Or that of a pitch which comes straight along the field.
+    """
+
+    def axis(scene: Any, frame: Any) -> Vector[Any]:
+        if not _is_batted(scene, frame):
+            return frame.sin, -frame.cos, 0.0
+        x, y, _ = (-1.0, 0.0, 0.0) if straight else scene.pitch.thrown
+        size = math.hypot(x, y) or 1.0
+        return y / size, -x / size, 0.0
+
+    return axis
+
+
+def _axis_by_arctangent(scene: Any, frame: Any) -> Vector[Any]:
+    """Return the axis of a heading atan(v_y/v_x), which is that of the other half of the circle."""
+    sign = -1.0 if frame.cos < 0 else 1.0
+    return sign * frame.sin, -sign * frame.cos, 0.0
 
 
 def _drag(factor: Callable[[Motion, Any], Any], given: Term = DRAG) -> Change:
@@ -238,7 +292,7 @@ def _scene(values: Callable[[Any], Mapping[str, Any]]) -> Change:
     def change(scene: Any) -> Any:
         try:
             return with_values(scene, values(scene))
-        except (AttributeError, TypeError, ValueError):
+        except (ArithmeticError, AttributeError, TypeError, ValueError):
             return scene
 
     return Change(change)
@@ -358,7 +412,16 @@ _PAPERS_LAW: tuple[Mistake, ...] = (
             _lift_rising(lambda up: 2.0 * up - 1.0), True),
     Mistake("lift-about-minus-y", "lifts about -y, whatever the ball's heading",
             "the axis ê is horizontal and across the heading at launch",
-            _in_air(LIFT, _about_minus_y, _with_axes(LIFT))),
+            _about(lambda scene, frame: (0.0, -1.0, 0.0))),
+    Mistake("lift-about-axis-of-pitch", "lifts a batted ball about the axis that the pitch had",
+            "the axis ê is fixed at the launch of each flight: at the impact anew",
+            _about(_axis_of_pitch(straight=False))),
+    Mistake("lift-about-plus-y", "lifts a batted ball about +y, the axis of a straight pitch",
+            "the axis ê is fixed at the launch of each flight: at the impact anew",
+            _about(_axis_of_pitch(straight=True))),
+    Mistake("heading-by-arctangent", "takes the heading for atan(v_y/v_x), which is the "
+            "opposite one where v_x < 0: the lift then has the wrong sign", "take atan2(v_y, v_x), "
+            "or divide the horizontal velocity by its size", _about(_axis_by_arctangent)),
     Mistake("lift-sideways", "lifts the ball sideways",
             "the spin axis is horizontal: the lift lies in the vertical plane of the launch",
             _lift(lambda u, w, speed: (trace.ZERO, speed * u, trace.ZERO))),
@@ -422,6 +485,12 @@ def _spins(change: Callable[[Any, Numbers], Any], *places: str) -> Change:
     return _scene(values)
 
 
+def _exchange(spin: Numbers, i: int, j: int) -> Numbers:
+    found = list(spin)
+    found[i], found[j] = found[j], found[i]
+    return tuple(found)
+
+
 def _times(factor: float) -> Callable[[Any, Numbers], Numbers]:
     return lambda scene, spin: tuple(factor * w for w in spin)
 
@@ -451,17 +520,27 @@ def _air(term: Term) -> bool:
     return isinstance(term, Drag | Lift) or term in (DRAG, LIFT) or _lifts(term)
 
 
+def with_density(scene: Any, value: float) -> Any:
+    """Return a scene with another density at height 0, kg/m³.
+
+    Where the weather gives it, it is linear in the pressure, on which nothing else hangs.
+    """
+    if not isinstance(scene.air.density, Weather):
+        return with_values(scene, {"air.density": value})
+    nothing = _of_weather(scene, pressure=0.0)
+    per_pascal = (_of_weather(scene, pressure=STANDARD_PRESSURE) - nothing) / STANDARD_PRESSURE
+    return with_values(scene, {"air.density.pressure": (value - nothing) / per_pascal})
+
+
 def _density(formula: Callable[[Any, Any], float]) -> Change:
     """Return the change of the density to that of a formula of the scene and its weather."""
 
     def change(scene: Any) -> Any:
-        if scene.air is None or not isinstance(scene.air.density, Weather):
-            return scene
-        # What the air does goes with density over mass.
-        ratio = density(scene, DOUBLES) / formula(scene, scene.air.density)
-        return with_values(scene, {"ball.mass": scene.ball.mass * ratio})
+        weather = getattr(getattr(scene, "air", None), "density", None)
+        known = isinstance(weather, Weather)
+        return with_density(scene, formula(scene, weather)) if known else scene
 
-    return _seeing(_air, change)
+    return Change(change)
 
 
 def _of_weather(scene: Any, **other: float) -> float:
@@ -481,6 +560,256 @@ def _vapour_of_kelvin(scene: Any, weather: Any) -> float:
     dry, hot = (_of_weather(scene, humidity=0.0, temperature=x) for x in (t, t + ZERO_CELSIUS))
     vapour = hot - _of_weather(scene, temperature=t + ZERO_CELSIUS)
     return dry - vapour * float((t + ZERO_CELSIUS) / t)
+
+
+def _at_station(scene: Any, weather: Any) -> float:
+    """Return the pressure at the height of the park."""
+    if scene.reading.pressure == "station":
+        return float(weather.pressure)
+    return float(weather.pressure * math.exp(-1.217e-4 * weather.elevation))
+
+
+def _with_vapour(pressure: Callable[[float], float]) -> Change:
+    """Return the change of the saturated vapour's pressure, Pa, to a formula of t in °C."""
+
+    def formula(scene: Any, weather: Any) -> float:
+        t = weather.temperature - ZERO_CELSIUS
+        dry = _of_weather(scene, humidity=0.0)
+        vapour = 0.3783 * weather.humidity * pressure(t)
+        return dry * (1 - vapour / _at_station(scene, weather))  # type: ignore[no-any-return]
+
+    return _density(formula)
+
+
+def _with_pressure(pressure: Callable[[Any], float]) -> Change:
+    """Return the change of the pressure at the park to a formula of the weather."""
+
+    def formula(scene: Any, weather: Any) -> float:
+        if scene.reading.pressure == "station":
+            return _of_weather(scene)
+        return _of_weather(scene, elevation=0.0, pressure=pressure(weather))
+
+    return _density(formula)
+
+
+def _gas(scene: Any, weather: Any) -> float:
+    """Return the density of an ideal gas with R = 287.058 J/(kg K), and water's 461.495."""
+    t = weather.temperature
+    vapour = (_of_weather(scene, humidity=0.0) - _of_weather(scene)) * t / (1.2929 * ZERO_CELSIUS)
+    vapour *= STANDARD_PRESSURE / 0.3783
+    dry = _at_station(scene, weather) - vapour
+    return float(dry / (287.058 * t) + vapour / (461.495 * t))
+
+
+# Of the saturated vapour's pressure p_0 e^(a t/(b + t)): what it is called, p_0 in Pa, a and b.
+_VAPOURS: tuple[tuple[str, tuple[float, ...], float, float], ...] = (
+    ("Tetens", (610.78, 610.8, 611.16), 17.27, 237.3),
+    ("Magnus", (611.2, 611.16, 610.94), 17.62, 243.12),
+    ("Magnus", (610.94, 611.16), 17.625, 243.04),
+    ("Bolton", (611.2, 611.16), 17.67, 243.5),
+    ("Buck (1981)", (611.21, 611.16), 17.502, 240.97),
+    ("Buck without the second term", (611.16, 611.21), 18.687, 257.14),
+)
+
+
+def _vapours() -> Iterator[Mistake]:
+    for name, starts, a, b in _VAPOURS:
+        for start in starts:
+            yield Mistake(
+                f"vapour-of-{name.split()[0].lower()}-{start:g}-{a:g}",
+                f"takes the vapour pressure by another formula, {start:g} Pa e^({a:g} t/({b:g} + "
+                f"t)) ({name})", _WEATHER,
+                _with_vapour(lambda t, p=start, a=a, b=b: p * math.exp(a * t / (b + t))),  # type: ignore[misc]
+            )  # fmt: skip
+
+
+# Where the density that falls by e in H is 1, as a height of the scene; that of the scale is 0.
+_LEVELS: tuple[tuple[str, str, Callable[[Any], float]], ...] = (
+    (
+        "launch",
+        "from the launch",
+        lambda s: (s.launch.position if s.kind == "flight" else s.pitch.release)[2],
+    ),
+    ("ground", "from the ground", lambda s: s.ground.height),
+)
+
+
+def _denser(factor: Callable[[Any, float], float], other: float | None = 0.0) -> Change:
+    """Return the change of the density by a factor, from the scene and H; `other` is the new H."""
+
+    def change(scene: Any) -> Any:
+        scale = getattr(getattr(scene, "air", None), "density_scale_height", None)
+        if scale is None:
+            return scene
+        new = with_density(scene, float(density(scene, DOUBLES)) * factor(scene, scale))
+        return new if other == 0.0 else with_values(new, {"air.density_scale_height": other})
+
+    return Change(change)
+
+
+def _thinning(density: Callable[[Any], Any]) -> Change:
+    """Return the change of the density aloft to a function of z/H."""
+    return _replaced(THINNING, replace(
+        THINNING, density=lambda position, p: density(p.thinning * position[2])))  # fmt: skip
+
+
+def _sound(formula: Callable[[float], float]) -> Change:
+    """Return the change of the speed of sound to a formula of T in K."""
+
+    def values(scene: Any) -> Mapping[str, Any]:
+        found: dict[str, Any] = {}
+        for name in ("air.drag_coefficient", "air.lift_coefficient"):
+            table = at(scene, name)
+            if getattr(table, "of", "") == "mach":
+                share = formula(scene.air.density.temperature) / speed_of_sound(scene, DOUBLES)
+                found[f"{name}.at"] = tuple(float(x * share) for x in table.at)
+        return found
+
+    return _scene(values)
+
+
+def _launch_speed(scene: Any) -> float:
+    return math.hypot(*scene.launch.velocity) if scene.kind == "flight" else scene.pitch.speed
+
+
+def _at_launch(scene: Any) -> Mapping[str, Any]:
+    """Return the coefficients with the values that they have at the launch's speed."""
+    found: dict[str, Any] = {}
+    speed, law = _launch_speed(scene), scene.air.drag_coefficient
+    if isinstance(law, CrisisDrag):
+        high, low = law.high_speed, law.low_speed
+        value = high + (low - high) / (1 + math.exp((speed - law.speed) / law.width))
+        found = {f"air.drag_coefficient.{key}_speed": value for key in ("high", "low")}
+    for name in ("air.drag_coefficient", "air.lift_coefficient"):
+        table = at(scene, name)
+        if getattr(table, "of", "") in ("speed", "mach"):
+            x = speed if table.of == "speed" else speed / float(speed_of_sound(scene, DOUBLES))
+            value = float(np.interp(x, table.at, table.values))
+            found[f"{name}.values"] = (value,) * len(table.values)
+    return found
+
+
+def _lift_times(share: Callable[[Flow, Any], Any]) -> Callable[[Any], Any]:
+    """Return the change of a spinning ball's lift by a factor, from its flow and the parameters."""
+
+    def changed(f: Any) -> Any:
+        form = _form(f)
+        if not isinstance(form, Lift):
+            return f
+        new = replace(form, factor=lambda m, p: form.factor(m, p) * share(m.lift, p))
+        return replace(f, term=new) if isinstance(f, Piecewise) else new
+
+    return changed
+
+
+_TOTAL = "of_total"
+_BY_SPIN = {"linear_lift", "rational_lift"}
+
+
+def _by_whole_spin(f: Any) -> Any:
+    """Return a lift whose size goes with the whole spin, where it goes with spin at all."""
+    by_spin = not _BY_SPIN.isdisjoint(f.parameters)
+    return _lift_times(lambda flow, p: 1.0 + (1.0 if by_spin else getattr(p, _TOTAL)) * (
+        1.0 / _active(flow, p) - 1.0))(f)  # fmt: skip
+
+
+def _of_total(scene: Any, frame: Any, numbers: Any) -> tuple[float | None]:
+    """Return 1 if the scene's lift is one by the whole spin."""
+    return (1.0 if scene.reading.spin_parameter == "total" else None,)
+
+
+def _active(flow: Flow, p: Any) -> Any:
+    """Return ω_T/ω of the spin at launch."""
+    a, b = spin_ratio(flow, p, whole=False)
+    return trace.ZERO if b is trace.ZERO else b * flow.speed / (a * p.spin)
+
+
+def _batted_spin(spin: Callable[[Any], Any]) -> Change:
+    """Return the change of a batted ball's spin to what is made of the scene."""
+
+    def under(f: Any) -> Any:
+        name = "branches" if isinstance(f, Piecewise) else "strengths"
+        given = getattr(f, name)
+
+        def changed(scene: Any, frame: Any, numbers: Any) -> Any:
+            if frame.spin is not None and _is_batted(scene, frame):
+                frame = replace(frame, spin=spin(scene))
+            return given(scene, frame, numbers)
+
+        return replace(f, **{name: changed})
+
+    return _terms(under)
+
+
+def _profile(rise: Callable[[Any, Any], Any]) -> Change:
+    """Return the change of the wind's growth with the height to a function of z and parameters.
+
+    Those are its `roughness` and its `wind_height`.
+    """
+
+    def height(scene: Any, frame: Any) -> tuple[Any, ...]:
+        return (scene.air.wind.height,)
+
+    def changed(f: Any) -> Any:
+        if not (isinstance(f, Wind) and ROUGHNESS in f.parameters):
+            return f
+        more = _more(f, ("wind_height",), height)
+
+        def velocity(position: Vector[Any], p: Any) -> Vector[Any]:
+            own = trace.log(1.0 + p.wind_height / p.roughness) * rise(position[2], p)
+            return scaled(own, (p.log_wind_s, p.log_wind_y, trace.ZERO))
+
+        return Wind(more.parameters, more.strengths, velocity, f.lifts)
+
+    return _terms(changed)
+
+
+# m: a height at which two forms of the wind go over into each other is so wide.
+_BLEND = 5e-3
+
+
+def _larger(a: Any, b: Any) -> Any:
+    """Return the larger of two, smoothly."""
+    return (a + b + trace.sqrt((a - b) * (a - b) + _BLEND * _BLEND)) * 0.5
+
+
+def _smaller(a: Any, b: Any) -> Any:
+    return -_larger(-a, -b)
+
+
+def _exchanged() -> Iterator[Mistake]:
+    """Yield mistakes that exchange two numbers of one block."""
+    blocks = {
+        "air.lift_coefficient": ("numerator", "constant", "slope"),
+        "air.drag_coefficient": (
+            "high_speed", "low_speed", "speed", "width", "per_spin", "constant"),
+        "air.wind": ("height", "roughness"),
+        "earth": ("latitude", "azimuth"),
+    }  # fmt: skip
+    for block, keys in blocks.items():
+        for a, b in itertools.combinations(keys, 2):
+            names = f"{block}.{a}", f"{block}.{b}"
+
+            def values(scene: Any, names: tuple[str, str] = names) -> Mapping[str, Any]:
+                held = [at(scene, name) for name in names]
+                return {} if None in held else dict(zip(names, held[::-1], strict=True))
+
+            sentence = f"exchanges {a} and {b} of {block}"
+            yield Mistake(f"{a}-{b}-exchanged", sentence, _SCENE, _scene(values))
+
+
+_NEAR_EARTH = 6_371_000.0  # m, from its centre
+
+
+def _turning(motion: Motion, p: Any) -> Vector[Any]:
+    """Return the Coriolis and the centrifugal acceleration."""
+    omega, (s, y, z) = (p.earth_s, p.earth_y, p.earth_z), motion.position
+    away = cross(omega, cross(omega, (s, y, z + _NEAR_EARTH)))
+    return plus(CORIOLIS.acceleration(motion, p), -1.0, away)  # type: ignore[return-value]
+
+
+def _coriolis_part(which: Callable[[Vector[Any]], Vector[Any]]) -> Change:
+    return _instead(CORIOLIS, lambda m, p: which(CORIOLIS.acceleration(m, p)))
 
 
 def _over_ground(term: Drag) -> Force:
@@ -509,14 +838,34 @@ def _tables(change: Callable[..., Any], of: str = "") -> Change:
     return _scene(values)
 
 
-# Relative: of a jump that is made a steep line.
-_NARROW = 1e-7
+# Relative: half the width of the line that stands for a jump in a table; it is left out again.
+_NARROW = 1e-15
 
 
-def _steps(jumps: Sequence[float], values: Sequence[float]) -> tuple[list[float], list[float]]:
-    """Return a table that is level between jumps."""
-    nodes = [x for jump in jumps for x in (jump * (1 - _NARROW), jump * (1 + _NARROW))]
-    return nodes, [value for pair in pairwise(values) for value in pair]
+def _jumping(f: Any) -> Any:
+    """Return the term of a table of steps, without the lines between them."""
+    if not (isinstance(f, Piecewise) and "table" in f.parameters[0]):
+        return f
+
+    def branches(scene: Any, frame: Any, numbers: Any) -> Branches | None:
+        found = f.branches(scene, frame, numbers)
+        held = scene.air and at(scene, f"air.{f.parameters[0].partition('_')[0]}_coefficient")
+        if found is None or not isinstance(held, Table):
+            return found
+        return Branches(found.levels[::2], found.strengths[::2])
+
+    return replace(f, branches=branches)
+
+
+def _stepped(jumps: Callable[[Sequence[float]], Sequence[float]]) -> Change:
+    """Return the change of tables to steps that jump at some places, from the nodes."""
+
+    def steps(nodes: Sequence[float], values: Sequence[float]) -> tuple[Any, Any]:
+        pairs = [one for one in zip(jumps(nodes), pairwise(values), strict=True) if one[0]]
+        at = [x for jump, _ in pairs for x in (jump * (1 - _NARROW), jump * (1 + _NARROW))]
+        return at, [value for _, pair in pairs for value in pair]
+
+    return _tables(steps).then(_terms(_jumping))
 
 
 def _extrapolated(
@@ -554,6 +903,9 @@ def _ground_speed(term: Drag) -> Drag:
 
 
 _DIRECTION = "take the direction of spin from the scene's vector, whichever way the ball flies"
+_PROFILE = "the wind is W_h ln((z + z_0)/z_0)/ln((h + z_0)/z_0)"
+_ALOFT = "the density is that at z = 0 times e^(-z/density_scale_height)"
+_SOUND = "the speed of sound is 331.3 √(T/273.15)"
 _UNIT = "spin is in rad/s"
 _WEATHER = (
     "ρ = 1.2929 (273.15/T)(p e^(-βh) - 0.3783 φ p_s)/101325, T in K, φ from 0 to 1, "
@@ -580,6 +932,35 @@ EXTENDED: tuple[Mistake, ...] = (
             _spins(lambda scene, spin: (spin[0], -spin[1], spin[2]))),
     Mistake("spin-y-only", "takes the spin's y only", _DIRECTION,
             _spins(lambda scene, spin: (0.0, spin[1], 0.0))),
+    *(Mistake(f"spin-{axis}-left-out", f"leaves the spin's {axis} out", _DIRECTION, _spins(
+        lambda scene, spin, i=i: (*spin[:i], 0.0, *spin[i + 1 :])))  # type: ignore[misc]
+      for i, axis in enumerate("xyz")),
+    *(Mistake(f"spin-{axis}-sign", f"has the spin's {axis} the other way round", _DIRECTION, _spins(
+        lambda scene, spin, i=i: (*spin[:i], -spin[i], *spin[i + 1 :])))  # type: ignore[misc]
+      for i, axis in ((0, "x"), (2, "z"))),
+    *(Mistake(f"spin-{'xyz'[i]}{'xyz'[j]}-exchanged", f"exchanges the spin's {'xyz'[i]} and "
+              f"{'xyz'[j]}", _DIRECTION, _spins(
+                  lambda scene, spin, i=i, j=j: _exchange(spin, i, j)))  # type: ignore[misc]
+      for i, j in ((0, 1), (0, 2), (1, 2))),
+    Mistake("spin-of-pitch-kept", "lets the batted ball fly with the spin of the pitch",
+            "the batted ball has the spin that the impact gives it",
+            _batted_spin(lambda scene: scene.pitch.spin)),
+    Mistake("batted-spin-forgotten", "lets the batted ball fly by the lift of a ball of which no "
+            "spin is given", "the batted ball has the spin that the impact gives it",
+            _batted_spin(lambda scene: None)),
+    Mistake("batted-without-spin", "lets the batted ball fly without spin",
+            "the batted ball has the spin that the impact gives it",
+            _batted_spin(lambda scene: (0.0, 0.0, 0.0))),
+    Mistake("lift-of-whole-spin-across", "takes the C_L of the whole spin, gyro spin included, "
+            "along ω × u", "S = R ω_T/U with ω_T = |ω × u|/U",
+            _reading(spin_parameter="total").then(
+                _terms(_lift_times(lambda flow, p: 1.0 / _active(flow, p))))),
+    Mistake("lift-by-whole-spin", "multiplies by the whole spin, gyro spin included, in the "
+            "lift's size", "S = R ω_T/U with ω_T = |ω × u|/U",
+            _carrying(_by_whole_spin, Term((_TOTAL,), _of_total))),
+    Mistake("lift-not-along-unit", "divides ω × u by ωU, and not by its length, in the "
+            "direction of the lift", "the lift is along ω × u/|ω × u|",
+            _terms(_lift_times(_active))),
     Mistake("spin-all-back", "takes the size of the spin for backspin", _DIRECTION,
             _spins(_backspin)),
     Mistake("spin-total", "takes the whole spin, gyro spin included, where the part across the "
@@ -598,6 +979,12 @@ EXTENDED: tuple[Mistake, ...] = (
     Mistake("spin-decay-at-speed", "takes e^(-t U/L) with the present speed U",
             "spin falls by e along spin_decay_length of path through the air",
             _reading(spin_decay="nathan")),
+    Mistake("ignores-decay-reading", "ignores the reading spin_decay",
+            "take reading.spin_decay from the scene", _reading(spin_decay="path")),
+    Mistake("spin-decay-squared", "lets the spin fall as e^(-2s/L) of the path s",
+            "spin falls by e along spin_decay_length of path through the air",
+            _reading(spin_decay="path").then(_scene(
+                lambda scene: {"air.spin_decay_length": scene.air.spin_decay_length / 2}))),
     Mistake("no-spin-decay", "lets the spin stay as it is at the launch",
             "spin falls by e along spin_decay_length of path through the air",
             _scene(lambda scene: {"air.spin_decay_length": None})),
@@ -621,6 +1008,19 @@ EXTENDED: tuple[Mistake, ...] = (
     Mistake("wind-everywhere", "has the same wind at all heights",
             "a wind with `above` blows above that height, one with `height` grows with ln z",
             _scene(lambda scene: {"air.wind": scene.air.wind.velocity})),
+    Mistake("wind-profile-without-offset", "lets the wind grow as ln(z/z_0)/ln(h/z_0)",
+            _PROFILE, _profile(lambda z, p: trace.log(_larger(z, p.roughness) / p.roughness)
+                               / trace.log(p.wind_height / p.roughness)), True),
+    Mistake("wind-profile-capped", "has the same wind at all heights above that of the profile",
+            _PROFILE, _profile(lambda z, p: trace.log(1.0 + _smaller(z, p.wind_height)
+                                                      / p.roughness)
+                               / trace.log(1.0 + p.wind_height / p.roughness)), True),
+    Mistake("wind-profile-denominator", "divides by ln(h/z_0) in the wind's profile", _PROFILE,
+            _profile(lambda z, p: trace.log(1.0 + z / p.roughness)
+                     / trace.log(p.wind_height / p.roughness))),
+    Mistake("wind-profile-power", "lets the wind grow as (z/h)^(1/7)", _PROFILE,
+            _profile(lambda z, p: trace.exp(
+                trace.log(_larger(z, trace.ZERO) / p.wind_height) / 7.0)), True),
     Mistake("celsius-for-kelvin", "takes the temperature for °C: adds 273.15 once more", _WEATHER,
             _density(lambda s, w: _of_weather(s, temperature=w.temperature + ZERO_CELSIUS))),
     Mistake("celsius-in-gas-law", "divides by the temperature in °C", _WEATHER,
@@ -641,6 +1041,27 @@ EXTENDED: tuple[Mistake, ...] = (
             _reading(pressure="sea_level")),
     Mistake("weather-ignored", "has air of 1.2929 kg/m³, whatever the weather", _WEATHER,
             _density(lambda s, w: 1.2929)),
+    *_vapours(),
+    Mistake("barometric-formula", "takes the barometric formula of the standard atmosphere, "
+            "p (1 - 2.25577e-5 h)^5.25588, for the park's pressure", _WEATHER,
+            _with_pressure(lambda w: w.pressure * (1 - 2.25577e-5 * w.elevation) ** 5.25588)),
+    Mistake("ideal-gas", "takes an ideal gas with 287.058 J/(kg K), and 461.495 for the vapour",
+            _WEATHER, _density(_gas)),
+    *(Mistake(f"density-falls-from-{name}", f"counts the height in e^(-z/H) {sentence}", _ALOFT,
+              _denser(lambda scene, scale, level=level: math.exp(level(scene) / scale)))  # type: ignore[misc]
+      for name, sentence, level in _LEVELS),
+    Mistake("density-of-launch-height", "has the density of the launch's height at all heights",
+            _ALOFT, _denser(lambda scene, scale: math.exp(-_LEVELS[0][2](scene) / scale), None)),
+    Mistake("density-falls-linearly", "lets the density fall as 1 - z/H", _ALOFT,
+            _thinning(lambda x: 1.0 - x)),
+    Mistake("sound-linear", "takes 331.3 + 0.606 t for the speed of sound", _SOUND,
+            _sound(lambda t: 331.3 + 0.606 * (t - ZERO_CELSIUS))),
+    Mistake("sound-of-gas", "takes √(1.4 · 287 T) for the speed of sound", _SOUND,
+            _sound(lambda t: math.sqrt(1.4 * 287.0 * t))),
+    *(Mistake(f"sound-{speed:g}", f"has a speed of sound of {speed:g} m/s, whatever the weather",
+              _SOUND, _sound(lambda t, speed=speed: speed)) for speed in (340.0, 343.0, 340.29)),  # type: ignore[misc]
+    Mistake("coefficients-at-launch", "takes drag and lift coefficients of the speed at launch all "
+            "the time", "C_D and C_L follow the present speed through the air", _scene(_at_launch)),
     Mistake("density-the-same-aloft", "has the same density at all heights",
             "the density falls by e in density_scale_height",
             _scene(lambda scene: {"air.density_scale_height": None})),
@@ -648,6 +1069,22 @@ EXTENDED: tuple[Mistake, ...] = (
             _scene(lambda scene: {"earth": None})),
     Mistake("earth-sign", "turns the Earth the other way round", _EARTH, _coriolis(-1.0)),
     Mistake("earth-once", "takes Ω × v where 2 Ω × v belongs", _EARTH, _coriolis(0.5)),
+    Mistake("earth-by-airspeed", "takes the velocity through the air in -2 Ω × v", _EARTH,
+            _instead(CORIOLIS, lambda m, p: CORIOLIS.acceleration(
+                m._replace(velocity=m.air.velocity), p))),
+    Mistake("centrifugal", "adds the centrifugal acceleration, which gravity holds already",
+            "the scene's gravity is that at the place: add -2 Ω × v alone",
+            _instead(CORIOLIS, _turning)),
+    Mistake("earth-vertical-only", "takes the vertical part of -2 Ω × v alone", _EARTH,
+            _coriolis_part(lambda a: (trace.ZERO, trace.ZERO, a[2]))),
+    Mistake("earth-level-only", "leaves the vertical part of -2 Ω × v out", _EARTH,
+            _coriolis_part(lambda a: (a[0], a[1], trace.ZERO))),
+    Mistake("colatitude", "counts the latitude from the pole", _EARTH,
+            _earth("latitude", lambda angle: math.pi / 2 - angle)),
+    Mistake("azimuth-from-east", "counts the azimuth from the east", _EARTH,
+            _earth("azimuth", lambda angle: math.pi / 2 - angle)),
+    Mistake("latitude-sign", "takes southern latitudes for northern ones", _EARTH,
+            _earth("latitude", abs)),
     Mistake("latitude-in-degrees", "takes the latitude for degrees", "earth.latitude is in radians",
             _earth("latitude", math.radians)),
     Mistake("azimuth-in-degrees", "takes the azimuth for degrees", "earth.azimuth is in radians",
@@ -656,23 +1093,22 @@ EXTENDED: tuple[Mistake, ...] = (
             "earth.azimuth is that of +x, clockwise from north", _earth("azimuth", operator.neg)),
     Mistake("azimuth-ignored", "takes +x for north", "earth.azimuth is that of +x",
             _earth("azimuth", lambda angle: 0.0)),
-    Mistake("table-in-steps", "takes a table's value at the node below", _LINEAR, _tables(
-        lambda at, values: _steps(at[1:], values)), True),
-    Mistake("table-of-next", "takes a table's value at the node above", _LINEAR, _tables(
-        lambda at, values: _steps(at[:-1], values)), True),
-    Mistake("table-of-nearest", "takes a table's value at the nearest node", _LINEAR, _tables(
-        lambda at, values: _steps([(a + b) / 2 for a, b in pairwise(at)], values)), True),
+    Mistake("table-in-steps", "takes a table's value at the node below", _LINEAR,
+            _stepped(lambda nodes: nodes[1:]), True),
+    Mistake("table-of-next", "takes a table's value at the node above", _LINEAR,
+            _stepped(lambda nodes: nodes[:-1]), True),
+    Mistake("table-of-nearest", "takes a table's value at the nearest node", _LINEAR,
+            _stepped(lambda nodes: [(a + b) / 2 for a, b in pairwise(nodes)]), True),
     Mistake("table-extrapolated", "goes on along the first and last line outside a table", _LINEAR,
             _tables(lambda at, values: _extrapolated(at, values))),
     *(Mistake(f"table-in-{unit}", f"takes a table of the airspeed for one in {unit}",
               "the nodes of a table of the airspeed are in m/s", _tables(
                   lambda at, values, f=factor: ([x * f for x in at], values), "speed"))
       for unit, factor in (("km/h", 1 / 3.6), ("mph", 0.44704), ("ft/s", 0.3048))),
-    Mistake("crisis-reversed", "exchanges the drag at high and at low speed",
-            "C_D falls from low_speed to high_speed",
-            _scene(lambda scene: {
-                "air.drag_coefficient.high_speed": scene.air.drag_coefficient.low_speed,
-                "air.drag_coefficient.low_speed": scene.air.drag_coefficient.high_speed})),
+    Mistake("crisis-without-width", "leaves the width out of the drag crisis: e^(U - U_c)",
+            "C_D = a + (b - a)/(1 + e^((U - U_c)/δ))",
+            _scene(lambda scene: {"air.drag_coefficient.width": 1.0})),
+    *_exchanged(),
 )  # fmt: skip
 
 # The most decimals that a scene's numbers may be rounded to, where that shows.
@@ -693,10 +1129,121 @@ def _rounded(place: str, decimals: int) -> Mistake:
 ROUNDED = tuple(
     _rounded(place, decimals)
     for place in ("launch.velocity", "launch.position")
-    for decimals in range(1, _MOST_DECIMALS + 1)
+    for decimals in range(_MOST_DECIMALS + 1)
 )
 
 LAW = (*_PAPERS_LAW, *EXTENDED, *ROUNDED)
+
+
+# --- numbers of the law ---------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Own:
+    """A number that the law has, and no scene: the 2 of V².
+
+    Attributes
+    ----------
+    words
+        What it is.
+    usual
+        What it is in longball.
+    change
+        The chain with the number that a scene carries under the name, along with its own.
+    """
+
+    words: str
+    usual: float
+    change: Change
+
+
+def _always(name: str, usual: float) -> Term:
+    """Return the term that carries a number."""
+    return Term((name,), lambda scene, frame, numbers: (getattr(scene, name, usual),))
+
+
+def _carried(term: Term) -> Callable[[Any], Any]:
+    """Return the function from parameters to the one that a term carries; 0 on no branch yet."""
+    (name,) = term.parameters
+    return lambda p: getattr(p, name, trace.ZERO)
+
+
+def _of_drag(carried: Term, factor: Callable[[Motion, Any], Any]) -> Change:
+    """Return the change of all drag by a factor: of the motion and the number carried."""
+    number = _carried(carried)
+
+    def changed(f: Any) -> Any:
+        form = _form(f)
+        if not isinstance(form, Drag):
+            return f
+        new = replace(form, rate=lambda m, p: form.rate(m, p) * factor(m, number(p)))
+        return replace(f, term=new) if isinstance(f, Piecewise) else new
+
+    return _carrying(changed, carried)
+
+
+def _of_lift(carried: Term, factor: Callable[[Motion, Any], Any]) -> Change:
+    """Return the same change of all lift."""
+    number = _carried(carried)
+
+    def changed(f: Any) -> Any:
+        form = _form(f)
+        if isinstance(form, Lift):
+            new: Term = replace(form, factor=lambda m, p: form.factor(m, p) * factor(m, number(p)))
+        elif isinstance(form, Force) and _lifts(form):
+            new = replace(form, acceleration=lambda m, p: scaled(
+                factor(m, number(p)), form.acceleration(m, p)))  # fmt: skip
+        else:
+            return f
+        return replace(f, term=new) if isinstance(f, Piecewise) else new
+
+    return _carrying(changed, carried)
+
+
+def _to_power(flow: Flow, more: Any) -> Any:
+    """Return the speed to a power."""
+    return trace.exp(more * trace.log(flow.speed * flow.speed + SMALL * SMALL) * 0.5)
+
+
+def _moving(name: str, rises: bool) -> Term:
+    """Return the term that carries a number while the ball rises, or falls, and 1 otherwise."""
+
+    def branches(scene: Any, frame: Any, numbers: Any) -> Branches:
+        number = (getattr(scene, name, 1.0),)
+        return Branches((0.0,), ((1.0,), number) if rises else (number, (1.0,)))
+
+    return Piecewise(
+        (name,), switched, Term((name,), switched), branches,
+        lambda motion, p: (motion.velocity[2], 1.0), "the ball is at its highest point",
+    )  # fmt: skip
+
+
+def _faster_sound(scene: Any) -> Any:
+    """Return a scene with the nodes of its tables of the Mach number as the speed of sound."""
+    share = getattr(scene, "sound", 1.0)
+    return _tables(lambda nodes, values: ([x * share for x in nodes], values), "mach").scene(scene)
+
+
+def _share(motion: Motion, number: Any) -> Any:
+    return number
+
+
+OWN: dict[str, Own] = {
+    "drag_exponent": Own("the exponent of V in the drag", 2.0, _of_drag(
+        _always("drag_exponent", 2.0), lambda m, n: _to_power(m.air, n - 2.0))),
+    "lift_exponent": Own("the exponent of V in the lift", 2.0, _of_lift(
+        _always("lift_exponent", 2.0), lambda m, n: _to_power(m.lift, n - 2.0))),
+    **{
+        f"{way}_{how}": Own(f"the share of the {way} on a {how} ball", 1.0, of(
+            _moving(f"{way}_{how}", how == "rising"), _share))
+        for way, of in (("drag", _of_drag), ("lift", _of_lift)) for how in ("rising", "falling")
+    },
+    "rotation": Own("the Earth's rotation in rad/s", ROTATION, _carrying(
+        lambda f: replace(CORIOLIS, acceleration=lambda m, p: scaled(
+            p.rotation / ROTATION, CORIOLIS.acceleration(m, p))) if f is CORIOLIS else f,
+        _always("rotation", ROTATION))),
+    "sound": Own("the share of the speed of sound", 1.0, Change(_faster_sound)),
+}  # fmt: skip
 SPIN = tuple(mistake for mistake in EXTENDED if mistake.name.startswith("spin-"))
 
 

@@ -161,11 +161,15 @@ def _conditions(wrong: Sequence[Features], right: Sequence[Features]) -> Iterato
             continue
         if not values:
             continue
+        usual, times = Counter(others).most_common(1)[0] if others else (None, 0)
+        differs = name, f"{name} ≠ {_told(usual)}", lambda f, n=name, v=usual: f.get(n, v) != v
+        often = times >= FEWEST and 2 * times > len(others)
+        if often and usual == 0.0:  # that there is any says more than how much it is
+            yield differs
         if len(set(values)) == 1:
             yield name, f"{name} = {_told(values[0])}", lambda f, n=name, v=values[0]: f.get(n) == v  # type: ignore[misc]
-        usual, times = Counter(others).most_common(1)[0] if others else (None, 0)
-        if times >= FEWEST and 2 * times > len(others):
-            yield name, f"{name} ≠ {_told(usual)}", lambda f, n=name, v=usual: f.get(n, v) != v  # type: ignore[misc]
+        if often and usual != 0.0:
+            yield differs
         if others and isinstance(values[0], float):
             low, high = min(values), max(values)
             if below := [v for v in others if v < low]:

@@ -44,9 +44,15 @@ Step = Callable[[Rates, Components, float, Any], tuple[Components, Any]]
 _AHEAD = {"old": 0.0, "mean": 0.5, "new": 1.0}
 
 
-def _runge_kutta(nodes: Sequence[float], weights: Sequence[float], whose: str = "own") -> Step:
-    """Return an explicit Runge-Kutta method, each of whose stages begins with the one before.
+def _runge_kutta(
+    nodes: Sequence[float],
+    weights: Sequence[float],
+    whose: str = "own",
+    begun: Sequence[int] = (0, 1, 2),
+) -> Step:
+    """Return an explicit Runge-Kutta method, each of whose stages begins with one before.
 
+    `begun` tells with which one; that is the last one, mostly.
     `whose` velocity moves the position: its "own", the "old" or the "new" one of the step, or the
     "mean" of these two.
     """
@@ -55,8 +61,8 @@ def _runge_kutta(nodes: Sequence[float], weights: Sequence[float], whose: str = 
     def step(f: Rates, s: Components, h: float, left: Any) -> tuple[Components, Any]:
         rates = f(*s)
         stages = [rates]
-        for node in nodes:
-            stages.append(f(*plus(s, node * h, stages[-1])))
+        for node, first in zip(nodes, begun, strict=False):
+            stages.append(f(*plus(s, node * h, stages[first])))
         mean = tuple([
             sum([w * k for w, k in zip(weights, ks, strict=True)]) / total
             for ks in zip(*stages, strict=True)
@@ -216,6 +222,22 @@ SCHEMES: dict[str, Scheme] = {
         _adams_bashforth(True), 2, "the Adams-Bashforth method of order 2 for the velocity"),
     "rk4-equal-weights": Scheme(
         _runge_kutta((0.5, 0.5, 1), (1, 1, 1, 1)), 2, "RK4 with equal weights"),
+    "rk4-third-from-first": Scheme(
+        _runge_kutta((0.5, 0.5, 1), (1, 2, 2, 1), begun=(0, 0, 2)), 2,
+        "RK4 whose third stage begins with the first one's slope"),
+    "rk4-fourth-from-second": Scheme(
+        _runge_kutta((0.5, 0.5, 1), (1, 2, 2, 1), begun=(0, 1, 1)), 2,
+        "RK4 whose fourth stage begins with the second one's slope"),
+    "rk4-fourth-from-first": Scheme(
+        _runge_kutta((0.5, 0.5, 1), (1, 2, 2, 1), begun=(0, 1, 0)), 2,
+        "RK4 whose fourth stage begins with the first one's slope"),
+    "rk4-fourth-at-half": Scheme(
+        _runge_kutta((0.5, 0.5, 0.5), (1, 2, 2, 1)), 1, "RK4 whose fourth stage is in the middle "
+        "of the step"),
+    "rk4-weights-exchanged": Scheme(
+        _runge_kutta((0.5, 0.5, 1), (2, 1, 1, 2)), 2, "RK4 with its weights exchanged, 2 1 1 2"),
+    "rk4-three-eighths": Scheme(
+        _runge_kutta((0.5, 0.5, 1), (1, 3, 3, 1)), 2, "RK4 with the weights of the 3/8 rule"),
     "rk4": Scheme(_runge_kutta((0.5, 0.5, 1), (1, 2, 2, 1)), 4, "RK4"),
 }  # fmt: skip
 
@@ -481,11 +503,14 @@ class _Way:
             return Change(engine=Verlet(dt=dt, forces=treatment))
         return Change(engine=FixedStep(dt=dt, scheme=self.name, ends=self.ends))
 
-    def explanation(self, dt: float, left: float) -> Explanation:
+    def explanation(self, dt: float, left: float, known: float | None) -> Explanation:
         """Return it as an explanation."""
         end = ", each event on the line between two of them" if self.ends == "line" else ""
+        words = f"flies by {SCHEMES[self.name].words}, in steps of {dt:.4g} s{end}"
+        if not _chosen(dt, known):
+            words = f"errs as one who {words}: of this order, and so much"
         return Explanation(
-            self.name, f"flies by {SCHEMES[self.name].words}, in steps of {dt:.4g} s{end}",
+            self.name, words,
             _REMEDY if self.name in LAGGING else _SHORTER, left, 1.1 if end else 1,
             self.change(dt), step=dt,
         )  # fmt: skip
@@ -515,14 +540,22 @@ def schemes(sought: Sought, known: float | None) -> Iterator[Explanation]:
             if r is not None:
                 rest = float(np.abs(base - share * (base - r)).sum())
                 ranked.append((rest, way, dt if dt < tried else step))
+    found = []
     for _, way, dt in sorted(ranked, key=lambda one: one[0])[:BEST]:
         if sought.work.spent:
-            return
+            break
         fitted = known or _fitted(few, base, way, dt)
         change = way.change(fitted)
         left = sought.screened(change) if fitted > LONG else sought.some(2).left(change)
         if left is not None:
-            yield way.explanation(fitted, left)
+            found.append((_chosen(fitted, known), way.explanation(fitted, left, known)))
+    usual = any(chosen and e.named for chosen, e in found)
+    yield from (e for chosen, e in found if chosen or not usual)
+
+
+def _chosen(dt: float, known: float | None) -> bool:
+    """Tell whether a step is one that people choose, or known to be the candidate's."""
+    return known is not None or dt in ROUND_STEPS
 
 
 def _scaled(few: Sought, base: Array, way: _Way, dt: float) -> float | None:
