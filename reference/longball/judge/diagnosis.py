@@ -97,6 +97,9 @@ MINOR = 1e-3
 # Steps of all flights together that are followed with a scheme.
 MOST_STEPS = 15_000
 
+# Stages in which a graze makes errors of what comes before it a thousand times as large.
+INHERITING = ("touching", "normal speed", "velocity after")
+
 # Explanations that are looked at as one at a stage, the second for what the first has left.
 ROUNDS = 3
 
@@ -172,6 +175,8 @@ class _Search:
         Largest relative errors of the stages that something is found for, before that.
     moved
         Stages whose errors are explained by a mistake at another one, and that.
+    thrown
+        Scenes whose pitch does not follow.
     """
 
     trials: list[Trial]
@@ -189,6 +194,7 @@ class _Search:
     loose: dict[str, float] = field(default_factory=dict)
     begun: dict[str, float] = field(default_factory=dict)
     moved: dict[str, str] = field(default_factory=dict)
+    thrown: set[str] = field(default_factory=set)
     work: Work = field(default_factory=Work)
     _raw: dict[int, Checked] = field(default_factory=dict)  # under the base, by trial's identity
     _followed: list[Checked] | None = None
@@ -196,6 +202,9 @@ class _Search:
     def diagnosis(self) -> Diagnosis:
         checks, coarse = self._follow(), few_digits(self.trials)
         rows = [row for stage in STAGES if (row := _row(stage, checks))]
+        self.thrown = {
+            t.case.id for t, cs in checks if any(c.stage == "pitch" and not c.follows for c in cs)
+        }
         unseen = self._unseen(checks)
         largest = _largest(checks)
         first = next((r.stage for r in rows if r.wrong and r.worst >= MINOR * largest), None)
@@ -295,7 +304,7 @@ class _Search:
     def _inheriting(self, trial: Trial, check: Check) -> Check:
         """Return a check that allows for what an earlier stage has left unexplained."""
         left = self.loose.get(trial.case.id, 0.0)
-        if not left or check.stage not in ("touching", "normal speed", "velocity after"):
+        if not left or check.stage not in INHERITING:
             return check
         return replace(check, tolerance=check.tolerance + 30 * left * max(check.scale, 0.1))
 
@@ -354,8 +363,10 @@ class _Search:
         causes: list[Explanation] = []
         rest = worst < MINOR * min(before, 1.0)
         stepped = before and (isinstance(self.base.engine, Verlet) or self.jumps)
-        # Large in a graze is what an earlier stage has left there.
-        inherited = len(wrong) < ENOUGH and all(t.case.id in self.loose for t, _ in wrong)
+        # Large in a graze is what an earlier stage has left there, or had wrong from the beginning.
+        left = {*self.loose, *self.thrown} if stage in INHERITING else {*self.loose}
+        few = len(wrong) < max(ENOUGH, (len(wrong) + len(good)) / ONE_IN)
+        inherited = few and all(t.case.id in left for t, _ in wrong)
         searched = self.causes and not (rest or stepped or inherited)
         plain = _plain(wrong)
         of_most = False

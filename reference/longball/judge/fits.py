@@ -278,7 +278,7 @@ def roundest(value: float, doubt: float, size: float = 1.0) -> float:
 
     A usual factor comes before it, and zero for what is nothing beside `size`.
     """
-    if abs(value) <= 1e-9 * size:
+    if abs(value) <= max(1e-9 * size, min(3 * doubt, 1e-6 * size)):
         return 0.0
     for factor, _ in _FACTORS:
         if abs(value - factor) <= doubt and doubt < 1e-3 * abs(factor):
