@@ -38,7 +38,7 @@ from longball.judge.explanations import (
     told_together,
 )
 from longball.judge.findings import Diagnosis, Finding, StageRow, found, many
-from longball.judge.fits import fitted, pairs, parts, two
+from longball.judge.fits import ODD, factor_meaning, fitted, pairs, parts, two
 from longball.judge.outcomes import made_otherwise, outcome_findings, told_findings
 from longball.judge.quantities import untrue
 from longball.judge.relations import (
@@ -375,7 +375,8 @@ class _Search:
         elif searched and worst > FAINT:
             causes = self._found(stage, wrong, good, checks, told.scenes is not None)
             if not causes and ENOUGH <= len(plain) < len(wrong):
-                causes = self._found(stage, plain, _plain(good), checks, False)
+                some = self._found(stage, plain, _plain(good), checks, False)
+                causes = [e for e in some if _is_telling(e)]
                 of_most = bool(causes)
         if not causes:
             self.findings.append(told)
@@ -693,6 +694,16 @@ def _plain(checked: Sequence[Checked]) -> list[Checked]:
 
 def _without(trial: Trial, quantity: str) -> Trial:
     return replace(trial, given={n: v for n, v in trial.given.items() if n != quantity})
+
+
+def _is_telling(e: Explanation) -> bool:
+    """Tell whether an explanation of some scenes says more than a number that any error makes.
+
+    Where these all have the same bat, there is a ratio, and a mass, for every mistake.
+    """
+    quantity, _, ratio = e.name.partition("*")
+    odd = quantity == e.quantity and factor_meaning(float(ratio or "nan")) is None
+    return not odd and e.rank < 2 + ODD / 100
 
 
 def _unknown(
