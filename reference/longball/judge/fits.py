@@ -22,20 +22,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from longball.engines.verlet import Verlet
+from longball.judge.changes import Mistake
 from longball.judge.explanations import JUMPED, NAMED, Explanation, Sought, Work
-from longball.judge.mistakes import (
-    FENCE,
-    IGNORED,
-    IMPACT,
-    LAW,
-    OWN,
-    READINGS,
-    SPIN,
-    TOUCHING,
-    TWO_STEP_PUSH,
-    Mistake,
-    with_density,
-)
+from longball.judge.flight_mistakes import LAW, OWN, SPIN, with_density
+from longball.judge.mistakes import FENCE, IGNORED, IMPACT, READINGS, TOUCHING, TWO_STEP_PUSH
 from longball.judge.rubbing import RUBBING
 from longball.judge.stages import COLLISION, NONE, Change, Trial, with_values
 from longball.model.air import (

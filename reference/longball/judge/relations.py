@@ -19,7 +19,7 @@ from longball.judge.answers import Answer
 from longball.judge.explanations import Checked, Explanation, off, share_left, size_of
 from longball.judge.findings import Finding, found, many
 from longball.judge.fits import FEW_DIGITS, FIRST, digits_of, factor_meaning, roundest
-from longball.judge.mistakes import FORMULAS, NUMBERED, View
+from longball.judge.formulas import FORMULAS, NUMBERED, View
 from longball.judge.quantities import QUANTITIES
 from longball.judge.stages import (
     ENOUGH,

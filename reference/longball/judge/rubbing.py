@@ -13,7 +13,7 @@ from typing import Any
 
 from longball.engines.chain import collide
 from longball.engines.chain.collision import ContactState, Impact
-from longball.judge.mistakes import Mistake
+from longball.judge.changes import Mistake
 from longball.judge.stages import Change, with_values
 from longball.model.bat import (
     bat_rotation,
