@@ -10,7 +10,7 @@ import mpmath
 import numba
 import numpy as np
 import pytest
-from hypothesis import assume, given
+from hypothesis import given
 from hypothesis import strategies as st
 
 from longball.engines import create
@@ -511,14 +511,16 @@ def test_the_first_fall_is_that_of_a_search_on_a_grid(
 ) -> None:
     """Before what is found nothing is below the error's other side; there it is, or in doubt."""
     p = np.array([abs(coefficients[0]) + 2 * error, *coefficients[1:]])
-    assume(p[1] or p[2])  # a slope with a triple root is refused
     degree = len(p) - 1
     slope, scratch = np.polynomial.polynomial.polyder(p), np.zeros(degree + 3)
     time, least = first_fall(p, slope, scratch, degree, 1.0, error)
     times = np.linspace(0.0, 1.0, 2001)
     heights = np.polynomial.polynomial.polyval(times, p)
     slack = 1e-12 + 1e-6 * error
-    assert not math.isnan(time)
+    if math.isnan(time):  # three turning points in one are refused, as they are in a scene
+        turns = np.polynomial.polynomial.polyroots(slope)
+        assert max(np.count_nonzero(abs(turns - turn) < 0.01) for turn in turns) >= 3
+        return
     if time == NEVER:
         assert (heights[:-1] >= -error - slack).all() or heights[-1] <= slack
         return
