@@ -30,7 +30,7 @@ SEED = 1
 # The readings of the collision that differ. With μ from M_eff the printed ẽ gives
 # μ (1 + ẽ) = m (1 + e), whatever M_eff is; plain has no M_eff. The thin rod's inertia is the
 # cylinder's to 0.1 %.
-BLOWS: tuple[dict[str, Any], ...] = (
+COLLISIONS: tuple[dict[str, Any], ...] = (
     *(
         {"bat_ball_restitution": restitution, "effective_mass": mass, "inertia": inertia}
         for restitution in ("as_printed", "nathan")
@@ -50,8 +50,8 @@ RADII = (0.0366, 0.0183)  # m, of the ball; the paper calls 0.0366 m its diamete
 
 def bases() -> Iterator[Base]:
     """Yield the at-bats of all combinations but for the sample spaces, which cost nothing."""
-    for blow, offset, width, radius in product(BLOWS, OFFSET_SPREADS, CELL_WIDTHS, RADII):
-        reading = Reading.model_validate(blow)
+    for collision, offset, width, radius in product(COLLISIONS, OFFSET_SPREADS, CELL_WIDTHS, RADII):
+        reading = Reading.model_validate(collision)
         yield Base(
             AtBatScene(id="base", ball=Ball(radius=radius), reading=reading),
             SamplingReading(offset_spread=offset, cell_width=width),

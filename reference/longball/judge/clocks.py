@@ -10,14 +10,25 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
-from itertools import pairwise
 
 import numpy as np
 
+from longball.engines.fence import chords
 from longball.judge.explanations import Checked, Explanation, Sought, share_left, size_of
 from longball.judge.fits import Fit, meaning, roundest, told
-from longball.judge.stages import CLOSE, ENOUGH, Change, Placed, Trial, follow, placed, view_values
+from longball.judge.stages import (
+    CLOSE,
+    ENOUGH,
+    Change,
+    Placed,
+    Trial,
+    along_chord,
+    follow,
+    placed,
+    view_values,
+)
 from longball.judge.steps import ROUND_STEPS, SHORTEST, FixedStep, common_step
+from longball.model.numbers import DOUBLES
 from longball.model.scene import landing_height
 
 # The heights at which a candidate may let the ball land instead: above the ground, m.
@@ -169,13 +180,9 @@ def fences(wrong: Sequence[Checked], base: Change) -> Iterator[Explanation]:
 def _beyond_chord(trial: Trial, place: Sequence[float]) -> bool:
     """Tell whether a place is on the line of a chord of the fence, and beyond its ends."""
     x, y, _ = place
-    for (ax, ay, *_), (bx, by, *_) in pairwise(trial.scene.fence.polyline or ()):
-        length = math.hypot(bx - ax, by - ay)
-        if not length:
-            continue
-        aside = ((x - ax) * (by - ay) - (y - ay) * (bx - ax)) / length
-        share = ((x - ax) * (bx - ax) + (y - ay) * (by - ay)) / length**2
-        if abs(aside) < CLOSE and not 0 <= share <= 1:
+    for chord in chords(trial.scene.fence.polyline or (), DOUBLES):
+        along, aside, length = along_chord(chord, x, y)
+        if abs(aside) < CLOSE and not 0 <= along <= length:
             return True
     return False
 

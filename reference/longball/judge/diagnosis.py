@@ -364,7 +364,7 @@ class _Search:
         rest = worst < MINOR * min(before, 1.0)
         stepped = before and (isinstance(self.base.engine, Verlet) or self.jumps)
         # Large in a graze is what an earlier stage has left there, or had wrong from the beginning.
-        left = {*self.loose, *self.thrown} if stage in INHERITING else {*self.loose}
+        left = self.loose.keys() | (self.thrown if stage in INHERITING else ())
         few = len(wrong) < max(ENOUGH, (len(wrong) + len(good)) / ONE_IN)
         inherited = few and all(t.case.id in left for t, _ in wrong)
         searched = self.causes and not (rest or stepped or inherited)
@@ -453,27 +453,26 @@ class _Search:
         self, ties: list[Explanation], stage: str, wrong: Sequence[Checked]
     ) -> list[Explanation]:
         """Return those that are best where they make different scenes; all, if they nowhere do."""
-        changed = [e for e in ties if e.change is not None]
-        if len(changed) < 2 or len(changed) < len(ties):
+        changes = [self.base.then(e.change) for e in ties if e.change is not None]
+        if len(ties) < 2 or len(changes) < len(ties):
             return ties
         differ = []
         for t, _ in wrong:
-            made = [self.base.then(e.change).scene(t.scene) for e in changed if e.change]
-            if any(scene != made[0] for scene in made):
+            first, *others = (change.scene(t.scene) for change in changes)
+            if any(scene != first for scene in others):
                 differ.append(t)
         some = evenly(differ, OTHERS)
         lefts = [
             sum(
                 size_of(c)
                 for t in some
-                for c in follow(t, self.base.then(e.change), (stage,))
+                for c in follow(t, change, (stage,))
                 if c.stage == stage and not c.follows
             )
-            for e in changed
-            if e.change
+            for change in changes
         ]
         best = min(lefts)
-        return [e for e, left in zip(changed, lefts, strict=True) if left <= best + IN_A_SCENE]
+        return [e for e, left in zip(ties, lefts, strict=True) if left <= best + IN_A_SCENE]
 
     def _contradicted(self, change: Change, wrong: Sequence[Checked]) -> bool:
         """Tell whether most trials tell rightly, besides numbers, what a change would not make."""

@@ -242,9 +242,9 @@ class Sought:
         done = change.model, change.engine, change.meeting, change.push
         if done != (NONE.model, NONE.engine, NONE.meeting, NONE.push):
             return True
-        scenes = [self.base.scene(t.scene) for t in self.trials]
-        return any(change.scene(scene) is not scene and change.scene(scene) != scene
-                   for scene in scenes)  # fmt: skip
+        scenes = (self.base.scene(t.scene) for t in self.trials)
+        pairs = ((scene, change.scene(scene)) for scene in scenes)
+        return any(made is not scene and made != scene for scene, made in pairs)
 
     def given(self, change: Change) -> Sought:
         """Return what is sought when a change explains a part."""
@@ -257,10 +257,14 @@ class Sought:
         return rest
 
     def sizes(self, change: Change) -> list[float]:
-        """Return the errors that a change leaves in each trial, none counted for more than 1."""
-        rows = zip(self.trials, self.rows(change), self.rows(NONE), strict=False)
-        return [float(np.minimum(np.abs(r), 1.0).sum()) if r.shape == f.shape else float(f.size)
-                for _, r, f in rows]  # fmt: skip
+        """Return the errors that a change leaves in each trial, none counted for more than 1.
+
+        Behind those that fail come those beside them.
+        """
+        return [
+            float(np.minimum(np.abs(r), 1.0).sum()) if r.shape == f.shape else float(f.size)
+            for r, f in zip(self.rows(change), self.rows(NONE), strict=True)
+        ]
 
     def screened(self, change: Change) -> float | None:
         """Return what a change leaves; of a few trials only, if it leaves much of them."""
@@ -296,12 +300,8 @@ class Sought:
 
     def left(self, change: Change) -> float | None:
         """Return the share of the error that a change leaves, none counted for more than 1."""
-        wholes = [float(np.minimum(np.abs(f), 1.0).sum()) for f in self.rows(NONE)]
-        lefts = [
-            float(np.minimum(np.abs(r), 1.0).sum()) if r.shape == f.shape else float(f.size)
-            for r, f in zip(self.rows(change), self.rows(NONE), strict=True)
-        ]
+        wholes = self.sizes(NONE)
         lefts = [max(0.0, left - min(OWN_ERROR, JUMPED * whole))
-                 for left, whole in zip(lefts, wholes, strict=True)]  # fmt: skip
+                 for left, whole in zip(self.sizes(change), wholes, strict=True)]  # fmt: skip
         wholes[len(self.trials) :] = [0.0] * len(self.beside)
         return share_left(lefts, wholes) if any(wholes) else None

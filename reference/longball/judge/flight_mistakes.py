@@ -7,7 +7,7 @@ import math
 import operator
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, partial
 from itertools import pairwise
 from typing import Any
 
@@ -19,11 +19,14 @@ from longball.model import trace
 from longball.model.aerodynamics import DRAG, LIFT, spin_ratio
 from longball.model.air import CrisisDrag, Table, Weather
 from longball.model.atmosphere import (
+    DRY_DENSITY,
+    LIGHTER,
     STANDARD_PRESSURE,
     THINNING,
     ZERO_CELSIUS,
     density,
     speed_of_sound,
+    station_pressure,
 )
 from longball.model.earth import CORIOLIS, ROTATION
 from longball.model.force import (
@@ -67,6 +70,20 @@ def _carrying(change: Callable[[Term], Term], carried: Term) -> Change:
 
 def _form(term: Term) -> Term:
     return term.term if isinstance(term, Piecewise) else term
+
+
+def _with_form(term: Any, form: Term) -> Term:
+    """Return a term with another form, on each of its branches if it has some."""
+    return replace(term, term=form) if isinstance(term, Piecewise) else form
+
+
+def _with_strengths(term: Any, strengths: Callable[..., Any]) -> Term:
+    """Return a term with other strengths; `strengths` takes its own before scene, frame, numbers.
+
+    Those of a term with branches are its branches.
+    """
+    name = "branches" if isinstance(term, Piecewise) else "strengths"
+    return replace(term, **{name: partial(strengths, getattr(term, name))})  # type: ignore[no-any-return]
 
 
 def _replaced(term: Term, changed: Term) -> Change:
@@ -406,9 +423,7 @@ def _seeing(which: Callable[[Term], bool], change: Callable[[Any], Any]) -> Chan
     def under(f: Any) -> Any:
         if not which(_form(f)):
             return f
-        name = "branches" if isinstance(f, Piecewise) else "strengths"
-        given = getattr(f, name)
-        return replace(f, **{name: lambda scene, *rest: given(change(scene), *rest)})
+        return _with_strengths(f, lambda given, scene, *rest: given(change(scene), *rest))
 
     return _terms(under)
 
@@ -500,21 +515,14 @@ def _vapour_of_kelvin(scene: Any, weather: Any) -> float:
     return dry - vapour * float((t + ZERO_CELSIUS) / t)
 
 
-def _at_station(scene: Any, weather: Any) -> float:
-    """Return the pressure at the height of the park."""
-    if scene.reading.pressure == "station":
-        return float(weather.pressure)
-    return float(weather.pressure * math.exp(-1.217e-4 * weather.elevation))
-
-
 def _with_vapour(pressure: Callable[[float], float]) -> Change:
     """Return the change of the saturated vapour's pressure, Pa, to a formula of t in °C."""
 
     def formula(scene: Any, weather: Any) -> float:
         t = weather.temperature - ZERO_CELSIUS
         dry = _of_weather(scene, humidity=0.0)
-        vapour = 0.3783 * weather.humidity * pressure(t)
-        return dry * (1 - vapour / _at_station(scene, weather))  # type: ignore[no-any-return]
+        vapour = LIGHTER * weather.humidity * pressure(t)
+        return dry * (1 - vapour / station_pressure(scene, DOUBLES))  # type: ignore[no-any-return]
 
     return _density(formula)
 
@@ -533,9 +541,9 @@ def _with_pressure(pressure: Callable[[Any], float]) -> Change:
 def _gas(scene: Any, weather: Any) -> float:
     """Return the density of an ideal gas with R = 287.058 J/(kg K), and water's 461.495."""
     t = weather.temperature
-    vapour = (_of_weather(scene, humidity=0.0) - _of_weather(scene)) * t / (1.2929 * ZERO_CELSIUS)
-    vapour *= STANDARD_PRESSURE / 0.3783
-    dry = _at_station(scene, weather) - vapour
+    lighter = _of_weather(scene, humidity=0.0) - _of_weather(scene)
+    vapour = lighter * t / (DRY_DENSITY * ZERO_CELSIUS) * STANDARD_PRESSURE / LIGHTER
+    dry = station_pressure(scene, DOUBLES) - vapour
     return float(dry / (287.058 * t) + vapour / (461.495 * t))
 
 
@@ -635,7 +643,7 @@ def _lift_times(share: Callable[[Flow, Any], Any]) -> Callable[[Any], Any]:
         if not isinstance(form, Lift):
             return f
         new = replace(form, factor=lambda m, p: form.factor(m, p) * share(m.lift, p))
-        return replace(f, term=new) if isinstance(f, Piecewise) else new
+        return _with_form(f, new)
 
     return changed
 
@@ -665,18 +673,12 @@ def _active(flow: Flow, p: Any) -> Any:
 def _batted_spin(spin: Callable[[Any], Any]) -> Change:
     """Return the change of a batted ball's spin to what is made of the scene."""
 
-    def under(f: Any) -> Any:
-        name = "branches" if isinstance(f, Piecewise) else "strengths"
-        given = getattr(f, name)
+    def spun(given: Any, scene: Any, frame: Any, numbers: Any) -> Any:
+        if frame.spin is not None and _is_batted(scene, frame):
+            frame = replace(frame, spin=spin(scene))
+        return given(scene, frame, numbers)
 
-        def changed(scene: Any, frame: Any, numbers: Any) -> Any:
-            if frame.spin is not None and _is_batted(scene, frame):
-                frame = replace(frame, spin=spin(scene))
-            return given(scene, frame, numbers)
-
-        return replace(f, **{name: changed})
-
-    return _terms(under)
+    return _terms(lambda f: _with_strengths(f, spun))
 
 
 def _profile(rise: Callable[[Any, Any], Any]) -> Change:
@@ -736,18 +738,16 @@ def _exchanged() -> Iterator[Mistake]:
             yield Mistake(f"{a}-{b}-exchanged", sentence, _SCENE, scene_change(values))
 
 
-_NEAR_EARTH = 6_371_000.0  # m, from its centre
-
-
 def _turning(motion: Motion, p: Any) -> Vector[Any]:
     """Return the Coriolis and the centrifugal acceleration."""
     omega, (s, y, z) = (p.earth_s, p.earth_y, p.earth_z), motion.position
-    away = cross(omega, cross(omega, (s, y, z + _NEAR_EARTH)))
+    away = cross(omega, cross(omega, (s, y, z + _EARTH_RADIUS)))
     return plus(CORIOLIS.acceleration(motion, p), -1.0, away)  # type: ignore[return-value]
 
 
-def _coriolis_part(which: Callable[[Vector[Any]], Vector[Any]]) -> Change:
-    return _instead(CORIOLIS, lambda m, p: which(CORIOLIS.acceleration(m, p)))
+def _coriolis(changed: Callable[[Vector[Any]], Vector[Any]]) -> Change:
+    """Return the change of the Coriolis acceleration to a function of it."""
+    return _instead(CORIOLIS, lambda m, p: changed(CORIOLIS.acceleration(m, p)))
 
 
 def _over_ground(term: Drag) -> Force:
@@ -819,10 +819,6 @@ def _extrapolated(
     below = [] if nodes[0] == 0.0 else [0.0]
     ends = [line(0.0, 0, 1)] * len(below), [line(far, -2, -1)]
     return [*below, *nodes, far], [*ends[0], *values, *ends[1]]
-
-
-def _coriolis(factor: float) -> Change:
-    return _instead(CORIOLIS, lambda m, p: scaled(factor, CORIOLIS.acceleration(m, p)))
 
 
 def _earth(key: str, change: Callable[[float], float]) -> Change:
@@ -978,7 +974,7 @@ EXTENDED: tuple[Mistake, ...] = (
             "with the reading pressure = station the elevation does nothing",
             reading_change(pressure="sea_level")),
     Mistake("weather-ignored", "has air of 1.2929 kg/m³, whatever the weather", _WEATHER,
-            _density(lambda s, w: 1.2929)),
+            _density(lambda s, w: DRY_DENSITY)),
     *_vapours(),
     Mistake("barometric-formula", "takes the barometric formula of the standard atmosphere, "
             "p (1 - 2.25577e-5 h)^5.25588, for the park's pressure", _WEATHER,
@@ -1006,8 +1002,10 @@ EXTENDED: tuple[Mistake, ...] = (
             scene_change(lambda scene: {"air.density_scale_height": None})),
     Mistake("no-earth", "leaves the Earth's rotation out", "add -2 Ω × v",
             scene_change(lambda scene: {"earth": None})),
-    Mistake("earth-sign", "turns the Earth the other way round", _EARTH, _coriolis(-1.0)),
-    Mistake("earth-once", "takes Ω × v where 2 Ω × v belongs", _EARTH, _coriolis(0.5)),
+    Mistake("earth-sign", "turns the Earth the other way round", _EARTH,
+            _coriolis(lambda a: scaled(-1.0, a))),
+    Mistake("earth-once", "takes Ω × v where 2 Ω × v belongs", _EARTH,
+            _coriolis(lambda a: scaled(0.5, a))),
     Mistake("earth-by-airspeed", "takes the velocity through the air in -2 Ω × v", _EARTH,
             _instead(CORIOLIS, lambda m, p: CORIOLIS.acceleration(
                 m._replace(velocity=m.air.velocity), p))),
@@ -1015,9 +1013,9 @@ EXTENDED: tuple[Mistake, ...] = (
             "the scene's gravity is that at the place: add -2 Ω × v alone",
             _instead(CORIOLIS, _turning)),
     Mistake("earth-vertical-only", "takes the vertical part of -2 Ω × v alone", _EARTH,
-            _coriolis_part(lambda a: (trace.ZERO, trace.ZERO, a[2]))),
+            _coriolis(lambda a: (trace.ZERO, trace.ZERO, a[2]))),
     Mistake("earth-level-only", "leaves the vertical part of -2 Ω × v out", _EARTH,
-            _coriolis_part(lambda a: (a[0], a[1], trace.ZERO))),
+            _coriolis(lambda a: (a[0], a[1], trace.ZERO))),
     Mistake("colatitude", "counts the latitude from the pole", _EARTH,
             _earth("latitude", lambda angle: math.pi / 2 - angle)),
     Mistake("azimuth-from-east", "counts the azimuth from the east", _EARTH,
@@ -1116,7 +1114,7 @@ def _of_drag(carried: Term, factor: Callable[[Motion, Any], Any]) -> Change:
         if not isinstance(form, Drag):
             return f
         new = replace(form, rate=lambda m, p: form.rate(m, p) * factor(m, number(p)))
-        return replace(f, term=new) if isinstance(f, Piecewise) else new
+        return _with_form(f, new)
 
     return _carrying(changed, carried)
 
@@ -1134,7 +1132,7 @@ def _of_lift(carried: Term, factor: Callable[[Motion, Any], Any]) -> Change:
                 factor(m, number(p)), form.acceleration(m, p)))  # fmt: skip
         else:
             return f
-        return replace(f, term=new) if isinstance(f, Piecewise) else new
+        return _with_form(f, new)
 
     return _carrying(changed, carried)
 

@@ -106,11 +106,15 @@ IGNORED: tuple[Mistake, ...] = tuple(
     for name, field in Reading.model_fields.items()
 )  # fmt: skip
 
+TIME_LIMIT_IGNORED = Mistake(
+    "time-limit-ignored", "flies on beyond time_limit",
+    "a ball that has not come down after time_limit seconds of flight is airborne",
+    scene_change(lambda scene: {"time_limit": 1e4}),
+)  # fmt: skip
+
 # What shows in outcomes alone.
 OUTCOMES: tuple[Mistake, ...] = (
-    Mistake("time-limit-ignored", "flies on beyond time_limit",
-            "a ball that has not come down after time_limit seconds of flight is airborne",
-            scene_change(lambda scene: {"time_limit": 1e4})),
+    TIME_LIMIT_IGNORED,
     Mistake("ground-ignored", "has the ground at z = 0, whatever ground.height is",
             "the ball lands at ground.height", scene_change(lambda scene: {"ground.height": 0.0})),
 )  # fmt: skip

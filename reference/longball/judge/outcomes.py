@@ -13,7 +13,7 @@ from longball.engines.chain import MODEL, solve
 from longball.judge.any_law import ANY_LAW
 from longball.judge.explanations import evenly, told_together
 from longball.judge.findings import Finding, found, many
-from longball.judge.mistakes import FENCE, OUTCOMES
+from longball.judge.mistakes import FENCE, OUTCOMES, TIME_LIMIT_IGNORED
 from longball.judge.quantities import BLOCKS, OPTIONAL, told_by, untrue
 from longball.judge.rules import rule
 from longball.judge.stages import NONE, Change, Trial, stage_of
@@ -77,8 +77,7 @@ def _foul_over_fence(trial: Trial) -> bool:
 
 
 RULES: tuple[Rule, ...] = (
-    Rule("time-limit-ignored", "flies on beyond time_limit",
-         "a ball that has not come down after time_limit seconds of flight is airborne",
+    Rule(TIME_LIMIT_IGNORED.name, TIME_LIMIT_IGNORED.sentence, TIME_LIMIT_IGNORED.remedy,
          _beyond_limit),
     Rule("time-limit-of-both", "counts time_limit for pitch and batted ball together",
          "pitch and batted ball have time_limit seconds each", _limited_together),

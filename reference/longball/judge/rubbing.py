@@ -19,7 +19,7 @@ from longball.model.bat import (
     bat_rotation,
     collision_parameters,
     inertia_factor,
-    moment_of_inertia,
+    inverse_mass_arguments,
     tangential_restitution,
 )
 from longball.model.impact import (
@@ -90,7 +90,7 @@ def _struck(scene: Any, contact: ContactState[float], parts: Parts) -> Impact[fl
     e, e_t = pair.restitution, tangential_restitution(bat, DOUBLES)
     motion = contact.velocity, parts.spin(contact), contact.bat_velocity, parts.rotation(scene)
     g = contact.normal_speed, *slip(*motion, normal, *parts.radii(scene))[1:]
-    given = _arguments(scene, contact)
+    given = inverse_mass_arguments(ball, bat, contact.lever_arm, scene.reading, DOUBLES)
     own, *others = inverse_mass(**{**given, **parts.arguments(scene, given)})
     k = parts.matrix((1 / pair.reduced_mass, *others), own)
 
@@ -117,20 +117,6 @@ def _struck(scene: Any, contact: ContactState[float], parts: Parts) -> Impact[fl
         "grip" if grips else "slide",
         margin / (bat.friction * abs(wanted[0])),
     )
-
-
-def _arguments(scene: Any, contact: ContactState[float]) -> dict[str, float]:
-    """Return the arguments of `inverse_mass`; see `longball.model.bat.inverse_masses`."""
-    bat, free = scene.bat, scene.bat.support == "free"
-    return {
-        "mass": scene.ball.mass,
-        "inertia_factor": inertia_factor(scene.ball, DOUBLES),
-        "inverse_bat_mass": 1 / bat.mass if free else 0.0,
-        "inertia": moment_of_inertia(bat, scene.reading, DOUBLES),
-        "axial_inertia": bat.mass * bat.radius**2 / 2,
-        "arm": bat.length / 2 - contact.lever_arm if free else -contact.lever_arm,
-        "bat_radius": bat.radius,
-    }
 
 
 def _along(factor: Callable[[Floats, Floats, float], float]) -> Callable[..., Floats]:

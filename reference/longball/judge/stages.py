@@ -806,13 +806,19 @@ def _beside(chord: Chord[float], x: float, y: float) -> tuple[float, float, floa
 
     Far from a chord that it is not beside.
     """
-    (ax, ay, a), (bx, by, b) = chord.a, chord.b
-    length = math.hypot(bx - ax, by - ay)
-    along = ((x - ax) * (bx - ax) + (y - ay) * (by - ay)) / length
-    aside = ((x - ax) * (by - ay) - (y - ay) * (bx - ax)) / length
+    a, b = chord.a[2], chord.b[2]
+    along, aside, length = along_chord(chord, x, y)
     beyond = max(0.0, -along, along - length)
     off = math.copysign(math.hypot(aside, beyond), aside)
     return off, a + (b - a) * along / length, min(along, length - along)
+
+
+def along_chord(chord: Chord[float], x: float, y: float) -> tuple[float, float, float]:
+    """Return how far along a chord a place is, how far to its right, and the chord's length, m."""
+    (ax, ay, _), (bx, by, _) = chord.a, chord.b
+    length = math.hypot(bx - ax, by - ay)
+    along = ((x - ax) * (bx - ax) + (y - ay) * (by - ay)) / length
+    return along, ((x - ax) * (by - ay) - (y - ay) * (bx - ax)) / length, length
 
 
 def _tuple(value: Any) -> Numbers:

@@ -15,6 +15,8 @@ from longball.model.numbers import N, Numbers, Vector
 
 ZERO_CELSIUS = 273.15  # K
 STANDARD_PRESSURE = 101325.0  # Pa
+DRY_DENSITY = 1.2929  # kg/m³, at these two
+LIGHTER = 0.3783  # of a vapour's density, by which it is less than that of dry air
 
 
 def density(scene: Any, numbers: Numbers[N]) -> N:
@@ -32,14 +34,21 @@ def density(scene: Any, numbers: Numbers[N]) -> N:
     if not hasattr(given, "temperature"):
         return numbers.exact(given)
     exact, exp = numbers.exact, numbers.functions["exp"]
-    temperature, pressure = exact(given.temperature), exact(given.pressure)
-    if scene.reading.pressure == "sea_level":
-        pressure = pressure * exp(-(exact(1.217e-4) * exact(given.elevation)))
+    temperature, pressure = exact(given.temperature), station_pressure(scene, numbers)
     t = temperature - exact(ZERO_CELSIUS)
     exponent = (exact(18.687) - t / exact(234.5)) * t / (exact(257.14) + t)
     vapour = exact(given.humidity) * exact(611.16) * exp(exponent)
-    dry = exact(1.2929) * (exact(ZERO_CELSIUS) / temperature)
-    return dry * (pressure - exact(0.3783) * vapour) / exact(STANDARD_PRESSURE)
+    dry = exact(DRY_DENSITY) * (exact(ZERO_CELSIUS) / temperature)
+    return dry * (pressure - exact(LIGHTER) * vapour) / exact(STANDARD_PRESSURE)
+
+
+def station_pressure(scene: Any, numbers: Numbers[N]) -> N:
+    """Return the pressure at the park, Pa: ``p e^(-βh)``, or as it is if the reading says so."""
+    exact, given = numbers.exact, scene.air.density
+    pressure = exact(given.pressure)
+    if scene.reading.pressure == "station":
+        return pressure
+    return pressure * numbers.functions["exp"](-(exact(1.217e-4) * exact(given.elevation)))
 
 
 def speed_of_sound(scene: Any, numbers: Numbers[N]) -> N:

@@ -108,19 +108,26 @@ def inverse_masses(
 
     K_nn is 1/μ as the reading has it; the others are those of a uniform cylinder.
     """  # fmt: skip
+    _, *others = inverse_mass(**inverse_mass_arguments(ball, bat, lever_arm, reading, numbers))
+    return 1 / pair.reduced_mass, *others
+
+
+def inverse_mass_arguments(
+    ball: Ball, bat: Bat, lever_arm: N, reading: Reading, numbers: Numbers[N]
+) -> dict[str, N]:
+    """Return the arguments of `longball.model.impact.inverse_mass`, by name."""
     mass, radius = numbers.exact(bat.mass), numbers.exact(bat.radius)
     half = numbers.exact(bat.length) / 2
     free = bat.support == "free"
-    _, *others = inverse_mass(
-        numbers.exact(ball.mass),
-        inertia_factor(ball, numbers),
-        1 / mass if free else numbers.exact(0.0),
-        moment_of_inertia(bat, reading, numbers),
-        mass * radius * radius / 2,
-        half - lever_arm if free else -lever_arm,
-        radius,
-    )
-    return 1 / pair.reduced_mass, *others
+    return {
+        "mass": numbers.exact(ball.mass),
+        "inertia_factor": inertia_factor(ball, numbers),
+        "inverse_bat_mass": 1 / mass if free else numbers.exact(0.0),
+        "inertia": moment_of_inertia(bat, reading, numbers),
+        "axial_inertia": mass * radius * radius / 2,
+        "arm": half - lever_arm if free else -lever_arm,
+        "bat_radius": radius,
+    }
 
 
 def inertia_factor(ball: Ball, numbers: Numbers[N]) -> N:
