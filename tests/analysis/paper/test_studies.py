@@ -9,7 +9,7 @@ import pytest
 from analysis.__main__ import PAGES, chosen
 from analysis.paper.argument import density_at_fence, line, width
 from analysis.paper.balls import SPACES, Base
-from analysis.paper.combinations import BLOWS, bases
+from analysis.paper.combinations import COLLISIONS, bases
 from analysis.paper.counterparts import Counterpart
 from analysis.paper.home_run_figures import curve_share, fit_noise, flatness, printed_ratio
 from analysis.paper.numbers import PARAMETERS, UNKNOWN, drawn
@@ -162,7 +162,7 @@ def test_what_the_ledger_forbids_is_no_reading():
 
 def test_combinations_differ():
     found = [(base.scene.line(), base.sampling) for base in bases()]
-    assert len(found) == len(set(found)) == len(BLOWS) * 2 * 5 * 2
+    assert len(found) == len(set(found)) == len(COLLISIONS) * 2 * 5 * 2
 
 
 def test_the_ranges_hold_the_usual_numbers():
