@@ -177,19 +177,18 @@ def first_fall(
         If a turning point of the value lies within its error of zero.
     """
     start = numbers.exact(0.0)
-    if curve.positive(start, end) and curve(start) > 2 * error:
+    first = curve(start)
+    if first > 2 * error and curve.positive(start, end):
         return None
-    points = [start, *curve.turns(start, end), end]
-    rises = curve(points[1]) > curve(start)
-    if launch and not curve(start) > 0:
-        if not rises:
-            return start
-        points = points[1:]
-    elif rises and not launch and not curve(start) > error:
-        # The last piece ended on a turning point.
-        _require_positive(curve(start), error, f"whether {question}", numbers)
-    for left, right in pairwise(points):
+    for left, right in pairwise([start, *curve.turns(start, end), end]):
         value = curve(right)
+        if left is start and not first > (0 if launch else error):
+            if launch and not value > first:
+                return start
+            if launch:
+                continue
+            if value > first:  # the last piece ended on a turning point
+                _require_positive(first, error, f"whether {question}", numbers)
         if value > error:
             continue
         if value < -error:
@@ -235,11 +234,10 @@ def first_met(
         left = limit - piece.begin
         end = piece.length if piece.length < left else left
         if numbers.rounding:
-            start = piece.at(numbers.exact(0.0))
-            rounded = _ROUNDINGS * numbers.rounding * _size(numbers, start.s, start.z)
+            start: Any = piece.at(numbers.exact(0.0))
+            rounded = _ROUNDINGS * numbers.rounding * max(1.0, abs(start.s), abs(start.z))
             for event in events:
-                kept, known = event.slope * rounded, errors[event.name]
-                errors[event.name] = numbers.where(kept > known, kept, known)
+                errors[event.name] = max(errors[event.name], event.slope * rounded)
         found = []
         for event in events:
             curve, off = piece.curve(event.value), errors[event.name]

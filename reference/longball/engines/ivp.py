@@ -238,15 +238,20 @@ class _TaylorFlight(Taylor):
 
     def step(self) -> str | None:
         """Take steps until the event's value is zero."""
-        while True:
+        while self.status == "running":
             begin = self.t
-            message: str | None = super().step()
-            if self.status == "failed":
+            moved, message = self._step_impl()
+            if not moved:
+                self.status = "failed"
                 return message
+            self.t_old = begin
             length = _length(begin, self.t)
             self._pieces.append(PolynomialPiece(begin, length, self._state, self._x))
-            if self.status == "finished" or not self._ends(self.t, self.y) > 0:
-                return message
+            if self.t == self.t_bound:
+                self.status = "finished"
+            elif not self._ends(self.t, self.y) > 0:
+                break
+        return None
 
     def _dense_output_impl(self) -> Callable[[float], Array]:
         """Return the ends of the last series: an event whose value is zero there is not sought."""

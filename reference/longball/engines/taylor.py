@@ -77,6 +77,7 @@ class Taylor(OdeSolver):  # type: ignore[misc]
     direction: float
     n: int
     y: Array
+    status: str
 
     def __init__(
         self,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, Generic
 
 from longball.engines.engine import CannotSolve, Engine, Touch
@@ -84,7 +85,7 @@ class Cases(ABC, Generic[N]):
     def follow(self, frame: Frame[N], flight: Flight[N], begin: N) -> None:
         """Take note of a flight that begins at a time, s since the start of the scene."""
 
-    @property
+    @cached_property  # asked for by every step of the chain
     def numbers(self) -> Numbers[N]:
         """The engine's number system."""
         return self.engine.numbers

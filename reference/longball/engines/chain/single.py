@@ -55,7 +55,9 @@ class OneCase(Cases[N]):
 
     def take(self, condition: bool, *values: Any) -> tuple[Any, ...]:
         """See `Cases`."""
-        return self if condition else replace(self, empty=True), *values
+        if condition:
+            return self, *values
+        return OneCase(self.scene, self.engine, self.model, self.answer, self.legs, True), *values
 
     def either(
         self, condition: bool, yes: Callable[..., Any], no: Callable[..., Any], *values: Any
