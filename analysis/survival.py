@@ -19,7 +19,7 @@ from analysis.random_scenes import random_scene
 from analysis.stability import ALLOWED, exactly
 from analysis.writing import render, write_table
 from longball.engines import create
-from longball.engines.chain import solve
+from longball.engines.chain import solve, solve_with_path
 from longball.golden.case import ROUNDING, decisions, vector_of
 from longball.golden.condition import STEP, inputs, with_input
 from longball.model.quantities import numbers
@@ -168,6 +168,22 @@ def _start(scene: Scene) -> float:
     return max(map(abs, scene.pitch.release)) if hasattr(scene, "pitch") else 0.0
 
 
+def _extent(scene: Scene) -> float:
+    """Return how far a ball gets from the start of a flight, m; the height where it is larger."""
+    _, way = solve_with_path(scene, create("ivp"))
+    return max(
+        (
+            abs(x)
+            for leg in way.legs
+            for piece in leg.flight.path.pieces()
+            for state in [piece.at(0.0)]
+            if not piece.begin > leg.flight.time
+            for x in (state.s, getattr(state, "y", 0.0), state.z)
+        ),
+        default=0.0,
+    )
+
+
 def errors(result: Result, truth: Result) -> dict[str, tuple[float, float]]:
     """Return of every number how far it is off, and half an ulp of its vector's length."""
     true = {name: exactly(value) for name, value in numbers(truth)}
@@ -186,6 +202,10 @@ def moved_errors(scene: Scene, truth: Result) -> dict[str, float] | None:
     """
     values = inputs(scene)
     sizes = {name: abs(x) for name, x in values.items()}
+    # A ball that comes back to its start after loops of kilometres is there to their rounding.
+    for name, move in sizes.items():
+        if name.startswith(("launch.position", "pitch.release")):
+            sizes[name] = max(move, _extent(scene))
     if isinstance(scene, AtBatScene) and truth.plate is not None:
         # A double holds z_b, and the way of the ball, no better, however small the offset is.
         sizes["swing.height_offset"] += max(_height(truth), _start(scene))

@@ -229,7 +229,7 @@ def first_met(
         If the error leaves open whether an event is met, whether in time, or which of two is first.
     """
     errors = {event.name: error * event.size for event in events}
-    last = None
+    seen: list[tuple[Piece[N], N]] = []
     for number, piece in enumerate(pieces):
         left = limit - piece.begin
         end = piece.length if piece.length < left else left
@@ -243,20 +243,38 @@ def first_met(
             curve, off = piece.curve(event.value), errors[event.name]
             t = first_fall(curve, end, off, event.question, numbers, launch=number == 0)
             if t is not None:
-                found.append(Met(event, piece.begin + t, event.place(piece.at(t))))
+                where = piece
+                if numbers.rounding and number > 0 and not t > 0:
+                    where, t = _fallen(seen, event, numbers)
+                found.append(Met(event, where.begin + t, event.place(where.at(t))))
         if found:
             return _earliest(found, events, errors, limit, error, numbers)
-        last = piece, end
+        seen.append((piece, end))
         if not piece.begin + piece.length < limit:
             break
-    if last is None:
+    if not seen:
         return None
-    piece, end = last
+    piece, end = seen[-1]
     state = piece.at(end)
     for event in events:
         question = f"whether {event.question} in the time limit"
         _require_positive(event.value(state), errors[event.name], question, numbers)
     return None
+
+
+def _fallen(
+    seen: Sequence[tuple[Piece[N], N]], event: Event[N], numbers: Numbers[N]
+) -> tuple[Piece[N], N]:
+    """Return where a value fell through zero that was in doubt at the end of some pieces.
+
+    The piece that follows tells that it did fall; where, within its error of that piece.
+    """
+    start = numbers.exact(0.0)
+    curves = ((*each, each[0].curve(event.value)) for each in reversed(seen))
+    piece, end, curve = next((each for each in curves if each[2](start) > 0), (*seen[-1], None))
+    if curve is None or curve(end) > 0:
+        return piece, end
+    return piece, curve.zero([start, *curve.turns(start, end)][-1], end)
 
 
 # Half ulps of the largest coordinate that a flight has had: those of a flight that comes back from
