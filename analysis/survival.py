@@ -7,6 +7,7 @@ where the flight begins; what they do adds up.
 
 import time
 from collections import defaultdict
+from contextlib import suppress
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -20,6 +21,7 @@ from analysis.stability import ALLOWED, exactly
 from analysis.writing import render, write_table
 from longball.engines import create
 from longball.engines.chain import solve, solve_with_path
+from longball.engines.engine import CannotSolve
 from longball.golden.case import ROUNDING, decisions, vector_of
 from longball.golden.condition import STEP, inputs, with_input
 from longball.model.quantities import numbers
@@ -170,18 +172,15 @@ def _start(scene: Scene) -> float:
 
 def _extent(scene: Scene) -> float:
     """Return how far a ball gets from the start of a flight, m; the height where it is larger."""
-    _, way = solve_with_path(scene, create("ivp"))
-    return max(
-        (
-            abs(x)
-            for leg in way.legs
-            for piece in leg.flight.path.pieces()
-            for state in [piece.at(0.0)]
-            if not piece.begin > leg.flight.time
-            for x in (state.s, getattr(state, "y", 0.0), state.z)
-        ),
-        default=0.0,
-    )
+    farthest = 0.0
+    for leg in solve_with_path(scene, create("ivp"))[1].legs:
+        with suppress(CannotSolve):  # a ball that loops above the ground takes too many steps
+            for piece in leg.flight.path.pieces():
+                if piece.begin > leg.flight.time:
+                    break
+                state = piece.at(0.0)
+                farthest = max(farthest, *map(abs, (state.s, getattr(state, "y", 0.0), state.z)))
+    return farthest
 
 
 def errors(result: Result, truth: Result) -> dict[str, tuple[float, float]]:
