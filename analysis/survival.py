@@ -32,9 +32,9 @@ SCENES, FULL_SCENES = 2_000, 1_000_000
 # Of the full number, those that the enclosure solves, too: every so many; of others all.
 FULL_STRIDE = 100
 SEED = 20
-# How many scenes of a family there are in ten. Those that are rarest take ten times as long.
-SHARES = {"baseball": 3, "wide": 3, "close": 2, "extreme": 1, "extended": 1}
-BLOCK = 10  # such tens
+# How many scenes of a family there are in twenty. Those that are rarest take twenty times as long.
+SHARES = {"baseball": 6, "wide": 6, "close": 6, "extreme": 1, "extended": 1}
+BLOCK = 5  # such twenties
 
 DIGITS = 20  # of the truth
 # An error below so many roundings of its vector's length needs no estimate.
