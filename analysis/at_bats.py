@@ -31,9 +31,7 @@ BEHIND = 0.01  # s: the pitch is drawn to a third of a metre behind the plate
 def run(report: Path, full: bool) -> str:
     """Solve the at-bats and draw them; `full` changes nothing."""
     scenes = {
-        name: AtBatScene(
-            id=name, pitch=PITCH, swing=Swing(height_offset=offset, tilt=math.radians(tilt))
-        )
+        name: AtBatScene(pitch=PITCH, swing=Swing(height_offset=offset, tilt=math.radians(tilt)))
         for name, (offset, tilt) in SWINGS.items()
     }
     solved = {name: solve_with_path(scene, Ivp()) for name, scene in scenes.items()}
@@ -61,11 +59,9 @@ def run(report: Path, full: bool) -> str:
                 batted = along(way, begin, min(way.end, begin + BEHIND))
                 axes.plot(*batted, color="C0", linewidth=1.8)
             axes.plot(*pitch, **thin)
-            axes.set(title=name, xlabel="x, m", xlim=(-0.15, 0.15), ylim=(1.08, 1.38))
-            axes.set_aspect("equal")
+            axes.set(title=name, xlabel="x, m", xlim=(-0.15, 0.15), ylim=(1.08, 1.38), aspect=1.0)
         panels[0].set_ylabel("height z, m")
-    results = {name: result for name, (result, _) in solved.items()}
-    return render(report, "at_bats", globals(), results=results)
+    return render(report, "at_bats", globals(), solved=solved)
 
 
 def along(way: Trajectory[float], begin: float, end: float) -> tuple[Array, Array]:

@@ -76,6 +76,11 @@ def histogram(distances: Array) -> NDArray[np.int64]:
     return np.bincount((distances / BIN).astype(int), minlength=1)
 
 
+def density(distances: Array) -> Array:
+    """Return the density of distances in each bin of 10 m, 1/m."""
+    return histogram(distances) / (BIN * len(distances))
+
+
 def highest(distances: Array) -> float:
     """Return the middle of the highest bin, m."""
     return BIN * (int(np.argmax(histogram(distances))) + 0.5)

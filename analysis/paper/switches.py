@@ -11,6 +11,7 @@ from pydantic import ValidationError
 from analysis.paper import balls
 from analysis.paper.balls import SPACES, Base, Share, Space, strike
 from analysis.paper.combinations import RADII, STEP, Cases
+from analysis.paper.numbers import mark_p
 from analysis.paper.printed import P_TEXT
 from analysis.writing import figure, render
 from longball.engines.verlet import Verlet
@@ -40,6 +41,11 @@ class Turned(NamedTuple):
         """As the figure calls it."""
         return f"{self.switch} = {self.option}"
 
+    @property
+    def visible(self) -> bool:
+        """Whether the change is larger than two standard errors."""
+        return abs(self.change) >= 2 * self.change_error
+
 
 def options(base: Base, space: Space) -> Iterator[tuple[str, str, Base, Space]]:
     """Yield each switch with each option that is not the one chosen, and what it makes.
@@ -57,18 +63,16 @@ def options(base: Base, space: Space) -> Iterator[tuple[str, str, Base, Space]]:
         if other_space != space:
             yield "samples", other_space.name, base, other_space
     for radius in RADII:
-        if radius != base.scene.ball.radius:
-            yield "ball.radius", f"{radius:g}", base.replaced({"ball.radius": radius}), space
+        if (other := base.replaced({"ball.radius": radius})) != base:
+            yield "ball.radius", f"{radius:g}", other, space
 
 
 def turned_to(base: Base, switch: str, option: str) -> Base | None:
     """Return a reading with one switch set; None if it has no such switch, or contradicts it."""
     scene, sampling = base
     if switch in SamplingReading.model_fields:
-        number = SamplingReading.model_fields[switch].annotation is float
-        value = float(option) if number else option
-        switches = sampling.model_dump() | {switch: value}
-        return Base(scene, SamplingReading.model_validate(switches))
+        switches = {name: str(value) for name, value in sampling.model_dump().items()}
+        return Base(scene, SamplingReading.model_validate_strings(switches | {switch: option}))
     try:
         reading = Reading.model_validate(scene.reading.model_dump() | {switch: option})
     except ValidationError:
@@ -107,10 +111,8 @@ def turn_scheme(base: Base, space: Space) -> list[dict[str, Any]]:
         (struck,) = balls.strike_in_steps(base, STEPPED_SAMPLES, SEED, [E], scheme)
         share = space.share(struck)
         before = before or share
-        change, change_error = share.above(before)
-        row = {"switch": switch, "option": option, "batted": struck.batted.mean(), "p": share.p}
-        row |= {"p_error": share.influence.std() / np.sqrt(STEPPED_SAMPLES)}
-        found.append(row | {"change": change, "change_error": change_error})
+        row = {"switch": switch, "option": option, "batted": struck.batted.mean(), "share": share}
+        found.append(row | {"change": share.above(before)})
     return found
 
 
@@ -122,24 +124,15 @@ class Turns(NamedTuple):
     before: Share
     turned: list[Turned]
 
-    @property
-    def largest(self) -> list[Turned]:
-        """The three that change P most."""
-        return sorted(self.turned, key=lambda one: -abs(one.change))[:3]
-
-    @property
-    def still(self) -> list[Turned]:
-        """Those whose change is within two standard errors of none."""
-        return [one for one in self.turned if abs(one.change) < 2 * one.change_error]
-
 
 def section(report: Path, cases: Cases) -> str:
     """Write the section: each reading with each switch turned."""
     found = [Turns(name, balls.describe(*case), *turn(*case)) for name, case in cases.items()]
     draw_tornado(report, found)
     return render(
-        report, "switches", globals(), found=found, schemes=turn_scheme(*cases["nearest"])
-    )
+        report, "switches", globals(), found=found, schemes=turn_scheme(*cases["nearest"]),
+        caption=PAPER_CURVES["caption"],
+    )  # fmt: skip
 
 
 def draw_tornado(report: Path, found: Sequence[Turns]) -> None:
@@ -156,12 +149,9 @@ def draw_tornado(report: Path, found: Sequence[Turns]) -> None:
                 xerr=[2 * one.change_error for one in order],
                 error_kw={"elinewidth": 0.8, "capsize": 2},
             )  # fmt: skip
-            axes.axvline(of.before.p, color="black", linewidth=0.8, label="no switch turned")
-            caption = PAPER_CURVES["caption"](E)
-            axes.axvline(caption, color="black", linestyle=":", label="paper's caption")
+            mark_p(axes, of.before.p, "no switch turned", of.name)
             axes.set_yticks(heights, [one.name for one in order], fontsize="x-small")
-            axes.set(xlabel=f"P({E})", title=f"from the {of.name} reading", ylim=(-0.8, longest))
-            axes.set_xlim(left=0.0)
+            axes.set(xlim=(0.0, None), ylim=(-0.8, longest))
             axes.grid(visible=False, axis="y")
         lines, _ = panels[0].get_legend_handles_labels()
         shades = [Patch(color="0.75", label="raises P"), Patch(color="0.35", label="lowers P")]

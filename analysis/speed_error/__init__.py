@@ -27,40 +27,31 @@ def run(report: Path, full: bool) -> str:
     write_table(report, "speed_error_timings", timings)
     rounded = rows.map(lambda value: float(f"{value:.3g}") if isinstance(value, float) else value)
     write_table(report, "speed_error", rounded)
-    of_laws = laws.section(report, rounds, count // 4)
-    return section(report, rounded, rounds, count, full) + of_laws
-
-
-def section(report: Path, whole: pd.DataFrame, rounds: int, count: int, full: bool) -> str:
-    """Draw the pictures, and write the section."""
-    pictures.draw(report, whole)
-    whole = whole.set_index(whole["method"] + ", " + whole["setting"])
+    pictures.draw(report, rounded)
+    whole = rounded.set_index(rounded["method"] + ", " + rounded["setting"])
     flight, at_bat = (whole[whole["work"] == kind] for kind in ("flight", "at-bat"))
     shares = (at_bat["missed"] / at_bat["contacts"]).groupby(at_bat["method"], sort=False)
     return render(
         report, "speed_error", vars(work) | globals(), count=count, rounds=rounds, full=full,
         flight=flight.to_dict("index"), at_bat=at_bat.to_dict("index"), peers=peers,
         missed=shares.agg(["min", "max"]).to_dict("index"),
+        of_laws=laws.section(report, rounds, count // 4),
     )  # fmt: skip
 
 
 def measure(given: Work, rounds: int) -> tuple[pd.DataFrame, pd.DataFrame]:
     """Return the timings of one kind of work, a row a turn, and their summary with the errors."""
-    entrants = [
-        *contenders.longball_engines(),
-        *contenders.plain_scipy(given),
-        *contenders.installed_peers(),
-    ]
+    ours, plain = contenders.longball_engines(), contenders.plain_scipy(given)
+    entrants = (*ours, *plain, *contenders.installed_peers())
     measured = measuring.measure([(entrant, given) for entrant in entrants], rounds)
     unit = next(found for found in measured if found.contender.name == UNIT)
     timings, rows = [], []
     for found in measured:
         entrant = found.contender
-        whose: dict[str, object] = {"work": given.base.kind, "method": entrant.family}
-        whose["setting"] = entrant.setting
+        whose = {"work": given.base.kind, "method": entrant.family, "setting": entrant.setting}
         ratio = measuring.ratio(found.seconds, unit.seconds)
         times = {"time each, µs": found.microseconds, "ratio": ratio}
-        rows.append(whose | times | found.errors.row())
+        rows.append({**whose, **times, **found.errors.row()})
         timings += [
             whose | {"round": i, "scenes": entrant.turn, "time, s": f"{entrant.turn * s:.6g}"}
             for i, s in enumerate(found.seconds, 1)

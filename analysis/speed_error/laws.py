@@ -1,7 +1,6 @@
 """What laws of flight cost: spin, wind and a drag crisis, beside the paper's law and heyoka."""
 
 import json
-import tomllib
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -9,14 +8,14 @@ from analysis.speed_error import contenders
 from analysis.speed_error.contenders import Answers, Contender
 from analysis.speed_error.measuring import Measured, measure, ratio
 from analysis.speed_error.work import Work, flights, known
-from analysis.writing import render
+from analysis.writing import data, render
 from longball.engines.batch import Batch, solve_columns
 from longball.engines.batch.flights import Records
 from longball.engines.batch.many import BLOCK
 from longball.model.scene import FlightScene
 from longball.model.trace import Program
 
-LAWS = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))
+LAWS = data(__file__)
 
 
 def works(count: int) -> dict[str, Work]:

@@ -96,8 +96,8 @@ def errors(answers: Answers, true: Sequence[Result]) -> Errors:
 
     def differences(found: Sequence[Number | None], name: str) -> list[float]:
         pairs = zip(found, (result.landing for result in true), strict=True)
-        both = [(x, landing) for x, landing in pairs if x is not None and landing]
-        return [difference(x, getattr(landing, name)) for x, landing in both] or [math.nan]
+        both = ((x, getattr(y, name)) for x, y in pairs if x is not None and y is not None)
+        return [difference(*pair) for pair in both] or [math.nan]
 
     off = differences(answers.distances, "distance")
     met = [

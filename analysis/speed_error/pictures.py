@@ -26,14 +26,12 @@ def draw(report: Path, whole: pd.DataFrame) -> None:
             ours.set(xscale="log", yscale="log", title="longball's engines")
             others.set_title("batch and its peers")
             ours.set_ylabel(f"time a{'n' if kind == 'at-bat' else ''} {kind}, µs")
-            rows = whole[whole["work"] == kind]
+            rows, below = whole[whole["work"] == kind], (0.5, -0.12)
             for axes, methods in ((ours, OURS), (others, ("batch", *PEERS, *PLAIN))):
                 against_error(axes, rows, methods)
                 axes.set_xlabel("worst error of D, m")
                 axes.axvline(BEYOND, color="0.7", linewidth=0.8)
-                axes.legend(
-                    loc="upper center", bbox_to_anchor=(0.5, -0.12), ncols=3, fontsize="x-small"
-                )
+                axes.legend(loc="upper center", bbox_to_anchor=below, ncols=3, fontsize="x-small")
     with figure(report, "speed_error_missed", size=(8.0, 5.5)) as (axes,):
         missed(axes, whole[whole["work"] == "at-bat"])
 
@@ -44,11 +42,10 @@ def against_error(axes: Axes, rows: pd.DataFrame, methods: tuple[str, ...]) -> N
         mine = rows[(rows["method"] == method) & rows["worst error, m"].notna()]
         if mine.empty:
             continue
-        x = mine["worst error, m"].clip(lower=BEYOND).to_numpy()
+        x, y = mine["worst error, m"].clip(lower=BEYOND), mine["time each, µs"]
         end = mine.iloc[int(x.argmin())]
         share = end["missed"] / end["contacts"] if end["contacts"] else 0.0
         label = f"{method} ({share:.0%} missed)" if share >= 0.005 else method
-        y = mine["time each, µs"].to_numpy()
         axes.plot(x, y, **STYLES[method], markersize=4.5, linewidth=1.1, label=label)
 
 
@@ -58,20 +55,13 @@ def missed(axes: Axes, rows: pd.DataFrame) -> None:
     methods = share.groupby("method", sort=False)["share"].agg("last").sort_values(kind="stable")
     for place, method in enumerate(methods.index):
         mine = share[share["method"] == method]
-        x, settings = mine["share"], mine["setting"].to_list()
+        x, times = mine["share"], mine["time each, µs"].map("{:.2g}".format).astype(float)
         axes.plot([x.min(), x.max()], [place, place], color="0.6", linewidth=5.0, zorder=2)
         axes.plot(x.iloc[-1], place, "o", color="black", markersize=6, clip_on=False, zorder=3)
-        times = _span([_two_digits(t) for t in mine["time each, µs"]])
-        axes.text(107.0, place, f"{_span(settings)};  {times} µs", va="center", fontsize=7.5)
+        written = times.map("{:,g}".format).str.replace(",", "\u2009")
+        ends = " … ".join(dict.fromkeys(written.iloc[[0, -1]]))
+        settings = " … ".join(dict.fromkeys(mine["setting"].iloc[[0, -1]]))
+        axes.text(107.0, place, f"{settings};  {ends} µs", va="center", fontsize=7.5)
     axes.set_yticks(range(len(methods)), methods.index)
     axes.invert_yaxis()
-    axes.set_xlim(-3.0, 103.0)
-    axes.set_xlabel("contacts missed, %")
-
-
-def _span(texts: list[str]) -> str:
-    return texts[0] if texts[0] == texts[-1] else f"{texts[0]} … {texts[-1]}"
-
-
-def _two_digits(x: float) -> str:
-    return f"{float(f'{x:.2g}'):,g}".replace(",", "\u2009")
+    axes.set(xlim=(-3.0, 103.0), xlabel="contacts missed, %")
