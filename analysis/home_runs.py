@@ -2,13 +2,12 @@
 
 from pathlib import Path
 
-import pandas as pd
+import numpy as np
 
-from analysis import Array
 from analysis.paper.distances import BIN, density, highest
 from analysis.paper.home_run_figures import draw_stairs
 from analysis.paper.printed import AT_BATS, BASE
-from analysis.writing import figure, render, write_table
+from analysis.writing import figure, render
 from longball import home_run
 from longball.home_run import HOME_RUN_DISTANCE, PAPER_CURVES, RESTITUTIONS
 from longball.pictures import draw_probability
@@ -33,13 +32,6 @@ def run(report: Path, full: bool) -> str:
         papers.legend(handles=drawn[:n], fontsize="small", loc="lower center", bbox_to_anchor=below)
     ends = {RESTITUTIONS[i]: struck[i] for i in (0, -1)}
     distances = {e: one.distance[one.batted] for e, one in ends.items()}
-    draw_distances(report, distances)
-    found = {"rows": rows, "fitted": fitted, "distances": distances, "highest": highest}
-    return render(report, "home_runs", globals(), count=count, **found)
-
-
-def draw_distances(report: Path, distances: dict[float, Array]) -> None:
-    """Draw the density of D by restitution (Fig. 6)."""
     densities = {e: density(d) for e, d in distances.items()}
     with figure(report, "distances", size=(6.4, 3.6)) as (axes,):
         top = 1.3 * draw_stairs(axes, densities, linewidth=1.4)
@@ -50,7 +42,7 @@ def draw_distances(report: Path, distances: dict[float, Array]) -> None:
         axes.annotate("home run", (HOME_RUN_DISTANCE + 2.0, 0.9 * top), fontsize="small")
         axes.set_ylim(0.0, top)
         axes.legend(loc="center right")
-    columns = {f"density at e = {e:g}, 1/m": pd.Series(bins) for e, bins in densities.items()}
-    table = pd.DataFrame(columns).fillna(0.0)
-    edges = {"D from, m": BIN * table.index, "D to, m": BIN * (table.index + 1)}
-    write_table(report, "distances", pd.DataFrame(edges).join(table))
+    return render(
+        report, "home_runs", globals(), count=count, rows=rows, fitted=fitted, highest=highest,
+        distances=distances, densities=densities, np=np,
+    )  # fmt: skip

@@ -35,14 +35,22 @@ def run(report: Path, full: bool) -> str:
     shares, held_out, spread = held_out_shares(pitches)
     of_pitches = pitch_predictions(pitches)
     of_pitches[HELD_OUT] = held_out
-    draw_flies(report, flies, of_flies)
+    with figure(report, "reality_flies", columns=3, size=(9.0, 3.4)) as panels:
+        for name, axes in zip(COMPARED, panels, strict=True):
+            angle, off = np.degrees(flies.angle), of_flies[name].error[:, 0]
+            axes.plot(angle, off, ".", markersize=3, color="0.6")
+            means = [((a + b) / 2, off[which].mean()) for a, b, which in bands(angle, ANGLES)]
+            axes.plot(*zip(*means, strict=True), "ko-", markersize=4)
+            axes.axhline(0.0, color="black", linewidth=0.8)
+            axes.set(title=name, xlabel="angle of launch, °", ylim=(-45.0, 60.0))
+        panels[0].set_ylabel("predicted too far by, m")
     with figure(report, "reality_pitches", size=(5.6, 4.2)) as (axes,):
         draw_errors(axes, held_out)
     there = vars(scipy.stats) | vars(statcast) | vars(prediction) | globals()
     return render(
         report, "reality", there, flies=flies, launch=launch, pitches=pitches, of_flies=of_flies,
-        of_pitches=of_pitches,
-        shares=shares, spread=spread, day=pd.read_csv(EXAMPLE).iloc[flies.rows - 1],
+        of_pitches=of_pitches, shares=shares, spread=spread,
+        day=pd.read_csv(EXAMPLE).iloc[flies.rows - 1],
         best=best_constants(flies), scatters=scatter(flies), distance=flies.measured[:, 0],
     )  # fmt: skip
 
@@ -136,19 +144,6 @@ def scatter(flies: MeasuredFlies) -> tuple[float, float]:
 def rms(x: Array, axis: int = -1) -> Array:
     """Return the root mean square."""
     return np.asarray(np.sqrt(np.mean(x**2, axis=axis)))
-
-
-def draw_flies(report: Path, flies: MeasuredFlies, predictions: dict[str, Prediction]) -> None:
-    """Draw the errors of three models by the angle of launch."""
-    with figure(report, "reality_flies", columns=3, size=(9.0, 3.4)) as axes:
-        for name, one in zip(COMPARED, axes, strict=True):
-            angle, off = np.degrees(flies.angle), predictions[name].error[:, 0]
-            one.plot(angle, off, ".", markersize=3, color="0.6")
-            means = [((a + b) / 2, off[which].mean()) for a, b, which in bands(angle, ANGLES)]
-            one.plot(*zip(*means, strict=True), "ko-", markersize=4)
-            one.axhline(0.0, color="black", linewidth=0.8)
-            one.set(title=name, xlabel="angle of launch, °", ylim=(-45.0, 60.0))
-        axes[0].set_ylabel("predicted too far by, m")
 
 
 # --- pitches --------------------------------------------------------------------------------------

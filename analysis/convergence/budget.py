@@ -113,17 +113,27 @@ class Smooth(StruckAtOnce, Verlet):
 
 
 @dataclass(frozen=True)
-class PlateOnTheLine(Ivp):
-    """The height at the plate from the line between two steps; all else exact."""
+class ButOnePart(Ivp):
+    """The reference, but for a part of a scheme."""
 
-    dt: float = 0.05
+    scheme: Verlet = field(default_factory=Verlet)
+
+    def steps_at(self, flight: Flown, time: float) -> tuple[float, State[float], State[float]]:
+        """Return the time of the step before a time, and the exact states there and at the next."""
+        dt = self.scheme.dt
+        count = math.floor(time / dt)
+        return count * dt, flight.path.at(count * dt), flight.path.at((count + 1) * dt)
+
+
+class PlateOnTheLine(ButOnePart):
+    """The height at the plate from the line between two steps; all else exact."""
 
     def fly(self, law: Air, start: State[float], events: Events, limit: float) -> Flown:
         """Fly exactly, and report a pitch on the chord."""
         exact = super().fly(law, start, events, limit)
         if exact.stop != "plate":
             return exact
-        _, before, after = steps_around(exact, exact.time, self.dt)
+        _, before, after = self.steps_at(exact, exact.time)
         share = (exact.state.s - before.s) / (after.s - before.s)
         return replace(exact, state=exact.state._replace(z=interpolate(before.z, after.z, share)))
 
@@ -133,42 +143,36 @@ class PlateOnTheLine(Ivp):
         return super().touch(exact, law, bat, events, limit)
 
 
-@dataclass(frozen=True)
-class StraightToTheBat(StruckAtOnce, Ivp):
+class StraightToTheBat(StruckAtOnce, ButOnePart):
     """The impulse from where a straight line from the step before leads to; all else exact.
 
     The ball goes on from where it really touches: of the line's end, the scheme uses nothing but
     normal, velocities and restitution.
     """
 
-    dt: float = 0.05
-
     def touch(self, pitch: Flown, law: Air, bat: Section, events: Events, limit: float) -> Touched:
         """Touch as Appendix B does; see `longball.engines.engine.Engine.touch`."""
         exact = super().touch(pitch, law, bat, events, limit)
         assert exact.time is not None
-        count, before, _ = steps_around(pitch, exact.time, self.dt)
+        begin, before, _ = self.steps_at(pitch, exact.time)
         ahead = line_touch(before, bat, "first")
         if ahead is None:
             return replace(exact, touched=None, doubt="Appendix B has no Δt'")
         there = before._replace(s=before.s + before.u * ahead, z=before.z + before.w * ahead)
-        return LineTouch(exact.margin, True, count * self.dt + ahead, there, exact=exact)
+        return LineTouch(exact.margin, True, begin + ahead, there, exact=exact)
 
 
-@dataclass(frozen=True)
-class HalfForce(Ivp, Stepped[float]):
+class HalfForce(ButOnePart, Stepped[float]):
     """Half of the force over two steps, from the step before an exact contact; all else exact."""
-
-    scheme: Verlet = field(default_factory=Verlet)
 
     def touch(self, pitch: Flown, law: Air, bat: Section, events: Events, limit: float) -> Touched:
         """Touch exactly, and remember the step before."""
         exact = super().touch(pitch, law, bat, events, limit)
         margin, time, state = exact.margin, exact.time, exact.state
         assert time is not None
-        count, before, _ = steps_around(pitch, time, self.scheme.dt)
-        ahead = time - count * self.scheme.dt
-        return SteppedTouch(margin, True, time, state, "", count, before, state, ahead)
+        begin, before, _ = self.steps_at(pitch, time)
+        count = round(begin / self.scheme.dt)
+        return SteppedTouch(margin, True, time, state, "", count, before, state, time - begin)
 
     def rebound(
         self, frame: Frame[float], touch: Any, delta_v: Vector[float], law_in: LawOf, ground: Ground
@@ -178,10 +182,12 @@ class HalfForce(Ivp, Stepped[float]):
 
 
 @dataclass(frozen=True)
-class GroundBetweenSteps(Ivp):
-    """The landing from the steps around it, that are counted from the release; all else exact."""
+class GroundBetweenSteps(ButOnePart):
+    """The landing from the steps around it, that are counted from the release; all else exact.
 
-    scheme: Verlet = field(default_factory=Verlet)  # whose rule for the ground it is
+    It is found by the scheme's rule for the ground.
+    """
+
     contact: float = 0.0  # s, when the flight that lands begins
 
     def fly(self, law: Air, start: State[float], events: Events, limit: float) -> Flown:
@@ -195,12 +201,6 @@ class GroundBetweenSteps(Ivp):
         after = exact.path.at(count * dt - self.contact)
         _, time, state = self.scheme.stop_between(count, before, after, events)
         return replace(exact, time=time - self.contact, state=state)
-
-
-def steps_around(flight: Flown, time: float, dt: float) -> tuple[int, State[float], State[float]]:
-    """Return the number of the step before a time, and the exact states there and at the next."""
-    count = math.floor(time / dt)
-    return count, flight.path.at(count * dt), flight.path.at((count + 1) * dt)
 
 
 # --- the budget -----------------------------------------------------------------------------------
@@ -268,8 +268,8 @@ def engines(forces: VerletForces, dt: float, contact: float) -> dict[str, Engine
     steps, below = Verlet(dt, forces), Verlet(dt, forces, "first_below")
     return {
         FORCE.format(forces): Smooth(dt, forces),
-        PLATE: PlateOnTheLine(dt=dt),
-        LINE: StraightToTheBat(dt=dt),
+        PLATE: PlateOnTheLine(scheme=steps),
+        LINE: StraightToTheBat(scheme=steps),
         HALF_FORCE.format(forces): HalfForce(scheme=steps),
         GROUND: GroundBetweenSteps(scheme=steps, contact=contact),
         BELOW: GroundBetweenSteps(scheme=below, contact=contact),

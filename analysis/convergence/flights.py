@@ -49,11 +49,10 @@ def run(report: Path, full: bool) -> str:
 
 def converged(scheme: Verlet, finest: float, phases: int) -> Order:
     """Return how D converges by a scheme, from the printed step down to a finest one."""
-    count = 1 + round(PER_DECADE * math.log10(PRINTED / finest))
+    steps = np.geomspace(PRINTED, finest, 1 + round(PER_DECADE * math.log10(PRINTED / finest)))
     report = converge(
         lambda step: [solve(scene, replace(scheme, dt=step)) for scene in FOUR],
-        FOUR, np.geomspace(PRINTED, finest, count).tolist(),
-        [solve(scene, PROVEN) for scene in FOUR], phases=phases,
+        FOUR, steps.tolist(), [solve(scene, PROVEN) for scene in FOUR], phases=phases,
     )  # fmt: skip
     return next(found for found in report.orders if found.quantity == "distance")
 
@@ -63,11 +62,6 @@ def distance(engine: Engine[Any]) -> float:
     landing = solve(ONE, engine).landing
     assert landing is not None
     return float(landing.distance)
-
-
-def best(found: Order) -> tuple[float, float]:
-    """Return the smallest error of all steps, m, and its step, s."""
-    return min((error, step) for step, error, _ in found.errors)
 
 
 def draw(report: Path, orders: dict[VerletForces, Order]) -> None:

@@ -4,7 +4,7 @@ import math
 from itertools import product
 from pathlib import Path
 from statistics import NormalDist
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -90,7 +90,7 @@ def run(report: Path, full: bool) -> str:
     chunks = range(FULL_CHUNKS if full else CHUNKS)
     keys: list[tuple[Case, float | None]] = list(product(CASES, STEPS))
     keys += [(case, None) for case in CASES if case.name != IMPLICIT]
-    calls = [(case, step, chunk) for case, step in keys for chunk in chunks]
+    calls = [(*key, chunk) for key in keys for chunk in chunks]
     answers = iter(each(report, "P(e) against the step", strike, calls))
     found: Found = {}
     for case, step in keys:
@@ -112,7 +112,7 @@ def run(report: Path, full: bool) -> str:
 
 def harmless(found: Found) -> dict[str, float] | None:
     """Return the largest step that loses no home run though pitches pass the bat unseen."""
-    for step in sorted(STEPS, reverse=True):
+    for step in STEPS:
         true, one = (found[DEFAULT.name, which, E].batted.mean() for which in (None, step))
         if bias(found, DEFAULT.name, step, E).lost == 0 and true - one > 0.005:
             return {"step": step, "unseen": true - one}
@@ -142,26 +142,24 @@ def draw(report: Path, found: Found) -> None:
             p = float(found[case.name, None, E].home_run.mean())
             values = np.array([1 + one.value / p for one in ends])
             bars = np.abs(1 + np.array([one.interval for one in ends]).T / p - values)
-            label = f"{case.name}, P = {p:.3f}"
             points = style | {"linestyle": "none", "markersize": 4, "capsize": 2}
-            left.errorbar(np.array(STEPS) * aside, values, bars, **points, label=label)
+            points |= {"label": f"{case.name}, P = {p:.3f}"}
+            left.errorbar(np.array(STEPS) * aside, values, bars, **points)
             if case.name != IMPLICIT:
                 limit = 1 - noise(p) / p
                 left.axhline(limit, color=style["color"], linestyle=":")
-                left.annotate(
-                    f"noise of {PAPER_SAMPLES:,} samples, {case.name}", (0.02, limit), (0, -2),
-                    xycoords=("axes fraction", "data"), textcoords="offset points",
-                    va="top", fontsize="x-small",
-                )  # fmt: skip
-        left.set(xscale="log", xlabel="step Δt, s", ylim=(0.0, 1.3))
-        left.set_ylabel("P(0.42) / P of the reference")
+                text = f"noise of {PAPER_SAMPLES:,} samples, {case.name}"
+                place: Any = {"xycoords": ("axes fraction", "data"), "textcoords": "offset points"}
+                left.annotate(text, (0.02, limit), (0, -2), **place, va="top", fontsize="x-small")
+        left.set(xscale="log", xlabel="step Δt, s", ylabel="P(0.42) / P of the reference")
+        left.set_ylim(0.0, 1.3)
         left.legend(loc="lower left", fontsize="small")
         edges, top = np.arange(0.0, 201.0, 10.0), 0.0
-        for step, dash in zip((None, 0.01, 0.05), LINES, strict=False):
+        cases = (("reference", None), ("Δt = 0.01 s", 0.01), ("Δt = 0.05 s", 0.05))
+        for (name, step), dash in zip(cases, LINES, strict=False):
             one = found[DEFAULT.name, step, E]
             density = np.histogram(one.distance[one.batted], edges)[0] / (0.01 * one.batted.sum())
-            label = "reference" if step is None else f"Δt = {step:g} s"
-            label += f"; first bin: {density[0]:.0f}"
+            label = f"{name}; first bin: {density[0]:.0f}"
             right.stairs(density, edges, linestyle=dash, linewidth=1.4, label=label)
             top = max(top, 1.3 * density[1:].max())
         right.set(xlabel="D, m", ylabel="density among batted balls, 1/km", ylim=(0.0, top))

@@ -9,7 +9,7 @@ from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.stats import norm
+from scipy.stats import binned_statistic, norm
 
 from analysis import Array
 from analysis.paper import combinations, printed
@@ -136,9 +136,7 @@ def exit_line(balls: Balls) -> Line:
     flies = balls.fair & (balls.elevation > 0)
     speed, d = balls.exit_speed[flies], balls.distance[flies]
     edges = np.quantile(speed, np.linspace(0.02, 0.98, 25))
-    where = np.digitize(speed, edges)
-    means = [(speed[where == i].mean(), d[where == i].mean()) for i in range(1, len(edges))]
-    return line(*np.array(means).T)
+    return line(*binned_statistic(speed, [speed, d], bins=edges).statistic)
 
 
 # --- what does dD/de come to? ---------------------------------------------------------------------

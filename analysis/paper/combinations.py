@@ -37,8 +37,7 @@ COLLISIONS: tuple[dict[str, Any], ...] = (
         for mass in ("inertia_over_r_squared", "as_printed")
         for inertia in ("solid_cylinder", "about_centre")
     ),
-    {"reduced_mass": "effective_mass"},
-    {"bat_ball_restitution": "plain"},
+    *({"reduced_mass": "effective_mass"}, {"bat_ball_restitution": "plain"}),
 )
 OFFSET_SPREADS = (0.0366, 0.0732)  # m
 # m; a third of the plate, and of the plate and a ball's width, for a ball 0.0366 m or 0.0732 m
@@ -107,11 +106,8 @@ def trials(base: Base, spaces: Sequence[Space], count: int, closer: bool = True)
     The peaks of Fig. 6 are looked at only for who comes closer.
     """
     struck = strike(base, base.drawn(count, SEED), RESTITUTIONS, threads=1)
-    return [
-        trial(base, space, struck, SEED if closer else None)
-        for space in spaces
-        if space.members(struck[0]).sum() >= FEWEST
-    ]
+    enough = (space for space in spaces if space.members(struck[0]).sum() >= FEWEST)
+    return [trial(base, space, struck, SEED if closer else None) for space in enough]
 
 
 def trial(base: Base, space: Space, struck: Sequence[Balls], seed: int | None = None) -> Trial:
@@ -199,10 +195,8 @@ def section(report: Path) -> str:
     return render(
         report, "combinations", globals(),
         found=found, default=default, best=best, solved=len(list(bases())),
-        backwards=1 - as_printed.drawn(SAMPLES, SEED).pitched.mean(),
+        backwards=1 - as_printed.drawn(SAMPLES, SEED).pitched.mean(), one=stepped(best),
         off=max(abs(row.p - PAPER_CURVES["caption"](row.e)) for row in best.rows),
-        noise=printed.noise(best.p(0.43)),
-        one=stepped(best),
     )  # fmt: skip
 
 

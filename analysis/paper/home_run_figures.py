@@ -158,13 +158,12 @@ def draw_probabilities(report: Path, found: Sequence[Reproduced]) -> None:
             style = STYLES[f"paper's {name}"] | {"marker": ""}
             axes.plot(grid, [curve(e) for e in grid], **style, label=label)
         for one in found:
-            p = np.array(one.trial.shares)
-            label, style = f"{one.name} reading", STYLES[one.name]
+            p, curve, style = np.array(one.trial.shares), one.curve, STYLES[one.name]
+            line = style | {"marker": "", "linewidth": 0.8}
+            axes.plot(grid, [curve(e) for e in grid], **line)
+            label = f"{one.name} reading"
             if one.fitted:
-                curve = one.fitted.curve
                 label += f", fit: C₁ = {curve.c1:.0f} m, σ = {curve.sigma:.1f} m"
-                line = style | {"marker": "", "linewidth": 0.8}
-                axes.plot(grid, [curve(e) for e in grid], **line)
             points = style | {"linestyle": "none", "capsize": 3, "markersize": 4}
             axes.errorbar(RESTITUTIONS, p, 1.96 * printed.noise(p), **points, label=label)
         axes.set(xlabel="coefficient of restitution e of the ball", ylim=(0.0, None))

@@ -6,7 +6,6 @@ another league, which show what is the paper's and what is baseball's.
 """
 
 import math
-import tomllib
 from collections import namedtuple
 from collections.abc import Iterable, Sequence
 from functools import cache
@@ -19,7 +18,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
-from analysis.writing import STYLES, figure, render, write_table
+from analysis.writing import STYLES, data, figure, render, write_table
 from longball.pitches import EXAMPLE, Columns, FittedPitches, PitchTypes, fit_pitches, read_pitches
 from longball.pitches.fitted import Estimate
 from longball.pitches.fitting import normal
@@ -59,8 +58,7 @@ class Printed(NamedTuple):
         return self.scale * estimate.value, None if error is None else self.scale * error
 
 
-DATA = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))
-PRINTED = tuple(Printed(**one) for one in DATA["printed"])
+PRINTED = tuple(Printed(**one) for one in data(__file__)["printed"])
 MEAN_1, SPREAD_1, MEAN_2, SPREAD_2, P, LEFT, RIGHT, SPREAD, Q = (one.value for one in PRINTED)
 
 # The tables, by their names.
@@ -264,10 +262,9 @@ def draw_speeds(report: Path, example: FittedPitches, synthetic: FittedPitches) 
             straight = fit.straight_mean, fit.straight_spread
             breaking = fit.breaking_mean, fit.breaking_spread
             _mixture(axes, v, fit.weight, (straight, breaking), labels, 3.6, width)
-            axes.set(title=title, xlabel="speed at release, km/h")
+            axes.set(title=title, xlabel="speed at release, km/h", ylim=(0.0, None))
             axes.set_ylabel(f"share of pitches per {width:.2g} km/h")
             axes.text(0.03, 0.95, f"R² = {fit.r_squared:.4f}", transform=axes.transAxes, va="top")
-            axes.set_ylim(bottom=0.0)
         panels[0].legend(fontsize="small", loc="center left")
 
 
@@ -290,9 +287,10 @@ def draw_aims(report: Path, example: FittedPitches, synthetic: FittedPitches) ->
             axes.plot(CELLS, shares, **STYLES["measured"], label="cells (1 and 5 are open)")
             axes.set(title=title, xlabel="cell across the plate, from the pitcher's left")
             axes.set(xticks=range(-1, 8), ylim=(0.0, 0.4))
-            dotted: Any = {"ymax": 0.65, "color": "0.4", "linewidth": 0.9, "dashes": (1, 3)}
-            axes.axvline(1.5, **dotted, label="edges of the strike zone")
-            axes.axvline(4.5, **dotted)
+            for edge, label in ((1.5, "edges of the strike zone"), (4.5, None)):
+                axes.axvline(
+                    edge, 0.0, 0.65, color="0.4", linewidth=0.9, dashes=(1, 3), label=label
+                )
             axes.legend(fontsize="small", loc="upper right")
         panels[0].set_ylabel("share of a cell; density per cell")
 
@@ -303,8 +301,8 @@ def draw_heights(report: Path, example: FittedPitches) -> None:
     shares = [share.value for share in example.height.shares]
     bars = [2 * (share.standard_error or 0.0) for share in example.height.shares]
     with figure(report, "pitch_fits_fig4", size=(4.8, 3.8)) as (axes,):
-        axes.errorbar(range(1, 6), shares, yerr=bars, capsize=3, **STYLES["measured"])
-        axes.set(title=OURS(example), xticks=range(1, 6), ylim=(0.0, 0.3))
+        axes.errorbar(CELLS, shares, yerr=bars, capsize=3, **STYLES["measured"])
+        axes.set(title=OURS(example), xticks=CELLS, ylim=(0.0, 0.3))
         axes.set_xlabel("cell in height, from the lowest (1 and 5 are open)")
         axes.set_ylabel("share of pitches ± 2 standard errors")
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -116,18 +117,12 @@ def turn_scheme(base: Base, space: Space) -> list[dict[str, Any]]:
     return found
 
 
-class Turns(NamedTuple):
-    """A reading, and all that comes of turning one of its switches."""
-
-    name: str
-    described: str
-    before: Share
-    turned: list[Turned]
-
-
 def section(report: Path, cases: Cases) -> str:
     """Write the section: each reading with each switch turned."""
-    found = [Turns(name, balls.describe(*case), *turn(*case)) for name, case in cases.items()]
+    found = []
+    for name, case in cases.items():
+        before, turned = turn(*case)
+        found.append(SimpleNamespace(name=name, case=case, before=before, turned=turned))
     draw_tornado(report, found)
     return render(
         report, "switches", globals(), found=found, schemes=turn_scheme(*cases["nearest"]),
@@ -135,7 +130,7 @@ def section(report: Path, cases: Cases) -> str:
     )  # fmt: skip
 
 
-def draw_tornado(report: Path, found: Sequence[Turns]) -> None:
+def draw_tornado(report: Path, found: Sequence[SimpleNamespace]) -> None:
     """Draw a bar for each option, from P before to P after, the longest above."""
     longest = max(len(one.turned) for one in found)
     size = (9.6, 0.6 + 0.24 * longest)

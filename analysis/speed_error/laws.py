@@ -1,9 +1,10 @@
 """What laws of flight cost: spin, wind and a drag crisis, beside the paper's law and heyoka."""
 
-import json
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
+import longball as lb
 from analysis.speed_error import contenders
 from analysis.speed_error.contenders import Answers, Contender
 from analysis.speed_error.measuring import Measured, measure, ratio
@@ -12,7 +13,6 @@ from analysis.writing import data, render
 from longball.engines.batch import Batch, solve_columns
 from longball.engines.batch.flights import Records
 from longball.engines.batch.many import BLOCK
-from longball.model.scene import FlightScene
 from longball.model.trace import Program
 
 LAWS = data(__file__)
@@ -22,9 +22,9 @@ def works(count: int) -> dict[str, Work]:
     """Return the same launches under each law."""
     level, found = flights(count), {}
     for name, law in LAWS.items():
-        written = json.loads(level.base.model_dump_json())
-        written["launch"]["spin"], written["air"] = law.get("spin"), law.get("air", {})
-        found[name] = Work(FlightScene.model_validate_json(json.dumps(written)), level.columns)
+        launch = level.base.model_dump()["launch"] | {"spin": law.get("spin")}
+        blocks: Any = {"launch": launch, "air": law.get("air", {})}
+        found[name] = Work(lb.Flight(id="flight", **blocks), level.columns)
     return found
 
 

@@ -67,14 +67,12 @@ def run(report: Path, full: bool) -> str:
 
 def trials(simulator: Simulator, full: bool) -> list[Tried]:
     """Hold each method of a simulator against the scenes that it can take."""
-    outcomes = ("landed", "crossed")
     sampled = sample(load(), simulator.families)
-    cases: Sequence[Case] = [case for case in sampled if case.expected.outcome in outcomes]
-    if not full:
-        cases = cases[:: max(1, len(cases) // SCENES)]
-    own = cases
-    if simulator.constants:
-        own = proven([replaced(case.scene, simulator.constants) for case in cases])
+    cases: Sequence[Case] = [x for x in sampled if x.expected.outcome in ("landed", "crossed")]
+    cases = cases if full else cases[:: max(1, len(cases) // SCENES)]
+    constants, own = simulator.constants, cases
+    if constants:
+        own = proven([replaced(case.scene, constants) for case in cases])
     return [trial(simulator, method, cases, own) for method in simulator.methods]
 
 
@@ -128,8 +126,8 @@ def draw(report: Path, stepped: Sequence[Tried]) -> None:
         for row, (t, mark) in enumerate(zip(stepped, cycle("osD^vP*X"))):
             style: dict[str, Any] = {"color": f"C{row}", "marker": mark}
             left.loglog(t.steps, t.errors, **style, markersize=4, linewidth=1)
-            claimed: dict[str, Any] = {"color": "0.7", "markersize": 9, "fillstyle": "none"}
-            right.plot([t.method.order or 0], [row], "s", **claimed)
+            claimed = t.method.order or 0
+            right.plot([claimed], [row], "s", color="0.7", markersize=9, fillstyle="none")
             if law := t.law:
                 right.errorbar(law.order, row, xerr=law.half_width, **style, markersize=5)
             else:
