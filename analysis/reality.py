@@ -70,8 +70,6 @@ def measured_pitches() -> MeasuredPitches:
     return replace(pitches, release=pitches.release + up, measured=pitches.measured + up[1:])
 
 
-# --- batted balls ---------------------------------------------------------------------------------
-
 FULL_SPIN = "Nathan, backspin and side spin"
 LAUNCHED = "the same, launched so that it comes down where it was fielded"
 COMPARED = ("the paper", "best constants", FULL_SPIN)
@@ -145,8 +143,6 @@ def rms(x: Array, axis: int = -1) -> Array:
     """Return the root mean square."""
     return np.asarray(np.sqrt(np.mean(x**2, axis=axis)))
 
-
-# --- pitches --------------------------------------------------------------------------------------
 
 HELD_OUT = "Nathan, the active share of its type, fitted to the other games"
 FLOOR = "each pitch's own constant C_D, C_L and axis"

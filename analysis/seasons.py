@@ -175,12 +175,9 @@ def slope(variant: Variant, step: float, chances: Callable[[float], Array]) -> E
 
 def restitution_slope(variant: Variant) -> tuple[float, Estimate]:
     """Return the home runs with the duller ball, and d ln(home runs)/de there."""
-
-    def chances(change: float) -> Array:
-        return variant.chances(variant.livelier(change))
-
-    mean = (chances(-STEP) + chances(STEP)).sum() / 2.0
-    return float(mean), slope(variant, STEP, chances)
+    around = {change: variant.chances(variant.livelier(change)) for change in (-STEP, STEP)}
+    mean = np.sum([*around.values()]) / 2.0
+    return float(mean), slope(variant, STEP, around.__getitem__)
 
 
 def season_ratios(variant: Variant) -> list[Estimate]:
@@ -192,12 +189,9 @@ def season_ratios(variant: Variant) -> list[Estimate]:
 
 def with_fence_for(variant: Variant, home_runs: float) -> Variant:
     """Return a variant whose fence stands where it lets so many home runs over."""
-    margins = variant.margins(variant.hits)
-
-    def too_many(fence: float) -> float:
-        return float(norm.cdf((margins - fence) / variant.scatter).sum() - home_runs)
-
-    return replace(variant, fence=float(brentq(too_many, -20.0, 60.0)))
+    margins, scatter = variant.margins(variant.hits), variant.scatter
+    fence = brentq(lambda x: norm.cdf((margins - x) / scatter).sum() - home_runs, -20.0, 60.0)
+    return replace(variant, fence=float(fence))
 
 
 def run(report: Path, full: bool) -> str:
@@ -208,11 +202,7 @@ def run(report: Path, full: bool) -> str:
     scatter = float(np.std(predict(hits.flies, NATHAN).error))
     plain = Variant("Nathan's laws, this fence", hits, NATHAN, scatter)
     fitted = with_fence_for(replace(plain, name="the same, fence by the day's count"), day)
-
-    def too_many(change: float) -> float:
-        return float(fitted.chances(hits.harder(change)).sum() - japan)
-
-    change = float(brentq(too_many, -8.0, 4.0, xtol=0.001))
+    change = brentq(lambda x: fitted.chances(hits.harder(x)).sum() - japan, -8.0, 4.0, xtol=0.001)
     name = "the same, balls slower by Japan's count of 2012"
     slower = replace(fitted, name=name, hits=hits.harder(change))
     further = with_fence_for(replace(plain, name="fence alone by Japan's count"), japan)

@@ -38,12 +38,12 @@ def run(report: Path, full: bool) -> str:
     write_table(report, "stability", rounded)
     draw(report, frame)
     # What the engines of doubles that aim at the truth fall short of.
-    fallen = frame[frame["verdict"].isin(["short", "wrong"])]
-    failures = pd.concat([fallen[fallen["engine"] == name] for name in ("ivp Taylor", "batch")])
+    ours, fallen = frame["engine"].isin(["ivp Taylor", "batch"]), ["short", "wrong"]
+    failures = list(frame[ours & frame["verdict"].isin(fallen)].itertuples())
+    engines = frame.groupby("engine", sort=False)
     return render(
-        report, "stability", globals(), cases=len(cases), failures=list(failures.itertuples()),
-        engines=frame.groupby("engine", sort=False),
-    )  # fmt: skip
+        report, "stability", globals(), cases=len(cases), failures=failures, engines=engines
+    )
 
 
 def try_case(case: Case, name: str) -> dict[str, object]:

@@ -221,8 +221,8 @@ def run(report: Path, full: bool) -> str:
     seen = {name: typical(rms(part)) for name, part in parts.items()}
     left = {}
     for treatment in SHOWN:
-        names = (FORCE.format(treatment), PLATE, LINE, HALF_FORCE.format(treatment), GROUND)
-        total = np.sum([parts[name] for name in names], axis=0)
+        names = (PLATE, LINE, GROUND, *(x.format(treatment) for x in (FORCE, HALF_FORCE)))
+        total = sum(parts[name] for name in names)
         left[treatment] = typical(rms(parts[WHOLE.format(treatment)] - total))
     draw(report, seen, left)
     laws = {name: fit_power_law(np.array(STEPS), of) for name, of in seen.items()}

@@ -17,7 +17,6 @@ from longball.engines import create
 from longball.engines.chain import solve
 from longball.engines.engine import Engine
 from longball.engines.verlet import TREATMENTS, Verlet
-from longball.model.readings import VerletForces
 
 PRINTED = 0.05  # s, the paper's step
 FINEST, FULL_FINEST = 5e-7, 5e-8  # s
@@ -36,7 +35,19 @@ def run(report: Path, full: bool) -> str:
     finest = FULL_FINEST if full else FINEST
     calls = [(Verlet(forces=treatment), finest, 2) for treatment in TREATMENTS]
     orders = dict(zip(TREATMENTS, each(report, "orders", converged, calls), strict=True))
-    draw(report, orders)
+    with figure(report, "convergence_flights", size=(6.4, 4.6)) as (axes,):
+        for name, found in orders.items():
+            # Two of the treatments coincide: one is seen round the other.
+            size = 9 if name == "old_recomputed" else 5
+            style, label = STYLES[f"verlet {name}"], f"{name}: order {found.order:.2f}"
+            errors = pd.DataFrame(found.errors, columns=["step", "error", "use"])
+            fitted = errors["use"] == "fitted"
+            step, error, left = errors["step"], errors["error"], {"linestyle": "none", "alpha": 0.5}
+            axes.plot(step[fitted], error[fitted], **style, markersize=size, label=label)
+            hollow = style | left | {"markerfacecolor": "none"}
+            axes.plot(step[~fitted], error[~fitted], **hollow, markersize=size)
+        axes.set(xscale="log", yscale="log", xlabel="step Δt, s", ylabel="error of D, m")
+        axes.legend(fontsize="small")
     below = Verlet(PRINTED, "implicit", "first_below")
     true = distance(PROVEN)
     return render(
@@ -62,20 +73,3 @@ def distance(engine: Engine[Any]) -> float:
     landing = solve(ONE, engine).landing
     assert landing is not None
     return float(landing.distance)
-
-
-def draw(report: Path, orders: dict[VerletForces, Order]) -> None:
-    """Draw the errors against the step."""
-    with figure(report, "convergence_flights", size=(6.4, 4.6)) as (axes,):
-        for name, found in orders.items():
-            # Two of the treatments coincide: one is seen round the other.
-            size = 9 if name == "old_recomputed" else 5
-            style, label = STYLES[f"verlet {name}"], f"{name}: order {found.order:.2f}"
-            errors = pd.DataFrame(found.errors, columns=["step", "error", "use"])
-            fitted = errors["use"] == "fitted"
-            step, error, left = errors["step"], errors["error"], {"linestyle": "none", "alpha": 0.5}
-            axes.plot(step[fitted], error[fitted], **style, markersize=size, label=label)
-            hollow = style | left | {"markerfacecolor": "none"}
-            axes.plot(step[~fitted], error[~fitted], **hollow, markersize=size)
-        axes.set(xscale="log", yscale="log", xlabel="step Δt, s", ylabel="error of D, m")
-        axes.legend(fontsize="small")

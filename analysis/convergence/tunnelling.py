@@ -118,24 +118,6 @@ def run(report: Path, full: bool) -> str:
     count = (FULL_GRAZES if full else GRAZES) // 4
     calls = [(step, seed, count) for step in safe.values() for seed in range(4)]
     grazes = np.array(each(report, "grazes", count_grazes, calls)).reshape(len(RARE), 4, 3)
-    draw_shares(report, counts, ways, safe)
-    return render(
-        report, "tunnelling", globals(), pitches=len(blocks) * BLOCK, ways=ways, safe=safe,
-        rows=[described(*column) for column in counts.T],
-        grazes=[described(*of.sum(axis=0)) for of in grazes],
-    )  # fmt: skip
-
-
-def described(trials: float, missed: float, waited: float) -> dict[str, Any]:
-    """Return counts with their share and its interval, and whether it has the closed form's."""
-    low, high = wilson(int(missed), int(trials))
-    share = waited / trials
-    counts = {"trials": int(trials), "missed": int(missed), "waited": waited, "share": share}
-    return counts | {"low": low, "high": high, "agrees": low <= share <= high}
-
-
-def draw_shares(report: Path, counts: Array, ways: Array, safe: dict[float, float]) -> None:
-    """Draw counted shares over the closed form."""
     (trials, missed, waited), style = counts, STYLES["measured"]
     grid = np.geomspace(min(safe.values()) / 2, 0.06, 80)
     with figure(report, "convergence_tunnelling", size=(6.4, 3.8)) as (axes,):
@@ -149,3 +131,16 @@ def draw_shares(report: Path, counts: Array, ways: Array, safe: dict[float, floa
             axes.annotate(text, (step, rare), (9, -9), textcoords="offset points")
         axes.set(xscale="log", yscale="log", xlabel="step Δt, s", ylabel="contacts missed")
         axes.legend()
+    return render(
+        report, "tunnelling", globals(), pitches=len(blocks) * BLOCK, ways=ways, safe=safe,
+        rows=[described(*column) for column in counts.T],
+        grazes=[described(*of.sum(axis=0)) for of in grazes],
+    )  # fmt: skip
+
+
+def described(trials: float, missed: float, waited: float) -> dict[str, Any]:
+    """Return counts with their share and its interval, and whether it has the closed form's."""
+    low, high = wilson(int(missed), int(trials))
+    share = waited / trials
+    counts = {"trials": int(trials), "missed": int(missed), "waited": waited, "share": share}
+    return counts | {"low": low, "high": high, "agrees": low <= share <= high}

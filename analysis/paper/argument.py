@@ -184,14 +184,8 @@ def everything() -> list[SimpleNamespace]:
 
 
 def run(report: Path, full: bool) -> str:
-    """Write the section; `full` changes nothing."""
+    """Draw the densities, and D against the exit speed; `full` changes nothing."""
     found = everything()
-    draw_argument(report, found)
-    return render(report, "argument", vars(printed) | globals(), found=found)
-
-
-def draw_argument(report: Path, found: Sequence[SimpleNamespace]) -> None:
-    """Draw the density with the normal one, and D against the exit speed."""
     d = np.arange(0.0, 300.0, 5.0) + 2.5
     near = (d > WINDOW[0] - 50) & (d < WINDOW[1] + 50)
     with figure(report, "paper_argument", columns=2, size=(9.0, 4.0)) as (left, right):
@@ -211,3 +205,4 @@ def draw_argument(report: Path, found: Sequence[SimpleNamespace]) -> None:
         left.legend(fontsize="small")
         right.set(xlabel="exit speed, m/s", ylabel="distance D, m")
         right.legend(fontsize="small", ncols=2)
+    return render(report, "argument", vars(printed) | globals(), found=found)

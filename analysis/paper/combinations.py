@@ -161,8 +161,6 @@ def cases() -> Cases:
     return {name: (one.base, one.space) for name, one in both.items()}
 
 
-# --- the paper's scheme ---------------------------------------------------------------------------
-
 STEP = 0.05  # s, as printed
 STEPPED_SAMPLES = 60_000  # most of them pass the bat unseen
 

@@ -1,13 +1,11 @@
 """Every number of the paper that can be had again: printed, ours, the difference, and why."""
 
-import math
 from pathlib import Path
 from typing import NamedTuple
 
 import pandas as pd
 
-from analysis.paper import argument, distances, home_run_figures, pitch_fits, printed
-from analysis.paper.home_run_figures import Reproduced
+from analysis.paper import argument, home_run_figures, pitch_fits, printed
 from analysis.writing import render
 from longball.pitches import EXAMPLE, fit_pitches
 
@@ -37,15 +35,6 @@ class Counterpart(NamedTuple):
         if by_nearest:
             return f"{WHICH[not by_default]}: {self.same}"
         return f"{WHICH[2] if by_default else NO}: {self.other}"
-
-
-def flat_noise(one: Reproduced) -> float:
-    """Return by how much 1,000 samples scatter a bin over another, where the paper says flat.
-
-    The largest over the smallest of four equal bins is about two such deviations above 1.
-    """
-    density = one.density[max(printed.PEAKS)][home_run_figures.CALLED_FLAT]
-    return math.sqrt(2 / (printed.SAMPLES * distances.BIN * float(density.mean())))
 
 
 def run(report: Path, full: bool) -> str:

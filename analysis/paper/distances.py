@@ -20,9 +20,7 @@ DRAWS = 10_000  # of the paper's samples, for the peaks: a chance of 1 % is know
 _E = np.array(RESTITUTIONS)
 # What five points have to say about a curve that is nearly straight over them: a height and a
 # slope. A fit with two parameters, like the paper's, keeps both.
-HEIGHT_AND_SLOPE = np.array(
-    [np.full(len(_E), 1 / len(_E)), (_E - _E.mean()) / ((_E - _E.mean()) ** 2).sum()]
-)
+HEIGHT_AND_SLOPE = np.linalg.pinv(np.stack([np.ones(len(_E)), _E - _E.mean()], axis=1))
 
 
 def covariance(p: Array, shared: bool) -> Array:

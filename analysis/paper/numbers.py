@@ -39,9 +39,6 @@ def share(problem: Problem, space: Space) -> Share:
     return space.share(strike(base, samples, [base.scene.ball.restitution])[0])
 
 
-# --- what is not printed --------------------------------------------------------------------------
-
-
 # In a scene or its sampling: name, unit, low and high end of the range, and their source.
 UNKNOWN = tuple(SimpleNamespace(**one) for one in DATA["unknown"])
 Change = tuple[float, float]  # of P(0.42), with its standard error
@@ -61,18 +58,6 @@ def section(report: Path, cases: Cases) -> str:
     """Write the section: what the unknown numbers do, alone and together."""
     cases = {name: (base.replaced({"ball.restitution": E}), s) for name, (base, s) in cases.items()}
     found = {name: over_ranges(*case) for name, case in cases.items()}
-    draw_ranges(report, found)
-    ends = itertools.product(*([(one.name, one.low), (one.name, one.high)] for one in UNKNOWN))
-    corners: dict[str, list[Trial]] = {name: [] for name in cases}
-    for values, (name, (base, space)) in itertools.product(ends, cases.items()):
-        corner = base.replaced(dict(values))
-        struck = strike(*drawn(corner, CORNER_SAMPLES), RESTITUTIONS)
-        corners[name].append(trial(corner, space, struck))
-    return render(report, "numbers", globals(), near=NEAR, found=found, corners=corners)
-
-
-def draw_ranges(report: Path, found: dict[str, tuple[Share, list[tuple[Change, Change]]]]) -> None:
-    """Draw P at both ends of each range."""
     heights = np.arange(len(UNKNOWN))[::-1]
     with figure(report, "paper_numbers", columns=len(found), size=(9.0, 3.2)) as panels:
         for axes, (name, (before, ranged)) in zip(panels, found.items(), strict=True):
@@ -87,6 +72,13 @@ def draw_ranges(report: Path, found: dict[str, tuple[Share, list[tuple[Change, C
             axes.set(xlim=(-0.004, None), ylim=(-0.6, len(UNKNOWN) - 0.4))
             axes.locator_params(axis="x", nbins=5)
         panels[0].legend(fontsize="small", loc="center", bbox_to_anchor=(0.62, 0.5))
+    ends = itertools.product(*([(one.name, one.low), (one.name, one.high)] for one in UNKNOWN))
+    corners: dict[str, list[Trial]] = {name: [] for name in cases}
+    for values, (name, (base, space)) in itertools.product(ends, cases.items()):
+        corner = base.replaced(dict(values))
+        struck = strike(*drawn(corner, CORNER_SAMPLES), RESTITUTIONS)
+        corners[name].append(trial(corner, space, struck))
+    return render(report, "numbers", globals(), near=NEAR, found=found, corners=corners)
 
 
 def mark_p(axes: Axes, p: float, label: str, reading: str) -> None:
@@ -95,9 +87,6 @@ def mark_p(axes: Axes, p: float, label: str, reading: str) -> None:
     caption = PAPER_CURVES["caption"](E)
     axes.axvline(caption, color="black", linestyle=":", label="paper's caption")
     axes.set(xlabel=f"P({E})", title=f"from the {reading} reading")
-
-
-# --- sensitivities --------------------------------------------------------------------------------
 
 
 class Parameter(NamedTuple):

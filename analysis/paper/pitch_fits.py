@@ -92,9 +92,6 @@ def compared() -> Rows:
     return compare(fit_pitches(EXAMPLE), synthetic_fit(), million)
 
 
-# --- pitches drawn from what is printed -----------------------------------------------------------
-
-
 def draw_pitches(count: int, seed: int) -> pd.DataFrame:
     """Return pitches drawn from Table II, p, q and Fig. 3, written down as Sportsnavi does."""
     random = np.random.default_rng(seed)
@@ -118,9 +115,6 @@ def spread_behind_figure_3() -> float:
     cells = np.repeat(CELLS, np.rint(100_000 * SHARES).astype(int))
     table = draw_pitches(len(cells), seed=0).assign(y=cells)
     return fit_pitches(table, CHART, KINDS, replicates=2).aim.maximum_likelihood.spread.value
-
-
-# --- tables ---------------------------------------------------------------------------------------
 
 
 def compare(example: FittedPitches, synthetic: FittedPitches, million: FittedPitches) -> Rows:
@@ -226,8 +220,6 @@ def vary_classes() -> Rows:
         rows.append({"straight": " ".join(straight), **ours, "r_squared": r_squared})
     return rows
 
-
-# --- figures --------------------------------------------------------------------------------------
 
 THEIRS = f"{PITCHES:,} pitches drawn from the paper's fits"
 OURS = "{.rows_used:,} MLB pitches of 11 June 2023".format
