@@ -128,9 +128,8 @@ def fence_distance(bearing: Array) -> Array:
     within = np.clip(bearing, angles[0], angles[-1])
     i = np.clip(np.searchsorted(angles, within) - 1, 0, len(FENCE) - 2)
     along, across = x[i + 1] - x[i], y[i + 1] - y[i]
-    distance: Array = (x[i] * across - y[i] * along) / (
-        np.cos(within) * across - np.sin(within) * along
-    )
+    turned: Array = np.cos(within) * across - np.sin(within) * along
+    distance: Array = (x[i] * across - y[i] * along) / turned
     return distance
 
 

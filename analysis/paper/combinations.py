@@ -14,7 +14,7 @@ from analysis.paper import balls, distances, printed
 from analysis.paper.balls import SPACES, Balls, Base, Space, strike
 from analysis.paper.distances import BIN, HEIGHT_AND_SLOPE, NEAR_BOTH, Distance, Peak, distance
 from analysis.paper.printed import PEAKS
-from analysis.writing import STYLES, figure, render
+from analysis.writing import STYLES, data, figure, render
 from longball.engines.verlet import Verlet
 from longball.home_run import PAPER_CURVES, RESTITUTIONS, Estimate
 from longball.model.readings import Reading, SamplingReading
@@ -27,24 +27,10 @@ WITHIN = 4 * distances.NEAR  # of Fig. 7 at first sight: worth a closer look
 FEWEST = 100  # balls that a sample space must have at first sight
 SEED = 1
 
-# The readings of the collision that differ. With μ from M_eff the printed ẽ gives
-# μ (1 + ẽ) = m (1 + e), whatever M_eff is; plain has no M_eff. The thin rod's inertia is the
-# cylinder's to 0.1 %.
-COLLISIONS: tuple[dict[str, Any], ...] = (
-    *(
-        {"bat_ball_restitution": restitution, "effective_mass": mass, "inertia": inertia}
-        for restitution in ("as_printed", "nathan")
-        for mass in ("inertia_over_r_squared", "as_printed")
-        for inertia in ("solid_cylinder", "about_centre")
-    ),
-    *({"reduced_mass": "effective_mass"}, {"bat_ball_restitution": "plain"}),
-)
-OFFSET_SPREADS = (0.0366, 0.0732)  # m
-# m; a third of the plate, and of the plate and a ball's width, for a ball 0.0366 m or 0.0732 m
-# wide; and one narrower and one wider.
-CELL_WIDTHS = (0.12, 0.144, 0.156, 0.168, 0.2)
+GRID = data(__file__)
+COLLISIONS, OFFSET_SPREADS = GRID["collisions"], GRID["offset_spreads"]
+CELL_WIDTHS, RADII = GRID["cell_widths"], GRID["radii"]
 PLATE = 0.432  # m, its width
-RADII = (0.0366, 0.0183)  # m, of the ball; the paper calls 0.0366 m its diameter
 
 
 def bases() -> Iterator[Base]:

@@ -87,9 +87,19 @@ def synthetic_fit() -> FittedPitches:
 
 @cache
 def compared() -> Rows:
-    """Return printed and ours; `analysis.paper.counterparts` asks for it, too."""
+    """Return printed and ours, by both methods; `analysis.paper.counterparts` asks for it, too."""
+    example, synthetic = fit_pitches(EXAMPLE), synthetic_fit()
     million = fit_pitches(draw_pitches(10**6, SYNTHETIC_SEED), CHART, KINDS)
-    return compare(fit_pitches(EXAMPLE), synthetic_fit(), million)
+    rows: Rows = []
+    for method, printed in product(("least_squares", "maximum_likelihood"), PRINTED):
+        value, error = printed.ours(synthetic, method)
+        theirs, their_error = printed.ours(example, method)
+        row: dict[str, Any] = {"method": method, "quantity": printed.name, "unit": printed.unit}
+        row |= {"printed": printed.value, "synthetic": value, "synthetic_error": error}
+        row |= {"difference": value - printed.value, "million": printed.ours(million, method)[0]}
+        row |= {"example": theirs, "example_error": their_error}
+        rows.append(row | {"verdict": verdict(printed, method, value, error)})
+    return rows
 
 
 def draw_pitches(count: int, seed: int) -> pd.DataFrame:
@@ -115,20 +125,6 @@ def spread_behind_figure_3() -> float:
     cells = np.repeat(CELLS, np.rint(100_000 * SHARES).astype(int))
     table = draw_pitches(len(cells), seed=0).assign(y=cells)
     return fit_pitches(table, CHART, KINDS, replicates=2).aim.maximum_likelihood.spread.value
-
-
-def compare(example: FittedPitches, synthetic: FittedPitches, million: FittedPitches) -> Rows:
-    """Return printed and ours, by both methods."""
-    rows: Rows = []
-    for method, printed in product(("least_squares", "maximum_likelihood"), PRINTED):
-        value, error = printed.ours(synthetic, method)
-        theirs, their_error = printed.ours(example, method)
-        row: dict[str, Any] = {"method": method, "quantity": printed.name, "unit": printed.unit}
-        row |= {"printed": printed.value, "synthetic": value, "synthetic_error": error}
-        row |= {"difference": value - printed.value, "million": printed.ours(million, method)[0]}
-        row |= {"example": theirs, "example_error": their_error}
-        rows.append(row | {"verdict": verdict(printed, method, value, error)})
-    return rows
 
 
 def verdict(printed: Printed, method: str, value: float, error: float | None) -> str:

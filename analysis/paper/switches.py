@@ -60,9 +60,7 @@ def options(base: Base, space: Space) -> Iterator[tuple[str, str, Base, Space]]:
             other = turned_to(base, entry.switch, option)
             if other is not None and other != base:
                 yield entry.switch, option, other, space
-    for other_space in SPACES:
-        if other_space != space:
-            yield "samples", other_space.name, base, other_space
+    yield from (("samples", other.name, base, other) for other in SPACES if other != space)
     for radius in RADII:
         if (other := base.replaced({"ball.radius": radius})) != base:
             yield "ball.radius", f"{radius:g}", other, space

@@ -9,14 +9,13 @@ import numpy as np
 
 from analysis.speed_error import peers
 from analysis.speed_error.work import Work
+from longball.engines import create
 from longball.engines.batch import Batch, solve_columns
 from longball.engines.batch.columns import BatchFlyer
 from longball.engines.batch.many import BLOCK
 from longball.engines.chain import solve
-from longball.engines.enclosure import Enclosure
 from longball.engines.engine import Engine
 from longball.engines.ivp import Ivp
-from longball.engines.multiprecision import Multiprecision
 from longball.engines.verlet import TREATMENTS, Verlet
 from longball.model.result import Number
 from longball.model.scene import AtBatScene
@@ -85,7 +84,9 @@ def ivp(method: str, rtol: float | None = None) -> Contender:
     return Contender(f"ivp {method}", setting, partial(one_by_one, engine), turn, most)
 
 
-ENCLOSURE = Contender("enclosure", "30 digits", partial(one_by_one, Enclosure(30)), 5, 50)
+ENCLOSURE = Contender(
+    "enclosure", "30 digits", partial(one_by_one, create("enclosure", digits=30)), 5, 50
+)
 
 
 def longball_engines() -> Iterator[Contender]:
@@ -103,7 +104,8 @@ def longball_engines() -> Iterator[Contender]:
             verlet = partial(one_by_one, Verlet(dt, treatment))
             yield Contender(f"verlet {treatment}", f"{dt:g} s", verlet, QUICK)
     yield ENCLOSURE
-    yield Contender("multiprecision", "30 digits", partial(one_by_one, Multiprecision(30)), 1, 5)
+    slowest = partial(one_by_one, create("multiprecision", digits=30))
+    yield Contender("multiprecision", "30 digits", slowest, 1, 5)
 
 
 SHORT_STEPS, SHORTEST_STEP = "scipy DOP853 1e-9 in short steps", 2e-3  # s
