@@ -97,8 +97,8 @@ def _balls(table: Any, base: Base, pitched: Flags) -> Balls:
         x=whole(table["landing.position[0]"]),
         y=whole(table["landing.position[1]"]),
         failed=whole(table["outcome"] == "") == 1.0,
-        pitch_speed=whole(np.sqrt((before * before).sum(axis=0))),
-        exit_speed=whole(np.sqrt((after * after).sum(axis=0))),
+        pitch_speed=whole(np.linalg.norm(before, axis=0)),
+        exit_speed=whole(np.linalg.norm(after, axis=0)),
         elevation=whole(np.arctan2(after[2], np.hypot(after[0], after[1]))),
     )
 
@@ -112,12 +112,10 @@ def strike_in_steps(
     base: Base, count: int, seed: int, restitutions: Sequence[float], scheme: Verlet
 ) -> list[Balls]:
     """Return what becomes of samples by the paper's scheme."""
-    samples = base.drawn(count, seed)
-    parts = joblib.Parallel(n_jobs=-1)(
-        joblib.delayed(_chunk)(base, samples.chosen(slice(i, i + CHUNK)), restitutions, scheme)
-        for i in range(0, count, CHUNK)
-    )
-    return [joined(part) for part in zip(*parts, strict=True)]
+    samples, chunk = base.drawn(count, seed), joblib.delayed(_chunk)
+    chosen = (samples.chosen(slice(i, i + CHUNK)) for i in range(0, count, CHUNK))
+    calls = (chunk(base, some, restitutions, scheme) for some in chosen)
+    return [joined(part) for part in zip(*joblib.Parallel(n_jobs=-1)(calls), strict=True)]
 
 
 def _chunk(base: Base, some: Samples, restitutions: Sequence[float], scheme: Verlet) -> list[Balls]:

@@ -74,7 +74,7 @@ class Trial(NamedTuple):
     @property
     def small(self) -> bool:
         """Whether its ball is half as wide as usual."""
-        return self.base.scene.ball.radius == min(RADII)
+        return bool(self.base.scene.ball.radius == min(RADII))
 
     @property
     def beyond(self) -> bool:

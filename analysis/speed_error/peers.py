@@ -10,7 +10,7 @@ the distance from the bat's axis less R + r_b. The bat is looked for from the re
 import math
 import os
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
@@ -101,11 +101,11 @@ class Peer(ABC):
         return repr(self)
 
     @abstractmethod
-    def land(self, problem: Problem, flights: Array) -> Iterable[Iterable[float]]:
+    def land(self, problem: Problem, flights: Array) -> Array:
         """Fly each flight, as from `problem_of`, to its first stop.
 
-        Returns a row of 2 + variables for each: which of the stops was met (-1: none); when, s,
-        and in what state.
+        Returns an array of shape (n, 2 + variables): which of the stops was met (-1: none); when,
+        s, and in what state.
         """
 
     def fly_all(self, starts: Records, program: Program) -> Records:
@@ -114,7 +114,7 @@ class Peer(ABC):
         if len(starts) == 0:
             return ends
         problem, flights = problem_of(starts, program)
-        place, *ended = np.array(list(self.land(problem, flights))).T
+        place, *ended = self.land(problem, flights).T
         numbers = [*range(len(problem.stops)), TIME_LIMIT]
         if problem.bat:
             numbers[-2] = TOUCH
@@ -136,7 +136,7 @@ class Scipy(Peer):
     rtol: float
     max_step: float = math.inf  # s, while the bat is looked for
 
-    def land(self, problem: Problem, flights: Array) -> Iterator[tuple[float, ...]]:
+    def land(self, problem: Problem, flights: Array) -> Array:
         """Fly one after the other."""
         rates, heights = problem.bound(math)
         options = {"method": self.method, "rtol": self.rtol, "atol": self.rtol}
@@ -153,6 +153,7 @@ class Scipy(Peer):
             event.direction = -1  # type: ignore[attr-defined]
             return event
 
+        arrived = []
         for flight in flights:
             span, start, own = flight[:2], flight[problem.state], flight[problem.state.stop :]
             events = [stop(height, own.tolist()) for height in heights]
@@ -160,7 +161,8 @@ class Scipy(Peer):
                 motion, span, start, events=events, max_step=max_step, **options
             )
             met = [place for place, times in enumerate(found.t_events) if len(times)]
-            yield met[0] if met else -1, found.t[-1], *found.y[:, -1]
+            arrived.append((met[0] if met else -1, found.t[-1], *found.y[:, -1]))
+        return np.array(arrived)
 
 
 _ROOT_FOUND = 2  # CVODE's status of a solve that an event has ended
@@ -172,7 +174,7 @@ class Cvode(Peer):
 
     rtol: float
 
-    def land(self, problem: Problem, flights: Array) -> Iterator[tuple[float, ...]]:
+    def land(self, problem: Problem, flights: Array) -> Array:
         """Fly one after the other, by one solver."""
         rates, falling = problem.bound(math)
         own: list[float] = []
@@ -191,13 +193,15 @@ class Cvode(Peer):
             motion, method="Adams", rtol=self.rtol, atol=self.rtol, max_num_steps=100_000,
             eventsfn=stop, num_events=len(falling),
         )  # fmt: skip
+        arrived = []
         for flight in flights:
             own[:] = flight[problem.state.stop :].tolist()
             found = solver.solve(flight[:2], flight[problem.state])
             # It keeps the events of all its solves, the latest last.
             met = found.status == _ROOT_FOUND
             place = np.flatnonzero(found.i_events[-1])[0] if met else -1
-            yield place, found.t[-1], *found.y[-1]
+            arrived.append((place, found.t[-1], *found.y[-1]))
+        return np.array(arrived)
 
 
 @dataclass(frozen=True)
@@ -206,16 +210,19 @@ class Heyoka(Peer):
 
     tolerance: float = 0.0
 
-    def land(self, problem: Problem, flights: Array) -> Iterable[Iterable[float]]:
+    def land(self, problem: Problem, flights: Array) -> Array:
         """Fly one after the other, by one integrator."""
         integrator = _heyoka(problem, self.tolerance)
         state, pars, places = integrator.state, integrator.pars, _places(problem)
-        for flight in flights:
+        arrived = np.empty((len(flights), problem.state.stop))
+        for flight, end in zip(flights, arrived, strict=True):
             integrator.time = flight[0]
             integrator.reset_cooldowns()
-            state[:], pars[:] = flight[problem.state], flight[problem.state.stop :]
-            outcome = int(integrator.propagate_until(flight[1])[0])
-            yield places.get(outcome, -1), integrator.time, *state
+            state[:] = flight[problem.state]
+            pars[:] = flight[problem.state.stop :]
+            end[0] = places.get(int(integrator.propagate_until(flight[1])[0]), -1)
+            end[1], end[2:] = integrator.time, state
+        return arrived
 
 
 @dataclass(frozen=True)
