@@ -34,9 +34,8 @@ def main() -> None:
     works = [known(flights(contenders.COMPILED), TRUE), known(at_bats(contenders.COMPILED), TRUE)]
     turns = [(entrant, given) for given in works for entrant in entrants()]
     found = list(zip(turns, measure(turns, TURNS), strict=True))
-    units = {
-        given.base.kind: one.seconds for (_, given), one in reversed(found)
-    }  # the first of each
+    # The first of each kind.
+    units = {given.base.kind: one.seconds for (_, given), one in reversed(found)}
     of_laws = laws.compared(LAW_ROUNDS, LAW_TRUE)
     there = vars(measuring) | globals()
     print(render(REPORT, "bench", there, found=found, units=units, of_laws=of_laws), end="")

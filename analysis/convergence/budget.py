@@ -90,7 +90,7 @@ class Smooth(StruckAtOnce, Verlet):
         self, count: int, before: State[float], after: State[float], events: Events
     ) -> tuple[str, float, State[float]]:
         """Return what is met first, on the cubic."""
-        (x, v), (there, end), h = np.split(before, 2), np.split(after, 2), self.dt
+        ((x, v), (there, end)), h = np.reshape([before, after], (2, 2, -1)), self.dt
         slope = (there - x) / h
         square, cube = (3 * slope - 2 * v - end) / h, (v + end - 2 * slope) / h**2
         rows = [[x, v, square, cube], [v, 2 * square, 3 * cube, np.zeros(len(x))]]

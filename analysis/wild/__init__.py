@@ -84,9 +84,9 @@ def trials(simulator: Simulator, full: bool) -> list[Tried]:
     sampled = sample(load(), simulator.families)
     cases: Sequence[Case] = [x for x in sampled if x.expected.outcome in ("landed", "crossed")]
     cases = cases if full else cases[:: max(1, len(cases) // SCENES)]
-    constants, own = simulator.constants, cases
-    if constants:
-        own = proven([replaced(case.scene, constants) for case in cases])
+    own = cases
+    if simulator.constants:
+        own = proven([replaced(case.scene, simulator.constants) for case in cases])
     return [trial(simulator, method, cases, own) for method in simulator.methods]
 
 
