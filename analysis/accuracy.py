@@ -7,11 +7,8 @@ import numpy as np
 from analysis.speed_error import contenders, measuring, work
 from analysis.speed_error.work import Work
 from analysis.writing import render
-from longball.engines.chain import solve
-from longball.engines.ivp import Ivp
 from longball.model.quantities import at
 from longball.model.result import Result
-from longball.model.scene import FlightScene, Launch
 
 COUNT, FULL_COUNT = 60, 600  # at-bats that are batted
 SEED = 7
@@ -22,7 +19,7 @@ UNIT = "solve_ivp DOP853 1e-12, its own event"
 
 def run(report: Path, full: bool) -> str:
     """Measure on batted balls of the paper's distributions."""
-    struck, results = batted(FULL_COUNT if full else COUNT)
+    struck, results = work.batted(FULL_COUNT if full else COUNT, SEED)
     flights = work.known(flights_of(results), len(results))
     plain = {f"solve_ivp DOP853 {rtol:g}, its own event": rtol for rtol in TOLERANCES}
     candidates = {
@@ -41,14 +38,6 @@ def run(report: Path, full: bool) -> str:
     )  # fmt: skip
 
 
-def batted(count: int) -> tuple[Work, list[Result]]:
-    """Return the first batted at-bats of a seed, and what the reference engine makes of them."""
-    drawn = work.at_bats(2 * count, SEED)
-    results = [solve(scene, Ivp()) for scene in drawn.scenes]
-    rows = [row for row, result in enumerate(results) if result.outcome == "batted"][:count]
-    return drawn.part(rows), [results[row] for row in rows]
-
-
 def flights_of(results: list[Result]) -> Work:
     """Return the flights of batted balls as scenes of their own."""
     columns = {
@@ -56,5 +45,4 @@ def flights_of(results: list[Result]) -> Work:
         for i in range(3)
         for name, block in (("position", "contact"), ("velocity", "impact"))
     }
-    anywhere = Launch(position=(0.0, 0.0, 1.0), velocity=(1.0, 0.0, 0.0))
-    return Work(FlightScene(id="flight", launch=anywhere), columns)
+    return Work(work.launches(np.ones(1), 0.0).base, columns)

@@ -8,32 +8,23 @@ import numpy as np
 from matplotlib.patches import Circle
 
 from analysis import Array
-from analysis.writing import LINES, figure, render
+from analysis.writing import LINES, data, figure, render
 from longball.engines.chain import solve_with_path
 from longball.engines.ivp import Ivp
 from longball.engines.path import Trajectory
 from longball.model.quantities import number
 from longball.model.scene import AtBatScene, Pitch, Swing
 
-# A pitch at the mean speed of the straight balls, on the middle cell, and five swings at it:
-# heights of the bat's axis over the pitch, m, and tilts, °.
-SWINGS = {
-    "fly ball": (-0.0300, 8.0),
-    "line drive": (-0.0120, 5.0),
-    "grounder": (0.0200, 2.0),
-    "pop-up": (-0.0550, 5.0),
-    "miss": (0.0750, 5.0),
-}
+# A pitch at the mean speed of the straight balls, on the middle cell, and the swings at it.
 PITCH = Pitch(speed=139.1 / 3.6, aim=(-0.144, 1.8))  # cell 2, on the barrel's side
+SWINGS = data(__file__)
 BEHIND = 0.01  # s: the pitch is drawn to a third of a metre behind the plate
 
 
 def run(report: Path, full: bool) -> str:
     """Solve the at-bats and draw them; `full` changes nothing."""
     scenes = {
-        name: AtBatScene(
-            id=name, pitch=PITCH, swing=Swing(height_offset=offset, tilt=math.radians(tilt))
-        )
+        name: AtBatScene(pitch=PITCH, swing=Swing(height_offset=offset, tilt=math.radians(tilt)))
         for name, (offset, tilt) in SWINGS.items()
     }
     solved = {name: solve_with_path(scene, Ivp()) for name, scene in scenes.items()}
@@ -61,11 +52,9 @@ def run(report: Path, full: bool) -> str:
                 batted = along(way, begin, min(way.end, begin + BEHIND))
                 axes.plot(*batted, color="C0", linewidth=1.8)
             axes.plot(*pitch, **thin)
-            axes.set(title=name, xlabel="x, m", xlim=(-0.15, 0.15), ylim=(1.08, 1.38))
-            axes.set_aspect("equal")
+            axes.set(title=name, xlabel="x, m", xlim=(-0.15, 0.15), ylim=(1.08, 1.38), aspect=1.0)
         panels[0].set_ylabel("height z, m")
-    results = {name: result for name, (result, _) in solved.items()}
-    return render(report, "at_bats", globals(), results=results)
+    return render(report, "at_bats", globals(), solved=solved)
 
 
 def along(way: Trajectory[float], begin: float, end: float) -> tuple[Array, Array]:

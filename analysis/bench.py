@@ -7,10 +7,12 @@ error.
 
 from collections.abc import Iterator
 
-from analysis.speed_error import contenders, laws
+from analysis.__main__ import REPORT
+from analysis.speed_error import contenders, laws, measuring
 from analysis.speed_error.contenders import Contender
-from analysis.speed_error.measuring import machine, measure, ratio, versions
+from analysis.speed_error.measuring import measure
 from analysis.speed_error.work import at_bats, flights, known
+from analysis.writing import render
 from longball.engines.batch import Batch
 
 TURNS = 15
@@ -28,34 +30,15 @@ def entrants() -> Iterator[Contender]:
 
 
 def main() -> None:
-    """Measure, and print a table."""
-    print(f"{machine()}; {versions()}")
-    for package in contenders.missing_peers():
-        print(f"{package} is not installed: left out")
-    print(f"{'':42} µs each    ratio   max error of D, m   contacts missed")
+    """Measure, and print tables."""
     works = [known(flights(contenders.COMPILED), TRUE), known(at_bats(contenders.COMPILED), TRUE)]
     turns = [(entrant, given) for given in works for entrant in entrants()]
-    units: dict[str, list[float]] = {}
-    for (_, given), found in zip(turns, measure(turns, TURNS), strict=True):
-        kind, wrong = given.base.kind, found.errors
-        unit = units.setdefault(kind, found.seconds)
-        missed = f"{wrong.missed} of {wrong.contacts}" if wrong.contacts else ""
-        print(
-            f"{kind}: {found.contender.name:34} {found.microseconds:7.2f} "
-            f"{ratio(found.seconds, unit):8.2f}   {wrong.worst:.1e}             {missed}"
-        )
-    print(f"an at-bat takes as long as {ratio(units['at-bat'], units['flight']):.2f} flights")
+    found = list(zip(turns, measure(turns, TURNS), strict=True))
+    # The first of each kind.
+    units = {given.base.kind: one.seconds for (_, given), one in reversed(found)}
     of_laws = laws.compared(LAW_ROUNDS, LAW_TRUE)
-    first = next(iter(laws.LAWS))
-    print(f"{'':56} µs each    ratio to the first law, to batch   max error of D, m")
-    for (law, method), found in of_laws.items():
-        beside = [
-            ratio(found.seconds, of_laws[x].seconds) for x in ((first, method), (law, "batch"))
-        ]
-        print(
-            f"{law:40} {method:13} {found.microseconds:10.2f} "
-            f"{beside[0]:8.2f} {beside[1]:8.2f}   {found.errors.worst:.1e}"
-        )
+    there = vars(measuring) | globals()
+    print(render(REPORT, "bench", there, found=found, units=units, of_laws=of_laws), end="")
 
 
 if __name__ == "__main__":

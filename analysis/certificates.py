@@ -14,6 +14,7 @@ import numpy as np
 import pandas as pd
 from joblib import Parallel, delayed
 
+from analysis.paper.printed import AT_BATS, BASE
 from analysis.random_scenes import random_scene
 from analysis.writing import render
 from longball.engines.certify import certify
@@ -22,11 +23,10 @@ from longball.engines.compiled import compile_at_once
 from longball.engines.enclosure import Enclosure
 from longball.engines.ivp import Ivp
 from longball.golden.case import vector_of
-from longball.home_run.at_bats import draw_block, paper_at_bats, scenes
+from longball.home_run import draw_block, scenes
 from longball.model.quantities import numbers
-from longball.model.readings import SamplingReading
 from longball.model.result import Result
-from longball.model.scene import AtBatScene, Scene
+from longball.model.scene import Scene
 
 SCENES, FULL_SCENES = 400, 10_000
 BLOCK = 100
@@ -54,8 +54,7 @@ def _block(block: int) -> list[dict[str, object]]:
 
 
 def _paper(block: int) -> Iterator[Scene]:
-    drawn = draw_block(paper_at_bats(SamplingReading()), SEED, block)
-    return filter(None, scenes(AtBatScene(id="at-bat"), drawn))
+    return filter(None, scenes(BASE, draw_block(AT_BATS, SEED, block)))
 
 
 def _certified(name: str, scene: Scene) -> dict[str, object]:
@@ -72,20 +71,18 @@ def _certified(name: str, scene: Scene) -> dict[str, object]:
     truth = solve(scene, TRUTH)
     if truth.error is not None:  # fewer digits take fewer steps
         return row | {"answer": "not compared"}
-    held = _held(found, truth)
-    largest = max((radius for radius, _ in held), default=0.0)
-    wrong = sum(not right for _, right in held)
-    return row | {"answer": "certified", "numbers": len(held), "wrong": wrong, "radius": largest}
+    return row | {"answer": "certified"} | _held(found, truth)
 
 
-def _held(found: Result, truth: Result) -> list[tuple[float, bool]]:
-    """Return for each number its radius, relative to its size, and whether it holds the truth."""
+def _held(found: Result, truth: Result) -> dict[str, object]:
+    """Return how many radii there are, the largest for its number, and how many miss the truth."""
     if found.outcome != truth.outcome:
         raise ValueError(f"{found.id}: {found.outcome} is certified, the truth is {truth.outcome}")
     true, certified = dict(numbers(truth)), dict(numbers(found))
-    held = []
+    radii, wrong = [0.0], 0
     for name, number in certified.items():
         off = abs(Decimal(number.value) - Decimal(true[name].value)) - Decimal(true[name].radius)
         size = np.hypot.reduce([float(certified[part]) for part in vector_of(name)])
-        held.append((float(number.radius) / (size or 1.0), off <= Decimal(number.radius)))
-    return held
+        radii.append(float(number.radius) / (size or 1.0))
+        wrong += off > Decimal(number.radius)
+    return {"numbers": len(certified), "wrong": wrong, "radius": max(radii)}

@@ -2,13 +2,13 @@
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pandas as pd
+import scipy.stats
 from scipy.interpolate import CubicSpline
 from scipy.optimize import least_squares
-from scipy.stats import bootstrap
 
 from analysis.writing import figure, render
 from longball.model.scene import Ball
@@ -20,12 +20,10 @@ from longball.pitches.statcast import RPM, MeasuredFlies, MeasuredPitches, read_
 from longball.pitches.table import Floats as Array
 
 NATHAN = MODELS["nathan"]
-ONE_SPIN = 2000.0 * RPM  # rad/s, where every batted ball is given the same backspin
 # Shares of active spin that are tried, and those of them that are solved: places at the plate are
 # smooth in between. Spin all along the velocity would be a singular point of its direction.
 SHARES, SOLVED_SHARES = np.linspace(0.05, 1.0, 951), np.linspace(0.05, 1.0, 7)
-REPLICATES, SEED = 999, 11
-CATCH = 1.5  # m, a height at which flies are caught
+BOOTSTRAP = {"n_resamples": 999, "method": "percentile", "rng": 11}
 CAUGHT = ("field_out", "sac_fly", "double_play", "field_error")
 
 
@@ -37,32 +35,29 @@ def run(report: Path, full: bool) -> str:
     shares, held_out, spread = held_out_shares(pitches)
     of_pitches = pitch_predictions(pitches)
     of_pitches[HELD_OUT] = held_out
-    draw_flies(report, flies, of_flies)
+    with figure(report, "reality_flies", columns=3, size=(9.0, 3.4)) as panels:
+        for name, axes in zip(COMPARED, panels, strict=True):
+            angle, off = np.degrees(flies.angle), of_flies[name].error[:, 0]
+            axes.plot(angle, off, ".", markersize=3, color="0.6")
+            means = [((a + b) / 2, off[which].mean()) for a, b, which in bands(angle, ANGLES)]
+            axes.plot(*zip(*means, strict=True), "ko-", markersize=4)
+            axes.axhline(0.0, color="black", linewidth=0.8)
+            axes.set(title=name, xlabel="angle of launch, °", ylim=(-45.0, 60.0))
+        panels[0].set_ylabel("predicted too far by, m")
     with figure(report, "reality_pitches", size=(5.6, 4.2)) as (axes,):
         draw_errors(axes, held_out)
+    there = vars(scipy.stats) | vars(statcast) | vars(prediction) | globals()
     return render(
-        report, "reality", vars(statcast) | vars(prediction) | globals(),
-        flies=flies, launch=launch, pitches=pitches, of_flies=of_flies, of_pitches=of_pitches,
-        shares=shares, spread=spread, day=pd.read_csv(EXAMPLE).iloc[flies.rows - 1],
+        report, "reality", there, flies=flies, launch=launch, pitches=pitches, of_flies=of_flies,
+        of_pitches=of_pitches, shares=shares, spread=spread,
+        day=pd.read_csv(EXAMPLE).iloc[flies.rows - 1],
         best=best_constants(flies), scatters=scatter(flies), distance=flies.measured[:, 0],
     )  # fmt: skip
 
 
-def too_far(prediction: Prediction) -> Array:
-    """Return by how much flies are predicted to go too far, ft."""
-    return prediction.error[:, 0] / statcast.FOOT
-
-
-def left_out(pitches: MeasuredPitches, word: str) -> int:
-    """Return how many pitches are left out for a reason."""
-    return next(omission.count for omission in pitches.left_out if word in omission.reason)
-
-
 def measured_flies() -> MeasuredFlies:
     """Return the flies of the day that is shipped."""
-    flies = read_measured(EXAMPLE, "batted")
-    assert isinstance(flies, MeasuredFlies)
-    return flies
+    return cast(MeasuredFlies, read_measured(EXAMPLE, "batted"))
 
 
 def measured_pitches() -> MeasuredPitches:
@@ -70,13 +65,10 @@ def measured_pitches() -> MeasuredPitches:
 
     No model here depends on the height, and none of them loses a pitch to the ground.
     """
-    pitches = read_measured(EXAMPLE, "pitch")
-    assert isinstance(pitches, MeasuredPitches)
+    pitches = cast(MeasuredPitches, read_measured(EXAMPLE, "pitch"))
     up = np.array([0.0, 0.0, 2.0])
     return replace(pitches, release=pitches.release + up, measured=pitches.measured + up[1:])
 
-
-# --- batted balls ---------------------------------------------------------------------------------
 
 FULL_SPIN = "Nathan, backspin and side spin"
 LAUNCHED = "the same, launched so that it comes down where it was fielded"
@@ -85,15 +77,14 @@ COMPARED = ("the paper", "best constants", FULL_SPIN)
 
 def fly_predictions(flies: MeasuredFlies, launch: MeasuredFlies) -> dict[str, Prediction]:
     """Return what each model says of the flies, and of their launches as `launched` has them."""
-    backspin = flies.spin(np.full(len(flies), ONE_SPIN), np.zeros(len(flies)))
-    by_angle = regression_spin(flies, side_spin=False)
+    backspin = flies.spin(np.full(len(flies), 2000.0 * RPM), np.zeros(len(flies)))
     return {
         "no air": predict(flies, MODELS["vacuum"]),
         "the paper": predict(flies, MODELS["paper"]),
         "best constants": predict(flies, MODELS["constants"]),
         "Giordano and Nakanishi": predict(flies, MODELS["giordano"]),
         "Nathan, 2,000 rpm of backspin for all": predict(flies, NATHAN, backspin),
-        "Nathan, backspin by the angle": predict(flies, NATHAN, by_angle),
+        "Nathan, backspin by the angle": predict(flies, NATHAN, regression_spin(flies, False)),
         FULL_SPIN: predict(flies, NATHAN),
         LAUNCHED: predict(launch, NATHAN),
         "drag crisis fitted to the day": predict(flies, MODELS["crisis"]),
@@ -115,18 +106,9 @@ def launched(flies: MeasuredFlies) -> MeasuredFlies:
 
 def landings(flies: MeasuredFlies, model: FlightModel) -> tuple[Array, Array]:
     """Return position and velocity at landing, shape (n, 3) each."""
-    found = [result.landing for result in solve(flies, model)]
+    found: list[Any] = [result.landing for result in solve(flies, model)]
     assert all(found)
-    return (
-        np.array([x.position for x in found if x], dtype=np.float64),
-        np.array([x.velocity for x in found if x], dtype=np.float64),
-    )
-
-
-def catch_shift(flies: MeasuredFlies) -> Array:
-    """Return how much sooner than on the ground a ball comes down to where it is caught, m."""
-    _, velocity = landings(flies, NATHAN)
-    return CATCH * np.hypot(velocity[:, 0], velocity[:, 1]) / -velocity[:, 2]
+    return np.array([x.position for x in found]), np.array([x.velocity for x in found])
 
 
 def best_constants(flies: MeasuredFlies) -> tuple[float, float]:
@@ -147,49 +129,20 @@ def scatter(flies: MeasuredFlies) -> tuple[float, float]:
     Polynomials of degree 4, fitted to all other balls and asked for the one left out.
     """
     pulled = flies.bearing * flies.side
-    found = []
+    distance, found = flies.measured[:, 0], []
     for variables in ((flies.speed, flies.angle), (flies.speed, flies.angle, pulled)):
-        columns = [np.ones(len(flies))]
-        scaled = [(x - x.mean()) / x.std() for x in variables]
-        for powers in np.ndindex(*([5] * len(scaled))):
-            if 0 < sum(powers) <= 4:
-                columns.append(np.prod([x**p for x, p in zip(scaled, powers, strict=True)], axis=0))
+        scaled = np.array([(x - x.mean()) / x.std() for x in variables])
+        powers = [p for p in np.ndindex(*([5] * len(scaled))) if sum(p) <= 4]
+        columns = [np.prod(scaled.T ** np.array(p), axis=1) for p in powers]
         q, _ = np.linalg.qr(np.stack(columns, axis=1))
-        distance = flies.measured[:, 0]
         found.append(float(rms((distance - q @ (q.T @ distance)) / (1.0 - np.sum(q**2, axis=1)))))
     return found[0], found[1]
-
-
-def mean_spin(flies: MeasuredFlies) -> float:
-    """Return the mean size of the spins that the regression expects, rpm."""
-    return float(np.linalg.norm(regression_spin(flies), axis=1).mean() / RPM)
 
 
 def rms(x: Array, axis: int = -1) -> Array:
     """Return the root mean square."""
     return np.asarray(np.sqrt(np.mean(x**2, axis=axis)))
 
-
-def rms_interval(off: Array) -> Any:
-    """Return the 95 % interval of an RMS by a bootstrap."""
-    drawn = bootstrap((off,), rms, n_resamples=REPLICATES, method="percentile", rng=SEED)
-    return drawn.confidence_interval
-
-
-def draw_flies(report: Path, flies: MeasuredFlies, predictions: dict[str, Prediction]) -> None:
-    """Draw the errors of three models by the angle of launch."""
-    with figure(report, "reality_flies", columns=3, size=(9.0, 3.4)) as axes:
-        for name, one in zip(COMPARED, axes, strict=True):
-            angle, off = np.degrees(flies.angle), predictions[name].error[:, 0]
-            one.plot(angle, off, ".", markersize=3, color="0.6")
-            means = [((a + b) / 2, off[which].mean()) for a, b, which in bands(angle, ANGLES)]
-            one.plot(*zip(*means, strict=True), "ko-", markersize=4)
-            one.axhline(0.0, color="black", linewidth=0.8)
-            one.set(title=name, xlabel="angle of launch, °", ylim=(-45.0, 60.0))
-        axes[0].set_ylabel("predicted too far by, m")
-
-
-# --- pitches --------------------------------------------------------------------------------------
 
 HELD_OUT = "Nathan, the active share of its type, fitted to the other games"
 FLOOR = "each pitch's own constant C_D, C_L and axis"
@@ -220,44 +173,35 @@ def own_constants(pitches: MeasuredPitches) -> Prediction:
     size = np.linalg.norm(v, axis=1, keepdims=True)
     push = pitches.acceleration - np.array([0.0, 0.0, -STANDARD_GRAVITY])
     along = np.sum(push * v, axis=1, keepdims=True) / size**2 * v
-    across = push - along
-    density, ball, model = 1.2, Ball(), MODELS["constants"]
-    k = density * np.pi * ball.radius**2 / (2.0 * ball.mass)
-    drag = np.linalg.norm(along, axis=1) / (k * size[:, 0] ** 2)
-    lift = np.linalg.norm(across, axis=1) / (k * size[:, 0] ** 2)
-    own = [
-        replace(model, drag=c_d, lift=c_l, density=density, spin=True)
-        for c_d, c_l in zip(drag.tolist(), lift.tolist(), strict=True)
-    ]
+    across, ball = push - along, Ball()
+    model = replace(MODELS["constants"], density=1.2, spin=True)
+    k = 1.2 * np.pi * ball.radius**2 / (2.0 * ball.mass)
+    sizes = (np.linalg.norm(x, axis=1) / (k * size[:, 0] ** 2) for x in (along, across))
+    coefficients = zip(*(x.tolist() for x in sizes), strict=True)
+    own = [replace(model, drag=c_d, lift=c_l) for c_d, c_l in coefficients]
     return predict(pitches, own, np.cross(v, across))
 
 
-def held_out_shares(
-    pitches: MeasuredPitches,
-) -> tuple[dict[str, float], Prediction, dict[str, tuple[float, float]]]:
+Shares = dict[str, Any]  # by type of pitch
+
+
+def held_out_shares(pitches: MeasuredPitches) -> tuple[Shares, Prediction, Shares]:
     """Fit the active share of each type of pitch, and predict games that it was not fitted to.
 
     Returns the share of each type that fits all games best; the prediction of each game with the
     shares that fit the other ones best; and the range of those shares.
     """
-    tried = [
-        predict(pitches, NATHAN, pitches.spin(np.full(len(pitches), share))).predicted
-        for share in SOLVED_SHARES
-    ]
+    spins = (pitches.spin(np.full(len(pitches), share)) for share in SOLVED_SHARES)
+    tried = [predict(pitches, NATHAN, spin).predicted for spin in spins]
     # Predictions at every share: a hundredth of an inch from those solved.
     predicted = CubicSpline(SOLVED_SHARES, np.array(tried))(SHARES)
-    squares = np.sum((predicted - pitches.measured) ** 2, axis=2)
-    usual = int(np.argmin(squares.sum(axis=1)))
-    shares, spread = {}, {}
-    found = np.empty(pitches.measured.shape)
-    for kind in np.unique(pitches.labels):
-        of_kind = pitches.labels == kind
-        here = {game: of_kind & (pitches.games == game) for game in set(pitches.games[of_kind])}
-        sums = {game: squares[:, which].sum(axis=1) for game, which in here.items()}
-        total = np.sum(list(sums.values()), axis=0)
-        shares[str(kind)] = float(SHARES[np.argmin(total)])
-        fitted = [int(np.argmin(total - own)) if len(sums) > 1 else usual for own in sums.values()]
-        for which, best in zip(here.values(), fitted, strict=True):
-            found[which] = predicted[best, which]
-        spread[str(kind)] = float(SHARES[min(fitted)]), float(SHARES[max(fitted)])
-    return shares, Prediction(pitches, found, {}, 0), spread
+    squares: Any = pd.DataFrame(np.sum((predicted - pitches.measured) ** 2, axis=2).T)
+    of_games = squares.groupby([pitches.labels, pitches.games]).sum()
+    of_kinds = of_games.groupby(level=0)
+    in_one = of_kinds[0].transform("size") == 1  # fitted to all pitches
+    others = of_kinds.transform("sum") - of_games
+    fitted = others.idxmin(axis=1).mask(in_one, squares.sum().idxmin())
+    best = fitted.loc[pd.MultiIndex.from_arrays([pitches.labels, pitches.games])]
+    found = Prediction(pitches, predicted[best, np.arange(len(best))], {}, 0)
+    shares, ends = of_kinds.sum().idxmin(axis=1), fitted.groupby(level=0).agg(["min", "max"])
+    return shares.map(SHARES.item).to_dict(), found, ends.map(SHARES.item).T.to_dict("list")

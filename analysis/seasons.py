@@ -13,15 +13,15 @@ from scipy.stats import norm
 
 from analysis.paper import printed
 from analysis.paper.home_run_figures import curve_ratio
-from analysis.paper.printed import PAIRS, Season
+from analysis.paper.printed import AT_BATS, BASE, PAIRS, Season
 from analysis.reality import NATHAN, landings, launched, measured_flies, measured_pitches
 from analysis.writing import figure, render
 from longball import home_run
 from longball.engines import create
 from longball.engines.chain import solve_with_restitutions
 from longball.home_run import PAPER_CURVES
-from longball.model.readings import Reading, SamplingReading
-from longball.model.scene import AtBatScene
+from longball.model.quantities import number
+from longball.model.readings import Reading
 from longball.pitches import EXAMPLE
 from longball.pitches.models import MODELS, FlightModel
 from longball.pitches.prediction import predict
@@ -63,17 +63,15 @@ class Hits:
 
     def with_restitution(self, change: float, e: float) -> "Hits":
         """Return the hits with a ball whose restitution is larger than `e` by a change."""
-        return self._with(self.flies.velocity + change * self.per_restitution(e))
-
-    def harder(self, change: float) -> "Hits":
-        """Return the hits, all of them faster by so many m/s."""
-        return self._with(self.flies.velocity * (1.0 + change / self.flies.speed[:, None]))
-
-    def _with(self, velocity: Array) -> "Hits":
+        velocity = self.flies.velocity + change * self.per_restitution(e)
         speed = np.linalg.norm(velocity, axis=1)
         angle = np.arcsin(velocity[:, 2] / speed)
         bearing = np.arctan2(-velocity[:, 1], velocity[:, 0])
         return replace(self, flies=replace(self.flies, speed=speed, angle=angle, bearing=bearing))
+
+    def harder(self, change: float) -> "Hits":
+        """Return the hits, all of them faster by so many m/s."""
+        return replace(self, flies=replace(self.flies, speed=self.flies.speed + change))
 
 
 def measured_hits(change: Callable[[MeasuredFlies], MeasuredFlies] = lambda x: x) -> Hits:
@@ -130,9 +128,8 @@ def fence_distance(bearing: Array) -> Array:
     within = np.clip(bearing, angles[0], angles[-1])
     i = np.clip(np.searchsorted(angles, within) - 1, 0, len(FENCE) - 2)
     along, across = x[i + 1] - x[i], y[i + 1] - y[i]
-    distance: Array = (x[i] * across - y[i] * along) / (
-        np.cos(within) * across - np.sin(within) * along
-    )
+    turned: Array = np.cos(within) * across - np.sin(within) * along
+    distance: Array = (x[i] * across - y[i] * along) / turned
     return distance
 
 
@@ -155,9 +152,8 @@ class Estimate(NamedTuple):
 
     def map(self, function: Callable[..., Any], *others: "Estimate") -> "Estimate":
         """Return a function of this estimate and others that are independent of it."""
-        every = (self, *others)
-        value = float(function(*(one.value for one in every)))
-        return Estimate(value, function(*(one.draws for one in every)))
+        values, draws = zip(self, *others, strict=True)
+        return Estimate(float(function(*values)), function(*draws))
 
 
 def of_games(function: Callable[..., Any], variant: Variant, *chances: Array) -> Estimate:
@@ -166,20 +162,21 @@ def of_games(function: Callable[..., Any], variant: Variant, *chances: Array) ->
     sums = [np.bincount(of_game, weights=each) for each in chances]
     count, generator = len(sums[0]), np.random.default_rng(SEED)
     drawn = generator.multinomial(count, np.full(count, 1.0 / count), size=REPLICATES)
-    return Estimate(
-        float(function(*(each.sum() for each in sums))), function(*(drawn @ each for each in sums))
-    )
+    draws = function(*(drawn @ each for each in sums))
+    return Estimate(float(function(*map(np.sum, sums))), draws)
 
 
-def slope(variant: Variant, step: float, below: Array, above: Array) -> Estimate:
-    """Return d ln(home runs) from the chances a step below and a step above."""
+def slope(variant: Variant, step: float, chances: Callable[[float], Array]) -> Estimate:
+    """Return d ln(home runs)/dx from the chances at x = ± a step."""
+    below, above = chances(-step), chances(step)
     return of_games(lambda low, high: (high - low) / (high + low) / step, variant, below, above)
 
 
 def restitution_slope(variant: Variant) -> tuple[float, Estimate]:
     """Return the home runs with the duller ball, and d ln(home runs)/de there."""
-    below, above = (variant.chances(variant.livelier(x)) for x in (-STEP, STEP))
-    return float((below + above).sum() / 2.0), slope(variant, STEP, below, above)
+    around = {change: variant.chances(variant.livelier(change)) for change in (-STEP, STEP)}
+    mean = np.sum([*around.values()]) / 2.0
+    return float(mean), slope(variant, STEP, around.__getitem__)
 
 
 def season_ratios(variant: Variant) -> list[Estimate]:
@@ -191,12 +188,9 @@ def season_ratios(variant: Variant) -> list[Estimate]:
 
 def with_fence_for(variant: Variant, home_runs: float) -> Variant:
     """Return a variant whose fence stands where it lets so many home runs over."""
-    margins = variant.margins(variant.hits)
-
-    def too_many(fence: float) -> float:
-        return float(norm.cdf((margins - fence) / variant.scatter).sum() - home_runs)
-
-    return replace(variant, fence=float(brentq(too_many, -20.0, 60.0)))
+    margins, scatter = variant.margins(variant.hits), variant.scatter
+    fence = brentq(lambda x: norm.cdf((margins - x) / scatter).sum() - home_runs, -20.0, 60.0)
+    return replace(variant, fence=float(fence))
 
 
 def run(report: Path, full: bool) -> str:
@@ -207,11 +201,7 @@ def run(report: Path, full: bool) -> str:
     scatter = float(np.std(predict(hits.flies, NATHAN).error))
     plain = Variant("Nathan's laws, this fence", hits, NATHAN, scatter)
     fitted = with_fence_for(replace(plain, name="the same, fence by the day's count"), day)
-
-    def too_many(change: float) -> float:
-        return float(fitted.chances(hits.harder(change)).sum() - japan)
-
-    change = float(brentq(too_many, -8.0, 4.0, xtol=0.001))
+    change = brentq(lambda x: fitted.chances(hits.harder(x)).sum() - japan, -8.0, 4.0, xtol=0.001)
     name = "the same, balls slower by Japan's count of 2012"
     slower = replace(fitted, name=name, hits=hits.harder(change))
     further = with_fence_for(replace(plain, name="fence alone by Japan's count"), japan)
@@ -227,24 +217,21 @@ def run(report: Path, full: bool) -> str:
     ratios = {x.name: season_ratios(x) for x in (fitted, further, slower)}
     counted = [counted_ratio(*pair) for pair in SEASON_PAIRS]
     draw_ratios(report, counted, ratios[slower.name])
-    by_speed = slope(
-        slower, FASTER, *(slower.chances(slower.hits.harder(x)) for x in (-FASTER, FASTER))
-    )
-    # C_D by the part of it that depends on nothing.
-    drag: Any = NATHAN.drag
-    models = [replace(NATHAN, drag=drag | {"constant": drag["constant"] + x}) for x in (-C, C)]
-    around = (replace(slower, model=model).chances(slower.hits) for model in models)
+
+    def with_drag(x: float) -> Array:
+        """Return chances with another C_D, by the part of it that depends on nothing."""
+        drag: Any = NATHAN.drag
+        model = replace(NATHAN, drag=drag | {"constant": drag["constant"] + x})
+        return replace(slower, model=model).chances(slower.hits)
+
+    by_speed = slope(slower, FASTER, lambda x: slower.chances(slower.hits.harder(x)))
     return render(
         report, "seasons", vars(printed) | globals(), hits=hits, day=day, games=games, plain=plain,
-        fitted=fitted, change=change, slopes=slopes, ratios=ratios,
-        counted=counted, counted_slopes=[
-            seen.map(lambda x, pair=pair: np.log(x) / (pair[0].restitution - pair[1].restitution))
-            for pair, seen in zip(SEASON_PAIRS, counted, strict=True)
-        ],
+        fitted=fitted, change=change, slopes=slopes, ratios=ratios, counted=counted,
         alone=ratios[slower.name][0], slope=slopes[slower.name][1],
         explained=ratios[slower.name][0].map(lambda x, y: np.log(x) / np.log(y), counted[0]),
         per_e=float(np.linalg.norm(hits.per_restitution(E_LOW)[hits.home_run], axis=1).mean()),
-        by_speed=by_speed.value * MPH, by_drag=slope(slower, C, *around).value,
+        by_speed=by_speed.value * MPH, by_drag=slope(slower, C, with_drag).value,
     )  # fmt: skip
 
 
@@ -255,12 +242,16 @@ def counted_ratio(lively: Season, dull: Season) -> Estimate:
     return Estimate(lively.home_runs / dull.home_runs, np.divide(*drawn))
 
 
-AT_BATS = 20  # of which some two thirds meet the bat
+def counted_slope(lively: Season, dull: Season) -> Estimate:
+    """Return d ln(home runs)/de by two seasons."""
+    change = lively.restitution - dull.restitution
+    return counted_ratio(lively, dull).map(lambda ratio: np.log(ratio) / change)
+
+
+DRAWN = 20  # at-bats, of which some two thirds meet the bat
 COLLISIONS = (
-    Reading(),
-    Reading(reduced_mass="effective_mass"),
-    Reading(bat_ball_restitution="nathan"),
-    Reading(bat_ball_restitution="plain"),
+    *(Reading(), Reading(reduced_mass="effective_mass")),
+    *(Reading(bat_ball_restitution="nathan"), Reading(bat_ball_restitution="plain")),
 )
 
 
@@ -269,34 +260,31 @@ def proportionality() -> float:
 
     The largest difference over sampled at-bats and all readings of the collision.
     """
-    worst, base = 0.0, AtBatScene(id="base")
-    at_bats = home_run.draw(home_run.paper_at_bats(SamplingReading()), AT_BATS, SEED)
+    worst, drawn = 0.0, home_run.draw(AT_BATS, DRAWN, SEED)
     for reading in COLLISIONS:
-        for scene in home_run.scenes(base.model_copy(update={"reading": reading}), at_bats):
+        for scene in home_run.scenes(BASE.model_copy(update={"reading": reading}), drawn):
             assert scene is not None  # every speed is positive under this reading of Table II
-            low, high = solve_with_restitutions(scene, [E_LOW, 0.5], create("ivp"))
-            if low.impact and high.impact:
-                impulse = float(low.impact.impulse), float(high.impact.impulse)
-                slope = (impulse[1] - impulse[0]) / (0.5 - E_LOW)
-                worst = max(worst, abs(slope / (impulse[0] / (1.0 + E_LOW)) - 1.0))
+            results = solve_with_restitutions(scene, [E_LOW, 0.5], create("ivp"))
+            if all(result.impact for result in results):
+                low, high = (float(number(result, "impact.impulse")) for result in results)
+                slope = (high - low) / (0.5 - E_LOW)
+                worst = max(worst, abs(slope / (low / (1.0 + E_LOW)) - 1.0))
     return worst
 
 
 def carry_slope(variant: Variant) -> float:
     """Return dD/de of the day's home runs, m, on the average."""
-    reach = [
-        np.hypot(*landings(hits.flies, variant.model)[0][hits.home_run, :2].T)
-        for hits in (variant.livelier(-STEP), variant.livelier(STEP))
-    ]
-    return float((reach[1] - reach[0]).mean() / (2.0 * STEP))
+    around = (variant.livelier(change).flies for change in (-STEP, STEP))
+    places = (landings(flies, variant.model)[0][variant.hits.home_run] for flies in around)
+    below, above = (np.hypot(place[:, 0], place[:, 1]) for place in places)
+    return float((above - below).mean() / (2.0 * STEP))
 
 
 @cache
 def model_ratios() -> list[float]:
     """Return what the paper's model, in the default reading, makes of each pair of seasons."""
-    at_bats = home_run.paper_at_bats(SamplingReading())
     restitutions = [E_LOW, *(lively.restitution for lively, _ in SEASON_PAIRS)]
-    dull, *lively = home_run.integrals(AtBatScene(id="base"), at_bats, restitutions)
+    dull, *lively = home_run.integrals(BASE, AT_BATS, restitutions)
     return [row.p / dull.p for row in lively]
 
 
@@ -305,18 +293,16 @@ def draw_ratios(report: Path, counted: Sequence[Estimate], expected: Sequence[Es
     with figure(report, "seasons", size=(6.4, 3.2)) as (axes,):
         rows = zip(SEASON_PAIRS, counted, expected, model_ratios(), strict=True)
         for i, (pair, seen, alone, model) in enumerate(rows):
+            hide = "_" * i  # the labels of the first pair serve both
             for estimate, y, marker, label in (
-                (seen, i + 0.075, "ks", "counted"),
-                (alone, i - 0.075, "C0o", "measured balls, e alone"),
+                (seen, i + 0.075, "ks", f"{hide}counted"),
+                (alone, i - 0.075, "C0o", f"{hide}measured balls, e alone"),
             ):
                 bars = np.abs(np.array([estimate.interval]).T - estimate.value)
-                style: Any = {"fmt": marker, "capsize": 3, "label": label if i == 0 else None}
-                axes.errorbar(estimate.value, y, xerr=bars, **style)
-            for value, marker, label in (
-                (curve_ratio(PAPER_CURVES["caption"], pair), "C1^", "the paper's curve"),
-                (model, "C2v", "the paper's model, as we read it"),
-            ):
-                axes.plot(value, i - 0.2, marker, label=label if i == 0 else None)
+                axes.errorbar(estimate.value, y, None, bars, marker, capsize=3, label=label)
+            curve = curve_ratio(PAPER_CURVES["caption"], pair)
+            axes.plot(curve, i - 0.2, "C1^", label=f"{hide}the paper's curve")
+            axes.plot(model, i - 0.2, "C2v", label=f"{hide}the paper's model, as we read it")
         axes.axvline(1.0, color="black", linewidth=0.8)
         years = [f"{dull.year} to {lively.year}" for lively, dull in SEASON_PAIRS]
         axes.set_yticks(range(len(years)), years)

@@ -5,13 +5,12 @@ import time
 from decimal import Decimal
 from itertools import groupby
 from pathlib import Path
-from typing import Any
 
 import pandas as pd
 from joblib import Parallel, delayed
 from matplotlib.colors import ListedColormap
 
-from analysis.writing import figure, render, write_table
+from analysis.writing import data, figure, render, write_table
 from longball import engines
 from longball.engines.chain import solve
 from longball.engines.compiled import compile_at_once
@@ -21,17 +20,7 @@ from longball.golden.case import decisive
 from longball.model.quantities import numbers
 from longball.model.result import Number, Result
 
-ENGINES: dict[str, tuple[str, dict[str, Any]]] = {
-    "ivp Taylor": ("ivp", {}),
-    "ivp DOP853": ("ivp", {"method": "DOP853"}),
-    "ivp RK45": ("ivp", {"method": "RK45", "rtol": 1e-10, "atol": 1e-10}),
-    "ivp LSODA": ("ivp", {"method": "LSODA", "rtol": 1e-12, "atol": 1e-12}),
-    "batch": ("batch", {}),
-    "verlet 1 ms": ("verlet", {"dt": 1e-3, "forces": "implicit"}),
-    "multiprecision 30": ("multiprecision", {"digits": 30}),
-    "enclosure 30": ("enclosure", {"digits": 30}),
-}
-
+ENGINES = data(__file__)
 VERDICTS = ("right", "declined", "short", "wrong")  # the worst last
 # The errors of a chain's few dozen roundings add up to some attainable errors; a hundred is what
 # the judge's profile `exact` allows.
@@ -44,33 +33,32 @@ def run(report: Path, full: bool) -> str:
     cases = load() if full else load("hard")
     tasks = (delayed(try_case)(case, name) for name in ENGINES for case in cases)
     frame = pd.DataFrame(Parallel(n_jobs=-1, batch_size=16)(tasks))
-    seconds = [float(f"{s:.2g}") for s in frame["seconds"]]
+    seconds = frame["seconds"].map("{:.2g}".format).astype(float)
     rounded = frame.round({"digits": 1, "attainable": 1}).assign(seconds=seconds)
     write_table(report, "stability", rounded)
     draw(report, frame)
     # What the engines of doubles that aim at the truth fall short of.
-    fallen = frame[frame["verdict"].isin(["short", "wrong"])]
-    failures = pd.concat([fallen[fallen["engine"] == name] for name in ("ivp Taylor", "batch")])
+    ours, fallen = frame["engine"].isin(["ivp Taylor", "batch"]), ["short", "wrong"]
+    failures = list(frame[ours & frame["verdict"].isin(fallen)].itertuples())
+    engines = frame.groupby("engine", sort=False)
     return render(
-        report, "stability", globals(), cases=len(cases), failures=list(failures.itertuples()),
-        engines=frame.groupby("engine", sort=False),
-    )  # fmt: skip
+        report, "stability", globals(), cases=len(cases), failures=failures, engines=engines
+    )
 
 
 def try_case(case: Case, name: str) -> dict[str, object]:
     """Solve a case by an engine: digits right (NaN if it gave no number), and how long it took."""
     compile_at_once()
-    family, options = ENGINES[name]
     start = time.perf_counter()
     try:
-        result = solve(case.scene, engines.create(family, **options))
+        result = solve(case.scene, engines.create(**ENGINES[name]))
     except CannotSolve as reason:
         result = Result(id=case.id, error=str(reason))
     seconds = time.perf_counter() - start
     verdict, digits, attainable = compare(case, result)
+    answer = {"seconds": seconds, "answer": result.outcome or str(result.error)}
     row = {"case": case.id, "engine": name, "verdict": verdict, "digits": digits}
-    row |= {"attainable": attainable, "seconds": seconds}
-    return row | {"answer": result.outcome or str(result.error)}
+    return row | {"attainable": attainable} | answer
 
 
 def compare(case: Case, result: Result) -> tuple[str, float, float]:
@@ -97,9 +85,7 @@ def exactly(number: Number | int) -> Decimal:
 
 def digits_of(relative_error: float) -> float:
     """Return how many digits a relative error leaves, from 0 to those of the golden values."""
-    if relative_error <= 10**-MOST_DIGITS:
-        return MOST_DIGITS
-    return max(0.0, -math.log10(relative_error))
+    return max(0.0, -math.log10(max(relative_error, 10**-MOST_DIGITS)))
 
 
 def draw(report: Path, frame: pd.DataFrame) -> None:
@@ -108,8 +94,9 @@ def draw(report: Path, frame: pd.DataFrame) -> None:
     grid = frame["verdict"].map(VERDICTS.index).to_numpy().reshape(len(ENGINES), len(cases))
     shades = ListedColormap(["0.95", "0.7", "0.4", "black"])
     with figure(report, "stability", size=(9.0, 4.6)) as (axes,):
-        style: dict[str, Any] = {"aspect": "auto", "interpolation": "nearest", "cmap": shades}
-        image = axes.imshow(grid, **style, vmin=-0.5, vmax=3.5)
+        image = axes.imshow(
+            grid, shades, aspect="auto", interpolation="nearest", vmin=-0.5, vmax=3.5
+        )
         axes.set_yticks(range(len(ENGINES)), list(ENGINES))
         start, ticks = -0.5, {}
         for group, members in groupby(cases, key=lambda case: "-".join(case.split("-")[:2])):

@@ -20,10 +20,17 @@ from matplotlib.axes import Axes
 LINES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)))
 
 HERE = Path(__file__).parent
+
+
+def data(module: str) -> dict[str, Any]:
+    """Return what the TOML file beside a module holds, by the ``__file__`` of the module."""
+    return tomllib.loads(Path(module).with_suffix(".toml").read_text("utf-8"))
+
+
 plt.style.use(HERE / "report.mplstyle")
 STYLES: dict[str, dict[str, Any]] = {
     name: {"linestyle": "-", "markerfacecolor": style["color"]} | style
-    for name, style in tomllib.loads((HERE / "styles.toml").read_text("utf-8")).items()
+    for name, style in data(str(HERE / "styles")).items()
 }
 
 

@@ -13,7 +13,8 @@ from typing import Any, cast
 import numpy as np
 
 from analysis import Array
-from analysis.convergence.pieces import TRUTH, batted, each, golden, passing
+from analysis.convergence.pieces import TRUTH, each, golden, passing
+from analysis.speed_error.work import batted
 from analysis.writing import STYLES, figure, render
 from longball.convergence.order import PowerLaw, fit_power_law, typical
 from longball.engines.chain import solve
@@ -38,18 +39,12 @@ SHOWN: tuple[VerletForces, ...] = ("old_carried", "implicit")
 
 # The parts of the scheme, and their orders in theory; {} is the treatment of the force.
 FORCE, HALF_FORCE, WHOLE = "force: {}", "half force over two steps: {}", "the whole: {}"
-PLATE = "plate on the line between steps"
-LINE = "straight line to the contact"
+PLATE, LINE = "plate on the line between steps", "straight line to the contact"
 GROUND, BELOW = "ground on the line between steps", "first point below the ground"
 IN_THEORY = {
-    FORCE.format("old_carried"): 1,
-    FORCE.format("implicit"): 2,
-    PLATE: 2,
-    LINE: 1,
-    HALF_FORCE.format("old_carried"): 1,
-    HALF_FORCE.format("implicit"): 1,
-    GROUND: 2,
-    BELOW: 1,
+    **{FORCE.format("old_carried"): 1, FORCE.format("implicit"): 2, PLATE: 2, LINE: 1},
+    **{HALF_FORCE.format(treatment): 1 for treatment in SHOWN},
+    **{GROUND: 2, BELOW: 1},
 }
 
 
@@ -95,13 +90,11 @@ class Smooth(StruckAtOnce, Verlet):
         self, count: int, before: State[float], after: State[float], events: Events
     ) -> tuple[str, float, State[float]]:
         """Return what is met first, on the cubic."""
-        half, h = len(before) // 2, self.dt
-        x, v = np.array(before[:half]), np.array(before[half:])
-        slope, end = (np.array(after[:half]) - x) / h, np.array(after[half:])
+        ((x, v), (there, end)), h = np.reshape([before, after], (2, 2, -1)), self.dt
+        slope = (there - x) / h
         square, cube = (3 * slope - 2 * v - end) / h, (v + end - 2 * slope) / h**2
-        zero = np.zeros(half)
-        rows = [np.stack([x, v, square, cube], 1), np.stack([v, 2 * square, 3 * cube, zero], 1)]
-        piece = PolynomialPiece((count - 1) * h, h, type(before), np.concatenate(rows))
+        rows = [[x, v, square, cube], [v, 2 * square, 3 * cube, np.zeros(len(x))]]
+        piece = PolynomialPiece((count - 1) * h, h, type(before), np.hstack(rows).T.copy())
         met = first_met([piece], events, (count + 1) * h, 0.0, DOUBLES)
         assert met is not None
         return met.event.name, met.time, met.state
@@ -120,17 +113,27 @@ class Smooth(StruckAtOnce, Verlet):
 
 
 @dataclass(frozen=True)
-class PlateOnTheLine(Ivp):
-    """The height at the plate from the line between two steps; all else exact."""
+class ButOnePart(Ivp):
+    """The reference, but for a part of a scheme."""
 
-    dt: float = 0.05
+    scheme: Verlet = field(default_factory=Verlet)
+
+    def steps_at(self, flight: Flown, time: float) -> tuple[float, State[float], State[float]]:
+        """Return the time of the step before a time, and the exact states there and at the next."""
+        dt = self.scheme.dt
+        count = math.floor(time / dt)
+        return count * dt, flight.path.at(count * dt), flight.path.at((count + 1) * dt)
+
+
+class PlateOnTheLine(ButOnePart):
+    """The height at the plate from the line between two steps; all else exact."""
 
     def fly(self, law: Air, start: State[float], events: Events, limit: float) -> Flown:
         """Fly exactly, and report a pitch on the chord."""
         exact = super().fly(law, start, events, limit)
         if exact.stop != "plate":
             return exact
-        _, before, after = steps_around(exact, exact.time, self.dt)
+        _, before, after = self.steps_at(exact, exact.time)
         share = (exact.state.s - before.s) / (after.s - before.s)
         return replace(exact, state=exact.state._replace(z=interpolate(before.z, after.z, share)))
 
@@ -140,43 +143,36 @@ class PlateOnTheLine(Ivp):
         return super().touch(exact, law, bat, events, limit)
 
 
-@dataclass(frozen=True)
-class StraightToTheBat(StruckAtOnce, Ivp):
+class StraightToTheBat(StruckAtOnce, ButOnePart):
     """The impulse from where a straight line from the step before leads to; all else exact.
 
     The ball goes on from where it really touches: of the line's end, the scheme uses nothing but
     normal, velocities and restitution.
     """
 
-    dt: float = 0.05
-
     def touch(self, pitch: Flown, law: Air, bat: Section, events: Events, limit: float) -> Touched:
         """Touch as Appendix B does; see `longball.engines.engine.Engine.touch`."""
         exact = super().touch(pitch, law, bat, events, limit)
         assert exact.time is not None
-        count, before, _ = steps_around(pitch, exact.time, self.dt)
+        begin, before, _ = self.steps_at(pitch, exact.time)
         ahead = line_touch(before, bat, "first")
         if ahead is None:
             return replace(exact, touched=None, doubt="Appendix B has no Δt'")
         there = before._replace(s=before.s + before.u * ahead, z=before.z + before.w * ahead)
-        return LineTouch(exact.margin, True, count * self.dt + ahead, there, exact=exact)
+        return LineTouch(exact.margin, True, begin + ahead, there, exact=exact)
 
 
-@dataclass(frozen=True)
-class HalfForce(Ivp, Stepped[float]):
+class HalfForce(ButOnePart, Stepped[float]):
     """Half of the force over two steps, from the step before an exact contact; all else exact."""
-
-    scheme: Verlet = field(default_factory=Verlet)
 
     def touch(self, pitch: Flown, law: Air, bat: Section, events: Events, limit: float) -> Touched:
         """Touch exactly, and remember the step before."""
         exact = super().touch(pitch, law, bat, events, limit)
-        assert exact.time is not None
-        count, before, _ = steps_around(pitch, exact.time, self.scheme.dt)
-        ahead = exact.time - count * self.scheme.dt
-        return SteppedTouch(
-            exact.margin, True, exact.time, exact.state, "", count, before, exact.state, ahead
-        )
+        margin, time, state = exact.margin, exact.time, exact.state
+        assert time is not None
+        begin, before, _ = self.steps_at(pitch, time)
+        count = round(begin / self.scheme.dt)
+        return SteppedTouch(margin, True, time, state, "", count, before, state, time - begin)
 
     def rebound(
         self, frame: Frame[float], touch: Any, delta_v: Vector[float], law_in: LawOf, ground: Ground
@@ -186,10 +182,12 @@ class HalfForce(Ivp, Stepped[float]):
 
 
 @dataclass(frozen=True)
-class GroundBetweenSteps(Ivp):
-    """The landing from the steps around it, that are counted from the release; all else exact."""
+class GroundBetweenSteps(ButOnePart):
+    """The landing from the steps around it, that are counted from the release; all else exact.
 
-    scheme: Verlet = field(default_factory=Verlet)  # whose rule for the ground it is
+    It is found by the scheme's rule for the ground.
+    """
+
     contact: float = 0.0  # s, when the flight that lands begins
 
     def fly(self, law: Air, start: State[float], events: Events, limit: float) -> Flown:
@@ -205,19 +203,13 @@ class GroundBetweenSteps(Ivp):
         return replace(exact, time=time - self.contact, state=state)
 
 
-def steps_around(flight: Flown, time: float, dt: float) -> tuple[int, State[float], State[float]]:
-    """Return the number of the step before a time, and the exact states there and at the next."""
-    count = math.floor(time / dt)
-    return count, flight.path.at(count * dt), flight.path.at((count + 1) * dt)
-
-
 # --- the budget -----------------------------------------------------------------------------------
 
 
 def run(report: Path, full: bool) -> str:
     """Measure every part alone, and hold their sum against the whole."""
-    scenes = batted(FULL_SCENES if full else SCENES, SEED)
-    phases = FULL_PHASES if full else PHASES
+    count, phases = (FULL_SCENES, FULL_PHASES) if full else (SCENES, PHASES)
+    scenes = batted(count, SEED)[0].scenes
     calls = [(scene, step, phases) for scene in scenes for step in STEPS]
     measured = each(report, "error budget", errors, calls)
     shape = (len(scenes), len(STEPS), phases)
@@ -229,8 +221,8 @@ def run(report: Path, full: bool) -> str:
     seen = {name: typical(rms(part)) for name, part in parts.items()}
     left = {}
     for treatment in SHOWN:
-        names = (FORCE.format(treatment), PLATE, LINE, HALF_FORCE.format(treatment), GROUND)
-        total = np.sum([parts[name] for name in names], axis=0)
+        names = (PLATE, LINE, GROUND, *(x.format(treatment) for x in (FORCE, HALF_FORCE)))
+        total = sum(parts[name] for name in names)
         left[treatment] = typical(rms(parts[WHOLE.format(treatment)] - total))
     draw(report, seen, left)
     laws = {name: fit_power_law(np.array(STEPS), of) for name, of in seen.items()}
@@ -243,10 +235,9 @@ def run(report: Path, full: bool) -> str:
 
 def rms(errors: Array) -> Array:
     """Return the root mean square over phases of those that are there: (scene, step)."""
-    known = np.isfinite(errors)
-    with np.errstate(invalid="ignore"):
-        mean: Array = (np.where(known, errors, 0.0) ** 2).sum(axis=2) / known.sum(axis=2)
-    return np.sqrt(mean)
+    squares: Any = np.ma.masked_invalid(errors) ** 2
+    root: Array = np.sqrt(squares.mean(axis=2).filled(np.nan))
+    return root
 
 
 def as_in_theory(name: str, law: PowerLaw | None) -> bool:
@@ -268,9 +259,8 @@ def draw(report: Path, seen: dict[str, Array], left: dict[VerletForces, Array]) 
             axes.set(xscale="log", yscale="log", xlabel="step Δt, s", title=f"verlet {treatment}")
         panels[0].set(ylabel="error of D, m")
         panels[1].sharey(panels[0])
-        panels[0].figure.legend(
-            *panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=3
-        )
+        labels = panels[0].get_legend_handles_labels()
+        panels[0].figure.legend(*labels, loc="outside lower center", ncols=3)
 
 
 def engines(forces: VerletForces, dt: float, contact: float) -> dict[str, Engine[float]]:
@@ -278,8 +268,8 @@ def engines(forces: VerletForces, dt: float, contact: float) -> dict[str, Engine
     steps, below = Verlet(dt, forces), Verlet(dt, forces, "first_below")
     return {
         FORCE.format(forces): Smooth(dt, forces),
-        PLATE: PlateOnTheLine(dt=dt),
-        LINE: StraightToTheBat(dt=dt),
+        PLATE: PlateOnTheLine(scheme=steps),
+        LINE: StraightToTheBat(scheme=steps),
         HALF_FORCE.format(forces): HalfForce(scheme=steps),
         GROUND: GroundBetweenSteps(scheme=steps, contact=contact),
         BELOW: GroundBetweenSteps(scheme=below, contact=contact),
@@ -293,18 +283,17 @@ def errors(scene: AtBatScene, step: float, phases: int) -> list[dict[str, float]
     The nominal step is changed so that a whole number of steps ends in the bat, `phases` times at
     different depths: what is measured is the error of contacts that are seen.
     """
-    true, way = solve(scene, TRUTH).landing, passing(scene)
-    assert true is not None
+    way = passing(scene)
     assert way is not None
-    rows = []
+
+    def distance(engine: Engine[float]) -> float:
+        landing = solve(scene, engine).landing
+        return float(landing.distance) if landing else math.nan
+
+    true, rows = distance(TRUTH), []
     for share in golden(phases):
         inside = way.time + share * way.window
         dt = inside / max(1, round(inside / step))
-        row = {}
-        for treatment in SHOWN:
-            for name, engine in engines(treatment, dt, way.time).items():
-                landing = solve(scene, engine).landing
-                found = float(landing.distance) if landing else math.nan
-                row[name] = found - float(true.distance)
-        rows.append(row)
+        parts = {name: one for how in SHOWN for name, one in engines(how, dt, way.time).items()}
+        rows.append({name: distance(engine) - true for name, engine in parts.items()})
     return rows

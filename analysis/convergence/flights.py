@@ -6,8 +6,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 
 from analysis.convergence.pieces import each
+from analysis.speed_error.work import launches
 from analysis.writing import STYLES, figure, render
 from longball.convergence import converge
 from longball.convergence.report import Order
@@ -15,8 +17,6 @@ from longball.engines import create
 from longball.engines.chain import solve
 from longball.engines.engine import Engine
 from longball.engines.verlet import TREATMENTS, Verlet
-from longball.model.readings import VerletForces
-from longball.model.scene import FlightScene, Launch
 
 PRINTED = 0.05  # s, the paper's step
 FINEST, FULL_FINEST = 5e-7, 5e-8  # s
@@ -25,16 +25,10 @@ PER_DECADE = 4
 PROVEN: Engine[Any] = create("enclosure", digits=20)
 
 
-def flight(speed: float, degrees: float) -> FlightScene:
-    """Return a flight launched 1 m over the plate."""
-    angle = math.radians(degrees)
-    velocity = (speed * math.cos(angle), 0.0, speed * math.sin(angle))
-    launch = Launch(position=(0.0, 0.0, 1.0), velocity=velocity)
-    return FlightScene(id=f"{speed:g} m/s, {degrees:g}°", launch=launch)
-
-
-ONE = flight(45.0, 30.0)
-FOUR = [flight(speed, angle) for speed in (30.0, 45.0) for angle in (25.0, 45.0)]
+(ONE,) = launches(np.array([45.0]), math.radians(30.0)).scenes
+# At 25° and 45° each; their results are told apart by the id.
+_LAUNCHES = launches(np.array([30.0, 30.0, 45.0, 45.0]), np.radians([25.0, 45.0] * 2))
+FOUR = [one.model_copy(update={"id": str(i)}) for i, one in enumerate(_LAUNCHES.scenes)]
 
 
 def run(report: Path, full: bool) -> str:
@@ -42,7 +36,19 @@ def run(report: Path, full: bool) -> str:
     finest = FULL_FINEST if full else FINEST
     calls = [(Verlet(forces=treatment), finest, 2) for treatment in TREATMENTS]
     orders = dict(zip(TREATMENTS, each(report, "orders", converged, calls), strict=True))
-    draw(report, orders)
+    with figure(report, "convergence_flights", size=(6.4, 4.6)) as (axes,):
+        for name, found in orders.items():
+            # Two of the treatments coincide: one is seen round the other.
+            size = 9 if name == "old_recomputed" else 5
+            style, label = STYLES[f"verlet {name}"], f"{name}: order {found.order:.2f}"
+            errors = pd.DataFrame(found.errors, columns=["step", "error", "use"])
+            fitted = errors["use"] == "fitted"
+            step, error, left = errors["step"], errors["error"], {"linestyle": "none", "alpha": 0.5}
+            axes.plot(step[fitted], error[fitted], **style, markersize=size, label=label)
+            hollow = style | left | {"markerfacecolor": "none"}
+            axes.plot(step[~fitted], error[~fitted], **hollow, markersize=size)
+        axes.set(xscale="log", yscale="log", xlabel="step Δt, s", ylabel="error of D, m")
+        axes.legend(fontsize="small")
     below = Verlet(PRINTED, "implicit", "first_below")
     true = distance(PROVEN)
     return render(
@@ -55,11 +61,10 @@ def run(report: Path, full: bool) -> str:
 
 def converged(scheme: Verlet, finest: float, phases: int) -> Order:
     """Return how D converges by a scheme, from the printed step down to a finest one."""
-    count = 1 + round(PER_DECADE * math.log10(PRINTED / finest))
+    steps = np.geomspace(PRINTED, finest, 1 + round(PER_DECADE * math.log10(PRINTED / finest)))
     report = converge(
         lambda step: [solve(scene, replace(scheme, dt=step)) for scene in FOUR],
-        FOUR, np.geomspace(PRINTED, finest, count).tolist(),
-        [solve(scene, PROVEN) for scene in FOUR], phases=phases,
+        FOUR, steps.tolist(), [solve(scene, PROVEN) for scene in FOUR], phases=phases,
     )  # fmt: skip
     return next(found for found in report.orders if found.quantity == "distance")
 
@@ -69,26 +74,3 @@ def distance(engine: Engine[Any]) -> float:
     landing = solve(ONE, engine).landing
     assert landing is not None
     return float(landing.distance)
-
-
-def best(found: Order) -> tuple[float, float]:
-    """Return the smallest error of all steps, m, and its step, s."""
-    return min((error, step) for step, error, _ in found.errors)
-
-
-def draw(report: Path, orders: dict[VerletForces, Order]) -> None:
-    """Draw the errors against the step."""
-    with figure(report, "convergence_flights", size=(6.4, 4.6)) as (axes,):
-        for name, found in orders.items():
-            style = STYLES[f"verlet {name}"]
-            # Two of the treatments coincide: one is seen round the other.
-            style = style | {"markersize": 9 if name == "old_recomputed" else 5}
-            fitted = [(h, e) for h, e, use in found.errors if use == "fitted"]
-            label = f"{name}: order {found.order:.2f}"
-            axes.plot(*np.transpose(fitted), **style, label=label)
-            left = [(h, e) for h, e, use in found.errors if use != "fitted"]
-            if left:
-                hollow = {"linestyle": "none", "markerfacecolor": "none", "alpha": 0.5}
-                axes.plot(*np.transpose(left), **style | hollow)
-        axes.set(xscale="log", yscale="log", xlabel="step Δt, s", ylabel="error of D, m")
-        axes.legend(fontsize="small")

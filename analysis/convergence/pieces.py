@@ -11,10 +11,8 @@ from rich.console import Console
 from rich.progress import track
 
 import longball
-from longball.engines.chain import approach_of, solve
+from longball.engines.chain import approach_of
 from longball.engines.ivp import Ivp
-from longball.home_run import draw, paper_at_bats, scenes
-from longball.model.readings import SamplingReading
 from longball.model.scene import AtBatScene
 
 # Good to 1e-11 m (`python -m analysis accuracy`), and no error of an at-bat shown here is smaller
@@ -34,10 +32,8 @@ def each(
     folders = Path(longball.__file__).parent, Path(__file__).parent.parent
     files = sorted(path for folder in folders for path in folder.rglob("*.py"))
     code = joblib.hash([path.read_bytes() for path in files])
-    tasks = [
-        joblib.delayed(kept)(f"{work.__module__}.{work.__name__}", arguments, code, work)
-        for arguments in map(tuple, calls)
-    ]
+    name, one = f"{work.__module__}.{work.__name__}", joblib.delayed(kept)
+    tasks = [one(name, tuple(arguments), code, work) for arguments in calls]
     answers = joblib.Parallel(n_jobs=-1, return_as="generator")(tasks)
     console = Console(stderr=True)
     return list(track(answers, what, len(tasks), console=console, disable=not console.is_terminal))
@@ -45,14 +41,6 @@ def each(
 
 def _call(name: str, arguments: tuple[object, ...], code: str, work: Callable[..., Any]) -> object:
     return work(*arguments)
-
-
-def batted(count: int, seed: int) -> list[AtBatScene]:
-    """Return the first at-bats of a seed that the reference engine finds batted."""
-    at_bats = paper_at_bats(SamplingReading())
-    drawn = scenes(AtBatScene(id="base"), draw(at_bats, 2 * count, seed))
-    hits = (s for s in drawn if s is not None and solve(s, TRUTH).outcome == "batted")
-    return [scene for scene, _ in zip(hits, range(count), strict=False)]
 
 
 class Pass(NamedTuple):
@@ -73,8 +61,7 @@ def passing(scene: AtBatScene) -> Pass | None:
     if abs(frame.position(approach.touch.state)[1]) >= scene.bat.length / 2:
         return None
     across, _, falling = frame.velocity(approach.touch.state)
-    speed = math.hypot(across, falling)
-    reach = scene.ball.radius + scene.bat.radius
+    speed, reach = math.hypot(across, falling), scene.ball.radius + scene.bat.radius
     window = 2 * math.sqrt(touch.margin * (2 * reach - touch.margin)) / speed
     return Pass(approach.touch.time, window, speed, abs(across) / speed)
 

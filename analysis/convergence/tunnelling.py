@@ -6,6 +6,7 @@ path is w = 2 √(reach² - d²)/V. Grazes have windows down to zero, so that no
 """
 
 import math
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -14,11 +15,11 @@ from scipy.optimize import brentq
 
 from analysis import Array
 from analysis.convergence.pieces import TRUTH, each, golden, passing
+from analysis.paper.printed import AT_BATS, BASE
 from analysis.writing import STYLES, figure, render
 from longball.engines.chain import approach_of
 from longball.engines.verlet import Verlet
-from longball.home_run import BLOCK, draw, draw_block, paper_at_bats, scenes, wilson
-from longball.model.readings import SamplingReading
+from longball.home_run import BLOCK, draw, draw_block, scenes, wilson
 from longball.model.scene import AtBatScene, Swing
 
 BLOCKS, FULL_BLOCKS = 40, 1000  # of 50 pitches each
@@ -27,8 +28,7 @@ PHASES = 6  # of the step, for each pitch
 STEPS = (0.05, 0.03, 0.02, 0.01, 0.005, 0.003, 0.002, 0.001)  # s
 RARE = (1e-3, 1e-6)  # of the contacts, missed
 GRAZES, FULL_GRAZES = 400, 10_000
-SAMPLING = SamplingReading()
-REACH = AtBatScene(id="paper").ball.radius + AtBatScene(id="paper").bat.radius  # m
+REACH = BASE.ball.radius + BASE.bat.radius  # m
 NODES = 64  # of the quadrature over grazes; it is smooth, and 32 give the same twelve digits
 
 
@@ -40,21 +40,17 @@ def sees(scene: AtBatScene, dt: float) -> bool:
 
 def count_block(block: int) -> tuple[Array, list[tuple[float, float]]]:
     """Return, of a block of pitches, (trials, missed, expected) by step, and speed and level."""
-    base = AtBatScene(id="base")
     counts, ways = np.zeros((3, len(STEPS))), []
-    samples = draw_block(paper_at_bats(SAMPLING), SEED, block)
-    for number, scene in enumerate(scenes(base, samples)):
-        assert scene is not None
-        way = passing(scene)
-        if way is None:
+    samples = draw_block(AT_BATS, SEED, block)
+    for number, scene in enumerate(scenes(BASE, samples)):
+        if scene is None or (way := passing(scene)) is None:
             continue
         ways.append((way.speed, way.level))
-        for column, step in enumerate(STEPS):
+        for (column, step), share in product(enumerate(STEPS), golden(PHASES)):
             # Another start for each pitch, so that no speed meets the same phases.
-            for share in golden(PHASES):
-                shift = (share + number / BLOCK) % 1.0
-                dt = step / (1 + shift * step / way.time)
-                counts[:, column] += 1, not sees(scene, dt), max(0.0, 1 - way.window / dt)
+            shift = (share + number / BLOCK) % 1.0
+            dt = step / (1 + shift * step / way.time)
+            counts[:, column] += 1, not sees(scene, dt), max(0.0, 1 - way.window / dt)
     return counts, ways
 
 
@@ -72,7 +68,7 @@ def expected(step: float, ways: Array) -> float:
     def integral(top: Array, missed: bool) -> float:
         psi = top * (nodes + 1) / 2
         offset = REACH * np.cos(psi) / level
-        density = np.exp(-0.5 * (offset / SAMPLING.offset_spread) ** 2) / level
+        density = np.exp(-0.5 * (offset / AT_BATS.offset_deviation) ** 2) / level
         lost = 1 - 2 * REACH * np.sin(psi) / (speed * step) if missed else 1.0
         return float((top / 2 * weights * lost * density * np.sin(psi)).sum(axis=1).mean())
 
@@ -81,14 +77,11 @@ def expected(step: float, ways: Array) -> float:
 
 def count_grazes(step: float, seed: int, count: int) -> tuple[int, int, float]:
     """Return grazes whose window is shorter than a step: how many, missed, and expected to be."""
-    base = AtBatScene(id="base")
-    drawn = scenes(base, draw(paper_at_bats(SAMPLING), count, seed))
+    drawn = scenes(BASE, draw(AT_BATS, count, seed))
     shares = np.random.default_rng(seed).random((count, 2))
     trials, missed, waited = 0, 0, 0.0
     for scene, (depth, side) in zip(drawn, shares, strict=True):
-        assert scene is not None
-        middle = passing(struck_at(scene, 0.0))
-        if middle is None:
+        if scene is None or (middle := passing(struck_at(scene, 0.0))) is None:
             continue
         psi = math.asin(min(1.0, middle.speed * step / (2 * REACH))) * depth
         offset = math.copysign(REACH * math.cos(psi) / middle.level, side - 0.5)
@@ -99,12 +92,10 @@ def count_grazes(step: float, seed: int, count: int) -> tuple[int, int, float]:
             excess = approach.touch.margin - REACH * (1 - math.cos(psi))
             offset += math.copysign(excess / middle.level, offset)
         graze = struck_at(scene, offset)
-        way = passing(graze)
-        if way is None or way.window >= step:
-            continue
-        trials += 1
-        missed += not sees(graze, step)
-        waited += 1 - way.window / step
+        if (way := passing(graze)) is not None and way.window < step:
+            trials += 1
+            missed += not sees(graze, step)
+            waited += 1 - way.window / step
     return trials, missed, waited
 
 
@@ -119,31 +110,14 @@ def run(report: Path, full: bool) -> str:
     found = each(report, "tunnelling", count_block, [(block,) for block in blocks])
     counts = sum(counts for counts, _ in found)
     ways = np.array([way for _, some in found for way in some])
-    safe = {
-        rare: float(brentq(lambda h, r=rare: math.log(expected(h, ways) / r), 1e-7, 0.05))
-        for rare in RARE
-    }
+
+    def excess(step: float, rare: float) -> float:
+        return math.log(expected(step, ways) / rare)
+
+    safe = {rare: float(brentq(excess, 1e-7, 0.05, rare)) for rare in RARE}
     count = (FULL_GRAZES if full else GRAZES) // 4
     calls = [(step, seed, count) for step in safe.values() for seed in range(4)]
     grazes = np.array(each(report, "grazes", count_grazes, calls)).reshape(len(RARE), 4, 3)
-    draw_shares(report, counts, ways, safe)
-    return render(
-        report, "tunnelling", globals(), pitches=len(blocks) * BLOCK, ways=ways, safe=safe,
-        rows=[described(*column) for column in counts.T],
-        grazes=[described(*of.sum(axis=0)) for of in grazes],
-    )  # fmt: skip
-
-
-def described(trials: float, missed: float, waited: float) -> dict[str, Any]:
-    """Return counts with their share and its interval, and whether it has the closed form's."""
-    low, high = wilson(int(missed), int(trials))
-    share = waited / trials
-    counts = {"trials": int(trials), "missed": int(missed), "waited": waited, "share": share}
-    return counts | {"low": low, "high": high, "agrees": low <= share <= high}
-
-
-def draw_shares(report: Path, counts: Array, ways: Array, safe: dict[float, float]) -> None:
-    """Draw counted shares over the closed form."""
     (trials, missed, waited), style = counts, STYLES["measured"]
     grid = np.geomspace(min(safe.values()) / 2, 0.06, 80)
     with figure(report, "convergence_tunnelling", size=(6.4, 3.8)) as (axes,):
@@ -157,3 +131,16 @@ def draw_shares(report: Path, counts: Array, ways: Array, safe: dict[float, floa
             axes.annotate(text, (step, rare), (9, -9), textcoords="offset points")
         axes.set(xscale="log", yscale="log", xlabel="step Δt, s", ylabel="contacts missed")
         axes.legend()
+    return render(
+        report, "tunnelling", globals(), pitches=len(blocks) * BLOCK, ways=ways, safe=safe,
+        rows=[described(*column) for column in counts.T],
+        grazes=[described(*of.sum(axis=0)) for of in grazes],
+    )  # fmt: skip
+
+
+def described(trials: float, missed: float, waited: float) -> dict[str, Any]:
+    """Return counts with their share and its interval, and whether it has the closed form's."""
+    low, high = wilson(int(missed), int(trials))
+    share = waited / trials
+    counts = {"trials": int(trials), "missed": int(missed), "waited": waited, "share": share}
+    return counts | {"low": low, "high": high, "agrees": low <= share <= high}

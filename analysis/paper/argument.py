@@ -5,26 +5,26 @@ from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
-from statistics import NormalDist
+from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.stats import binned_statistic, norm
 
 from analysis import Array
 from analysis.paper import combinations, printed
 from analysis.paper.balls import Balls, Base, Space, strike
+from analysis.speed_error.work import launches
 from analysis.writing import STYLES, figure, render
 from longball import home_run
 from longball.engines.batch import solve_columns
 from longball.home_run import HOME_RUN_DISTANCE, RESTITUTIONS
-from longball.model.scene import FlightScene, Launch
 
 SAMPLES = 400_000
 SEED = 21
 E, STEP = 0.43, 0.01  # the middle of the paper's range, and the step of the differences
 WINDOW = (100.0, 200.0)  # m, "approximately D = 150 m"
 MIDDLE = RESTITUTIONS.index(E)
-NORMAL = NormalDist()
 
 # --- is D near 150 m normal, with mean C₁ e? ------------------------------------------------------
 
@@ -36,11 +36,11 @@ def tail(space: Space, struck: Sequence[Balls]) -> dict[str, float]:
     density p at 150 m; and P changes with e by p(150) times the mean of dD/de there, whatever
     the density (Leibniz' rule). The paper's form says that both are C₁: m = C₁ e, and dm/de = C₁.
     """
-    rows = [space.estimate(e, balls) for e, balls in zip(RESTITUTIONS, struck, strict=True)]
+    rows = space.estimates(struck)
     p, distances = rows[MIDDLE].p, space.distances(struck[MIDDLE])
     density = density_at_fence(distances) * len(distances) / rows[MIDDLE].trials
-    z = NORMAL.inv_cdf(1 - p)
-    sigma = NORMAL.pdf(z) / density
+    z = float(norm.isf(p))
+    sigma = float(norm.pdf(z)) / density
     slope = (rows[MIDDLE + 1].p - rows[MIDDLE - 1].p) / (2 * STEP)
     fitted = home_run.fit(rows)
     return {
@@ -125,11 +125,9 @@ STRAIGHT = 0.05  # off a line by less than this share of the whole change: linea
 
 def ranges(base: Base, elevation: float) -> Array:
     """Return D, m, of flights from 1 m above the ground at the speeds above."""
-    angle, launch = math.radians(elevation), Launch(position=(0, 0, 1), velocity=(1, 0, 0))
     same = {name: getattr(base.scene, name) for name in ("ball", "air", "reading")}
-    velocity = {0: SPEEDS * math.cos(angle), 2: SPEEDS * math.sin(angle)}
-    columns = {f"launch.velocity[{i}]": speeds for i, speeds in velocity.items()}
-    found: Array = solve_columns(FlightScene(launch=launch, **same), columns)["landing.distance"]
+    flown = launches(SPEEDS, math.radians(elevation), **same)
+    found: Array = solve_columns(flown.base, flown.columns)["landing.distance"]
     return found
 
 
@@ -138,9 +136,7 @@ def exit_line(balls: Balls) -> Line:
     flies = balls.fair & (balls.elevation > 0)
     speed, d = balls.exit_speed[flies], balls.distance[flies]
     edges = np.quantile(speed, np.linspace(0.02, 0.98, 25))
-    where = np.digitize(speed, edges)
-    means = [(speed[where == i].mean(), d[where == i].mean()) for i in range(1, len(edges))]
-    return line(*np.array(means).T)
+    return line(*binned_statistic(speed, [speed, d], bins=edges).statistic)
 
 
 # --- what does dD/de come to? ---------------------------------------------------------------------
@@ -164,67 +160,44 @@ def shift(distance: float, struck: Sequence[Balls]) -> dict[str, float] | None:
     }
 
 
-class Tested(NamedTuple):
-    """What was found for a reading."""
-
-    name: str
-    base: Base
-    space: Space
-    tail: dict[str, float]
-    contact: dict[str, float]
-    shifts: dict[float, dict[str, float]]  # by the middle of where the balls land, ± 5 m
-    flights: dict[float, Line]  # by elevation
-    exit: Line
-    density: Array  # of D, 1/m, in bins of 5 m
-
-    def shift_at(self, distance: float) -> float:
-        """Return the median of dD/de of the balls that land at a distance, m."""
-        return self.shifts[distance]["median"] if distance in self.shifts else math.nan
-
-
-def tested(name: str, base: Base, space: Space) -> Tested:
+def tested(name: str, base: Base, space: Space) -> SimpleNamespace:
     """Try the argument on a reading."""
     struck = strike(base, base.drawn(SAMPLES, SEED), RESTITUTIONS)
     shifts = {distance: shift(distance, struck) for distance in (75.0, 110.0, 150.0)}
     counts = np.histogram(space.distances(struck[MIDDLE]), np.arange(0.0, 301.0, 5.0))[0]
-    return Tested(
-        name, base, space, tail(space, struck), contact(base, struck),
+    return SimpleNamespace(
+        name=name, base=base, space=space, tail=tail(space, struck), contact=contact(base, struck),
+        # By the middle of where the balls land, ± 5 m.
         shifts={distance: found for distance, found in shifts.items() if found},
+        # By elevation.
         flights={angle: line(SPEEDS, ranges(base, angle)) for angle in ELEVATIONS},
         exit=exit_line(struck[MIDDLE]),
+        # Of D, 1/m, in bins of 5 m.
         density=counts / (5.0 * space.estimate(E, struck[MIDDLE]).trials),
     )  # fmt: skip
 
 
 @cache
-def everything() -> list[Tested]:
+def everything() -> list[SimpleNamespace]:
     """Try the argument on the default and the nearest reading; two sections ask for it."""
     return [tested(name, *case) for name, case in combinations.cases().items()]
 
 
 def run(report: Path, full: bool) -> str:
-    """Write the section; `full` changes nothing."""
+    """Draw the densities, and D against the exit speed; `full` changes nothing."""
     found = everything()
-    draw_argument(report, found)
-    return render(report, "argument", vars(printed) | globals(), found=found)
-
-
-def draw_argument(report: Path, found: Sequence[Tested]) -> None:
-    """Draw the density with the normal one, and D against the exit speed."""
     d = np.arange(0.0, 300.0, 5.0) + 2.5
     near = (d > WINDOW[0] - 50) & (d < WINDOW[1] + 50)
     with figure(report, "paper_argument", columns=2, size=(9.0, 4.0)) as (left, right):
         for one in found:
             line = {key: STYLES[one.name][key] for key in ("color", "linestyle")}
             left.plot(d, 1e3 * one.density, **line, linewidth=1.6, label=f"{one.name} reading")
-            normal = NormalDist(one.tail["mean"], one.tail["sigma"])
-            densities = [1e3 * normal.pdf(x) for x in d[near]]
-            left.plot(d[near], densities, **line, linewidth=0.7, label="normal, same P and density")
-            marked: Any = {"markersize": 4, "markevery": 5}
+            normal = 1e3 * norm.pdf(d[near], one.tail["mean"], one.tail["sigma"])
+            left.plot(d[near], normal, **line, linewidth=0.7, label="normal, same P and density")
             for marker, (angle, laid) in zip("v^s", one.flights.items(), strict=True):
-                label = f"{one.name}, {angle:g}°"
+                look: Any = line | {"marker": marker, "markersize": 4, "markevery": 5}
                 flown = ranges(one.base, angle)
-                right.plot(SPEEDS, flown, **line, marker=marker, **marked, label=label)
+                right.plot(SPEEDS, flown, **look, label=f"{one.name}, {angle:g}°")
                 right.plot(SPEEDS, laid.slope * SPEEDS + laid.intercept, ":", color="0.5")
         left.axvline(HOME_RUN_DISTANCE, color="black", linewidth=0.8, linestyle=":")
         left.set(xlabel="distance D, m", ylabel="probability density, 1/km", xlim=(0.0, 250.0))
@@ -232,3 +205,4 @@ def draw_argument(report: Path, found: Sequence[Tested]) -> None:
         left.legend(fontsize="small")
         right.set(xlabel="exit speed, m/s", ylabel="distance D, m")
         right.legend(fontsize="small", ncols=2)
+    return render(report, "argument", vars(printed) | globals(), found=found)

@@ -2,11 +2,12 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Any, NamedTuple, TypeVar
 
 import joblib
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 
 from analysis import Array
@@ -14,7 +15,7 @@ from longball import home_run
 from longball.engines.batch import solve_columns_with_restitutions
 from longball.engines.chain import solve_with_restitutions
 from longball.engines.verlet import Verlet
-from longball.home_run import Estimate, Samples, Struck
+from longball.home_run import RESTITUTIONS, Estimate, Samples, Struck
 from longball.model.quantities import number, numbers, replaced
 from longball.model.readings import SampleSpace, SamplingReading
 from longball.model.scene import AtBatScene
@@ -55,15 +56,13 @@ class Balls(Struck):
 
     def chosen(self, which: Flags) -> "Balls":
         """Return some of them."""
-        return Balls(*(getattr(self, field.name)[which] for field in fields(self)))
+        return Balls(*(column[which] for column in vars(self).values()))
 
 
 def joined(parts: Sequence[S]) -> S:
     """Return the balls of all parts, one after the other."""
-    columns = (field.name for field in fields(parts[0]))
-    return type(parts[0])(
-        *(np.concatenate([getattr(part, name) for part in parts]) for name in columns)
-    )
+    columns = zip(*(vars(part).values() for part in parts), strict=True)
+    return type(parts[0])(*map(np.concatenate, columns))
 
 
 def strike(
@@ -81,7 +80,7 @@ def strike(
     return [_balls(table, base, samples.pitched) for table in tables]
 
 
-def _balls(table: Mapping[str, NDArray[Any]], base: Base, pitched: Flags) -> Balls:
+def _balls(table: Any, base: Base, pitched: Flags) -> Balls:
     """Return the balls of a table of results, which has a row for each that was pitched."""
 
     def whole(column: Array) -> Array:
@@ -93,34 +92,30 @@ def _balls(table: Mapping[str, NDArray[Any]], base: Base, pitched: Flags) -> Bal
         np.array([table[f"{name}[{i}]"] for i in range(3)])
         for name in ("impact.velocity", "contact.normal")
     )
-    before = after - table["impact.impulse"] / base.scene.ball.mass * normal
+    before = after - np.asarray(table["impact.impulse"] / base.scene.ball.mass) * normal
     return Balls(
         x=whole(table["landing.position[0]"]),
         y=whole(table["landing.position[1]"]),
         failed=whole(table["outcome"] == "") == 1.0,
-        pitch_speed=whole(np.sqrt((before * before).sum(axis=0))),
-        exit_speed=whole(np.sqrt((after * after).sum(axis=0))),
+        pitch_speed=whole(np.linalg.norm(before, axis=0)),
+        exit_speed=whole(np.linalg.norm(after, axis=0)),
         elevation=whole(np.arctan2(after[2], np.hypot(after[0], after[1]))),
     )
 
 
 CHUNK = 500  # at-bats that a process takes at a time by the paper's scheme
-NEEDED = (
-    *("landing.position[0]", "landing.position[1]", "impact.impulse"),
-    *(f"{name}[{i}]" for name in ("impact.velocity", "contact.normal") for i in range(3)),
-)
+VECTORS = "landing.position", "impact.velocity", "contact.normal"
+NEEDED = ["outcome", "impact.impulse", *(f"{name}[{i}]" for name in VECTORS for i in range(3))]
 
 
 def strike_in_steps(
     base: Base, count: int, seed: int, restitutions: Sequence[float], scheme: Verlet
 ) -> list[Balls]:
     """Return what becomes of samples by the paper's scheme."""
-    samples = base.drawn(count, seed)
-    parts = joblib.Parallel(n_jobs=-1)(
-        joblib.delayed(_chunk)(base, samples.chosen(slice(i, i + CHUNK)), restitutions, scheme)
-        for i in range(0, count, CHUNK)
-    )
-    return [joined(part) for part in zip(*parts, strict=True)]
+    samples, chunk = base.drawn(count, seed), joblib.delayed(_chunk)
+    chosen = (samples.chosen(slice(i, i + CHUNK)) for i in range(0, count, CHUNK))
+    calls = (chunk(base, some, restitutions, scheme) for some in chosen)
+    return [joined(part) for part in zip(*joblib.Parallel(n_jobs=-1)(calls), strict=True)]
 
 
 def _chunk(base: Base, some: Samples, restitutions: Sequence[float], scheme: Verlet) -> list[Balls]:
@@ -128,10 +123,8 @@ def _chunk(base: Base, some: Samples, restitutions: Sequence[float], scheme: Ver
     solved = [solve_with_restitutions(scene, restitutions, scheme) for scene in scenes]
     found = []
     for results in zip(*solved, strict=True):
-        rows = [dict(numbers(result)) for result in results]
-        table = {name: np.array([row.get(name, math.nan) for row in rows]) for name in NEEDED}
-        table["outcome"] = np.array([result.outcome or "" for result in results])
-        found.append(_balls(table, base, some.pitched))
+        rows = [dict(numbers(x)) | {"outcome": x.outcome or ""} for x in results]
+        found.append(_balls(pd.DataFrame(rows, columns=NEEDED), base, some.pitched))
     return found
 
 
@@ -178,6 +171,10 @@ class Space:
     def estimate(self, e: float, balls: Balls) -> Estimate:
         """Count the home runs."""
         return home_run.estimate(e, balls.chosen(self.members(balls)))
+
+    def estimates(self, struck: Sequence[Balls]) -> list[Estimate]:
+        """Count those of balls that were struck at the paper's restitutions."""
+        return [self.estimate(e, balls) for e, balls in zip(RESTITUTIONS, struck, strict=True)]
 
     def share(self, balls: Balls) -> Share:
         """Return P with what each at-bat has to do with it; there must be a member."""

@@ -1,10 +1,10 @@
 """Every combination of readings that matters, against the paper's Figs. 6 and 7."""
 
-import math
 from collections.abc import Iterator, Sequence
 from functools import cache
 from itertools import chain, product
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import joblib
@@ -14,7 +14,7 @@ from analysis.paper import balls, distances, printed
 from analysis.paper.balls import SPACES, Balls, Base, Space, strike
 from analysis.paper.distances import BIN, HEIGHT_AND_SLOPE, NEAR_BOTH, Distance, Peak, distance
 from analysis.paper.printed import PEAKS
-from analysis.writing import STYLES, figure, render
+from analysis.writing import STYLES, data, figure, render
 from longball.engines.verlet import Verlet
 from longball.home_run import PAPER_CURVES, RESTITUTIONS, Estimate
 from longball.model.readings import Reading, SamplingReading
@@ -27,25 +27,10 @@ WITHIN = 4 * distances.NEAR  # of Fig. 7 at first sight: worth a closer look
 FEWEST = 100  # balls that a sample space must have at first sight
 SEED = 1
 
-# The readings of the collision that differ. With μ from M_eff the printed ẽ gives
-# μ (1 + ẽ) = m (1 + e), whatever M_eff is; plain has no M_eff. The thin rod's inertia is the
-# cylinder's to 0.1 %.
-COLLISIONS: tuple[dict[str, Any], ...] = (
-    *(
-        {"bat_ball_restitution": restitution, "effective_mass": mass, "inertia": inertia}
-        for restitution in ("as_printed", "nathan")
-        for mass in ("inertia_over_r_squared", "as_printed")
-        for inertia in ("solid_cylinder", "about_centre")
-    ),
-    {"reduced_mass": "effective_mass"},
-    {"bat_ball_restitution": "plain"},
-)
-OFFSET_SPREADS = (0.0366, 0.0732)  # m
-# m; a third of the plate, and of the plate and a ball's width, for a ball 0.0366 m or 0.0732 m
-# wide; and one narrower and one wider.
-CELL_WIDTHS = (0.12, 0.144, 0.156, 0.168, 0.2)
+GRID = data(__file__)
+COLLISIONS, OFFSET_SPREADS = GRID["collisions"], GRID["offset_spreads"]
+CELL_WIDTHS, RADII = GRID["cell_widths"], GRID["radii"]
 PLATE = 0.432  # m, its width
-RADII = (0.0366, 0.0183)  # m, of the ball; the paper calls 0.0366 m its diameter
 
 
 def bases() -> Iterator[Base]:
@@ -72,6 +57,11 @@ class Trial(NamedTuple):
     peaks: dict[float, Peak]  # the paper's Fig. 6 against it; empty at first sight
 
     @property
+    def shares(self) -> list[float]:
+        """P at the five restitutions."""
+        return [row.p for row in self.rows]
+
+    @property
     def name(self) -> str:
         """What it differs in from the default."""
         return balls.describe(self.base, self.space)
@@ -84,7 +74,7 @@ class Trial(NamedTuple):
     @property
     def small(self) -> bool:
         """Whether its ball is half as wide as usual."""
-        return self.base.scene.ball.radius == min(RADII)
+        return bool(self.base.scene.ball.radius == min(RADII))
 
     @property
     def beyond(self) -> bool:
@@ -93,7 +83,7 @@ class Trial(NamedTuple):
 
     def p(self, e: float) -> float:
         """Return P at one of the restitutions."""
-        return self.rows[RESTITUTIONS.index(e)].p
+        return self.shares[RESTITUTIONS.index(e)]
 
 
 def trials(base: Base, spaces: Sequence[Space], count: int, closer: bool = True) -> list[Trial]:
@@ -102,41 +92,31 @@ def trials(base: Base, spaces: Sequence[Space], count: int, closer: bool = True)
     The peaks of Fig. 6 are looked at only for who comes closer.
     """
     struck = strike(base, base.drawn(count, SEED), RESTITUTIONS, threads=1)
-    return [
-        trial(base, space, struck, SEED if closer else None)
-        for space in spaces
-        if space.members(struck[0]).sum() >= FEWEST
-    ]
+    enough = (space for space in spaces if space.members(struck[0]).sum() >= FEWEST)
+    return [trial(base, space, struck, SEED if closer else None) for space in enough]
 
 
 def trial(base: Base, space: Space, struck: Sequence[Balls], seed: int | None = None) -> Trial:
     """Hold struck balls against Fig. 7; and against Fig. 6, whose peaks are drawn from a seed."""
-    rows = [space.estimate(e, one) for e, one in zip(RESTITUTIONS, struck, strict=True)]
+    rows = space.estimates(struck)
     at = {e: RESTITUTIONS.index(e) for e in PEAKS}
     flown = {e: space.distances(struck[i]) for e, i in at.items()}
     to = {name: distance(rows, curve) for name, curve in PAPER_CURVES.items()}
     to["shared"] = distance(rows, PAPER_CURVES["caption"], shared=True)
     generator = np.random.default_rng(seed)
-    peaks = {
-        e: distances.peak(e, d, len(d) / rows[at[e]].trials, generator)
-        for e, d in flown.items()
-        if seed is not None
-    }
+    shares = {e: (d, len(d) / rows[at[e]].trials) for e, d in flown.items() if seed is not None}
+    peaks = {e: distances.peak(e, *share, generator) for e, share in shares.items()}
     mode = max(map(distances.highest, flown.values()))
     low = float(np.mean(flown[min(PEAKS)] < BIN))
     return Trial(base, space, rows, mode, low, to, peaks)
 
 
-class Study(NamedTuple):
-    """Every combination at first sight, and the near ones seen closer, the nearest first."""
-
-    first: list[Trial]
-    near: list[Trial]
-
-
 @cache
-def study() -> Study:
-    """Try all combinations; several sections ask for what comes of it."""
+def study() -> SimpleNamespace:
+    """Try all combinations; several sections ask for what comes of it.
+
+    Each has a trial at `first` sight; the `near` ones are seen closer, the nearest first.
+    """
     threads = joblib.Parallel(n_jobs=-1, prefer="threads")
 
     def look(*calls: Sequence[Any]) -> list[list[Trial]]:
@@ -144,13 +124,12 @@ def study() -> Study:
 
     first = look(*((base, SPACES, SAMPLES, False) for base in bases()))
     worth = [[one for one in some if one.to["caption"].squared <= WITHIN] for some in first]
-    near = list(chain(*look(
-        *((some[0].base, [one.space for one in some], CLOSER_SAMPLES) for some in worth if some)
-    )))  # fmt: skip
+    calls = [(some[0].base, [one.space for one in some], CLOSER_SAMPLES) for some in worth if some]
+    near = list(chain(*look(*calls)))
     closest = [one for one in near if one.both <= 2 * NEAR_BOTH]
     again = chain(*look(*((one.base, [one.space], CLOSEST_SAMPLES) for one in closest)))
     near = [*again, *(one for one in near if one not in closest)]
-    return Study(list(chain(*first)), sorted(near, key=lambda one: one.both))
+    return SimpleNamespace(first=list(chain(*first)), near=sorted(near, key=lambda one: one.both))
 
 
 @cache
@@ -168,8 +147,6 @@ def cases() -> Cases:
     return {name: (one.base, one.space) for name, one in both.items()}
 
 
-# --- the paper's scheme ---------------------------------------------------------------------------
-
 STEP = 0.05  # s, as printed
 STEPPED_SAMPLES = 60_000  # most of them pass the bat unseen
 
@@ -179,7 +156,7 @@ def stepped(exact: Trial) -> dict[str, Any]:
     base, space = exact.base, exact.space
     struck = balls.strike_in_steps(base, STEPPED_SAMPLES, SEED, RESTITUTIONS, Verlet(STEP))
     (exactly,) = strike(base, base.drawn(STEPPED_SAMPLES, SEED), RESTITUTIONS[:1])
-    rows = [space.estimate(e, one) for e, one in zip(RESTITUTIONS, struck, strict=True)]
+    rows = space.estimates(struck)
     return {
         "exact": exact,
         "rows": rows,
@@ -202,30 +179,25 @@ def section(report: Path) -> str:
     return render(
         report, "combinations", globals(),
         found=found, default=default, best=best, solved=len(list(bases())),
-        backwards=1 - as_printed.drawn(SAMPLES, SEED).pitched.mean(),
+        backwards=1 - as_printed.drawn(SAMPLES, SEED).pitched.mean(), one=stepped(best),
         off=max(abs(row.p - PAPER_CURVES["caption"](row.e)) for row in best.rows),
-        noise=math.sqrt(best.p(0.43) * (1 - best.p(0.43)) / printed.SAMPLES),
-        one=stepped(best),
     )  # fmt: skip
 
 
-def draw_plane(report: Path, found: Study, default: Trial) -> None:
+def draw_plane(report: Path, found: SimpleNamespace, default: Trial) -> None:
     """Draw all readings by height and slope of P(e)."""
-    beyond = [one for one in found.first if one.beyond]
-    ledger = [one for one in found.first if not one.beyond]
     with figure(report, "paper_combinations", size=(6.8, 4.6)) as (axes,):
 
-        def mark(trials: Sequence[Trial], **style: Any) -> None:
-            p = np.array([[row.p for row in one.rows] for one in trials])
-            axes.plot(*(HEIGHT_AND_SLOPE @ p.T), **style | {"linestyle": "none"})
+        def mark(p: Sequence[Any], **style: Any) -> None:
+            axes.plot(*(HEIGHT_AND_SLOPE @ np.transpose(p)), **style | {"linestyle": "none"})
 
         small: Any = {"markersize": 4, "markerfacecolor": "none"}
+        ledger, beyond = ([x.shares for x in found.first if x.beyond == y] for y in (False, True))
         mark(ledger, marker="o", color="0.55", **small, label="in the ledger")
         mark(beyond, marker="+", color="0.25", **small, label="ball 0.0366 m wide, or flies only")
         for name, curve in PAPER_CURVES.items():
             p = np.array([curve(e) for e in RESTITUTIONS])
-            style = STYLES[f"paper's {name}"] | {"linestyle": "none", "markersize": 11}
-            axes.plot(*(HEIGHT_AND_SLOPE @ p), **style, label=f"paper's {name}")
+            mark([p], **STYLES[f"paper's {name}"], markersize=11, label=f"paper's {name}")
             if name == "caption":  # the ellipse that 1,000 samples a point leave open
                 covariance = distances.covariance(p, shared=False) / printed.SAMPLES
                 spread = HEIGHT_AND_SLOPE @ covariance @ HEIGHT_AND_SLOPE.T
@@ -234,7 +206,7 @@ def draw_plane(report: Path, found: Study, default: Trial) -> None:
                 ellipse = around + (HEIGHT_AND_SLOPE @ p)[:, None]
                 axes.plot(*ellipse, ":", color="black", label="95 % about the caption's")
         for name, one in {"default": default, "nearest": found.near[0]}.items():
-            mark([one], **STYLES[name], markersize=8, label=f"{name} reading")
+            mark([one.shares], **STYLES[name], markersize=8, label=f"{name} reading")
         axes.set(xlabel="height: mean of P(e) over e = 0.41 to 0.45", ylabel="slope dP/de")
         axes.margins(0.05)
         axes.legend(fontsize="small")

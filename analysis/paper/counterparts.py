@@ -1,11 +1,11 @@
 """Every number of the paper that can be had again: printed, ours, the difference, and why."""
 
-import math
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-from analysis.paper import argument, distances, home_run_figures, pitch_fits, printed
-from analysis.paper.home_run_figures import Reproduced
+import pandas as pd
+
+from analysis.paper import argument, home_run_figures, pitch_fits, printed
 from analysis.writing import render
 from longball.pitches import EXAMPLE, fit_pitches
 
@@ -37,34 +37,14 @@ class Counterpart(NamedTuple):
         return f"{WHICH[2] if by_default else NO}: {self.other}"
 
 
-def noise(p: float) -> float:
-    """Return the standard error of a share of the paper's samples."""
-    return math.sqrt(p * (1 - p) / printed.SAMPLES)
-
-
-def flat_noise(one: Reproduced) -> float:
-    """Return by how much 1,000 samples scatter a bin over another, where the paper says flat.
-
-    The largest over the smallest of four equal bins is about two such deviations above 1.
-    """
-    density = home_run_figures.called_flat(one.density[max(printed.PEAKS)])
-    return math.sqrt(2 / (printed.SAMPLES * distances.BIN * float(density.mean())))
-
-
-def likeliest(rows: pitch_fits.Rows, what: str) -> dict[str, Any]:
-    """Return the quantiles of R² at the width of the bins that gives the printed one best."""
-    printed_r_squared = pitch_fits.PRINTED_R_SQUARED[what]
-    same = (row for row in rows if row["what"] == what)
-    return min(same, key=lambda row: float(abs(row["median"] - printed_r_squared)))
-
-
 def run(report: Path, full: bool) -> str:
     """Write the section; `full` takes more draws of pitches."""
     default, nearest = home_run_figures.reproduced()
+    draws = pitch_fits.FULL_DRAWS if full else pitch_fits.DRAWS
     return render(
         report, "counterparts", vars(home_run_figures) | globals(), default=default,
-        nearest=nearest, found=argument.everything(),
-        determination=pitch_fits.determine(pitch_fits.FULL_DRAWS if full else pitch_fits.DRAWS),
+        nearest=nearest, found=argument.everything(), noise=printed.noise,
+        determination=pd.DataFrame(pitch_fits.determine(draws)),
         heights=fit_pitches(EXAMPLE, replicates=2).height,
         pitches=[x for x in pitch_fits.compared() if x["method"] == "maximum_likelihood"],
     )  # fmt: skip

@@ -20,9 +20,7 @@ DRAWS = 10_000  # of the paper's samples, for the peaks: a chance of 1 % is know
 _E = np.array(RESTITUTIONS)
 # What five points have to say about a curve that is nearly straight over them: a height and a
 # slope. A fit with two parameters, like the paper's, keeps both.
-HEIGHT_AND_SLOPE = np.array(
-    [np.full(len(_E), 1 / len(_E)), (_E - _E.mean()) / ((_E - _E.mean()) ** 2).sum()]
-)
+HEIGHT_AND_SLOPE = np.linalg.pinv(np.stack([np.ones(len(_E)), _E - _E.mean()], axis=1))
 
 
 def covariance(p: Array, shared: bool) -> Array:
@@ -74,6 +72,11 @@ def distance(rows: Sequence[Estimate], curve: Curve, shared: bool = False) -> Di
 def histogram(distances: Array) -> NDArray[np.int64]:
     """Return how many distances lie in each bin of 10 m."""
     return np.bincount((distances / BIN).astype(int), minlength=1)
+
+
+def density(distances: Array) -> Array:
+    """Return the density of distances in each bin of 10 m, 1/m."""
+    return histogram(distances) / (BIN * len(distances))
 
 
 def highest(distances: Array) -> float:

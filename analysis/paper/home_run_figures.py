@@ -4,12 +4,15 @@ import math
 from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
+from statistics import NormalDist
 from typing import Any, NamedTuple
 
 import numpy as np
+from matplotlib.axes import Axes
+from scipy.stats import norm
 
 from analysis import Array
-from analysis.paper import combinations, printed
+from analysis.paper import combinations, distances, printed
 from analysis.paper.balls import Balls, Base, Space, strike
 from analysis.paper.combinations import Trial
 from analysis.paper.distances import BIN, covariance
@@ -58,11 +61,7 @@ def reproduce(name: str, base: Base, space: Space) -> Reproduced:
     at_all = strike(base, base.drawn(SAMPLES, SEED), restitutions)
     struck = dict(zip(restitutions, at_all, strict=True))
     trial = combinations.trial(base, space, [struck[e] for e in RESTITUTIONS], SEED)
-    density = {}
-    for e in PEAKS:
-        flown = space.distances(struck[e])
-        edges = np.arange(0.0, flown.max() + BIN, BIN)
-        density[e] = np.histogram(flown, edges)[0] / (BIN * len(flown))
+    density = {e: distances.density(space.distances(struck[e])) for e in PEAKS}
     flown = space.distances(struck[UZR_E])
     uzr_share = float(np.mean((flown >= UZR_SPAN[0]) & (flown < UZR_SPAN[1])))
     ratios = [ratio(pair, space, struck) for pair in PAIRS]
@@ -75,10 +74,9 @@ def fit_noise(curve: Curve) -> tuple[float, float]:
     To first order, with samples of their own for each restitution. In a = C₁/σ and b = 150/σ the
     curve is P = Φ(a e - b), and P' = φ(a e - b).
     """
-    e = np.array(RESTITUTIONS)
-    p = np.array([curve(one) for one in RESTITUTIONS])
+    e, p = np.array([(e, curve(e)) for e in RESTITUTIONS]).T
     a, b = curve.c1 / curve.sigma, HOME_RUN_DISTANCE / curve.sigma
-    density = np.exp(-((a * e - b) ** 2) / 2) / math.sqrt(2 * math.pi)
+    density = norm.pdf(a * e - b)
     by_line = np.stack([density * e, -density], axis=1)
     weight = np.linalg.inv(covariance(p, shared=False) / printed.SAMPLES)
     of_line = np.linalg.inv(by_line.T @ weight @ by_line)
@@ -86,15 +84,12 @@ def fit_noise(curve: Curve) -> tuple[float, float]:
     return math.sqrt(to_c1 @ of_line @ to_c1), curve.sigma / b * math.sqrt(of_line[1, 1])
 
 
-def called_flat(density: Array) -> Array:
-    """Return what a density in bins of 10 m has where the paper calls it flat."""
-    first, last = (int(edge / BIN) for edge in FLAT)
-    return density[first:last]
+CALLED_FLAT = slice(*(int(edge / BIN) for edge in FLAT))  # bins of 10 m
 
 
 def flatness(density: Array) -> float:
     """Return the largest value of a density over its smallest where the paper calls it flat."""
-    return float(called_flat(density).max() / called_flat(density).min())
+    return float(density[CALLED_FLAT].max() / density[CALLED_FLAT].min())
 
 
 def ratio(pair: tuple[Season, Season], space: Space, struck: dict[float, Balls]) -> Ratio:
@@ -118,10 +113,8 @@ def curve_ratio(curve: Curve, pair: tuple[Season, Season]) -> float:
 
 def curve_share(curve: Curve, e: float, low: float, high: float) -> float:
     """Return the share of D between two distances under the normal distribution of a curve."""
-    below, above = (
-        math.erf((d - curve.c1 * e) / (math.sqrt(2) * curve.sigma)) for d in (low, high)
-    )
-    return (above - below) / 2
+    reach = NormalDist(curve.c1 * e, curve.sigma)
+    return reach.cdf(high) - reach.cdf(low)
 
 
 def run(report: Path, full: bool) -> str:
@@ -136,20 +129,24 @@ def draw_distances(report: Path, found: Sequence[Reproduced]) -> None:
     """Draw Fig. 6."""
     with figure(report, "paper_fig6", columns=len(found), size=(9.0, 3.4)) as panels:
         for axes, one in zip(panels, found, strict=True):
-            for (e, density), dash in zip(one.density.items(), LINES, strict=False):
-                edges = BIN * np.arange(len(density) + 1)
-                style: Any = {"linestyle": dash, "linewidth": 1.5, "color": "black"}
-                axes.stairs(1e3 * density, edges, **style, label=f"e = {e:g}")
-            top = 1.25e3 * max(density[1:].max() for density in one.density.values())
+            top = 1.25 * draw_stairs(axes, one.density, linewidth=1.5, color="black")
             for e, at in PEAKS.items():
                 axes.plot(at, 0.93 * top, "v", color="0.3")
                 place: Any = {"ha": "center", "va": "bottom", "fontsize": "small"}
                 axes.annotate(f"{e:g}", (at, 0.95 * top), **place)
             axes.axvline(HOME_RUN_DISTANCE, color="0.5", linestyle=":", linewidth=1.0)
-            axes.set(xlabel="distance D from the plate, m", ylabel="probability density, 1/km")
             axes.set(title=f"{one.name} reading, samples: {one.trial.space.name}")
             axes.set(xlim=(0.0, 300.0), ylim=(0.0, 1.05 * top))
             axes.legend(loc="center right")
+
+
+def draw_stairs(axes: Axes, densities: dict[float, Array], **style: Any) -> float:
+    """Draw densities of D by restitution; return the highest value behind the first bin, 1/km."""
+    for (e, density), dash in zip(densities.items(), LINES, strict=False):
+        edges = BIN * np.arange(len(density) + 1)
+        axes.stairs(1e3 * density, edges, linestyle=dash, **style, label=f"e = {e:g}")
+    axes.set(xlabel="distance D from the plate, m", ylabel="probability density, 1/km")
+    return 1e3 * max(float(density[1:].max()) for density in densities.values())
 
 
 def draw_probabilities(report: Path, found: Sequence[Reproduced]) -> None:
@@ -161,16 +158,14 @@ def draw_probabilities(report: Path, found: Sequence[Reproduced]) -> None:
             style = STYLES[f"paper's {name}"] | {"marker": ""}
             axes.plot(grid, [curve(e) for e in grid], **style, label=label)
         for one in found:
-            p = np.array([row.p for row in one.trial.rows])
-            noise = 1.96 * np.sqrt(p * (1 - p) / printed.SAMPLES)
-            label, style = f"{one.name} reading", STYLES[one.name]
+            p, curve, style = np.array(one.trial.shares), one.curve, STYLES[one.name]
+            line = style | {"marker": "", "linewidth": 0.8}
+            axes.plot(grid, [curve(e) for e in grid], **line)
+            label = f"{one.name} reading"
             if one.fitted:
-                curve = one.fitted.curve
                 label += f", fit: C₁ = {curve.c1:.0f} m, σ = {curve.sigma:.1f} m"
-                line = style | {"marker": "", "linewidth": 0.8}
-                axes.plot(grid, [curve(e) for e in grid], **line)
             points = style | {"linestyle": "none", "capsize": 3, "markersize": 4}
-            axes.errorbar(RESTITUTIONS, p, yerr=noise, **points, label=label)
+            axes.errorbar(RESTITUTIONS, p, 1.96 * printed.noise(p), **points, label=label)
         axes.set(xlabel="coefficient of restitution e of the ball", ylim=(0.0, None))
         axes.set_ylabel("probability of a home run P(e)")
         axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.01), ncols=2, fontsize="x-small")

@@ -6,9 +6,10 @@ another league, which show what is the paper's and what is baseball's.
 """
 
 import math
+from collections import namedtuple
 from collections.abc import Iterable, Sequence
 from functools import cache
-from itertools import product
+from itertools import accumulate, product
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -17,10 +18,10 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
-from analysis.writing import STYLES, figure, render, write_table
+from analysis.writing import STYLES, data, figure, render, write_table
 from longball.pitches import EXAMPLE, Columns, FittedPitches, PitchTypes, fit_pitches, read_pitches
 from longball.pitches.fitted import Estimate
-from longball.pitches.fitting import BIN_WIDTH, normal
+from longball.pitches.fitting import normal
 from longball.pitches.table import Floats
 
 Rows = list[dict[str, Any]]
@@ -28,10 +29,6 @@ Rows = list[dict[str, Any]]
 PITCHES = 1548  # in the paper's 12 games
 SYNTHETIC_SEED = 2014
 DRAWS, FULL_DRAWS = 40, 200  # of that many pitches
-# Table II, its headings exchanged (km/h), and p; Fig. 3 (cells), and q.
-MEAN_1, SPREAD_1, MEAN_2, SPREAD_2, P = 139.1, 4.58, 127.8, 7.80, 0.45
-LEFT, RIGHT, SPREAD, Q = 2.0, 4.0, 0.77, 0.52
-WHAT = ("speed", "speed as printed", "aim", "aim on the curve")  # R² is determined of
 PRINTED_R_SQUARED = {"speed": 0.9942, "aim": 0.986}
 
 # Sportsnavi writes whole km/h, and the cell of the chart.
@@ -61,27 +58,11 @@ class Printed(NamedTuple):
         return self.scale * estimate.value, None if error is None else self.scale * error
 
 
-PRINTED = (
-    Printed("mean of straight balls, μ₁", "km/h", MEAN_1, "speed", "straight_mean", 3.6),
-    Printed("their spread, σ₁", "km/h", SPREAD_1, "speed", "straight_spread", 3.6, BIN_WIDTH),
-    Printed("mean of breaking balls, μ₂", "km/h", MEAN_2, "speed", "breaking_mean", 3.6),
-    Printed("their spread, σ₂", "km/h", SPREAD_2, "speed", "breaking_spread", 3.6, BIN_WIDTH),
-    Printed("weight of straight balls, p", "", P, "speed", "weight"),
-    Printed("left mean", "cells", LEFT, "aim", "left_mean"),
-    Printed("right mean", "cells", RIGHT, "aim", "right_mean"),
-    Printed("spread of both", "cells", SPREAD, "aim", "spread", 1.0, 1.0),
-    Printed("weight of the left, q", "", Q, "aim", "weight"),
-)
+PRINTED = tuple(Printed(**one) for one in data(__file__)["printed"])
+MEAN_1, SPREAD_1, MEAN_2, SPREAD_2, P, LEFT, RIGHT, SPREAD, Q = (one.value for one in PRINTED)
 
-
-class Found(NamedTuple):
-    """The tables, by their names."""
-
-    counterparts: Rows
-    coverage: Rows
-    r_squared: Rows
-    grid: Rows
-    classes: Rows
+# The tables, by their names.
+Found = namedtuple("Found", "counterparts coverage r_squared grid classes")
 
 
 def run(report: Path, full: bool) -> str:
@@ -94,7 +75,7 @@ def run(report: Path, full: bool) -> str:
     draw_speeds(report, example, synthetic)
     draw_aims(report, example, synthetic)
     draw_heights(report, example)
-    draw_determination(report, found.r_squared)
+    draw_determination(report, pd.DataFrame(found.r_squared))
     return write(report, example, synthetic, found)
 
 
@@ -106,52 +87,9 @@ def synthetic_fit() -> FittedPitches:
 
 @cache
 def compared() -> Rows:
-    """Return printed and ours; `analysis.paper.counterparts` asks for it, too."""
+    """Return printed and ours, by both methods; `analysis.paper.counterparts` asks for it, too."""
+    example, synthetic = fit_pitches(EXAMPLE), synthetic_fit()
     million = fit_pitches(draw_pitches(10**6, SYNTHETIC_SEED), CHART, KINDS)
-    return compare(fit_pitches(EXAMPLE), synthetic_fit(), million)
-
-
-# --- pitches drawn from what is printed -----------------------------------------------------------
-
-
-def draw_pitches(count: int, seed: int) -> pd.DataFrame:
-    """Return pitches drawn from Table II, p, q and Fig. 3, written down as Sportsnavi does."""
-    random = np.random.default_rng(seed)
-    straight = random.random(count) < P
-    speed = np.where(
-        straight, random.normal(MEAN_1, SPREAD_1, count), random.normal(MEAN_2, SPREAD_2, count)
-    )
-    left = random.random(count) < Q
-    place = np.where(left, LEFT, RIGHT) + random.normal(0.0, SPREAD, count)
-    kind = np.where(straight, "straight", "breaking")
-    cells = np.clip(np.rint(place), 1, 5)
-    return pd.DataFrame({"type": kind, "speed_kmh": np.rint(speed), "y": cells})
-
-
-def printed_density() -> Floats:
-    """Return ψ(y) of Eq. 4 with the printed numbers at the five cells."""
-    y = np.arange(1.0, 6.0)
-    return Q * normal(y, LEFT, SPREAD) + (1.0 - Q) * normal(y, RIGHT, SPREAD)
-
-
-def printed_shares() -> Floats:
-    """Return the shares of the five cells if the printed ψ is their curve, scaled to add to 1."""
-    shares: Floats = printed_density() / printed_density().sum()
-    return shares
-
-
-def spread_behind_figure_3() -> float:
-    """Return the spread of places, in cells, that puts the shares on the printed curve."""
-    cells = np.repeat(np.arange(1, 6), np.rint(100_000 * printed_shares()).astype(int))
-    table = draw_pitches(len(cells), seed=0).assign(y=cells)
-    return fit_pitches(table, CHART, KINDS, replicates=2).aim.maximum_likelihood.spread.value
-
-
-# --- tables ---------------------------------------------------------------------------------------
-
-
-def compare(example: FittedPitches, synthetic: FittedPitches, million: FittedPitches) -> Rows:
-    """Return printed and ours, by both methods."""
     rows: Rows = []
     for method, printed in product(("least_squares", "maximum_likelihood"), PRINTED):
         value, error = printed.ours(synthetic, method)
@@ -162,6 +100,31 @@ def compare(example: FittedPitches, synthetic: FittedPitches, million: FittedPit
         row |= {"example": theirs, "example_error": their_error}
         rows.append(row | {"verdict": verdict(printed, method, value, error)})
     return rows
+
+
+def draw_pitches(count: int, seed: int) -> pd.DataFrame:
+    """Return pitches drawn from Table II, p, q and Fig. 3, written down as Sportsnavi does."""
+    random = np.random.default_rng(seed)
+    straight = random.random(count) < P
+    fast, slow = random.normal(MEAN_1, SPREAD_1, count), random.normal(MEAN_2, SPREAD_2, count)
+    left = random.random(count) < Q
+    place = np.where(left, LEFT, RIGHT) + random.normal(0.0, SPREAD, count)
+    kind = np.where(straight, "straight", "breaking")
+    speed, cells = np.rint(np.where(straight, fast, slow)), np.clip(np.rint(place), 1, 5)
+    return pd.DataFrame({"type": kind, "speed_kmh": speed, "y": cells})
+
+
+CELLS: Any = np.arange(1, 6)
+# ψ(y) of Eq. 4 with the printed numbers, and the shares if that is their curve, scaled to add to 1.
+DENSITY: Any = Q * normal(CELLS, LEFT, SPREAD) + (1.0 - Q) * normal(CELLS, RIGHT, SPREAD)
+SHARES = DENSITY / DENSITY.sum()
+
+
+def spread_behind_figure_3() -> float:
+    """Return the spread of places, in cells, that puts the shares on the printed curve."""
+    cells = np.repeat(CELLS, np.rint(100_000 * SHARES).astype(int))
+    table = draw_pitches(len(cells), seed=0).assign(y=cells)
+    return fit_pitches(table, CHART, KINDS, replicates=2).aim.maximum_likelihood.spread.value
 
 
 def verdict(printed: Printed, method: str, value: float, error: float | None) -> str:
@@ -196,8 +159,8 @@ def cover(draws: int) -> Rows:
         found = [printed.ours(fitted, "maximum_likelihood") for fitted in fits]
         z = np.array([(value - printed.value) / error for value, error in found if error])
         row = {"quantity": printed.name, "draws": len(z), "mean_of_z": z.mean()}
-        within = np.mean(np.abs(z) < 1.96)
-        rows.append(row | {"deviation_of_z": z.std(ddof=1), "within_1.96": within})
+        row |= {"deviation_of_z": z.std(ddof=1), "within_1.96": np.mean(np.abs(z) < 1.96)}
+        rows.append(row)
     return rows
 
 
@@ -217,8 +180,8 @@ def determine(draws: int) -> Rows:
         speeds = [fitted.speed for fitted in fit_all(tables, bin_width=width)]
         add("speed", width, (x.least_squares for x in speeds))
         add("speed as printed", width, (x.least_squares_as_printed for x in speeds))
-    random, p = np.random.default_rng(0), printed_shares()
-    on_the_curve = [x.assign(y=random.choice(range(1, 6), len(x), p=p)) for x in tables]
+    random = np.random.default_rng(0)
+    on_the_curve = [x.assign(y=random.choice(CELLS, len(x), p=SHARES)) for x in tables]
     for what, drawn in (("aim", tables), ("aim on the curve", on_the_curve)):
         add(what, 1.0, (fitted.aim.least_squares_at_edges for fitted in fit_all(drawn)))
     return rows
@@ -229,18 +192,15 @@ def vary_grid() -> Rows:
     frame = pd.read_csv(EXAMPLE)
     # m: 0.144 is a third of the plate; 0.169 a third of it with a ball's radius on either side.
     cases = [(f"cell width {w:.3f} m", frame, w) for w in (0.120, 0.144, 0.169, 0.200)]
-    cases += [
-        (f"pitcher {p}, batter {b}", chosen, 0.144)
-        for p, b in (("R", "R"), ("R", "L"), ("L", "R"), ("L", "L"))
-        for chosen in [frame[(frame.p_throws == p) & (frame.stand == b)]]
-    ]
+    for p, b in product("RL", "RL"):
+        chosen = frame[(frame.p_throws == p) & (frame.stand == b)]
+        cases.append((f"pitcher {p}, batter {b}", chosen, 0.144))
     rows: Rows = []
     for name, chosen, width in cases:
         aim = fit_pitches(chosen, Columns(cell_width=width), replicates=2).aim
-        count = sum(aim.cells)
-        row: dict[str, Any] = {"case": name, "pitches": count}
-        row |= {f"share_{cell}": n / count for cell, n in enumerate(aim.cells, start=1)}
-        row |= {"peaks": aim.maximum_likelihood.peaks}
+        count, peaks = sum(aim.cells), aim.maximum_likelihood.peaks
+        shares = {f"share_{cell}": n / count for cell, n in zip(CELLS, aim.cells, strict=True)}
+        row = {"case": name, "pitches": count, **shares, "peaks": peaks}
         rows.append(row | {"gain_over_one_normal": aim.gain_over_one_normal})
     return rows
 
@@ -248,23 +208,17 @@ def vary_grid() -> Rows:
 def vary_classes() -> Rows:
     """Return the example's Table II for other meanings of "straight"."""
     rows: Rows = []
-    names = ("FF", "FA", "SI", "FC")
-    for straight in (names[: i + 1] for i in range(len(names))):
+    for straight in accumulate((("FF",), ("FA",), ("SI",), ("FC",))):
         types = PitchTypes(straight=straight, breaking=None)
         fitted = fit_pitches(EXAMPLE, types=types, replicates=2)
-        row: dict[str, Any] = {"straight": " ".join(straight)}
-        row |= {x.key: x.ours(fitted, "maximum_likelihood")[0] for x in PRINTED[:5]}
-        rows.append(row | {"r_squared": fitted.speed.least_squares.r_squared})
+        ours = {x.key: x.ours(fitted, "maximum_likelihood")[0] for x in PRINTED[:5]}
+        r_squared = fitted.speed.least_squares.r_squared
+        rows.append({"straight": " ".join(straight), **ours, "r_squared": r_squared})
     return rows
 
 
-# --- figures --------------------------------------------------------------------------------------
-
 THEIRS = f"{PITCHES:,} pitches drawn from the paper's fits"
-
-
-def _ours(example: FittedPitches) -> str:
-    return f"{example.rows_used:,} MLB pitches of 11 June 2023"
+OURS = "{.rows_used:,} MLB pitches of 11 June 2023".format
 
 
 def _mixture(
@@ -272,35 +226,33 @@ def _mixture(
     labels: Sequence[str], unit: float = 1.0, scale: float = 1.0,
 ) -> None:  # fmt: skip
     """Draw a fitted mixture and its two parts, from their means and spreads in a unit."""
+    weights, (equation, *names) = (weight.value, 1 - weight.value), labels
     first, second = (
         scale * share * normal(x, unit * mean.value, unit * spread.value)
-        for share, (mean, spread) in zip((weight.value, 1 - weight.value), of, strict=True)
+        for share, (mean, spread) in zip(weights, of, strict=True)
     )
-    parts = {"mixture": first + second, "first part": first, "second part": second}
-    for (style, y), label in zip(parts.items(), labels, strict=True):
-        axes.plot(x, y, **STYLES[style], label=label)
+    axes.plot(x, first + second, **STYLES["mixture"], label=f"fitted mixture, {equation}")
+    axes.plot(x, first, **STYLES["first part"], label=names[0])
+    axes.plot(x, second, **STYLES["second part"], label=names[1])
 
 
 def draw_speeds(report: Path, example: FittedPitches, synthetic: FittedPitches) -> None:
     """Draw the counterpart of Fig. 2."""
-    panels_of = {THEIRS: synthetic.speed, _ours(example): example.speed}
+    panels_of = {THEIRS: synthetic.speed, OURS(example): example.speed}
     with figure(report, "pitch_fits_fig2", columns=2, size=(9.6, 3.8)) as panels:
         for axes, (title, fitted) in zip(panels, panels_of.items(), strict=True):
             histogram, fit = fitted.histogram, fitted.least_squares
             edges = np.array(histogram.edges) * 3.6
-            width = edges[1] - edges[0]
-            counts = np.array(histogram.straight) + np.array(histogram.breaking)
-            middles = (edges[1:] + edges[:-1]) / 2
+            width, middles = edges[1] - edges[0], (edges[1:] + edges[:-1]) / 2
+            counts = np.add(histogram.straight, histogram.breaking)
             axes.plot(middles, counts / counts.sum(), **STYLES["measured"], label="pitches")
-            v = np.linspace(edges[0], edges[-1], 400)
-            labels = ("fitted mixture, Eq. 3", "straight", "breaking")
+            v, labels = np.linspace(edges[0], edges[-1], 400), ("Eq. 3", "straight", "breaking")
             straight = fit.straight_mean, fit.straight_spread
             breaking = fit.breaking_mean, fit.breaking_spread
             _mixture(axes, v, fit.weight, (straight, breaking), labels, 3.6, width)
-            axes.set(title=title, xlabel="speed at release, km/h")
+            axes.set(title=title, xlabel="speed at release, km/h", ylim=(0.0, None))
             axes.set_ylabel(f"share of pitches per {width:.2g} km/h")
             axes.text(0.03, 0.95, f"R² = {fit.r_squared:.4f}", transform=axes.transAxes, va="top")
-            axes.set_ylim(bottom=0.0)
         panels[0].legend(fontsize="small", loc="center left")
 
 
@@ -308,7 +260,7 @@ def draw_aims(report: Path, example: FittedPitches, synthetic: FittedPitches) ->
     """Draw the counterpart of Fig. 3."""
     panels_of = (
         (THEIRS, synthetic.aim.cells, synthetic.aim.least_squares),
-        (_ours(example), example.aim.cells, example.aim.maximum_likelihood),
+        (OURS(example), example.aim.cells, example.aim.maximum_likelihood),
     )
     with figure(report, "pitch_fits_fig3", columns=2, size=(9.6, 3.8)) as panels:
         panels[1].hist(
@@ -318,16 +270,15 @@ def draw_aims(report: Path, example: FittedPitches, synthetic: FittedPitches) ->
         )  # fmt: skip
         for axes, (title, cells, fit) in zip(panels, panels_of, strict=True):
             sides = (fit.left_mean, fit.spread), (fit.right_mean, fit.spread)
-            labels = ("fitted mixture, Eq. 4", "left", "right")
-            _mixture(axes, np.linspace(-1.5, 7.5, 500), fit.weight, sides, labels)
-            shares = np.array(cells) / sum(cells)
-            label = "cells (1 and 5 are open)"
-            axes.plot(range(1, 6), shares, **STYLES["measured"], label=label)
+            y, shares = np.linspace(-1.5, 7.5, 500), np.array(cells) / sum(cells)
+            _mixture(axes, y, fit.weight, sides, ("Eq. 4", "left", "right"))
+            axes.plot(CELLS, shares, **STYLES["measured"], label="cells (1 and 5 are open)")
             axes.set(title=title, xlabel="cell across the plate, from the pitcher's left")
             axes.set(xticks=range(-1, 8), ylim=(0.0, 0.4))
-            dotted: Any = {"ymax": 0.65, "color": "0.4", "linewidth": 0.9, "dashes": (1, 3)}
-            axes.axvline(1.5, **dotted, label="edges of the strike zone")
-            axes.axvline(4.5, **dotted)
+            for edge, label in ((1.5, "edges of the strike zone"), (4.5, None)):
+                axes.axvline(
+                    edge, 0.0, 0.65, color="0.4", linewidth=0.9, dashes=(1, 3), label=label
+                )
             axes.legend(fontsize="small", loc="upper right")
         panels[0].set_ylabel("share of a cell; density per cell")
 
@@ -338,22 +289,21 @@ def draw_heights(report: Path, example: FittedPitches) -> None:
     shares = [share.value for share in example.height.shares]
     bars = [2 * (share.standard_error or 0.0) for share in example.height.shares]
     with figure(report, "pitch_fits_fig4", size=(4.8, 3.8)) as (axes,):
-        axes.errorbar(range(1, 6), shares, yerr=bars, capsize=3, **STYLES["measured"])
-        axes.set(title=_ours(example), xticks=range(1, 6), ylim=(0.0, 0.3))
+        axes.errorbar(CELLS, shares, yerr=bars, capsize=3, **STYLES["measured"])
+        axes.set(title=OURS(example), xticks=CELLS, ylim=(0.0, 0.3))
         axes.set_xlabel("cell in height, from the lowest (1 and 5 are open)")
         axes.set_ylabel("share of pitches ± 2 standard errors")
 
 
-def draw_determination(report: Path, determination: Rows) -> None:
+def draw_determination(report: Path, determination: pd.DataFrame) -> None:
     """Draw R² against the width of the bins."""
-    frame = pd.DataFrame(determination)
     printed = PRINTED_R_SQUARED["speed"]
     with figure(report, "pitch_fits_r_squared", size=(4.8, 3.8)) as (axes,):
         for what, label in ("speed", "normal density"), ("speed as printed", "Eq. 2 as printed"):
-            low, median, high = (frame[frame["what"] == what][x] for x in ("low", "median", "high"))
-            style, widths = STYLES[label], frame[frame["what"] == what]["bin_width"]
-            bars = [median - low, high - median]
-            axes.errorbar(widths, median, yerr=bars, **style, capsize=3, label=label)
+            drawn = determination[determination["what"] == what]
+            middle = drawn["median"]
+            bars, style = [middle - drawn["low"], drawn["high"] - middle], STYLES[label]
+            axes.errorbar(drawn["bin_width"], middle, bars, **style, capsize=3, label=label)
         axes.axhline(printed, color="0.4", linestyle=":", label=f"printed: {printed}")
         axes.set(title=THEIRS, xlabel="width of the bins, km/h")
         axes.set_ylabel("R² (median, 5 % to 95 % of draws)")
@@ -362,11 +312,8 @@ def draw_determination(report: Path, determination: Rows) -> None:
 
 def write(report: Path, example: FittedPitches, synthetic: FittedPitches, found: Found) -> str:
     """Return the report in Markdown; every number and verdict in it comes from the fits."""
-    of = {what: [r for r in found.r_squared if r["what"] == what] for what in WHAT}
     return render(
         report, "pitch_fits", globals(), example=example, synthetic=synthetic, found=found,
-        within=float(np.mean([row["within_1.96"] for row in found.coverage])),
-        speed=of["speed"], aim=of["aim"][0], on_the_curve=of["aim on the curve"][0],
-        as_printed=max(row["high"] for row in of["speed as printed"]),
+        within=np.mean([row["within_1.96"] for row in found.coverage]),
         spread=spread_behind_figure_3(),
     )  # fmt: skip

@@ -4,13 +4,25 @@ What it prints about pitches stands in `analysis.paper.pitch_fits`, the numbers 
 `longball.home_run` and `longball.model.scene`.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
+
+from longball.home_run import paper_at_bats
+from longball.model.readings import SamplingReading
+from longball.model.scene import AtBatScene
+
+# Its at-bats by the default readings: what is the same in all, and the distributions of the rest.
+BASE, AT_BATS = AtBatScene(id="base"), paper_at_bats(SamplingReading())
 
 SAMPLES = 1_000  # behind each density of Fig. 6 and each point of Fig. 7 (Sec. IV)
 PEAKS = {0.41: 75.0, 0.45: 125.0}  # m, highest peak of Fig. 6 by restitution (Sec. IV)
 FLAT = (40.0, 80.0)  # m, where the density at e = 0.45 is called almost the same (Sec. V)
 P_TEXT = (0.42, 0.17)  # P(0.42) ≈ 0.17 (Sec. V)
 UZR_SPAN, UZR_SHARE = (91.44, 121.92), 0.179  # m; share of batted balls found there (Sec. V)
+
+
+def noise(p: Any) -> Any:
+    """Return the standard error of shares of the paper's samples."""
+    return (p * (1 - p) / SAMPLES) ** 0.5
 
 
 class Season(NamedTuple):

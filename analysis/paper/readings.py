@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from analysis.paper import combinations, numbers, switches, variance
+from analysis.writing import render
 
 
 def run(report: Path, full: bool) -> str:
@@ -12,14 +13,11 @@ def run(report: Path, full: bool) -> str:
     time, and below in the section.
     """
     cases = combinations.cases()
-    return "\n".join(
-        [
-            "## Which reading gives the paper's numbers?\n",
-            "Written by `python -m analysis readings`.\n",
-            switches.section(report, cases),
-            numbers.section(report, cases),
-            combinations.section(report),
-            numbers.sensitivities(report, cases),
-            variance.section(report, {name: base for name, (base, _) in cases.items()}),
-        ]
+    sections = (
+        switches.section(report, cases),
+        numbers.section(report, cases),
+        combinations.section(report),
+        numbers.sensitivities(report, cases),
+        variance.section(report, {name: base for name, (base, _) in cases.items()}),
     )
+    return render(report, "readings", {}, sections=sections)

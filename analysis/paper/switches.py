@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,6 +12,7 @@ from pydantic import ValidationError
 from analysis.paper import balls
 from analysis.paper.balls import SPACES, Base, Share, Space, strike
 from analysis.paper.combinations import RADII, STEP, Cases
+from analysis.paper.numbers import mark_p
 from analysis.paper.printed import P_TEXT
 from analysis.writing import figure, render
 from longball.engines.verlet import Verlet
@@ -40,6 +42,11 @@ class Turned(NamedTuple):
         """As the figure calls it."""
         return f"{self.switch} = {self.option}"
 
+    @property
+    def visible(self) -> bool:
+        """Whether the change is larger than two standard errors."""
+        return abs(self.change) >= 2 * self.change_error
+
 
 def options(base: Base, space: Space) -> Iterator[tuple[str, str, Base, Space]]:
     """Yield each switch with each option that is not the one chosen, and what it makes.
@@ -53,22 +60,18 @@ def options(base: Base, space: Space) -> Iterator[tuple[str, str, Base, Space]]:
             other = turned_to(base, entry.switch, option)
             if other is not None and other != base:
                 yield entry.switch, option, other, space
-    for other_space in SPACES:
-        if other_space != space:
-            yield "samples", other_space.name, base, other_space
+    yield from (("samples", other.name, base, other) for other in SPACES if other != space)
     for radius in RADII:
-        if radius != base.scene.ball.radius:
-            yield "ball.radius", f"{radius:g}", base.replaced({"ball.radius": radius}), space
+        if (other := base.replaced({"ball.radius": radius})) != base:
+            yield "ball.radius", f"{radius:g}", other, space
 
 
 def turned_to(base: Base, switch: str, option: str) -> Base | None:
     """Return a reading with one switch set; None if it has no such switch, or contradicts it."""
     scene, sampling = base
     if switch in SamplingReading.model_fields:
-        number = SamplingReading.model_fields[switch].annotation is float
-        value = float(option) if number else option
-        switches = sampling.model_dump() | {switch: value}
-        return Base(scene, SamplingReading.model_validate(switches))
+        switches = {name: str(value) for name, value in sampling.model_dump().items()}
+        return Base(scene, SamplingReading.model_validate_strings(switches | {switch: option}))
     try:
         reading = Reading.model_validate(scene.reading.model_dump() | {switch: option})
     except ValidationError:
@@ -107,42 +110,25 @@ def turn_scheme(base: Base, space: Space) -> list[dict[str, Any]]:
         (struck,) = balls.strike_in_steps(base, STEPPED_SAMPLES, SEED, [E], scheme)
         share = space.share(struck)
         before = before or share
-        change, change_error = share.above(before)
-        row = {"switch": switch, "option": option, "batted": struck.batted.mean(), "p": share.p}
-        row |= {"p_error": share.influence.std() / np.sqrt(STEPPED_SAMPLES)}
-        found.append(row | {"change": change, "change_error": change_error})
+        row = {"switch": switch, "option": option, "batted": struck.batted.mean(), "share": share}
+        found.append(row | {"change": share.above(before)})
     return found
-
-
-class Turns(NamedTuple):
-    """A reading, and all that comes of turning one of its switches."""
-
-    name: str
-    described: str
-    before: Share
-    turned: list[Turned]
-
-    @property
-    def largest(self) -> list[Turned]:
-        """The three that change P most."""
-        return sorted(self.turned, key=lambda one: -abs(one.change))[:3]
-
-    @property
-    def still(self) -> list[Turned]:
-        """Those whose change is within two standard errors of none."""
-        return [one for one in self.turned if abs(one.change) < 2 * one.change_error]
 
 
 def section(report: Path, cases: Cases) -> str:
     """Write the section: each reading with each switch turned."""
-    found = [Turns(name, balls.describe(*case), *turn(*case)) for name, case in cases.items()]
+    found = []
+    for name, case in cases.items():
+        before, turned = turn(*case)
+        found.append(SimpleNamespace(name=name, case=case, before=before, turned=turned))
     draw_tornado(report, found)
     return render(
-        report, "switches", globals(), found=found, schemes=turn_scheme(*cases["nearest"])
-    )
+        report, "switches", globals(), found=found, schemes=turn_scheme(*cases["nearest"]),
+        caption=PAPER_CURVES["caption"],
+    )  # fmt: skip
 
 
-def draw_tornado(report: Path, found: Sequence[Turns]) -> None:
+def draw_tornado(report: Path, found: Sequence[SimpleNamespace]) -> None:
     """Draw a bar for each option, from P before to P after, the longest above."""
     longest = max(len(one.turned) for one in found)
     size = (9.6, 0.6 + 0.24 * longest)
@@ -156,12 +142,9 @@ def draw_tornado(report: Path, found: Sequence[Turns]) -> None:
                 xerr=[2 * one.change_error for one in order],
                 error_kw={"elinewidth": 0.8, "capsize": 2},
             )  # fmt: skip
-            axes.axvline(of.before.p, color="black", linewidth=0.8, label="no switch turned")
-            caption = PAPER_CURVES["caption"](E)
-            axes.axvline(caption, color="black", linestyle=":", label="paper's caption")
+            mark_p(axes, of.before.p, "no switch turned", of.name)
             axes.set_yticks(heights, [one.name for one in order], fontsize="x-small")
-            axes.set(xlabel=f"P({E})", title=f"from the {of.name} reading", ylim=(-0.8, longest))
-            axes.set_xlim(left=0.0)
+            axes.set(xlim=(0.0, None), ylim=(-0.8, longest))
             axes.grid(visible=False, axis="y")
         lines, _ = panels[0].get_legend_handles_labels()
         shades = [Patch(color="0.75", label="raises P"), Patch(color="0.35", label="lowers P")]

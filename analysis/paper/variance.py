@@ -2,12 +2,12 @@
 
 from dataclasses import replace
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from analysis import Array
-from analysis.paper.balls import SPACES, Base, describe, strike
+from analysis.paper import balls
 from analysis.writing import render
 from longball.home_run import HOME_RUN_DISTANCE, Samples
 
@@ -45,45 +45,39 @@ def indices(a: Array, b: Array, mixed: Array, seed: int) -> Indices:
     M. J. W. Jansen, Comput. Phys. Commun. 117 (1999) 35.
     """
     middle = (a.mean() + b.mean()) / 2  # centred: less noise, the same indices
-    a, b, mixed = a - middle, b - middle, mixed - middle
+    one, other, swapped = a - middle, b - middle, mixed - middle
+
+    def of_rows(rows: Any) -> Array:
+        a, b, mixed = one[rows], other[rows], swapped[:, rows]
+        variance = np.concatenate([a, b]).var()
+        first = (b * (mixed - a)).mean(axis=1) / variance
+        return np.array([first, ((a - mixed) ** 2).mean(axis=1) / (2 * variance)])
+
     generator = np.random.default_rng(seed)
-    resampled = []
-    for _ in range(RESAMPLES):
-        rows = generator.integers(len(a), size=len(a))
-        resampled.append(_saltelli_jansen(a[rows], b[rows], mixed[:, rows]))
-    first, total = _saltelli_jansen(a, b, mixed)
-    first_error, total_error = np.std(resampled, axis=0, ddof=1)
-    return Indices(first, first_error, total, total_error)
+    resampled = [of_rows(generator.integers(len(a), size=len(a))) for _ in range(RESAMPLES)]
+    (first, total), errors = of_rows(slice(None)), np.std(resampled, axis=0, ddof=1)
+    return Indices(first, errors[0], total, errors[1])
 
 
-def _saltelli_jansen(a: Array, b: Array, mixed: Array) -> Array:
-    variance = np.concatenate([a, b]).var()
-    first = (b * (mixed - a)).mean(axis=1) / variance
-    total = ((a - mixed) ** 2).mean(axis=1) / (2 * variance)
-    return np.array([first, total])
-
-
-def quantities(base: Base, samples: Samples) -> dict[str, Array]:
+def quantities(base: balls.Base, samples: Samples) -> dict[str, Array]:
     """Return what is asked of at-bats: D, 0 for a miss, and whether it is a home run's."""
-    (balls,) = strike(base, samples, [E])
-    distance = np.where(balls.batted, balls.distance, 0.0)
+    (struck,) = balls.strike(base, samples, [E])
+    distance = np.where(struck.batted, struck.distance, 0.0)
     return {
         "D": distance,
-        "D of balls hit upwards": np.where(balls.elevation > 0, distance, 0.0),
+        "D of balls hit upwards": np.where(struck.elevation > 0, distance, 0.0),
         "D ≥ 150 m": (distance >= HOME_RUN_DISTANCE).astype(float),
     }
 
 
-def section(report: Path, bases: dict[str, Base]) -> str:
+def section(report: Path, bases: dict[str, balls.Base]) -> str:
     """Write the section: the indices of each quantity, under each reading."""
-    found = {}
+    found: dict[str, dict[str, Indices]] = {name: {} for name in bases}
     for name, base in bases.items():
         one, other = (base.drawn(SAMPLES, seed) for seed in SEEDS)
         a, b = quantities(base, one), quantities(base, other)
         mixed = [quantities(base, replace(one, **{x: getattr(other, x)})) for x in INPUTS]
-        found[name] = {
-            what: indices(a[what], b[what], np.array([each[what] for each in mixed]), SEEDS[0])
-            for what in a
-        }
-    described = {name: describe(base, SPACES[0]) for name, base in bases.items()}
-    return render(report, "variance", globals(), found=found, bases=described)
+        for what in a:
+            both = np.array([each[what] for each in mixed])
+            found[name][what] = indices(a[what], b[what], both, SEEDS[0])
+    return render(report, "variance", globals(), found=found, bases=bases)

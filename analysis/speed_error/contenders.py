@@ -1,6 +1,7 @@
 """Who takes part: every engine of longball over its settings, and the peers that are installed."""
 
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from importlib.util import find_spec
 from typing import Any, NamedTuple
 
@@ -8,14 +9,13 @@ import numpy as np
 
 from analysis.speed_error import peers
 from analysis.speed_error.work import Work
+from longball.engines import create
 from longball.engines.batch import Batch, solve_columns
 from longball.engines.batch.columns import BatchFlyer
 from longball.engines.batch.many import BLOCK
 from longball.engines.chain import solve
-from longball.engines.enclosure import Enclosure
 from longball.engines.engine import Engine
 from longball.engines.ivp import Ivp
-from longball.engines.multiprecision import Multiprecision
 from longball.engines.verlet import TREATMENTS, Verlet
 from longball.model.result import Number
 from longball.model.scene import AtBatScene
@@ -47,34 +47,24 @@ class Contender(NamedTuple):
         return f"{self.family}, {self.setting}"
 
 
-def in_columns(flyer: BatchFlyer) -> Callable[[Work], Answers]:
-    """Return how the work is solved over columns."""
-
-    def solved(work: Work) -> Answers:
-        table = solve_columns(work.base, work.columns, flyer)
-        nothing = np.full(len(work), np.nan)  # where no ball lands, there is no such column
-        distances, times = (
-            [x if x == x else None for x in table.get(f"landing.{name}", nothing).tolist()]
-            for name in ("distance", "time")
-        )
-        return Answers(table["outcome"].tolist(), distances, times)
-
-    return solved
+def in_columns(flyer: BatchFlyer, work: Work) -> Answers:
+    """Solve the work over columns."""
+    table = solve_columns(work.base, work.columns, flyer)
+    nothing = np.full(len(work), np.nan)  # where no ball lands, there is no such column
+    distances, times = (
+        [x if x == x else None for x in table.get(f"landing.{name}", nothing).tolist()]
+        for name in ("distance", "time")
+    )
+    return Answers(table["outcome"].tolist(), distances, times)
 
 
-def one_by_one(engine: Engine[Any]) -> Callable[[Work], Answers]:
-    """Return how an engine solves the work, scene by scene."""
-
-    def solved(work: Work) -> Answers:
-        results = [solve(scene, engine) for scene in work.scenes]
-        landings = [result.landing for result in results]
-        return Answers(
-            [result.outcome or "" for result in results],
-            [landing.distance if landing else None for landing in landings],
-            [landing.time if landing else None for landing in landings],
-        )
-
-    return solved
+def one_by_one(engine: Engine[Any], work: Work) -> Answers:
+    """Solve the work scene by scene."""
+    results = [solve(scene, engine) for scene in work.scenes]
+    distances, times = (
+        [getattr(result.landing, name, None) for result in results] for name in ("distance", "time")
+    )
+    return Answers([result.outcome or "" for result in results], distances, times)
 
 
 # Scenes a turn, so that few turns take more than a tenth of a second.
@@ -83,7 +73,7 @@ COMPILED, QUICK, SLOW = 4 * BLOCK, 512, 16
 
 def batch(tolerance: float) -> Contender:
     """Return the batch engine, over columns."""
-    return Contender("batch", f"{tolerance:g} m", in_columns(Batch(tolerance)), COMPILED)
+    return Contender("batch", f"{tolerance:g} m", partial(in_columns, Batch(tolerance)), COMPILED)
 
 
 def ivp(method: str, rtol: float | None = None) -> Contender:
@@ -91,10 +81,11 @@ def ivp(method: str, rtol: float | None = None) -> Contender:
     turn, most = (2, 20) if method == "Radau" else (SLOW, None)
     engine = Ivp(method, rtol, rtol)
     setting = f"{engine.tolerances['rtol']:g}" if engine.tolerances else "default"
-    return Contender(f"ivp {method}", setting, one_by_one(engine), turn, most)
+    return Contender(f"ivp {method}", setting, partial(one_by_one, engine), turn, most)
 
 
-ENCLOSURE = Contender("enclosure", "30 digits", one_by_one(Enclosure(30)), 5, 50)
+PROVEN = partial(one_by_one, create("enclosure", digits=30))
+ENCLOSURE = Contender("enclosure", "30 digits", PROVEN, 5, 50)
 
 
 def longball_engines() -> Iterator[Contender]:
@@ -109,10 +100,11 @@ def longball_engines() -> Iterator[Contender]:
             yield ivp(method)
     for treatment in TREATMENTS:
         for dt in (0.05, 0.01, 2e-3, 4e-4):
-            verlet = one_by_one(Verlet(dt, treatment))
+            verlet = partial(one_by_one, Verlet(dt, treatment))
             yield Contender(f"verlet {treatment}", f"{dt:g} s", verlet, QUICK)
     yield ENCLOSURE
-    yield Contender("multiprecision", "30 digits", one_by_one(Multiprecision(30)), 1, 5)
+    precise = partial(one_by_one, create("multiprecision", digits=30))
+    yield Contender("multiprecision", "30 digits", precise, 1, 5)
 
 
 SHORT_STEPS, SHORTEST_STEP = "scipy DOP853 1e-9 in short steps", 2e-3  # s
@@ -126,20 +118,25 @@ def plain_scipy(work: Work) -> Iterator[Contender]:
             yield plain(method, rtol)
     if isinstance(work.base, AtBatScene):
         for max_step in (0.05, 0.01, SHORTEST_STEP):
-            solver = in_columns(peers.Scipy("DOP853", 1e-9, max_step))
-            yield Contender(SHORT_STEPS, f"{max_step:g} s", solver, SLOW)
+            solver = peers.Scipy("DOP853", 1e-9, max_step)
+            yield of_peer(SHORT_STEPS, f"{max_step:g} s", solver)
+
+
+def of_peer(family: str, setting: str, peer: peers.Peer, turn: int = SLOW) -> Contender:
+    """Return a peer as a contender."""
+    return Contender(family, setting, partial(in_columns, peer), turn)
 
 
 def plain(method: str, rtol: float) -> Contender:
     """Return solve_ivp by a method, with its own events."""
-    return Contender(f"scipy {method}", f"{rtol:g}", in_columns(peers.Scipy(method, rtol)), SLOW)
+    return of_peer(f"scipy {method}", f"{rtol:g}", peers.Scipy(method, rtol))
 
 
 def heyoka(tolerance: float = 0.0) -> Iterator[Contender]:
     """Yield heyoka's scalar and its batch mode; tolerance 0 stands for its default."""
     setting = f"{tolerance:g}" if tolerance else "default"
     for mode, peer in (("scalar", peers.Heyoka), ("batch", peers.HeyokaBatch)):
-        yield Contender(f"heyoka {mode}", setting, in_columns(peer(tolerance)), BLOCK)
+        yield of_peer(f"heyoka {mode}", setting, peer(tolerance), BLOCK)
 
 
 def installed_peers() -> Iterator[Contender]:
@@ -147,10 +144,10 @@ def installed_peers() -> Iterator[Contender]:
     absent = missing_peers()
     for rtol in (1e-6, 1e-9, 1e-12):
         if "scikit-sundae" not in absent:
-            yield Contender("CVODE Adams", f"{rtol:g}", in_columns(peers.Cvode(rtol)), SLOW)
+            yield of_peer("CVODE Adams", f"{rtol:g}", peers.Cvode(rtol))
         for name in ("Tsit5", "Dopri8") if "diffrax" not in absent else ():
-            solver = in_columns(peers.Diffrax(name, rtol))
-            yield Contender(f"diffrax {name}", f"{rtol:g}", solver, peers.LOCKSTEP)
+            solver = peers.Diffrax(name, rtol)
+            yield of_peer(f"diffrax {name}", f"{rtol:g}", solver, peers.LOCKSTEP)
         if "heyoka" not in absent:
             yield from heyoka(rtol)
     if "heyoka" not in absent:

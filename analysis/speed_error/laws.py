@@ -1,31 +1,30 @@
 """What laws of flight cost: spin, wind and a drag crisis, beside the paper's law and heyoka."""
 
-import json
-import tomllib
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
+import longball as lb
 from analysis.speed_error import contenders
 from analysis.speed_error.contenders import Answers, Contender
 from analysis.speed_error.measuring import Measured, measure, ratio
 from analysis.speed_error.work import Work, flights, known
-from analysis.writing import render
+from analysis.writing import data, render
 from longball.engines.batch import Batch, solve_columns
 from longball.engines.batch.flights import Records
 from longball.engines.batch.many import BLOCK
-from longball.model.scene import FlightScene
 from longball.model.trace import Program
 
-LAWS = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))
+LAWS = data(__file__)
 
 
 def works(count: int) -> dict[str, Work]:
     """Return the same launches under each law."""
     level, found = flights(count), {}
     for name, law in LAWS.items():
-        written = json.loads(level.base.model_dump_json())
-        written["launch"]["spin"], written["air"] = law.get("spin"), law.get("air", {})
-        found[name] = Work(FlightScene.model_validate_json(json.dumps(written)), level.columns)
+        launch = level.base.model_dump()["launch"] | {"spin": law.get("spin")}
+        blocks: Any = {"launch": launch, "air": law.get("air", {})}
+        found[name] = Work(lb.Flight(id="flight", **blocks), level.columns)
     return found
 
 

@@ -9,7 +9,6 @@ import statistics
 import time
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import NamedTuple
@@ -25,8 +24,7 @@ from longball.model.result import Number, Result
 VERSIONS = ("numpy", "scipy", "numba", "python-flint", "heyoka", "diffrax", "jax", "scikit-sundae")
 
 
-@dataclass(frozen=True)
-class Errors:
+class Errors(NamedTuple):
     """What a contender made of scenes whose truth is known.
 
     Errors are |D - true D| where both have landed, m; NaN if there is none.
@@ -44,7 +42,7 @@ class Errors:
     def row(self) -> dict[str, object]:
         """Return the numbers as columns of a table."""
         names = {"median": "median error, m", "most": "99 % error, m", "worst": "worst error, m"}
-        return {names.get(x, x): vars(self)[x] for x in vars(self) if x != "worst_time"}
+        return {names.get(x, x): y for x, y in self._asdict().items() if x != "worst_time"}
 
 
 class Measured(NamedTuple):
@@ -96,8 +94,8 @@ def errors(answers: Answers, true: Sequence[Result]) -> Errors:
 
     def differences(found: Sequence[Number | None], name: str) -> list[float]:
         pairs = zip(found, (result.landing for result in true), strict=True)
-        both = [(x, landing) for x, landing in pairs if x is not None and landing]
-        return [difference(x, getattr(landing, name)) for x, landing in both] or [math.nan]
+        both = ((x, getattr(y, name)) for x, y in pairs if x is not None and y is not None)
+        return [difference(*pair) for pair in both] or [math.nan]
 
     off = differences(answers.distances, "distance")
     met = [

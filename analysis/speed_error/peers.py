@@ -93,15 +93,12 @@ def problem_of(starts: Records, law: Program) -> tuple[Problem, Array]:
 class Peer(ABC):
     """An integrator, as a `longball.engines.batch.columns.BatchFlyer`."""
 
+    flight_error = 0.0  # a peer decides by its numbers as they are
+
     @property
     def description(self) -> str:
         """Who it is, with its settings."""
         return repr(self)
-
-    @property
-    def flight_error(self) -> float:
-        """0: a peer decides by its numbers as they are."""
-        return 0.0
 
     @abstractmethod
     def land(self, problem: Problem, flights: Array) -> Array:
@@ -142,6 +139,8 @@ class Scipy(Peer):
     def land(self, problem: Problem, flights: Array) -> Array:
         """Fly one after the other."""
         rates, heights = problem.bound(math)
+        options = {"method": self.method, "rtol": self.rtol, "atol": self.rtol}
+        max_step = self.max_step if problem.bat else math.inf
 
         def motion(_: float, y: Array) -> tuple[float, ...]:
             return rates(*y.tolist())
@@ -154,17 +153,16 @@ class Scipy(Peer):
             event.direction = -1  # type: ignore[attr-defined]
             return event
 
-        def one(flight: list[float]) -> tuple[float, ...]:
-            options = {"method": self.method, "rtol": self.rtol, "atol": self.rtol}
+        arrived = []
+        for flight in flights:
+            span, start, own = flight[:2], flight[problem.state], flight[problem.state.stop :]
+            events = [stop(height, own.tolist()) for height in heights]
             found = scipy.integrate.solve_ivp(
-                motion, flight[:2], np.array(flight[problem.state]), **options,
-                max_step=self.max_step if problem.bat else math.inf,
-                events=[stop(height, flight[problem.state.stop :]) for height in heights],
-            )  # fmt: skip
+                motion, span, start, events=events, max_step=max_step, **options
+            )
             met = [place for place, times in enumerate(found.t_events) if len(times)]
-            return (met[0] if met else -1, found.t[-1], *found.y[:, -1])
-
-        return np.array([one(flight) for flight in flights.tolist()])
+            arrived.append((met[0] if met else -1, found.t[-1], *found.y[:, -1]))
+        return np.array(arrived)
 
 
 _ROOT_FOUND = 2  # CVODE's status of a solve that an event has ended
@@ -195,15 +193,15 @@ class Cvode(Peer):
             motion, method="Adams", rtol=self.rtol, atol=self.rtol, max_num_steps=100_000,
             eventsfn=stop, num_events=len(falling),
         )  # fmt: skip
-        arrived = np.empty((len(flights), problem.state.stop))
-        for flight, end in zip(flights, arrived, strict=True):
+        arrived = []
+        for flight in flights:
             own[:] = flight[problem.state.stop :].tolist()
             found = solver.solve(flight[:2], flight[problem.state])
             # It keeps the events of all its solves, the latest last.
             met = found.status == _ROOT_FOUND
-            end[0] = np.flatnonzero(found.i_events[-1])[0] if met else -1
-            end[1], end[2:] = found.t[-1], found.y[-1]
-        return arrived
+            place = np.flatnonzero(found.i_events[-1])[0] if met else -1
+            arrived.append((place, found.t[-1], *found.y[-1]))
+        return np.array(arrived)
 
 
 @dataclass(frozen=True)
@@ -215,8 +213,7 @@ class Heyoka(Peer):
     def land(self, problem: Problem, flights: Array) -> Array:
         """Fly one after the other, by one integrator."""
         integrator = _heyoka(problem, self.tolerance)
-        state, pars = integrator.state, integrator.pars
-        places = _places(problem)
+        state, pars, places = integrator.state, integrator.pars, _places(problem)
         arrived = np.empty((len(flights), problem.state.stop))
         for flight, end in zip(flights, arrived, strict=True):
             integrator.time = flight[0]
@@ -245,14 +242,13 @@ class HeyokaBatch(Heyoka):
     lanes: int = 16
 
     def land(self, problem: Problem, flights: Array) -> Array:
-        """Fly in groups of flights of like duration; the last one is filled up."""
+        """Fly in groups of flights of like duration."""
         integrator = _heyoka(problem, self.tolerance, self.lanes)
         state, pars, times = integrator.state, integrator.pars, integrator.time
         places = _places(problem)
         flying = int(import_module("heyoka").taylor_outcome.success)
         order = np.argsort(_duration(problem, flights))
-        order = np.pad(order, (0, -len(order) % self.lanes), "edge")
-        groups = flights[order].reshape(-1, self.lanes, flights.shape[1])
+        groups = _in_groups(flights[order], self.lanes)
         ends = np.empty((*groups.shape[:2], problem.state.stop))
         for group, end in zip(groups, ends, strict=True):
             integrator.set_time(group[:, 0].tolist())
@@ -267,9 +263,13 @@ class HeyokaBatch(Heyoka):
                 met = np.where(still, ended, met).tolist()
             end[:, 0] = [places.get(outcome, -1) for outcome in met]
             end[:, 1], end[:, 2:] = times, state.T
-        arrived = np.empty((len(flights), problem.state.stop))
-        arrived[order] = ends.reshape(-1, problem.state.stop)
-        return arrived
+        return ends.reshape(-1, problem.state.stop)[np.argsort(order)]
+
+
+def _in_groups(flights: Array, size: int) -> Array:
+    """Return flights in groups of a size; the last is filled up with the last flight."""
+    full = np.pad(flights, ((0, -len(flights) % size), (0, 0)), "edge")
+    return full.reshape(-1, size, flights.shape[1])
 
 
 def _duration(problem: Problem, flights: Array) -> Array:
@@ -305,15 +305,12 @@ def _heyoka(problem: Problem, tolerance: float, lanes: int = 0) -> Any:
     state = hy.make_vars(*names)
     own = [hy.par[i] for i in range(len(problem.stops[0].variables) - len(names))]
     rates, heights = problem.bound(hy)
-    event, integrator = (
-        (hy.t_event_batch, hy.taylor_adaptive_batch) if lanes else (hy.t_event, hy.taylor_adaptive)
-    )
-    events = [
-        event(height(*state, *own)[0], direction=hy.event_direction.negative) for height in heights
-    ]
+    kind, shape = ("_batch", (len(names), lanes)) if lanes else ("", (len(names),))
+    event, falling = getattr(hy, f"t_event{kind}"), hy.event_direction.negative
+    events = [event(height(*state, *own)[0], direction=falling) for height in heights]
     motion = list(zip(state, rates(*state), strict=True))
-    start = np.ones((len(names), lanes) if lanes else len(names))
-    return integrator(motion, start, t_events=events, tol=tolerance)
+    integrator = getattr(hy, f"taylor_adaptive{kind}")
+    return integrator(motion, np.ones(shape), t_events=events, tol=tolerance)
 
 
 # What diffrax flies at once: its code is made for an array of one size.
@@ -328,10 +325,8 @@ class Diffrax(Peer):
     rtol: float
 
     def land(self, problem: Problem, flights: Array) -> Array:
-        """Fly in groups; the last one is filled up with its last flight."""
-        fly = _diffrax(self.solver, problem)
-        full = np.pad(flights, ((0, -len(flights) % LOCKSTEP), (0, 0)), "edge")
-        groups = np.split(full, len(full) // LOCKSTEP)
+        """Fly in groups."""
+        fly, groups = _diffrax(self.solver, problem), _in_groups(flights, LOCKSTEP)
         flown = [np.column_stack(fly(group, self.rtol)) for group in groups]
         return np.concatenate(flown)[: len(flights)]
 

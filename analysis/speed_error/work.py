@@ -3,22 +3,24 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from analysis import Array
+from analysis.paper.printed import AT_BATS, BASE
 from longball import engines
 from longball.engines.chain import solve
-from longball.home_run import draw, paper_at_bats
+from longball.engines.ivp import Ivp
+from longball.home_run import draw
 from longball.model.quantities import replaced
-from longball.model.readings import SamplingReading
 from longball.model.result import Result
 from longball.model.scene import AtBatScene, FlightScene, Launch
 
 Scene = FlightScene | AtBatScene
 
 SEED = 1
-HEIGHT = 1.0  # m, of the launches
 TRUE_DIGITS = 40
 
 
@@ -52,16 +54,22 @@ def flights(count: int) -> Work:
     """Return launches of batted balls: line drives to high flies, 25 to 50 m/s, 5° to 60°."""
     rng = np.random.default_rng(SEED)
     speed, rise = rng.uniform(25.0, 50.0, count), np.radians(rng.uniform(5.0, 60.0, count))
-    level = Launch(position=(0.0, 0.0, HEIGHT), velocity=(30.0, 0.0, 30.0))
-    velocity = {0: speed * np.cos(rise), 2: speed * np.sin(rise)}
-    columns = {f"launch.velocity[{i}]": column for i, column in velocity.items()}
-    return Work(FlightScene(id="flight", launch=level), columns)
+    return launches(speed, rise)
+
+
+def launches(speed: Array, rise: ArrayLike, **blocks: Any) -> Work:
+    """Return launches 1 m over the plate at speeds, m/s, and angles, rad; with blocks of scenes."""
+    level = Launch(position=(0.0, 0.0, 1.0), velocity=(30.0, 0.0, 30.0))
+    columns = {
+        "launch.velocity[0]": speed * np.cos(rise),
+        "launch.velocity[2]": speed * np.sin(rise),
+    }
+    return Work(FlightScene(id="flight", launch=level, **blocks), columns)
 
 
 def at_bats(count: int, seed: int = SEED) -> Work:
     """Return at-bats of the paper's distributions."""
-    base = AtBatScene(id="at-bat")
-    return Work(base, draw(paper_at_bats(SamplingReading()), count, seed).columns)
+    return Work(BASE, draw(AT_BATS, count, seed).columns)
 
 
 def truth(work: Work) -> list[Result]:
@@ -73,3 +81,11 @@ def truth(work: Work) -> list[Result]:
 def known(work: Work, count: int) -> Work:
     """Return work with the truth about so many of its scenes."""
     return replace(work, true=truth(work.first(count)))
+
+
+def batted(count: int, seed: int) -> tuple[Work, list[Result]]:
+    """Return the first batted at-bats of a seed, and what the reference engine makes of them."""
+    drawn = at_bats(2 * count, seed)
+    results = [solve(scene, Ivp()) for scene in drawn.scenes]
+    rows = [row for row, result in enumerate(results) if result.outcome == "batted"][:count]
+    return drawn.part(rows), [results[row] for row in rows]

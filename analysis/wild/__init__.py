@@ -58,20 +58,32 @@ class Tried(NamedTuple):
 
 
 def run(report: Path, full: bool) -> str:
-    """Judge what is installed, and say what is not."""
+    """Judge what is installed, draw errors and orders, and say what is not installed."""
     there = [simulator for simulator in SIMULATORS if simulator.version]
     tried = [tried for simulator in there for tried in trials(simulator, full)]
-    draw(report, [t for t in tried if t.method.order])
+    stepped = [t for t in tried if t.method.order]
+    with figure(report, "wild_orders", columns=2, size=(9.0, 4.4)) as (left, right):
+        for row, (t, mark) in enumerate(zip(stepped, cycle("osD^vP*X"))):
+            style: dict[str, Any] = {"color": f"C{row}", "marker": mark}
+            left.loglog(t.steps, t.errors, **style, markersize=4, linewidth=1)
+            claimed = t.method.order or 0
+            right.plot([claimed], [row], "s", color="0.7", markersize=9, fillstyle="none")
+            if law := t.law:
+                right.errorbar(law.order, row, xerr=law.half_width, **style, markersize=5)
+            else:
+                right.text(0.1, row, "none", color=f"C{row}", va="center")
+        left.set(xlabel="step, s", ylabel="error of the place of landing, m")
+        right.set_yticks(range(len(stepped)), [t.name for t in stepped])
+        right.set(xlabel="order", xlim=(0.0, None))
+        right.invert_yaxis()
     return render(report, "wild", globals(), there=there, tried=tried)
 
 
 def trials(simulator: Simulator, full: bool) -> list[Tried]:
     """Hold each method of a simulator against the scenes that it can take."""
-    outcomes = ("landed", "crossed")
     sampled = sample(load(), simulator.families)
-    cases: Sequence[Case] = [case for case in sampled if case.expected.outcome in outcomes]
-    if not full:
-        cases = cases[:: max(1, len(cases) // SCENES)]
+    cases: Sequence[Case] = [x for x in sampled if x.expected.outcome in ("landed", "crossed")]
+    cases = cases if full else cases[:: max(1, len(cases) // SCENES)]
     own = cases
     if simulator.constants:
         own = proven([replaced(case.scene, simulator.constants) for case in cases])
@@ -120,21 +132,3 @@ def adapter_lines(simulator: Simulator) -> int:
     path = Path(__file__).parent / "adapters" / f"{simulator.module.rpartition('.')[2]}.py"
     lines = path.read_text(encoding="utf-8").split('"""', 2)[2].splitlines()
     return sum(bool(x.strip()) and not x.startswith(("import ", "from ")) for x in lines)
-
-
-def draw(report: Path, stepped: Sequence[Tried]) -> None:
-    """Draw errors by the step, and claimed and observed order."""
-    with figure(report, "wild_orders", columns=2, size=(9.0, 4.4)) as (left, right):
-        for row, (t, mark) in enumerate(zip(stepped, cycle("osD^vP*X"))):
-            style: dict[str, Any] = {"color": f"C{row}", "marker": mark}
-            left.loglog(t.steps, t.errors, **style, markersize=4, linewidth=1)
-            claimed: dict[str, Any] = {"color": "0.7", "markersize": 9, "fillstyle": "none"}
-            right.plot([t.method.order or 0], [row], "s", **claimed)
-            if law := t.law:
-                right.errorbar(law.order, row, xerr=law.half_width, **style, markersize=5)
-            else:
-                right.text(0.1, row, "none", color=f"C{row}", va="center")
-        left.set(xlabel="step, s", ylabel="error of the place of landing, m")
-        right.set_yticks(range(len(stepped)), [t.name for t in stepped])
-        right.set(xlabel="order", xlim=(0.0, None))
-        right.invert_yaxis()

@@ -1,12 +1,12 @@
 """The simulators of the study: what they are, and how they are asked."""
 
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from importlib.metadata import PackageNotFoundError, version
-from pathlib import Path
 
 import numpy as np
+
+from analysis.writing import data
 
 
 @dataclass(frozen=True)
@@ -57,5 +57,5 @@ class Simulator:
 
 SIMULATORS = tuple(
     Simulator(**one | {"methods": tuple(Method(**method) for method in one["methods"])})
-    for one in tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))["simulator"]
+    for one in data(__file__)["simulator"]
 )
