@@ -12,6 +12,7 @@ two do not hide each other. What is left is told, with its size.
 from __future__ import annotations
 
 import math
+import re
 from collections import defaultdict
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -349,7 +350,7 @@ class _Search:
         wrong = [one for one, size in zip(seen, sizes, strict=True) if size > minor]
         good = [one for one, size in zip(seen, sizes, strict=True) if one[1] and size <= minor]
         before = self.begun.get(stage, 0.0)
-        if (before and worst < FINE) or self._is_own(wrong, good):
+        if (before and _usual(sizes) < FINE) or self._is_own(wrong, good):
             self._leave(stage, wrong)
             return False
         right = [t for t, _ in good]
@@ -384,6 +385,10 @@ class _Search:
             return False
         broken, same = self._least_harm(causes, stage)
         best, alone = same[0], broken > 0 or of_most
+        if worst < FINE and not alone and _parameter(best.name) in self._numbers():
+            self._accept(best, stage, worst)  # more digits of it
+            self._followed = None
+            return True
         sentence = told_together([e.sentence for e in same])
         if of_most:
             sentence = (
@@ -391,7 +396,8 @@ class _Search:
                 f"is wrong in {len(wrong) - len(plain)} with other readings this does not explain"
             )
         elif alone:
-            sentence = f"{f'where {told.scenes}' if told.scenes else f'{stage} alone'}: {sentence}"
+            where = f", where {told.scenes}" if told.scenes else ""
+            sentence = f"{stage} alone{where}: {sentence}"
         said = {
             "kind": "named",
             "names": list(dict.fromkeys(e.name for e in same)),
@@ -413,6 +419,10 @@ class _Search:
         self._followed = None
         return True
 
+    def _numbers(self) -> set[str]:
+        """Return the parameters that a number is found for."""
+        return {_parameter(f.names[0]) for f in self.findings if f.names}
+
     def _is_own(self, wrong: Sequence[Checked], good: Sequence[Checked]) -> bool:
         """Tell whether errors are those of flights with what is found so far in them."""
         # A scene passes a jump where a flight is sensitive to it, or a scheme its own start.
@@ -420,6 +430,9 @@ class _Search:
             return ONE_IN * len(wrong) <= len(wrong) + len(good)
         if not self.begun or not all(_keen(t) for t, _ in wrong):
             return False
+        # A graze makes of an error its square root.
+        if max(size_of(c) for _, cs in wrong for c in cs) ** 2 < FAINT:
+            return True
         return ONE_IN * (len(wrong) - 1) <= len(wrong) + sum(_keen(t) for t, _ in good)
 
     def _found(
@@ -640,6 +653,11 @@ class _Search:
             return None
         some = evenly(wrong, SOUGHT // 2) + evenly(flying, SOUGHT // 2)
         return Sought([t for t, _ in some], right, ("pitch", "flight"), self.base, self.work)
+
+
+def _parameter(name: str) -> str:
+    """Return what a fitted number is of, from its name."""
+    return re.split("[=*+]", name)[0]
 
 
 def _keen(trial: Trial) -> bool:

@@ -6,7 +6,6 @@ import math
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 from longball.engines.chain import MODEL, solve
@@ -137,14 +136,16 @@ def outcome_findings(
         sentence, remedy = f"says {obtained} where {expected} is right", None
         names: list[str] = []
         own = ""
+        made = _made(evenly(wrong, WRONG), held, base, known)
+        flies = {f.stage for f in known}.isdisjoint(("pitch", "flight"))
         if against := _against_itself(wrong):
             sentence += f", against {against}"
-        elif rule_ := next((r for r in RULES if all(map(r.holds, wrong))), None):
-            names, remedy = [rule_.name], rule_.remedy
-            sentence += f": {rule_.sentence}"
-        elif made := _made(evenly(wrong, WRONG), held, base, known):
+        elif made:
             names, reason = made
             sentence += f": {reason}"
+        elif rule_ := next((r for r in RULES if flies and all(map(r.holds, wrong))), None):
+            names, remedy = [rule_.name], rule_.remedy
+            sentence += f": {rule_.sentence}"
         elif own := _follows(wrong):
             sentence += f": {own}"
         elif (
@@ -157,7 +158,9 @@ def outcome_findings(
                 "find the closest approach within the step, where d·v changes sign, and test there"
             )
         one = _told("outcome", "outcome", names, sentence, wrong, same)
-        said = {"kind": "probably", "share": 1.0} if names or own else {"kind": "unexplained"}
+        said: dict[str, Any] = {"kind": "unexplained"}
+        if names or own:
+            said = {"kind": "probably", "share": 1.0, "scenes": None}
         yield one.model_copy(update=said | {"remedy": remedy, "example": None})
 
 
@@ -168,7 +171,8 @@ def _made(
     whole = [*wrong, *same]
 
     def makes(change: Change) -> bool:
-        return all(map(partial(_explains, change), whole))
+        tells = [_explains(change, t) for t in whole]
+        return False not in tells and True in tells[: len(wrong)]
 
     named = [name for f in known for name in f.names[:1] if f.stage != "outcome"]
     if named and base is not NONE and makes(base):
@@ -182,12 +186,17 @@ def _made(
     return [m.name for m in ties], told_together([m.sentence for m in ties])
 
 
-def _explains(change: Change, trial: Trial) -> bool:
-    """Tell whether a change makes a trial's outcome, and a landing near to the one that it has."""
+def _explains(change: Change, trial: Trial) -> bool | None:
+    """Tell whether a change makes a trial's outcome, and a landing near to the one that it has.
+
+    None where doubles cannot decide what it makes.
+    """
     try:
         result = _solved(trial, change)
     except (ArithmeticError, ValueError):
         return False
+    if result.outcome is None:
+        return None
     if result.outcome != (trial.outcome or trial.case.expected.outcome):
         return False
     said = trial.given.get("landing.position")

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 from pydantic import ValidationError
@@ -30,7 +30,9 @@ def features(case: Case) -> Features:
     landing, contact, impact = case.expected.landing, case.expected.contact, case.expected.impact
     if landing is not None:
         found["direction at landing"] = "+x" if float(landing.velocity[0]) > 0 else "-x"
-        found["landing.time"] = float(landing.time)
+        found["landing.hang_time"] = float(landing.hang_time)
+        x, y, _ = map(float, landing.position)
+        found |= {"landing.position[0]": x, "landing.position[1]": y}
     if impact is not None:
         found["impact.restitution"] = float(impact.restitution)
         if impact.mode is not None:
@@ -78,11 +80,11 @@ _BLOCKS = {
     "polyline": "a polyline", "radius": "a circle",
 }  # fmt: skip
 
-# A rule is told if that of so many random choices of as many scenes hardly one could be told by
-# it; with two conditions it must be so many times as hard again.
-CHANCE, TWO = 5_000, 1_000
+# A rule is told if one choice of as many scenes, or of as many values of a number, in so many times
+# the count of rules that are tried would be told by it.
+CHANCE = 100
 
-# Scenes that must have a value for it to be the usual one.
+# Scenes that must have a value for it to be the usual one; fewer are no rule.
 FEWEST = 3
 
 # Rules that tell the same scenes: with more of them, none says anything.
@@ -92,40 +94,48 @@ MOST_RULES = 3
 def rule(failing: Sequence[Case], passing: Sequence[Case]) -> str | None:
     """Return the smallest rules that hold for all that fail and none that pass; None without one.
 
-    One condition, or two of what scenes are sorted by, both of which must hold. Where a few tell
-    the same scenes, all are told: it need not be the first one that is behind it.
+    One condition, or two that must both hold, the first of which is one that scenes are sorted by.
+    Where a few tell the same scenes, all are told: it need not be the first one that is behind it.
     """
-    choices = math.comb(len(failing) + len(passing), len(failing))
-    if not failing or not passing or choices < CHANCE:
-        return None
     wrong, right = [*map(features, failing)], [*map(features, passing)]
+    if min(len(wrong), len(right)) < FEWEST:
+        return None
+    # Every failing scene must be told; those that pass are cut away.
+    known = [*_conditions(wrong, right)]
+    conditions = [one for one in known if all(map(one.holds, wrong))]
+    if whole := _told_alone(conditions, wrong, right, len(known)):
+        return whole
+    half = [(len(left), one, left) for one in conditions if _sorts(one.name)
+            and len(left := [*filter(one.holds, right)]) < len(right)]  # fmt: skip
+    for _, one, left in sorted(half, key=lambda cut: cut[0]):
+        others = [*_conditions(wrong, left)]
+        if other := _told_alone(others, wrong, left, len(known) * len(others)):
+            return f"{one.text} and {other}"
+    return None
+
+
+def _told_alone(
+    conditions: Iterable[Condition],
+    wrong: Sequence[Features],
+    right: Sequence[Features],
+    tried: int,
+) -> str | None:
+    """Return the rules of one condition; `tried` is how many there might have been."""
     whole: dict[str, str] = {}  # by the feature
-    half = []
-    for name, text, holds in _conditions(wrong, right):
-        # Every failing scene must be told; those that pass are cut away.
-        if not all(map(holds, wrong)):
-            continue
-        left = [f for f in right if holds(f)]
-        if left:
-            half.append((len(left), text, holds, left, _sorts(name)))
-        else:
-            whole.setdefault(name, text)
-    if whole:
-        plain = [n for n in whole if _sorts(n)]
-        zero = [n for n, text in whole.items() if n not in plain and text == f"{n} = 0"]
-        simple = [n for n in plain if n not in FORMS and not _law(n)]
-        for names in (plain + zero, plain, simple, [] if plain or zero else list(whole)):
-            if 0 < len(names) <= MOST_RULES:
-                told = sorted((whole[n] for n in names), key=lambda text: "flagged" in text)
-                return "; or, which are the same scenes, ".join(told)
-        return None
-    if choices < CHANCE * TWO:
-        return None
-    half.sort(key=lambda one: one[0])
-    sorting = [(text, holds, left) for _, text, holds, left, sorts in half if sorts]
-    for (text, _, left), (other, holds, _) in itertools.combinations(sorting, 2):
-        if not any(map(holds, left)):
-            return f"{text} and {other}"
+    for one in conditions:
+        if (
+            one.choices >= CHANCE * tried
+            and all(map(one.holds, wrong))
+            and not any(map(one.holds, right))
+        ):
+            whole.setdefault(one.name, one.text)
+    plain = [n for n in whole if _sorts(n)]
+    zero = [n for n, text in whole.items() if n not in plain and text == f"{n} = 0"]
+    simple = [n for n in plain if n not in FORMS and not _law(n)]
+    for names in (plain + zero, plain, simple, [] if plain or zero else list(whole)):
+        if 0 < len(names) <= MOST_RULES:
+            told = sorted((whole[n] for n in names), key=lambda text: "flagged" in text)
+            return "; or, which are the same scenes, ".join(told)
     return None
 
 
@@ -147,37 +157,70 @@ FORMS = (
 )  # fmt: skip
 
 
-Condition = tuple[str, str, Callable[[Features], bool]]
+@dataclass(frozen=True)
+class Condition:
+    """What may tell scenes.
+
+    Attributes
+    ----------
+    name
+        Of the feature.
+    text
+        In words.
+    holds
+        Whether it holds, of features.
+    choices
+        How many choices there are that might be told so: of as many scenes as fail among all, or,
+        where a number is large or small, of as many of its values, since scenes that are alike in
+        one number fail and pass together.
+    """
+
+    name: str
+    text: str
+    holds: Callable[[Features], bool]
+    choices: int
 
 
 def _conditions(wrong: Sequence[Features], right: Sequence[Features]) -> Iterator[Condition]:
-    """Yield what may tell the scenes: the feature, the condition in words, and whether it holds."""
+    """Yield what may tell the scenes."""
+    scenes = math.comb(len(wrong) + len(right), len(wrong))
     for name in dict.fromkeys(name for f in (*wrong, *right) for name in f):
         values = [f[name] for f in wrong if name in f]
         others = [f[name] for f in right if name in f]
         if name.startswith("flag "):
             flag = f"{'flagged' if values else 'not flagged'} {name[5:]}"
-            yield name, flag, lambda f, n=name, v=bool(values): (n in f) is v  # type: ignore[misc]
+            yield Condition(name, flag, lambda f, n=name, v=bool(values): (n in f) is v, scenes)  # type: ignore[misc]
             continue
         if not values:
             continue
+        different = set(values)
+        some = math.comb(len(different.union(others)), len(different))
         usual, times = Counter(others).most_common(1)[0] if others else (None, 0)
-        differs = name, f"{name} ≠ {_told(usual)}", lambda f, n=name, v=usual: f.get(n, v) != v
+        differs = Condition(
+            name, f"{name} ≠ {_told(usual)}", lambda f, n=name, v=usual: f.get(n, v) != v, scenes  # type: ignore[misc]
+        )  # fmt: skip
         often = times >= FEWEST and 2 * times > len(others)
         if often and usual == 0.0:  # that there is any says more than how much it is
             yield differs
-        if len(set(values)) == 1:
-            yield name, f"{name} = {_told(values[0])}", lambda f, n=name, v=values[0]: f.get(n) == v  # type: ignore[misc]
+        if len(different) == 1:
+            choices = some if isinstance(values[0], float) and values[0] else scenes
+            yield Condition(
+                name, f"{name} = {_told(values[0])}", lambda f, n=name, v=values[0]: f.get(n) == v, choices  # type: ignore[misc]
+            )  # fmt: skip
         if often and usual != 0.0:
             yield differs
         if others and isinstance(values[0], float):
             low, high = min(values), max(values)
             if below := [v for v in others if v < low]:
                 mid = _between(max(below), low)
-                yield name, f"{name} > {mid:g}", lambda f, n=name, v=mid: n in f and f[n] > v  # type: ignore[misc]
+                yield Condition(
+                    name, f"{name} > {mid:g}", lambda f, n=name, v=mid: n in f and f[n] > v, some  # type: ignore[misc]
+                )  # fmt: skip
             if above := [v for v in others if v > high]:
                 mid = _between(high, min(above))
-                yield name, f"{name} < {mid:g}", lambda f, n=name, v=mid: n in f and f[n] < v  # type: ignore[misc]
+                yield Condition(
+                    name, f"{name} < {mid:g}", lambda f, n=name, v=mid: n in f and f[n] < v, some  # type: ignore[misc]
+                )  # fmt: skip
 
 
 def _told(value: Any) -> str:
