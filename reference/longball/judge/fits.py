@@ -331,6 +331,9 @@ def meaning(fit: Fit) -> str:
 
 ROUNDS = 8
 
+# Of a number, what a last step may move it by where it has come to its end.
+SETTLED = 0.1
+
 # Digits of a number that one or two scenes are enough to believe.
 FEW_DIGITS = 3
 
@@ -370,6 +373,7 @@ def implied(
     first = size = float(np.linalg.norm(r))
     if not r.size or first == 0.0:
         return None
+    move = 0.0 * value
     for count in range(ROUNDS):
         if count == 3 and size > 0.7 * first:
             break  # it leads nowhere
@@ -392,6 +396,8 @@ def implied(
         old, size = size, float(np.linalg.norm(r))
         if size > 0.999 * old or (abs(move) < 1e-12 * abs(value)).all() or size < 1e-13:
             break
+    if (abs(move) > SETTLED * abs(value)).any() and size > 1e-13:
+        return value, 1.0  # halved again and again, a number is on its way to 0 and not there
     return value, size / first
 
 

@@ -143,11 +143,11 @@ def outcome_findings(
         elif made:
             names, reason = made
             sentence += f": {reason}"
+        elif own := _follows(wrong):
+            sentence += f": {own}"
         elif rule_ := next((r for r in RULES if flies and all(map(r.holds, wrong))), None):
             names, remedy = [rule_.name], rule_.remedy
             sentence += f": {rule_.sentence}"
-        elif own := _follows(wrong):
-            sentence += f": {own}"
         elif (
             obtained == "missed"
             and expected in ("batted", "separating", "beyond_bat")
@@ -237,7 +237,15 @@ def _against_itself(trials: Sequence[Trial]) -> str:
     ]
     if speeds and min(speeds) >= 0 and all(t.outcome in ("struck", "batted") for t in trials):
         return "its own contact.normal_speed: where it is not negative, ball and bat separate"
+    if all(_beyond(t) and t.outcome != "beyond_bat" for t in trials):
+        return "its own contact.position: beyond the ends of the bat"
     return ""
+
+
+def _beyond(trial: Trial) -> bool:
+    """Tell whether a contact that a trial gives is beyond the ends of the bat."""
+    place = trial.given.get("contact.position")
+    return place is not None and 2 * abs(place[1]) > trial.scene.bat.length
 
 
 def _follows(trials: Sequence[Trial]) -> str:
@@ -247,6 +255,7 @@ def _follows(trials: Sequence[Trial]) -> str:
         ("contact.margin", {"missed"}, lambda t, x: (t.outcome == "missed") is (x[0] <= 0)),
         ("contact.normal_speed", {"separating"},
          lambda t, x: (t.outcome == "separating") is (x[0] >= 0)),
+        ("contact.position", {"beyond_bat"}, lambda t, x: (t.outcome == "beyond_bat") is _beyond(t)),
         ("fence.clearance", {"home_run"}, lambda t, x: (t.outcome == "home_run") is (x[0] > 0)),
         ("fence.clearance", {"wall"}, lambda t, x: (t.outcome == "wall") is (x[0] <= 0)),
         ("impact.velocity", set(), _flies_so),
@@ -254,7 +263,7 @@ def _follows(trials: Sequence[Trial]) -> str:
         if not outcomes <= both:
             continue
         given = [(t, t.given[quantity]) for t in trials if quantity in t.given]
-        wrong = [one for one in given if not _told_alike(one[1], one[0].expected.get(quantity))]
+        wrong = [(t, x) for t, x in given if not _told_alike(x, t.expected.get(quantity, x))]
         count = sum(holds(t, value) for t, value in wrong)
         if count >= MOST * len(trials):
             where = "" if count == len(trials) else f"in {count} of them "
@@ -262,8 +271,8 @@ def _follows(trials: Sequence[Trial]) -> str:
     return ""
 
 
-def _told_alike(said: Sequence[float], true: Sequence[float] | None) -> bool:
-    return true is not None and math.dist(said, true) <= FINE * max(math.hypot(*true), 1e-3)
+def _told_alike(said: Sequence[float], true: Sequence[float]) -> bool:
+    return math.dist(said, true) <= FINE * max(math.hypot(*true), 1e-3)
 
 
 def _flies_so(trial: Trial, velocity: Sequence[float]) -> bool:
