@@ -95,6 +95,9 @@ FINE, FAINT = 1e-7, 1e-10
 # Of the largest relative error of any stage: a stage below it is not where the trouble begins.
 MINOR = 1e-3
 
+# Of the errors, what a scheme leaves that is the candidate's own: the judge's steps are the same.
+DOUBT_OF_STEPS = 1e-6
+
 # Steps of all flights together that are followed with a scheme.
 MOST_STEPS = 15_000
 
@@ -456,8 +459,11 @@ class _Search:
         named = [e for e in named if e.change is None or not self._contradicted(e.change, wrong)]
         if not named:
             return []
-        alike = max(ALIKE * named[0].left, doubt_of(wrong))
-        ties = sorted((e for e in named if e.left <= alike), key=lambda e: e.rank)
+        alike, doubt = ALIKE * named[0].left, doubt_of(wrong)
+        ties = [
+            e for e in named
+            if e.left <= max(alike, DOUBT_OF_STEPS if e.step and e.change else doubt)
+        ]  # fmt: skip
         ties = self._told_from_ties(ties, stage, wrong)
         by_name = {e.name: e for e in reversed(ties)}
         return sorted(by_name.values(), key=lambda e: e.rank)

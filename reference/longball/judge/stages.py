@@ -386,8 +386,7 @@ class _Following:
         if kind in ("pitch", "at-bat") and {"pitch", "plate"} & only:
             yield from self._pitch()
         outcome = self.trial.case.expected.outcome
-        struck = self.trial.case.expected.impact is not None
-        if kind == "at-bat" and "touching" in only and (struck or outcome == "missed"):
+        if kind == "at-bat" and "touching" in only and "contact.margin" in self.trial.expected:
             yield from self._touching()
         if kind == "impact" and "touching" in only:
             place = self.scene.incoming.position
@@ -645,9 +644,10 @@ class _Following:
         leg, flown = case.legs[0], None
         if position and since:
             # Of two times that contradict each other the one that the place belongs to counts.
-            flown = min(since, key=lambda t: math.dist(_at(leg, t)[0], position))
+            known = [t for t in since if math.isfinite(sum(_at(leg, t)[0]))]
+            flown = min(known or since, key=lambda t: math.dist(_at(leg, t)[0], position))
             if abs(since[0] - since[-1]) < 1e-9:
-                flown = since[0] = since[-1] = since[0]
+                since[0] = since[-1] = flown
             place, speed = _at(leg, flown)
             self.flown = leg, flown, position
             there = self._check("flight", "landing.position", place)
