@@ -428,15 +428,18 @@ class _Search:
 
     def _is_own(self, wrong: Sequence[Checked], good: Sequence[Checked]) -> bool:
         """Tell whether errors are those of flights with what is found so far in them."""
+        few = ONE_IN * len(wrong) <= len(wrong) + len(good)
         # A scene passes a jump where a flight is sensitive to it, or a scheme its own start.
         if self.jumps or isinstance(self.base.engine, FixedStep):
-            return ONE_IN * len(wrong) <= len(wrong) + len(good)
-        if not self.begun or not all(_keen(t) for t, _ in wrong):
+            return few
+        if not self.begun:
             return False
+        worst = max((size_of(c) for _, cs in wrong for c in cs), default=0.0)
+        if not all(_keen(t) for t, _ in wrong):
+            return few and worst < FINE
         # A graze makes of an error its square root.
-        if max(size_of(c) for _, cs in wrong for c in cs) ** 2 < FAINT:
-            return True
-        return ONE_IN * (len(wrong) - 1) <= len(wrong) + sum(_keen(t) for t, _ in good)
+        keen = len(wrong) + sum(_keen(t) for t, _ in good)
+        return worst * worst < FAINT or ONE_IN * (len(wrong) - 1) <= keen
 
     def _found(
         self,

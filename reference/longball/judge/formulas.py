@@ -477,6 +477,10 @@ FORMULAS: tuple[Formula, ...] = (
     *_wrong("landing.hang_time", "landing.hang_time is since contact or launch",
         ("hang-time-since-start", "counts landing.hang_time from the start of the scene",
          lambda v: v["landing.time"])),
+    *_wrong("landing.position", "the batted ball flies from contact.position",
+        ("batted-from-plate", "lets the batted ball fly from where the pitch crosses the plate",
+         lambda v: plus(v["landing.position:follows"], 1.0, plus(
+             v["plate.position"], -1.0, v["contact.position"])))),
     *_wrong("landing.velocity", "landing.velocity is a vector",
         ("speed-for-vertical", "gives the speed for the vertical velocity",
          lambda v: (*(there := v["landing.velocity:follows"])[:2], -math.hypot(*there))),

@@ -67,6 +67,8 @@ class Change:
         Whether the bat pushes for two steps of the paper's scheme, as Appendix B has it.
     meeting
         What is done to the scene where it is looked for when ball and bat meet, and nowhere else.
+    launch
+        What is done to the launch of a batted ball, with its scene.
     """
 
     scene: Callable[[Any], Any] = lambda scene: scene
@@ -74,6 +76,7 @@ class Change:
     engine: Engine[float] = ANY_LAW
     push: bool = False
     meeting: Callable[[Any], Any] = lambda scene: scene
+    launch: Callable[[Any, Launch[float]], Launch[float]] = lambda scene, launch: launch
 
     def then(self, other: Change) -> Change:
         """Return this change with another one on top."""
@@ -83,6 +86,7 @@ class Change:
             self.engine if other.engine is ANY_LAW else other.engine,
             self.push or other.push,
             lambda scene: other.meeting(self.meeting(scene)),
+            lambda scene, launch: other.launch(scene, self.launch(scene, launch)),
         )
 
 
@@ -626,7 +630,8 @@ class _Following:
         turning = self.given.get("impact.spin") or self.own.get("impact.spin")
         begin = self.has("contact.time")[0]
         spin = None if turning is None else _three(turning)
-        return Launch(start, velocity, begin, 0.0, spin=spin)
+        launch = Launch(start, velocity, begin, 0.0, spin=spin)
+        return self.change.launch(self.scene, launch)
 
     def _flight(self, only: frozenset[str]) -> Iterable[Check]:
         given, begun, scene = self.given, self._launch(), self.scene
