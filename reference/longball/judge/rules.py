@@ -19,13 +19,12 @@ Features = dict[str, Any]
 
 
 def features(case: Case) -> Features:
-    """Return what a rule may speak of: numbers, switches, flags, kind and family."""
+    """Return what a rule may speak of: numbers, switches, flags and kind."""
     scene: Any = case.scene
     found: Features = {name: float(value) for name, value in numbers(scene)}
     found |= {f"reading.{name}": value for name, value in scene.reading}
     found |= {f"flag {flag}": True for flag in case.flags}
-    found |= {"kind": scene.kind, "family": case.family}
-    found["outcome"] = case.expected.outcome
+    found |= {"kind": scene.kind, "outcome": case.expected.outcome}
     found |= _forms(scene)
     landing, contact, impact = case.expected.landing, case.expected.contact, case.expected.impact
     if landing is not None:
@@ -34,6 +33,8 @@ def features(case: Case) -> Features:
         x, y, _ = map(float, landing.position)
         found |= {"landing.position[0]": x, "landing.position[1]": y}
     if impact is not None:
+        if scene.kind == "at-bat":
+            found["launch speed"] = math.hypot(*map(float, impact.velocity))
         found["impact.restitution"] = float(impact.restitution)
         if impact.mode is not None:
             found["impact.mode"] = impact.mode
@@ -41,6 +42,7 @@ def features(case: Case) -> Features:
         found["contact.normal_speed"] = float(contact.normal_speed)
     if scene.kind == "flight" and any(scene.launch.velocity):
         x, y, z = scene.launch.velocity
+        found["launch speed"] = math.hypot(x, y, z)
         found["launch angle in degrees"] = math.degrees(math.atan2(z, math.hypot(x, y)))
     return found
 
@@ -87,6 +89,9 @@ CHANCE = 100
 # Scenes that must have a value for it to be the usual one; fewer are no rule.
 FEWEST = 3
 
+# Conditions that are tried as the first of two: those that tell most scenes.
+HALVES = 8
+
 # Rules that tell the same scenes: with more of them, none says anything.
 MOST_RULES = 3
 
@@ -94,41 +99,54 @@ MOST_RULES = 3
 def rule(failing: Sequence[Case], passing: Sequence[Case]) -> str | None:
     """Return the smallest rules that hold for all that fail and none that pass; None without one.
 
-    One condition, or two that must both hold, the first of which is one that scenes are sorted by.
-    Where a few tell the same scenes, all are told: it need not be the first one that is behind it.
+    One condition, or two that must both hold. Where a few tell the same scenes, all are told: it
+    need not be the first one that is behind it.
     """
     wrong, right = [*map(features, failing)], [*map(features, passing)]
     if min(len(wrong), len(right)) < FEWEST:
         return None
-    # Every failing scene must be told; those that pass are cut away.
     known = [*_conditions(wrong, right)]
-    conditions = [one for one in known if all(map(one.holds, wrong))]
-    if whole := _told_alone(conditions, wrong, right, len(known)):
+    if whole := _text(_telling(known, wrong, right, len(known))):
         return whole
-    half = [(len(left), one, left) for one in conditions if _sorts(one.name)
-            and len(left := [*filter(one.holds, right)]) < len(right)]  # fmt: skip
-    for _, one, left in sorted(half, key=lambda cut: cut[0]):
+    # Every failing scene must be told by either; those that pass are cut away.
+    cuts = [(one, [*filter(one.holds, right)]) for one in known if all(map(one.holds, wrong))]
+    for one, left in sorted(cuts, key=lambda cut: len(cut[1]))[:HALVES]:
         others = [*_conditions(wrong, left)]
-        if other := _told_alone(others, wrong, left, len(known) * len(others)):
-            return f"{one.text} and {other}"
+        tried = len(known) * len(others)
+        both = [
+            other
+            for other in _telling(others, wrong, left, tried)
+            if one.choices(wrong, [*filter(other.holds, right)]) >= CHANCE * tried
+        ]
+        if text := _text(both):
+            return f"{one.text} and {text}"
     return None
 
 
-def _told_alone(
+def _telling(
     conditions: Iterable[Condition],
     wrong: Sequence[Features],
     right: Sequence[Features],
     tried: int,
-) -> str | None:
-    """Return the rules of one condition; `tried` is how many there might have been."""
+) -> list[Condition]:
+    """Return those that tell the wrong scenes, and would hardly do so by chance.
+
+    `tried` is how many there might have been.
+    """
+    return [
+        one
+        for one in conditions
+        if one.choices(wrong, right) >= CHANCE * tried
+        and all(map(one.holds, wrong))
+        and not any(map(one.holds, right))
+    ]
+
+
+def _text(conditions: Iterable[Condition]) -> str:
+    """Return rules that tell the same scenes, the plainest of them, in words."""
     whole: dict[str, str] = {}  # by the feature
     for one in conditions:
-        if (
-            one.choices >= CHANCE * tried
-            and all(map(one.holds, wrong))
-            and not any(map(one.holds, right))
-        ):
-            whole.setdefault(one.name, one.text)
+        whole.setdefault(one.name, one.text)
     plain = [n for n in whole if _sorts(n)]
     zero = [n for n, text in whole.items() if n not in plain and text == f"{n} = 0"]
     simple = [n for n in plain if n not in FORMS and not _law(n)]
@@ -136,7 +154,7 @@ def _told_alone(
         if 0 < len(names) <= MOST_RULES:
             told = sorted((whole[n] for n in names), key=lambda text: "flagged" in text)
             return "; or, which are the same scenes, ".join(told)
-    return None
+    return ""
 
 
 def _sorts(name: str) -> bool:
@@ -169,58 +187,58 @@ class Condition:
         In words.
     holds
         Whether it holds, of features.
-    choices
-        How many choices there are that might be told so: of as many scenes as fail among all, or,
-        where a number is large or small, of as many of its values, since scenes that are alike in
-        one number fail and pass together.
+    measured
+        Whether it is one of how large a number is.
     """
 
     name: str
     text: str
     holds: Callable[[Features], bool]
-    choices: int
+    measured: bool = False
+
+    def choices(self, wrong: Sequence[Features], right: Sequence[Features]) -> int:
+        """Return how many choices of as many scenes there are.
+
+        Of as many values, where a number is measured: scenes that are alike in it fail together.
+        """
+        if not self.measured:
+            return math.comb(len(wrong) + len(right), len(wrong))
+        values = {f[self.name] for f in wrong if self.name in f}
+        others = {f[self.name] for f in right if self.name in f}
+        return math.comb(len(values | others), len(values))
 
 
 def _conditions(wrong: Sequence[Features], right: Sequence[Features]) -> Iterator[Condition]:
     """Yield what may tell the scenes."""
-    scenes = math.comb(len(wrong) + len(right), len(wrong))
     for name in dict.fromkeys(name for f in (*wrong, *right) for name in f):
         values = [f[name] for f in wrong if name in f]
         others = [f[name] for f in right if name in f]
         if name.startswith("flag "):
             flag = f"{'flagged' if values else 'not flagged'} {name[5:]}"
-            yield Condition(name, flag, lambda f, n=name, v=bool(values): (n in f) is v, scenes)  # type: ignore[misc]
+            yield Condition(name, flag, lambda f, n=name, v=bool(values): (n in f) is v)  # type: ignore[misc]
             continue
         if not values:
             continue
-        different = set(values)
-        some = math.comb(len(different.union(others)), len(different))
         usual, times = Counter(others).most_common(1)[0] if others else (None, 0)
-        differs = Condition(
-            name, f"{name} ≠ {_told(usual)}", lambda f, n=name, v=usual: f.get(n, v) != v, scenes  # type: ignore[misc]
-        )  # fmt: skip
+        text = f"{name} ≠ {_told(usual)}"
+        differs = Condition(name, text, lambda f, n=name, v=usual: f.get(n, v) != v)  # type: ignore[misc]
         often = times >= FEWEST and 2 * times > len(others)
+        number = isinstance(values[0], float)
         if often and usual == 0.0:  # that there is any says more than how much it is
             yield differs
-        if len(different) == 1:
-            choices = some if isinstance(values[0], float) and values[0] else scenes
-            yield Condition(
-                name, f"{name} = {_told(values[0])}", lambda f, n=name, v=values[0]: f.get(n) == v, choices  # type: ignore[misc]
-            )  # fmt: skip
+        if len(set(values)) == 1:
+            text, some = f"{name} = {_told(values[0])}", number and values[0] != 0.0
+            yield Condition(name, text, lambda f, n=name, v=values[0]: f.get(n) == v, some)  # type: ignore[misc]
         if often and usual != 0.0:
             yield differs
-        if others and isinstance(values[0], float):
-            low, high = min(values), max(values)
-            if below := [v for v in others if v < low]:
-                mid = _between(max(below), low)
-                yield Condition(
-                    name, f"{name} > {mid:g}", lambda f, n=name, v=mid: n in f and f[n] > v, some  # type: ignore[misc]
-                )  # fmt: skip
-            if above := [v for v in others if v > high]:
-                mid = _between(high, min(above))
-                yield Condition(
-                    name, f"{name} < {mid:g}", lambda f, n=name, v=mid: n in f and f[n] < v, some  # type: ignore[misc]
-                )  # fmt: skip
+        if not number:
+            continue
+        if below := [v for v in others if v < min(values)]:
+            low = _between(max(below), min(values))
+            yield Condition(name, f"{name} > {low:g}", lambda f, n=name, v=low: n in f and f[n] > v, True)  # type: ignore[misc]
+        if above := [v for v in others if v > max(values)]:
+            high = _between(max(values), min(above))
+            yield Condition(name, f"{name} < {high:g}", lambda f, n=name, v=high: n in f and f[n] < v, True)  # type: ignore[misc]
 
 
 def _told(value: Any) -> str:
