@@ -39,7 +39,7 @@ from longball.judge.explanations import (
     told_together,
 )
 from longball.judge.findings import Diagnosis, Finding, StageRow, found, many
-from longball.judge.fits import ODD, factor_meaning, fitted, pairs, parts, two
+from longball.judge.fits import ODD, factor_meaning, fitted, pairs, parts, scene_by_scene, two
 from longball.judge.outcomes import made_otherwise, outcome_findings, told_findings
 from longball.judge.quantities import untrue
 from longball.judge.relations import (
@@ -383,10 +383,13 @@ class _Search:
                 causes = [e for e in some if _is_telling(e)]
                 of_most = bool(causes)
         if not causes:
+            if searched and stage in ("pitch", "flight"):
+                some = Sought([t for t, _ in evenly(wrong, SOUGHT)], (), (stage,), self.base, self.work)
+                told = told.model_copy(update={"sentence": told.sentence + scene_by_scene(some)})
             self.findings.append(told)
             self._leave(stage, wrong)
             return False
-        broken, same = self._least_harm(causes, stage)
+        broken, same = self._least_harm(causes, stage, good)
         best, alone = same[0], broken > 0 or of_most
         if worst < FINE and not alone and _parameter(best.name) in self._numbers():
             self._accept(best, stage, worst)  # more digits of it
@@ -509,24 +512,28 @@ class _Search:
         return 2 * sum(made_otherwise(t, full, facts) for t, facts in some) > len(some)
 
     def _least_harm(
-        self, found: Sequence[Explanation], stage: str
+        self, found: Sequence[Explanation], stage: str, good: Sequence[Checked]
     ) -> tuple[int, list[Explanation]]:
         """Return those that are borne out best by the other stages, and how many checks they break.
 
-        With an explanation, others may no longer follow, or may begin to.
+        With an explanation, others may no longer follow, or may begin to. So may scenes in which
+        this stage is right.
         """
-        effects = [self._effect(e, stage) for e in found[:6]]
+        others = [*self._elsewhere(stage), *evenly(good, SOUGHT)]
+        effects = [self._effect(e, stage, others) for e in found[:6]]
         broken = min(b for b, _ in effects)
         mended = max(m for b, m in effects if b == broken)
         same = [e for e, effect in zip(found, effects, strict=False) if effect == (broken, mended)]
         return broken, same[:4]
 
-    def _effect(self, e: Explanation, stage: str) -> tuple[int, int]:
+    def _effect(
+        self, e: Explanation, stage: str, others: Iterable[Checked]
+    ) -> tuple[int, int]:
         """Return how many checks an explanation breaks, and how many of other stages it mends."""
         if e.change is None or isinstance(e.change.engine, Verlet):
             return 0, 0
         full, broken, mended = self.base.then(e.change), 0, 0
-        for trial, checks in self._elsewhere(stage):
+        for trial, checks in others:
             known = {(c.stage, c.quantity): c.follows for c in checks}
             for c in follow(trial, full, {s for s, _ in known}):
                 before, fine = known.get((c.stage, c.quantity)), FINE * c.scale

@@ -567,6 +567,32 @@ def fitted(stage: str, sought: Sought) -> Iterator[Explanation]:
             )  # fmt: skip
 
 
+# Numbers that a force goes with, and so may have another value in each scene.
+STRENGTHS = (
+    "air.density", "air.drag_coefficient", "air.lift_coefficient", "gravity", "spin", "wind",
+)  # fmt: skip
+
+# Of a scene's errors, what a number of its own may leave.
+WHOLLY = 1e-5
+
+
+def scene_by_scene(sought: Sought) -> str:
+    """Return which numbers would explain all trials with another value in each; else ""."""
+    found = []
+    for name in STRENGTHS:
+        ratios = []
+        for trial in sought.trials:
+            one = implied(trial, [name], sought.stages, sought.base, sought.work)
+            own = value_of(sought.base.scene(trial.scene), name)
+            if one is None or not own or one[1] > WHOLLY:
+                break
+            ratios.append(float(one[0][0]) / own)
+        if FIRST <= len(sought.trials) == len(ratios):
+            found.append(f"{name}, {min(ratios):.6g} to {max(ratios):.6g} times the scene's")
+    told = "; or another ".join(found)
+    return f"; another {told}, in each scene by itself would explain all" if told else ""
+
+
 # --- two at once ----------------------------------------------------------------------------------
 
 
