@@ -104,6 +104,11 @@ MOST_STEPS = 15_000
 # Stages in which a graze makes errors of what comes before it a thousand times as large.
 INHERITING = ("touching", "normal speed", "velocity after")
 
+MAYBE_STEPS = (
+    "; an error of this size may be in a number, or the integrator's (long steps, a loose "
+    "tolerance): see whether shorter steps change it"
+)
+
 # Explanations that are looked at as one at a stage, the second for what the first has left.
 ROUNDS = 3
 
@@ -360,7 +365,7 @@ class _Search:
         quantity = max((c for _, cs in wrong for c in cs), key=lambda c: c.error / c.scale).quantity
         scenes = _told_apart(seen, sizes, minor)
         told = found(
-            stage, _unknown(stage, sizes, minor, before > 0, scenes), len(wrong),
+            stage, _unknown(stage, sizes, minor, before > 0), len(wrong),
             len(wrong) + len(right), quantity=quantity.partition(":")[0], worst=worst,
             scenes=scenes,
         )  # fmt: skip
@@ -383,9 +388,12 @@ class _Search:
                 causes = [e for e in some if _is_telling(e)]
                 of_most = bool(causes)
         if not causes:
-            if searched and stage in ("pitch", "flight"):
+            if stage in ("pitch", "flight"):
                 some = Sought([t for t, _ in evenly(wrong, SOUGHT)], (), (stage,), self.base, self.work)
-                told = told.model_copy(update={"sentence": told.sentence + scene_by_scene(some)})
+                more = scene_by_scene(some) if searched else ""
+                if not more and worst < 1e-4 and not scenes:
+                    more = MAYBE_STEPS
+                told = told.model_copy(update={"sentence": told.sentence + more})
             self.findings.append(told)
             self._leave(stage, wrong)
             return False
@@ -739,9 +747,7 @@ def _is_telling(e: Explanation) -> bool:
     return not odd and e.rank < 2 + ODD / 100
 
 
-def _unknown(
-    stage: str, sizes: Sequence[float], minor: float, rest: bool, scenes: str | None
-) -> str:
+def _unknown(stage: str, sizes: Sequence[float], minor: float, rest: bool) -> str:
     """Return what can be said where nothing explains errors of these sizes, in such scenes."""
     worst, wrong = max(sizes), sum(size > minor for size in sizes)
     sentence = f"{'what is left at ' if rest else ''}{stage}: wrong by up to {worst:.1e} of the "
@@ -749,11 +755,6 @@ def _unknown(
     if smaller := sum(0 < size <= minor for size in sizes):
         sentence += f" (in {smaller} more by less than {minor:.0e})"
     sentence += ", and none of the known mistakes or fitted numbers explains it"
-    if stage in ("pitch", "flight") and worst < 1e-4 and not scenes:
-        sentence += (
-            "; an error of this size may be in a number, or the integrator's (long steps, a loose "
-            "tolerance): see whether shorter steps change it"
-        )
     return sentence
 
 

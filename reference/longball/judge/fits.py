@@ -226,6 +226,8 @@ class Fit:
         """How many digits the number needs, in hundredths: people choose round ones."""
         if factor_meaning(self.value, self.doubt) and self.form == "factor":
             return 0.0
+        if self.value in STANDARD:
+            return FEW_DIGITS / 100
         share = self.value if self.form == "factor" else self.value / (self.usual or math.nan)
         more = digits_of(float(f"{share - 1:.5g}")) if abs(share - 1) < NEARLY else math.inf
         return min(digits_of(self.value), more) / 100
@@ -270,9 +272,9 @@ def roundest(value: float, doubt: float, size: float = 1.0) -> float:
     """
     if abs(value) <= max(1e-9 * size, min(3 * doubt, 1e-6 * size)):
         return 0.0
-    for factor, _ in _FACTORS:
-        if abs(value - factor) <= doubt and doubt < 1e-3 * abs(factor):
-            return factor
+    for usual in (*STANDARD, *(factor for factor, _ in _FACTORS)):
+        if abs(value - usual) <= doubt and doubt < 1e-3 * min(abs(usual), abs(usual - 1)):
+            return usual
     fraction = float(Fraction(value).limit_denominator(LARGEST_DENOMINATOR))
     for digits in range(1, 10):
         if abs((short := float(f"{value:.{digits}g}")) - value) <= doubt:
@@ -283,11 +285,11 @@ def roundest(value: float, doubt: float, size: float = 1.0) -> float:
 
 
 def snapped(fit: Fit) -> Iterator[Fit]:
-    """Yield fits of usual factors that are near, within a hundredth."""
-    if fit.form == "factor":
-        for factor, _ in _FACTORS:
-            if factor != fit.value and abs(fit.value / factor - 1) < 0.01:
-                yield replace(fit, value=factor, doubt=0.0)
+    """Yield fits of usual factors and numbers that are near, within a hundredth."""
+    usual = [factor for factor, _ in _FACTORS] if fit.form == "factor" else STANDARD
+    for value in usual:
+        if value != fit.value and abs(fit.value / value - 1) < 0.01:
+            yield replace(fit, value=value, doubt=0.0)
 
 
 def told(value: float, doubt: float) -> str:
@@ -299,6 +301,9 @@ def told(value: float, doubt: float) -> str:
     places = min(12, max(0, 1 - math.floor(math.log10(doubt))))
     return f"{value:.{places}f} ± {doubt:.1g}"
 
+
+# Numbers of many digits that people choose all the same: m/s².
+STANDARD = (9.80665,)
 
 # What a factor is, if it is one of these.
 _FACTORS = (
@@ -312,13 +317,16 @@ _FACTORS = (
     (math.pi, "a π too many"), (1 / math.pi, "a π is missing"), (2.20462262, "pounds for kg"),
     (0.45359237, "kg for pounds"), (1.466666667, "ft/s for mph"), (math.sqrt(2), "a √2 too many"),
     (math.sqrt(0.5), "a √2 is missing"),
+    *((pi / math.pi, f"{pi:.6g} for π") for pi in (3.14, 3.1416, 3.14159, 22 / 7)),
 )  # fmt: skip
 
 
 def factor_meaning(value: float, doubt: float = 0.0) -> str | None:
     """Return what a factor is, if it is a usual one."""
     for factor, name in _FACTORS:
-        if abs(value - factor) <= max(3 * doubt, 1e-6 * abs(factor)) and doubt < 0.01 * abs(factor):
+        size = min(abs(factor), abs(factor - 1))
+        near = max(3 * doubt, 1e-6 * abs(factor) if size > 0.01 else 1e-3 * size)
+        if abs(value - factor) <= near and doubt < 0.01 * size:
             return name
     return None
 
@@ -588,7 +596,7 @@ def scene_by_scene(sought: Sought) -> str:
                 break
             ratios.append(float(one[0][0]) / own)
         if FIRST <= len(sought.trials) == len(ratios):
-            found.append(f"{name}, {min(ratios):.6g} to {max(ratios):.6g} times the scene's")
+            found.append(f"{name}, {min(ratios):.10g} to {max(ratios):.10g} times the scene's")
     told = "; or another ".join(found)
     return f"; another {told}, in each scene by itself would explain all" if told else ""
 

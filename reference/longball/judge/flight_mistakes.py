@@ -687,17 +687,20 @@ def _batted_spin(spin: Callable[[Any], Any]) -> Change:
         launch, spin=spin(scene)))  # fmt: skip
 
 
-def _spin_forgotten(f: Any) -> Any:
-    """Return a term whose batted balls have no spin, and by the laws by spin the paper's C_L."""
+def _without_spin(given: Any, scene: Any, frame: Any, numbers: Any) -> Any:
+    """Return strengths that the laws by spin have without one, too: by the paper's C_L."""
+    if frame.spin is None and hasattr(getattr(scene.air, "lift_coefficient", None), "law"):
+        scene = with_values(scene, {"air.lift_coefficient": Air().lift_coefficient})
+    return given(scene, frame, numbers)
 
-    def strengths(given: Any, scene: Any, frame: Any, numbers: Any) -> Any:
-        if frame.spin is not None and _is_batted(scene, frame):
-            frame = replace(frame, spin=None)
-            if hasattr(scene.air.lift_coefficient, "law"):
-                scene = with_values(scene, {"air.lift_coefficient": Air().lift_coefficient})
-        return given(scene, frame, numbers)
 
-    return _with_strengths(f, strengths)
+def _pitch_without_spin(given: Any, scene: Any, frame: Any, numbers: Any) -> Any:
+    """Return the strengths of a pitch that flies without its spin, and comes to the bat with it."""
+    thrown = scene.kind != "flight" and not _is_batted(scene, frame)
+    return _without_spin(given, scene, replace(frame, spin=None) if thrown else frame, numbers)
+
+
+_NO_SPIN = _terms(lambda f: _with_strengths(f, _without_spin))
 
 
 @lru_cache(maxsize=4096)
@@ -907,7 +910,14 @@ EXTENDED: tuple[Mistake, ...] = (
             _batted_spin(_spin_at_bat)),
     Mistake("batted-spin-forgotten", "lets the batted ball fly by the lift of a ball of which no "
             "spin is given", "the batted ball has the spin that the impact gives it",
-            _terms(_spin_forgotten)),
+            _batted_spin(lambda scene: None).then(_NO_SPIN)),
+    *(Mistake(name, f"throws the pitch by the lift of a ball of which no spin is given{words}",
+              "take pitch.spin from the scene", change)
+      for name, words, change in (
+          ("pitch-spin-forgotten", "",
+           scene_change(lambda scene: {"pitch.spin": None}).then(_NO_SPIN)),
+          ("pitch-spin-not-in-flight", "; it comes to the bat with its spin",
+           _terms(lambda f: _with_strengths(f, _pitch_without_spin))))),
     Mistake("batted-without-spin", "lets the batted ball fly without spin",
             "the batted ball has the spin that the impact gives it",
             _batted_spin(lambda scene: (0.0, 0.0, 0.0))),

@@ -311,8 +311,8 @@ def told_findings(trials: Sequence[Trial], base: Change) -> Iterator[Finding]:
         if name == "landing.fair" and (fair := _fair_otherwise(right)):
             yield _told(stage_of(name), name, *fair, some, same)
             continue
-        for sentence in _misled(name, [(true, given) for _, true, given in told]):
-            yield _told(stage_of(name), name, [], sentence, some, same)
+        for names, sentence in _misled(name, [(true, given) for _, true, given in told]):
+            yield _told(stage_of(name), name, names, sentence, some, same)
     for block in BLOCKS:
         more = [t for t in right if block in _blocks(t.given) - _blocks(t.expected)]
         if not more:
@@ -333,17 +333,18 @@ def _struck_rightly(trial: Trial) -> bool:
     return not (said and true) or math.dist(said, true) <= NEAR * math.hypot(*true)
 
 
-def _misled(name: str, told: Sequence[tuple[Any, Any]]) -> Iterator[str]:
-    """Yield what is told where something else is right."""
+def _misled(name: str, told: Sequence[tuple[Any, Any]]) -> Iterator[tuple[list[str], str]]:
+    """Yield what is told where something else is right, with a name if it is always the same."""
     whole = all(type(x) is int for pair in told for x in pair)
     shifts = {given - true for true, given in told} if whole else set()
     if len(shifts) == 1 and len(set(told)) > 1:
         (shift,) = shifts
-        yield f"{name} is {abs(shift)} too {'large' if shift > 0 else 'small'}, always"
+        size = f"{abs(shift)} too {'large' if shift > 0 else 'small'}"
+        yield [f"{name}{shift:+d}"], f"{name} is {size}, always"
         return
     for (true, given), count in Counter(told).most_common():
         what = "the truth has none" if true is None else f"{true} is right"
-        yield f"{name} is told to be {given} where {what}, in {many(count, 'scene')}"
+        yield [], f"{name} is told to be {given} where {what}, in {many(count, 'scene')}"
 
 
 def _blocks(names: Iterable[str]) -> set[str]:

@@ -376,7 +376,10 @@ class _Following:
 
     def __init__(self, trial: Trial, change: Change) -> None:
         self.trial, self.change = trial, change
-        self.given = trial.given
+        # Of a ball that the fence stops no landing is known.
+        stopped = trial.case.expected.outcome == "wall"
+        self.given = {n: x for n, x in trial.given.items()
+                      if not (stopped and n.startswith("landing"))}  # fmt: skip
         self.scene: Any = change.scene(trial.scene)
         self.model = change.model(MODEL)
         self.own: dict[str, Numbers] = {}
