@@ -378,12 +378,16 @@ class _Search:
         inherited = few and all(t.case.id in left for t, _ in wrong)
         searched = self.causes and not (rest or stepped or inherited)
         plain = _plain(wrong)
-        of_most = False
+        of_most = rounded = False
         if searched and self.single and worst < SINGLE_NOISE:
             causes = [SINGLE]
         elif searched and worst > FAINT:
             causes = self._found(stage, wrong, good, checks, told.scenes is not None)
-            if not causes and ENOUGH <= len(plain) < len(wrong):
+            rounded = bool(self.begun) and _usual(sizes) < FINE
+            if rounded:
+                # Beside what is found so little is in its last digits, and no other number.
+                causes = [e for e in causes if _parameter(e.name) in self._numbers()]
+            if not causes and not rounded and ENOUGH <= len(plain) < len(wrong):
                 some = self._found(stage, plain, _plain(good), checks, False)
                 causes = [e for e in some if _is_telling(e)]
                 of_most = bool(causes)
@@ -399,8 +403,8 @@ class _Search:
             return False
         broken, same = self._least_harm(causes, stage, good)
         best, alone = same[0], broken > 0 or of_most
-        if worst < FINE and not alone and _parameter(best.name) in self._numbers():
-            self._accept(best, stage, worst)  # more digits of it
+        if rounded and not alone:
+            self._accept(best, stage, worst)
             self._followed = None
             return True
         sentence = told_together([e.sentence for e in same])

@@ -39,6 +39,9 @@ Image = Callable[[Array], Array]
 # The rank of relations: behind known mistakes that leave as little.
 RELATION = 0.5
 
+# The rank of formulas with a number that fits: behind those without one.
+NUMBER = 0.1
+
 FEW_DECIMALS = 10
 
 # Of the number in a formula, how far it may differ from scene to scene.
@@ -193,16 +196,17 @@ def formulas(
             views[id(trial)] = _view(trial, base, min(failing))
         return _value(value, views[id(trial)])
 
+    plain = len(wanted)
     for numbered in NUMBERED:
         said = [(t, c.obtained) for t, cs in chosen for c in cs if c.quantity == numbered.quantity]
         seen = [tried(lambda v, n=numbered, x=x: (n.number(v, x),), t) for t, x in said]  # type: ignore[misc]
         number = _settled([one[0] for one in seen if one and math.isfinite(one[0])])
         if number is not None:
             wanted.append(numbered.of(number))
-    for f in wanted:
+    for i, f in enumerate(wanted):
         left, against = _held(chosen, beside, f.quantity, lambda t, c, f=f: tried(f.value, t))  # type: ignore[misc]
         yield Explanation(
-            f.name, f.sentence, f.remedy, left, 0, quantity=f.quantity, against=against,
+            f.name, f.sentence, f.remedy, left, 0.0 if i < plain else NUMBER, quantity=f.quantity, against=against,
             value=lambda t, f=f: _value(f.value, _view(t, base, f.quantity)),  # type: ignore[misc]
         )  # fmt: skip
 

@@ -511,7 +511,7 @@ class _Way:
         """Return it as an explanation."""
         end = ", each event on the line between two of them" if self.ends == "line" else ""
         words = f"flies by {SCHEMES[self.name].words}, in steps of {dt:.4g} s{end}"
-        if not _chosen(dt, known) or left > ITS_OWN:
+        if not _chosen(dt, known) or (known is None and left > ITS_OWN):
             words = f"errs as one who {words}: of this order, and so much"
         return Explanation(
             self.name, words,
