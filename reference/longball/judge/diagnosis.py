@@ -358,7 +358,9 @@ class _Search:
         wrong = [one for one, size in zip(seen, sizes, strict=True) if size > minor]
         good = [one for one, size in zip(seen, sizes, strict=True) if one[1] and size <= minor]
         before = self.begun.get(stage, 0.0)
-        if (before and _usual(sizes) < FINE) or self._is_own(wrong, good):
+        # Of a number that is found the last digits are not known.
+        rest = FINE if before else FAINT if self.begun else 0.0
+        if _usual(sizes) < rest or self._is_own(wrong, good):
             self._leave(stage, wrong)
             return False
         right = [t for t, _ in good]
@@ -370,13 +372,13 @@ class _Search:
             scenes=scenes,
         )  # fmt: skip
         causes: list[Explanation] = []
-        rest = worst < MINOR * min(before, 1.0)
+        little = worst < MINOR * min(before, 1.0)
         stepped = before and (isinstance(self.base.engine, Verlet) or self.jumps)
         # Large in a graze is what an earlier stage has left there, or had wrong from the beginning.
         left = self.loose.keys() | (self.thrown if stage in INHERITING else ())
         few = len(wrong) < max(ENOUGH, (len(wrong) + len(good)) / ONE_IN)
         inherited = few and all(t.case.id in left for t, _ in wrong)
-        searched = self.causes and not (rest or stepped or inherited)
+        searched = self.causes and not (little or stepped or inherited)
         plain = _plain(wrong)
         of_most = rounded = False
         if searched and self.single and worst < SINGLE_NOISE:
@@ -548,9 +550,10 @@ class _Search:
         for trial, checks in others:
             known = {(c.stage, c.quantity): c.follows for c in checks}
             for c in follow(trial, full, {s for s, _ in known}):
-                before, fine = known.get((c.stage, c.quantity)), FINE * c.scale
-                broken += before is True and c.error > max(c.tolerance, fine)
-                mended += before is False and c.follows and c.stage != stage
+                before = known.get((c.stage, c.quantity))
+                fine = c.error <= max(c.tolerance, FINE * c.scale)
+                broken += before is True and not fine
+                mended += before is False and fine and c.stage != stage
         return broken, mended
 
     def _elsewhere(self, stage: str) -> Iterator[Checked]:
