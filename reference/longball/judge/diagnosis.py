@@ -394,9 +394,9 @@ class _Search:
                 causes = [e for e in some if _is_telling(e)]
                 of_most = bool(causes)
         if not causes:
-            if stage in ("pitch", "flight"):
-                some = Sought([t for t, _ in evenly(wrong, SOUGHT)], (), (stage,), self.base, self.work)
-                more = scene_by_scene(some) if searched else ""
+            if searched and stage in ("pitch", "flight"):
+                chosen = [t for t, _ in evenly(wrong, SOUGHT)]
+                more = scene_by_scene(Sought(chosen, (), (stage,), self.base, self.work))
                 if not more and worst < 1e-4 and not scenes:
                     more = MAYBE_STEPS
                 told = told.model_copy(update={"sentence": told.sentence + more})
@@ -540,9 +540,7 @@ class _Search:
         same = [e for e, effect in zip(found, effects, strict=False) if effect == (broken, mended)]
         return broken, same[:4]
 
-    def _effect(
-        self, e: Explanation, stage: str, others: Iterable[Checked]
-    ) -> tuple[int, int]:
+    def _effect(self, e: Explanation, stage: str, others: Iterable[Checked]) -> tuple[int, int]:
         """Return how many checks an explanation breaks, and how many of other stages it mends."""
         if e.change is None or isinstance(e.change.engine, Verlet):
             return 0, 0

@@ -321,8 +321,8 @@ _PAPERS_LAW: tuple[Mistake, ...] = (
     Mistake("drag-with-horizontal-speed", "takes the horizontal speed for V in the drag",
             "V is the whole speed", _drag(lambda m, p: trace.sqrt(
                 m.air.velocity[0] * m.air.velocity[0] + m.air.velocity[1] * m.air.velocity[1]))),
-    Mistake("drag-without-side-speed", "leaves the speed across the field, v_y, out of V in the drag",
-            "V is the whole speed", _in_air(DRAG, _of_two, _with_axes(DRAG))),
+    Mistake("drag-without-side-speed", "leaves v_y, the speed across the field, out of V in the "
+            "drag", "V is the whole speed", _in_air(DRAG, _of_two, _with_axes(DRAG))),
     Mistake("drag-with-summed-speed", "takes the sum of the components' sizes for V in the drag",
             "V is the root of the sum of their squares",
             _in_air(DRAG, _summed, _with_axes(DRAG))),
@@ -416,7 +416,8 @@ _PAPERS_LAW: tuple[Mistake, ...] = (
     *(Mistake(f"pitch-speed-{name}", f"gives the ball pitch.speed {words}, and the rest of the way "
               "on top", "pitch.speed is the size of the velocity at the release",
               _thrown(lambda pitch, n=count: {  # type: ignore[misc]
-                  "pitch.speed": pitch.speed * math.hypot(*pitch.way) / math.hypot(*pitch.way[:n])}))
+                  "pitch.speed":
+                      pitch.speed * math.hypot(*pitch.way) / math.hypot(*pitch.way[:n])}))
       for name, words, count in (("along-x", "along x", 1), ("level", "along the ground", 2))),
     Mistake("aim-from-release", "counts the aim from the point of release",
             "the aim is a point: y and z where the plate is",

@@ -270,8 +270,8 @@ def _unit(v: Numbers) -> Numbers:
 def _slender(v: View) -> float:
     """Return the bat's moment of inertia without its part of r_b², by its mass, m²."""
     bat = v.scene.bat
-    thin = v.scene.reading.inertia == "thin_rod"
-    return v.inertia / float(bat.mass) - (0.0 if thin else bat.radius**2 / 4)
+    part = 0.0 if v.scene.reading.inertia == "thin_rod" else float(bat.radius) ** 2 / 4
+    return v.inertia / v.M - part
 
 
 def _round_part(v: View, ratio: float) -> float:
@@ -281,7 +281,7 @@ def _round_part(v: View, ratio: float) -> float:
 
 
 def _ratio_with(v: View, c: float) -> float:
-    return v.ratio * v.inertia / (v.M * (_slender(v) + c * v.scene.bat.radius**2))
+    return v.ratio * v.inertia / (v.M * (_slender(v) + c * float(v.scene.bat.radius) ** 2))
 
 
 def _bare_said(v: View, said: Numbers) -> float:

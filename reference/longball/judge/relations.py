@@ -206,7 +206,8 @@ def formulas(
     for i, f in enumerate(wanted):
         left, against = _held(chosen, beside, f.quantity, lambda t, c, f=f: tried(f.value, t))  # type: ignore[misc]
         yield Explanation(
-            f.name, f.sentence, f.remedy, left, 0.0 if i < plain else NUMBER, quantity=f.quantity, against=against,
+            f.name, f.sentence, f.remedy, left, 0.0 if i < plain else NUMBER, against=against,
+            quantity=f.quantity,
             value=lambda t, f=f: _value(f.value, _view(t, base, f.quantity)),  # type: ignore[misc]
         )  # fmt: skip
 

@@ -6,6 +6,8 @@ import math
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
+from operator import eq, gt, lt, ne
 from typing import Any
 
 from pydantic import ValidationError
@@ -177,24 +179,25 @@ FORMS = (
 
 @dataclass(frozen=True)
 class Condition:
-    """What may tell scenes.
+    """What may tell scenes: a feature, in words, and for which values of it it holds.
 
     Attributes
     ----------
-    name
-        Of the feature.
-    text
-        In words.
-    holds
-        Whether it holds, of features.
+    without
+        Whether it holds for scenes that have no such feature.
     measured
         Whether it is one of how large a number is.
     """
 
     name: str
     text: str
-    holds: Callable[[Features], bool]
+    of: Callable[[Any], bool]
+    without: bool = False
     measured: bool = False
+
+    def holds(self, found: Features) -> bool:
+        """Tell whether it holds for a scene with such features."""
+        return self.of(found[self.name]) if self.name in found else self.without
 
     def choices(self, wrong: Sequence[Features], right: Sequence[Features]) -> int:
         """Return how many choices of as many scenes there are.
@@ -203,42 +206,42 @@ class Condition:
         """
         if not self.measured:
             return math.comb(len(wrong) + len(right), len(wrong))
-        values = {f[self.name] for f in wrong if self.name in f}
-        others = {f[self.name] for f in right if self.name in f}
-        return math.comb(len(values | others), len(values))
+        values, others = _values(wrong, self.name), _values(right, self.name)
+        return math.comb(len({*values, *others}), len({*values}))
+
+
+def _values(some: Sequence[Features], name: str) -> list[Any]:
+    return [f[name] for f in some if name in f]
 
 
 def _conditions(wrong: Sequence[Features], right: Sequence[Features]) -> Iterator[Condition]:
     """Yield what may tell the scenes."""
     for name in dict.fromkeys(name for f in (*wrong, *right) for name in f):
-        values = [f[name] for f in wrong if name in f]
-        others = [f[name] for f in right if name in f]
+        values, others = _values(wrong, name), _values(right, name)
         if name.startswith("flag "):
-            flag = f"{'flagged' if values else 'not flagged'} {name[5:]}"
-            yield Condition(name, flag, lambda f, n=name, v=bool(values): (n in f) is v)  # type: ignore[misc]
+            text = f"{'flagged' if values else 'not flagged'} {name[5:]}"
+            yield Condition(name, text, partial(eq, bool(values)), without=not values)
             continue
         if not values:
             continue
         usual, times = Counter(others).most_common(1)[0] if others else (None, 0)
-        text = f"{name} ≠ {_told(usual)}"
-        differs = Condition(name, text, lambda f, n=name, v=usual: f.get(n, v) != v)  # type: ignore[misc]
+        differs = Condition(name, f"{name} ≠ {_told(usual)}", partial(ne, usual))
         often = times >= FEWEST and 2 * times > len(others)
         number = isinstance(values[0], float)
         if often and usual == 0.0:  # that there is any says more than how much it is
             yield differs
         if len(set(values)) == 1:
-            text, some = f"{name} = {_told(values[0])}", number and values[0] != 0.0
-            yield Condition(name, text, lambda f, n=name, v=values[0]: f.get(n) == v, some)  # type: ignore[misc]
+            is_some = number and values[0] != 0.0
+            text = f"{name} = {_told(values[0])}"
+            yield Condition(name, text, partial(eq, values[0]), measured=is_some)
         if often and usual != 0.0:
             yield differs
-        if not number:
-            continue
-        if below := [v for v in others if v < min(values)]:
+        if number and (below := [v for v in others if v < min(values)]):
             low = _between(max(below), min(values))
-            yield Condition(name, f"{name} > {low:g}", lambda f, n=name, v=low: n in f and f[n] > v, True)  # type: ignore[misc]
-        if above := [v for v in others if v > max(values)]:
+            yield Condition(name, f"{name} > {low:g}", partial(lt, low), measured=True)
+        if number and (above := [v for v in others if v > max(values)]):
             high = _between(max(values), min(above))
-            yield Condition(name, f"{name} < {high:g}", lambda f, n=name, v=high: n in f and f[n] < v, True)  # type: ignore[misc]
+            yield Condition(name, f"{name} < {high:g}", partial(gt, high), measured=True)
 
 
 def _told(value: Any) -> str:
