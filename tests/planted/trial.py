@@ -130,7 +130,8 @@ KEYS = {
 
 def spoken(finding):
     """Return a finding's names and sentence as one text, but for the stage that it speaks of."""
-    return " ".join([*finding["names"], re.sub(r"^[a-z ]+ alone: ", "", finding["sentence"])])
+    said = re.sub(r"^[a-z ]+ alone(, where [^:]*)?: ", "", finding["sentence"])
+    return " ".join([*finding["names"], said])
 
 
 def conduct(verdict):
