@@ -159,7 +159,7 @@ def outcome_findings(
             )
         one = _told("outcome", "outcome", names, sentence, wrong, same)
         said: dict[str, Any] = {"kind": "unexplained"}
-        if names or own:
+        if names or own or against:
             said = {"kind": "probably", "share": 1.0, "scenes": None}
         yield one.model_copy(update=said | {"remedy": remedy, "example": None})
 
@@ -221,16 +221,12 @@ def made_otherwise(trial: Trial, change: Change, facts: Mapping[str, object]) ->
 
 def _against_itself(trials: Sequence[Trial]) -> str:
     """Return which of their own values wrong outcomes contradict, with what it says; else ""."""
-    for quantity, outcomes, says in (
-        ("fence.clearance", {True: "home_run", False: "wall"}, "above the fence"),
-        ("contact.margin", {True: "batted", False: "missed"}, "nearer than the bat's surface"),
+    for quantity, beyond, within, says in (
+        ("fence.clearance", {"home_run"}, {"wall"}, "above the fence"),
+        ("contact.margin", {"batted", "separating"}, {"missed"}, "nearer than the bat's surface"),
     ):
         given = [(t, t.given[quantity][0] > 0) for t in trials if quantity in t.given]
-        if (
-            given
-            and all(t.outcome in outcomes.values() for t, _ in given)
-            and all(outcomes[above] != t.outcome for t, above in given)
-        ):
+        if given and all(t.outcome in (within if above else beyond) for t, above in given):
             return f"its own {quantity}: positive is {says}"
     speeds = [
         t.given["contact.normal_speed"][0] for t in trials if "contact.normal_speed" in t.given
