@@ -667,7 +667,9 @@ class _Search:
                 # What flies the pitch flies the batted ball.
                 self.stepless = not any(e.named for e in found)
             if not any(e.named for e in found):
-                found += two(stage, sought, found)
+                # Pitches alone are alike: any two numbers explain them.
+                single = list({e.name: e for e in found}.values())
+                found += two(stage, together or sought, single)
         return found
 
     def _with_flights(

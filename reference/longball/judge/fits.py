@@ -339,8 +339,8 @@ def meaning(fit: Fit) -> str:
 
 ROUNDS = 8
 
-# Of a number, what a last step may move it by where it has come to its end.
-SETTLED = 0.1
+# Of a number, and of the scene's own, what a last step may move it by where it has come to its end.
+SETTLED, MOVED = 0.1, 1e-4
 
 # Digits of a number that one or two scenes are enough to believe.
 FEW_DIGITS = 3
@@ -404,7 +404,8 @@ def implied(
         old, size = size, float(np.linalg.norm(r))
         if size > 0.999 * old or (abs(move) < 1e-12 * abs(value)).all() or size < 1e-13:
             break
-    if (abs(move) > SETTLED * abs(value)).any() and size > 1e-13:
+    still = np.maximum(SETTLED * np.abs(value), MOVED * np.abs(np.array(held, float)))
+    if (abs(move) > still).any() and size > 1e-13:
         return value, 1.0  # halved again and again, a number is on its way to 0 and not there
     return value, size / first
 
@@ -703,7 +704,7 @@ def one_after_another(
     for e in known:
         if e.change is None or sought.work.exhausted or not few.concerned(e.change):
             continue
-        if isinstance(e.change.engine, Verlet):
+        if isinstance(e.change.engine, Verlet) or e.rank >= 2 + ODD / 100:
             continue
         lefts = few.sizes(e.change)
         solved = sum(left <= NAMED * whole for left, whole in zip(lefts, wholes, strict=True))
@@ -715,17 +716,19 @@ def one_after_another(
         assert first.change is not None
         rest = sought.given(first.change)
         seconds = [*_tried(_library(stage), rest), *fitted(stage, rest)]
-        for second in (e for e in seconds if e.named and e.change is not None):
+        best = 1.0
+        for second in (e for e in seconds if e.named and e.rank < 2 + ODD / 100 and e.change):
             assert second.change is not None
             change = first.change.then(second.change)
             left = sought.left(change)
             if left is not None and second.name != first.name:
+                best = min(best, left)
                 yield Explanation(
                     f"{first.name} and {second.name}", f"{first.sentence}; and {second.sentence}",
                     None, left, 1.9 + (first.rank + second.rank) / 100, change,
                     allowed=max(first.allowed, second.allowed),
                 )  # fmt: skip
-        if any(e.named for e in seconds):
+        if best < WHOLLY:
             return
 
 
