@@ -625,7 +625,8 @@ def pairs(stage: str, sought: Sought, known: Sequence[Explanation]) -> Iterator[
         return
     columns: list[tuple[Explanation | str, list[Array]]] = []
     for e in known:
-        effect = None if e.change is None else _effect(few, e.change)
+        odd = e.rank >= 2 + ODD / 100  # free, such a number stands among the slopes
+        effect = None if odd or e.change is None else _effect(few, e.change)
         if effect and sum(np.abs(x).sum() for x in effect) > 1e-9:
             columns.append((e, effect))
     columns += _slopes(stage, few)
