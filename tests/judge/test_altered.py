@@ -136,7 +136,7 @@ def test_a_launch_for_a_landing_is_told_with_its_scenes(gold):
 
     verdict = judged(gold["flight-both"], alter)
     assert names(verdict)[0] == "landing-is-launch", verdict.diagnosis.findings
-    assert "landing.time > 4" in verdict.diagnosis.findings[0].scenes
+    assert "landing.hang_time > 4" in verdict.diagnosis.findings[0].scenes
 
 
 def test_answers_under_the_id_of_the_scene_before(gold):

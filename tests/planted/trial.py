@@ -130,7 +130,8 @@ KEYS = {
 
 def spoken(finding):
     """Return a finding's names and sentence as one text, but for the stage that it speaks of."""
-    return " ".join([*finding["names"], re.sub(r"^[a-z ]+ alone: ", "", finding["sentence"])])
+    said = re.sub(r"^[a-z ]+ alone(, where [^:]*)?: ", "", finding["sentence"])
+    return " ".join([*finding["names"], said])
 
 
 def conduct(verdict):
@@ -288,6 +289,7 @@ judge was changed:
 | a third program, in C++ | 135 | 130 | 6 | 8 |
 | a fourth program, in C++ | 119 | 114 | 12 | 10 |
 | the same program, other mistakes | 34 | 34 | 2 | 0 |
+| the same program, all that were left, and those 34 again | 122 | 122 | 10 | 2 |
 
 Of the five that the fourth trial missed, two are none by the contract, and three showed in no
 golden case; there are cases for two of these now.

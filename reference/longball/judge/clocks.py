@@ -115,7 +115,7 @@ def ends(
             f"{stage}-offset", f"ends the flight {size} m off {surface}, always", None, 0.0, 1,
             quantity=event,
         )  # fmt: skip
-    elif high <= 0 or low >= 0:
+    else:
         yield from _at_steps(stage, [t for t, _ in chosen], offs, dt or grid(stage, trials))
 
 
@@ -220,14 +220,18 @@ def _at_steps(
     """Yield that a flight ends at a step, if all ends are nearer to the surface than a step."""
     axis, velocity = (2, "landing.velocity") if stage == "landing" else (0, "plate.velocity")
     speeds = [abs(t.given[velocity][axis]) if velocity in t.given else math.inf for t in trials]
-    if dt is None or any(abs(o) > 1.1 * v * dt for o, v in zip(offs, speeds, strict=True)):
+    side = 1 if offs.min() >= 0 else -1 if offs.max() <= 0 else 0
+    share = 1.1 if side else 0.6  # of a step, how far its end may be
+    if dt is None or any(abs(o) > share * v * dt for o, v in zip(offs, speeds, strict=True)):
         return
     name, where = {
-        ("landing", True): ("first-below", "first step below the ground"),
-        ("landing", False): ("last-above", "last step above the ground"),
-        ("plate", True): ("first-below-x", "first step behind the plate"),
-        ("plate", False): ("last-above-x", "last step in front of the plate"),
-    }[stage, bool(offs.max() <= 0)]
+        ("landing", -1): ("first-below", "first step below the ground"),
+        ("landing", 0): ("nearest", "step nearest to the ground"),
+        ("landing", 1): ("last-above", "last step above the ground"),
+        ("plate", -1): ("first-below-x", "first step behind the plate"),
+        ("plate", 0): ("nearest-x", "step nearest to the plate"),
+        ("plate", 1): ("last-above-x", "last step in front of the plate"),
+    }[stage, side]
     yield Explanation(
         name, f"ends the flight at the {where}, in steps of {dt:.6g} s: by up to "
         f"{np.abs(offs).max():.2g} m",

@@ -12,6 +12,7 @@ two do not hide each other. What is left is told, with its size.
 from __future__ import annotations
 
 import math
+import re
 from collections import defaultdict
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -38,7 +39,7 @@ from longball.judge.explanations import (
     told_together,
 )
 from longball.judge.findings import Diagnosis, Finding, StageRow, found, many
-from longball.judge.fits import ODD, factor_meaning, fitted, pairs, parts, two
+from longball.judge.fits import ODD, factor_meaning, fitted, pairs, parts, scene_by_scene, two
 from longball.judge.outcomes import made_otherwise, outcome_findings, told_findings
 from longball.judge.quantities import untrue
 from longball.judge.relations import (
@@ -94,11 +95,19 @@ FINE, FAINT = 1e-7, 1e-10
 # Of the largest relative error of any stage: a stage below it is not where the trouble begins.
 MINOR = 1e-3
 
+# Of the errors, what a scheme leaves that is the candidate's own: the judge's steps are the same.
+DOUBT_OF_STEPS = 1e-6
+
 # Steps of all flights together that are followed with a scheme.
 MOST_STEPS = 15_000
 
 # Stages in which a graze makes errors of what comes before it a thousand times as large.
 INHERITING = ("touching", "normal speed", "velocity after")
+
+MAYBE_STEPS = (
+    "; an error of this size may be in a number, or the integrator's (long steps, a loose "
+    "tolerance): see whether shorter steps change it"
+)
 
 # Explanations that are looked at as one at a stage, the second for what the first has left.
 ROUNDS = 3
@@ -349,41 +358,57 @@ class _Search:
         wrong = [one for one, size in zip(seen, sizes, strict=True) if size > minor]
         good = [one for one, size in zip(seen, sizes, strict=True) if one[1] and size <= minor]
         before = self.begun.get(stage, 0.0)
-        if (before and worst < FINE) or self._is_own(wrong, good):
+        # Of a number that is found the last digits are not known.
+        rest = FINE if before else FAINT if self.begun else 0.0
+        if _usual(sizes) < rest or self._is_own(wrong, good):
             self._leave(stage, wrong)
             return False
         right = [t for t, _ in good]
         quantity = max((c for _, cs in wrong for c in cs), key=lambda c: c.error / c.scale).quantity
         scenes = _told_apart(seen, sizes, minor)
         told = found(
-            stage, _unknown(stage, sizes, minor, before > 0, scenes), len(wrong),
+            stage, _unknown(stage, sizes, minor, before > 0), len(wrong),
             len(wrong) + len(right), quantity=quantity.partition(":")[0], worst=worst,
             scenes=scenes,
         )  # fmt: skip
         causes: list[Explanation] = []
-        rest = worst < MINOR * min(before, 1.0)
+        little = worst < MINOR * min(before, 1.0)
         stepped = before and (isinstance(self.base.engine, Verlet) or self.jumps)
         # Large in a graze is what an earlier stage has left there, or had wrong from the beginning.
         left = self.loose.keys() | (self.thrown if stage in INHERITING else ())
         few = len(wrong) < max(ENOUGH, (len(wrong) + len(good)) / ONE_IN)
         inherited = few and all(t.case.id in left for t, _ in wrong)
-        searched = self.causes and not (rest or stepped or inherited)
+        searched = self.causes and not (little or stepped or inherited)
         plain = _plain(wrong)
-        of_most = False
+        of_most = rounded = False
         if searched and self.single and worst < SINGLE_NOISE:
             causes = [SINGLE]
         elif searched and worst > FAINT:
             causes = self._found(stage, wrong, good, checks, told.scenes is not None)
-            if not causes and ENOUGH <= len(plain) < len(wrong):
+            rounded = bool(self.begun) and _usual(sizes) < FINE
+            if rounded:
+                # Beside what is found so little is in its last digits, and no other number.
+                causes = [e for e in causes if _parameter(e.name) in self._numbers()]
+            if not causes and not rounded and ENOUGH <= len(plain) < len(wrong):
                 some = self._found(stage, plain, _plain(good), checks, False)
                 causes = [e for e in some if _is_telling(e)]
                 of_most = bool(causes)
         if not causes:
+            if searched and stage in ("pitch", "flight"):
+                chosen = [t for t, _ in evenly(wrong, SOUGHT)]
+                more = scene_by_scene(Sought(chosen, (), (stage,), self.base, self.work))
+                if not more and worst < 1e-4 and not scenes:
+                    more = MAYBE_STEPS
+                told = told.model_copy(update={"sentence": told.sentence + more})
             self.findings.append(told)
             self._leave(stage, wrong)
             return False
-        broken, same = self._least_harm(causes, stage)
+        broken, same = self._least_harm(causes, stage, good)
         best, alone = same[0], broken > 0 or of_most
+        if rounded and not alone:
+            self._accept(best, stage, worst)
+            self._followed = None
+            return True
         sentence = told_together([e.sentence for e in same])
         if of_most:
             sentence = (
@@ -391,7 +416,8 @@ class _Search:
                 f"is wrong in {len(wrong) - len(plain)} with other readings this does not explain"
             )
         elif alone:
-            sentence = f"{f'where {told.scenes}' if told.scenes else f'{stage} alone'}: {sentence}"
+            where = f", where {told.scenes}" if told.scenes else ""
+            sentence = f"{stage} alone{where}: {sentence}"
         said = {
             "kind": "named",
             "names": list(dict.fromkeys(e.name for e in same)),
@@ -413,14 +439,24 @@ class _Search:
         self._followed = None
         return True
 
+    def _numbers(self) -> set[str]:
+        """Return the parameters that a number is found for."""
+        return {_parameter(f.names[0]) for f in self.findings if f.names}
+
     def _is_own(self, wrong: Sequence[Checked], good: Sequence[Checked]) -> bool:
         """Tell whether errors are those of flights with what is found so far in them."""
+        few = ONE_IN * len(wrong) <= len(wrong) + len(good)
         # A scene passes a jump where a flight is sensitive to it, or a scheme its own start.
         if self.jumps or isinstance(self.base.engine, FixedStep):
-            return ONE_IN * len(wrong) <= len(wrong) + len(good)
-        if not self.begun or not all(_keen(t) for t, _ in wrong):
+            return few
+        if not self.begun:
             return False
-        return ONE_IN * (len(wrong) - 1) <= len(wrong) + sum(_keen(t) for t, _ in good)
+        worst = max((size_of(c) for _, cs in wrong for c in cs), default=0.0)
+        if not all(_keen(t) for t, _ in wrong):
+            return few and worst < FINE
+        # A graze makes of an error its square root.
+        keen = len(wrong) + sum(_keen(t) for t, _ in good)
+        return worst * worst < FAINT or ONE_IN * (len(wrong) - 1) <= keen
 
     def _found(
         self,
@@ -443,8 +479,11 @@ class _Search:
         named = [e for e in named if e.change is None or not self._contradicted(e.change, wrong)]
         if not named:
             return []
-        alike = max(ALIKE * named[0].left, doubt_of(wrong))
-        ties = sorted((e for e in named if e.left <= alike), key=lambda e: e.rank)
+        alike, doubt = ALIKE * named[0].left, doubt_of(wrong)
+        ties = [
+            e for e in named
+            if e.left <= max(alike, DOUBT_OF_STEPS if e.step and e.change else doubt)
+        ]  # fmt: skip
         ties = self._told_from_ties(ties, stage, wrong)
         by_name = {e.name: e for e in reversed(ties)}
         return sorted(by_name.values(), key=lambda e: e.rank)
@@ -487,29 +526,32 @@ class _Search:
         return 2 * sum(made_otherwise(t, full, facts) for t, facts in some) > len(some)
 
     def _least_harm(
-        self, found: Sequence[Explanation], stage: str
+        self, found: Sequence[Explanation], stage: str, good: Sequence[Checked]
     ) -> tuple[int, list[Explanation]]:
         """Return those that are borne out best by the other stages, and how many checks they break.
 
-        With an explanation, others may no longer follow, or may begin to.
+        With an explanation, others may no longer follow, or may begin to. So may scenes in which
+        this stage is right.
         """
-        effects = [self._effect(e, stage) for e in found[:6]]
+        others = [*self._elsewhere(stage), *evenly(good, SOUGHT)]
+        effects = [self._effect(e, stage, others) for e in found[:6]]
         broken = min(b for b, _ in effects)
         mended = max(m for b, m in effects if b == broken)
         same = [e for e, effect in zip(found, effects, strict=False) if effect == (broken, mended)]
         return broken, same[:4]
 
-    def _effect(self, e: Explanation, stage: str) -> tuple[int, int]:
+    def _effect(self, e: Explanation, stage: str, others: Iterable[Checked]) -> tuple[int, int]:
         """Return how many checks an explanation breaks, and how many of other stages it mends."""
         if e.change is None or isinstance(e.change.engine, Verlet):
             return 0, 0
         full, broken, mended = self.base.then(e.change), 0, 0
-        for trial, checks in self._elsewhere(stage):
+        for trial, checks in others:
             known = {(c.stage, c.quantity): c.follows for c in checks}
             for c in follow(trial, full, {s for s, _ in known}):
-                before, fine = known.get((c.stage, c.quantity)), FINE * c.scale
-                broken += before is True and c.error > max(c.tolerance, fine)
-                mended += before is False and c.follows and c.stage != stage
+                before = known.get((c.stage, c.quantity))
+                fine = c.error <= max(c.tolerance, FINE * c.scale)
+                broken += before is True and not fine
+                mended += before is False and fine and c.stage != stage
         return broken, mended
 
     def _elsewhere(self, stage: str) -> Iterator[Checked]:
@@ -625,7 +667,9 @@ class _Search:
                 # What flies the pitch flies the batted ball.
                 self.stepless = not any(e.named for e in found)
             if not any(e.named for e in found):
-                found += two(stage, sought, found)
+                # Pitches alone are alike: any two numbers explain them.
+                single = list({e.name: e for e in found}.values())
+                found += two(stage, together or sought, single)
         return found
 
     def _with_flights(
@@ -640,6 +684,11 @@ class _Search:
             return None
         some = evenly(wrong, SOUGHT // 2) + evenly(flying, SOUGHT // 2)
         return Sought([t for t, _ in some], right, ("pitch", "flight"), self.base, self.work)
+
+
+def _parameter(name: str) -> str:
+    """Return what a fitted number is of, from its name."""
+    return re.split("[=*+]", name)[0]
 
 
 def _keen(trial: Trial) -> bool:
@@ -705,9 +754,7 @@ def _is_telling(e: Explanation) -> bool:
     return not odd and e.rank < 2 + ODD / 100
 
 
-def _unknown(
-    stage: str, sizes: Sequence[float], minor: float, rest: bool, scenes: str | None
-) -> str:
+def _unknown(stage: str, sizes: Sequence[float], minor: float, rest: bool) -> str:
     """Return what can be said where nothing explains errors of these sizes, in such scenes."""
     worst, wrong = max(sizes), sum(size > minor for size in sizes)
     sentence = f"{'what is left at ' if rest else ''}{stage}: wrong by up to {worst:.1e} of the "
@@ -715,11 +762,6 @@ def _unknown(
     if smaller := sum(0 < size <= minor for size in sizes):
         sentence += f" (in {smaller} more by less than {minor:.0e})"
     sentence += ", and none of the known mistakes or fitted numbers explains it"
-    if stage in ("pitch", "flight") and worst < 1e-4 and not scenes:
-        sentence += (
-            "; an error of this size may be in a number, or the integrator's (long steps, a loose "
-            "tolerance): see whether shorter steps change it"
-        )
     return sentence
 
 

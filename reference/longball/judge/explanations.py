@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from statistics import median
 from typing import Any
@@ -239,8 +239,7 @@ class Sought:
 
     def concerned(self, change: Change) -> bool:
         """Tell whether a change may do anything to the trials: what is done to scenes is cheap."""
-        done = change.model, change.engine, change.meeting, change.push
-        if done != (NONE.model, NONE.engine, NONE.meeting, NONE.push):
+        if replace(change, scene=NONE.scene) != NONE:
             return True
         scenes = (self.base.scene(t.scene) for t in self.trials)
         pairs = ((scene, change.scene(scene)) for scene in scenes)

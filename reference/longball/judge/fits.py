@@ -226,6 +226,8 @@ class Fit:
         """How many digits the number needs, in hundredths: people choose round ones."""
         if factor_meaning(self.value, self.doubt) and self.form == "factor":
             return 0.0
+        if self.value in STANDARD:
+            return FEW_DIGITS / 100
         share = self.value if self.form == "factor" else self.value / (self.usual or math.nan)
         more = digits_of(float(f"{share - 1:.5g}")) if abs(share - 1) < NEARLY else math.inf
         return min(digits_of(self.value), more) / 100
@@ -270,9 +272,9 @@ def roundest(value: float, doubt: float, size: float = 1.0) -> float:
     """
     if abs(value) <= max(1e-9 * size, min(3 * doubt, 1e-6 * size)):
         return 0.0
-    for factor, _ in _FACTORS:
-        if abs(value - factor) <= doubt and doubt < 1e-3 * abs(factor):
-            return factor
+    for usual in (*STANDARD, *(factor for factor, _ in _FACTORS)):
+        if abs(value - usual) <= doubt and doubt < 1e-3 * min(abs(usual), abs(usual - 1)):
+            return usual
     fraction = float(Fraction(value).limit_denominator(LARGEST_DENOMINATOR))
     for digits in range(1, 10):
         if abs((short := float(f"{value:.{digits}g}")) - value) <= doubt:
@@ -283,11 +285,11 @@ def roundest(value: float, doubt: float, size: float = 1.0) -> float:
 
 
 def snapped(fit: Fit) -> Iterator[Fit]:
-    """Yield fits of usual factors that are near, within a hundredth."""
-    if fit.form == "factor":
-        for factor, _ in _FACTORS:
-            if factor != fit.value and abs(fit.value / factor - 1) < 0.01:
-                yield replace(fit, value=factor, doubt=0.0)
+    """Yield fits of usual factors and numbers that are near, within a hundredth."""
+    usual = [factor for factor, _ in _FACTORS] if fit.form == "factor" else STANDARD
+    for value in usual:
+        if value != fit.value and abs(fit.value / value - 1) < 0.01:
+            yield replace(fit, value=value, doubt=0.0)
 
 
 def told(value: float, doubt: float) -> str:
@@ -299,6 +301,9 @@ def told(value: float, doubt: float) -> str:
     places = min(12, max(0, 1 - math.floor(math.log10(doubt))))
     return f"{value:.{places}f} ± {doubt:.1g}"
 
+
+# Numbers of many digits that people choose all the same: m/s².
+STANDARD = (9.80665,)
 
 # What a factor is, if it is one of these.
 _FACTORS = (
@@ -312,13 +317,16 @@ _FACTORS = (
     (math.pi, "a π too many"), (1 / math.pi, "a π is missing"), (2.20462262, "pounds for kg"),
     (0.45359237, "kg for pounds"), (1.466666667, "ft/s for mph"), (math.sqrt(2), "a √2 too many"),
     (math.sqrt(0.5), "a √2 is missing"),
+    *((pi / math.pi, f"{pi:.6g} for π") for pi in (3.14, 3.1416, 3.14159, 22 / 7)),
 )  # fmt: skip
 
 
 def factor_meaning(value: float, doubt: float = 0.0) -> str | None:
     """Return what a factor is, if it is a usual one."""
     for factor, name in _FACTORS:
-        if abs(value - factor) <= max(3 * doubt, 1e-6 * abs(factor)) and doubt < 0.01 * abs(factor):
+        size = min(abs(factor), abs(factor - 1))
+        near = max(3 * doubt, 1e-6 * abs(factor) if size > 0.01 else 1e-3 * size)
+        if abs(value - factor) <= near and doubt < 0.01 * size:
             return name
     return None
 
@@ -330,6 +338,9 @@ def meaning(fit: Fit) -> str:
 
 
 ROUNDS = 8
+
+# Of a number, and of the scene's own, what a last step may move it by where it has come to its end.
+SETTLED, MOVED = 0.1, 1e-4
 
 # Digits of a number that one or two scenes are enough to believe.
 FEW_DIGITS = 3
@@ -370,6 +381,7 @@ def implied(
     first = size = float(np.linalg.norm(r))
     if not r.size or first == 0.0:
         return None
+    move = 0.0 * value
     for count in range(ROUNDS):
         if count == 3 and size > 0.7 * first:
             break  # it leads nowhere
@@ -392,6 +404,9 @@ def implied(
         old, size = size, float(np.linalg.norm(r))
         if size > 0.999 * old or (abs(move) < 1e-12 * abs(value)).all() or size < 1e-13:
             break
+    still = np.maximum(SETTLED * np.abs(value), MOVED * np.abs(np.array(held, float)))
+    if (abs(move) > still).any() and size > 1e-13:
+        return value, 1.0  # halved again and again, a number is on its way to 0 and not there
     return value, size / first
 
 
@@ -561,6 +576,32 @@ def fitted(stage: str, sought: Sought) -> Iterator[Explanation]:
             )  # fmt: skip
 
 
+# Numbers that a force goes with, and so may have another value in each scene.
+STRENGTHS = (
+    "air.density", "air.drag_coefficient", "air.lift_coefficient", "gravity", "spin", "wind",
+)  # fmt: skip
+
+# Of a scene's errors, what a number of its own may leave.
+WHOLLY = 1e-5
+
+
+def scene_by_scene(sought: Sought) -> str:
+    """Return which numbers would explain all trials with another value in each; else ""."""
+    found = []
+    for name in STRENGTHS:
+        ratios = []
+        for trial in sought.trials:
+            one = implied(trial, [name], sought.stages, sought.base, sought.work)
+            own = value_of(sought.base.scene(trial.scene), name)
+            if one is None or not own or one[1] > WHOLLY:
+                break
+            ratios.append(float(one[0][0]) / own)
+        if FIRST <= len(sought.trials) == len(ratios):
+            found.append(f"{name}, {min(ratios):.10g} to {max(ratios):.10g} times the scene's")
+    told = "; or another ".join(found)
+    return f"; another {told}, in each scene by itself would explain all" if told else ""
+
+
 # --- two at once ----------------------------------------------------------------------------------
 
 
@@ -584,7 +625,8 @@ def pairs(stage: str, sought: Sought, known: Sequence[Explanation]) -> Iterator[
         return
     columns: list[tuple[Explanation | str, list[Array]]] = []
     for e in known:
-        effect = None if e.change is None else _effect(few, e.change)
+        odd = e.rank >= 2 + ODD / 100  # free, such a number stands among the slopes
+        effect = None if odd or e.change is None else _effect(few, e.change)
         if effect and sum(np.abs(x).sum() for x in effect) > 1e-9:
             columns.append((e, effect))
     columns += _slopes(stage, few)
@@ -663,7 +705,7 @@ def one_after_another(
     for e in known:
         if e.change is None or sought.work.exhausted or not few.concerned(e.change):
             continue
-        if isinstance(e.change.engine, Verlet):
+        if isinstance(e.change.engine, Verlet) or e.rank >= 2 + ODD / 100:
             continue
         lefts = few.sizes(e.change)
         solved = sum(left <= NAMED * whole for left, whole in zip(lefts, wholes, strict=True))
@@ -675,17 +717,19 @@ def one_after_another(
         assert first.change is not None
         rest = sought.given(first.change)
         seconds = [*_tried(_library(stage), rest), *fitted(stage, rest)]
-        for second in (e for e in seconds if e.named and e.change is not None):
+        best = 1.0
+        for second in (e for e in seconds if e.named and e.rank < 2 + ODD / 100 and e.change):
             assert second.change is not None
             change = first.change.then(second.change)
             left = sought.left(change)
             if left is not None and second.name != first.name:
+                best = min(best, left)
                 yield Explanation(
                     f"{first.name} and {second.name}", f"{first.sentence}; and {second.sentence}",
                     None, left, 1.9 + (first.rank + second.rank) / 100, change,
                     allowed=max(first.allowed, second.allowed),
                 )  # fmt: skip
-        if any(e.named for e in seconds):
+        if best < WHOLLY:
             return
 
 

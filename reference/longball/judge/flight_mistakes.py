@@ -7,17 +7,19 @@ import math
 import operator
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cache, partial
+from functools import cache, lru_cache, partial
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
+from longball.engines.chain import MODEL, OneCase, meet_bat
+from longball.judge.any_law import ANY_LAW
 from longball.judge.changes import Mistake, reading_change, scene_change
 from longball.judge.stages import Change, Numbers, with_values
 from longball.model import trace
 from longball.model.aerodynamics import DRAG, LIFT, spin_ratio
-from longball.model.air import CrisisDrag, Table, Weather
+from longball.model.air import Air, CrisisDrag, Table, Weather
 from longball.model.atmosphere import (
     DRY_DENSITY,
     LIGHTER,
@@ -185,6 +187,12 @@ def _summed(motion: Motion, flow: Flow, p: Any) -> Vector[Any]:
     return scaled(-(x + y + z), flow.velocity)
 
 
+def _of_two(motion: Motion, flow: Flow, p: Any) -> Vector[Any]:
+    """Return minus the velocity times the size of its x and z."""
+    x, _, z = _in_space(flow, p)
+    return scaled(-trace.sqrt(x * x + z * z), flow.velocity)
+
+
 def _about(axis: Callable[[Any, Any], Vector[Any]]) -> Change:
     """Return the change of the lift to one about an axis in space, from the scene and the frame."""
 
@@ -313,6 +321,8 @@ _PAPERS_LAW: tuple[Mistake, ...] = (
     Mistake("drag-with-horizontal-speed", "takes the horizontal speed for V in the drag",
             "V is the whole speed", _drag(lambda m, p: trace.sqrt(
                 m.air.velocity[0] * m.air.velocity[0] + m.air.velocity[1] * m.air.velocity[1]))),
+    Mistake("drag-without-side-speed", "leaves v_y, the speed across the field, out of V in the "
+            "drag", "V is the whole speed", _in_air(DRAG, _of_two, _with_axes(DRAG))),
     Mistake("drag-with-summed-speed", "takes the sum of the components' sizes for V in the drag",
             "V is the root of the sum of their squares",
             _in_air(DRAG, _summed, _with_axes(DRAG))),
@@ -403,10 +413,12 @@ _PAPERS_LAW: tuple[Mistake, ...] = (
     Mistake("aim-side-from-release", "counts the side of the aim from the point of release",
             "the aim is a point: y and z where the plate is",
             _thrown(lambda pitch: {"pitch.aim[0]": pitch.aim[0] + pitch.release[1]})),
-    Mistake("pitch-speed-along-x", "gives the ball pitch.speed along x, and the rest of the way "
-            "on top", "pitch.speed is the size of the velocity at the release",
-            _thrown(lambda pitch: {"pitch.speed": pitch.speed * math.hypot(*pitch.way)
-                                   / abs(pitch.way[0])})),
+    *(Mistake(f"pitch-speed-{name}", f"gives the ball pitch.speed {words}, and the rest of the way "
+              "on top", "pitch.speed is the size of the velocity at the release",
+              _thrown(lambda pitch, n=count: {  # type: ignore[misc]
+                  "pitch.speed":
+                      pitch.speed * math.hypot(*pitch.way) / math.hypot(*pitch.way[:n])}))
+      for name, words, count in (("along-x", "along x", 1), ("level", "along the ground", 2))),
     Mistake("aim-from-release", "counts the aim from the point of release",
             "the aim is a point: y and z where the plate is",
             _thrown(lambda pitch: {"pitch.aim[0]": pitch.aim[0] + pitch.release[1],
@@ -671,14 +683,32 @@ def _active(flow: Flow, p: Any) -> Any:
 
 
 def _batted_spin(spin: Callable[[Any], Any]) -> Change:
-    """Return the change of a batted ball's spin to what is made of the scene."""
+    """Return the change of a batted ball's spin, if it has one, to what is made of the scene."""
+    return Change(launch=lambda scene, launch: launch if launch.spin is None else replace(
+        launch, spin=spin(scene)))  # fmt: skip
 
-    def spun(given: Any, scene: Any, frame: Any, numbers: Any) -> Any:
-        if frame.spin is not None and _is_batted(scene, frame):
-            frame = replace(frame, spin=spin(scene))
-        return given(scene, frame, numbers)
 
-    return _terms(lambda f: _with_strengths(f, spun))
+def _without_spin(given: Any, scene: Any, frame: Any, numbers: Any) -> Any:
+    """Return strengths that the laws by spin have without one, too: by the paper's C_L."""
+    if frame.spin is None and hasattr(getattr(scene.air, "lift_coefficient", None), "law"):
+        scene = with_values(scene, {"air.lift_coefficient": Air().lift_coefficient})
+    return given(scene, frame, numbers)
+
+
+def _pitch_without_spin(given: Any, scene: Any, frame: Any, numbers: Any) -> Any:
+    """Return the strengths of a pitch that flies without its spin, and comes to the bat with it."""
+    thrown = scene.kind != "flight" and not _is_batted(scene, frame)
+    return _without_spin(given, scene, replace(frame, spin=None) if thrown else frame, numbers)
+
+
+_NO_SPIN = _terms(lambda f: _with_strengths(f, _without_spin))
+
+
+@lru_cache(maxsize=4096)
+def _spin_at_bat(scene: Any) -> Numbers | None:
+    """Return the spin with which the ball of a scene comes to the bat, rad/s."""
+    _, meeting = meet_bat(OneCase(scene, ANY_LAW, MODEL))
+    return None if meeting is None else meeting.contact.spin
 
 
 def _profile(rise: Callable[[Any, Any], Any]) -> Change:
@@ -878,10 +908,17 @@ EXTENDED: tuple[Mistake, ...] = (
       for i, j in ((0, 1), (0, 2), (1, 2))),
     Mistake("spin-of-pitch-kept", "lets the batted ball fly with the spin of the pitch",
             "the batted ball has the spin that the impact gives it",
-            _batted_spin(lambda scene: scene.pitch.spin)),
+            _batted_spin(_spin_at_bat)),
     Mistake("batted-spin-forgotten", "lets the batted ball fly by the lift of a ball of which no "
             "spin is given", "the batted ball has the spin that the impact gives it",
-            _batted_spin(lambda scene: None)),
+            _batted_spin(lambda scene: None).then(_NO_SPIN)),
+    *(Mistake(name, f"throws the pitch by the lift of a ball of which no spin is given{words}",
+              "take pitch.spin from the scene", change)
+      for name, words, change in (
+          ("pitch-spin-forgotten", "",
+           scene_change(lambda scene: {"pitch.spin": None}).then(_NO_SPIN)),
+          ("pitch-spin-not-in-flight", "; it comes to the bat with its spin",
+           _terms(lambda f: _with_strengths(f, _pitch_without_spin))))),
     Mistake("batted-without-spin", "lets the batted ball fly without spin",
             "the batted ball has the spin that the impact gives it",
             _batted_spin(lambda scene: (0.0, 0.0, 0.0))),

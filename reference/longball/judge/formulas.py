@@ -247,6 +247,7 @@ def _distance(formula: Callable[[float, float, float], float]) -> Value:
     return lambda v: (formula(*v["landing.position"]),)
 
 
+_ROUND = "has {} r_b² for the bat's radius in its moment of inertia, M(L²/3 + r_b²/4)"
 _I = "I = M(L²/3 + r_b²/4) about the end B"
 PLAIN = "uses e where ẽ belongs"
 EFFECTIVE = "ẽ = e(1 + m/M_eff) + m/M_eff with M_eff = I/r̃²"
@@ -266,17 +267,33 @@ def _unit(v: Numbers) -> Numbers:
     return tuple(x / size for x in v)
 
 
-def _turned_inertia(v: View, said: Numbers) -> float:
-    """Return c of the moment of inertia M(L²/3 + c r_b²) that a candidate's ẽ is made with."""
+def _slender(v: View) -> float:
+    """Return the bat's moment of inertia without its part of r_b², by its mass, m²."""
     bat = v.scene.bat
-    inertia = v.inertia * v.ratio * (1 + v.e) / (said[0] - v.e)
-    return float((inertia / bat.mass - bat.length**2 / 3) / bat.radius**2)
+    part = 0.0 if v.scene.reading.inertia == "thin_rod" else float(bat.radius) ** 2 / 4
+    return v.inertia / v.M - part
 
 
-def _with_inertia(v: View, c: float) -> Numbers:
-    bat = v.scene.bat
-    inertia = bat.mass * (bat.length**2 / 3 + c * bat.radius**2)
-    return _restitution(lambda v, e, r: _printed(e, r * v.inertia / inertia))(v)
+def _round_part(v: View, ratio: float) -> float:
+    """Return c of the moment of inertia M(… + c r_b²) with which m/M_eff is a ratio."""
+    inertia = v.inertia * v.ratio / ratio
+    return float((inertia / v.M - _slender(v)) / v.scene.bat.radius**2)
+
+
+def _ratio_with(v: View, c: float) -> float:
+    return v.ratio * v.inertia / (v.M * (_slender(v) + c * float(v.scene.bat.radius) ** 2))
+
+
+def _bare_said(v: View, said: Numbers) -> float:
+    """Return c of the moment of inertia in the μ that an impulse is made with."""
+    mu = -said[0] / ((1 + v.restitution) * v.number("contact.normal_speed"))
+    return _round_part(v, v.m / mu - 1)
+
+
+def _bare_pushed(v: View, c: float) -> Numbers:
+    """Return the impulse with that μ, where the reading takes it from M_eff."""
+    bare = math.isclose(v.mu, v.bare, rel_tol=1e-12)
+    return _push(lambda v: v.m / (1 + _ratio_with(v, c)) if bare else v.mu)(v)
 
 
 def _tilted(v: View, share: float) -> Numbers:
@@ -460,6 +477,10 @@ FORMULAS: tuple[Formula, ...] = (
     *_wrong("landing.hang_time", "landing.hang_time is since contact or launch",
         ("hang-time-since-start", "counts landing.hang_time from the start of the scene",
          lambda v: v["landing.time"])),
+    *_wrong("landing.position", "the batted ball flies from contact.position",
+        ("batted-from-plate", "lets the batted ball fly from where the pitch crosses the plate",
+         lambda v: plus(v["landing.position:follows"], 1.0, plus(
+             v["plate.position"], -1.0, v["contact.position"])))),
     *_wrong("landing.velocity", "landing.velocity is a vector",
         ("speed-for-vertical", "gives the speed for the vertical velocity",
          lambda v: (*(there := v["landing.velocity:follows"])[:2], -math.hypot(*there))),
@@ -499,6 +520,8 @@ NUMBERED: tuple[Numbered, ...] = (
              lambda v, said: (math.copysign(math.hypot(*said), said[0])
                               / v.scene.swing.angular_speed + v.position[1]) / v.scene.bat.length,
              lambda v, share: _swung(lambda w: share * w.scene.bat.length - w.position[1])(v)),
-    Numbered("impact.restitution", "bat-inertia", "acts as if the bat's moment of inertia were "
-             "M(L²/3 + {} r_b²)", _I, _turned_inertia, _with_inertia),
+    Numbered("impact.restitution", "bat-inertia", _ROUND, _I,
+             lambda v, said: _round_part(v, (said[0] - v.e) / (1 + v.e)),
+             lambda v, c: _restitution(lambda v, e, r: _printed(e, _ratio_with(v, c)))(v)),
+    Numbered("impact.impulse", "bat-inertia", _ROUND, _I, _bare_said, _bare_pushed),
 )  # fmt: skip

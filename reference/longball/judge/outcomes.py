@@ -6,7 +6,6 @@ import math
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 from longball.engines.chain import MODEL, solve
@@ -137,16 +136,18 @@ def outcome_findings(
         sentence, remedy = f"says {obtained} where {expected} is right", None
         names: list[str] = []
         own = ""
+        made = _made(evenly(wrong, WRONG), held, base, known)
+        flies = {f.stage for f in known}.isdisjoint(("pitch", "flight"))
         if against := _against_itself(wrong):
             sentence += f", against {against}"
-        elif rule_ := next((r for r in RULES if all(map(r.holds, wrong))), None):
-            names, remedy = [rule_.name], rule_.remedy
-            sentence += f": {rule_.sentence}"
-        elif made := _made(evenly(wrong, WRONG), held, base, known):
+        elif made:
             names, reason = made
             sentence += f": {reason}"
         elif own := _follows(wrong):
             sentence += f": {own}"
+        elif rule_ := next((r for r in RULES if flies and all(map(r.holds, wrong))), None):
+            names, remedy = [rule_.name], rule_.remedy
+            sentence += f": {rule_.sentence}"
         elif (
             obtained == "missed"
             and expected in ("batted", "separating", "beyond_bat")
@@ -157,7 +158,9 @@ def outcome_findings(
                 "find the closest approach within the step, where d·v changes sign, and test there"
             )
         one = _told("outcome", "outcome", names, sentence, wrong, same)
-        said = {"kind": "probably", "share": 1.0} if names or own else {"kind": "unexplained"}
+        said: dict[str, Any] = {"kind": "unexplained"}
+        if names or own or against:
+            said = {"kind": "probably", "share": 1.0, "scenes": None}
         yield one.model_copy(update=said | {"remedy": remedy, "example": None})
 
 
@@ -168,7 +171,8 @@ def _made(
     whole = [*wrong, *same]
 
     def makes(change: Change) -> bool:
-        return all(map(partial(_explains, change), whole))
+        tells = [_explains(change, t) for t in whole]
+        return False not in tells and True in tells[: len(wrong)]
 
     named = [name for f in known for name in f.names[:1] if f.stage != "outcome"]
     if named and base is not NONE and makes(base):
@@ -182,12 +186,17 @@ def _made(
     return [m.name for m in ties], told_together([m.sentence for m in ties])
 
 
-def _explains(change: Change, trial: Trial) -> bool:
-    """Tell whether a change makes a trial's outcome, and a landing near to the one that it has."""
+def _explains(change: Change, trial: Trial) -> bool | None:
+    """Tell whether a change makes a trial's outcome, and a landing near to the one that it has.
+
+    None where doubles cannot decide what it makes.
+    """
     try:
         result = _solved(trial, change)
     except (ArithmeticError, ValueError):
         return False
+    if result.outcome is None:
+        return None
     if result.outcome != (trial.outcome or trial.case.expected.outcome):
         return False
     said = trial.given.get("landing.position")
@@ -212,23 +221,27 @@ def made_otherwise(trial: Trial, change: Change, facts: Mapping[str, object]) ->
 
 def _against_itself(trials: Sequence[Trial]) -> str:
     """Return which of their own values wrong outcomes contradict, with what it says; else ""."""
-    for quantity, outcomes, says in (
-        ("fence.clearance", {True: "home_run", False: "wall"}, "above the fence"),
-        ("contact.margin", {True: "batted", False: "missed"}, "nearer than the bat's surface"),
+    for quantity, beyond, within, says in (
+        ("fence.clearance", {"home_run"}, {"wall"}, "above the fence"),
+        ("contact.margin", {"batted", "separating"}, {"missed"}, "nearer than the bat's surface"),
     ):
         given = [(t, t.given[quantity][0] > 0) for t in trials if quantity in t.given]
-        if (
-            given
-            and all(t.outcome in outcomes.values() for t, _ in given)
-            and all(outcomes[above] != t.outcome for t, above in given)
-        ):
+        if given and all(t.outcome in (within if above else beyond) for t, above in given):
             return f"its own {quantity}: positive is {says}"
     speeds = [
         t.given["contact.normal_speed"][0] for t in trials if "contact.normal_speed" in t.given
     ]
     if speeds and min(speeds) >= 0 and all(t.outcome in ("struck", "batted") for t in trials):
         return "its own contact.normal_speed: where it is not negative, ball and bat separate"
+    if all(_beyond(t) and t.outcome != "beyond_bat" for t in trials):
+        return "its own contact.position: beyond the ends of the bat"
     return ""
+
+
+def _beyond(trial: Trial) -> bool:
+    """Tell whether a contact that a trial gives is beyond the ends of the bat."""
+    place = trial.given.get("contact.position")
+    return place is not None and 2 * abs(place[1]) > trial.scene.bat.length
 
 
 def _follows(trials: Sequence[Trial]) -> str:
@@ -238,6 +251,8 @@ def _follows(trials: Sequence[Trial]) -> str:
         ("contact.margin", {"missed"}, lambda t, x: (t.outcome == "missed") is (x[0] <= 0)),
         ("contact.normal_speed", {"separating"},
          lambda t, x: (t.outcome == "separating") is (x[0] >= 0)),
+        ("contact.position", {"beyond_bat"},
+         lambda t, x: (t.outcome == "beyond_bat") is _beyond(t)),
         ("fence.clearance", {"home_run"}, lambda t, x: (t.outcome == "home_run") is (x[0] > 0)),
         ("fence.clearance", {"wall"}, lambda t, x: (t.outcome == "wall") is (x[0] <= 0)),
         ("impact.velocity", set(), _flies_so),
@@ -245,7 +260,7 @@ def _follows(trials: Sequence[Trial]) -> str:
         if not outcomes <= both:
             continue
         given = [(t, t.given[quantity]) for t in trials if quantity in t.given]
-        wrong = [one for one in given if not _told_alike(one[1], one[0].expected.get(quantity))]
+        wrong = [(t, x) for t, x in given if not _told_alike(x, t.expected.get(quantity, x))]
         count = sum(holds(t, value) for t, value in wrong)
         if count >= MOST * len(trials):
             where = "" if count == len(trials) else f"in {count} of them "
@@ -253,8 +268,8 @@ def _follows(trials: Sequence[Trial]) -> str:
     return ""
 
 
-def _told_alike(said: Sequence[float], true: Sequence[float] | None) -> bool:
-    return true is not None and math.dist(said, true) <= FINE * max(math.hypot(*true), 1e-3)
+def _told_alike(said: Sequence[float], true: Sequence[float]) -> bool:
+    return math.dist(said, true) <= FINE * max(math.hypot(*true), 1e-3)
 
 
 def _flies_so(trial: Trial, velocity: Sequence[float]) -> bool:
@@ -293,8 +308,8 @@ def told_findings(trials: Sequence[Trial], base: Change) -> Iterator[Finding]:
         if name == "landing.fair" and (fair := _fair_otherwise(right)):
             yield _told(stage_of(name), name, *fair, some, same)
             continue
-        for sentence in _misled(name, [(true, given) for _, true, given in told]):
-            yield _told(stage_of(name), name, [], sentence, some, same)
+        for names, sentence in _misled(name, [(true, given) for _, true, given in told]):
+            yield _told(stage_of(name), name, names, sentence, some, same)
     for block in BLOCKS:
         more = [t for t in right if block in _blocks(t.given) - _blocks(t.expected)]
         if not more:
@@ -315,17 +330,18 @@ def _struck_rightly(trial: Trial) -> bool:
     return not (said and true) or math.dist(said, true) <= NEAR * math.hypot(*true)
 
 
-def _misled(name: str, told: Sequence[tuple[Any, Any]]) -> Iterator[str]:
-    """Yield what is told where something else is right."""
+def _misled(name: str, told: Sequence[tuple[Any, Any]]) -> Iterator[tuple[list[str], str]]:
+    """Yield what is told where something else is right, with a name if it is always the same."""
     whole = all(type(x) is int for pair in told for x in pair)
     shifts = {given - true for true, given in told} if whole else set()
     if len(shifts) == 1 and len(set(told)) > 1:
         (shift,) = shifts
-        yield f"{name} is {abs(shift)} too {'large' if shift > 0 else 'small'}, always"
+        size = f"{abs(shift)} too {'large' if shift > 0 else 'small'}"
+        yield [f"{name}{shift:+d}"], f"{name} is {size}, always"
         return
     for (true, given), count in Counter(told).most_common():
         what = "the truth has none" if true is None else f"{true} is right"
-        yield f"{name} is told to be {given} where {what}, in {many(count, 'scene')}"
+        yield [], f"{name} is told to be {given} where {what}, in {many(count, 'scene')}"
 
 
 def _blocks(names: Iterable[str]) -> set[str]:

@@ -3,8 +3,8 @@
 A simulator that returns the way of its ball, and no landing, answers with ``path``. Its points are
 held against the true path as they are. The landing, or the plate of a pitch, is found on a
 polynomial through the eight next to it; velocities, if there are some, have one of their own, since
-many integrators have others than the slope of their places. Of fewer points with velocities both
-make one polynomial.
+many integrators have others than the slope of their places, or make one polynomial with the places
+of four, where that agrees better with one of three.
 A ball that its points leave in the air at the scene's time limit is airborne, and a pitch that they
 bring to the ground before the plate is grounded.
 """
@@ -12,7 +12,7 @@ bring to the ground before the plate is grounded.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from decimal import Decimal
 from typing import Any
@@ -30,6 +30,11 @@ from longball.model.result import Outcome
 from longball.model.scene import ImpactScene, landing_height
 
 Array = NDArray[np.float64]
+Met = dict[str, Array]
+
+# Numbers next to a crossing that a polynomial goes through: how far two of them are apart tells how
+# far off they are.
+POINTS = 8, 6
 
 MOST_JUDGED = 2_000  # points, evenly chosen
 
@@ -85,9 +90,12 @@ def landed(scene: Any, answer: Answer) -> tuple[Answer, Mapping[str, float]]:
         # A step on, but for the rounding of times.
         in_the_air = 2 * path[-1, 0] - path[-2, 0] > limit * (1 - 1e-9)
         return (_ended(answer, "airborne") if in_the_air else answer), {}
-    fine, coarse = (_met(path, crossing, order, block, scene) for order in (8, 6))
-    if fine is None or coarse is None:
+    ways = [_both(path, crossing, together, block, scene) for together in _ways(path)]
+    known = [(fine, coarse) for fine, coarse in ways if fine and coarse]
+    if not known:
         return answer, {}
+    place = f"{block}.position"
+    fine, coarse = min(known, key=lambda way: float(np.linalg.norm(way[0][place] - way[1][place])))
     if fine[f"{block}.time"][0] > limit:
         return _ended(answer, "airborne"), {}
     if block == "plate" and fine["plate.position"][2] <= landing_height(scene):  # in the same step
@@ -115,20 +123,35 @@ def _crossing(heights: Array) -> int | None:
     return len(heights) - 1 if 2 * heights[-1] - heights[-2] <= 0 else None
 
 
-def _met(path: Array, crossing: int, order: int, block: str, scene: Any) -> dict[str, Array] | None:
+def _ways(path: Array) -> Sequence[bool]:
+    """Return whether places and velocities make one polynomial; both where that can be seen."""
+    if path.shape[1] == 4:
+        return (False,)
+    return (False, True) if len(path) >= POINTS[0] else (True,)
+
+
+def _both(path: Array, crossing: int, *way: Any) -> tuple[Met | None, Met | None]:
+    """Return what polynomials through more numbers and through fewer meet."""
+    more, fewer = (_met(path, crossing, count, *way) for count in POINTS)
+    return more, fewer
+
+
+def _met(
+    path: Array, crossing: int, order: int, together: bool, block: str, scene: Any
+) -> Met | None:
     """Return when and where a polynomial through `order` numbers next to a crossing is met."""
-    apart = len(path) >= order
-    count = order if apart or path.shape[1] == 4 else order // 2
+    count = order // 2 if together else order
     low = max(0, min(crossing - count // 2, len(path) - count))
     near = path[low : low + count]
     start = near[0, 0]
     times, places, speeds = near[:, 0] - start, near[:, 1:4], near[:, 4:7]
-    if apart or not speeds.size:
-        curve = KroghInterpolator(times, places)
-    else:
+    if together:
         both = np.stack([places, speeds], axis=1).reshape(-1, 3)
         curve = KroghInterpolator(np.repeat(times, 2), both)
-    velocity_at = KroghInterpolator(times, speeds) if apart and speeds.size else curve.derivative
+    else:
+        curve = KroghInterpolator(times, places)
+    apart = speeds.size and not together
+    velocity_at = KroghInterpolator(times, speeds) if apart else curve.derivative
     axis = 0 if block == "plate" else 2
     level = 0.0 if block == "plate" else landing_height(scene)
     before, after = path[crossing - 1, 0] - start, path[crossing, 0] - start

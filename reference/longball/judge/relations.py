@@ -39,10 +39,16 @@ Image = Callable[[Array], Array]
 # The rank of relations: behind known mistakes that leave as little.
 RELATION = 0.5
 
+# The rank of formulas with a number that fits: behind those without one.
+NUMBER = 0.1
+
 FEW_DECIMALS = 10
 
 # Of the number in a formula, how far it may differ from scene to scene.
 CERTAIN = 1e-3
+
+# A number below this is 0: what rounding leaves of one that is left out.
+NOTHING = 1e-6
 
 
 # --- relations to what follows --------------------------------------------------------------------
@@ -190,31 +196,34 @@ def formulas(
             views[id(trial)] = _view(trial, base, min(failing))
         return _value(value, views[id(trial)])
 
+    plain = len(wanted)
     for numbered in NUMBERED:
         said = [(t, c.obtained) for t, cs in chosen for c in cs if c.quantity == numbered.quantity]
         seen = [tried(lambda v, n=numbered, x=x: (n.number(v, x),), t) for t, x in said]  # type: ignore[misc]
-        if number := _settled([one[0] for one in seen if one and math.isfinite(one[0])]):
+        number = _settled([one[0] for one in seen if one and math.isfinite(one[0])])
+        if number is not None:
             wanted.append(numbered.of(number))
-    for f in wanted:
+    for i, f in enumerate(wanted):
         left, against = _held(chosen, beside, f.quantity, lambda t, c, f=f: tried(f.value, t))  # type: ignore[misc]
         yield Explanation(
-            f.name, f.sentence, f.remedy, left, 0, quantity=f.quantity, against=against,
+            f.name, f.sentence, f.remedy, left, 0.0 if i < plain else NUMBER, against=against,
+            quantity=f.quantity,
             value=lambda t, f=f: _value(f.value, _view(t, base, f.quantity)),  # type: ignore[misc]
         )  # fmt: skip
 
 
-def _settled(numbers: Sequence[float]) -> float:
-    """Return the number that all are; 0 if they are not the same, too few, or no round number.
+def _settled(numbers: Sequence[float]) -> float | None:
+    """Return the number that all are; None if they are not the same, too few, or no round number.
 
     Where all scenes have the same bat, another mistake may be like any number.
     """
     if len(numbers) < FIRST:
-        return 0.0
+        return None
     middle, doubt = float(np.median(numbers)), float(np.ptp(numbers)) / 2
-    if doubt > CERTAIN * abs(middle):
-        return 0.0
+    if doubt > max(CERTAIN * abs(middle), NOTHING):
+        return None
     number = roundest(middle, max(doubt, 1e-9 * abs(middle)))
-    return number if digits_of(number) <= FEW_DIGITS else 0.0
+    return number if digits_of(number) <= FEW_DIGITS else None
 
 
 def _view(trial: Trial, base: Change, quantity: str) -> View | None:

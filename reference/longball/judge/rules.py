@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
+from operator import eq, gt, lt, ne
 from typing import Any
 
 from pydantic import ValidationError
@@ -19,19 +21,22 @@ Features = dict[str, Any]
 
 
 def features(case: Case) -> Features:
-    """Return what a rule may speak of: numbers, switches, flags, kind and family."""
+    """Return what a rule may speak of: numbers, switches, flags and kind."""
     scene: Any = case.scene
     found: Features = {name: float(value) for name, value in numbers(scene)}
     found |= {f"reading.{name}": value for name, value in scene.reading}
     found |= {f"flag {flag}": True for flag in case.flags}
-    found |= {"kind": scene.kind, "family": case.family}
-    found["outcome"] = case.expected.outcome
+    found |= {"kind": scene.kind, "outcome": case.expected.outcome}
     found |= _forms(scene)
     landing, contact, impact = case.expected.landing, case.expected.contact, case.expected.impact
     if landing is not None:
         found["direction at landing"] = "+x" if float(landing.velocity[0]) > 0 else "-x"
-        found["landing.time"] = float(landing.time)
+        found["landing.hang_time"] = float(landing.hang_time)
+        x, y, _ = map(float, landing.position)
+        found |= {"landing.position[0]": x, "landing.position[1]": y}
     if impact is not None:
+        if scene.kind == "at-bat":
+            found["launch speed"] = math.hypot(*map(float, impact.velocity))
         found["impact.restitution"] = float(impact.restitution)
         if impact.mode is not None:
             found["impact.mode"] = impact.mode
@@ -39,6 +44,7 @@ def features(case: Case) -> Features:
         found["contact.normal_speed"] = float(contact.normal_speed)
     if scene.kind == "flight" and any(scene.launch.velocity):
         x, y, z = scene.launch.velocity
+        found["launch speed"] = math.hypot(x, y, z)
         found["launch angle in degrees"] = math.degrees(math.atan2(z, math.hypot(x, y)))
     return found
 
@@ -78,12 +84,15 @@ _BLOCKS = {
     "polyline": "a polyline", "radius": "a circle",
 }  # fmt: skip
 
-# A rule is told if that of so many random choices of as many scenes hardly one could be told by
-# it; with two conditions it must be so many times as hard again.
-CHANCE, TWO = 5_000, 1_000
+# A rule is told if one choice of as many scenes, or of as many values of a number, in so many times
+# the count of rules that are tried would be told by it.
+CHANCE = 100
 
-# Scenes that must have a value for it to be the usual one.
+# Scenes that must have a value for it to be the usual one; fewer are no rule.
 FEWEST = 3
+
+# Conditions that are tried as the first of two: those that tell most scenes.
+HALVES = 8
 
 # Rules that tell the same scenes: with more of them, none says anything.
 MOST_RULES = 3
@@ -92,41 +101,62 @@ MOST_RULES = 3
 def rule(failing: Sequence[Case], passing: Sequence[Case]) -> str | None:
     """Return the smallest rules that hold for all that fail and none that pass; None without one.
 
-    One condition, or two of what scenes are sorted by, both of which must hold. Where a few tell
-    the same scenes, all are told: it need not be the first one that is behind it.
+    One condition, or two that must both hold. Where a few tell the same scenes, all are told: it
+    need not be the first one that is behind it.
     """
-    choices = math.comb(len(failing) + len(passing), len(failing))
-    if not failing or not passing or choices < CHANCE:
-        return None
     wrong, right = [*map(features, failing)], [*map(features, passing)]
-    whole: dict[str, str] = {}  # by the feature
-    half = []
-    for name, text, holds in _conditions(wrong, right):
-        # Every failing scene must be told; those that pass are cut away.
-        if not all(map(holds, wrong)):
-            continue
-        left = [f for f in right if holds(f)]
-        if left:
-            half.append((len(left), text, holds, left, _sorts(name)))
-        else:
-            whole.setdefault(name, text)
-    if whole:
-        plain = [n for n in whole if _sorts(n)]
-        zero = [n for n, text in whole.items() if n not in plain and text == f"{n} = 0"]
-        simple = [n for n in plain if n not in FORMS and not _law(n)]
-        for names in (plain + zero, plain, simple, [] if plain or zero else list(whole)):
-            if 0 < len(names) <= MOST_RULES:
-                told = sorted((whole[n] for n in names), key=lambda text: "flagged" in text)
-                return "; or, which are the same scenes, ".join(told)
+    if min(len(wrong), len(right)) < FEWEST:
         return None
-    if choices < CHANCE * TWO:
-        return None
-    half.sort(key=lambda one: one[0])
-    sorting = [(text, holds, left) for _, text, holds, left, sorts in half if sorts]
-    for (text, _, left), (other, holds, _) in itertools.combinations(sorting, 2):
-        if not any(map(holds, left)):
-            return f"{text} and {other}"
+    known = [*_conditions(wrong, right)]
+    if whole := _text(_telling(known, wrong, right, len(known))):
+        return whole
+    # Every failing scene must be told by either; those that pass are cut away.
+    cuts = [(one, [*filter(one.holds, right)]) for one in known if all(map(one.holds, wrong))]
+    for one, left in sorted(cuts, key=lambda cut: len(cut[1]))[:HALVES]:
+        others = [*_conditions(wrong, left)]
+        tried = len(known) * len(others)
+        both = [
+            other
+            for other in _telling(others, wrong, left, tried)
+            if one.choices(wrong, [*filter(other.holds, right)]) >= CHANCE * tried
+        ]
+        if text := _text(both):
+            return f"{one.text} and {text}"
     return None
+
+
+def _telling(
+    conditions: Iterable[Condition],
+    wrong: Sequence[Features],
+    right: Sequence[Features],
+    tried: int,
+) -> list[Condition]:
+    """Return those that tell the wrong scenes, and would hardly do so by chance.
+
+    `tried` is how many there might have been.
+    """
+    return [
+        one
+        for one in conditions
+        if one.choices(wrong, right) >= CHANCE * tried
+        and all(map(one.holds, wrong))
+        and not any(map(one.holds, right))
+    ]
+
+
+def _text(conditions: Iterable[Condition]) -> str:
+    """Return rules that tell the same scenes, the plainest of them, in words."""
+    whole: dict[str, str] = {}  # by the feature
+    for one in conditions:
+        whole.setdefault(one.name, one.text)
+    plain = [n for n in whole if _sorts(n)]
+    zero = [n for n, text in whole.items() if n not in plain and text == f"{n} = 0"]
+    simple = [n for n in plain if n not in FORMS and not _law(n)]
+    for names in (plain + zero, plain, simple, [] if plain or zero else list(whole)):
+        if 0 < len(names) <= MOST_RULES:
+            told = sorted((whole[n] for n in names), key=lambda text: "flagged" in text)
+            return "; or, which are the same scenes, ".join(told)
+    return ""
 
 
 def _sorts(name: str) -> bool:
@@ -147,37 +177,71 @@ FORMS = (
 )  # fmt: skip
 
 
-Condition = tuple[str, str, Callable[[Features], bool]]
+@dataclass(frozen=True)
+class Condition:
+    """What may tell scenes: a feature, in words, and for which values of it it holds.
+
+    Attributes
+    ----------
+    without
+        Whether it holds for scenes that have no such feature.
+    measured
+        Whether it is one of how large a number is.
+    """
+
+    name: str
+    text: str
+    of: Callable[[Any], bool]
+    without: bool = False
+    measured: bool = False
+
+    def holds(self, found: Features) -> bool:
+        """Tell whether it holds for a scene with such features."""
+        return self.of(found[self.name]) if self.name in found else self.without
+
+    def choices(self, wrong: Sequence[Features], right: Sequence[Features]) -> int:
+        """Return how many choices of as many scenes there are.
+
+        Of as many values, where a number is measured: scenes that are alike in it fail together.
+        """
+        if not self.measured:
+            return math.comb(len(wrong) + len(right), len(wrong))
+        values, others = _values(wrong, self.name), _values(right, self.name)
+        return math.comb(len({*values, *others}), len({*values}))
+
+
+def _values(some: Sequence[Features], name: str) -> list[Any]:
+    return [f[name] for f in some if name in f]
 
 
 def _conditions(wrong: Sequence[Features], right: Sequence[Features]) -> Iterator[Condition]:
-    """Yield what may tell the scenes: the feature, the condition in words, and whether it holds."""
+    """Yield what may tell the scenes."""
     for name in dict.fromkeys(name for f in (*wrong, *right) for name in f):
-        values = [f[name] for f in wrong if name in f]
-        others = [f[name] for f in right if name in f]
+        values, others = _values(wrong, name), _values(right, name)
         if name.startswith("flag "):
-            flag = f"{'flagged' if values else 'not flagged'} {name[5:]}"
-            yield name, flag, lambda f, n=name, v=bool(values): (n in f) is v  # type: ignore[misc]
+            text = f"{'flagged' if values else 'not flagged'} {name[5:]}"
+            yield Condition(name, text, partial(eq, bool(values)), without=not values)
             continue
         if not values:
             continue
         usual, times = Counter(others).most_common(1)[0] if others else (None, 0)
-        differs = name, f"{name} ≠ {_told(usual)}", lambda f, n=name, v=usual: f.get(n, v) != v
+        differs = Condition(name, f"{name} ≠ {_told(usual)}", partial(ne, usual))
         often = times >= FEWEST and 2 * times > len(others)
+        number = isinstance(values[0], float)
         if often and usual == 0.0:  # that there is any says more than how much it is
             yield differs
         if len(set(values)) == 1:
-            yield name, f"{name} = {_told(values[0])}", lambda f, n=name, v=values[0]: f.get(n) == v  # type: ignore[misc]
+            is_some = number and values[0] != 0.0
+            text = f"{name} = {_told(values[0])}"
+            yield Condition(name, text, partial(eq, values[0]), measured=is_some)
         if often and usual != 0.0:
             yield differs
-        if others and isinstance(values[0], float):
-            low, high = min(values), max(values)
-            if below := [v for v in others if v < low]:
-                mid = _between(max(below), low)
-                yield name, f"{name} > {mid:g}", lambda f, n=name, v=mid: n in f and f[n] > v  # type: ignore[misc]
-            if above := [v for v in others if v > high]:
-                mid = _between(high, min(above))
-                yield name, f"{name} < {mid:g}", lambda f, n=name, v=mid: n in f and f[n] < v  # type: ignore[misc]
+        if number and (below := [v for v in others if v < min(values)]):
+            low = _between(max(below), min(values))
+            yield Condition(name, f"{name} > {low:g}", partial(lt, low), measured=True)
+        if number and (above := [v for v in others if v > max(values)]):
+            high = _between(max(values), min(above))
+            yield Condition(name, f"{name} < {high:g}", partial(gt, high), measured=True)
 
 
 def _told(value: Any) -> str:

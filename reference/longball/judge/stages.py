@@ -67,6 +67,8 @@ class Change:
         Whether the bat pushes for two steps of the paper's scheme, as Appendix B has it.
     meeting
         What is done to the scene where it is looked for when ball and bat meet, and nowhere else.
+    launch
+        What is done to the launch of a batted ball, with its scene.
     """
 
     scene: Callable[[Any], Any] = lambda scene: scene
@@ -74,6 +76,7 @@ class Change:
     engine: Engine[float] = ANY_LAW
     push: bool = False
     meeting: Callable[[Any], Any] = lambda scene: scene
+    launch: Callable[[Any, Launch[float]], Launch[float]] = lambda scene, launch: launch
 
     def then(self, other: Change) -> Change:
         """Return this change with another one on top."""
@@ -83,6 +86,7 @@ class Change:
             self.engine if other.engine is ANY_LAW else other.engine,
             self.push or other.push,
             lambda scene: other.meeting(self.meeting(scene)),
+            lambda scene, launch: other.launch(scene, self.launch(scene, launch)),
         )
 
 
@@ -372,7 +376,10 @@ class _Following:
 
     def __init__(self, trial: Trial, change: Change) -> None:
         self.trial, self.change = trial, change
-        self.given = trial.given
+        # Of a ball that the fence stops no landing is known.
+        stopped = trial.case.expected.outcome == "wall"
+        self.given = {n: x for n, x in trial.given.items()
+                      if not (stopped and n.startswith("landing"))}  # fmt: skip
         self.scene: Any = change.scene(trial.scene)
         self.model = change.model(MODEL)
         self.own: dict[str, Numbers] = {}
@@ -386,8 +393,7 @@ class _Following:
         if kind in ("pitch", "at-bat") and {"pitch", "plate"} & only:
             yield from self._pitch()
         outcome = self.trial.case.expected.outcome
-        struck = self.trial.case.expected.impact is not None
-        if kind == "at-bat" and "touching" in only and (struck or outcome == "missed"):
+        if kind == "at-bat" and "touching" in only and "contact.margin" in self.trial.expected:
             yield from self._touching()
         if kind == "impact" and "touching" in only:
             place = self.scene.incoming.position
@@ -627,7 +633,8 @@ class _Following:
         turning = self.given.get("impact.spin") or self.own.get("impact.spin")
         begin = self.has("contact.time")[0]
         spin = None if turning is None else _three(turning)
-        return Launch(start, velocity, begin, 0.0, spin=spin)
+        launch = Launch(start, velocity, begin, 0.0, spin=spin)
+        return self.change.launch(self.scene, launch)
 
     def _flight(self, only: frozenset[str]) -> Iterable[Check]:
         given, begun, scene = self.given, self._launch(), self.scene
@@ -645,9 +652,10 @@ class _Following:
         leg, flown = case.legs[0], None
         if position and since:
             # Of two times that contradict each other the one that the place belongs to counts.
-            flown = min(since, key=lambda t: math.dist(_at(leg, t)[0], position))
+            known = [t for t in since if math.isfinite(sum(_at(leg, t)[0]))]
+            flown = min(known or since, key=lambda t: math.dist(_at(leg, t)[0], position))
             if abs(since[0] - since[-1]) < 1e-9:
-                flown = since[0] = since[-1] = since[0]
+                since[0] = since[-1] = flown
             place, speed = _at(leg, flown)
             self.flown = leg, flown, position
             there = self._check("flight", "landing.position", place)

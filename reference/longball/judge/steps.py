@@ -475,6 +475,10 @@ NEAR = 1.5
 # A round step may leave so many times what the one leaves that fits best.
 ALMOST = 1.1
 
+# Of the errors, what the scheme that a candidate has leaves, whose steps are the judge's own: with
+# more it is another one of that order.
+ITS_OWN = 1e-5
+
 # With steps longer than this, s, what a scheme leaves is seen in all trials, and not in a few.
 LONG = 2e-3
 
@@ -507,7 +511,7 @@ class _Way:
         """Return it as an explanation."""
         end = ", each event on the line between two of them" if self.ends == "line" else ""
         words = f"flies by {SCHEMES[self.name].words}, in steps of {dt:.4g} s{end}"
-        if not _chosen(dt, known):
+        if not _chosen(dt, known) or (known is None and left > ITS_OWN):
             words = f"errs as one who {words}: of this order, and so much"
         return Explanation(
             self.name, words,

@@ -1,0 +1,174 @@
+"""What a verdict must not claim: rules by chance, numbers that have not settled, false causes."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import pytest
+
+from longball.engines.chain import solve
+from longball.engines.ivp import Ivp
+from longball.golden import load
+from longball.judge.answers import Answer, Collector
+from longball.judge.cases import Case, decidable, solved
+from longball.judge.diagnosis import diagnose
+from longball.judge.findings import Finding
+from longball.judge.outcomes import _explains
+from longball.judge.rules import features, rule
+from longball.judge.stages import Change, trial_of, with_values
+from longball.judge.steps import ITS_OWN, _Way
+from longball.model.readings import Reading
+from tests.judge.material import flights, impacts
+
+
+@pytest.fixture(scope="module")
+def gold() -> dict[str, Case]:
+    return {case.id: case for case in load() if decidable(case)}
+
+
+def told(cases: Sequence[Case], answer: Callable[[int, Case], Any]) -> list[Finding]:
+    """Return what is found in answers that are dictionaries, by the number and the case."""
+    collector = Collector([case.id for case in cases])
+    for i, case in enumerate(cases):
+        collector.take_line(i + 1, json.dumps(answer(i, case)).encode())
+    return diagnose(cases, collector.answers).findings
+
+
+def result(scene: Any) -> dict[str, Any]:
+    return json.loads(solve(scene, Ivp()).line())  # type: ignore[no-any-return]
+
+
+# --- rules ----------------------------------------------------------------------------------------
+
+
+def test_scenes_that_are_alike_in_a_number_make_no_rule_by_it(gold: dict[str, Case]):
+    at_bats = [case for case in gold.values() if case.scene.kind == "at-bat"]
+    slow = [case for case in at_bats if case.id.startswith("hard-lob-")]
+    others = [case for case in at_bats if case not in slow and case.scene.pitch.speed > 20]
+    assert len(slow) > 5
+    assert "speed" not in (rule(slow, others) or "")
+
+
+def test_a_number_that_sorts_many_scenes_is_a_rule(gold: dict[str, Case]):
+    hit = [case for case in gold.values() if "launch speed" in features(case)]
+    fast = [case for case in hit if features(case)["launch speed"] > 45]
+    slow = [case for case in hit if case not in fast]
+    assert (rule(fast, slow) or "").startswith("launch speed > 45")
+
+
+def test_of_two_conditions_each_must_be_needed(gold: dict[str, Case]):
+    landed = [case for case in gold.values() if "landing.hang_time" in features(case)]
+    late = [
+        case
+        for case in landed
+        if features(case)["landing.hang_time"] > 5 and features(case).get("air.drag_coefficient")
+    ]
+    others = [case for case in landed if case not in late]
+    assert rule(late, others) == "landing.hang_time > 5.01 and air.drag_coefficient ≠ 0"
+
+
+def test_two_scenes_make_no_rule(gold: dict[str, Case]):
+    cases = list(gold.values())
+    assert rule(cases[:2], cases[2:]) is None
+
+
+# --- numbers --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("share", [0.0, 0.5])
+def test_the_bats_radius_is_blamed_where_it_is_wrong_and_nowhere_else(share: float):
+    """In the moment of inertia alone, under two readings of what that is about."""
+    about = Reading(inertia="about_centre")
+    scenes = [
+        *impacts(),
+        *(s.model_copy(update={"id": f"{s.id}-centre", "reading": about}) for s in impacts()),
+    ]
+
+    def answer(i: int, case: Case) -> dict[str, Any]:
+        scene, right = case.scene, result(case.scene)
+        bat, ball = scene.bat, scene.ball
+        lever = bat.length / 2 - scene.incoming.position[1]
+        slender = bat.length**2 / (12 if scene.reading == about else 3)
+        ratio = ball.mass * lever**2 / (bat.mass * (slender + share * bat.radius**2))
+        right["impact"]["restitution"] = ball.restitution * (1 + ratio) + ratio
+        return {"id": case.id, **right}
+
+    first = told(solved(scenes, Ivp()), answer)[0]
+    assert first.names[0] == f"bat-inertia={share:g}", first.names
+
+
+def test_a_number_of_each_scenes_own_is_told():
+    def answer(i: int, case: Case) -> dict[str, Any]:
+        thicker = {"air.density": case.scene.air.density * (1 + 0.01 * i * i)}
+        return {"id": case.id, **result(with_values(case.scene, thicker))}
+
+    (first, *_) = told(solved(flights()[:6], Ivp()), answer)
+    assert first.kind == "unexplained"
+    assert "another air.density, " in first.sentence
+
+
+def test_a_scheme_that_leaves_what_it_would_not_is_not_said_to_be_the_candidates():
+    way = _Way("rk4-fourth-at-half", "step")
+    assert way.explanation(0.004, 0.1 * ITS_OWN, None).sentence.startswith("flies by")
+    assert way.explanation(0.004, 50 * ITS_OWN, None).sentence.startswith("errs as one who")
+
+
+# --- outcomes -------------------------------------------------------------------------------------
+
+
+def test_what_doubles_cannot_decide_contradicts_nothing(gold: dict[str, Case]):
+    case = gold["hard-bat-end-pivot-above"]
+    trial = trial_of(case, Answer(case.id, case.expected.outcome, {}))
+    thinner = Change(lambda scene: with_values(scene, {"air.density": 1.225}))
+    assert _explains(thinner, trial) is None
+
+
+def test_a_faster_ball_that_stays_up_is_no_mistake_about_the_time_limit(gold: dict[str, Case]):
+    case = gold["hard-each-in-time-high"]
+    right = result(case.scene)
+    fast = tuple(1.5 * v for v in right["impact"]["velocity"])
+    del right["landing"]
+    right |= {"outcome": "airborne", "impact": {**right["impact"], "velocity": fast}}
+    outcome = next(f for f in told([case], lambda i, c: right) if f.stage == "outcome")
+    assert outcome.names == []
+    assert "its own impact.velocity" in outcome.sentence
+
+
+def test_a_ball_struck_beyond_the_bat_is_told_from_its_own_contact(gold: dict[str, Case]):
+    case = gold["hard-bat-end-slanted-outside"]
+    right = result(case.scene)
+    struck = {"velocity": [40.0, 0.0, 10.0]}
+    outcome = next(
+        f
+        for f in told([case], lambda i, c: {**right, "outcome": "batted", "impact": struck})
+        if f.stage == "outcome"
+    )
+    assert "beyond the ends of the bat" in outcome.sentence
+
+
+def test_of_two_times_the_one_beyond_the_limit_is_no_place(gold: dict[str, Case]):
+    cases = [case for case in gold.values() if case.scene.kind == "at-bat"][::9]
+    cases += [gold["hard-each-in-time-high"], gold["hard-each-in-time-low"]]
+
+    def answer(i: int, case: Case) -> dict[str, Any]:
+        right = result(case.scene)
+        if "landing" in right:
+            right["landing"]["hang_time"] = right["landing"]["time"]
+        return {"id": case.id, **right}
+
+    (first, *rest) = told(cases, answer)
+    assert (first.stage, first.names) == ("time", ["hang-time-since-start"])
+    assert rest == []
+
+
+def test_a_number_is_told_once_however_small_its_rest(gold: dict[str, Case]):
+    mass = 5.125 * 0.028349523125
+    cases = [c for c in gold.values() if c.family in ("pitch", "impact", "at-bat")][::5]
+
+    def answer(i: int, case: Case) -> dict[str, Any]:
+        return {"id": case.id, **result(with_values(case.scene, {"ball.mass": mass}))}
+
+    findings = [f for f in told(cases, answer) if f.stage != "outcome"]
+    assert [f.names[0] for f in findings] == ["ball.mass=0.145291"]
