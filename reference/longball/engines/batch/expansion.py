@@ -38,7 +38,8 @@ WIDTH = 16
 # Rows of the block `step`, after those of the state at the end of the step: how long it is, s; when
 # it begins, s; how much later, s, by steps too short to be seen in that time; 1 where nothing can
 # happen on the way, else -1; the largest coordinate that the flight has had at a step; how far each
-# position can get from where it was.
+# position can get from where it was. Then what rounding takes from each position: at the beginning
+# of the step, and at its end.
 LENGTH, TIME, WAITED, CLEARANCE, FARTHEST, RANGES = range(6)
 
 # Sums that one loop carries: two of 32 registers each; others hold what is multiplied. With more,
@@ -72,7 +73,7 @@ class Layout:
 
     def allocate(self, order: int, lanes: int) -> Array:
         """Return an expansion of the velocity to the power `order`, of the position to the next."""
-        parts = 2 * len(self.program.variables) + RANGES, len(self.program.parameters)
+        parts = 3 * len(self.program.variables) + RANGES, len(self.program.parameters)
         rows = max(order + 2, *parts)
         x = aligned(self.inverse + 1, rows, lanes)
         x[self.inverse, 1 : order + 2] = 1.0 / np.arange(1, order + 2)[:, np.newaxis]
@@ -523,10 +524,14 @@ class _Step(_Expansion):
         self.tell_clearance(ranges, straight)
         self.builder.ret(self.index(0))
 
+    def step_row(self, row: int) -> Value:
+        """Return where a row of the block of the step is."""
+        start = self.builder.mul(self.index(self.layout.step), self.stride)
+        return self.builder.add(start, self.index(row))
+
     def put_step(self, row: int, value: Value) -> None:
         """Write a row of the block of the step."""
-        start = self.builder.mul(self.index(self.layout.step), self.stride)
-        self.store(self.array, self.builder.add(start, self.index(row)), value)
+        self.store(self.array, self.step_row(row), value)
 
     def larger(self, values: list[Value]) -> Value:
         """Return the largest absolute value."""
@@ -607,7 +612,11 @@ class _Step(_Expansion):
         return self.choose(x, "<", limit, self.multiply(self.number(0.94), root), limit)
 
     def take(self, length: Value) -> dict[Node, Value]:
-        """Sum the series; return how far each position can get from its start on the way."""
+        """Sum the series; return how far each position can get from its start on the way.
+
+        What rounding takes from a position is made up for at the next step (Kahan): a feather's
+        thousand short steps would all be rounded to the same side.
+        """
         last = self.after(self.order)
         names = [*self.variables, *self.positions]
         sizes = self.call("fabs", length)
@@ -635,13 +644,24 @@ class _Step(_Expansion):
         for i, (name, total) in enumerate(zip(names, totals, strict=True)):
             if i < len(self.variables):
                 if name in self.positions:
-                    total = self.fma(total, length, self.zeroth[name])
+                    total = self.moved(i, self.zeroth[name], total, length)
                 self.put_step(i, total)
         ranges = {}
         for i, name in enumerate(self.positions):
             ranges[name] = self.multiply(totals[len(self.variables) + i], sizes)
             self.put_step(len(self.variables) + RANGES + i, ranges[name])
         return ranges
+
+    def moved(self, i: int, start: Value, rate: Value, length: Value) -> Value:
+        """Return the i-th position at the end of the step; write what rounding takes from it."""
+        lost = len(self.variables) + RANGES + len(self.positions) + i
+        change = self.fma(rate, length, self.load(self.array, self.step_row(lost)))
+        end = self.add(start, change)
+        taken = self.subtract(end, start)
+        left = self.subtract(start, self.subtract(end, taken))
+        left = self.add(left, self.subtract(change, taken))
+        self.put_step(lost + len(self.positions), left)
+        return end
 
     def tell_clearance(self, ranges: dict[Node, Value], straight: Value) -> None:
         """Write 1 where every linear function certainly stays above its error, -1 elsewhere.

@@ -324,6 +324,7 @@ def _fly_all(
     time_row, length_row = (variables + TIME) * WIDTH, (variables + LENGTH) * WIDTH
     waited_row, farthest_row = (variables + WAITED) * WIDTH, (variables + FARTHEST) * WIDTH
     clearance_row = (variables + CLEARANCE) * WIDTH
+    lost_row = (variables + RANGES + variables // 2) * WIDTH
     for lane in range(WIDTH):
         active[lane] = _NONE
     next_one = 0
@@ -372,10 +373,12 @@ def _fly_all(
                 if slot.mark[_STOP] < 0:
                     for k in range(variables):
                         x[k * s.block + lane] = s.state[k]
+            for k in range(lost_row, lost_row + s.half * WIDTH, WIDTH):
+                s.step[k + lane] = s.step[k + s.half * WIDTH + lane]
             # Where a ball all but rests its steps are shorter than the spacing of times.
             waited = s.step[waited_row + lane] + length
             s.step[time_row + lane] = time + waited
-            s.step[waited_row + lane] = waited if time + waited == time else 0.0
+            s.step[waited_row + lane] = waited - (time + waited - time)
             total = 0.0
             for k in range(variables):
                 total += x[k * s.block + lane]
@@ -407,6 +410,8 @@ def _launch(s: _Setup, slot: _Slot) -> None:
     s.step[(s.variables + TIME) * WIDTH + lane] = flight[_TIME]
     s.step[(s.variables + WAITED) * WIDTH + lane] = 0.0
     s.step[(s.variables + FARTHEST) * WIDTH + lane] = 0.0
+    for k in range(s.half):
+        s.step[(s.variables + RANGES + s.half + k) * WIDTH + lane] = 0.0
     source = shifted(flight, _STATE)
     for k in range(s.variables):
         s.x[k * s.block + lane] = arrival[_END + 1 + k] = marked[1 + k] = source[k]
@@ -568,7 +573,7 @@ def _settle(s: _Setup, slot: _Slot, time: float, length: float) -> float:
     mark[_STOP] = stop
     if near_bat and doubtful == _NONE and _meets_bat(s, slot, time, end, stop >= 0):
         return end
-    _evaluate(s, end)
+    _evaluate(s, lane, end)
     total = 0.0
     for k in range(s.variables):
         total += s.state[k]
@@ -589,12 +594,23 @@ def _settle(s: _Setup, slot: _Slot, time: float, length: float) -> float:
 
 
 @inner
-def _evaluate(s: _Setup, t: float) -> None:
-    """Find the state at t on the step."""
+def _evaluate(s: _Setup, lane: int, t: float) -> None:
+    """Find the state at t on the step, and what rounding takes from the positions.
+
+    What it took before is made up for, as in `longball.engines.batch.expansion`.
+    """
+    lost = s.variables + RANGES + s.half
     for i in range(s.half):
-        j = s.half + i
-        p, q = shifted(s.work, i * s.width), shifted(s.work, j * s.width)
-        s.state[i], s.state[j] = two_values(p, q, s.degree, t)
+        p, q = shifted(s.work, i * s.width), shifted(s.work, (s.half + i) * s.width)
+        start = p[0]
+        p[0] = 0.0
+        change, s.state[s.half + i] = two_values(p, q, s.degree, t)
+        p[0] = start
+        change += s.step[(lost + i) * WIDTH + lane]
+        end = start + change
+        taken = end - start
+        s.state[i] = end
+        s.step[(lost + s.half + i) * WIDTH + lane] = (start - (end - taken)) + (change - taken)
 
 
 @inner
@@ -769,7 +785,7 @@ def _meets_bat(s: _Setup, slot: _Slot, time: float, end: float, last: bool) -> b
     first minimum that is certainly nearer than `reach`. Where the ball first touches is noted on
     the way there.
     """
-    flight, arrival, mark, _ = slot
+    flight, arrival, mark, lane = slot
     reach, error = flight[_REACH], flight[_MARGIN_ERROR]
     noted = shifted(arrival, _END + 1 + s.variables)
     degree = _put_depth(s, reach, end)
@@ -788,7 +804,7 @@ def _meets_bat(s: _Setup, slot: _Slot, time: float, end: float, last: bool) -> b
             mark[_STOP], arrival[_DOUBT] = UNDECIDED_RELEASE, gap
             return True
         if gap <= error and approaching:
-            _evaluate(s, 0.0)
+            _evaluate(s, lane, 0.0)
             _note(s, noted, time)
     begin = 0.0
     while True:
@@ -808,7 +824,7 @@ def _meets_bat(s: _Setup, slot: _Slot, time: float, end: float, last: bool) -> b
         if margin > 0.0 and math.isnan(noted[0]):
             touch = first_zero(s.p, s.slope, degree, 1.0, 0.0, begin, until, bend_of_depth)
             touch = touch if touch < until else until
-            _evaluate(s, touch)
+            _evaluate(s, lane, touch)
             _note(s, noted, time + touch)
         if settled and margin > 0.0:
             mark[_STOP], arrival[_MARGIN] = TOUCH, margin
