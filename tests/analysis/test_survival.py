@@ -51,6 +51,12 @@ def test_what_was_wrong_once_is_right(family, number, seed):
     assert verdicts == dict.fromkeys(("ivp", "batch", "enclosure"), "right")
 
 
+def test_a_distance_beyond_the_range_of_doubles_is_no_miss():
+    found = examine(random_scene("extreme", 5223, 20))  # a bat that is met at 1e27 m/s
+    verdicts = {row["engine"]: row["verdict"] for row in found}
+    assert verdicts == {"ivp": "right", "batch": "declined", "enclosure": "right"}
+
+
 @pytest.mark.parametrize("part", range(10))
 @pytest.mark.parametrize("family", PAPER)
 def test_engines_agree_with_each_other(family, part, monkeypatch):

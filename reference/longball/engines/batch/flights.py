@@ -793,6 +793,9 @@ def _meets_bat(s: _Setup, slot: _Slot, time: float, end: float, last: bool) -> b
     differentiate(s.slope, degree - 1, s.bend)
     bend_of_slope = curvature(s.bend, degree - 2, end)
     bend_of_depth = downward(s.slope, degree - 1, end)
+    if not math.isfinite(bend_of_slope + bend_of_depth):
+        mark[_STOP] = OUT_OF_RANGE
+        return True
     approaching = s.slope[0] < 0.0
     if mark[_STEPS] <= 1:
         gap = _distance(s, 0.0) - reach
