@@ -561,11 +561,13 @@ class _Following:
     def _impact(self, contact: ContactState[float]) -> Iterable[Check]:
         struck = self.model.collide(self._case(), contact, 0.0)[1]
         yield from self._maybe("restitution", "impact.restitution", (struck.restitution,))
-        e = (self.given.get("impact.restitution") or (struck.restitution,))[0]
-        push = struck.impulse * (1 + e) / (1 + struck.restitution)
-        yield from self._maybe("impulse", "impact.impulse", (push,))
+        e = self.given.get("impact.restitution", (struck.restitution,))[0]
+        if e != struck.restitution:
+            own = self._case(_with_restitution(self.scene, struck.restitution, e))
+            struck = self.model.collide(own, contact, 0.0)[1]
+        yield from self._maybe("impulse", "impact.impulse", (struck.impulse,))
         given = self.given.get("impact.impulse")
-        more = (given[0] if given else push) - struck.impulse
+        more = (given[0] if given else struck.impulse) - struck.impulse
         after = plus(struck.velocity, more / self.scene.ball.mass, contact.normal)
         self.own["impact.velocity"] = after
         yield from self._maybe("velocity after", "impact.velocity", after)
@@ -827,6 +829,14 @@ def along_chord(chord: Chord[float], x: float, y: float) -> tuple[float, float, 
     length = math.hypot(bx - ax, by - ay)
     along = ((x - ax) * (bx - ax) + (y - ay) * (by - ay)) / length
     return along, ((x - ax) * (by - ay) - (y - ay) * (bx - ax)) / length, length
+
+
+def _with_restitution(scene: Any, known: float, wanted: float) -> Any:
+    """Return a scene whose ẽ is another one than that it has: ẽ is e + r (1 + e) for some r."""
+    ball = scene.ball
+    r = (known - ball.restitution) / (1 + ball.restitution)
+    other = ball.model_copy(update={"restitution": (wanted - r) / (1 + r)})
+    return scene.model_copy(update={"ball": other})
 
 
 def _tuple(value: Any) -> Numbers:
