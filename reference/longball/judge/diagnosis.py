@@ -667,9 +667,11 @@ class _Search:
                 # What flies the pitch flies the batted ball.
                 self.stepless = not any(e.named for e in found)
             if not any(e.named for e in found):
-                # Pitches alone are alike: any two numbers explain them.
                 single = list({e.name: e for e in found}.values())
                 found += two(stage, together or sought, single)
+                if together and not any(e.named for e in found):
+                    # Pitches alone are alike: any two numbers explain them, but not any scheme.
+                    found += (e for e in two(stage, sought, single) if _has_scheme(e))
         return found
 
     def _with_flights(
@@ -684,6 +686,11 @@ class _Search:
             return None
         some = evenly(wrong, SOUGHT // 2) + evenly(flying, SOUGHT // 2)
         return Sought([t for t, _ in some], right, ("pitch", "flight"), self.base, self.work)
+
+
+def _has_scheme(e: Explanation) -> bool:
+    """Tell whether an explanation flies in another way than the base."""
+    return e.change is not None and e.change.engine != NONE.engine
 
 
 def _parameter(name: str) -> str:
