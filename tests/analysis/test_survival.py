@@ -28,7 +28,8 @@ def test_engines_agree_with_what_is_proven(family, monkeypatch):
 # bat that the ball is nearest to where it is released; a fall in a lift of 1e29 m/s², all but from
 # rest; the margin of a bat far from where it is swung, after a fall of 390 km; a fall of 1e-18 m
 # that is over in one step, of which the next ones tell that it was no touch; a landing after eight
-# loops of kilometres, that is as exact as those; a feather's pitch of a thousand steps.
+# loops of kilometres, that is as exact as those; a feather's pitch of a thousand steps; a hop of
+# 2e-13 m.
 @pytest.mark.parametrize(
     ("family", "number", "seed"),
     [
@@ -42,6 +43,7 @@ def test_engines_agree_with_what_is_proven(family, monkeypatch):
         ("extreme", 2187, 2),
         ("extreme", 620, 20),
         ("extreme", 1688, 20),
+        ("extreme", 15556, 20),
         ("wide", 17103, 20),
     ],
 )

@@ -131,7 +131,7 @@ def first_zero(
 # --- the first fall -----------------------------------------------------------------------------
 
 # A fall is steep if its rate squared exceeds that many times the strongest bend times the error.
-_STEEP = 1e6
+_STEEP = 1e12
 
 
 @inner
