@@ -14,7 +14,7 @@ from longball.golden import load
 from longball.judge.answers import Answer, Collector
 from longball.judge.cases import Case, decidable, solved
 from longball.judge.diagnosis import diagnose
-from longball.judge.findings import Finding
+from longball.judge.findings import Diagnosis, Finding
 from longball.judge.outcomes import _explains
 from longball.judge.rules import features, rule
 from longball.judge.stages import Change, trial_of, with_values
@@ -30,10 +30,14 @@ def gold() -> dict[str, Case]:
 
 def told(cases: Sequence[Case], answer: Callable[[int, Case], Any]) -> list[Finding]:
     """Return what is found in answers that are dictionaries, by the number and the case."""
+    return diagnosis(cases, answer).findings
+
+
+def diagnosis(cases: Sequence[Case], answer: Callable[[int, Case], Any]) -> Diagnosis:
     collector = Collector([case.id for case in cases])
     for i, case in enumerate(cases):
         collector.take_line(i + 1, json.dumps(answer(i, case)).encode())
-    return diagnose(cases, collector.answers).findings
+    return diagnose(cases, collector.answers)
 
 
 def result(scene: Any) -> dict[str, Any]:
@@ -172,3 +176,32 @@ def test_a_number_is_told_once_however_small_its_rest(gold: dict[str, Case]):
 
     findings = [f for f in told(cases, answer) if f.stage != "outcome"]
     assert [f.names[0] for f in findings] == ["ball.mass=0.145291"]
+
+
+def too_low(case: Case) -> dict[str, Any]:
+    """Return a result with too small a clearance, and with home runs that are foul."""
+    made = result(case.scene)
+    made["fence"]["clearance"] -= 0.03
+    return made | {"outcome": "home_run" if made["fence"]["clearance"] > 0 else "wall"}
+
+
+def test_a_home_run_follows_from_a_clearance_only_if_the_ball_is_fair():
+    fence = {case.id: case for case in load("fence")}
+    names = ("stepped-0000", "poles-0001", "foul", "line-in-left", "line-in-right", "line-out-left")
+    findings = told([fence[f"fence-{name}"] for name in names], lambda i, case: too_low(case))
+    (fouls,) = [f for f in findings if f.stage == "outcome"]
+    assert fouls.names == ["foul-home-run"]
+    assert "follows from" not in fouls.sentence
+
+
+def test_a_fence_that_is_not_seen_does_not_follow():
+    fence = {case.id: case for case in load("fence")}
+    cases = [fence[f"fence-step-right-1e-{power}"] for power in ("03", "09", "12")]
+    cases.append(fence["fence-stepped-0000"])
+
+    def answer(i: int, case: Case) -> dict[str, Any]:
+        return result(case.scene.model_copy(update={"fence": None} if i < 3 else {}))
+
+    (finding,) = told(cases, answer)
+    assert "gives no block fence" in finding.sentence
+    assert "fence" not in diagnosis(cases, answer).clean

@@ -233,7 +233,8 @@ class _Search:
             self.findings.append(more)
         self.findings.sort(key=lambda f: f.worst < MINOR * largest)
         rows = _with_facts(self._where_made(rows), facts)
-        clean = [r.stage for r in rows if not r.wrong]
+        absent = {_absent(t) for t, cs in checks if t.confused and all(c.follows for c in cs)}
+        clean = [r.stage for r in rows if not r.wrong and r.stage not in absent]
         lead = next((r for r in rows if r.wrong and r.worst >= MINOR * largest), None)
         return Diagnosis(
             sentence=self._sentence(lead, clean),
@@ -710,6 +711,15 @@ def _fine(stage: str, sought: Iterable[Sought]) -> list[Explanation]:
             if any(e.named for e in found):
                 return found
     return found
+
+
+def _absent(trial: Trial) -> str | None:
+    """Return the stage of the first quantity that a trial leaves out; None if that is a landing.
+
+    No ball lands that the fence stops, or that stays in the air, whatever is wrong with that.
+    """
+    first = next((name for name in trial.expected if name not in trial.given), "landing")
+    return None if first.startswith("landing") else stage_of(first)
 
 
 def _with_facts(rows: Sequence[StageRow], facts: Sequence[Finding]) -> list[StageRow]:

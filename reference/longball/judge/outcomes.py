@@ -69,10 +69,18 @@ def _is_fair(place: Sequence[float]) -> bool:
     return abs(place[1]) <= place[0]
 
 
-def _foul_over_fence(trial: Trial) -> bool:
+def _leaves(trial: Trial, fair: bool = True) -> bool:
+    """Tell whether a ball passes over the fence, by its own values, and passes it fair, or foul.
+
+    Over a fence that is a circle a ball goes fair wherever it does.
+    """
     place, above = trial.given.get("fence.position"), trial.given.get("fence.clearance")
-    over = trial.outcome == "home_run" and place and above and above[0] > 0
-    return bool(over and not _is_fair(place or ()))
+    over = place is not None and above is not None and above[0] > 0
+    return over and (_is_fair(place or ()) or trial.scene.fence.polyline is None) is fair
+
+
+def _foul_over_fence(trial: Trial) -> bool:
+    return trial.outcome == "home_run" and _leaves(trial, fair=False)
 
 
 RULES: tuple[Rule, ...] = (
@@ -148,6 +156,10 @@ def outcome_findings(
         elif rule_ := next((r for r in RULES if flies and all(map(r.holds, wrong))), None):
             names, remedy = [rule_.name], rule_.remedy
             sentence += f": {rule_.sentence}"
+        elif obtained in ("landed", "batted") and all(
+            "fence" in _blocks(t.expected) - _blocks(t.given) for t in wrong
+        ):
+            sentence += ", and gives no block fence: where the ball passes it is not seen"
         elif (
             obtained == "missed"
             and expected in ("batted", "separating", "beyond_bat")
@@ -253,7 +265,7 @@ def _follows(trials: Sequence[Trial]) -> str:
          lambda t, x: (t.outcome == "separating") is (x[0] >= 0)),
         ("contact.position", {"beyond_bat"},
          lambda t, x: (t.outcome == "beyond_bat") is _beyond(t)),
-        ("fence.clearance", {"home_run"}, lambda t, x: (t.outcome == "home_run") is (x[0] > 0)),
+        ("fence.clearance", {"home_run"}, lambda t, x: _leaves(t) is (t.outcome == "home_run")),
         ("fence.clearance", {"wall"}, lambda t, x: (t.outcome == "wall") is (x[0] <= 0)),
         ("impact.velocity", set(), _flies_so),
     ):  # fmt: skip
