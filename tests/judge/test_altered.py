@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 
 from longball.golden import load
-from longball.judge import judge
+from longball.judge import assert_case, judge
 from longball.judge.answers import Collector
 from longball.judge.cases import Case, Exact, decidable
 from longball.judge.evaluation import Judge, Submission
@@ -191,3 +191,32 @@ def test_a_profile_has_a_name_and_a_candidate_is_a_command_or_a_function():
     for wrong in ([], 5, "longball solve"):
         with pytest.raises(TypeError, match="a candidate is a command, as a list of words"):
             judge(wrong)
+
+
+def test_quantities_that_the_outcome_does_not_have_are_faults():
+    missed = [c for c in load("at-bat") if c.expected.outcome == "missed"][:3]
+
+    def touch(case: Case, data: Data) -> Data:
+        data["contact"]["time"] = data["plate"]["time"]
+        return data
+
+    found = judged(missed, touch)
+    assert not found.passed
+    assert {fault.what for failure in found.failures for fault in failure.faults} == {
+        "contact.time"
+    }
+    assert "gives contact.time with the outcome missed, which has none" in render(found)
+
+
+def test_a_second_contact_need_not_be_told_but_the_verdict_says_so():
+    struck = [c for c in load("impact") if c.expected.impact and c.expected.impact.recontact][:3]
+
+    def silent(case: Case, data: Data) -> Data:
+        del data["impact"]["recontact"]
+        return data
+
+    found = judged(struck, silent)
+    assert found.status == "PASSED"
+    assert f"left out, as it may be: impact.recontact in 3 answers: {struck[0].id}" in render(found)
+    for case in struck:
+        assert_case(case, silent(case, written(case)))

@@ -41,7 +41,7 @@ from longball.judge.explanations import (
 from longball.judge.findings import Diagnosis, Finding, StageRow, found, many
 from longball.judge.fits import ODD, factor_meaning, fitted, pairs, parts, scene_by_scene, two
 from longball.judge.outcomes import made_otherwise, outcome_findings, told_findings
-from longball.judge.quantities import untrue
+from longball.judge.quantities import superfluous, untrue
 from longball.judge.relations import (
     SINGLE,
     SINGLE_NOISE,
@@ -252,6 +252,7 @@ class _Search:
             if t.case.id in self.wrong
             and not t.confused
             and not untrue(t.case.expected, t.told)
+            and not superfluous(t.case.expected.outcome, t.expected, t.given)
             and all(c.follows for c in cs)
         ]
         if not small:

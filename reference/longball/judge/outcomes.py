@@ -13,7 +13,7 @@ from longball.judge.any_law import ANY_LAW
 from longball.judge.explanations import evenly, told_together
 from longball.judge.findings import Finding, found, many
 from longball.judge.mistakes import FENCE, OUTCOMES, TIME_LIMIT_IGNORED
-from longball.judge.quantities import BLOCKS, OPTIONAL, told_by, untrue
+from longball.judge.quantities import OPTIONAL, superfluous, told_by, untrue
 from longball.judge.rules import rule
 from longball.judge.stages import NONE, Change, Trial, stage_of
 from longball.model.result import Result
@@ -322,19 +322,21 @@ def told_findings(trials: Sequence[Trial], base: Change) -> Iterator[Finding]:
             continue
         for names, sentence in _misled(name, [(true, given) for _, true, given in told]):
             yield _told(stage_of(name), name, names, sentence, some, same)
-    for block in BLOCKS:
-        more = [t for t in right if block in _blocks(t.given) - _blocks(t.expected)]
-        if not more:
-            continue
+    beside: dict[str, list[Trial]] = defaultdict(list)
+    for t in right:
+        for name in superfluous(t.case.expected.outcome, t.expected, t.given):
+            beside[name].append(t)
+    for name, more in beside.items():
         outcomes = dict.fromkeys(str(t.case.expected.outcome) for t in more)
         same = [t for t in right if t not in more]
-        sentence = f"gives the block {block} with the outcome {' or '.join(outcomes)}"
+        what = name if "." in name else f"the block {name}"
+        sentence = f"gives {what} with the outcome {' or '.join(outcomes)}"
         others = sum(t.case.expected.outcome in outcomes for t in same)
-        names = [] if others else [f"{block}-given"]
+        names = [] if others else [f"{name}-given"]
         none = (
             f" where the truth has none; in {others} more it has" if others else ", which has none"
         )
-        yield _told("outcome", block, names, sentence + none, more, same)
+        yield _told("outcome", name, names, sentence + none, more, same)
 
 
 def _struck_rightly(trial: Trial) -> bool:
