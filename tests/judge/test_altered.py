@@ -220,3 +220,19 @@ def test_a_second_contact_need_not_be_told_but_the_verdict_says_so():
     assert f"left out, as it may be: impact.recontact in 3 answers: {struck[0].id}" in render(found)
     for case in struck:
         assert_case(case, silent(case, written(case)))
+
+
+def test_a_normal_divided_by_the_reach_follows_where_ball_and_bat_do_not_touch():
+    met = [case for case in load("at-bat") if case.expected.impact][:4]
+
+    def farther(case: Case, data: Data) -> Data:
+        contact, reach = data["contact"], case.scene.ball.radius + case.scene.bat.radius
+        contact["position"][0] += 0.01
+        x, _, z = contact["position"]
+        height = data["plate"]["position"][2] + case.scene.swing.height_offset
+        contact["normal"] = [x / reach, 0.0, (z - height) / reach]
+        return data
+
+    diagnosis = judged(met, farther).diagnosis
+    assert diagnosis is not None
+    assert "normal" in diagnosis.clean
