@@ -12,6 +12,8 @@ from typing import Any
 
 import pytest
 
+from longball.engines.chain import solve
+from longball.engines.ivp import Ivp
 from longball.golden import load
 from longball.judge import assert_case, judge
 from longball.judge.answers import Collector
@@ -236,3 +238,37 @@ def test_a_normal_divided_by_the_reach_follows_where_ball_and_bat_do_not_touch()
     diagnosis = judged(met, farther).diagnosis
     assert diagnosis is not None
     assert "normal" in diagnosis.clean
+
+
+def test_what_one_quantity_is_explained_by_is_not_told_against_the_mode_of_others():
+    cases = [case for case in load("impact-oblique") if decidable(case)]
+    slides = [c for c in cases if c.expected.impact and c.expected.impact.mode == "slide"]
+    assert len(slides) > 8
+
+    def grips(case: Case, data: Data) -> Data:
+        if case in slides[:4]:
+            bat = case.scene.bat.model_copy(update={"friction": 1000.0})  # the ball grips
+            made = solve(case.scene.model_copy(update={"bat": bat}), Ivp())
+            data["impact"]["energy_change"] = float(made.impact.energy_change)
+        return data
+
+    diagnosis = judged(cases, grips).diagnosis
+    assert diagnosis is not None
+    assert diagnosis.first == "energy"
+    assert "always-grips" not in diagnosis.named
+
+
+def test_a_ground_that_is_ignored_below_zero_only_is_not_said_to_be_ignored():
+    cases = [*load("flight-both"), *load("flight-vacuum")]
+    assert any(case.scene.ground.height > 0 for case in cases[::2])
+
+    def level(case: Case, data: Data) -> Data:
+        height = max(0.0, case.scene.ground.height)
+        ground = case.scene.ground.model_copy(update={"height": height})
+        made = solve(case.scene.model_copy(update={"ground": ground}), Ivp())
+        return json.loads(made.line()) | {"id": case.id}  # type: ignore[no-any-return]
+
+    diagnosis = judged(cases[::2], level).diagnosis
+    assert diagnosis is not None
+    (finding,) = diagnosis.findings
+    assert "lands at z = 0, where ground.height is negative" in finding.sentence

@@ -478,7 +478,9 @@ class _Search:
             for e in self._explanations(stage, wrong, good, beside, checks)
         ]
         named = sorted((e for e in found if e.named), key=lambda e: (e.left, e.rank))
-        named = [e for e in named if e.change is None or not self._contradicted(e.change, wrong)]
+        named = [
+            e for e in named if e.change is None or not self._contradicted(e.change, wrong, good)
+        ]
         if not named:
             return []
         alike, doubt = ALIKE * named[0].left, doubt_of(wrong)
@@ -515,17 +517,24 @@ class _Search:
         best = min(lefts)
         return [e for e, left in zip(ties, lefts, strict=True) if left <= best + IN_A_SCENE]
 
-    def _contradicted(self, change: Change, wrong: Sequence[Checked]) -> bool:
-        """Tell whether most trials tell rightly, besides numbers, what a change would not make."""
+    def _contradicted(
+        self, change: Change, wrong: Sequence[Checked], good: Sequence[Checked]
+    ) -> bool:
+        """Tell whether trials tell rightly, besides numbers, what a change would not make.
+
+        Most of those with errors, or of those without that are told the same.
+        """
         full = self.base.then(change)
-        known = [
-            (t, facts)
-            for t, _ in wrong
-            if (facts := {n: x for n, x in t.told.items() if n in MADE}) and not untrue(
-                t.case.expected, facts)
-        ]  # fmt: skip
-        some = evenly(known, OTHERS)
-        return 2 * sum(made_otherwise(t, full, facts) for t, facts in some) > len(some)
+        alike: dict[str, list[tuple[Trial, dict[str, object]]]] = defaultdict(list)
+        for t, checks in (*wrong, *good):
+            facts = {n: x for n, x in t.told.items() if n in MADE}
+            if facts and not untrue(t.case.expected, facts):
+                fails = any(not c.follows for c in checks)
+                alike["" if fails else repr(facts)].append((t, facts))
+        return any(
+            2 * sum(made_otherwise(t, full, facts) for t, facts in some) > len(some)
+            for some in (evenly(known, OTHERS) for known in alike.values())
+        )
 
     def _least_harm(
         self, found: Sequence[Explanation], stage: str, good: Sequence[Checked]
