@@ -243,18 +243,19 @@ def test_a_normal_divided_by_the_reach_follows_where_ball_and_bat_do_not_touch()
 def test_what_one_quantity_is_explained_by_is_not_told_against_the_mode_of_others():
     cases = [case for case in load("impact-oblique") if decidable(case)]
     slides = [c for c in cases if c.expected.impact and c.expected.impact.mode == "slide"]
-    assert len(slides) > 8
+    # Those that nearly grip, so that the error in them is small.
+    near = sorted(slides, key=lambda case: -float(case.expected.impact.friction_margin))[:6]
 
     def grips(case: Case, data: Data) -> Data:
-        if case in slides[:4]:
-            bat = case.scene.bat.model_copy(update={"friction": 1000.0})  # the ball grips
-            made = solve(case.scene.model_copy(update={"bat": bat}), Ivp())
-            data["impact"]["energy_change"] = float(made.impact.energy_change)
+        if case in near:
+            bat = case.scene.bat.model_copy(update={"friction": 1000.0})
+            made = solve(case.scene.model_copy(update={"bat": bat}), Ivp()).impact
+            gripping = json.loads(made.model_dump_json(exclude_none=True))
+            data["impact"] |= gripping | {"friction_margin": data["impact"]["friction_margin"]}
         return data
 
     diagnosis = judged(cases, grips).diagnosis
     assert diagnosis is not None
-    assert diagnosis.first == "energy"
     assert "always-grips" not in diagnosis.named
 
 
@@ -272,3 +273,16 @@ def test_a_ground_that_is_ignored_below_zero_only_is_not_said_to_be_ignored():
     assert diagnosis is not None
     (finding,) = diagnosis.findings
     assert "lands at z = 0, where ground.height is negative" in finding.sentence
+
+
+def test_what_is_taken_for_fair_tells_the_scenes_and_no_number_does(gold: dict[str, list[Case]]):
+    def where_it_lands(case: Case, data: Data) -> Data:
+        if data.get("landing") and "fair" in data["landing"]:
+            x, y, _ = data["landing"]["position"]
+            data["landing"]["fair"] = abs(y) <= x
+        return data
+
+    diagnosis = judged(gold["fence"], where_it_lands).diagnosis
+    assert diagnosis is not None
+    (finding,) = diagnosis.findings
+    assert (finding.names, finding.scenes) == (["fair-at-landing"], None)

@@ -15,6 +15,7 @@ from longball.judge.answers import Answer, Collector
 from longball.judge.cases import Case, decidable, solved
 from longball.judge.diagnosis import diagnose
 from longball.judge.findings import Diagnosis, Finding
+from longball.judge.fits import Fit
 from longball.judge.outcomes import _explains
 from longball.judge.rules import features, rule
 from longball.judge.stages import Change, trial_of, with_values
@@ -71,6 +72,13 @@ def test_of_two_conditions_each_must_be_needed(gold: dict[str, Case]):
     ]
     others = [case for case in landed if case not in late]
     assert rule(late, others) == "landing.hang_time > 5.01 and air.drag_coefficient ≠ 0"
+
+
+def test_how_large_an_error_is_makes_no_rule_by_a_number(gold: dict[str, Case]):
+    landed = [case for case in gold.values() if case.expected.landing][:60]
+    landed.sort(key=lambda case: float(case.expected.landing.hang_time))
+    assert "hang_time" in (rule(landed[:30], landed[30:]) or "")
+    assert rule(landed[:30], landed[30:], measured=False) is None
 
 
 def test_two_scenes_make_no_rule(gold: dict[str, Case]):
@@ -205,3 +213,8 @@ def test_a_fence_that_is_not_seen_does_not_follow():
     (finding,) = told(cases, answer)
     assert "gives no block fence" in finding.sentence
     assert "fence" not in diagnosis(cases, answer).clean
+
+
+def test_a_factor_near_one_is_told_by_its_difference():
+    assert "gravity were 1 + 1e-11 times" in Fit("gravity", "factor", 1 + 1e-11, 0.0, True).sentence
+    assert "gravity were 1 - 2e-07 times" in Fit("gravity", "factor", 1 - 2e-7, 0.0, True).sentence

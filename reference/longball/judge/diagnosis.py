@@ -750,7 +750,8 @@ def _told_apart(seen: Sequence[Checked], sizes: Sequence[float], minor: float) -
     known = [(t.case, size) for (t, cs), size in zip(seen, sizes, strict=True) if cs]
     for least in (0.0, minor):
         wrong = [case for case, size in known if size > least]
-        if found := rule(wrong, [case for case, size in known if size <= least]):
+        # How large an error is goes with how large a number is, and tells no cause apart.
+        if found := rule(wrong, [case for case, size in known if size <= least], least == 0.0):
             return found
     return None
 

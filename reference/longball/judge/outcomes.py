@@ -318,7 +318,9 @@ def told_findings(trials: Sequence[Trial], base: Change) -> Iterator[Finding]:
         some = [t for t, _, _ in told]
         same = [t for t in right if name in t.told and t not in some]
         if name == "landing.fair" and (fair := _fair_otherwise(right)):
-            yield _told(stage_of(name), name, *fair, some, same)
+            # What is taken for fair tells the scenes.
+            one = _told(stage_of(name), name, *fair, some, same)
+            yield one.model_copy(update={"scenes": None})
             continue
         for names, sentence in _misled(name, [(true, given) for _, true, given in told]):
             yield _told(stage_of(name), name, names, sentence, some, same)
