@@ -243,8 +243,8 @@ def test_a_normal_divided_by_the_reach_follows_where_ball_and_bat_do_not_touch()
 def test_what_one_quantity_is_explained_by_is_not_told_against_the_mode_of_others():
     cases = [case for case in load("impact-oblique") if decidable(case)]
     slides = [c for c in cases if c.expected.impact and c.expected.impact.mode == "slide"]
-    # Those that nearly grip, so that the error in them is small.
-    near = sorted(slides, key=lambda case: -float(case.expected.impact.friction_margin))[:6]
+    names = "0024", "slide-1e-06", "slide-1e-09", "slide-1e-12"
+    near = [case for case in slides if case.id.removeprefix("impact-oblique-") in names]
 
     def grips(case: Case, data: Data) -> Data:
         if case in near:
