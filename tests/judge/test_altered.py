@@ -286,3 +286,17 @@ def test_what_is_taken_for_fair_tells_the_scenes_and_no_number_does(gold: dict[s
     assert diagnosis is not None
     (finding,) = diagnosis.findings
     assert (finding.names, finding.scenes) == (["fair-at-landing"], None)
+
+
+def test_times_in_another_unit_in_some_scenes_are_named(gold: dict[str, list[Case]]):
+    def in_milliseconds(case: Case, data: Data) -> Data:
+        if data["landing"]["hang_time"] > 5:
+            for name in ("landing.time", "landing.hang_time"):
+                data = put(data, name, lambda time: 1000 * time)
+        return data
+
+    diagnosis = judged(gold["flight-both"], in_milliseconds).diagnosis
+    assert diagnosis is not None
+    (finding,) = diagnosis.findings
+    assert finding.names == ["ms-for-s"]
+    assert finding.scenes == "landing.hang_time > 5"

@@ -346,6 +346,21 @@ class _Search:
         self.begun[stage] = 1.0
         self.trials, self._followed = [meant.mend(t) for t in self.trials], None
 
+    def _rewrite_some(self, wrong: Collection[int], told: Finding) -> bool:
+        """Read the output of some trials as it is meant, if theirs is written otherwise."""
+        meant = conventions([t for t in self.trials if id(t) in wrong])
+        if meant is None or meant.mend is None or not meant.named:
+            return False
+        said = {
+            "kind": "named", "names": [meant.name], "sentence": meant.sentence,
+            "remedy": meant.remedy, "quantity": meant.quantity, "share": 1 - meant.left,
+        }  # fmt: skip
+        self.findings.append(told.model_copy(update=said))
+        self.begun.setdefault(told.stage, 1.0)
+        self.trials = [meant.mend(t) if id(t) in wrong else t for t in self.trials]
+        self._followed = None
+        return True
+
     def _explain(self, stage: str, checks: Sequence[Checked]) -> bool:
         """Explain what does not follow at a stage; tell whether there may be more."""
         seen = [(t, [c for c in cs if c.stage == stage]) for t, cs in checks]
@@ -381,6 +396,8 @@ class _Search:
         few = len(wrong) < max(ENOUGH, (len(wrong) + len(good)) / ONE_IN)
         inherited = few and all(t.case.id in left for t, _ in wrong)
         searched = self.causes and not (little or stepped or inherited)
+        if searched and scenes and self._rewrite_some({id(t) for t, _ in wrong}, told):
+            return True
         plain = _plain(wrong)
         of_most = rounded = False
         if searched and self.single and worst < SINGLE_NOISE:
