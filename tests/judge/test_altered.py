@@ -300,3 +300,19 @@ def test_times_in_another_unit_in_some_scenes_are_named(gold: dict[str, list[Cas
     (finding,) = diagnosis.findings
     assert finding.names == ["ms-for-s"]
     assert finding.scenes == "landing.hang_time > 5"
+
+
+def test_another_limit_of_its_own_value_is_told_between_which_values_it_is():
+    def early(case: Case, data: Data) -> Data:
+        if abs((data.get("contact") or {}).get("position", (0, 0))[1]) < 0.25:
+            return data
+        plate, contact = data["plate"], data["contact"]
+        kept = {name: contact[name] for name in ("time", "position", "margin")}
+        return {"id": case.id, "outcome": "beyond_bat", "plate": plate, "contact": kept}
+
+    diagnosis = judged(load("at-bat"), early).diagnosis
+    assert diagnosis is not None
+    (finding,) = diagnosis.findings
+    limit = "its limit for |contact.position[1]| is between 0.235 and 0.255 m, where L/2 is right"
+    assert limit in finding.sentence
+    assert finding.kind == "probably"

@@ -14,7 +14,7 @@ from longball.judge.explanations import evenly, told_together
 from longball.judge.findings import Finding, found, many
 from longball.judge.mistakes import FENCE, OUTCOMES, TIME_LIMIT_IGNORED
 from longball.judge.quantities import OPTIONAL, superfluous, told_by, untrue
-from longball.judge.rules import rule
+from longball.judge.rules import CHANCE, rule
 from longball.judge.stages import NONE, Change, Trial, stage_of
 from longball.model.result import Result
 from longball.model.scene import FlightScene
@@ -143,10 +143,12 @@ def outcome_findings(
         held = [*evenly(same, RIGHT), *evenly([t for t in agreed if not t.right], RIGHT)]
         sentence, remedy = f"says {obtained} where {expected} is right", None
         names: list[str] = []
-        own = ""
+        own = against = ""
         made = _made(evenly(wrong, WRONG), held, base, known)
         flies = {f.stage for f in known}.isdisjoint(("pitch", "flight"))
-        if against := _against_itself(wrong):
+        if limit := _limit(obtained, wrong, trials):
+            own = sentence = f"{sentence}: {limit}"
+        elif against := _against_itself(wrong):
             sentence += f", against {against}"
         elif made:
             names, reason = made
@@ -229,6 +231,43 @@ def made_otherwise(trial: Trial, change: Change, facts: Mapping[str, object]) ->
     except (ArithmeticError, ValueError):
         return False
     return any(made.get(name) != told for name, told in facts.items())
+
+
+# Outcomes that are told by how low a value is, m: its name, up to the sign; its limit; the value.
+LIMITED: dict[str, tuple[str, str, Callable[[Trial], float | None]]] = {
+    "missed": ("contact.margin", "0", lambda t: _first(t, "contact.margin")),
+    "wall": ("fence.clearance", "0", lambda t: _first(t, "fence.clearance")),
+    "beyond_bat": ("|contact.position[1]|", "L/2", lambda t: _from_end(t)),
+}
+
+
+def _first(trial: Trial, quantity: str) -> float | None:
+    return trial.given[quantity][0] if quantity in trial.given else None
+
+
+def _from_end(trial: Trial) -> float | None:
+    place = trial.given.get("contact.position")
+    return None if place is None else -abs(place[1])
+
+
+def _limit(obtained: str, wrong: Sequence[Trial], trials: Sequence[Trial]) -> str:
+    """Return between which of their own values the limit is that an outcome is told by.
+
+    Nothing if there is none, or if it may be the right one.
+    """
+    if obtained not in LIMITED:
+        return ""
+    name, right, value = LIMITED[obtained]
+    wrongly = [x for t in wrong if (x := value(t)) is not None]
+    told = [x for t in trials if t.outcome == obtained and (x := value(t)) is not None]
+    others = [x for t in trials if t.outcome != obtained and (x := value(t)) is not None]
+    chosen = math.comb(len(wrongly) + len(others), len(wrongly))  # as many might be the lowest
+    if len(wrongly) < len(wrong) or chosen < CHANCE or max(told) >= min(others):
+        return ""
+    if right == "0" and max(told) <= 0:
+        return ""
+    low, high = sorted((abs(max(told)), abs(min(others))))
+    return f"its limit for {name} is between {low:.3g} and {high:.3g} m, where {right} is right"
 
 
 def _against_itself(trials: Sequence[Trial]) -> str:
