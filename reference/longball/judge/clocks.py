@@ -72,7 +72,7 @@ def _launch_height(trial: Trial) -> float:
 
 def _lands(trial: Trial) -> bool:
     """Tell whether a flight ends at the ground."""
-    return abs(trial.given["landing.position"][2] - landing_height(trial.scene)) <= CLOSE
+    return bool(abs(trial.given["landing.position"][2] - landing_height(trial.scene)) <= CLOSE)
 
 
 def _where(wrong: Sequence[Checked], right: Sequence[Trial]) -> str:
