@@ -12,8 +12,10 @@ from typing import Any
 
 import pytest
 
+from longball.engines.chain import solve
+from longball.engines.ivp import Ivp
 from longball.golden import load
-from longball.judge import judge
+from longball.judge import assert_case, judge
 from longball.judge.answers import Collector
 from longball.judge.cases import Case, Exact, decidable
 from longball.judge.evaluation import Judge, Submission
@@ -191,3 +193,126 @@ def test_a_profile_has_a_name_and_a_candidate_is_a_command_or_a_function():
     for wrong in ([], 5, "longball solve"):
         with pytest.raises(TypeError, match="a candidate is a command, as a list of words"):
             judge(wrong)
+
+
+def test_quantities_that_the_outcome_does_not_have_are_faults():
+    missed = [c for c in load("at-bat") if c.expected.outcome == "missed"][:3]
+
+    def touch(case: Case, data: Data) -> Data:
+        data["contact"]["time"] = data["plate"]["time"]
+        return data
+
+    found = judged(missed, touch)
+    assert not found.passed
+    assert {fault.what for failure in found.failures for fault in failure.faults} == {
+        "contact.time"
+    }
+    assert "gives contact.time with the outcome missed, which has none" in render(found)
+
+
+def test_a_second_contact_need_not_be_told_but_the_verdict_says_so():
+    struck = [c for c in load("impact") if c.expected.impact and c.expected.impact.recontact][:3]
+
+    def silent(case: Case, data: Data) -> Data:
+        del data["impact"]["recontact"]
+        return data
+
+    found = judged(struck, silent)
+    assert found.status == "PASSED"
+    assert f"left out, as it may be: impact.recontact in 3 answers: {struck[0].id}" in render(found)
+    for case in struck:
+        assert_case(case, silent(case, written(case)))
+
+
+def test_a_normal_divided_by_the_reach_follows_where_ball_and_bat_do_not_touch():
+    met = [case for case in load("at-bat") if case.expected.impact][:4]
+
+    def farther(case: Case, data: Data) -> Data:
+        contact, reach = data["contact"], case.scene.ball.radius + case.scene.bat.radius
+        contact["position"][0] += 0.01
+        x, _, z = contact["position"]
+        height = data["plate"]["position"][2] + case.scene.swing.height_offset
+        contact["normal"] = [x / reach, 0.0, (z - height) / reach]
+        return data
+
+    diagnosis = judged(met, farther).diagnosis
+    assert diagnosis is not None
+    assert "normal" in diagnosis.clean
+
+
+def test_what_one_quantity_is_explained_by_is_not_told_against_the_mode_of_others():
+    cases = [case for case in load("impact-oblique") if decidable(case)]
+    slides = [c for c in cases if c.expected.impact and c.expected.impact.mode == "slide"]
+    names = "0024", "slide-1e-06", "slide-1e-09", "slide-1e-12"
+    near = [case for case in slides if case.id.removeprefix("impact-oblique-") in names]
+
+    def grips(case: Case, data: Data) -> Data:
+        if case in near:
+            bat = case.scene.bat.model_copy(update={"friction": 1000.0})
+            made = solve(case.scene.model_copy(update={"bat": bat}), Ivp()).impact
+            gripping = json.loads(made.model_dump_json(exclude_none=True))
+            data["impact"] |= gripping | {"friction_margin": data["impact"]["friction_margin"]}
+        return data
+
+    diagnosis = judged(cases, grips).diagnosis
+    assert diagnosis is not None
+    assert "always-grips" not in diagnosis.named
+
+
+def test_a_ground_that_is_ignored_below_zero_only_is_not_said_to_be_ignored():
+    cases = [*load("flight-both"), *load("flight-vacuum")]
+    assert any(case.scene.ground.height > 0 for case in cases[::2])
+
+    def level(case: Case, data: Data) -> Data:
+        height = max(0.0, case.scene.ground.height)
+        ground = case.scene.ground.model_copy(update={"height": height})
+        made = solve(case.scene.model_copy(update={"ground": ground}), Ivp())
+        return json.loads(made.line()) | {"id": case.id}  # type: ignore[no-any-return]
+
+    diagnosis = judged(cases[::2], level).diagnosis
+    assert diagnosis is not None
+    (finding,) = diagnosis.findings
+    assert "lands at z = 0, where ground.height is negative" in finding.sentence
+
+
+def test_what_is_taken_for_fair_tells_the_scenes_and_no_number_does(gold: dict[str, list[Case]]):
+    def where_it_lands(case: Case, data: Data) -> Data:
+        if data.get("landing") and "fair" in data["landing"]:
+            x, y, _ = data["landing"]["position"]
+            data["landing"]["fair"] = abs(y) <= x
+        return data
+
+    diagnosis = judged(gold["fence"], where_it_lands).diagnosis
+    assert diagnosis is not None
+    (finding,) = diagnosis.findings
+    assert (finding.names, finding.scenes) == (["fair-at-landing"], None)
+
+
+def test_times_in_another_unit_in_some_scenes_are_named(gold: dict[str, list[Case]]):
+    def in_milliseconds(case: Case, data: Data) -> Data:
+        if data["landing"]["hang_time"] > 5:
+            for name in ("landing.time", "landing.hang_time"):
+                data = put(data, name, lambda time: 1000 * time)
+        return data
+
+    diagnosis = judged(gold["flight-both"], in_milliseconds).diagnosis
+    assert diagnosis is not None
+    (finding,) = diagnosis.findings
+    assert finding.names == ["ms-for-s"]
+    assert finding.scenes == "landing.hang_time > 5"
+
+
+def test_another_limit_of_its_own_value_is_told_between_which_values_it_is():
+    def early(case: Case, data: Data) -> Data:
+        if abs((data.get("contact") or {}).get("position", (0, 0))[1]) < 0.25:
+            return data
+        plate, contact = data["plate"], data["contact"]
+        kept = {name: contact[name] for name in ("time", "position", "margin")}
+        return {"id": case.id, "outcome": "beyond_bat", "plate": plate, "contact": kept}
+
+    diagnosis = judged(load("at-bat"), early).diagnosis
+    assert diagnosis is not None
+    (finding,) = diagnosis.findings
+    limit = "its limit for |contact.position[1]| is between 0.235 and 0.255 m, where L/2 is right"
+    assert limit in finding.sentence
+    assert finding.kind == "probably"

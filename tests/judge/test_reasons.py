@@ -14,7 +14,8 @@ from longball.golden import load
 from longball.judge.answers import Answer, Collector
 from longball.judge.cases import Case, decidable, solved
 from longball.judge.diagnosis import diagnose
-from longball.judge.findings import Finding
+from longball.judge.findings import Diagnosis, Finding
+from longball.judge.fits import Fit
 from longball.judge.outcomes import _explains
 from longball.judge.rules import features, rule
 from longball.judge.stages import Change, trial_of, with_values
@@ -30,10 +31,14 @@ def gold() -> dict[str, Case]:
 
 def told(cases: Sequence[Case], answer: Callable[[int, Case], Any]) -> list[Finding]:
     """Return what is found in answers that are dictionaries, by the number and the case."""
+    return diagnosis(cases, answer).findings
+
+
+def diagnosis(cases: Sequence[Case], answer: Callable[[int, Case], Any]) -> Diagnosis:
     collector = Collector([case.id for case in cases])
     for i, case in enumerate(cases):
         collector.take_line(i + 1, json.dumps(answer(i, case)).encode())
-    return diagnose(cases, collector.answers).findings
+    return diagnose(cases, collector.answers)
 
 
 def result(scene: Any) -> dict[str, Any]:
@@ -67,6 +72,13 @@ def test_of_two_conditions_each_must_be_needed(gold: dict[str, Case]):
     ]
     others = [case for case in landed if case not in late]
     assert rule(late, others) == "landing.hang_time > 5.01 and air.drag_coefficient ≠ 0"
+
+
+def test_how_large_an_error_is_makes_no_rule_by_a_number(gold: dict[str, Case]):
+    landed = [case for case in gold.values() if case.expected.landing][:60]
+    landed.sort(key=lambda case: float(case.expected.landing.hang_time))
+    assert "hang_time" in (rule(landed[:30], landed[30:]) or "")
+    assert rule(landed[:30], landed[30:], measured=False) is None
 
 
 def test_two_scenes_make_no_rule(gold: dict[str, Case]):
@@ -172,3 +184,37 @@ def test_a_number_is_told_once_however_small_its_rest(gold: dict[str, Case]):
 
     findings = [f for f in told(cases, answer) if f.stage != "outcome"]
     assert [f.names[0] for f in findings] == ["ball.mass=0.145291"]
+
+
+def too_low(case: Case) -> dict[str, Any]:
+    """Return a result with too small a clearance, and with home runs that are foul."""
+    made = result(case.scene)
+    made["fence"]["clearance"] -= 0.03
+    return made | {"outcome": "home_run" if made["fence"]["clearance"] > 0 else "wall"}
+
+
+def test_a_home_run_follows_from_a_clearance_only_if_the_ball_is_fair():
+    fence = {case.id: case for case in load("fence")}
+    names = ("stepped-0000", "poles-0001", "foul", "line-in-left", "line-in-right", "line-out-left")
+    findings = told([fence[f"fence-{name}"] for name in names], lambda i, case: too_low(case))
+    (fouls,) = [f for f in findings if f.stage == "outcome"]
+    assert fouls.names == ["foul-home-run"]
+    assert "follows from" not in fouls.sentence
+
+
+def test_a_fence_that_is_not_seen_does_not_follow():
+    fence = {case.id: case for case in load("fence")}
+    cases = [fence[f"fence-step-right-1e-{power}"] for power in ("03", "09", "12")]
+    cases.append(fence["fence-stepped-0000"])
+
+    def answer(i: int, case: Case) -> dict[str, Any]:
+        return result(case.scene.model_copy(update={"fence": None} if i < 3 else {}))
+
+    (finding,) = told(cases, answer)
+    assert "gives no block fence" in finding.sentence
+    assert "fence" not in diagnosis(cases, answer).clean
+
+
+def test_a_factor_near_one_is_told_by_its_difference():
+    assert "gravity were 1 + 1e-11 times" in Fit("gravity", "factor", 1 + 1e-11, 0.0, True).sentence
+    assert "gravity were 1 - 2e-07 times" in Fit("gravity", "factor", 1 - 2e-7, 0.0, True).sentence

@@ -70,6 +70,22 @@ def _launch_height(trial: Trial) -> float:
     return trial.given["contact.position"][2]
 
 
+def _lands(trial: Trial) -> bool:
+    """Tell whether a flight ends at the ground."""
+    return bool(abs(trial.given["landing.position"][2] - landing_height(trial.scene)) <= CLOSE)
+
+
+def _where(wrong: Sequence[Checked], right: Sequence[Trial]) -> str:
+    """Return where flights end elsewhere, and not at the ground, by its height."""
+    heights = [float(t.scene.ground.height) for t, _ in wrong]
+    others = [float(t.scene.ground.height) for t in right]
+    if max(heights) < min(0.0, *others):
+        return "where ground.height is negative"
+    if min(heights) > max(0.0, *others):
+        return "where ground.height is positive"
+    return "in some scenes"
+
+
 def ends(
     stage: str, chosen: Sequence[Checked], trials: Sequence[Trial], dt: float | None
 ) -> Iterator[Explanation]:
@@ -99,12 +115,16 @@ def ends(
             "let the ball fly on to the ground", 0.0, 0, quantity=event,
         )  # fmt: skip
     elif stage == "landing":
+        grounded = [t for t in trials if "landing.position" in t.given and _lands(t)]
         for name, sentence, remedy, above in _SURFACES:
             try:
                 heights = np.array([above(t) for t, _ in chosen])
+                right = [t for t in grounded if above(t)]
             except KeyError:
                 continue
             if heights.any() and np.allclose(offs, heights, rtol=1e-6, atol=1e-9):
+                if right:  # it is not always so
+                    sentence = f"{sentence.partition(', whatever')[0]}, {_where(chosen, right)}"
                 yield Explanation(name, sentence, remedy, 0.0, 0, quantity=event)
         yield from _scaled_ground(chosen, trials, event)
     low, high = float(offs.min()), float(offs.max())

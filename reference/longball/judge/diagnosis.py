@@ -41,7 +41,7 @@ from longball.judge.explanations import (
 from longball.judge.findings import Diagnosis, Finding, StageRow, found, many
 from longball.judge.fits import ODD, factor_meaning, fitted, pairs, parts, scene_by_scene, two
 from longball.judge.outcomes import made_otherwise, outcome_findings, told_findings
-from longball.judge.quantities import untrue
+from longball.judge.quantities import superfluous, untrue
 from longball.judge.relations import (
     SINGLE,
     SINGLE_NOISE,
@@ -233,7 +233,8 @@ class _Search:
             self.findings.append(more)
         self.findings.sort(key=lambda f: f.worst < MINOR * largest)
         rows = _with_facts(self._where_made(rows), facts)
-        clean = [r.stage for r in rows if not r.wrong]
+        absent = {_absent(t) for t, cs in checks if t.confused and all(c.follows for c in cs)}
+        clean = [r.stage for r in rows if not r.wrong and r.stage not in absent]
         lead = next((r for r in rows if r.wrong and r.worst >= MINOR * largest), None)
         return Diagnosis(
             sentence=self._sentence(lead, clean),
@@ -251,6 +252,7 @@ class _Search:
             if t.case.id in self.wrong
             and not t.confused
             and not untrue(t.case.expected, t.told)
+            and not superfluous(t.case.expected.outcome, t.expected, t.given)
             and all(c.follows for c in cs)
         ]
         if not small:
@@ -344,6 +346,21 @@ class _Search:
         self.begun[stage] = 1.0
         self.trials, self._followed = [meant.mend(t) for t in self.trials], None
 
+    def _rewrite_some(self, wrong: Collection[int], told: Finding) -> bool:
+        """Read the output of some trials as it is meant, if theirs is written otherwise."""
+        meant = conventions([t for t in self.trials if id(t) in wrong])
+        if meant is None or meant.mend is None or not meant.named:
+            return False
+        said = {
+            "kind": "named", "names": [meant.name], "sentence": meant.sentence,
+            "remedy": meant.remedy, "quantity": meant.quantity, "share": 1 - meant.left,
+        }  # fmt: skip
+        self.findings.append(told.model_copy(update=said))
+        self.begun.setdefault(told.stage, 1.0)
+        self.trials = [meant.mend(t) if id(t) in wrong else t for t in self.trials]
+        self._followed = None
+        return True
+
     def _explain(self, stage: str, checks: Sequence[Checked]) -> bool:
         """Explain what does not follow at a stage; tell whether there may be more."""
         seen = [(t, [c for c in cs if c.stage == stage]) for t, cs in checks]
@@ -379,6 +396,8 @@ class _Search:
         few = len(wrong) < max(ENOUGH, (len(wrong) + len(good)) / ONE_IN)
         inherited = few and all(t.case.id in left for t, _ in wrong)
         searched = self.causes and not (little or stepped or inherited)
+        if searched and scenes and self._rewrite_some({id(t) for t, _ in wrong}, told):
+            return True
         plain = _plain(wrong)
         of_most = rounded = False
         if searched and self.single and worst < SINGLE_NOISE:
@@ -476,7 +495,9 @@ class _Search:
             for e in self._explanations(stage, wrong, good, beside, checks)
         ]
         named = sorted((e for e in found if e.named), key=lambda e: (e.left, e.rank))
-        named = [e for e in named if e.change is None or not self._contradicted(e.change, wrong)]
+        named = [
+            e for e in named if e.change is None or not self._contradicted(e.change, wrong, good)
+        ]
         if not named:
             return []
         alike, doubt = ALIKE * named[0].left, doubt_of(wrong)
@@ -513,17 +534,24 @@ class _Search:
         best = min(lefts)
         return [e for e, left in zip(ties, lefts, strict=True) if left <= best + IN_A_SCENE]
 
-    def _contradicted(self, change: Change, wrong: Sequence[Checked]) -> bool:
-        """Tell whether most trials tell rightly, besides numbers, what a change would not make."""
+    def _contradicted(
+        self, change: Change, wrong: Sequence[Checked], good: Sequence[Checked]
+    ) -> bool:
+        """Tell whether trials tell rightly, besides numbers, what a change would not make.
+
+        Most of those with errors, or of those without that are told the same.
+        """
         full = self.base.then(change)
-        known = [
-            (t, facts)
-            for t, _ in wrong
-            if (facts := {n: x for n, x in t.told.items() if n in MADE}) and not untrue(
-                t.case.expected, facts)
-        ]  # fmt: skip
-        some = evenly(known, OTHERS)
-        return 2 * sum(made_otherwise(t, full, facts) for t, facts in some) > len(some)
+        alike: dict[str, list[tuple[Trial, dict[str, object]]]] = defaultdict(list)
+        for t, checks in (*wrong, *good):
+            facts = {n: x for n, x in t.told.items() if n in MADE}
+            if facts and not untrue(t.case.expected, facts):
+                fails = any(not c.follows for c in checks)
+                alike["" if fails else repr(facts)].append((t, facts))
+        return any(
+            2 * sum(made_otherwise(t, full, facts) for t, facts in some) > len(some)
+            for some in (evenly(known, OTHERS) for known in alike.values())
+        )
 
     def _least_harm(
         self, found: Sequence[Explanation], stage: str, good: Sequence[Checked]
@@ -719,6 +747,15 @@ def _fine(stage: str, sought: Iterable[Sought]) -> list[Explanation]:
     return found
 
 
+def _absent(trial: Trial) -> str | None:
+    """Return the stage of the first quantity that a trial leaves out; None if that is a landing.
+
+    No ball lands that the fence stops, or that stays in the air, whatever is wrong with that.
+    """
+    first = next((name for name in trial.expected if name not in trial.given), "landing")
+    return None if first.startswith("landing") else stage_of(first)
+
+
 def _with_facts(rows: Sequence[StageRow], facts: Sequence[Finding]) -> list[StageRow]:
     """Return the rows of stages, with those wrong at which something is told that is not so."""
     by_stage = {row.stage: row for row in rows}
@@ -737,7 +774,8 @@ def _told_apart(seen: Sequence[Checked], sizes: Sequence[float], minor: float) -
     known = [(t.case, size) for (t, cs), size in zip(seen, sizes, strict=True) if cs]
     for least in (0.0, minor):
         wrong = [case for case, size in known if size > least]
-        if found := rule(wrong, [case for case, size in known if size <= least]):
+        # How large an error is goes with how large a number is, and tells no cause apart.
+        if found := rule(wrong, [case for case, size in known if size <= least], least == 0.0):
             return found
     return None
 

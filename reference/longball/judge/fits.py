@@ -236,6 +236,8 @@ class Fit:
     def sentence(self) -> str:
         """What the candidate does."""
         number = told(self.value, self.doubt)
+        if self.form == "factor" and 0 < abs(self.value - 1) < NEARLY:
+            number = f"1 {'+' if self.value > 1 else '-'} {abs(self.value - 1):.3g}"
         meant = meaning(self)
         parameter = OWN[self.parameter].words if self.parameter in OWN else self.parameter
         match self.form:

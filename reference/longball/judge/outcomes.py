@@ -13,8 +13,8 @@ from longball.judge.any_law import ANY_LAW
 from longball.judge.explanations import evenly, told_together
 from longball.judge.findings import Finding, found, many
 from longball.judge.mistakes import FENCE, OUTCOMES, TIME_LIMIT_IGNORED
-from longball.judge.quantities import BLOCKS, OPTIONAL, told_by, untrue
-from longball.judge.rules import rule
+from longball.judge.quantities import OPTIONAL, superfluous, told_by, untrue
+from longball.judge.rules import CHANCE, rule
 from longball.judge.stages import NONE, Change, Trial, stage_of
 from longball.model.result import Result
 from longball.model.scene import FlightScene
@@ -69,10 +69,18 @@ def _is_fair(place: Sequence[float]) -> bool:
     return abs(place[1]) <= place[0]
 
 
-def _foul_over_fence(trial: Trial) -> bool:
+def _leaves(trial: Trial, fair: bool = True) -> bool:
+    """Tell whether a ball passes over the fence, by its own values, and passes it fair, or foul.
+
+    Over a fence that is a circle a ball goes fair wherever it does.
+    """
     place, above = trial.given.get("fence.position"), trial.given.get("fence.clearance")
-    over = trial.outcome == "home_run" and place and above and above[0] > 0
-    return bool(over and not _is_fair(place or ()))
+    over = place is not None and above is not None and above[0] > 0
+    return over and (_is_fair(place or ()) or trial.scene.fence.polyline is None) is fair
+
+
+def _foul_over_fence(trial: Trial) -> bool:
+    return trial.outcome == "home_run" and _leaves(trial, fair=False)
 
 
 RULES: tuple[Rule, ...] = (
@@ -135,10 +143,12 @@ def outcome_findings(
         held = [*evenly(same, RIGHT), *evenly([t for t in agreed if not t.right], RIGHT)]
         sentence, remedy = f"says {obtained} where {expected} is right", None
         names: list[str] = []
-        own = ""
+        own = against = ""
         made = _made(evenly(wrong, WRONG), held, base, known)
         flies = {f.stage for f in known}.isdisjoint(("pitch", "flight"))
-        if against := _against_itself(wrong):
+        if limit := _limit(obtained, wrong, trials):
+            own = sentence = f"{sentence}: {limit}"
+        elif against := _against_itself(wrong):
             sentence += f", against {against}"
         elif made:
             names, reason = made
@@ -148,6 +158,10 @@ def outcome_findings(
         elif rule_ := next((r for r in RULES if flies and all(map(r.holds, wrong))), None):
             names, remedy = [rule_.name], rule_.remedy
             sentence += f": {rule_.sentence}"
+        elif obtained in ("landed", "batted") and all(
+            "fence" in _blocks(t.expected) - _blocks(t.given) for t in wrong
+        ):
+            sentence += ", and gives no block fence: where the ball passes it is not seen"
         elif (
             obtained == "missed"
             and expected in ("batted", "separating", "beyond_bat")
@@ -219,6 +233,43 @@ def made_otherwise(trial: Trial, change: Change, facts: Mapping[str, object]) ->
     return any(made.get(name) != told for name, told in facts.items())
 
 
+# Outcomes that are told by how low a value is, m: its name, up to the sign; its limit; the value.
+LIMITED: dict[str, tuple[str, str, Callable[[Trial], float | None]]] = {
+    "missed": ("contact.margin", "0", lambda t: _first(t, "contact.margin")),
+    "wall": ("fence.clearance", "0", lambda t: _first(t, "fence.clearance")),
+    "beyond_bat": ("|contact.position[1]|", "L/2", lambda t: _from_end(t)),
+}
+
+
+def _first(trial: Trial, quantity: str) -> float | None:
+    return trial.given[quantity][0] if quantity in trial.given else None
+
+
+def _from_end(trial: Trial) -> float | None:
+    place = trial.given.get("contact.position")
+    return None if place is None else -abs(place[1])
+
+
+def _limit(obtained: str, wrong: Sequence[Trial], trials: Sequence[Trial]) -> str:
+    """Return between which of their own values the limit is that an outcome is told by.
+
+    Nothing if there is none, or if it may be the right one.
+    """
+    if obtained not in LIMITED:
+        return ""
+    name, right, value = LIMITED[obtained]
+    wrongly = [x for t in wrong if (x := value(t)) is not None]
+    told = [x for t in trials if t.outcome == obtained and (x := value(t)) is not None]
+    others = [x for t in trials if t.outcome != obtained and (x := value(t)) is not None]
+    chosen = math.comb(len(wrongly) + len(others), len(wrongly))  # as many might be the lowest
+    if len(wrongly) < len(wrong) or chosen < CHANCE or max(told) >= min(others):
+        return ""
+    if right == "0" and max(told) <= 0:
+        return ""
+    low, high = sorted((abs(max(told)), abs(min(others))))
+    return f"its limit for {name} is between {low:.3g} and {high:.3g} m, where {right} is right"
+
+
 def _against_itself(trials: Sequence[Trial]) -> str:
     """Return which of their own values wrong outcomes contradict, with what it says; else ""."""
     for quantity, beyond, within, says in (
@@ -253,7 +304,7 @@ def _follows(trials: Sequence[Trial]) -> str:
          lambda t, x: (t.outcome == "separating") is (x[0] >= 0)),
         ("contact.position", {"beyond_bat"},
          lambda t, x: (t.outcome == "beyond_bat") is _beyond(t)),
-        ("fence.clearance", {"home_run"}, lambda t, x: (t.outcome == "home_run") is (x[0] > 0)),
+        ("fence.clearance", {"home_run"}, lambda t, x: _leaves(t) is (t.outcome == "home_run")),
         ("fence.clearance", {"wall"}, lambda t, x: (t.outcome == "wall") is (x[0] <= 0)),
         ("impact.velocity", set(), _flies_so),
     ):  # fmt: skip
@@ -306,23 +357,27 @@ def told_findings(trials: Sequence[Trial], base: Change) -> Iterator[Finding]:
         some = [t for t, _, _ in told]
         same = [t for t in right if name in t.told and t not in some]
         if name == "landing.fair" and (fair := _fair_otherwise(right)):
-            yield _told(stage_of(name), name, *fair, some, same)
+            # What is taken for fair tells the scenes.
+            one = _told(stage_of(name), name, *fair, some, same)
+            yield one.model_copy(update={"scenes": None})
             continue
         for names, sentence in _misled(name, [(true, given) for _, true, given in told]):
             yield _told(stage_of(name), name, names, sentence, some, same)
-    for block in BLOCKS:
-        more = [t for t in right if block in _blocks(t.given) - _blocks(t.expected)]
-        if not more:
-            continue
+    beside: dict[str, list[Trial]] = defaultdict(list)
+    for t in right:
+        for name in superfluous(t.case.expected.outcome, t.expected, t.given):
+            beside[name].append(t)
+    for name, more in beside.items():
         outcomes = dict.fromkeys(str(t.case.expected.outcome) for t in more)
         same = [t for t in right if t not in more]
-        sentence = f"gives the block {block} with the outcome {' or '.join(outcomes)}"
+        what = name if "." in name else f"the block {name}"
+        sentence = f"gives {what} with the outcome {' or '.join(outcomes)}"
         others = sum(t.case.expected.outcome in outcomes for t in same)
-        names = [] if others else [f"{block}-given"]
+        names = [] if others else [f"{name}-given"]
         none = (
             f" where the truth has none; in {others} more it has" if others else ", which has none"
         )
-        yield _told("outcome", block, names, sentence + none, more, same)
+        yield _told("outcome", name, names, sentence + none, more, same)
 
 
 def _struck_rightly(trial: Trial) -> bool:

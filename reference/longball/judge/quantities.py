@@ -8,7 +8,7 @@ candidate's seventeen are rounded before they are compared.
 from __future__ import annotations
 
 import decimal
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from decimal import Decimal
 
@@ -118,6 +118,23 @@ def untrue(result: Result, told: Mapping[str, object]) -> list[tuple[str, object
         for name, given in told.items()
         if given != right.get(name) and (name in right or name in OPTIONAL)
     ]
+
+
+# What a contact has only if the ball meets the bat, and only if it meets it between its ends.
+MET = ("contact.time", "contact.position")
+STRUCK = ("contact.normal", "contact.bat_velocity", "contact.normal_speed")
+WITHOUT = {"missed": (*MET, *STRUCK), "beyond_bat": STRUCK}
+
+
+def superfluous(outcome: str | None, expected: Iterable[str], given: Iterable[str]) -> list[str]:
+    """Return the blocks given that the truth has not, and quantities that no such outcome has."""
+    blocks = {name.partition(".")[0] for name in expected}
+    named = dict.fromkeys(
+        block if (block := name.partition(".")[0]) not in blocks else name
+        for name in given
+        if name.partition(".")[0] not in blocks or name in WITHOUT.get(outcome or "", ())
+    )
+    return [name for name in (*BLOCKS, *QUANTITIES) if name in named]
 
 
 def radius_of(result: Result, quantity: str) -> Value:

@@ -98,22 +98,22 @@ HALVES = 8
 MOST_RULES = 3
 
 
-def rule(failing: Sequence[Case], passing: Sequence[Case]) -> str | None:
+def rule(failing: Sequence[Case], passing: Sequence[Case], measured: bool = True) -> str | None:
     """Return the smallest rules that hold for all that fail and none that pass; None without one.
 
-    One condition, or two that must both hold. Where a few tell the same scenes, all are told: it
-    need not be the first one that is behind it.
+    One condition, or two that must both hold; also of how large a number is, if `measured`. Where a
+    few tell the same scenes, all are told: it need not be the first one that is behind it.
     """
     wrong, right = [*map(features, failing)], [*map(features, passing)]
     if min(len(wrong), len(right)) < FEWEST:
         return None
-    known = [*_conditions(wrong, right)]
+    known = [one for one in _conditions(wrong, right) if measured or not one.measured]
     if whole := _text(_telling(known, wrong, right, len(known))):
         return whole
     # Every failing scene must be told by either; those that pass are cut away.
     cuts = [(one, [*filter(one.holds, right)]) for one in known if all(map(one.holds, wrong))]
     for one, left in sorted(cuts, key=lambda cut: len(cut[1]))[:HALVES]:
-        others = [*_conditions(wrong, left)]
+        others = [one for one in _conditions(wrong, left) if measured or not one.measured]
         tried = len(known) * len(others)
         both = [
             other
@@ -238,14 +238,24 @@ def _conditions(wrong: Sequence[Features], right: Sequence[Features]) -> Iterato
             yield differs
         if number and (below := [v for v in others if v < min(values)]):
             low = _between(max(below), min(values))
-            yield Condition(name, f"{name} > {low:g}", partial(lt, low), measured=True)
+            if _is_short(low):
+                yield Condition(name, f"{name} > {low:g}", partial(lt, low), measured=True)
         if number and (above := [v for v in others if v > max(values)]):
             high = _between(max(values), min(above))
-            yield Condition(name, f"{name} < {high:g}", partial(gt, high), measured=True)
+            if _is_short(high):
+                yield Condition(name, f"{name} < {high:g}", partial(gt, high), measured=True)
 
 
 def _told(value: Any) -> str:
     return f"{value:g}" if isinstance(value, float) else str(value)
+
+
+# Digits of a limit: one that needs more of them hardly parts the scenes.
+LIMIT_DIGITS = 4
+
+
+def _is_short(limit: float) -> bool:
+    return float(f"{limit:.{LIMIT_DIGITS}g}") == limit
 
 
 def _between(a: float, b: float) -> float:

@@ -536,6 +536,8 @@ class _Following:
         _, contact = chain.meet(case, ball, (x, z - self.height), 0.0)[:2]
         for key in ("normal", "bat_velocity"):
             self.own[f"contact.{key}"] = _tuple(case.answer[f"contact.{key}"])
+            if key == "normal" and self.scene.kind == "at-bat":
+                self._take_normal(x, z - self.height)
             yield from self._maybe(
                 key.replace("_", " "), f"contact.{key}", self.own[f"contact.{key}"]
             )
@@ -557,6 +559,16 @@ class _Following:
             normal_speed=closing,
         )
         yield from self._impact(contact)
+
+    def _take_normal(self, x: float, z: float) -> None:
+        """Take the normal divided by R + r_b, if the candidate's is nearer to that.
+
+        Where ball and bat do not touch it is no unit vector, and divided so it follows as well.
+        """
+        reach = self.scene.ball.radius + self.scene.bat.radius
+        both = self.own["contact.normal"], (x / reach, 0.0, z / reach)
+        said = self.given.get("contact.normal", both[0])
+        self.own["contact.normal"] = min(both, key=lambda normal: math.dist(normal, said))
 
     def _impact(self, contact: ContactState[float]) -> Iterable[Check]:
         struck = self.model.collide(self._case(), contact, 0.0)[1]

@@ -12,6 +12,7 @@ from longball.convergence import ConvergenceReport
 from longball.convergence.report import aligned
 from longball.judge.answers import printable, quoted
 from longball.judge.findings import Diagnosis, Finding, many
+from longball.judge.quantities import OPTIONAL
 from longball.judge.sampling import Sampling
 from longball.judge.verdict import Failure, Fault, Row, Verdict
 
@@ -227,7 +228,9 @@ def _joined(numbers: Sequence[str]) -> str:
 def silence(verdict: Verdict, shown: int) -> Iterator[str]:
     """Yield what was not answered, or not judged."""
     for missing in verdict.missing:
-        yield f"left out: {missing.quantity} in {many(missing.cases, 'answer')}: {missing.example}"
+        need = ", as it may be" if missing.quantity in OPTIONAL else ""
+        where = f"in {many(missing.cases, 'answer')}: {missing.example}"
+        yield f"left out{need}: {missing.quantity} {where}"
     if verdict.unanswered:
         yield f"without an answer: {_some(verdict.unanswered, shown)}"
     for unsolved in verdict.refused[:shown]:

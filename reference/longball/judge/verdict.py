@@ -38,7 +38,6 @@ from longball.judge.cases import (
 )
 from longball.judge.findings import Diagnosis, many
 from longball.judge.quantities import (
-    BLOCKS,
     OPTIONAL,
     PATH,
     QUANTITIES,
@@ -46,6 +45,7 @@ from longball.judge.quantities import (
     difference,
     length,
     radius_of,
+    superfluous,
     told_by,
     untrue,
     values_of,
@@ -140,11 +140,11 @@ class Comparison:
     measured
         Every quantity that both sides have.
     missing
-        Quantities of the truth, or ``outcome``, that were left out.
+        Quantities of the truth, or ``outcome``, that were left out; what need not be told, too.
     unreadable
         Quantities given that are no numbers.
     superfluous
-        Blocks given that a scene with this outcome does not have.
+        Blocks and quantities given that a scene with this outcome does not have.
     untrue
         What is told besides numbers, and is not so: its name, what is right, what was told.
     """
@@ -178,7 +178,7 @@ class Comparison:
     @property
     def complete(self) -> bool:
         """Whether there is an answer with all quantities of the truth."""
-        return self.answer is not None and not self.refused and not self.missing
+        return self.answer is not None and not self.refused and set(self.missing) <= {*OPTIONAL}
 
 
 def compare(case: Case, answer: Answer | None, profile: Profile) -> Comparison:
@@ -226,12 +226,11 @@ def compare(case: Case, answer: Answer | None, profile: Profile) -> Comparison:
         return found
     missing = [] if answer.outcome else ["outcome"]
     missing += [n for n in expected if n not in given and n not in unreadable]
-    missing += [n for n in told_by(case.expected) if n not in (*answer.told, *OPTIONAL)]
-    more = {name.partition(".")[0] for name in given} - {n.partition(".")[0] for n in expected}
+    missing += [n for n in told_by(case.expected) if n not in answer.told]
     return replace(
         found,
         missing=tuple(missing),
-        superfluous=tuple(block for block in BLOCKS if block in more),
+        superfluous=tuple(superfluous(case.expected.outcome, expected, given)),
         untrue=tuple(untrue(case.expected, answer.told)),
     )
 
@@ -614,8 +613,8 @@ def failure(comparison: Comparison) -> Failure:
     ]
     faults += [_fault(name, [true], (), [told]) for name, true, told in comparison.untrue]
     faults += [
-        _fault(block, [f"nothing: a {outcome} scene has none"], (), ["numbers"])
-        for block in comparison.superfluous
+        _fault(name, [f"nothing: a {outcome} scene has none"], (), ["numbers"])
+        for name in comparison.superfluous
     ]
     faults += [
         _fault(m.quantity, m.expected, m.radius, m.obtained, m.error, m.tolerance)
