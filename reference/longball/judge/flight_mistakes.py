@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, lru_cache, partial
 from itertools import pairwise
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -1053,6 +1054,12 @@ EXTENDED: tuple[Mistake, ...] = (
             _coriolis(lambda a: (trace.ZERO, trace.ZERO, a[2]))),
     Mistake("earth-level-only", "leaves the vertical part of -2 Ω × v out", _EARTH,
             _coriolis(lambda a: (a[0], a[1], trace.ZERO))),
+    Mistake("earth-without-upward-axis", "leaves the vertical part of Ω out", _EARTH,
+            _instead(CORIOLIS, lambda m, p: CORIOLIS.acceleration(
+                m, SimpleNamespace(**vars(p) | {"earth_z": trace.ZERO})))),
+    Mistake("earth-without-level-axis", "leaves the horizontal part of Ω out", _EARTH,
+            _instead(CORIOLIS, lambda m, p: CORIOLIS.acceleration(
+                m, SimpleNamespace(**vars(p) | dict.fromkeys(("earth_s", "earth_y"), trace.ZERO))))),
     Mistake("colatitude", "counts the latitude from the pole", _EARTH,
             _earth("latitude", lambda angle: math.pi / 2 - angle)),
     Mistake("azimuth-from-east", "counts the azimuth from the east", _EARTH,
@@ -1063,6 +1070,11 @@ EXTENDED: tuple[Mistake, ...] = (
             _earth("latitude", math.radians)),
     Mistake("azimuth-in-degrees", "takes the azimuth for degrees", "earth.azimuth is in radians",
             _earth("azimuth", math.radians)),
+    Mistake("latitude-reversed", "takes northern latitudes for southern ones, and the other way "
+            "round", _EARTH, _earth("latitude", operator.neg)),
+    Mistake("earth-in-degrees", "takes latitude and azimuth for degrees",
+            "the angles of `earth` are in radians",
+            _earth("latitude", math.radians).then(_earth("azimuth", math.radians))),
     Mistake("azimuth-sign", "counts the azimuth the other way round",
             "earth.azimuth is that of +x, clockwise from north", _earth("azimuth", operator.neg)),
     Mistake("azimuth-ignored", "takes +x for north", "earth.azimuth is that of +x",
