@@ -167,3 +167,22 @@ def test_times_rounded_to_milliseconds():
     first, *_ = diagnose(cases, collected(cases, results).answers).findings
     assert (first.names, first.stage) == (["times-rounded"], "time")
     assert "rounded to 3 decimals" in first.sentence
+
+
+def test_two_mistakes_in_the_restitution():
+    """The lever by |y|, and the usual mass of a ball, in ẽ alone."""
+    cases = [case for case in gold("impact") if case.expected.impact]
+    results = []
+    for case in cases:
+        right = solve(case.scene, Ivp())
+        x, y, z = case.scene.incoming.position
+        other = with_values(case.scene, {"incoming.position": (x, abs(y), z), "ball.mass": 0.145})
+        wrong = solve(other, Ivp())
+        if right.impact is None or wrong.impact is None:
+            results.append(right)
+            continue
+        impact = right.impact.model_copy(update={"restitution": wrong.impact.restitution})
+        results.append(right.model_copy(update={"impact": impact}))
+    findings = diagnose(cases, collected(cases, results).answers).findings
+    (first,) = [f for f in findings if f.stage == "restitution"]
+    assert first.names == ["lever-of-size and ball.mass=0.145"]

@@ -39,7 +39,16 @@ from longball.judge.explanations import (
     told_together,
 )
 from longball.judge.findings import Diagnosis, Finding, StageRow, found, many
-from longball.judge.fits import ODD, factor_meaning, fitted, pairs, parts, scene_by_scene, two
+from longball.judge.fits import (
+    ODD,
+    factor_meaning,
+    fitted,
+    one_after_another,
+    pairs,
+    parts,
+    scene_by_scene,
+    two,
+)
 from longball.judge.outcomes import made_otherwise, outcome_findings, told_findings
 from longball.judge.quantities import untrue
 from longball.judge.relations import (
@@ -670,6 +679,8 @@ class _Search:
                 # Pitches alone are alike: any two numbers explain them.
                 single = list({e.name: e for e in found}.values())
                 found += two(stage, together or sought, single)
+        if stage == "restitution" and not any(e.named for e in found):
+            found += one_after_another(stage, sought, found)
         return found
 
     def _with_flights(
