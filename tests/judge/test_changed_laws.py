@@ -186,3 +186,14 @@ def test_two_mistakes_in_the_restitution():
     findings = diagnose(cases, collected(cases, results).answers).findings
     (first,) = [f for f in findings if f.stage == "restitution"]
     assert first.names == ["lever-of-size and ball.mass=0.145"]
+
+
+def test_a_slightly_other_density_in_each_scene():
+    cases = gold("flight-weather", 2)
+    results = []
+    for number, case in enumerate(cases):
+        value = float(density(case.scene, DOUBLES)) * (1 + 1e-5 * (3 + number * number % 7))
+        results.append(solve(with_values(case.scene, {"air.density": value}), Ivp()))
+    first, *_ = diagnose(cases, collected(cases, results).answers).findings
+    assert first.kind == "unexplained"
+    assert "another air.density, 1.00003 to " in first.sentence
