@@ -9,13 +9,18 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from decimal import Decimal
 from functools import partial
 
 import numpy as np
+from numpy.typing import NDArray
 
 from longball.engines.fence import chords
 from longball.judge.explanations import Checked, Explanation, Sought, share_left, size_of
+from longball.judge.findings import many
 from longball.judge.fits import Fit, meaning, roundest, told
+from longball.judge.relations import DOUBLES as ALL_DIGITS
+from longball.judge.relations import FEW_DECIMALS
 from longball.judge.stages import (
     CLOSE,
     ENOUGH,
@@ -30,6 +35,8 @@ from longball.judge.stages import (
 from longball.judge.steps import ROUND_STEPS, SHORTEST, FixedStep, common_step
 from longball.model.numbers import DOUBLES
 from longball.model.scene import landing_height
+
+Array = NDArray[np.float64]
 
 # The heights at which a candidate may let the ball land instead: above the ground, m.
 _SURFACES: tuple[tuple[str, str, str, Callable[[Trial], float]], ...] = (
@@ -291,7 +298,11 @@ def clocks(stage: str, chosen: Sequence[Checked], base: Change) -> Iterator[Expl
     ) -> Explanation:  # fmt: skip
         mend = partial(_with_times, stage, right)
         wholes = [sum(map(size_of, cs)) for _, cs in chosen]
-        lefts = [sum(map(size_of, follow(mend(t), base, (stage,)))) for t, _ in chosen]
+        lefts = [
+            sum(size_of(c) for c in follow(mend(t), base, (stage,)) if c.quantity in known)
+            for t, cs in chosen
+            for known in [{c.quantity for c in cs}]
+        ]
         left = share_left(lefts, wholes)
         return Explanation(
             name, on_path + sentence, remedy, left, rank, mend=mend, step=step, stage="time"
@@ -309,11 +320,28 @@ def clocks(stage: str, chosen: Sequence[Checked], base: Change) -> Iterator[Expl
         yield told_of("clock-rate", f"the clock runs {told(ratio, 0)} times as fast",
                       lambda trial, time: time / ratio, 0)  # fmt: skip
     else:
+        name, remedy = "clock", "look at how the time of the event is counted"
+        sentence = f"its times are off by {clock.min():.3g} to {clock.max():.3g} s"
+        if decimals := _rounded_to(times, clock):
+            name, remedy = "times-rounded", ALL_DIGITS
+            sentence = f"its times are rounded to {many(decimals, 'decimal')}"
         yield told_of(
-            "clock", f"its times are off by {clock.min():.3g} to {clock.max():.3g} s",
+            name, sentence,
             lambda trial, time: time - (q.clock if (q := placed(trial, base, stage)) else 0.0), 3,
-            "look at how the time of the event is counted",
+            remedy,
         )  # fmt: skip
+
+
+def _rounded_to(times: Array, clock: Array) -> int:
+    """Return how many decimals times are rounded to; 0 if what they are off by is not of that.
+
+    Times of steps that are never the nearest ones are cut off, and not rounded.
+    """
+    exponents = (Decimal(f"{time:.12g}").normalize().as_tuple().exponent for time in times)
+    decimals = max(-int(exponent) for exponent in exponents)
+    unit = 10.0**-decimals
+    near = clock.min() < 0 < clock.max() and abs(clock).max() < 0.5 * unit + 1e-9
+    return decimals if near and 0 < decimals <= FEW_DECIMALS else 0
 
 
 def _with_times(stage: str, right: Callable[[Trial, float], float], trial: Trial) -> Trial:

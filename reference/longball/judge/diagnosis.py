@@ -39,7 +39,16 @@ from longball.judge.explanations import (
     told_together,
 )
 from longball.judge.findings import Diagnosis, Finding, StageRow, found, many
-from longball.judge.fits import ODD, factor_meaning, fitted, pairs, parts, scene_by_scene, two
+from longball.judge.fits import (
+    ODD,
+    factor_meaning,
+    fitted,
+    one_after_another,
+    pairs,
+    parts,
+    scene_by_scene,
+    two,
+)
 from longball.judge.outcomes import made_otherwise, outcome_findings, told_findings
 from longball.judge.quantities import superfluous, untrue
 from longball.judge.relations import (
@@ -700,6 +709,8 @@ class _Search:
                 if together and not any(e.named for e in found):
                     # Pitches alone are alike: any two numbers explain them, but not any scheme.
                     found += (e for e in two(stage, sought, single) if _has_scheme(e))
+        if stage == "restitution" and not any(e.named for e in found):
+            found += one_after_another(stage, sought, found)
         return found
 
     def _with_flights(

@@ -17,7 +17,7 @@ from longball.judge.answers import Answer, Collector, read_results
 from longball.judge.candidate import Limits, run
 from longball.judge.cases import Case, Profile, solved
 from longball.judge.diagnosis import diagnose
-from longball.judge.paths import landed
+from longball.judge.paths import as_written
 from longball.judge.rules import shrunk
 from longball.judge.sampling import Sampling
 from longball.judge.step_sweep import FAMILIES, StepSweep, sample, with_step
@@ -224,7 +224,7 @@ class Judge:
         wrong = any(not c.passed for c in comparisons)
         if self.diagnose and (conduct or wrong):
             whole = {
-                case.id: landed(case.scene, answer)[0] if answer.path is not None else answer
+                case.id: as_written(case.scene, answer)
                 for case in self.cases
                 if (answer := answers.get(case.id))
             }

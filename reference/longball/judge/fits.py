@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from longball.engines.verlet import Verlet
 from longball.judge.changes import Mistake
-from longball.judge.explanations import JUMPED, NAMED, Explanation, Sought, Work
+from longball.judge.explanations import JUMPED, NAMED, OWN_ERROR, Explanation, Sought, Work
 from longball.judge.flight_mistakes import LAW, OWN, SPIN, with_density
 from longball.judge.mistakes import FENCE, IGNORED, IMPACT, READINGS, TOUCHING, TWO_STEP_PUSH
 from longball.judge.rubbing import RUBBING
@@ -583,7 +583,7 @@ STRENGTHS = (
     "air.density", "air.drag_coefficient", "air.lift_coefficient", "gravity", "spin", "wind",
 )  # fmt: skip
 
-# Of a scene's errors, what a number of its own may leave.
+# Of a scene's errors, what a number of its own may leave, besides the judge's own.
 WHOLLY = 1e-5
 
 
@@ -592,10 +592,11 @@ def scene_by_scene(sought: Sought) -> str:
     found = []
     for name in STRENGTHS:
         ratios = []
-        for trial in sought.trials:
+        for trial, whole in zip(sought.trials, sought.sizes(NONE), strict=True):
             one = implied(trial, [name], sought.stages, sought.base, sought.work)
             own = value_of(sought.base.scene(trial.scene), name)
-            if one is None or not own or one[1] > WHOLLY:
+            allowed = min(max(WHOLLY, OWN_ERROR / whole), NAMED) if whole else WHOLLY
+            if one is None or not own or one[1] > allowed:
                 break
             ratios.append(float(one[0][0]) / own)
         if FIRST <= len(sought.trials) == len(ratios):

@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, lru_cache, partial
 from itertools import pairwise
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -18,7 +19,7 @@ from longball.judge.any_law import ANY_LAW
 from longball.judge.changes import Mistake, reading_change, scene_change
 from longball.judge.stages import Change, Numbers, with_values
 from longball.model import trace
-from longball.model.aerodynamics import DRAG, LIFT, spin_ratio
+from longball.model.aerodynamics import CRISIS, DECAY_ALONG_PATH, DRAG, LIFT, spin_ratio
 from longball.model.air import Air, CrisisDrag, Table, Weather
 from longball.model.atmosphere import (
     DRY_DENSITY,
@@ -481,6 +482,14 @@ def _winds(change: Callable[[Numbers], Numbers]) -> Change:
     return scene_change(values)
 
 
+def _wind_not_in_lift_by_spin(scene: Any) -> Any:
+    """Return a scene whose wind acts on drag alone, if its ball is launched with a spin."""
+    launch = getattr(scene, "launch", None) or getattr(scene, "pitch", None)
+    if launch is None or launch.spin is None:
+        return scene
+    return reading_change(wind_acts_on="drag").scene(scene)
+
+
 def _air(term: Term) -> bool:
     return isinstance(term, Drag | Lift) or term in (DRAG, LIFT) or _lifts(term)
 
@@ -525,6 +534,19 @@ def _vapour_of_kelvin(scene: Any, weather: Any) -> float:
     dry, hot = (_of_weather(scene, humidity=0.0, temperature=x) for x in (t, t + ZERO_CELSIUS))
     vapour = hot - _of_weather(scene, temperature=t + ZERO_CELSIUS)
     return dry - vapour * float((t + ZERO_CELSIUS) / t)
+
+
+def _zero_at_273(scene: Any, weather: Any) -> float:
+    """Return the density with 273 K for 0 °C in it, and the vapour's pressure at the true t."""
+    t = weather.temperature
+    share = 273.0 / (t - ZERO_CELSIUS + 273.0) * t / ZERO_CELSIUS
+    return _of_weather(scene) * float(share)
+
+
+def _vapour_lowered(scene: Any, weather: Any) -> float:
+    """Return the density with the vapour's pressure lowered by the elevation too."""
+    lowered = station_pressure(scene, DOUBLES) / weather.pressure
+    return _of_weather(scene, elevation=0.0) * float(lowered)
 
 
 def _with_vapour(pressure: Callable[[float], float]) -> Change:
@@ -603,6 +625,11 @@ def _denser(factor: Callable[[Any, float], float], other: float | None = 0.0) ->
         return new if other == 0.0 else with_values(new, {"air.density_scale_height": other})
 
     return Change(change)
+
+
+def _wind_above(level: Callable[[Any], float]) -> Change:
+    """Return the change of the height that a wind blows above to one from a level."""
+    return scene_change(lambda s: {"air.wind.above": s.air.wind.above + level(s)})
 
 
 def _thinning(density: Callable[[Any], Any]) -> Change:
@@ -775,6 +802,13 @@ def _turning(motion: Motion, p: Any) -> Vector[Any]:
     return plus(CORIOLIS.acceleration(motion, p), -1.0, away)  # type: ignore[return-value]
 
 
+def _turning_without(*components: str) -> Change:
+    """Return the change of the Coriolis acceleration to one without components of Ω."""
+    none = dict.fromkeys(components, trace.ZERO)
+    return _instead(CORIOLIS, lambda m, p: CORIOLIS.acceleration(
+        m, SimpleNamespace(**vars(p) | none)))  # fmt: skip
+
+
 def _coriolis(changed: Callable[[Vector[Any]], Vector[Any]]) -> Change:
     """Return the change of the Coriolis acceleration to a function of it."""
     return _instead(CORIOLIS, lambda m, p: changed(CORIOLIS.acceleration(m, p)))
@@ -837,18 +871,18 @@ def _stepped(jumps: Callable[[Sequence[float]], Sequence[float]]) -> Change:
 
 
 def _extrapolated(
-    nodes: Sequence[float], values: Sequence[float]
+    nodes: Sequence[float], values: Sequence[float], below: bool = True, above: bool = True
 ) -> tuple[list[float], list[float]]:
-    """Return a table that goes on outside, from 0 to far beyond its last node."""
+    """Return a table that goes on below its first node to 0, or far above its last one."""
 
     def line(x: float, i: int, k: int) -> float:
         slope = (values[k] - values[i]) / (nodes[k] - nodes[i])
         return values[i] + slope * (x - nodes[i])
 
-    far = 100 * nodes[-1]
-    below = [] if nodes[0] == 0.0 else [0.0]
-    ends = [line(0.0, 0, 1)] * len(below), [line(far, -2, -1)]
-    return [*below, *nodes, far], [*ends[0], *values, *ends[1]]
+    low = [0.0] if below and nodes[0] != 0.0 else []
+    high = [100 * nodes[-1]] if above else []
+    ends = [line(x, 0, 1) for x in low], [line(x, -2, -1) for x in high]
+    return [*low, *nodes, *high], [*ends[0], *values, *ends[1]]
 
 
 def _earth(key: str, change: Callable[[float], float]) -> Change:
@@ -864,6 +898,33 @@ def _ground_speed(term: Drag) -> Drag:
     """Return a drag by the speed over the ground."""
     return replace(term, rate=lambda motion, p: term.rate(
         motion._replace(air=Flow(motion.air.velocity, size(motion.velocity))), p))  # fmt: skip
+
+
+def _over_ground_in_crisis(motion: Motion, p: Any) -> Any:
+    """Return the rate of the crisis whose C_D follows the speed over the ground."""
+    ground = size(motion.velocity)
+    over = CRISIS.rate(motion._replace(air=Flow(motion.air.velocity, ground)), p)
+    return over * (motion.speed / ground)
+
+
+def _with_spin_of_launch(form: Callable[[Motion, Any], Any]) -> Callable[[Motion, Any], Any]:
+    """Return a function of the motion with the spin that the ball has at launch."""
+    return lambda motion, p: form(motion._replace(spin_left=trace.as_node(1.0)), p)
+
+
+def _undecayed(which: type[Term], form: str) -> Change:
+    """Return the change of drags, or of the sizes of lifts, to ones by the spin at launch."""
+
+    def changed(f: Any) -> Any:
+        if not isinstance(_form(f), which):
+            return f
+        held: Any = _form(f)
+        new = _with_form(f, replace(held, **{form: _with_spin_of_launch(getattr(held, form))}))
+        if isinstance(new, Piecewise):
+            new = replace(new, argument=_with_spin_of_launch(new.argument))
+        return new
+
+    return _terms(changed)
 
 
 _DIRECTION = "take the direction of spin from the scene's vector, whichever way the ball flies"
@@ -959,6 +1020,14 @@ EXTENDED: tuple[Mistake, ...] = (
     Mistake("no-spin-decay", "lets the spin stay as it is at the launch",
             "spin falls by e along spin_decay_length of path through the air",
             scene_change(lambda scene: {"air.spin_decay_length": None})),
+    Mistake("no-spin-decay-in-drag", "takes the spin at launch in the drag, undecayed",
+            "drag and lift are by the present spin", _undecayed(Drag, "rate")),
+    Mistake("no-spin-decay-in-lift", "takes the spin at launch in the lift, undecayed",
+            "drag and lift are by the present spin", _undecayed(Lift, "factor")),
+    Mistake("spin-decay-over-ground", "lets the spin decay along the path over the ground",
+            "spin falls by e along spin_decay_length of path through the air",
+            _replaced(DECAY_ALONG_PATH, replace(
+                DECAY_ALONG_PATH, rate=lambda motion, p: size(motion.velocity)))),
     Mistake("wind-sign", "takes the wind for where it blows from", "wind is where it blows to",
             _winds(lambda w: tuple(-x for x in w))),
     Mistake("wind-side-sign", "has the wind's y the other way round", "+y is left of the catcher",
@@ -971,14 +1040,22 @@ EXTENDED: tuple[Mistake, ...] = (
             _winds(lambda w: (w[0], w[1], 0.0))),
     Mistake("wind-not-in-lift", "leaves the wind out of the lift", _WIND,
             reading_change(wind_acts_on="drag")),
+    Mistake("wind-not-in-lift-by-spin", "leaves the wind out of the lift of balls with spin",
+            _WIND, Change(_wind_not_in_lift_by_spin)),
     Mistake("wind-in-size-only", "drags by the airspeed, but along the velocity over the ground",
             _WIND, _terms(lambda f: _over_ground(f) if isinstance(f, Drag) else f)),
     Mistake("wind-in-direction-only", "drags along the velocity through the air, but by the speed "
             "over the ground", _WIND,
             _terms(lambda f: _ground_speed(f) if isinstance(f, Drag) else f)),
+    Mistake("crisis-over-ground", "takes the speed over the ground for U in the drag crisis",
+            "C_D = a + (b - a)/(1 + e^((U - U_c)/δ)), with the airspeed U",
+            _replaced(CRISIS, replace(CRISIS, rate=_over_ground_in_crisis))),
     Mistake("wind-everywhere", "has the same wind at all heights",
             "a wind with `above` blows above that height, one with `height` grows with ln z",
             scene_change(lambda scene: {"air.wind": scene.air.wind.velocity})),
+    *(Mistake(f"wind-above-{name}", f"counts the height of a wind with `above` {sentence}",
+              "the wind blows above the plane z = `above`", _wind_above(level), True)
+      for name, sentence, level in _LEVELS),
     Mistake("wind-profile-without-offset", "lets the wind grow as ln(z/z_0)/ln(h/z_0)",
             _PROFILE, _profile(lambda z, p: trace.log(_larger(z, p.roughness) / p.roughness)
                                / trace.log(p.wind_height / p.roughness)), True),
@@ -1010,6 +1087,9 @@ EXTENDED: tuple[Mistake, ...] = (
     Mistake("elevation-at-station", "lowers a station's pressure by the elevation",
             "with the reading pressure = station the elevation does nothing",
             reading_change(pressure="sea_level")),
+    Mistake("vapour-lowered", "lowers the vapour's pressure by the elevation, as the air's",
+            _WEATHER, _density(_vapour_lowered)),
+    Mistake("zero-at-273", "takes 273 K for 0 °C", _WEATHER, _density(_zero_at_273)),
     Mistake("weather-ignored", "has air of 1.2929 kg/m³, whatever the weather", _WEATHER,
             _density(lambda s, w: DRY_DENSITY)),
     *_vapours(),
@@ -1053,6 +1133,10 @@ EXTENDED: tuple[Mistake, ...] = (
             _coriolis(lambda a: (trace.ZERO, trace.ZERO, a[2]))),
     Mistake("earth-level-only", "leaves the vertical part of -2 Ω × v out", _EARTH,
             _coriolis(lambda a: (a[0], a[1], trace.ZERO))),
+    Mistake("earth-without-upward-axis", "leaves the vertical part of Ω out", _EARTH,
+            _turning_without("earth_z")),
+    Mistake("earth-without-level-axis", "leaves the horizontal part of Ω out", _EARTH,
+            _turning_without("earth_s", "earth_y")),
     Mistake("colatitude", "counts the latitude from the pole", _EARTH,
             _earth("latitude", lambda angle: math.pi / 2 - angle)),
     Mistake("azimuth-from-east", "counts the azimuth from the east", _EARTH,
@@ -1063,6 +1147,11 @@ EXTENDED: tuple[Mistake, ...] = (
             _earth("latitude", math.radians)),
     Mistake("azimuth-in-degrees", "takes the azimuth for degrees", "earth.azimuth is in radians",
             _earth("azimuth", math.radians)),
+    Mistake("latitude-reversed", "takes northern latitudes for southern ones, and the other way "
+            "round", _EARTH, _earth("latitude", operator.neg)),
+    Mistake("earth-in-degrees", "takes latitude and azimuth for degrees",
+            "the angles of `earth` are in radians",
+            _earth("latitude", math.radians).then(_earth("azimuth", math.radians))),
     Mistake("azimuth-sign", "counts the azimuth the other way round",
             "earth.azimuth is that of +x, clockwise from north", _earth("azimuth", operator.neg)),
     Mistake("azimuth-ignored", "takes +x for north", "earth.azimuth is that of +x",
@@ -1075,6 +1164,10 @@ EXTENDED: tuple[Mistake, ...] = (
             _stepped(lambda nodes: [(a + b) / 2 for a, b in pairwise(nodes)]), True),
     Mistake("table-extrapolated", "goes on along the first and last line outside a table", _LINEAR,
             _tables(lambda at, values: _extrapolated(at, values))),
+    Mistake("table-extrapolated-below", "goes on along the first line below a table", _LINEAR,
+            _tables(lambda at, values: _extrapolated(at, values, above=False))),
+    Mistake("table-extrapolated-above", "goes on along the last line above a table", _LINEAR,
+            _tables(lambda at, values: _extrapolated(at, values, below=False))),
     *(Mistake(f"table-in-{unit}", f"takes a table of the airspeed for one in {unit}",
               "the nodes of a table of the airspeed are in m/s", _tables(
                   lambda at, values, f=factor: ([x * f for x in at], values), "speed"))

@@ -110,6 +110,29 @@ def landed(scene: Any, answer: Answer) -> tuple[Answer, Mapping[str, float]]:
     return replace(answer, values=values, outcome=outcome), slack  # type: ignore[arg-type]
 
 
+# Decimals of places that are doubles: more than of places in nanometres.
+MANY = 10
+
+
+def as_written(scene: Any, answer: Answer) -> Answer:
+    """Return an answer with what its points say, to as many decimals as their places are written.
+
+    So that what rounding has done to them is not taken for something else.
+    """
+    if answer.path is None:
+        return answer
+    whole, _ = landed(scene, answer)
+    places = answer.path[:, 1:4]
+    written = (d for d in range(MANY) if np.array_equal(places, np.round(places, d)))
+    if (decimals := next(written, None)) is None:
+        return whole
+    values = {
+        name: value if name in answer.values else tuple(round(x, decimals) for x in value)
+        for name, value in whole.values.items()
+    }
+    return replace(whole, values=values)
+
+
 def _ended(answer: Answer, outcome: Outcome) -> Answer:
     """Return an answer with an outcome without a landing or a plate, unless it has one."""
     return replace(answer, outcome=answer.outcome or outcome)

@@ -429,14 +429,17 @@ def _left_at_speed(path: Any, speed: Any, p: Any) -> Any:
 
 
 # ω' = -(U/L_ω) ω, which is e^(-path/L_ω) of the path through the air.
-DECAY_ALONG_PATH = Decay(("decay",), _decay("path"), lambda speed, p: speed, _left)
+DECAY_ALONG_PATH = Decay(("decay",), _decay("path"), lambda motion, p: motion.speed, _left)
 # e^(-t/τ), with τ the time that L_ω takes at 100 mph.
 DECAY_IN_TIME = Decay(
-    ("decay", "decay_speed"), _decay("time", REFERENCE_SPEED), lambda speed, p: p.decay_speed, _left
+    ("decay", "decay_speed"),
+    _decay("time", REFERENCE_SPEED),
+    lambda motion, p: p.decay_speed,
+    _left,
 )
 # e^(-t U/L_ω) with the present U: ω solves no equation of its own, but the law of motion with it
 # is one in (r, v, t), and solved as such.
 DECAY_AT_SPEED = Decay(
-    ("decay", "decay_speed"), _decay("nathan", 1.0), lambda speed, p: p.decay_speed, _left_at_speed
+    ("decay", "decay_speed"), _decay("nathan", 1.0), lambda motion, p: p.decay_speed, _left_at_speed
 )
 DECAYS = DECAY_ALONG_PATH, DECAY_IN_TIME, DECAY_AT_SPEED

@@ -127,14 +127,14 @@ class Decay(Term):
     Attributes
     ----------
     rate
-        Of what it decays along, the variable `path` of the state, m/s: from the airspeed and the
-        parameters.
+        Of what it decays along, the variable `path` of the state, m/s: from the motion, but for
+        its spin, and the parameters.
     left
         The spin that is left, relative to that at launch: from `path`, the airspeed and the
         parameters.
     """
 
-    rate: Callable[[Any, Any], Any]
+    rate: Callable[[Motion, Any], Any]
     left: Callable[[Any, Any, Any], Any]
 
 

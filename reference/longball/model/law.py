@@ -387,7 +387,8 @@ def _traced(
     further: dict[str, Node] = {}
     for term in forces:
         if isinstance(term, Decay):
-            further = {"path": trace.as_node(term.rate(air.speed, p))}
+            still = Motion(position, velocity, air, lift, density, spin_left)
+            further = {"path": trace.as_node(term.rate(still, p))}
             spin_left = term.left(path, air.speed, p)
     moving = Motion(position, velocity, air, lift, density, spin_left)
     total: Vector[Any] = (ZERO, ZERO, ZERO)

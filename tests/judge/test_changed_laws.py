@@ -1,0 +1,199 @@
+"""What is said of simulators whose law of motion differs in one part."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+from longball.engines.chain import MODEL, Model, solve
+from longball.engines.ivp import Ivp
+from longball.golden import load
+from longball.judge.cases import Case, decidable
+from longball.judge.diagnosis import diagnose
+from longball.judge.stages import with_values
+from longball.model.aerodynamics import CRISIS, DECAY_ALONG_PATH
+from longball.model.atmosphere import density, station_pressure
+from longball.model.earth import CORIOLIS
+from longball.model.force import Flow, Term, size
+from longball.model.numbers import DOUBLES
+from longball.model.trace import as_node
+from tests.judge.material import collected
+
+ONE = as_node(1.0)
+
+
+def gold(family: str, every: int = 1) -> list[Case]:
+    return [case for case in load(family) if decidable(case)][::every]
+
+
+def with_term(old: Term, new: Term) -> Model:
+    return replace(MODEL, forces=tuple(new if f is old else f for f in MODEL.forces))
+
+
+def explained(cases: list[Case], alter: Callable[[Any], Any], model: Model = MODEL) -> list[str]:
+    """Return the names of what is found first, of the right answers to altered scenes."""
+    results = [solve(alter(case.scene), Ivp(), model) for case in cases]
+    first, *_ = diagnose(cases, collected(cases, results).answers).findings
+    return first.names
+
+
+def same(scene: Any) -> Any:
+    return scene
+
+
+def earth(**change: Callable[[float], float]) -> Callable[[Any], Any]:
+    return lambda scene: with_values(
+        scene, {f"earth.{key}": new(getattr(scene.earth, key)) for key, new in change.items()}
+    )
+
+
+@pytest.mark.parametrize(
+    ("name", "alter"),
+    [
+        ("latitude-reversed", earth(latitude=lambda angle: -angle)),
+        ("earth-in-degrees", earth(latitude=math.radians, azimuth=math.radians)),
+    ],
+)
+def test_an_angle_of_the_earth(name, alter):
+    assert explained(gold("flight-real", 2), alter)[0] == name
+
+
+def test_an_axis_of_the_earth_without_its_vertical_part():
+    def level(scene: Any, frame: Any, numbers: Any) -> Any:
+        found = CORIOLIS.strengths(scene, frame, numbers)
+        return found and (*found[:2], None)
+
+    flat = with_term(CORIOLIS, replace(CORIOLIS, strengths=level))
+    assert explained(gold("flight-real", 2), same, flat) == ["earth-without-upward-axis"]
+
+
+def test_a_wind_above_a_height_over_the_launch():
+    def higher(scene: Any) -> Any:
+        wind = scene.air.wind
+        if not hasattr(wind, "above"):
+            return scene
+        return with_values(scene, {"air.wind.above": wind.above + scene.launch.position[2]})
+
+    assert explained(gold("flight-kinks"), higher) == ["wind-above-launch"]
+
+
+def test_spin_that_decays_over_ground():
+    decay = replace(DECAY_ALONG_PATH, rate=lambda motion, p: size(motion.velocity))
+    over_ground = with_term(DECAY_ALONG_PATH, decay)
+    assert explained(gold("flight-real", 2), same, over_ground) == ["spin-decay-over-ground"]
+
+
+def test_a_drag_crisis_by_the_speed_over_ground():
+    def rate(motion: Any, p: Any) -> Any:
+        ground = size(motion.velocity)
+        over = motion._replace(air=Flow(motion.air.velocity, ground))
+        return CRISIS.rate(over, p) * (motion.air.speed / ground)
+
+    over_ground = with_term(CRISIS, replace(CRISIS, rate=rate))
+    assert explained(gold("flight-real"), same, over_ground) == ["crisis-over-ground"]
+
+
+def test_a_lift_by_spin_without_wind():
+    def calm(scene: Any) -> Any:
+        if scene.launch.spin is None:
+            return scene
+        reading = scene.reading.model_copy(update={"wind_acts_on": "drag"})
+        return scene.model_copy(update={"reading": reading})
+
+    cases = [*gold("flight-wind", 2), *gold("flight-real", 2)]
+    assert explained(cases, calm) == ["wind-not-in-lift-by-spin"]
+
+
+def zero_at_273(scene: Any) -> float:
+    t = scene.air.density.temperature
+    return float(density(scene, DOUBLES)) * t / 273.15 * 273.0 / (t - 0.15)
+
+
+def vapour_lowered(scene: Any) -> float:
+    at_sea = with_values(scene, {"air.density.elevation": 0.0})
+    lowered = station_pressure(scene, DOUBLES) / scene.air.density.pressure
+    return float(density(at_sea, DOUBLES)) * lowered
+
+
+@pytest.mark.parametrize(
+    ("name", "formula"), [("zero-at-273", zero_at_273), ("vapour-lowered", vapour_lowered)]
+)
+def test_a_formula_of_the_weather(name, formula):
+    def other(scene: Any) -> Any:
+        if not hasattr(scene.air.density, "temperature"):
+            return scene
+        return with_values(scene, {"air.density": formula(scene)})
+
+    assert explained(gold("flight-weather"), other) == [name]
+
+
+def test_a_table_that_goes_on_below_its_first_node():
+    def longer(scene: Any) -> Any:
+        found = {}
+        for name in ("drag_coefficient", "lift_coefficient"):
+            table = getattr(scene.air, name)
+            if getattr(table, "law", "") == "table" and table.at[0] > 0:
+                (a, b, *_), (c, d, *_) = table.at, table.values
+                found[f"air.{name}.at"] = (0.0, *table.at)
+                found[f"air.{name}.values"] = (c - a * (d - c) / (b - a), *table.values)
+        return with_values(scene, found)
+
+    assert explained(gold("flight-kinks"), longer) == ["table-extrapolated-below"]
+
+
+def test_a_drag_by_the_spin_at_launch():
+    """The drag of a spinning ball is `spin_drag`, whichever reading it is of."""
+
+    def changed(f: Any) -> Any:
+        if f.parameters != ("spin_drag",):
+            return f
+        return replace(f, rate=lambda motion, p: f.rate(motion._replace(spin_left=ONE), p))
+
+    model = replace(MODEL, forces=tuple(map(changed, MODEL.forces)))
+    assert explained(gold("flight-spin-decay"), same, model) == ["no-spin-decay-in-drag"]
+
+
+def test_times_rounded_to_milliseconds():
+    cases = gold("flight-both", 2)
+    results = []
+    for case in cases:
+        right = solve(case.scene, Ivp())
+        times = {key: round(float(getattr(right.landing, key)), 3) for key in ("time", "hang_time")}
+        results.append(right.model_copy(update={"landing": right.landing.model_copy(update=times)}))
+    first, *_ = diagnose(cases, collected(cases, results).answers).findings
+    assert (first.names, first.stage) == (["times-rounded"], "time")
+    assert "rounded to 3 decimals" in first.sentence
+
+
+def test_two_mistakes_in_the_restitution():
+    """The lever by |y|, and the usual mass of a ball, in ẽ alone."""
+    cases = [case for case in gold("impact") if case.expected.impact]
+    results = []
+    for case in cases:
+        right = solve(case.scene, Ivp())
+        x, y, z = case.scene.incoming.position
+        other = with_values(case.scene, {"incoming.position": (x, abs(y), z), "ball.mass": 0.145})
+        wrong = solve(other, Ivp())
+        if right.impact is None or wrong.impact is None:
+            results.append(right)
+            continue
+        impact = right.impact.model_copy(update={"restitution": wrong.impact.restitution})
+        results.append(right.model_copy(update={"impact": impact}))
+    findings = diagnose(cases, collected(cases, results).answers).findings
+    (first,) = [f for f in findings if f.stage == "restitution"]
+    assert first.names == ["lever-of-size and ball.mass=0.145"]
+
+
+def test_a_slightly_other_density_in_each_scene():
+    cases = gold("flight-weather", 2)
+    results = []
+    for number, case in enumerate(cases):
+        value = float(density(case.scene, DOUBLES)) * (1 + 1e-5 * (3 + number * number % 7))
+        results.append(solve(with_values(case.scene, {"air.density": value}), Ivp()))
+    first, *_ = diagnose(cases, collected(cases, results).answers).findings
+    assert first.kind == "unexplained"
+    assert "another air.density, 1.00003 to " in first.sentence
