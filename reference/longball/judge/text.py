@@ -41,11 +41,11 @@ def render(verdict: Verdict, shown: int = SHOWN) -> str:
 def _head(verdict: Verdict) -> Iterator[str]:
     candidate = quoted(verdict.candidate, LONGEST_NAME)
     asked = verdict.cases - len(verdict.undecidable)
-    # Beside FAILED a count of what was answered would be read as one of what failed.
-    counted = verdict.status != "FAILED" and (
-        verdict.status == "PARTIAL" or verdict.complete < asked
-    )
-    yield f"{verdict.status}{f' {verdict.complete} of {asked}' * counted}: {candidate}"
+    # Beside the others a count of whole answers would be read as one of what passed or failed.
+    counted = f" {verdict.complete} of {asked}" * (verdict.status == "PARTIAL")
+    yield f"{verdict.status}{counted}: {candidate}"
+    if verdict.status == "PASSED" and verdict.complete < asked:
+        yield f"{verdict.complete} of {asked} scenes are answered with all their quantities"
     if verdict.cases:
         yield from counts(verdict)
     for reason in verdict.reasons:
