@@ -56,11 +56,6 @@ def run(report: Path, full: bool) -> str:
     blocks = range(count // (BLOCK * sum(SHARES.values())))
     found = Parallel(n_jobs=-1, return_as="generator")(delayed(survive)(n, stride) for n in blocks)
     seen = pd.concat(found, ignore_index=True)
-    return section(report, seen, count, stride, full)
-
-
-def section(report: Path, seen: pd.DataFrame, count: int, stride: int, full: bool) -> str:
-    """Return the section about what `survive` found, and write its table."""
     counts = seen.groupby(["engine", "family", "answer"]).size().unstack("family", fill_value=0)
     write_table(report, "survival", counts.reset_index())
     return render(
@@ -202,9 +197,9 @@ def moved_errors(scene: Scene, truth: Result) -> dict[str, float] | None:
     values = inputs(scene)
     sizes = {name: abs(x) for name, x in values.items()}
     # A ball that comes back to its start after loops of kilometres is there to their rounding.
-    for name, move in sizes.items():
-        if name.startswith(("launch.position", "pitch.release")):
-            sizes[name] = max(move, _extent(scene))
+    starts = [name for name in sizes if name.startswith(("launch.position", "pitch.release"))]
+    farthest = _extent(scene) if starts else 0.0
+    sizes |= {name: max(sizes[name], farthest) for name in starts}
     if isinstance(scene, AtBatScene) and truth.plate is not None:
         # A double holds z_b, and the way of the ball, no better, however small the offset is.
         sizes["swing.height_offset"] += max(_height(truth), _start(scene))

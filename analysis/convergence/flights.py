@@ -26,7 +26,7 @@ PROVEN: Engine[Any] = create("enclosure", digits=20)
 
 
 (ONE,) = launches(np.array([45.0]), math.radians(30.0)).scenes
-# At 25° and 45° each; their results are told apart by the id.
+# Two speeds at 25° and 45° each. The fit of the orders identifies results by their ids.
 _LAUNCHES = launches(np.array([30.0, 30.0, 45.0, 45.0]), np.radians([25.0, 45.0] * 2))
 FOUR = [one.model_copy(update={"id": str(i)}) for i, one in enumerate(_LAUNCHES.scenes)]
 

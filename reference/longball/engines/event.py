@@ -270,11 +270,12 @@ def _fallen(
     The piece that follows tells that it did fall; where, within its error of that piece.
     """
     start = numbers.exact(0.0)
-    curves = ((*each, each[0].curve(event.value)) for each in reversed(seen))
-    piece, end, curve = next((each for each in curves if each[2](start) > 0), (*seen[-1], None))
-    if curve is None or curve(end) > 0:
-        return piece, end
-    return piece, curve.zero([start, *curve.turns(start, end)][-1], end)
+    for piece, end in reversed(seen):
+        curve = piece.curve(event.value)
+        if curve(start) > 0:
+            left = [start, *curve.turns(start, end)][-1]
+            return piece, end if curve(end) > 0 else curve.zero(left, end)
+    return seen[-1]
 
 
 # Half ulps of the largest coordinate that a flight has had: those of a flight that comes back from

@@ -237,7 +237,7 @@ class _TaylorFlight(Taylor):
         self._state, self._ends, self._pieces = law.state, ends, pieces
 
     def step(self) -> str | None:
-        """Take steps until the event's value is zero."""
+        """Take steps until the event's value is zero, with the account that `OdeSolver` keeps."""
         while self.status == "running":
             begin = self.t
             moved, message = self._step_impl()

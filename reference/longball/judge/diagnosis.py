@@ -40,9 +40,9 @@ from longball.judge.explanations import (
 )
 from longball.judge.findings import Diagnosis, Finding, StageRow, found, many
 from longball.judge.fits import (
-    ODD,
     factor_meaning,
     fitted,
+    is_odd,
     one_after_another,
     pairs,
     parts,
@@ -806,8 +806,8 @@ def _is_telling(e: Explanation) -> bool:
     Where these all have the same bat, there is a ratio, and a mass, for every mistake.
     """
     quantity, _, ratio = e.name.partition("*")
-    odd = quantity == e.quantity and factor_meaning(float(ratio or "nan")) is None
-    return not odd and e.rank < 2 + ODD / 100
+    any_ratio = quantity == e.quantity and factor_meaning(float(ratio or "nan")) is None
+    return not any_ratio and not is_odd(e)
 
 
 def _unknown(stage: str, sizes: Sequence[float], minor: float, rest: bool) -> str:

@@ -498,6 +498,11 @@ SNAP = 1e-4
 ODD = 5
 
 
+def is_odd(e: Explanation) -> bool:
+    """Tell whether an explanation has a number of so many digits."""
+    return e.rank >= 2 + ODD / 100
+
+
 def parts(stage: str, sought: Sought) -> list[Explanation]:
     """Return known mistakes and fitted numbers, with what they leave of a stage's errors."""
     if stage == "flight" and type(sought.base.engine) is Verlet and not sought.base.push:
@@ -628,8 +633,8 @@ def pairs(stage: str, sought: Sought, known: Sequence[Explanation]) -> Iterator[
         return
     columns: list[tuple[Explanation | str, list[Array]]] = []
     for e in known:
-        odd = e.rank >= 2 + ODD / 100  # free, such a number stands among the slopes
-        effect = None if odd or e.change is None else _effect(few, e.change)
+        # Free, an odd number stands among the slopes.
+        effect = None if is_odd(e) or e.change is None else _effect(few, e.change)
         if effect and sum(np.abs(x).sum() for x in effect) > 1e-9:
             columns.append((e, effect))
     columns += _slopes(stage, few)
@@ -708,7 +713,7 @@ def one_after_another(
     for e in known:
         if e.change is None or sought.work.exhausted or not few.concerned(e.change):
             continue
-        if isinstance(e.change.engine, Verlet) or e.rank >= 2 + ODD / 100:
+        if isinstance(e.change.engine, Verlet) or is_odd(e):
             continue
         lefts = few.sizes(e.change)
         solved = sum(left <= NAMED * whole for left, whole in zip(lefts, wholes, strict=True))
@@ -721,7 +726,7 @@ def one_after_another(
         rest = sought.given(first.change)
         seconds = [*_tried(_library(stage), rest), *fitted(stage, rest)]
         best = 1.0
-        for second in (e for e in seconds if e.named and e.rank < 2 + ODD / 100 and e.change):
+        for second in (e for e in seconds if e.named and e.change and not is_odd(e)):
             assert second.change is not None
             change = first.change.then(second.change)
             left = sought.left(change)

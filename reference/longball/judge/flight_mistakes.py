@@ -902,9 +902,7 @@ def _ground_speed(term: Drag) -> Drag:
 
 def _over_ground_in_crisis(motion: Motion, p: Any) -> Any:
     """Return the rate of the crisis whose C_D follows the speed over the ground."""
-    ground = size(motion.velocity)
-    over = CRISIS.rate(motion._replace(air=Flow(motion.air.velocity, ground)), p)
-    return over * (motion.speed / ground)
+    return _ground_speed(CRISIS).rate(motion, p) * (motion.speed / size(motion.velocity))
 
 
 def _with_spin_of_launch(form: Callable[[Motion, Any], Any]) -> Callable[[Motion, Any], Any]:

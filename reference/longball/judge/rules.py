@@ -107,13 +107,13 @@ def rule(failing: Sequence[Case], passing: Sequence[Case], measured: bool = True
     wrong, right = [*map(features, failing)], [*map(features, passing)]
     if min(len(wrong), len(right)) < FEWEST:
         return None
-    known = [one for one in _conditions(wrong, right) if measured or not one.measured]
+    known = _conditions(wrong, right, measured)
     if whole := _text(_telling(known, wrong, right, len(known))):
         return whole
     # Every failing scene must be told by either; those that pass are cut away.
     cuts = [(one, [*filter(one.holds, right)]) for one in known if all(map(one.holds, wrong))]
     for one, left in sorted(cuts, key=lambda cut: len(cut[1]))[:HALVES]:
-        others = [one for one in _conditions(wrong, left) if measured or not one.measured]
+        others = _conditions(wrong, left, measured)
         tried = len(known) * len(others)
         both = [
             other
@@ -214,8 +214,14 @@ def _values(some: Sequence[Features], name: str) -> list[Any]:
     return [f[name] for f in some if name in f]
 
 
-def _conditions(wrong: Sequence[Features], right: Sequence[Features]) -> Iterator[Condition]:
-    """Yield what may tell the scenes."""
+def _conditions(
+    wrong: Sequence[Features], right: Sequence[Features], measured: bool
+) -> list[Condition]:
+    """Return what may tell the scenes; also how large a number is, if `measured`."""
+    return [one for one in _all_conditions(wrong, right) if measured or not one.measured]
+
+
+def _all_conditions(wrong: Sequence[Features], right: Sequence[Features]) -> Iterator[Condition]:
     for name in dict.fromkeys(name for f in (*wrong, *right) for name in f):
         values, others = _values(wrong, name), _values(right, name)
         if name.startswith("flag "):

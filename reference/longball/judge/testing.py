@@ -16,7 +16,7 @@ from typing import Any
 
 from longball.judge.answers import Answer, Collector
 from longball.judge.cases import Case, Profile, as_profile
-from longball.judge.quantities import OPTIONAL, told_by, values_of
+from longball.judge.quantities import told_by, values_of
 from longball.judge.text import describe
 from longball.judge.verdict import compare
 from longball.judge.verdict import failure as failure_of
@@ -59,8 +59,7 @@ def assert_case(
             faults.append(f"no answer: {answer.error}")
         faults += [describe(fault) for fault in failure_of(comparison).faults]
         if not partial:
-            missing = (name for name in comparison.missing if name not in OPTIONAL)
-            faults += [f"{name}: is missing" for name in missing]
+            faults += [f"{name}: is missing" for name in comparison.lacking]
         elif not comparison.measured and "outcome" in comparison.missing:
             faults.append("nothing that could be judged")
     if faults:

@@ -178,7 +178,12 @@ class Comparison:
     @property
     def complete(self) -> bool:
         """Whether there is an answer with all quantities of the truth."""
-        return self.answer is not None and not self.refused and set(self.missing) <= {*OPTIONAL}
+        return self.answer is not None and not self.refused and not self.lacking
+
+    @property
+    def lacking(self) -> tuple[str, ...]:
+        """What is missing that has to be told."""
+        return tuple(name for name in self.missing if name not in OPTIONAL)
 
 
 def compare(case: Case, answer: Answer | None, profile: Profile) -> Comparison:

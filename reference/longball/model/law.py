@@ -385,12 +385,11 @@ def _traced(
             case Thinning():
                 density = density * term.density(position, p)
     further: dict[str, Node] = {}
+    moving = Motion(position, velocity, air, lift, density, spin_left)
     for term in forces:
         if isinstance(term, Decay):
-            still = Motion(position, velocity, air, lift, density, spin_left)
-            further = {"path": trace.as_node(term.rate(still, p))}
-            spin_left = term.left(path, air.speed, p)
-    moving = Motion(position, velocity, air, lift, density, spin_left)
+            further = {"path": trace.as_node(term.rate(moving, p))}
+            moving = moving._replace(spin_left=term.left(path, air.speed, p))
     total: Vector[Any] = (ZERO, ZERO, ZERO)
     if drags := [term.rate(moving, p) for term in forces if isinstance(term, Drag)]:
         total = scaled(-(density * trace.total(drags)), air.velocity)
@@ -401,7 +400,7 @@ def _traced(
         if isinstance(term, Force):
             total = plus(total, term.acceleration(moving, p))
     rates = dict(zip("syzuvw", (*velocity, *total), strict=True)) | further
-    traced = _Traced(rates, tuple(further), trace.as_node(spin_left), moving, p)
+    traced = _Traced(rates, tuple(further), trace.as_node(moving.spin_left), moving, p)
     return _in_polynomials(traced) if polynomial else traced
 
 

@@ -222,6 +222,8 @@ class _Setup(NamedTuple):
         Of the series, relative to the speed.
     x, strengths, step
         The expansion of all lanes, its block of parameters, and that of the step.
+    lost
+        What rounding has taken from each position, a part of `step`; behind it what it takes next.
     rest, rest_strengths, rest_block
         The same for one flight at rest.
     linear
@@ -249,6 +251,7 @@ class _Setup(NamedTuple):
     x: Any
     strengths: Any
     step: Any
+    lost: Any
     rest: Any
     rest_strengths: Any
     rest_block: int
@@ -290,6 +293,7 @@ def _fly_all(
     variables, parameters, functions, order, rows, width = sizes
     count = record_sizes[2]
     x, rest = unowned_view(memory[0]), unowned_view(memory[1])
+    step = shifted(x, code[3] * WIDTH)
     work = unowned_view(memory[4])
     scratch = shifted(work, variables * width)
     s = _Setup(
@@ -305,7 +309,8 @@ def _fly_all(
         truncation,
         x,
         shifted(x, code[2] * WIDTH),
-        shifted(x, code[3] * WIDTH),
+        step,
+        shifted(step, (variables + RANGES + variables // 2) * WIDTH),
         rest,
         shifted(rest, code[2]),
         rows,
@@ -324,7 +329,6 @@ def _fly_all(
     time_row, length_row = (variables + TIME) * WIDTH, (variables + LENGTH) * WIDTH
     waited_row, farthest_row = (variables + WAITED) * WIDTH, (variables + FARTHEST) * WIDTH
     clearance_row = (variables + CLEARANCE) * WIDTH
-    lost_row = (variables + RANGES + variables // 2) * WIDTH
     for lane in range(WIDTH):
         active[lane] = _NONE
     next_one = 0
@@ -373,8 +377,8 @@ def _fly_all(
                 if slot.mark[_STOP] < 0:
                     for k in range(variables):
                         x[k * s.block + lane] = s.state[k]
-            for k in range(lost_row, lost_row + s.half * WIDTH, WIDTH):
-                s.step[k + lane] = s.step[k + s.half * WIDTH + lane]
+            for k in range(s.half):
+                s.lost[k * WIDTH + lane] = s.lost[(s.half + k) * WIDTH + lane]
             # Where a ball all but rests its steps are shorter than the spacing of times.
             waited = s.step[waited_row + lane] + length
             s.step[time_row + lane] = time + waited
@@ -411,7 +415,7 @@ def _launch(s: _Setup, slot: _Slot) -> None:
     s.step[(s.variables + WAITED) * WIDTH + lane] = 0.0
     s.step[(s.variables + FARTHEST) * WIDTH + lane] = 0.0
     for k in range(s.half):
-        s.step[(s.variables + RANGES + s.half + k) * WIDTH + lane] = 0.0
+        s.lost[k * WIDTH + lane] = 0.0
     source = shifted(flight, _STATE)
     for k in range(s.variables):
         s.x[k * s.block + lane] = arrival[_END + 1 + k] = marked[1 + k] = source[k]
@@ -599,18 +603,17 @@ def _evaluate(s: _Setup, lane: int, t: float) -> None:
 
     What it took before is made up for, as in `longball.engines.batch.expansion`.
     """
-    lost = s.variables + RANGES + s.half
     for i in range(s.half):
         p, q = shifted(s.work, i * s.width), shifted(s.work, (s.half + i) * s.width)
         start = p[0]
         p[0] = 0.0
         change, s.state[s.half + i] = two_values(p, q, s.degree, t)
         p[0] = start
-        change += s.step[(lost + i) * WIDTH + lane]
+        change += s.lost[i * WIDTH + lane]
         end = start + change
         taken = end - start
         s.state[i] = end
-        s.step[(lost + s.half + i) * WIDTH + lane] = (start - (end - taken)) + (change - taken)
+        s.lost[(s.half + i) * WIDTH + lane] = (start - (end - taken)) + (change - taken)
 
 
 @inner
