@@ -78,7 +78,7 @@ def batch(tolerance: float) -> Contender:
 
 def ivp(method: str, rtol: float | None = None) -> Contender:
     """Return the reference engine, scene by scene."""
-    turn, most = (2, 20) if method == "Radau" else (SLOW, None)
+    turn, most = {"Taylor": (QUICK, None), "Radau": (2, 20)}.get(method, (SLOW, None))
     engine = Ivp(method, rtol, rtol)
     setting = f"{engine.tolerances['rtol']:g}" if engine.tolerances else "default"
     return Contender(f"ivp {method}", setting, partial(one_by_one, engine), turn, most)

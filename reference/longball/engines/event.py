@@ -9,17 +9,15 @@ the ends tell everything. What its error leaves open is `Undecided`, in words th
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any, Generic, Protocol
+from typing import Any, Generic, NamedTuple, Protocol
 
 from longball.model.frame import Frame
 from longball.model.law import State, in_plane
 from longball.model.numbers import N, Numbers, Undecided, absolute
 
 
-@dataclass(frozen=True)
-class Event(Generic[N]):
+class Event(NamedTuple, Generic[N]):
     """Something that a flight can reach.
 
     Attributes
@@ -198,8 +196,7 @@ def first_fall(
     return None
 
 
-@dataclass(frozen=True)
-class Met(Generic[N]):
+class Met(NamedTuple, Generic[N]):
     """An event that a flight has met: when, s since the launch, and in what state."""
 
     event: Event[N]

@@ -47,14 +47,20 @@ def per_metre(scene: Any, value: float, numbers: Numbers[N]) -> N | None:
     return density(scene, numbers) * numbers.exact(value) * area / (2 * mass)
 
 
+def _is_number(coefficient: Any) -> bool:
+    """Tell whether a coefficient is a number, or a column of them."""
+    # Most terms of a law ask, and a float takes long to tell that it has no such attribute.
+    return isinstance(coefficient, float) or not hasattr(coefficient, "law")
+
+
 def law_name(coefficient: Any) -> str:
     """Return the name of a coefficient's law; a number is a constant."""
-    return getattr(coefficient, "law", "constant")
+    return "constant" if _is_number(coefficient) else coefficient.law
 
 
 def _value(coefficient: Any, key: str) -> Any:
     """Return a number of a coefficient's law; 0 if the law has none of that name."""
-    if not hasattr(coefficient, "law"):
+    if _is_number(coefficient):
         return coefficient if key == "value" else 0.0
     return getattr(coefficient, key, 0.0)
 
@@ -291,7 +297,7 @@ def _table(
 
     def branches(scene: Any, frame: Any, numbers: Numbers[N]) -> Branches | None:
         law: Any = None if scene.air is None else getattr(scene.air, coefficient)
-        if not hasattr(law, "law"):
+        if _is_number(law):
             return None
         known = getattr(law, "of", "spin_parameter" if law.law == "bilinear" else "")
         if known not in of:
