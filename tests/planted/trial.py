@@ -184,29 +184,26 @@ def grade(row, verdict):
 
 
 def markdown(head, rows):
-    """Return a table in Markdown; booleans become "yes" or a dash."""
-    words = {True: "yes", False: "–"}
-    lines = [head, ["---"] * len(head)]
-    lines += [
-        [words[cell] if isinstance(cell, bool) else str(cell) for cell in row] for row in rows
-    ]
+    """Return a table in Markdown."""
     return "\n".join(
-        "| " + " | ".join(cell.replace("|", "\\|").replace("\n", " ") for cell in line) + " |"
-        for line in lines
+        "| " + " | ".join(str(cell).replace("|", "\\|").replace("\n", " ") for cell in line) + " |"
+        for line in [head, ["---"] * len(head), *rows]
     )
 
 
 def table(rows, verdicts):
-    """Return the table of all mistakes."""
-    head = ["mistake", "program", "what is wrong", *KEYS.values(), "what the verdict says"]
+    """Return the table of all mistakes; what is best of a grade stands for what it implies."""
+    head = ["mistake", "what is wrong", "grade", "what the verdict says"]
     lines = []
     for row in rows:
         verdict = verdicts[row["name"], row["program"]]
         given = grade(row, verdict)
         sentence = (verdict.get("diagnosis") or {}).get("sentence")
         said = sentence or "; ".join(verdict.get("reasons", [verdict["status"]]))
-        marks = [getattr(given, key) for key in KEYS]
-        lines.append([row["name"], row["program"], row["wrong"], *marks, said])
+        best = next((k for k in ("explained", "stage", "caught") if getattr(given, k)), None)
+        marks = [best, *(k for k in ("false_name", "false_reassurance") if getattr(given, k))]
+        marked = ", ".join("not caught" if key is None else KEYS[key] for key in marks)
+        lines.append([f"{row['name']} ({row['program']})", row["wrong"], marked, said])
     return markdown(head, lines)
 
 
