@@ -191,9 +191,12 @@ def markdown(head, rows):
     )
 
 
+LANGUAGES = {"ballistics.c": "C", "flight.js": "JavaScript", "batter.py": "Python"}
+
+
 def table(rows, verdicts):
     """Return the table of all mistakes; what is best of a grade stands for what it implies."""
-    head = ["mistake", "what is wrong", "grade", "what the verdict says"]
+    head = ["what is wrong", "in", "grade", "what the verdict says"]
     lines = []
     for row in rows:
         verdict = verdicts[row["name"], row["program"]]
@@ -203,7 +206,7 @@ def table(rows, verdicts):
         best = next((k for k in ("explained", "stage", "caught") if getattr(given, k)), None)
         marks = [best, *(k for k in ("false_name", "false_reassurance") if getattr(given, k))]
         marked = ", ".join("not caught" if key is None else KEYS[key] for key in marks)
-        lines.append([f"{row['name']} ({row['program']})", row["wrong"], marked, said])
+        lines.append([row["wrong"], LANGUAGES[row["program"]], marked, said])
     return markdown(head, lines)
 
 
