@@ -5,6 +5,9 @@ VENV := .venv
 BIN := $(VENV)/bin
 INSTALLED := $(VENV)/.installed
 
+# The tests start hundreds of processes, which would each compile the package's sources.
+unexport PYTHONDONTWRITEBYTECODE
+
 .PHONY: report paper docs test coverage lint bench mutants clean
 
 report: $(INSTALLED)  ## write report/README.md with its tables and figures

@@ -1,8 +1,45 @@
 """Settings of all tests."""
 
+from __future__ import annotations
+
+import gc
+import io
+import signal
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
 from hypothesis import settings
 
 # The same examples in every run: a change of the code is what makes a test fail, not the day. Who
 # hunts for new ones runs `pytest --hypothesis-profile=default`.
 settings.register_profile("same", derandomize=True, database=None, deadline=None)
 settings.load_profile("same")
+
+
+@pytest.fixture
+def called(monkeypatch, capsys) -> Callable[..., subprocess.CompletedProcess[str]]:
+    """Return a function that calls the command line in this process, with nothing on its input.
+
+    For what is over before anything is computed: to start Python takes longer.
+    """
+    from longball.__main__ import STOPPED, main
+
+    def call(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
+        monkeypatch.setattr(sys, "argv", ["longball", *map(str, arguments)])
+        monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO()))
+        handlers = {number: signal.getsignal(number) for number in STOPPED}
+        capsys.readouterr()
+        try:
+            with pytest.raises(SystemExit) as left:
+                main()
+        finally:
+            for number, handler in handlers.items():
+                signal.signal(number, handler)
+            gc.unfreeze()
+        said = capsys.readouterr()
+        return subprocess.CompletedProcess(sys.argv, left.value.code, said.out, said.err)
+
+    return call

@@ -241,12 +241,20 @@ class TestSolve:
             (["nonsense"], "nonsense"),
         ],
     )
-    def test_a_wrong_call_says_what_is_wrong(self, arguments: list[str], named: str):
-        run = longball(*arguments)
+    def test_a_wrong_call_says_what_is_wrong(self, called, arguments: list[str], named: str):
+        run = called(*arguments)
         assert run.returncode == 2
-        assert run.stdout == b""
-        assert named in run.stderr.decode()
-        assert b"Traceback" not in run.stderr
+        assert run.stdout == ""
+        assert named in run.stderr
+        assert "Traceback" not in run.stderr
+
+    # An option that typer refuses, one that we do, and a file.
+    @pytest.mark.parametrize("arguments", [("--rtol", "x"), ("--rtol", "1e-20"), ("/no/file",)])
+    def test_so_does_a_process(self, called, arguments: tuple[str, ...]):
+        run, same = longball("solve", *arguments), called("solve", *arguments)
+        assert (run.returncode, run.stdout) == (2, b"")
+        # Before it may stand how to call the program, whose name is another here.
+        assert run.stderr.decode().splitlines()[-1] == same.stderr.splitlines()[-1]
 
     def test_the_source_is_not_overwritten(self, tmp_path: Path):
         source = tmp_path / "scenes.jsonl"
@@ -487,10 +495,10 @@ class TestReadings:
 
 
 @pytest.mark.parametrize("command", [[], ["solve"], ["homerun"], ["readings"], ["fit"]])
-def test_help_shows_an_example(command: list[str]):
-    run = longball(*command, "--help")
+def test_help_shows_an_example(called, command: list[str]):
+    run = called(*command, "--help")
     assert run.returncode == 0
-    assert not command or b"Example: longball" in run.stdout
+    assert not command or "Example: longball" in run.stdout
 
 
 @pytest.mark.parametrize("what", ["import longball", "import longball.cli"])

@@ -28,8 +28,7 @@ def test_engines_agree_with_what_is_proven(family, monkeypatch):
 # bat that the ball is nearest to where it is released; a fall in a lift of 1e29 m/s², all but from
 # rest; the margin of a bat far from where it is swung, after a fall of 390 km; a fall of 1e-18 m
 # that is over in one step, of which the next ones tell that it was no touch; a landing after eight
-# loops of kilometres, that is as exact as those; a feather's pitch of a thousand steps; a hop of
-# 2e-13 m.
+# loops of kilometres, that is as exact as those; a hop of 2e-13 m.
 @pytest.mark.parametrize(
     ("family", "number", "seed"),
     [
@@ -44,11 +43,22 @@ def test_engines_agree_with_what_is_proven(family, monkeypatch):
         ("extreme", 620, 20),
         ("extreme", 1688, 20),
         ("extreme", 15556, 20),
-        ("wide", 17103, 20),
     ],
 )
 def test_what_was_wrong_once_is_right(family, number, seed):
     found = examine(random_scene(family, number, seed))
+    verdicts = {row["engine"]: row["verdict"] for row in found}
+    assert verdicts == dict.fromkeys(("ivp", "batch", "enclosure"), "right")
+
+
+def test_a_pitch_of_a_thousand_steps_is_right(monkeypatch):
+    # A feather's, which takes the enclosure seconds for each input that is moved. With one alone
+    # moved less is allowed: the sum over all of them is larger.
+    def one(scene):
+        return {"swing.height_offset": scene.swing.height_offset}
+
+    monkeypatch.setattr("analysis.survival.inputs", one)
+    found = examine(random_scene("wide", 17103, 20))
     verdicts = {row["engine"]: row["verdict"] for row in found}
     assert verdicts == dict.fromkeys(("ivp", "batch", "enclosure"), "right")
 

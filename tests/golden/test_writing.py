@@ -218,16 +218,41 @@ def test_the_data_in_a_folder_can_be_read_as_json_by_anybody(small: Path):
 
 
 @pytest.fixture(scope="module")
-def with_probabilities(tmp_path_factory) -> Path:
+def computed() -> dict[str, object]:
+    """What both methods have given, by their arguments: the same in each of these tests."""
+    return {}
+
+
+def nothing_twice(monkeypatch, computed: dict[str, object]) -> None:
+    """Let both methods compute nothing twice; the number of threads changes no bit of it."""
+
+    def once(method):
+        def found(*args, workers=1, **kwargs):
+            of = [tuple(given) if isinstance(given, list) else given for given in args]
+            key = repr((method.__name__, of, kwargs))
+            if key not in computed:
+                computed[key] = method(*args, workers=workers, **kwargs)
+            return computed[key]
+
+        return found
+
+    for method in (home_runs.integrals, home_runs.scrambled):
+        monkeypatch.setattr(home_runs, method.__name__, once(method))
+
+
+@pytest.fixture(scope="module")
+def with_probabilities(tmp_path_factory, computed) -> Path:
     """A set of three cases, and P(0.45) of the default reading."""
     folder = tmp_path_factory.mktemp("probabilities")
     writer.write(folder, SMALL)
     default, *_ = home_runs.drafts()
     draft = replace(default, restitutions=(0.45,))
     seen = []
-    assert home_runs.write_probabilities(
-        folder, [draft], lines=64, workers=-1, progress=lambda *done: seen.append(done)
-    )
+    with pytest.MonkeyPatch.context() as patch:
+        nothing_twice(patch, computed)
+        assert home_runs.write_probabilities(
+            folder, [draft], lines=64, workers=-1, progress=lambda *done: seen.append(done)
+        )
     assert seen == [(1, 1)]
     return folder
 
@@ -243,28 +268,11 @@ def test_probabilities_come_into_a_set_without_changing_its_other_files(
     assert files(with_probabilities) == together
 
 
-@pytest.fixture(scope="module")
-def computed() -> dict[str, object]:
-    """What both methods have given, by their arguments: the same in each of these tests."""
-    return {}
-
-
 @pytest.fixture
 def few_lines(monkeypatch, computed) -> None:
     """Fewer lines of the second method, which is then right to 2e-4; nothing computed twice."""
     monkeypatch.setattr(home_runs, "LINES", 64)
-
-    def once(method):
-        def found(*args, **kwargs):
-            key = repr((method.__name__, args, kwargs))
-            if key not in computed:
-                computed[key] = method(*args, **kwargs)
-            return computed[key]
-
-        return found
-
-    for method in (home_runs.integrals, home_runs.scrambled):
-        monkeypatch.setattr(home_runs, method.__name__, once(method))
+    nothing_twice(monkeypatch, computed)
 
 
 @pytest.mark.usefixtures("few_lines")

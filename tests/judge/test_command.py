@@ -202,8 +202,8 @@ def test_a_step_that_hangs_is_the_last_that_is_tried():
         (["--", ""], "longball"),
     ],
 )
-def test_a_wrong_call_says_what_is_wrong(arguments: list[str], named: str):
-    said = judge(*arguments)
+def test_a_wrong_call_says_what_is_wrong(called, arguments: list[str], named: str):
+    said = called("judge", *arguments)
     assert said.returncode == 2
     assert said.stdout == ""
     assert named in said.stderr

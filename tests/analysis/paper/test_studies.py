@@ -28,7 +28,7 @@ BASE = Base(AtBatScene(id="base"))
 
 def test_indices_of_a_sum_and_of_a_product():
     generator = np.random.default_rng(1)
-    n = 200_000
+    n = 50_000
     one, other = generator.standard_normal((2, 2, n))
     mixed = [np.array([other[0], one[1]]), np.array([one[0], other[1]])]
 
