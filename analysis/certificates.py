@@ -5,8 +5,8 @@ baseball, and for at-bats of the paper's distributions, whose time is measured t
 """
 
 import time
-from decimal import Decimal
 from collections.abc import Sequence
+from decimal import Decimal
 from itertools import islice
 from pathlib import Path
 
