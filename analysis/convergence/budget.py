@@ -222,10 +222,21 @@ def run(report: Path, full: bool) -> str:
     }
     seen = {name: typical(rms(part)) for name, part in parts.items()}
     left = {}
-    for treatment, names in ADDED.items():
-        total = sum(parts[name] for name in names)
-        left[treatment] = typical(rms(parts[WHOLE.format(treatment)] - total))
-    draw(report, seen, left)
+    # The errors of the parts against the step, a panel a treatment.
+    with figure(report, "convergence_budget", columns=2, size=(9.0, 4.6)) as panels:
+        for axes, (treatment, names) in zip(panels, ADDED.items(), strict=True):
+            whole = WHOLE.format(treatment)
+            left[treatment] = typical(rms(parts[whole] - sum(parts[name] for name in names)))
+            for name in (*names, BELOW):
+                part = name.removesuffix(f": {treatment}")
+                axes.plot(STEPS, seen[name], **STYLES[part], markersize=4, linewidth=1, label=part)
+            axes.plot(STEPS, seen[whole], "k-", linewidth=2, label="the whole")
+            axes.plot(STEPS, left[treatment], "k:", linewidth=2, label="the whole less its parts")
+            axes.set(xscale="log", yscale="log", xlabel="step Δt, s", title=f"verlet {treatment}")
+        panels[0].set(ylabel="error of D, m")
+        panels[1].sharey(panels[0])
+        labels = panels[0].get_legend_handles_labels()
+        panels[0].figure.legend(*labels, loc="outside lower center", ncols=3)
     laws = {name: fit_power_law(np.array(STEPS), of) for name, of in seen.items()}
     return render(
         report, "budget", globals(), scenes=len(scenes), phases=phases, seen=seen, laws=laws,
@@ -243,23 +254,6 @@ def rms(errors: Array) -> Array:
     squares: Any = np.ma.masked_invalid(errors) ** 2
     root: Array = np.sqrt(squares.mean(axis=2).filled(np.nan))
     return root
-
-
-def draw(report: Path, seen: dict[str, Array], left: dict[VerletForces, Array]) -> None:
-    """Draw the errors of the parts against the step, a panel a treatment."""
-    with figure(report, "convergence_budget", columns=2, size=(9.0, 4.6)) as panels:
-        for axes, treatment in zip(panels, SHOWN, strict=True):
-            for name in (*ADDED[treatment], BELOW):
-                part = name.removesuffix(f": {treatment}")
-                axes.plot(STEPS, seen[name], **STYLES[part], markersize=4, linewidth=1, label=part)
-            whole = seen[WHOLE.format(treatment)]
-            axes.plot(STEPS, whole, "k-", linewidth=2, label="the whole")
-            axes.plot(STEPS, left[treatment], "k:", linewidth=2, label="the whole less its parts")
-            axes.set(xscale="log", yscale="log", xlabel="step Δt, s", title=f"verlet {treatment}")
-        panels[0].set(ylabel="error of D, m")
-        panels[1].sharey(panels[0])
-        labels = panels[0].get_legend_handles_labels()
-        panels[0].figure.legend(*labels, loc="outside lower center", ncols=3)
 
 
 def engines(forces: VerletForces, dt: float, contact: float) -> dict[str, Engine[float]]:

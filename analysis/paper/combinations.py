@@ -72,14 +72,9 @@ class Trial(NamedTuple):
         return distances.total(self.to["caption"], list(self.peaks.values()))
 
     @property
-    def small(self) -> bool:
-        """Whether its ball is half as wide as usual."""
-        return bool(self.base.scene.ball.radius == min(RADII))
-
-    @property
     def beyond(self) -> bool:
-        """Whether the ledger's switches alone do not make it."""
-        return self.space.flies or self.small
+        """Whether it takes more than the ledger's switches: flies, or a ball half as wide."""
+        return self.space.flies or self.base.scene.ball.radius == min(RADII)
 
     def p(self, e: float) -> float:
         """Return P at one of the restitutions."""
