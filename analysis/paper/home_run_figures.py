@@ -38,14 +38,10 @@ class Reproduced(NamedTuple):
     name: str
     trial: Trial
     fitted: home_run.Fit | None  # the paper's form, to P at the five restitutions
+    curve: Curve  # of the fit; not numbers if there is none
     density: dict[float, Array]  # of D in bins of 10 m, 1/m, by restitution
     uzr_share: float  # of D in UZR's span, at e = 0.42
     ratios: list[Ratio]  # P(e) of one season's ball over that of another
-
-    @property
-    def curve(self) -> Curve:
-        """The curve of the fit; not numbers if there is none."""
-        return self.fitted.curve if self.fitted else Curve(math.nan, math.nan)
 
 
 @cache
@@ -62,7 +58,8 @@ def reproduced() -> list[Reproduced]:
         uzr_share = float(np.mean((flown >= UZR_SPAN[0]) & (flown < UZR_SPAN[1])))
         ratios = [ratio(pair, space, struck) for pair in PAIRS]
         fitted = home_run.fit(trial.rows)
-        found.append(Reproduced(name, trial, fitted, density, uzr_share, ratios))
+        curve = fitted.curve if fitted else Curve(math.nan, math.nan)
+        found.append(Reproduced(name, trial, fitted, curve, density, uzr_share, ratios))
     return found
 
 

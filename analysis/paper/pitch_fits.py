@@ -8,17 +8,17 @@ another league, which show what is the paper's and what is baseball's.
 import math
 from collections import namedtuple
 from collections.abc import Iterable, Sequence
-from functools import cache
+from functools import cache, partial
 from itertools import accumulate, product
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import joblib
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
 from analysis.writing import STYLES, data, figure, render, write_table
+from longball.engines.parallel import in_parallel
 from longball.pitches import EXAMPLE, Columns, FittedPitches, PitchTypes, fit_pitches, read_pitches
 from longball.pitches.fitted import Estimate
 from longball.pitches.fitting import normal
@@ -146,9 +146,8 @@ def verdict(printed: Printed, method: str, value: float, error: float | None) ->
 
 def fit_all(tables: Iterable[pd.DataFrame], **options: Any) -> list[FittedPitches]:
     """Return the fits of drawn pitches."""
-    fit = joblib.delayed(fit_pitches)
-    calls = (fit(table, CHART, KINDS, replicates=2, **options) for table in tables)
-    return list(joblib.Parallel(n_jobs=-1)(calls))
+    fit = partial(fit_pitches, columns=CHART, types=KINDS, replicates=2, **options)
+    return list(in_parallel(fit, ((table,) for table in tables), workers=-1))
 
 
 def cover(draws: int) -> Rows:
