@@ -157,7 +157,7 @@ def section(report: Path) -> str:
         backwards=1 - as_printed.drawn(SAMPLES, SEED).pitched.mean(),
         stepped=stepped, stepped_rows=rows, exactly=exactly,
         # At how many restitutions the interval of 95 % has P without the scheme inside.
-        inside=sum(row.low <= best.p(row.e) <= row.high for row in rows),
+        agreeing=sum(row.low <= best.p(row.e) <= row.high for row in rows),
         off=max(abs(row.p - PAPER_CURVES["caption"](row.e)) for row in best.rows),
     )  # fmt: skip
 
