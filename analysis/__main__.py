@@ -12,30 +12,23 @@ from importlib import import_module
 from pathlib import Path
 from typing import NamedTuple
 
-from analysis.writing import render
+from analysis.writing import HERE, data, render
 
-REPORT = Path(__file__).parent.parent / "report"
+REPORT = HERE.parent / "report"
 
 
 class Page(NamedTuple):
     """A page of the report: its file, and its studies in order, which are in a package."""
 
     name: str
-    studies: tuple[str, ...]
+    studies: list[str]
     package: str = "analysis"
 
 
-QUICK = ("derivation", "at_bats", "home_runs", "ledger", "accuracy")  # run without being named
-LONG = ("speed_error", "quadrature", "convergence", "stability", "survival", "certificates")
-OF_PAPER = ("counterparts", "pitch_fits", "home_run_figures", "readings", "argument")
+_DATA = data(str(HERE / "pages"))
+QUICK = _DATA["quick"]  # run without being named
 # By the word that stands for all studies of a page.
-PAGES = {
-    "report": Page("README", (*QUICK, *LONG)),
-    "paper": Page("paper", OF_PAPER, "analysis.paper"),
-    "measured": Page("reality", ("reality",)),
-    "question": Page("seasons", ("seasons",)),
-    "simulators": Page("wild", ("wild",)),
-}
+PAGES = {word: Page(**page) for word, page in _DATA["pages"].items()}
 
 
 def main() -> None:
@@ -68,7 +61,7 @@ def main() -> None:
 
 def chosen(names: list[str]) -> list[str]:
     """Return the studies that names of studies and pages stand for; without one, the quick ones."""
-    pages = [PAGES[name].studies if name in PAGES else (name,) for name in names]
+    pages = [PAGES[name].studies if name in PAGES else [name] for name in names]
     return [study for studies in pages or [QUICK] for study in studies]
 
 

@@ -8,7 +8,6 @@ from analysis.speed_error import contenders, measuring, work
 from analysis.speed_error.work import Work
 from analysis.writing import render
 from longball.model.quantities import at
-from longball.model.result import Result
 
 COUNT, FULL_COUNT = 60, 600  # at-bats that are batted
 SEED = 7
@@ -20,7 +19,13 @@ UNIT = "solve_ivp DOP853 1e-12, its own event"
 def run(report: Path, full: bool) -> str:
     """Measure on batted balls of the paper's distributions."""
     struck, results = work.batted(FULL_COUNT if full else COUNT, SEED)
-    flights = work.known(flights_of(results), len(results))
+    # The flights of the batted balls as scenes of their own.
+    columns = {
+        f"launch.{name}[{i}]": np.array([float(at(x, f"{block}.{name}[{i}]")) for x in results])
+        for i in range(3)
+        for name, block in (("position", "contact"), ("velocity", "impact"))
+    }
+    flights = work.known(Work(work.launches(np.ones(1), 0.0).base, columns), len(results))
     plain = {f"solve_ivp DOP853 {rtol:g}, its own event": rtol for rtol in TOLERANCES}
     candidates = {
         **{name: contenders.plain("DOP853", rtol) for name, rtol in plain.items()},
@@ -36,13 +41,3 @@ def run(report: Path, full: bool) -> str:
         unit=measured[UNIT], default=measured["longball ivp, Taylor's method"],
         worst=lambda x: max(measuring.difference(at(a, x), at(b, x)) for a, b in pairs),
     )  # fmt: skip
-
-
-def flights_of(results: list[Result]) -> Work:
-    """Return the flights of batted balls as scenes of their own."""
-    columns = {
-        f"launch.{name}[{i}]": np.array([float(at(x, f"{block}.{name}[{i}]")) for x in results])
-        for i in range(3)
-        for name, block in (("position", "contact"), ("velocity", "impact"))
-    }
-    return Work(work.launches(np.ones(1), 0.0).base, columns)

@@ -5,7 +5,7 @@ baseball, and for at-bats of the paper's distributions, whose time is measured t
 """
 
 import time
-from collections.abc import Iterator
+from collections.abc import Sequence
 from decimal import Decimal
 from itertools import islice
 from pathlib import Path
@@ -43,18 +43,13 @@ def run(report: Path, full: bool) -> str:
 
 
 def _block(block: int) -> list[dict[str, object]]:
-    compile_at_once()
-    certify(next(_paper(0)), solve(next(_paper(0)), Ivp()))  # compiles, and is not timed
     half = BLOCK // 2
-    beyond = (random_scene("wide", block * BLOCK + number, SEED) for number in range(half))
-    return [
-        *(_certified("at-bats of the paper", scene) for scene in islice(_paper(block), half)),
-        *(_certified("far beyond", scene) for scene in beyond),
-    ]
-
-
-def _paper(block: int) -> Iterator[Scene]:
-    return filter(None, scenes(BASE, draw_block(AT_BATS, SEED, block)))
+    paper = list(islice(filter(None, scenes(BASE, draw_block(AT_BATS, SEED, block))), half))
+    beyond = [random_scene("wide", block * BLOCK + number, SEED) for number in range(half)]
+    compile_at_once()
+    certify(paper[0], solve(paper[0], Ivp()))  # compiles, and is not timed
+    named: dict[str, Sequence[Scene]] = {"at-bats of the paper": paper, "far beyond": beyond}
+    return [_certified(name, scene) for name, some in named.items() for scene in some]
 
 
 def _certified(name: str, scene: Scene) -> dict[str, object]:

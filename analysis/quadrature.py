@@ -1,7 +1,7 @@
 """P(e) by three methods: what a smaller error costs in time."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -36,19 +36,15 @@ def run(report: Path, full: bool) -> str:
         *(("scrambled points", f"{n * SCRAMBLES:,} lines", through_lines, n) for n in lines),
         *(("quadrature", f"tolerance {x:.0e}", integrated, x) for x in TOLERANCES),
     ]
-    rows = []
-    for method, of, compute, cost in calls:
-        took, (p, error) = _took(compute, cost)
-        rows.append({"method": method, "of": of, "time": took, "p": p, "error": error})
-    found = pd.DataFrame(rows)
+    rows = [(method, of, *timed(compute, cost)) for method, of, compute, cost in calls]
+    found = pd.DataFrame(rows, columns=["method", "of", "time", "p", "error"])
     with figure(report, "quadrature", size=(6.0, 3.8)) as (axes,):
         for name, of_method in found.groupby("method", sort=False):
             style = STYLES[str(name)]
             axes.plot(of_method["time"], of_method["error"], **style, label=str(name))
         axes.set(xscale="log", yscale="log", xlabel="time, s", ylabel=f"error of P({E})")
         axes.legend()
-    integrals = partial(home_run.integrals, *PROBLEM, workers=-1)
-    took, curve = _took(integrals, home_run.RESTITUTIONS)
+    took, *curve = timed(partial(home_run.integrals, *PROBLEM, workers=-1), home_run.RESTITUTIONS)
     return render(
         report, "quadrature", globals(), engine=Batch().description, rows=found, known=true,
         took=took, curve=curve,
@@ -74,7 +70,8 @@ def integrated(tolerance: float) -> tuple[float, float]:
     return found.p, found.error
 
 
-def _took(compute: Callable[[Any], Any], cost: object) -> tuple[float, Any]:
+def timed(compute: Callable[[Any], Iterable[Any]], cost: object) -> tuple[Any, ...]:
+    """Return how long a computation takes, s, and what it gives."""
     start = time.perf_counter()
     found = compute(cost)
-    return time.perf_counter() - start, found
+    return time.perf_counter() - start, *found

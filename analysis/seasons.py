@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -113,8 +112,7 @@ class Variant:
 
     def chances(self, hits: Hits) -> Array:
         """Return the probability of a home run of each ball."""
-        chance: Array = norm.cdf((self.margins(hits) - self.fence) / self.scatter)
-        return chance
+        return np.asarray(norm.cdf((self.margins(hits) - self.fence) / self.scatter))
 
     def livelier(self, change: float) -> "Hits":
         """Return the hits with a ball whose restitution is larger by a change."""
@@ -128,9 +126,8 @@ def fence_distance(bearing: Array) -> Array:
     within = np.clip(bearing, angles[0], angles[-1])
     i = np.clip(np.searchsorted(angles, within) - 1, 0, len(FENCE) - 2)
     along, across = x[i + 1] - x[i], y[i + 1] - y[i]
-    turned: Array = np.cos(within) * across - np.sin(within) * along
-    distance: Array = (x[i] * across - y[i] * along) / turned
-    return distance
+    turned = np.cos(within) * across - np.sin(within) * along
+    return np.asarray((x[i] * across - y[i] * along) / turned)
 
 
 class Estimate(NamedTuple):
@@ -216,7 +213,11 @@ def run(report: Path, full: bool) -> str:
     slopes = {variant.name: restitution_slope(variant) for variant in variants}
     ratios = {x.name: season_ratios(x) for x in (fitted, further, slower)}
     counted = [counted_ratio(*pair) for pair in SEASON_PAIRS]
-    draw_ratios(report, counted, ratios[slower.name])
+    # What the paper's model makes of each pair of seasons, in the default reading.
+    restitutions = [E_LOW, *(lively.restitution for lively, _ in SEASON_PAIRS)]
+    dull, *livelier = home_run.integrals(BASE, AT_BATS, restitutions)
+    models = [row.p / dull.p for row in livelier]
+    draw_ratios(report, counted, ratios[slower.name], models)
 
     def with_drag(x: float) -> Array:
         """Return chances with another C_D, by the part of it that depends on nothing."""
@@ -227,7 +228,7 @@ def run(report: Path, full: bool) -> str:
     by_speed = slope(slower, FASTER, lambda x: slower.chances(slower.hits.harder(x)))
     return render(
         report, "seasons", vars(printed) | globals(), hits=hits, day=day, games=games, plain=plain,
-        fitted=fitted, change=change, slopes=slopes, ratios=ratios, counted=counted,
+        fitted=fitted, change=change, slopes=slopes, ratios=ratios, counted=counted, models=models,
         alone=ratios[slower.name][0], slope=slopes[slower.name][1],
         explained=ratios[slower.name][0].map(lambda x, y: np.log(x) / np.log(y), counted[0]),
         per_e=float(np.linalg.norm(hits.per_restitution(E_LOW)[hits.home_run], axis=1).mean()),
@@ -280,18 +281,12 @@ def carry_slope(variant: Variant) -> float:
     return float((above - below).mean() / (2.0 * STEP))
 
 
-@cache
-def model_ratios() -> list[float]:
-    """Return what the paper's model, in the default reading, makes of each pair of seasons."""
-    restitutions = [E_LOW, *(lively.restitution for lively, _ in SEASON_PAIRS)]
-    dull, *lively = home_run.integrals(BASE, AT_BATS, restitutions)
-    return [row.p / dull.p for row in lively]
-
-
-def draw_ratios(report: Path, counted: Sequence[Estimate], expected: Sequence[Estimate]) -> None:
+def draw_ratios(
+    report: Path, counted: Sequence[Estimate], expected: Sequence[Estimate], models: list[float]
+) -> None:
     """Draw the ratios of both pairs of seasons."""
     with figure(report, "seasons", size=(6.4, 3.2)) as (axes,):
-        rows = zip(SEASON_PAIRS, counted, expected, model_ratios(), strict=True)
+        rows = zip(SEASON_PAIRS, counted, expected, models, strict=True)
         for i, (pair, seen, alone, model) in enumerate(rows):
             hide = "_" * i  # the labels of the first pair serve both
             for estimate, y, marker, label in (

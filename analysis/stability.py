@@ -36,14 +36,27 @@ def run(report: Path, full: bool) -> str:
     seconds = frame["seconds"].map("{:.2g}".format).astype(float)
     rounded = frame.round({"digits": 1, "attainable": 1}).assign(seconds=seconds)
     write_table(report, "stability", rounded)
-    draw(report, frame)
-    # What the engines of doubles that aim at the truth fall short of.
-    ours, fallen = frame["engine"].isin(["ivp Taylor", "batch"]), ["short", "wrong"]
-    failures = list(frame[ours & frame["verdict"].isin(fallen)].itertuples())
-    engines = frame.groupby("engine", sort=False)
-    return render(
-        report, "stability", globals(), cases=len(cases), failures=failures, engines=engines
-    )
+    # The verdicts, cases across and engines down; darker is worse.
+    names = list(frame["case"].unique())
+    grid = frame["verdict"].map(VERDICTS.index).to_numpy().reshape(len(ENGINES), len(names))
+    shades = ListedColormap(["0.95", "0.7", "0.4", "black"])
+    with figure(report, "stability", size=(9.0, 4.6)) as (axes,):
+        image = axes.imshow(
+            grid, shades, aspect="auto", interpolation="nearest", vmin=-0.5, vmax=3.5
+        )
+        axes.set_yticks(range(len(ENGINES)), list(ENGINES))
+        start, ticks = -0.5, {}
+        for group, members in groupby(names, key=lambda case: "-".join(case.split("-")[:2])):
+            edge = start + len(list(members))
+            axes.axvline(edge, color="0.8", linewidth=0.4)
+            if edge - start > 2.5:  # a group of one or two is too narrow for its name
+                ticks[(start + edge) / 2] = group.removeprefix("hard-")
+            start = edge
+        axes.set_xticks(list(ticks), list(ticks.values()), rotation=90, fontsize="x-small")
+        axes.grid(visible=False)
+        bar = axes.figure.colorbar(image, ax=axes, ticks=range(4), shrink=0.6)
+        bar.ax.set_yticklabels(VERDICTS)
+    return render(report, "stability", globals(), cases=len(cases), frame=frame)
 
 
 def try_case(case: Case, name: str) -> dict[str, object]:
@@ -55,10 +68,9 @@ def try_case(case: Case, name: str) -> dict[str, object]:
     except CannotSolve as reason:
         result = Result(id=case.id, error=str(reason))
     seconds = time.perf_counter() - start
-    verdict, digits, attainable = compare(case, result)
-    answer = {"seconds": seconds, "answer": result.outcome or str(result.error)}
-    row = {"case": case.id, "engine": name, "verdict": verdict, "digits": digits}
-    return row | {"attainable": attainable} | answer
+    compared = dict(zip(("verdict", "digits", "attainable"), compare(case, result), strict=True))
+    answer = result.outcome or str(result.error)
+    return {"case": case.id, "engine": name, **compared, "seconds": seconds, "answer": answer}
 
 
 def compare(case: Case, result: Result) -> tuple[str, float, float]:
@@ -86,26 +98,3 @@ def exactly(number: Number | int) -> Decimal:
 def digits_of(relative_error: float) -> float:
     """Return how many digits a relative error leaves, from 0 to those of the golden values."""
     return max(0.0, -math.log10(max(relative_error, 10**-MOST_DIGITS)))
-
-
-def draw(report: Path, frame: pd.DataFrame) -> None:
-    """Draw the verdicts, cases across and engines down; darker is worse."""
-    cases = list(frame["case"].unique())
-    grid = frame["verdict"].map(VERDICTS.index).to_numpy().reshape(len(ENGINES), len(cases))
-    shades = ListedColormap(["0.95", "0.7", "0.4", "black"])
-    with figure(report, "stability", size=(9.0, 4.6)) as (axes,):
-        image = axes.imshow(
-            grid, shades, aspect="auto", interpolation="nearest", vmin=-0.5, vmax=3.5
-        )
-        axes.set_yticks(range(len(ENGINES)), list(ENGINES))
-        start, ticks = -0.5, {}
-        for group, members in groupby(cases, key=lambda case: "-".join(case.split("-")[:2])):
-            edge = start + len(list(members))
-            axes.axvline(edge, color="0.8", linewidth=0.4)
-            if edge - start > 2.5:  # a group of one or two is too narrow for its name
-                ticks[(start + edge) / 2] = group.removeprefix("hard-")
-            start = edge
-        axes.set_xticks(list(ticks), list(ticks.values()), rotation=90, fontsize="x-small")
-        axes.grid(visible=False)
-        bar = axes.figure.colorbar(image, ax=axes, ticks=range(4), shrink=0.6)
-        bar.ax.set_yticklabels(VERDICTS)

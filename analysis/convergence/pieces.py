@@ -28,19 +28,14 @@ def each(
     Every answer is kept as soon as it is there, and not computed again while the package and the
     studies, which it depends on, are the same.
     """
-    kept = joblib.Memory(report / ".resume", verbose=0).cache(_call, ignore=["work"])
     folders = Path(longball.__file__).parent, Path(__file__).parent.parent
     files = sorted(path for folder in folders for path in folder.rglob("*.py"))
     code = joblib.hash([path.read_bytes() for path in files])
-    name, one = f"{work.__module__}.{work.__name__}", joblib.delayed(kept)
-    tasks = [one(name, tuple(arguments), code, work) for arguments in calls]
+    kept = joblib.Memory(report / ".resume" / code, verbose=0).cache(work)
+    tasks = [joblib.delayed(kept)(*arguments) for arguments in calls]
     answers = joblib.Parallel(n_jobs=-1, return_as="generator")(tasks)
     console = Console(stderr=True)
     return list(track(answers, what, len(tasks), console=console, disable=not console.is_terminal))
-
-
-def _call(name: str, arguments: tuple[object, ...], code: str, work: Callable[..., Any]) -> object:
-    return work(*arguments)
 
 
 class Pass(NamedTuple):

@@ -106,17 +106,8 @@ def run(report: Path, full: bool) -> str:
         report, "science", globals(), count=len(chunks) * CHUNK, found=found, crossing=crossing,
         exact=found[DEFAULT.name, None, E], coarse=found[DEFAULT.name, STEPS[0], E],
         failed=sum(int(found[DEFAULT.name, step, E].failed.sum()) for step in STEPS),
-        harmless=harmless(found), ks_2samp=ks_2samp,
+        ks_2samp=ks_2samp,
     )  # fmt: skip
-
-
-def harmless(found: Found) -> dict[str, float] | None:
-    """Return the largest step that loses no home run though pitches pass the bat unseen."""
-    for step in STEPS:
-        true, one = (found[DEFAULT.name, which, E].batted.mean() for which in (None, step))
-        if bias(found, DEFAULT.name, step, E).lost == 0 and true - one > 0.005:
-            return {"step": step, "unseen": true - one}
-    return None
 
 
 def crossings(found: Found) -> pd.DataFrame:

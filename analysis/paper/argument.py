@@ -127,8 +127,7 @@ def ranges(base: Base, elevation: float) -> Array:
     """Return D, m, of flights from 1 m above the ground at the speeds above."""
     same = {name: getattr(base.scene, name) for name in ("ball", "air", "reading")}
     flown = launches(SPEEDS, math.radians(elevation), **same)
-    found: Array = solve_columns(flown.base, flown.columns)["landing.distance"]
-    return found
+    return solve_columns(flown.base, flown.columns)["landing.distance"]
 
 
 def exit_line(balls: Balls) -> Line:

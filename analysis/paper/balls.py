@@ -14,6 +14,7 @@ from analysis import Array
 from longball import home_run
 from longball.engines.batch import solve_columns_with_restitutions
 from longball.engines.chain import solve_with_restitutions
+from longball.engines.parallel import in_parallel
 from longball.engines.verlet import Verlet
 from longball.home_run import RESTITUTIONS, Estimate, Samples, Struck
 from longball.model.quantities import number, numbers, replaced
@@ -65,6 +66,10 @@ def joined(parts: Sequence[S]) -> S:
     return type(parts[0])(*map(np.concatenate, columns))
 
 
+VECTORS = "landing.position", "impact.velocity", "contact.normal"
+NEEDED = ["outcome", "impact.impulse", *(f"{name}[{i}]" for name in VECTORS for i in range(3))]
+
+
 def strike(
     base: Base,
     samples: Samples,
@@ -82,40 +87,27 @@ def strike(
 
 def _balls(table: Any, base: Base, pitched: Flags) -> Balls:
     """Return the balls of a table of results, which has a row for each that was pitched."""
-
-    def whole(column: Array) -> Array:
-        full = np.full(len(pitched), np.nan)
-        full[pitched] = column
-        return full
-
-    after, normal = (
-        np.array([table[f"{name}[{i}]"] for i in range(3)])
-        for name in ("impact.velocity", "contact.normal")
-    )
+    place, after, normal = (np.array([table[f"{name}[{i}]"] for i in range(3)]) for name in VECTORS)
     before = after - np.asarray(table["impact.impulse"] / base.scene.ball.mass) * normal
-    return Balls(
-        x=whole(table["landing.position[0]"]),
-        y=whole(table["landing.position[1]"]),
-        failed=whole(table["outcome"] == "") == 1.0,
-        pitch_speed=whole(np.linalg.norm(before, axis=0)),
-        exit_speed=whole(np.linalg.norm(after, axis=0)),
-        elevation=whole(np.arctan2(after[2], np.hypot(after[0], after[1]))),
-    )
+    speeds = np.linalg.norm([before, after], axis=1)
+    elevation = np.arctan2(after[2], np.hypot(after[0], after[1]))
+    columns = np.full((6, len(pitched)), np.nan)
+    columns[:, pitched] = [*place[:2], table["outcome"] == "", *speeds, elevation]
+    x, y, failed, *rest = columns
+    return Balls(x, y, failed == 1.0, *rest)
 
 
 CHUNK = 500  # at-bats that a process takes at a time by the paper's scheme
-VECTORS = "landing.position", "impact.velocity", "contact.normal"
-NEEDED = ["outcome", "impact.impulse", *(f"{name}[{i}]" for name in VECTORS for i in range(3))]
 
 
 def strike_in_steps(
     base: Base, count: int, seed: int, restitutions: Sequence[float], scheme: Verlet
 ) -> list[Balls]:
     """Return what becomes of samples by the paper's scheme."""
-    samples, chunk = base.drawn(count, seed), joblib.delayed(_chunk)
+    samples = base.drawn(count, seed)
     chosen = (samples.chosen(slice(i, i + CHUNK)) for i in range(0, count, CHUNK))
-    calls = (chunk(base, some, restitutions, scheme) for some in chosen)
-    return [joined(part) for part in zip(*joblib.Parallel(n_jobs=-1)(calls), strict=True)]
+    chunks = in_parallel(_chunk, ((base, x, restitutions, scheme) for x in chosen), workers=-1)
+    return [joined(part) for part in zip(*chunks, strict=True)]
 
 
 def _chunk(base: Base, some: Samples, restitutions: Sequence[float], scheme: Verlet) -> list[Balls]:

@@ -1,13 +1,12 @@
 """Every combination of readings that matters, against the paper's Figs. 6 and 7."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from functools import cache
 from itertools import chain, product
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
-import joblib
 import numpy as np
 
 from analysis.paper import balls, distances, printed
@@ -15,6 +14,7 @@ from analysis.paper.balls import SPACES, Balls, Base, Space, strike
 from analysis.paper.distances import BIN, HEIGHT_AND_SLOPE, NEAR_BOTH, Distance, Peak, distance
 from analysis.paper.printed import PEAKS
 from analysis.writing import STYLES, data, figure, render
+from longball.engines.parallel import in_parallel
 from longball.engines.verlet import Verlet
 from longball.home_run import PAPER_CURVES, RESTITUTIONS, Estimate
 from longball.model.readings import Reading, SamplingReading
@@ -72,14 +72,9 @@ class Trial(NamedTuple):
         return distances.total(self.to["caption"], list(self.peaks.values()))
 
     @property
-    def small(self) -> bool:
-        """Whether its ball is half as wide as usual."""
-        return bool(self.base.scene.ball.radius == min(RADII))
-
-    @property
     def beyond(self) -> bool:
-        """Whether the ledger's switches alone do not make it."""
-        return self.space.flies or self.small
+        """Whether it takes more than the ledger's switches: flies, or a ball half as wide."""
+        return self.space.flies or self.base.scene.ball.radius == min(RADII)
 
     def p(self, e: float) -> float:
         """Return P at one of the restitutions."""
@@ -115,27 +110,23 @@ def trial(base: Base, space: Space, struck: Sequence[Balls], seed: int | None = 
 def study() -> SimpleNamespace:
     """Try all combinations; several sections ask for what comes of it.
 
-    Each has a trial at `first` sight; the `near` ones are seen closer, the nearest first.
+    Each has a trial at `first` sight; the `near` ones are seen closer, the nearest first, and as
+    close as these the ledger's `default`.
     """
-    threads = joblib.Parallel(n_jobs=-1, prefer="threads")
 
-    def look(*calls: Sequence[Any]) -> list[list[Trial]]:
-        return list(threads(joblib.delayed(trials)(*call) for call in calls))
+    def look(calls: Iterable[tuple[Any, ...]]) -> list[list[Trial]]:
+        return list(in_parallel(trials, calls, workers=-1, threads=True))
 
-    first = look(*((base, SPACES, SAMPLES, False) for base in bases()))
+    first = look((base, SPACES, SAMPLES, False) for base in bases())
     worth = [[one for one in some if one.to["caption"].squared <= WITHIN] for some in first]
     calls = [(some[0].base, [one.space for one in some], CLOSER_SAMPLES) for some in worth if some]
-    near = list(chain(*look(*calls)))
+    near = list(chain(*look(calls)))
     closest = [one for one in near if one.both <= 2 * NEAR_BOTH]
-    again = chain(*look(*((one.base, [one.space], CLOSEST_SAMPLES) for one in closest)))
+    again = chain(*look((one.base, [one.space], CLOSEST_SAMPLES) for one in closest))
     near = [*again, *(one for one in near if one not in closest)]
-    return SimpleNamespace(first=list(chain(*first)), near=sorted(near, key=lambda one: one.both))
-
-
-@cache
-def default_trial() -> Trial:
-    """Return the ledger's defaults, seen as close as the near readings."""
-    return trials(Base(AtBatScene(id="base")), SPACES[:1], CLOSEST_SAMPLES)[0]
+    (default,) = trials(Base(AtBatScene(id="base")), SPACES[:1], CLOSEST_SAMPLES)
+    near.sort(key=lambda one: one.both)
+    return SimpleNamespace(first=list(chain(*first)), near=near, default=default)
 
 
 Cases = dict[str, tuple[Base, Space]]
@@ -143,7 +134,7 @@ Cases = dict[str, tuple[Base, Space]]
 
 def cases() -> Cases:
     """Return the two readings that are looked at closely: the default, and the nearest."""
-    both = {"default": default_trial(), "nearest": study().near[0]}
+    both = {"default": study().default, "nearest": study().near[0]}
     return {name: (one.base, one.space) for name, one in both.items()}
 
 
@@ -151,40 +142,27 @@ STEP = 0.05  # s, as printed
 STEPPED_SAMPLES = 60_000  # most of them pass the bat unseen
 
 
-def stepped(exact: Trial) -> dict[str, Any]:
-    """Return what the paper's scheme with its step makes of a reading's at-bats."""
-    base, space = exact.base, exact.space
-    struck = balls.strike_in_steps(base, STEPPED_SAMPLES, SEED, RESTITUTIONS, Verlet(STEP))
-    (exactly,) = strike(base, base.drawn(STEPPED_SAMPLES, SEED), RESTITUTIONS[:1])
-    rows = space.estimates(struck)
-    return {
-        "exact": exact,
-        "rows": rows,
-        # At how many restitutions the interval of 95 % has P without the scheme inside.
-        "inside": sum(row.low <= exact.p(row.e) <= row.high for row in rows),
-        "batted": struck[0].batted.mean(),
-        "batted_exactly": exactly.batted.mean(),
-        # The home runs as shares of all pitches.
-        "of_pitches": [one.home_run.mean() for one in struck],
-        "away": distance(rows, PAPER_CURVES["caption"]),
-    }
-
-
 def section(report: Path) -> str:
     """Write the section of the combinations."""
-    found, default = study(), default_trial()
-    draw_plane(report, found, default)
-    best = found.near[0]
-    as_printed = Base(default.base.scene, SamplingReading(speed_table="as_printed"))
+    found, best = study(), study().near[0]
+    draw_plane(report, found)
+    as_printed = Base(found.default.base.scene, SamplingReading(speed_table="as_printed"))
+    # The nearest by the paper's scheme with its step, and without them.
+    stepped = balls.strike_in_steps(best.base, STEPPED_SAMPLES, SEED, RESTITUTIONS, Verlet(STEP))
+    (exactly,) = strike(best.base, best.base.drawn(STEPPED_SAMPLES, SEED), RESTITUTIONS[:1])
+    rows = best.space.estimates(stepped)
     return render(
         report, "combinations", globals(),
-        found=found, default=default, best=best, solved=len(list(bases())),
-        backwards=1 - as_printed.drawn(SAMPLES, SEED).pitched.mean(), one=stepped(best),
+        found=found, default=found.default, best=best, solved=len(list(bases())),
+        backwards=1 - as_printed.drawn(SAMPLES, SEED).pitched.mean(),
+        stepped=stepped, stepped_rows=rows, exactly=exactly,
+        # At how many restitutions the interval of 95 % has P without the scheme inside.
+        agreeing=sum(row.low <= best.p(row.e) <= row.high for row in rows),
         off=max(abs(row.p - PAPER_CURVES["caption"](row.e)) for row in best.rows),
     )  # fmt: skip
 
 
-def draw_plane(report: Path, found: SimpleNamespace, default: Trial) -> None:
+def draw_plane(report: Path, found: SimpleNamespace) -> None:
     """Draw all readings by height and slope of P(e)."""
     with figure(report, "paper_combinations", size=(6.8, 4.6)) as (axes,):
 
@@ -205,7 +183,7 @@ def draw_plane(report: Path, found: SimpleNamespace, default: Trial) -> None:
                 around = np.linalg.cholesky(distances.NEAR * spread) @ [np.cos(turn), np.sin(turn)]
                 ellipse = around + (HEIGHT_AND_SLOPE @ p)[:, None]
                 axes.plot(*ellipse, ":", color="black", label="95 % about the caption's")
-        for name, one in {"default": default, "nearest": found.near[0]}.items():
+        for name, one in {"default": found.default, "nearest": found.near[0]}.items():
             mark([one.shares], **STYLES[name], markersize=8, label=f"{name} reading")
         axes.set(xlabel="height: mean of P(e) over e = 0.41 to 0.45", ylabel="slope dP/de")
         axes.margins(0.05)

@@ -1,7 +1,6 @@
 """Table I, Figs. 6 and 7, and the numbers of the text about home runs, with our counterparts."""
 
 import math
-from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 from statistics import NormalDist
@@ -13,7 +12,7 @@ from scipy.stats import norm
 
 from analysis import Array
 from analysis.paper import combinations, distances, printed
-from analysis.paper.balls import Balls, Base, Space, strike
+from analysis.paper.balls import Balls, Space, strike
 from analysis.paper.combinations import Trial
 from analysis.paper.distances import BIN, covariance
 from analysis.paper.printed import FLAT, PAIRS, PEAKS, UZR_SPAN, Season
@@ -39,33 +38,29 @@ class Reproduced(NamedTuple):
     name: str
     trial: Trial
     fitted: home_run.Fit | None  # the paper's form, to P at the five restitutions
+    curve: Curve  # of the fit; not numbers if there is none
     density: dict[float, Array]  # of D in bins of 10 m, 1/m, by restitution
     uzr_share: float  # of D in UZR's span, at e = 0.42
     ratios: list[Ratio]  # P(e) of one season's ball over that of another
-
-    @property
-    def curve(self) -> Curve:
-        """The curve of the fit; not numbers if there is none."""
-        return self.fitted.curve if self.fitted else Curve(math.nan, math.nan)
 
 
 @cache
 def reproduced() -> list[Reproduced]:
     """Return what the default reading gives, and the nearest; several sections ask for it."""
-    return [reproduce(name, *case) for name, case in combinations.cases().items()]
-
-
-def reproduce(name: str, base: Base, space: Space) -> Reproduced:
-    """Return what a reading gives."""
     restitutions = sorted({*RESTITUTIONS, *(one.restitution for pair in PAIRS for one in pair)})
-    at_all = strike(base, base.drawn(SAMPLES, SEED), restitutions)
-    struck = dict(zip(restitutions, at_all, strict=True))
-    trial = combinations.trial(base, space, [struck[e] for e in RESTITUTIONS], SEED)
-    density = {e: distances.density(space.distances(struck[e])) for e in PEAKS}
-    flown = space.distances(struck[UZR_E])
-    uzr_share = float(np.mean((flown >= UZR_SPAN[0]) & (flown < UZR_SPAN[1])))
-    ratios = [ratio(pair, space, struck) for pair in PAIRS]
-    return Reproduced(name, trial, home_run.fit(trial.rows), density, uzr_share, ratios)
+    found = []
+    for name, (base, space) in combinations.cases().items():
+        at_all = strike(base, base.drawn(SAMPLES, SEED), restitutions)
+        struck = dict(zip(restitutions, at_all, strict=True))
+        trial = combinations.trial(base, space, [struck[e] for e in RESTITUTIONS], SEED)
+        density = {e: distances.density(space.distances(struck[e])) for e in PEAKS}
+        flown = space.distances(struck[UZR_E])
+        uzr_share = float(np.mean((flown >= UZR_SPAN[0]) & (flown < UZR_SPAN[1])))
+        ratios = [ratio(pair, space, struck) for pair in PAIRS]
+        fitted = home_run.fit(trial.rows)
+        curve = fitted.curve if fitted else Curve(math.nan, math.nan)
+        found.append(Reproduced(name, trial, fitted, curve, density, uzr_share, ratios))
+    return found
 
 
 def fit_noise(curve: Curve) -> tuple[float, float]:
@@ -120,13 +115,6 @@ def curve_share(curve: Curve, e: float, low: float, high: float) -> float:
 def run(report: Path, full: bool) -> str:
     """Write the section; `full` changes nothing."""
     found = reproduced()
-    draw_distances(report, found)
-    draw_probabilities(report, found)
-    return render(report, "home_run_figures", globals(), found=found)
-
-
-def draw_distances(report: Path, found: Sequence[Reproduced]) -> None:
-    """Draw Fig. 6."""
     with figure(report, "paper_fig6", columns=len(found), size=(9.0, 3.4)) as panels:
         for axes, one in zip(panels, found, strict=True):
             top = 1.25 * draw_stairs(axes, one.density, linewidth=1.5, color="black")
@@ -138,19 +126,6 @@ def draw_distances(report: Path, found: Sequence[Reproduced]) -> None:
             axes.set(title=f"{one.name} reading, samples: {one.trial.space.name}")
             axes.set(xlim=(0.0, 300.0), ylim=(0.0, 1.05 * top))
             axes.legend(loc="center right")
-
-
-def draw_stairs(axes: Axes, densities: dict[float, Array], **style: Any) -> float:
-    """Draw densities of D by restitution; return the highest value behind the first bin, 1/km."""
-    for (e, density), dash in zip(densities.items(), LINES, strict=False):
-        edges = BIN * np.arange(len(density) + 1)
-        axes.stairs(1e3 * density, edges, linestyle=dash, **style, label=f"e = {e:g}")
-    axes.set(xlabel="distance D from the plate, m", ylabel="probability density, 1/km")
-    return 1e3 * max(float(density[1:].max()) for density in densities.values())
-
-
-def draw_probabilities(report: Path, found: Sequence[Reproduced]) -> None:
-    """Draw Fig. 7."""
     grid = np.linspace(0.408, 0.452, 100)
     with figure(report, "paper_fig7", size=(6.4, 4.2)) as (axes,):
         for name, curve in PAPER_CURVES.items():
@@ -169,3 +144,13 @@ def draw_probabilities(report: Path, found: Sequence[Reproduced]) -> None:
         axes.set(xlabel="coefficient of restitution e of the ball", ylim=(0.0, None))
         axes.set_ylabel("probability of a home run P(e)")
         axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.01), ncols=2, fontsize="x-small")
+    return render(report, "home_run_figures", globals(), found=found)
+
+
+def draw_stairs(axes: Axes, densities: dict[float, Array], **style: Any) -> float:
+    """Draw densities of D by restitution; return the highest value behind the first bin, 1/km."""
+    for (e, density), dash in zip(densities.items(), LINES, strict=False):
+        edges = BIN * np.arange(len(density) + 1)
+        axes.stairs(1e3 * density, edges, linestyle=dash, **style, label=f"e = {e:g}")
+    axes.set(xlabel="distance D from the plate, m", ylabel="probability density, 1/km")
+    return 1e3 * max(float(density[1:].max()) for density in densities.values())

@@ -1,7 +1,7 @@
 """The numbers that the paper does not print, and how P depends on all of them."""
 
 import itertools
-from collections.abc import Callable
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -44,14 +44,11 @@ UNKNOWN = tuple(SimpleNamespace(**one) for one in DATA["unknown"])
 Change = tuple[float, float]  # of P(0.42), with its standard error
 
 
-def over_ranges(base: Base, space: Space) -> tuple[Share, list[tuple[Change, Change]]]:
+def over_ranges(base: Base, space: Space) -> tuple[Share, list[list[Change]]]:
     """Return P(0.42), and what each number alone does to it at the ends of its range."""
     before = share(drawn(base), space)
-
-    def moved(name: str, value: float) -> Change:
-        return share(drawn(base.replaced({name: value})), space).above(before)
-
-    return before, [(moved(one.name, one.low), moved(one.name, one.high)) for one in UNKNOWN]
+    others = [[base.replaced({one.name: x}) for x in (one.low, one.high)] for one in UNKNOWN]
+    return before, [[share(drawn(x), space).above(before) for x in ends] for ends in others]
 
 
 def section(report: Path, cases: Cases) -> str:
@@ -90,40 +87,31 @@ def mark_p(axes: Axes, p: float, label: str, reading: str) -> None:
 
 
 class Parameter(NamedTuple):
-    """A number that P depends on."""
+    """Numbers that P depends on and that change together."""
 
     name: str
     unit: str
-    value: Callable[[Problem], float]
-    # The problem with the number multiplied by a factor, the random numbers left alone.
-    scaled: Callable[[Problem, float], Problem]
+    keys: Sequence[str] = ()  # of a scene or its sampling
+    column: str = ""  # of the random numbers, if it is one of these
 
-
-def of_scene(name: str, unit: str, *keys: str) -> Parameter:
-    """Return numbers of the scene, or of the sampling, which changes what is drawn."""
-
-    def scaled(problem: Problem, factor: float) -> Problem:
+    def value(self, problem: Problem) -> float:
+        """Return the first of them."""
         base, samples = problem
-        other = base.replaced({key: factor * base.number(key) for key in keys})
+        if self.column == "tilt":
+            return paper_at_bats(base.sampling).largest_tilt
+        return float(samples.speed.mean()) if self.column else base.number(self.keys[0])
+
+    def scaled(self, problem: Problem, factor: float) -> Problem:
+        """Return the problem with the numbers multiplied, the random numbers left alone."""
+        base, samples = problem
+        if self.column:
+            column = factor * getattr(samples, self.column)
+            return base, replace(samples, **{self.column: column})
+        other = base.replaced({key: factor * base.number(key) for key in self.keys})
         return (other, samples) if other.sampling == base.sampling else drawn(other, len(samples))
 
-    return Parameter(name, unit, lambda problem: problem[0].number(keys[0]), scaled)
 
-
-PARAMETERS = (
-    *(of_scene(name, unit, name) for name, unit in DATA["parameters"].items()),
-    Parameter(
-        "all pitch speeds, their mean", "m/s",
-        lambda problem: float(problem[1].speed.mean()),
-        lambda problem, factor: (problem[0], replace(problem[1], speed=factor * problem[1].speed)),
-    ),
-    Parameter(
-        "largest tilt", "rad",
-        lambda problem: paper_at_bats(problem[0].sampling).largest_tilt,
-        lambda problem, factor: (problem[0], replace(problem[1], tilt=factor * problem[1].tilt)),
-    ),
-    of_scene("heights of release and aim", "m", "pitch.release[2]", "pitch.aim[1]"),
-)  # fmt: skip
+PARAMETERS = tuple(Parameter(**one) for one in DATA["parameter"])
 
 
 def sensitivities(report: Path, cases: Cases) -> str:

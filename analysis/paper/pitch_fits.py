@@ -8,17 +8,17 @@ another league, which show what is the paper's and what is baseball's.
 import math
 from collections import namedtuple
 from collections.abc import Iterable, Sequence
-from functools import cache
+from functools import cache, partial
 from itertools import accumulate, product
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import joblib
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
 from analysis.writing import STYLES, data, figure, render, write_table
+from longball.engines.parallel import in_parallel
 from longball.pitches import EXAMPLE, Columns, FittedPitches, PitchTypes, fit_pitches, read_pitches
 from longball.pitches.fitted import Estimate
 from longball.pitches.fitting import normal
@@ -146,9 +146,8 @@ def verdict(printed: Printed, method: str, value: float, error: float | None) ->
 
 def fit_all(tables: Iterable[pd.DataFrame], **options: Any) -> list[FittedPitches]:
     """Return the fits of drawn pitches."""
-    fit = joblib.delayed(fit_pitches)
-    calls = (fit(table, CHART, KINDS, replicates=2, **options) for table in tables)
-    return list(joblib.Parallel(n_jobs=-1)(calls))
+    fit = partial(fit_pitches, columns=CHART, types=KINDS, replicates=2, **options)
+    return list(in_parallel(fit, ((table,) for table in tables), workers=-1))
 
 
 def cover(draws: int) -> Rows:
@@ -221,19 +220,11 @@ THEIRS = f"{PITCHES:,} pitches drawn from the paper's fits"
 OURS = "{.rows_used:,} MLB pitches of 11 June 2023".format
 
 
-def _mixture(
-    axes: Axes, x: Floats, weight: Estimate, of: Sequence[tuple[Estimate, Estimate]],
-    labels: Sequence[str], unit: float = 1.0, scale: float = 1.0,
-) -> None:  # fmt: skip
-    """Draw a fitted mixture and its two parts, from their means and spreads in a unit."""
-    weights, (equation, *names) = (weight.value, 1 - weight.value), labels
-    first, second = (
-        scale * share * normal(x, unit * mean.value, unit * spread.value)
-        for share, (mean, spread) in zip(weights, of, strict=True)
-    )
-    axes.plot(x, first + second, **STYLES["mixture"], label=f"fitted mixture, {equation}")
-    axes.plot(x, first, **STYLES["first part"], label=names[0])
-    axes.plot(x, second, **STYLES["second part"], label=names[1])
+def _mixture(axes: Axes, x: Floats, parts: Sequence[Floats], *labels: str) -> None:
+    """Draw a fitted mixture and its two parts."""
+    axes.plot(x, sum(parts), **STYLES["mixture"], label=f"fitted mixture, {labels[0]}")
+    axes.plot(x, parts[0], **STYLES["first part"], label=labels[1])
+    axes.plot(x, parts[1], **STYLES["second part"], label=labels[2])
 
 
 def draw_speeds(report: Path, example: FittedPitches, synthetic: FittedPitches) -> None:
@@ -246,10 +237,9 @@ def draw_speeds(report: Path, example: FittedPitches, synthetic: FittedPitches) 
             width, middles = edges[1] - edges[0], (edges[1:] + edges[:-1]) / 2
             counts = np.add(histogram.straight, histogram.breaking)
             axes.plot(middles, counts / counts.sum(), **STYLES["measured"], label="pitches")
-            v, labels = np.linspace(edges[0], edges[-1], 400), ("Eq. 3", "straight", "breaking")
-            straight = fit.straight_mean, fit.straight_spread
-            breaking = fit.breaking_mean, fit.breaking_spread
-            _mixture(axes, v, fit.weight, (straight, breaking), labels, 3.6, width)
+            v = np.linspace(edges[0], edges[-1], 400)
+            parts = [width * p / 3.6 * normal(v / 3.6, *x) for p, *x in fit.mixture().parts]
+            _mixture(axes, v, parts, "Eq. 3", "straight", "breaking")
             axes.set(title=title, xlabel="speed at release, km/h", ylim=(0.0, None))
             axes.set_ylabel(f"share of pitches per {width:.2g} km/h")
             axes.text(0.03, 0.95, f"R² = {fit.r_squared:.4f}", transform=axes.transAxes, va="top")
@@ -269,16 +259,15 @@ def draw_aims(report: Path, example: FittedPitches, synthetic: FittedPitches) ->
             label="places in quarters of a cell",
         )  # fmt: skip
         for axes, (title, cells, fit) in zip(panels, panels_of, strict=True):
-            sides = (fit.left_mean, fit.spread), (fit.right_mean, fit.spread)
             y, shares = np.linspace(-1.5, 7.5, 500), np.array(cells) / sum(cells)
-            _mixture(axes, y, fit.weight, sides, ("Eq. 4", "left", "right"))
+            parts = [q * normal(y - CELLS[2], *x) for q, *x in fit.mixture(cell_width=1.0).parts]
+            _mixture(axes, y, parts, "Eq. 4", "left", "right")
             axes.plot(CELLS, shares, **STYLES["measured"], label="cells (1 and 5 are open)")
             axes.set(title=title, xlabel="cell across the plate, from the pitcher's left")
             axes.set(xticks=range(-1, 8), ylim=(0.0, 0.4))
-            for edge, label in ((1.5, "edges of the strike zone"), (4.5, None)):
-                axes.axvline(
-                    edge, 0.0, 0.65, color="0.4", linewidth=0.9, dashes=(1, 3), label=label
-                )
+            style: Any = {"color": "0.4", "linewidth": 0.9, "dashes": (1, 3)}
+            axes.axvline(1.5, 0.0, 0.65, **style, label="edges of the strike zone")
+            axes.axvline(4.5, 0.0, 0.65, **style)
             axes.legend(fontsize="small", loc="upper right")
         panels[0].set_ylabel("share of a cell; density per cell")
 

@@ -44,24 +44,13 @@ class Carry(NamedTuple):
     """What somebody else says a change of the restitution does to the carry of a ball."""
 
     who: str
-    step: float  # of the restitution
-    change: float  # m
-    rounding: float  # m, half of the last digit of the change, or of both carries
-
-    @property
-    def slope(self) -> float:
-        """Return dD/de, m."""
-        return self.change / self.step
-
-    @property
-    def slope_error(self) -> float:
-        """Return how far the rounding lets the slope be off, m."""
-        return self.rounding / self.step
+    slope: float  # dD/de, m
+    slope_error: float  # m, of half of the last digit of the change, or of both carries
 
 
 # The league's carries are 109.4 m and 110.4 m. The maker gives 20 cm for 0.001, for a pitch of
 # 144 km/h, a swing of 126 km/h and a launch at 27° (Mizuno, notice of 12 June 2013).
 CARRIES = (
-    Carry("the league", 0.417 - 0.4134, 110.4 - 109.4, 0.1),
-    Carry("the maker of the ball", 0.417 - 0.416, 0.20, 0.05),
+    Carry("the league", (110.4 - 109.4) / (0.417 - 0.4134), 0.1 / (0.417 - 0.4134)),
+    Carry("the maker of the ball", 0.20 / (0.417 - 0.416), 0.05 / (0.417 - 0.416)),
 )

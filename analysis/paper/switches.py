@@ -1,13 +1,13 @@
 """The ledger of readings, one switch turned at a time."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
+import pandas as pd
 from matplotlib.patches import Patch
-from pydantic import ValidationError
 
 from analysis.paper import balls
 from analysis.paper.balls import SPACES, Base, Share, Space, strike
@@ -17,7 +17,7 @@ from analysis.paper.printed import P_TEXT
 from analysis.writing import figure, render
 from longball.engines.verlet import Verlet
 from longball.home_run import PAPER_CURVES, RESTITUTIONS
-from longball.model.readings import LEDGER, SCHEME_OPTIONS, Reading, SamplingReading
+from longball.model.readings import LEDGER, SCHEME_OPTIONS, readings_of
 
 SAMPLES = 100_000
 STEPPED_SAMPLES = 40_000
@@ -25,27 +25,6 @@ SEED = 1
 E = P_TEXT[0]
 # Where the ledger has switches of what no at-bat of the paper has: spin, wind, friction, a fence.
 ELSEWHERE = ("extended model", "not in the paper")
-
-
-class Turned(NamedTuple):
-    """A reading with one switch turned to an option."""
-
-    switch: str
-    option: str
-    p: float  # P(0.42)
-    change: float  # by how much it is larger than before
-    change_error: float  # standard error of that, for the same at-bats
-    slope: float  # dP/de over e = 0.41 to 0.45
-
-    @property
-    def name(self) -> str:
-        """As the figure calls it."""
-        return f"{self.switch} = {self.option}"
-
-    @property
-    def visible(self) -> bool:
-        """Whether the change is larger than two standard errors."""
-        return abs(self.change) >= 2 * self.change_error
 
 
 def options(base: Base, space: Space) -> Iterator[tuple[str, str, Base, Space]]:
@@ -69,18 +48,20 @@ def options(base: Base, space: Space) -> Iterator[tuple[str, str, Base, Space]]:
 def turned_to(base: Base, switch: str, option: str) -> Base | None:
     """Return a reading with one switch set; None if it has no such switch, or contradicts it."""
     scene, sampling = base
-    if switch in SamplingReading.model_fields:
-        switches = {name: str(value) for name, value in sampling.model_dump().items()}
-        return Base(scene, SamplingReading.model_validate_strings(switches | {switch: option}))
+    turned = {switch: float(option) if option[0].isdigit() else option}
     try:
-        reading = Reading.model_validate(scene.reading.model_dump() | {switch: option})
-    except ValidationError:
+        readings = readings_of(scene.reading.model_dump() | sampling.model_dump() | turned)
+    except ValueError:
         return None
-    return Base(scene.model_copy(update={"reading": reading}), sampling)
+    return Base(scene.model_copy(update={"reading": readings[0]}), readings[1])
 
 
-def turn(base: Base, space: Space) -> tuple[Share, list[Turned]]:
-    """Return P(0.42) of a reading, and all that comes of turning one switch."""
+def turn(base: Base, space: Space) -> tuple[Share, pd.DataFrame]:
+    """Return P(0.42) of a reading, and what comes of turning one switch, a row an option.
+
+    The columns: P(0.42); by how much it is larger than before, and the standard error of that for
+    the same at-bats; and dP/de over e = 0.41 to 0.45.
+    """
 
     def shares(base: Base, space: Space) -> list[Share]:
         struck = strike(base, base.drawn(SAMPLES, SEED), RESTITUTIONS)
@@ -88,12 +69,14 @@ def turn(base: Base, space: Space) -> tuple[Share, list[Turned]]:
 
     at = RESTITUTIONS.index(E)
     before = shares(base, space)[at]
-    found = []
+    rows = []
     for switch, option, other, other_space in options(base, space):
         after = shares(other, other_space)
         slope = (after[-1].p - after[0].p) / (RESTITUTIONS[-1] - RESTITUTIONS[0])
-        found.append(Turned(switch, option, after[at].p, *after[at].above(before), slope))
-    return before, found
+        rows.append((switch, option, after[at].p, *after[at].above(before), slope))
+    columns = ["switch", "option", "p", "change", "change_error", "slope"]
+    turned = pd.DataFrame(rows, columns=columns)
+    return before, turned.assign(name=turned["switch"] + " = " + turned["option"])
 
 
 def turn_scheme(base: Base, space: Space) -> list[dict[str, Any]]:
@@ -121,31 +104,26 @@ def section(report: Path, cases: Cases) -> str:
     for name, case in cases.items():
         before, turned = turn(*case)
         found.append(SimpleNamespace(name=name, case=case, before=before, turned=turned))
-    draw_tornado(report, found)
-    return render(
-        report, "switches", globals(), found=found, schemes=turn_scheme(*cases["nearest"]),
-        caption=PAPER_CURVES["caption"],
-    )  # fmt: skip
-
-
-def draw_tornado(report: Path, found: Sequence[SimpleNamespace]) -> None:
-    """Draw a bar for each option, from P before to P after, the longest above."""
+    # A bar for each option, from P before to P after, the longest above.
     longest = max(len(one.turned) for one in found)
     size = (9.6, 0.6 + 0.24 * longest)
     with figure(report, "paper_tornado", columns=len(found), size=size) as panels:
         for axes, of in zip(panels, found, strict=True):
-            order = sorted(of.turned, key=lambda one: abs(one.change))
-            heights = np.arange(longest - len(order), longest)
+            rows = of.turned.sort_values("change", key=abs, kind="stable")
+            heights = np.arange(longest - len(rows), longest)
             axes.barh(
-                heights, [one.change for one in order], left=of.before.p, height=0.6,
-                color=["0.75" if one.change > 0 else "0.35" for one in order],
-                xerr=[2 * one.change_error for one in order],
-                error_kw={"elinewidth": 0.8, "capsize": 2},
+                heights, rows["change"], left=of.before.p, height=0.6,
+                color=np.where(rows["change"] > 0, "0.75", "0.35"),
+                xerr=2 * rows["change_error"], error_kw={"elinewidth": 0.8, "capsize": 2},
             )  # fmt: skip
             mark_p(axes, of.before.p, "no switch turned", of.name)
-            axes.set_yticks(heights, [one.name for one in order], fontsize="x-small")
+            axes.set_yticks(heights, rows["name"], fontsize="x-small")
             axes.set(xlim=(0.0, None), ylim=(-0.8, longest))
             axes.grid(visible=False, axis="y")
         lines, _ = panels[0].get_legend_handles_labels()
         shades = [Patch(color="0.75", label="raises P"), Patch(color="0.35", label="lowers P")]
         panels[0].legend(handles=[*shades, *lines], loc="lower center", fontsize="small")
+    return render(
+        report, "switches", globals(), found=found, schemes=turn_scheme(*cases["nearest"]),
+        caption=PAPER_CURVES["caption"],
+    )  # fmt: skip

@@ -32,11 +32,15 @@ def run(report: Path, full: bool) -> str:
     whole = rounded.set_index(rounded["method"] + ", " + rounded["setting"])
     flight, at_bat = (whole[whole["work"] == kind] for kind in ("flight", "at-bat"))
     shares = (at_bat["missed"] / at_bat["contacts"]).groupby(at_bat["method"], sort=False)
+    few = count // 4  # flights under other laws whose errors are looked at
+    of_laws = render(
+        report, "speed_error_laws", vars(laws), found=laws.compared(rounds, few), count=few,
+        ratio=measuring.ratio,
+    )  # fmt: skip
     return render(
         report, "speed_error", vars(work) | globals(), count=count, rounds=rounds, full=full,
         flight=flight.to_dict("index"), at_bat=at_bat.to_dict("index"), peers=peers,
-        missed=shares.agg(["min", "max"]).to_dict("index"),
-        of_laws=laws.section(report, rounds, count // 4),
+        missed=shares.agg(["min", "max"]).to_dict("index"), of_laws=of_laws,
     )  # fmt: skip
 
 

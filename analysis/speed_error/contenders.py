@@ -1,5 +1,6 @@
 """Who takes part: every engine of longball over its settings, and the peers that are installed."""
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from importlib.util import find_spec
@@ -92,12 +93,10 @@ def longball_engines() -> Iterator[Contender]:
     """Yield longball's engines over their settings, from loose to tight."""
     for tolerance in (1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-13, 1e-14):
         yield batch(tolerance)
-    yield ivp("Taylor")
-    for method in ("DOP853", "RK45", "LSODA", "Radau"):
-        for rtol in (1e-4, 1e-6, 1e-8) if method == "Radau" else (1e-4, 1e-6, 1e-8, 1e-10, 1e-12):
-            yield ivp(method, rtol)
-        if method == "DOP853":
-            yield ivp(method)
+    every = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
+    rtols = {"Taylor": (None,), "DOP853": (*every, None), "RK45": every, "LSODA": every}
+    for method, some in (rtols | {"Radau": every[:3]}).items():
+        yield from (ivp(method, rtol) for rtol in some)
     for treatment in TREATMENTS:
         for dt in (0.05, 0.01, 2e-3, 4e-4):
             verlet = partial(one_by_one, Verlet(dt, treatment))
@@ -118,25 +117,26 @@ def plain_scipy(work: Work) -> Iterator[Contender]:
             yield plain(method, rtol)
     if isinstance(work.base, AtBatScene):
         for max_step in (0.05, 0.01, SHORTEST_STEP):
-            solver = peers.Scipy("DOP853", 1e-9, max_step)
-            yield of_peer(SHORT_STEPS, f"{max_step:g} s", solver)
+            short = partial(peers.by_scipy, "DOP853", 1e-9, max_step)
+            yield of_peer(SHORT_STEPS, f"{max_step:g} s", short)
 
 
-def of_peer(family: str, setting: str, peer: peers.Peer, turn: int = SLOW) -> Contender:
+def of_peer(family: str, setting: str, land: peers.Land, turn: int = SLOW) -> Contender:
     """Return a peer as a contender."""
+    peer = peers.Peer(f"{family}, {setting}", land)
     return Contender(family, setting, partial(in_columns, peer), turn)
 
 
 def plain(method: str, rtol: float) -> Contender:
     """Return solve_ivp by a method, with its own events."""
-    return of_peer(f"scipy {method}", f"{rtol:g}", peers.Scipy(method, rtol))
+    return of_peer(f"scipy {method}", f"{rtol:g}", partial(peers.by_scipy, method, rtol, math.inf))
 
 
 def heyoka(tolerance: float = 0.0) -> Iterator[Contender]:
     """Yield heyoka's scalar and its batch mode; tolerance 0 stands for its default."""
     setting = f"{tolerance:g}" if tolerance else "default"
-    for mode, peer in (("scalar", peers.Heyoka), ("batch", peers.HeyokaBatch)):
-        yield of_peer(f"heyoka {mode}", setting, peer(tolerance), BLOCK)
+    for mode, land in (("scalar", peers.by_heyoka), ("batch", peers.by_heyoka_batch)):
+        yield of_peer(f"heyoka {mode}", setting, partial(land, tolerance), BLOCK)
 
 
 def installed_peers() -> Iterator[Contender]:
@@ -144,10 +144,10 @@ def installed_peers() -> Iterator[Contender]:
     absent = missing_peers()
     for rtol in (1e-6, 1e-9, 1e-12):
         if "scikit-sundae" not in absent:
-            yield of_peer("CVODE Adams", f"{rtol:g}", peers.Cvode(rtol))
+            yield of_peer("CVODE Adams", f"{rtol:g}", partial(peers.by_cvode, rtol))
         for name in ("Tsit5", "Dopri8") if "diffrax" not in absent else ():
-            solver = peers.Diffrax(name, rtol)
-            yield of_peer(f"diffrax {name}", f"{rtol:g}", solver, peers.LOCKSTEP)
+            land = partial(peers.by_diffrax, name, rtol)
+            yield of_peer(f"diffrax {name}", f"{rtol:g}", land, peers.LOCKSTEP)
         if "heyoka" not in absent:
             yield from heyoka(rtol)
     if "heyoka" not in absent:

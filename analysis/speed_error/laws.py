@@ -1,15 +1,14 @@
 """What laws of flight cost: spin, wind and a drag crisis, beside the paper's law and heyoka."""
 
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 import longball as lb
 from analysis.speed_error import contenders
 from analysis.speed_error.contenders import Answers, Contender
-from analysis.speed_error.measuring import Measured, measure, ratio
+from analysis.speed_error.measuring import Measured, measure
 from analysis.speed_error.work import Work, flights, known
-from analysis.writing import data, render
+from analysis.writing import data
 from longball.engines.batch import Batch, solve_columns
 from longball.engines.batch.flights import Records
 from longball.engines.batch.many import BLOCK
@@ -70,9 +69,3 @@ def compared(rounds: int, count: int) -> dict[tuple[str, str], Measured]:
             entrants += contenders.heyoka()
         turns |= {(law, entrant.family): (entrant, given) for entrant in entrants}
     return dict(zip(turns, measure([*turns.values()], rounds), strict=True))
-
-
-def section(report: Path, rounds: int, count: int) -> str:
-    """Measure, and write the table and the Markdown about it."""
-    found = compared(rounds, count)
-    return render(report, "speed_error_laws", globals(), found=found, count=count, ratio=ratio)

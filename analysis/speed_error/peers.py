@@ -9,7 +9,6 @@ the distance from the bat's axis less R + r_b. The bat is looked for from the re
 
 import math
 import os
-from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
@@ -89,24 +88,19 @@ def problem_of(starts: Records, law: Program) -> tuple[Problem, Array]:
     return Problem(law, strengths, programs, bat), np.column_stack(columns)
 
 
+# Takes what flights have in common, and the flights, as from `problem_of`, and flies each to its
+# first stop. Returns an array of shape (n, 2 + variables): which of the stops was met (-1: none);
+# when, s, and in what state.
+Land = Callable[[Problem, Array], Array]
+
+
 @dataclass(frozen=True)
-class Peer(ABC):
+class Peer:
     """An integrator, as a `longball.engines.batch.columns.BatchFlyer`."""
 
+    description: str
+    land: Land
     flight_error = 0.0  # a peer decides by its numbers as they are
-
-    @property
-    def description(self) -> str:
-        """Who it is, with its settings."""
-        return repr(self)
-
-    @abstractmethod
-    def land(self, problem: Problem, flights: Array) -> Array:
-        """Fly each flight, as from `problem_of`, to its first stop.
-
-        Returns an array of shape (n, 2 + variables): which of the stops was met (-1: none); when,
-        s, and in what state.
-        """
 
     def fly_all(self, starts: Records, program: Program) -> Records:
         """Fly records to their stops."""
@@ -128,142 +122,125 @@ class Peer(ABC):
     search_all = fly_all
 
 
-@dataclass(frozen=True)
-class Scipy(Peer):
-    """`scipy.integrate.solve_ivp` with terminal events."""
+def by_scipy(method: str, rtol: float, max_step: float, problem: Problem, flights: Array) -> Array:
+    """Fly by `scipy.integrate.solve_ivp` with terminal events.
 
-    method: str
-    rtol: float
-    max_step: float = math.inf  # s, while the bat is looked for
+    The largest step, s, is for the way on which the bat is looked for.
+    """
+    rates, heights = problem.bound(math)
+    options = {"method": method, "rtol": rtol, "atol": rtol}
+    max_step = max_step if problem.bat else math.inf
 
-    def land(self, problem: Problem, flights: Array) -> Array:
-        """Fly one after the other."""
-        rates, heights = problem.bound(math)
-        options = {"method": self.method, "rtol": self.rtol, "atol": self.rtol}
-        max_step = self.max_step if problem.bat else math.inf
+    def motion(_: float, y: Array) -> tuple[float, ...]:
+        return rates(*y.tolist())
 
-        def motion(_: float, y: Array) -> tuple[float, ...]:
-            return rates(*y.tolist())
+    def stop(height: Callable[..., tuple[float]], own: list[float]) -> Any:
+        def event(_: float, y: Array) -> float:
+            return height(*y.tolist(), *own)[0]
 
-        def stop(height: Callable[..., tuple[float]], own: list[float]) -> Any:
-            def event(_: float, y: Array) -> float:
-                return height(*y.tolist(), *own)[0]
+        event.terminal = True  # type: ignore[attr-defined]
+        event.direction = -1  # type: ignore[attr-defined]
+        return event
 
-            event.terminal = True  # type: ignore[attr-defined]
-            event.direction = -1  # type: ignore[attr-defined]
-            return event
-
-        arrived = []
-        for flight in flights:
-            span, start, own = flight[:2], flight[problem.state], flight[problem.state.stop :]
-            events = [stop(height, own.tolist()) for height in heights]
-            found = scipy.integrate.solve_ivp(
-                motion, span, start, events=events, max_step=max_step, **options
-            )
-            met = [place for place, times in enumerate(found.t_events) if len(times)]
-            arrived.append((met[0] if met else -1, found.t[-1], *found.y[:, -1]))
-        return np.array(arrived)
+    arrived = []
+    for flight in flights:
+        span, start, own = flight[:2], flight[problem.state], flight[problem.state.stop :]
+        events = [stop(height, own.tolist()) for height in heights]
+        found = scipy.integrate.solve_ivp(
+            motion, span, start, events=events, max_step=max_step, **options
+        )
+        met = [place for place, times in enumerate(found.t_events) if len(times)]
+        arrived.append((met[0] if met else -1, found.t[-1], *found.y[:, -1]))
+    return np.array(arrived)
 
 
 _ROOT_FOUND = 2  # CVODE's status of a solve that an event has ended
 
 
-@dataclass(frozen=True)
-class Cvode(Peer):
-    """CVODE of SUNDIALS by scikit-sundae: its Adams method, its root finding."""
+def by_cvode(rtol: float, problem: Problem, flights: Array) -> Array:
+    """Fly by CVODE of SUNDIALS, by scikit-sundae: its Adams method, its root finding."""
+    rates, falling = problem.bound(math)
+    own: list[float] = []
 
-    rtol: float
+    def motion(_: float, y: Array, rate: Array) -> None:
+        rate[:] = rates(*y.tolist())
 
-    def land(self, problem: Problem, flights: Array) -> Array:
-        """Fly one after the other, by one solver."""
-        rates, falling = problem.bound(math)
-        own: list[float] = []
+    def stop(_: float, y: Array, heights: Array) -> None:
+        state = y.tolist()
+        for place, height in enumerate(falling):
+            heights[place] = height(*state, *own)[0]
 
-        def motion(_: float, y: Array, rate: Array) -> None:
-            rate[:] = rates(*y.tolist())
-
-        def stop(_: float, y: Array, heights: Array) -> None:
-            state = y.tolist()
-            for place, height in enumerate(falling):
-                heights[place] = height(*state, *own)[0]
-
-        stop.terminal = [True] * len(falling)  # type: ignore[attr-defined]
-        stop.direction = [-1] * len(falling)  # type: ignore[attr-defined]
-        solver = import_module("sksundae.cvode").CVODE(
-            motion, method="Adams", rtol=self.rtol, atol=self.rtol, max_num_steps=100_000,
-            eventsfn=stop, num_events=len(falling),
-        )  # fmt: skip
-        arrived = []
-        for flight in flights:
-            own[:] = flight[problem.state.stop :].tolist()
-            found = solver.solve(flight[:2], flight[problem.state])
-            # It keeps the events of all its solves, the latest last.
-            met = found.status == _ROOT_FOUND
-            place = np.flatnonzero(found.i_events[-1])[0] if met else -1
-            arrived.append((place, found.t[-1], *found.y[-1]))
-        return np.array(arrived)
+    stop.terminal = [True] * len(falling)  # type: ignore[attr-defined]
+    stop.direction = [-1] * len(falling)  # type: ignore[attr-defined]
+    solver = import_module("sksundae.cvode").CVODE(
+        motion, method="Adams", rtol=rtol, atol=rtol, max_num_steps=100_000,
+        eventsfn=stop, num_events=len(falling),
+    )  # fmt: skip
+    arrived = []
+    for flight in flights:
+        own[:] = flight[problem.state.stop :].tolist()
+        found = solver.solve(flight[:2], flight[problem.state])
+        # It keeps the events of all its solves, the latest last.
+        met = found.status == _ROOT_FOUND
+        place = np.flatnonzero(found.i_events[-1])[0] if met else -1
+        arrived.append((place, found.t[-1], *found.y[-1]))
+    return np.array(arrived)
 
 
-@dataclass(frozen=True)
-class Heyoka(Peer):
-    """heyoka's adaptive Taylor integrator: scalar. Tolerance 0 is its default, the rounding."""
+def by_heyoka(tolerance: float, problem: Problem, flights: Array) -> Array:
+    """Fly by heyoka's adaptive Taylor integrator: scalar.
 
-    tolerance: float = 0.0
-
-    def land(self, problem: Problem, flights: Array) -> Array:
-        """Fly one after the other, by one integrator."""
-        integrator = _heyoka(problem, self.tolerance)
-        state, pars, places = integrator.state, integrator.pars, _places(problem)
-        arrived = np.empty((len(flights), problem.state.stop))
-        for flight, end in zip(flights, arrived, strict=True):
-            integrator.time = flight[0]
-            integrator.reset_cooldowns()
-            state[:] = flight[problem.state]
-            pars[:] = flight[problem.state.stop :]
-            end[0] = places.get(int(integrator.propagate_until(flight[1])[0]), -1)
-            end[1], end[2:] = integrator.time, state
-        return arrived
+    Tolerance 0 is its default, the rounding.
+    """
+    integrator = _heyoka(problem, tolerance)
+    state, pars, places = integrator.state, integrator.pars, _places(problem)
+    arrived = np.empty((len(flights), problem.state.stop))
+    for flight, end in zip(flights, arrived, strict=True):
+        integrator.time = flight[0]
+        integrator.reset_cooldowns()
+        state[:] = flight[problem.state]
+        pars[:] = flight[problem.state.stop :]
+        end[0] = places.get(int(integrator.propagate_until(flight[1])[0]), -1)
+        end[1], end[2:] = integrator.time, state
+    return arrived
 
 
-@dataclass(frozen=True)
-class HeyokaBatch(Heyoka):
-    """heyoka's integrator in batch mode: several flights at once, by vector instructions.
+LANES = 16  # of heyoka's batch mode
 
-    A propagation ends when any of its flights meets a terminal event, the others at the end of
-    their step. The next one gives each flight a time limit of its own: to those that have landed
-    the time they have, so that their steps have no length.
+
+def by_heyoka_batch(tolerance: float, problem: Problem, flights: Array) -> Array:
+    """Fly by heyoka's integrator in batch mode: several flights at once, by vector instructions.
+
+    Those of a group are of like duration. A propagation ends when any of them meets a terminal
+    event, the others at the end of their step. The next one gives each flight a time limit of its
+    own: to those that have landed the time they have, so that their steps have no length.
 
     This is the quickest of the ways that were tried from Python; half of its time passes within
     heyoka. Events whose callbacks note the landing and let the flight go on took 1.2 times as long,
     a call for each step 1.8 times, the next flight in the place of each that has landed twice as
     long. Eight and 32 lanes take as long as sixteen within a tenth; four, up to 1.4 times as long.
     """
-
-    lanes: int = 16
-
-    def land(self, problem: Problem, flights: Array) -> Array:
-        """Fly in groups of flights of like duration."""
-        integrator = _heyoka(problem, self.tolerance, self.lanes)
-        state, pars, times = integrator.state, integrator.pars, integrator.time
-        places = _places(problem)
-        flying = int(import_module("heyoka").taylor_outcome.success)
-        order = np.argsort(_duration(problem, flights))
-        groups = _in_groups(flights[order], self.lanes)
-        ends = np.empty((*groups.shape[:2], problem.state.stop))
-        for group, end in zip(groups, ends, strict=True):
-            integrator.set_time(group[:, 0].tolist())
-            integrator.reset_cooldowns()
-            state[:] = group[:, problem.state].T
-            pars[:] = group[:, problem.state.stop :].T
-            met, limits = [flying] * self.lanes, group[:, 1].tolist()
-            while flying in met:
-                still = np.array(met) == flying
-                integrator.propagate_until(np.where(still, limits, times).tolist())
-                ended = [int(found[0]) for found in integrator.propagate_res]
-                met = np.where(still, ended, met).tolist()
-            end[:, 0] = [places.get(outcome, -1) for outcome in met]
-            end[:, 1], end[:, 2:] = times, state.T
-        return ends.reshape(-1, problem.state.stop)[np.argsort(order)]
+    integrator = _heyoka(problem, tolerance, LANES)
+    state, pars, times = integrator.state, integrator.pars, integrator.time
+    places = _places(problem)
+    flying = int(import_module("heyoka").taylor_outcome.success)
+    order = np.argsort(_duration(problem, flights))
+    groups = _in_groups(flights[order], LANES)
+    ends = np.empty((*groups.shape[:2], problem.state.stop))
+    for group, end in zip(groups, ends, strict=True):
+        integrator.set_time(group[:, 0].tolist())
+        integrator.reset_cooldowns()
+        state[:] = group[:, problem.state].T
+        pars[:] = group[:, problem.state.stop :].T
+        met, limits = [flying] * LANES, group[:, 1].tolist()
+        while flying in met:
+            still = np.array(met) == flying
+            integrator.propagate_until(np.where(still, limits, times).tolist())
+            ended = [int(found[0]) for found in integrator.propagate_res]
+            met = np.where(still, ended, met).tolist()
+        end[:, 0] = [places.get(outcome, -1) for outcome in met]
+        end[:, 1], end[:, 2:] = times, state.T
+    return ends.reshape(-1, problem.state.stop)[np.argsort(order)]
 
 
 def _in_groups(flights: Array, size: int) -> Array:
@@ -317,18 +294,11 @@ def _heyoka(problem: Problem, tolerance: float, lanes: int = 0) -> Any:
 LOCKSTEP = 256
 
 
-@dataclass(frozen=True)
-class Diffrax(Peer):
-    """diffrax by one of its solvers: compiled, many flights in lock-step."""
-
-    solver: str
-    rtol: float
-
-    def land(self, problem: Problem, flights: Array) -> Array:
-        """Fly in groups."""
-        fly, groups = _diffrax(self.solver, problem), _in_groups(flights, LOCKSTEP)
-        flown = [np.column_stack(fly(group, self.rtol)) for group in groups]
-        return np.concatenate(flown)[: len(flights)]
+def by_diffrax(solver: str, rtol: float, problem: Problem, flights: Array) -> Array:
+    """Fly by diffrax, by one of its solvers: compiled, many flights in lock-step."""
+    fly, groups = _diffrax(solver, problem), _in_groups(flights, LOCKSTEP)
+    flown = [np.column_stack(fly(group, rtol)) for group in groups]
+    return np.concatenate(flown)[: len(flights)]
 
 
 @cache
