@@ -196,14 +196,8 @@ class Fit:
                 return scene
             if self.form == "default" and not _leaves_out(scene, self.parameter):
                 return scene
-            match self.form:
-                case "fixed" | "default":
-                    new = self.value
-                case "factor":
-                    new = own * self.value
-                case _:
-                    new = own + self.value
-            return with_parameter(scene, self.parameter, new)
+            new = {"factor": own * self.value, "offset": own + self.value}
+            return with_parameter(scene, self.parameter, new.get(self.form, self.value))
 
         return _in_law(self.parameter, change)
 
@@ -481,11 +475,8 @@ def _forms(name: str, values: Array, own: Array, unsaid: bool) -> list[Fit]:
 
 def _difference(form: str, value: float, own: Array) -> float:
     """Return how much a fit differs from what the scenes say, in its own unit."""
-    match form:
-        case "factor":
-            return abs(value - 1.0)
-        case "offset":
-            return abs(value)
+    if form in ("factor", "offset"):
+        return abs(value - (form == "factor"))
     return float(np.abs(value - own).max())
 
 
