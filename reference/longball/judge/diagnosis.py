@@ -219,7 +219,7 @@ class _Search:
         if more := (coarse if self.causes and coarse else unseen):
             self.findings.append(more)
         self.findings.sort(key=lambda f: f.worst < MINOR * largest)
-        rows = _with_facts(self._where_made(rows), facts)
+        rows = _where_made(rows, self.moved, {f.stage for f in self.findings}, facts)
         absent = {_absent(t) for t, cs in checks if t.confused and all(c.follows for c in cs)}
         clean = [r.stage for r in rows if not r.wrong and r.stage not in absent]
         lead = next((r for r in rows if r.wrong and r.worst >= MINOR * largest), None)
@@ -249,21 +249,6 @@ class _Search:
             "can be told; they are among the wrong answers", len(small), len(checks), worst=0.0,
             example=small[0].case.id,
         )  # fmt: skip
-
-    def _where_made(self, rows: Sequence[StageRow]) -> list[StageRow]:
-        """Return the rows with errors of a stage at the one where they are made, if that is known.
-
-        A landing by a wrong clock is on the true path, and not where the ball is at that time.
-        """
-        by_stage = {row.stage: row for row in rows}
-        for stage, made in self.moved.items():
-            if stage in by_stage:
-                row = by_stage[stage]
-                by_stage[made] = row.model_copy(update={"stage": made})
-                if not any(f.stage == stage for f in self.findings):
-                    right = {"wrong": 0, "worst": 0.0, "example": None}
-                    by_stage[stage] = row.model_copy(update=right)
-        return [by_stage[stage] for stage in STAGES if stage in by_stage]
 
     def _sentence(self, first: StageRow | None, clean: Sequence[str]) -> str:
         """Return it all in a sentence."""
@@ -386,7 +371,8 @@ class _Search:
             rounded = bool(self.begun) and _usual(sizes) < FINE
             if rounded:
                 # Beside what is found so little is in its last digits, and no other number.
-                causes = [e for e in causes if _parameter(e.name) in self._numbers()]
+                numbers = {_parameter(f.names[0]) for f in self.findings if f.names}
+                causes = [e for e in causes if _parameter(e.name) in numbers]
             if not causes and not rounded and ENOUGH <= len(plain) < len(wrong):
                 some = self._found(stage, plain, _plain(good), checks, False)
                 causes = [e for e in some if _is_telling(e)]
@@ -430,10 +416,6 @@ class _Search:
             self._accept(best, stage, worst)
         self._followed = None
         return True
-
-    def _numbers(self) -> set[str]:
-        """Return the parameters that a number is found for."""
-        return {_parameter(f.names[0]) for f in self.findings if f.names}
 
     def _is_own(self, wrong: Sequence[Checked], good: Sequence[Checked]) -> bool:
         """Tell whether errors are those of flights with what is found so far in them."""
@@ -675,7 +657,8 @@ class _Search:
                 found += fits.two(stage, together or sought, single)
                 if together and not any(e.named for e in found):
                     # Pitches alone are alike: any two numbers explain them, but not any scheme.
-                    found += (e for e in fits.two(stage, sought, single) if _has_scheme(e))
+                    some = fits.two(stage, sought, single)
+                    found += (e for e in some if e.change and e.change.engine != NONE.engine)
         if stage == "restitution" and not any(e.named for e in found):
             found += fits.one_after_another(stage, sought, found)
         return found
@@ -698,11 +681,6 @@ def _with_name(told: Finding, e: Explanation, **more: Any) -> Finding:
     """Return what is told of a stage with the explanation of its errors."""
     said = {"names": [e.name], "sentence": e.sentence, "remedy": e.remedy, "share": 1 - e.left}
     return told.model_copy(update={"kind": "named", **said, **more})
-
-
-def _has_scheme(e: Explanation) -> bool:
-    """Tell whether an explanation flies in another way than the base."""
-    return e.change is not None and e.change.engine != NONE.engine
 
 
 def _parameter(name: str) -> str:
@@ -740,9 +718,29 @@ def _absent(trial: Trial) -> str | None:
     return None if first.startswith("landing") else stage_of(first)
 
 
-def _with_facts(rows: Sequence[StageRow], facts: Sequence[Finding]) -> list[StageRow]:
-    """Return the rows of stages, with those wrong at which something is told that is not so."""
+def _where_made(
+    rows: Iterable[StageRow], moved: Mapping[str, str], known: Collection[str],
+    facts: Iterable[Finding],
+) -> list[StageRow]:  # fmt: skip
+    """Return the rows of stages with the errors of each at the one where they are made.
+
+    A landing by a wrong clock is on the true path, and not where the ball is at that time. Wrong is
+    also a stage at which something is told, besides numbers, that is not so.
+
+    Parameters
+    ----------
+    moved
+        Stages whose errors are made at another one, and that.
+    known
+        Stages that something is found for.
+    """
     by_stage = {row.stage: row for row in rows}
+    for stage, made in moved.items():
+        if row := by_stage.get(stage):
+            by_stage[made] = row.model_copy(update={"stage": made})
+            if stage not in known:
+                right = {"wrong": 0, "worst": 0.0, "example": None}
+                by_stage[stage] = row.model_copy(update=right)
     for fact in facts:
         row = by_stage.get(fact.stage)
         if row is None and fact.stage in STAGES:

@@ -565,17 +565,6 @@ _VAPOURS: tuple[tuple[str, tuple[float, ...], float, float], ...] = (
 )
 
 
-def _vapours() -> Iterator[Mistake]:
-    for name, starts, a, b in _VAPOURS:
-        for start in starts:
-            yield Mistake(
-                f"vapour-of-{name.split()[0].lower()}-{start:g}-{a:g}",
-                f"takes the vapour pressure by another formula, {start:g} Pa e^({a:g} t/({b:g} + "
-                f"t)) ({name})", _WEATHER,
-                _with_vapour(lambda t, p=start, a=a, b=b: p * math.exp(a * t / (b + t))),  # type: ignore[misc]
-            )  # fmt: skip
-
-
 # Where the density that falls by e in H is 1, as a height of the scene; that of the scale is 0.
 _LEVELS: tuple[tuple[str, str, Callable[[Any], float]], ...] = (
     (
@@ -1040,7 +1029,11 @@ EXTENDED: tuple[Mistake, ...] = (
                      * w.temperature / ZERO_CELSIUS)),
     Mistake("weather-ignored", "has air of 1.2929 kg/m³, whatever the weather", _WEATHER,
             _density(lambda s, w: DRY_DENSITY)),
-    *_vapours(),
+    *(Mistake(f"vapour-of-{name.split()[0].lower()}-{start:g}-{a:g}",
+              f"takes the vapour pressure by another formula, {start:g} Pa e^({a:g} t/({b:g} + t)) "
+              f"({name})", _WEATHER,
+              _with_vapour(lambda t, p=start, a=a, b=b: p * math.exp(a * t / (b + t))))  # type: ignore[misc]
+      for name, starts, a, b in _VAPOURS for start in starts),
     Mistake("barometric-formula", "takes the barometric formula of the standard atmosphere, "
             "p (1 - 2.25577e-5 h)^5.25588, for the park's pressure", _WEATHER,
             _density(lambda s, w: _of_weather(s) if s.reading.pressure == "station" else

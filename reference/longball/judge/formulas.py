@@ -171,19 +171,9 @@ def _printed(e: float, ratio: float) -> float:
     return e * (1 + ratio) + ratio
 
 
-def _read(**switches: str) -> Value:
-    """Return ẽ with some switches of the reading set otherwise."""
-    return lambda v: (v.collision(**switches).restitution,)
-
-
 def _closing(velocity: Value) -> Value:
     """Return the part of a velocity along the normal."""
     return lambda v: (dot(velocity(v), v["contact.normal"]),)
-
-
-def _along(vector: Numbers, normal: Numbers) -> Numbers:
-    part = dot(vector, normal)
-    return tuple(part * n for n in normal)
 
 
 def _push(mass: Number = lambda v: v.mu, e: Number = lambda v: v.restitution) -> Value:
@@ -340,7 +330,8 @@ FORMULAS: tuple[Formula, ...] = (
          _closing(lambda v: plus(v["plate.velocity"], -1.0, v["contact.bat_velocity"])),
          "take it at the contact")),
     Formula("impact.restitution", "plain-restitution", PLAIN, EFFECTIVE, lambda v: (v.e,)),
-    *(Formula("impact.restitution", name, sentence, remedy, _read(**switches))
+    *(Formula("impact.restitution", name, sentence, remedy,
+              lambda v, s=switches: (v.collision(**s).restitution,))
       for name, (sentence, remedy, switches) in _MISREAD.items()),
     *_wrong("impact.restitution", EFFECTIVE,
         ("bat-mass-ratio", "takes the bat's whole mass for M_eff",
@@ -382,7 +373,8 @@ FORMULAS: tuple[Formula, ...] = (
         ("relative-velocity", "starts from Ṽ instead of V",
          lambda v: plus(v.relative, 1 / v.m, v.kick)),
         ("velocity-along-normal", "keeps the velocity along the normal only",
-         lambda v: _along(v["impact.velocity:follows"], v["contact.normal"])),
+         lambda v: tuple(n * dot(v["impact.velocity:follows"], v["contact.normal"])
+                         for n in v["contact.normal"])),
         ("velocity-reversed", "turns the whole velocity round, -ẽ times it",
          lambda v: tuple(-v.restitution * b for b in v.before)),
         ("impulse-along-relative-velocity", "lets the impulse act along the whole relative "

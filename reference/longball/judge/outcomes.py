@@ -215,19 +215,11 @@ def made_otherwise(trial: Trial, change: Change, facts: Mapping[str, object]) ->
 
 # Outcomes that are told by how low a value is, m: its name, up to the sign; its limit; the value.
 LIMITED: dict[str, tuple[str, str, Callable[[Trial], float | None]]] = {
-    "missed": ("contact.margin", "0", lambda t: _first(t, "contact.margin")),
-    "wall": ("fence.clearance", "0", lambda t: _first(t, "fence.clearance")),
-    "beyond_bat": ("|contact.position[1]|", "L/2", lambda t: _from_end(t)),
-}
-
-
-def _first(trial: Trial, quantity: str) -> float | None:
-    return trial.given[quantity][0] if quantity in trial.given else None
-
-
-def _from_end(trial: Trial) -> float | None:
-    place = trial.given.get("contact.position")
-    return None if place is None else -abs(place[1])
+    "missed": ("contact.margin", "0", lambda t: t.given.get("contact.margin", (None,))[0]),
+    "wall": ("fence.clearance", "0", lambda t: t.given.get("fence.clearance", (None,))[0]),
+    "beyond_bat": ("|contact.position[1]|", "L/2", lambda t: (
+        -abs(t.given["contact.position"][1]) if "contact.position" in t.given else None)),
+}  # fmt: skip
 
 
 def _limit(obtained: str, wrong: Sequence[Trial], trials: Sequence[Trial]) -> str:

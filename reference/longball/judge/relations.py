@@ -170,10 +170,8 @@ TURNS = tuple(sorted(_turns(), key=lambda turn: turn[0].count("-")))
 
 def _image_value(quantity: str, image: Image, base: Change) -> Callable[[Trial], Numbers | None]:
     def value(trial: Trial) -> Numbers | None:
-        for check in follow(trial, base):
-            if check.quantity == quantity:
-                return tuple(image(_row(check)).tolist())
-        return None
+        rows = (_row(check) for check in follow(trial, base) if check.quantity == quantity)
+        return next((tuple(image(row).tolist()) for row in rows), None)
 
     return value
 

@@ -74,7 +74,14 @@ class Drawn(Frozen):
         return self.fits and not self.named
 
 
-class Constant(Frozen):
+class _Wrong(Frozen):
+    @property
+    def right(self) -> bool:
+        """Whether it is as it should be, which it is not."""
+        return False
+
+
+class Constant(_Wrong):
     """A number of the at-bats that the paper prints, and that is another one here."""
 
     quantity: str
@@ -83,13 +90,8 @@ class Constant(Frozen):
     named: list[str] = Field(description="the mistake that it is, if it is a known one")
     sentence: str
 
-    @property
-    def right(self) -> bool:
-        """Whether it is the paper's, which it is not."""
-        return False
 
-
-class Dependence(Frozen):
+class Dependence(_Wrong):
     """Random numbers that hang together, or come again."""
 
     quantity: str = Field(description="one, or two that hang together")
@@ -98,11 +100,6 @@ class Dependence(Frozen):
         description="of dependence: a rank correlation times √n; of repeats: their number"
     )
     sentence: str
-
-    @property
-    def right(self) -> bool:
-        """Whether it is as it should be, which it is not."""
-        return False
 
 
 class Sampling(Frozen):

@@ -424,6 +424,8 @@ class _Following:
         KeyError
             If there is neither.
         """
+        if name in ("contact.time", "contact.position") and name not in self.given:
+            _ = self.met
         return self.given.get(name) or self.own[name]
 
     @cached_property
@@ -463,8 +465,6 @@ class _Following:
         if isinstance(self.scene, ImpactScene):
             return self.scene.incoming.velocity
         leg, _ = self.thrown
-        if "contact.time" not in self.given:
-            _ = self.met
         if isinstance(self.change.engine, Verlet):  # that of the step before, as printed
             _ = self.met
             if self.meeting is not None:
@@ -614,11 +614,8 @@ class _Following:
         return plus(contact.spin, -factor, turned)
 
     def _contact_position(self) -> Numbers:
-        if isinstance(self.scene, ImpactScene):
-            return self.scene.incoming.position
-        if "contact.position" not in self.given:
-            _ = self.met
-        return self.has("contact.position")
+        impact = isinstance(self.scene, ImpactScene)
+        return self.scene.incoming.position if impact else self.has("contact.position")
 
     def _launch(self) -> Launch[float]:
         """Return the launch of the batted ball, from the candidate's own values."""
@@ -627,8 +624,6 @@ class _Following:
             spin = None if given.spin is None else _three(given.spin)
             return Launch(given.position, given.velocity, 0.0, 0.0, spin=spin)
         start = _three(self._contact_position())
-        if "contact.time" not in self.given:
-            _ = self.met
         hit = {"impact.velocity", "impact.spin"} & set(self.trial.expected)
         if not hit <= set(self.given):
             list(self._collision(frozenset(STAGES)))
