@@ -52,48 +52,32 @@ LIFTS = ConstantLift, RationalLift, LinearLift, Table
 _IMPULSE = ("impulse", "velocity after", "spin after", "energy", "flight")
 
 # What is fitted, at which stages: the numbers of a scene that the stage depends on.
-PARAMETERS: dict[str, tuple[str, ...]] = {
-    "gravity": _FLIGHT,
-    "air.density": _FLIGHT,
-    "air.drag_coefficient": _FLIGHT,
-    "air.lift_coefficient": _FLIGHT,
-    "launch.speed": ("flight",),
-    "launch.height": ("flight",),
-    "pitch.speed": ("pitch",),
-    "pitch.release[0]": ("pitch",),
-    "pitch.release[1]": ("pitch",),
-    "pitch.release[2]": ("pitch",),
-    "pitch.aim[0]": ("pitch",),
-    "pitch.aim[1]": ("pitch",),
-    "ball.mass": ("pitch", "flight", *COLLISION),
-    "ball.radius": ("pitch", "touching", "flight", "landing"),
-    "ball.restitution": ("restitution", "flight"),
-    "bat.mass": ("restitution", "impulse", "energy"),
-    "bat.length": ("bat velocity", "restitution"),
-    "bat.radius": ("touching", "restitution"),
-    "swing.angular_speed": ("bat velocity",),
-    "swing.tilt": ("bat velocity",),
-    "swing.height_offset": ("touching", "normal"),
-    "ground.height": ("landing",),
-    "spin": (*_FLIGHT, "spin decay", *_IMPULSE),
-    "wind": _FLIGHT,
-    **dict.fromkeys(
-        (
-            *(f"air.density.{key}" for key in Weather.model_fields),
-            *(f"air.{way}_coefficient.{key}" for way, laws in (("drag", DRAGS), ("lift", LIFTS))
-              for law in laws for key in law.model_fields if key not in ("law", "of")),
-            "air.wind[0]", "air.wind[1]", "air.wind[2]", "air.wind.above", "air.wind.height",
-            "air.wind.roughness", "air.density_scale_height", "earth.latitude", "earth.azimuth",
-        ),
-        _FLIGHT,
-    ),
-    "air.spin_decay_length": (*_FLIGHT, "spin decay"),
-    "ball.inertia_factor": _IMPULSE,
-    "bat.friction": _IMPULSE,
-    "bat.tangential_restitution": _IMPULSE,
-    "fence.radius": ("fence",),
-    **dict.fromkeys(OWN, _FLIGHT),
-}  # fmt: skip
+PARAMETERS: dict[str, tuple[str, ...]] = {name: stages for names, stages in (
+    (("gravity", "air.density", "air.drag_coefficient", "air.lift_coefficient"), _FLIGHT),
+    (("launch.speed", "launch.height"), ("flight",)),
+    (("pitch.speed", "pitch.release[0]", "pitch.release[1]", "pitch.release[2]", "pitch.aim[0]",
+      "pitch.aim[1]"), ("pitch",)),
+    (("ball.mass",), ("pitch", "flight", *COLLISION)),
+    (("ball.radius",), ("pitch", "touching", "flight", "landing")),
+    (("ball.restitution",), ("restitution", "flight")),
+    (("bat.mass",), ("restitution", "impulse", "energy")),
+    (("bat.length",), ("bat velocity", "restitution")),
+    (("bat.radius",), ("touching", "restitution")),
+    (("swing.angular_speed", "swing.tilt"), ("bat velocity",)),
+    (("swing.height_offset",), ("touching", "normal")),
+    (("ground.height",), ("landing",)),
+    (("spin",), (*_FLIGHT, "spin decay", *_IMPULSE)),
+    (("wind", *(f"air.density.{key}" for key in Weather.model_fields),
+      *(f"air.{way}_coefficient.{key}" for way, laws in (("drag", DRAGS), ("lift", LIFTS))
+        for law in laws for key in law.model_fields if key not in ("law", "of")),
+      "air.wind[0]", "air.wind[1]", "air.wind[2]", "air.wind.above", "air.wind.height",
+      "air.wind.roughness", "air.density_scale_height", "earth.latitude", "earth.azimuth"),
+     _FLIGHT),
+    (("air.spin_decay_length",), (*_FLIGHT, "spin decay")),
+    (("ball.inertia_factor", "bat.friction", "bat.tangential_restitution"), _IMPULSE),
+    (("fence.radius",), ("fence",)),
+    (tuple(OWN), _FLIGHT),
+) for name in names}  # fmt: skip
 
 # Parameters that stand for a vector's size, or for whichever a scene has.
 _PLACES: dict[str, tuple[str, ...]] = {

@@ -209,14 +209,12 @@ def _by_component(square: Callable[[Any], Any]) -> Change:
 
 def _about(axis: Callable[[Any, Any], Vector[Any]]) -> Change:
     """Return the change of the lift to one about an axis in space, from the scene and the frame."""
-
-    def in_frame(scene: Any, frame: Any) -> tuple[Any, ...]:
-        return tuple(frame.turned(axis(scene, frame)))
-
-    def form(motion: Motion, flow: Flow, p: Any) -> Vector[Any]:
-        return scaled(flow.speed, cross((p.axis_s, p.axis_y, p.axis_z), flow.velocity))
-
-    return _in_air(LIFT, form, (("axis_s", "axis_y", "axis_z"), in_frame))
+    in_frame: More = (
+        ("axis_s", "axis_y", "axis_z"),
+        lambda scene, frame: tuple(frame.turned(axis(scene, frame))),
+    )
+    return _in_air(LIFT, lambda m, flow, p: scaled(
+        flow.speed, cross((p.axis_s, p.axis_y, p.axis_z), flow.velocity)), in_frame)  # fmt: skip
 
 
 def _is_batted(scene: Any, frame: Any) -> bool:
@@ -255,12 +253,8 @@ def _drag(factor: Callable[[Motion, Any], Any], more: More = ((), lambda *_: ())
 
 def _vertical_drag(vertical: Callable[[Any], Any]) -> Change:
     """Return the change of the drag's vertical component to ``-k V vertical(w)``."""
-
-    def form(motion: Motion, flow: Flow, p: Any) -> Vector[Any]:
-        u, v, w = flow.velocity
-        return scaled(-flow.speed, (u, v, vertical(w)))
-
-    return _in_air(DRAG, form)
+    return _in_air(DRAG, lambda m, flow, p: scaled(
+        -flow.speed, (*flow.velocity[:2], vertical(flow.velocity[2]))))  # fmt: skip
 
 
 def _lift(direction: Callable[[Any, Any, Any], Vector[Any]]) -> Change:
