@@ -64,13 +64,7 @@ UNKNOWN_SENSITIVITY = 1e3 * 2.0**-53
 
 @dataclass(frozen=True)
 class Known:
-    """A scene with a result that is taken for true, and its sensitivity for `UNKNOWN_SENSITIVITY`.
-
-    Attributes
-    ----------
-    scene, expected, family, flags
-        See `Case`.
-    """
+    """A `Case` of a result that is taken for true, and a sensitivity of `UNKNOWN_SENSITIVITY`."""
 
     scene: Scene
     expected: Result

@@ -303,27 +303,20 @@ class _Search:
 
     def _rewrite(self, first: str | None, rows: Sequence[StageRow]) -> None:
         """Read the output as it is meant, if all of it is written otherwise."""
-        meant = relations.conventions(self.trials)
-        if meant is None or meant.mend is None:
-            return
-        stage = first or stage_of(meant.quantity or "landing")
-        wrong = max((r.wrong for r in rows if r.stage == stage), default=len(self.trials))
-        checked = max((r.checked for r in rows if r.stage == stage), default=wrong)
-        told = found(stage, "", wrong, checked)
-        self.findings.append(_with_name(told, meant, quantity=meant.quantity or ""))
-        self.begun[stage] = 1.0
-        self.trials, self._followed = [meant.mend(t) for t in self.trials], None
+        if meant := relations.conventions(self.trials):
+            stage = first or stage_of(meant.quantity or "landing")
+            wrong = max((r.wrong for r in rows if r.stage == stage), default=len(self.trials))
+            checked = max((r.checked for r in rows if r.stage == stage), default=wrong)
+            self._read(self.trials, meant, found(stage, "", wrong, checked))
 
-    def _rewrite_some(self, wrong: Collection[int], told: Finding) -> bool:
-        """Read the output of some trials as it is meant, if theirs is written otherwise."""
-        meant = relations.conventions([t for t in self.trials if id(t) in wrong])
-        if meant is None or meant.mend is None or not meant.named:
-            return False
+    def _read(self, some: Sequence[Trial], meant: Explanation, told: Finding) -> None:
+        """Read the output of some trials as it is meant."""
+        assert meant.mend is not None
         self.findings.append(_with_name(told, meant, quantity=meant.quantity))
         self.begun.setdefault(told.stage, 1.0)
-        self.trials = [meant.mend(t) if id(t) in wrong else t for t in self.trials]
+        mended = {id(t): meant.mend(t) for t in some}
+        self.trials = [mended.get(id(t), t) for t in self.trials]
         self._followed = None
-        return True
 
     def _explain(self, stage: str, checks: Sequence[Checked]) -> bool:
         """Explain what does not follow at a stage; tell whether there may be more."""
@@ -360,8 +353,12 @@ class _Search:
         few = len(wrong) < max(ENOUGH, (len(wrong) + len(good)) / ONE_IN)
         inherited = few and all(t.case.id in left for t, _ in wrong)
         searched = self.causes and not (little or stepped or inherited)
-        if searched and scenes and self._rewrite_some({id(t) for t, _ in wrong}, told):
-            return True
+        if searched and scenes:
+            failing = {id(t) for t, _ in wrong}
+            some = [t for t in self.trials if id(t) in failing]
+            if (meant := relations.conventions(some)) and meant.named:
+                self._read(some, meant, told)
+                return True
         plain = _plain(wrong)
         of_most = rounded = False
         if searched and self.single and worst < relations.SINGLE_NOISE:
@@ -374,8 +371,8 @@ class _Search:
                 numbers = {_parameter(f.names[0]) for f in self.findings if f.names}
                 causes = [e for e in causes if _parameter(e.name) in numbers]
             if not causes and not rounded and ENOUGH <= len(plain) < len(wrong):
-                some = self._found(stage, plain, _plain(good), checks, False)
-                causes = [e for e in some if _is_telling(e)]
+                of_plain = self._found(stage, plain, _plain(good), checks, False)
+                causes = [e for e in of_plain if _is_telling(e)]
                 of_most = bool(causes)
         if not causes:
             if searched and stage in ("pitch", "flight"):
