@@ -350,7 +350,7 @@ def _rounded_to(times: Array, clock: Array) -> int:
 
 def on_chords(few: Sought, base: Change, dt: float | None) -> Iterator[Explanation]:
     """Yield events that lie on the straight line between two steps on the true path."""
-    places = [p for t in few.trials if (p := placed(t, base, few.stages[0]))]
+    places = [p for t in few.trials if (p := placed(t, base, few.stage))]
     whole = [p.moved for p in places]
     if not any(whole) or max(p.off for p in places) > 1:
         return
@@ -365,7 +365,7 @@ def on_chords(few: Sought, base: Change, dt: float | None) -> Iterator[Explanati
         f"{best:.4g} s; the steps themselves are on the true path",
         "step onto the surface, or interpolate with the velocities (Hermite)", share, 0.9,
         Change(engine=FixedStep(dt=best, scheme="chords")), step=best,
-        stage="plate" if few.stages[0] == "pitch" else "landing",
+        stage="plate" if few.stage == "pitch" else "landing",
     )  # fmt: skip
 
 

@@ -621,7 +621,7 @@ class _Search:
             return found
         together = self._with_flights(wrong, right, checks) if stage == "pitch" else None
         if max(size_of(c) for _, cs in wrong for c in cs if not c.follows) < FINE:
-            return _fine(stage, [together, sought] if together else [sought])
+            return _fine([together, sought] if together else [sought])
         found = [
             *relations.relations(chosen, beside, self.base),
             *relations.formulas(chosen, beside, self.base),
@@ -636,10 +636,10 @@ class _Search:
         if stage not in COLLISION and any(e.named for e in found):
             return found
         if together:
-            found += fits.parts(stage, together)
+            found += fits.parts(together)
             if any(e.named for e in found):
                 return found
-        found += fits.parts(stage, sought)
+        found += fits.parts(sought)
         if stage in ("pitch", "flight"):
             found += clocks.clocks(stage, chosen, self.base)
             if not any(e.named for e in found) and self.scheme is None and not self.stepless:
@@ -651,13 +651,13 @@ class _Search:
                 self.stepless = not any(e.named for e in found)
             if not any(e.named for e in found):
                 single = list({e.name: e for e in found}.values())
-                found += fits.two(stage, together or sought, single)
+                found += fits.two(together or sought, single)
                 if together and not any(e.named for e in found):
                     # Pitches alone are alike: any two numbers explain them, but not any scheme.
-                    some = fits.two(stage, sought, single)
+                    some = fits.two(sought, single)
                     found += (e for e in some if e.change and e.change.engine != NONE.engine)
         if stage == "restitution" and not any(e.named for e in found):
-            found += fits.one_after_another(stage, sought, found)
+            found += fits.one_after_another(sought, found)
         return found
 
     def _with_flights(
@@ -695,11 +695,11 @@ def _known(check: Check) -> bool:
     return all(map(math.isfinite, check.expected))
 
 
-def _fine(stage: str, sought: Iterable[Sought]) -> list[Explanation]:
+def _fine(sought: Iterable[Sought]) -> list[Explanation]:
     """Return the numbers, one or two, that may be behind errors that are mostly an integrator's."""
     found: list[Explanation] = []
     for some in sought:
-        for way in (fits.fitted(stage, some), fits.pairs(stage, some, ())):
+        for way in (fits.fitted(some), fits.pairs(some, ())):
             found += way
             if any(e.named for e in found):
                 return found

@@ -218,7 +218,7 @@ class Sought:
     trials, beside
         Those that fail, and some that do not: nothing may be explained that is not there.
     stages
-        Whose errors are looked at.
+        Whose errors are looked at; the first is the one that is to be explained.
     base
         The chain as far as it is explained.
     """
@@ -233,6 +233,7 @@ class Sought:
     ) -> None:
         self.trials, self.beside = list(trials), list(beside)
         self.stages, self.base, self.work = stages, base, work
+        self.stage = stages[0]
         self._known: dict[tuple[int, Change], Array] = {}
 
     def rows(self, change: Change) -> list[Array]:
