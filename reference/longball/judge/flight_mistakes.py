@@ -330,10 +330,12 @@ _PAPERS_LAW: tuple[Mistake, ...] = (
             "V is the whole speed", _drag(lambda m, p: size((*m.air.velocity[:2], trace.ZERO)))),
     Mistake("drag-without-side-speed", "leaves v_y, the speed across the field, out of V in the "
             "drag", "V is the whole speed",
-            _drag(lambda m, p: size(_in_space(m.air, p)[::2]), _AXES)),  # type: ignore[arg-type]
+            _in_air(DRAG, lambda m, flow, p: scaled(
+                -size(_in_space(flow, p)[::2]), flow.velocity), _AXES)),  # type: ignore[arg-type]
     Mistake("drag-with-summed-speed", "takes the sum of the components' sizes for V in the drag",
             "V is the root of the sum of their squares",
-            _drag(lambda m, p: trace.total(map(_size, _in_space(m.air, p))), _AXES)),
+            _in_air(DRAG, lambda m, flow, p: scaled(
+                -trace.total(map(_size, _in_space(flow, p))), flow.velocity), _AXES)),
     Mistake("drag-rising-only", "drags the ball on its way up only",
             "the drag acts on the way down too", _drag(lambda m, p: m.speed * _rising(m)), True),
     Mistake("density-falls", "lets the air grow thinner with height",
@@ -1000,7 +1002,7 @@ EXTENDED: tuple[Mistake, ...] = (
             _density(lambda s, w: _of_weather(s, temperature=w.temperature + ZERO_CELSIUS))),
     Mistake("celsius-in-gas-law", "divides by the temperature in °C", _WEATHER,
             _density(lambda s, w: (
-                _of_weather(s) * w.temperature / (w.temperature - ZERO_CELSIUS)))),
+                _of_weather(s) * (w.temperature / (w.temperature - ZERO_CELSIUS))))),
     Mistake("kelvin-in-vapour", "takes the vapour pressure at the temperature in K", _WEATHER,
             _density(_vapour_of_kelvin)),
     Mistake("humidity-per-cent", "takes the humidity for per cent", _WEATHER,
@@ -1017,10 +1019,10 @@ EXTENDED: tuple[Mistake, ...] = (
             reading_change(pressure="sea_level")),
     Mistake("vapour-lowered", "lowers the vapour's pressure by the elevation, as the air's",
             _WEATHER, _density(lambda s, w: (
-                _of_weather(s, elevation=0.0) * station_pressure(s, DOUBLES) / w.pressure))),
+                _of_weather(s, elevation=0.0) * (station_pressure(s, DOUBLES) / w.pressure)))),
     Mistake("zero-at-273", "takes 273 K for 0 °C", _WEATHER,
-            _density(lambda s, w: _of_weather(s) * 273.0 / (w.temperature - ZERO_CELSIUS + 273.0)
-                     * w.temperature / ZERO_CELSIUS)),
+            _density(lambda s, w: _of_weather(s) * (
+                273.0 / (w.temperature - ZERO_CELSIUS + 273.0) * w.temperature / ZERO_CELSIUS))),
     Mistake("weather-ignored", "has air of 1.2929 kg/m³, whatever the weather", _WEATHER,
             _density(lambda s, w: DRY_DENSITY)),
     *(Mistake(f"vapour-of-{name.split()[0].lower()}-{start:g}-{a:g}",
