@@ -207,6 +207,10 @@ def _by_component(square: Callable[[Any], Any]) -> Change:
     return _in_air(DRAG, form, _AXES)
 
 
+def _of_two(x: Any, y: Any) -> Any:
+    return trace.sqrt(x * x + y * y)
+
+
 def _about(axis: Callable[[Any, Any], Vector[Any]]) -> Change:
     """Return the change of the lift to one about an axis in space, from the scene and the frame."""
     in_frame: More = (
@@ -327,11 +331,11 @@ _PAPERS_LAW: tuple[Mistake, ...] = (
             "the drag is -k V v with the present speed V",
             _drag(lambda m, p: p.launch_speed, _LAUNCH)),
     Mistake("drag-with-horizontal-speed", "takes the horizontal speed for V in the drag",
-            "V is the whole speed", _drag(lambda m, p: size((*m.air.velocity[:2], trace.ZERO)))),
+            "V is the whole speed", _drag(lambda m, p: _of_two(*m.air.velocity[:2]))),
     Mistake("drag-without-side-speed", "leaves v_y, the speed across the field, out of V in the "
             "drag", "V is the whole speed",
             _in_air(DRAG, lambda m, flow, p: scaled(
-                -size(_in_space(flow, p)[::2]), flow.velocity), _AXES)),  # type: ignore[arg-type]
+                -_of_two(*_in_space(flow, p)[::2]), flow.velocity), _AXES)),
     Mistake("drag-with-summed-speed", "takes the sum of the components' sizes for V in the drag",
             "V is the root of the sum of their squares",
             _in_air(DRAG, lambda m, flow, p: scaled(
