@@ -140,15 +140,6 @@ class Sample:
     error: str | None = None
 
 
-def sample_of(result: Result) -> Sample:
-    """Return a result as a sample."""
-    values: dict[str, list[Any]] = {}
-    for name, number in numbers(result):
-        values.setdefault(name.partition("[")[0], []).append(number)
-        values[name] = [number] if "[" in name else values[name]
-    return Sample(result.id, result.outcome, values, result.engine, result.error)
-
-
 def converge(
     run: Callable[[float], Sequence[Any]],
     scenes: Sequence[Scene],
@@ -259,11 +250,15 @@ def _first_and_last_event(results: Sequence[Sample]) -> tuple[float, float]:
 def _as_sample(result: Any) -> Sample:
     """Return a `Sample`, a `Result`, or a `longball.Solution` as a sample."""
     result = getattr(result, "result", result)
-    if isinstance(result, Result):
-        return sample_of(result)
-    if not isinstance(result, Sample):
+    if isinstance(result, Sample):
+        return result
+    if not isinstance(result, Result):
         raise TypeError(f"a result is needed; not an object of type {type(result).__name__}")
-    return result
+    values: dict[str, list[Any]] = {}
+    for name, number in numbers(result):
+        values.setdefault(name.partition("[")[0], []).append(number)
+        values[name] = [number] if "[" in name else values[name]
+    return Sample(result.id, result.outcome, values, result.engine, result.error)
 
 
 def _in_order(results: Sequence[Any], ids: Sequence[str]) -> list[Sample]:

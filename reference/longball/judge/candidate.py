@@ -202,7 +202,8 @@ class _Session:
                 f"it closed its output, but did not end within {self.limits.scene_seconds:g} s"
             )
         elif self.status < 0:
-            self._report(f"it was ended by signal {_signal_name(-self.status)}")
+            names = {s.value: s.name for s in signal.Signals}
+            self._report(f"it was ended by signal {names.get(-self.status, -self.status)}")
         elif self._missing():
             early = " before it had read all scenes" if self.input_closed else ""
             self._report(f"it ended with status {self.status}{early}")
@@ -296,13 +297,6 @@ class _Session:
         self._report(f"{why}, and was stopped")
 
 
-def _signal_name(number: int) -> str:
-    try:
-        return signal.Signals(number).name
-    except ValueError:
-        return str(number)
-
-
 # --- lines ----------------------------------------------------------------------------------------
 
 
@@ -362,7 +356,8 @@ def kill_marked(mark: str) -> None:
     needle = f"{MARK}={mark}".encode()
     # Again until none is found: one may have started while we looked.
     for _ in range(10):
-        found = [pid for pid in _processes() if needle in _environment(pid)]
+        entries = Path("/proc").glob("[0-9]*")
+        found = [int(entry.name) for entry in entries if needle in _environment(entry)]
         for pid in found:
             with suppress(ProcessLookupError, PermissionError):
                 os.kill(pid, signal.SIGKILL)
@@ -371,13 +366,8 @@ def kill_marked(mark: str) -> None:
         time.sleep(0.01)
 
 
-def _processes() -> list[int]:
-    proc = Path("/proc")
-    return [int(entry.name) for entry in proc.glob("[0-9]*")] if proc.is_dir() else []
-
-
-def _environment(pid: int) -> list[bytes]:
+def _environment(process: Path) -> list[bytes]:
     try:
-        return Path(f"/proc/{pid}/environ").read_bytes().split(b"\0")
+        return (process / "environ").read_bytes().split(b"\0")
     except OSError:  # gone, or somebody else's
         return []

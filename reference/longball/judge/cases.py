@@ -64,13 +64,7 @@ UNKNOWN_SENSITIVITY = 1e3 * 2.0**-53
 
 @dataclass(frozen=True)
 class Known:
-    """A scene with a result that is taken for true, and its sensitivity for `UNKNOWN_SENSITIVITY`.
-
-    Attributes
-    ----------
-    scene, expected, family, flags
-        See `Case`.
-    """
+    """A `Case` of a result that is taken for true, and a sensitivity of `UNKNOWN_SENSITIVITY`."""
 
     scene: Scene
     expected: Result
@@ -215,13 +209,14 @@ class Exact(Profile):
     """As good as double precision can be: within `SLACK` attainable errors."""
 
     name = "exact"
+    error = 0.0  # what passes in any case
 
     def __str__(self) -> str:
         return f"exact: within {SLACK:g} times the error that double precision cannot avoid"
 
     def told_of(self, cases: Sequence[Case]) -> str:
         """Return the rule in words; see `Profile.told_of`."""
-        if not all(isinstance(case, Known) for case in cases) or not cases:
+        if self.error or not all(isinstance(case, Known) for case in cases) or not cases:
             return str(self)
         return (
             f"exact: within {self.allowed(0.0):.0e} of a quantity, since nothing is known of how "
@@ -230,15 +225,16 @@ class Exact(Profile):
 
     def tolerance(self, case: Case, quantity: str, expected: Value) -> float:
         """Return the largest error that passes; see `Profile.tolerance`."""
-        return SLACK * attainable(case, quantity) + length(radius_of(case.expected, quantity))
+        proven = length(radius_of(case.expected, quantity))
+        return max(self.error, SLACK * attainable(case, quantity) + proven)
 
     def allowed(self, size: float) -> float:
         """Return what passes for a value of that size; see `Profile.allowed`."""
-        return SLACK * UNKNOWN_SENSITIVITY * max(1.0, size)
+        return max(self.error, SLACK * UNKNOWN_SENSITIVITY * max(1.0, size))
 
 
 @dataclass(frozen=True)
-class Converged(Profile):
+class Converged(Exact):
     """An error below a number, or within what `Exact` allows where that is more.
 
     Attributes
@@ -256,14 +252,6 @@ class Converged(Profile):
 
     def __str__(self) -> str:
         return f"converged: within {self.error:g} (m, s, m/s, J), or what double precision can do"
-
-    def tolerance(self, case: Case, quantity: str, expected: Value) -> float:
-        """Return the largest error that passes; see `Profile.tolerance`."""
-        return max(self.error, Exact().tolerance(case, quantity, expected))
-
-    def allowed(self, size: float) -> float:
-        """Return what passes for a value of that size; see `Profile.allowed`."""
-        return max(self.error, Exact().allowed(size))
 
 
 # Between what the rounding of a hundred steps can do, amplified by bat and ball a thousand times

@@ -8,15 +8,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
 from decimal import Decimal
-from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from longball.engines.fence import chords
-from longball.judge.explanations import Checked, Explanation, Sought, share_left, size_of
+from longball.judge.explanations import Checked, Explanation, Sought, share_by, share_left, size_of
 from longball.judge.findings import many
 from longball.judge.fits import Fit, meaning, roundest, told
 from longball.judge.relations import DOUBLES as ALL_DIGITS
@@ -25,6 +23,7 @@ from longball.judge.stages import (
     CLOSE,
     ENOUGH,
     Change,
+    Check,
     Placed,
     Trial,
     along_chord,
@@ -112,14 +111,14 @@ def ends(
     if stage == "landing" and all(map(_stays, (t for t, _ in chosen))):
         yield Explanation(
             "landing-is-launch", "gives the launch as the landing", "look for the ground behind "
-            "the launch, and say airborne where it is not reached", 0.0, 0, quantity=event,
+            "the launch, and say airborne where it is not reached", quantity=event,
         )  # fmt: skip
     elif stage == "landing" and all(
         t.given.get("fence.position") == t.given["landing.position"] for t, _ in chosen
     ):
         yield Explanation(
             "landing-at-fence", "gives the place where the ball crosses the fence for the landing",
-            "let the ball fly on to the ground", 0.0, 0, quantity=event,
+            "let the ball fly on to the ground", quantity=event,
         )  # fmt: skip
     elif stage == "landing":
         grounded = [t for t in trials if "landing.position" in t.given and _lands(t)]
@@ -132,7 +131,7 @@ def ends(
             if heights.any() and np.allclose(offs, heights, rtol=1e-6, atol=1e-9):
                 if right:  # it is not always so
                     sentence = f"{sentence.partition(', whatever')[0]}, {_where(chosen, right)}"
-                yield Explanation(name, sentence, remedy, 0.0, 0, quantity=event)
+                yield Explanation(name, sentence, remedy, quantity=event)
         yield from _scaled_ground(chosen, trials, event)
     low, high = float(offs.min()), float(offs.max())
     surface = "the ground" if stage == "landing" else "the plate"
@@ -176,7 +175,7 @@ def touchings(wrong: Sequence[Checked], base: Change) -> Iterator[Explanation]:
         ways.append(((x, y, z - height), scene.ball.radius + scene.bat.radius))
     for name, sentence, remedy, off in _CONTACTS:
         if all(abs(off(way, reach)) <= 1e-7 * reach for way, reach in ways):
-            yield Explanation(name, sentence, remedy, 0.0, 0)
+            yield Explanation(name, sentence, remedy)
 
 
 def fences(wrong: Sequence[Checked], base: Change) -> Iterator[Explanation]:
@@ -186,13 +185,12 @@ def fences(wrong: Sequence[Checked], base: Change) -> Iterator[Explanation]:
         time, begin = trial.given.get("fence.time"), trial.given.get("contact.time")
         if time is None or begin is None:
             return trial
-        return replace(trial, given={**trial.given, "fence.time": (time[0] + begin[0],)})
+        return trial.saying({"fence.time": (time[0] + begin[0],)})
 
-    wholes = [sum(map(size_of, cs)) for _, cs in wrong]
-    lefts = [sum(map(size_of, follow(mend(t), base, ("fence",)))) for t, _ in wrong]
+    left = share_by(wrong, lambda t, _: sum(map(size_of, follow(mend(t), base, ("fence",)))))
     yield Explanation(
         "fence-time-since-contact", "counts fence.time from the contact",
-        "fence.time is since the start of the scene", share_left(lefts, wholes), 0, mend=mend,
+        "fence.time is since the start of the scene", left, mend=mend,
     )  # fmt: skip
     places = [(t, t.given.get("fence.position")) for t, _ in wrong]
     if len(places) >= FEWEST_PLACES and all(
@@ -200,7 +198,7 @@ def fences(wrong: Sequence[Checked], base: Change) -> Iterator[Explanation]:
     ):
         yield Explanation(
             "fence-without-ends", "takes the chords of the fence for lines without ends",
-            "the ball passes a chord between its two vertices", 0.0, 0,
+            "the ball passes a chord between its two vertices",
         )  # fmt: skip
 
 
@@ -231,7 +229,7 @@ def _scaled_ground(
     fit = Fit("ground.height", "factor", factor, 0.0, varies=True)
     yield Explanation(
         fit.name, f"lands at {factor:.9g} times ground.height{meaning(fit)}",
-        "the ball lands at ground.height, in metres", 0.0, 0, fit.change, quantity=event,
+        "the ball lands at ground.height, in metres", change=fit.change, quantity=event,
     )  # fmt: skip
 
 
@@ -296,17 +294,20 @@ def clocks(stage: str, chosen: Sequence[Checked], base: Change) -> Iterator[Expl
         name: str, sentence: str, right: Callable[[Trial, float], float], rank: float,
         remedy: str | None = None, step: float | None = None,
     ) -> Explanation:  # fmt: skip
-        mend = partial(_with_times, stage, right)
-        wholes = [sum(map(size_of, cs)) for _, cs in chosen]
-        lefts = [
-            sum(size_of(c) for c in follow(mend(t), base, (stage,)) if c.quantity in known)
-            for t, cs in chosen
-            for known in [{c.quantity for c in cs}]
-        ]
-        left = share_left(lefts, wholes)
+        def mend(trial: Trial) -> Trial:
+            names = ("plate.time",) if stage == "pitch" else ("landing.time", "landing.hang_time")
+            times = {n: trial.given[n][0] for n in names if n in trial.given}
+            return trial.saying({n: (right(trial, time),) for n, time in times.items()})
+
+        def left(trial: Trial, checks: Sequence[Check]) -> float:
+            known = {c.quantity for c in checks}
+            mended = follow(mend(trial), base, (stage,))
+            return sum(size_of(c) for c in mended if c.quantity in known)
+
         return Explanation(
-            name, on_path + sentence, remedy, left, rank, mend=mend, step=step, stage="time"
-        )
+            name, on_path + sentence, remedy, share_by(chosen, left), rank, mend=mend, step=step,
+            stage="time",
+        )  # fmt: skip
 
     if doubt < 1e-3 * abs(middle):
         yield told_of(
@@ -344,19 +345,12 @@ def _rounded_to(times: Array, clock: Array) -> int:
     return decimals if near and 0 < decimals <= FEW_DECIMALS else 0
 
 
-def _with_times(stage: str, right: Callable[[Trial, float], float], trial: Trial) -> Trial:
-    """Return a trial with other times of a stage."""
-    names = ("plate.time",) if stage == "pitch" else ("landing.time", "landing.hang_time")
-    times = {n: (right(trial, trial.given[n][0]),) for n in names if n in trial.given}
-    return replace(trial, given={**trial.given, **times})
-
-
 # --- events between two steps ---------------------------------------------------------------------
 
 
 def on_chords(few: Sought, base: Change, dt: float | None) -> Iterator[Explanation]:
     """Yield events that lie on the straight line between two steps on the true path."""
-    places = [p for t in few.trials if (p := placed(t, base, few.stages[0]))]
+    places = [p for t in few.trials if (p := placed(t, base, few.stage))]
     whole = [p.moved for p in places]
     if not any(whole) or max(p.off for p in places) > 1:
         return
@@ -371,7 +365,7 @@ def on_chords(few: Sought, base: Change, dt: float | None) -> Iterator[Explanati
         f"{best:.4g} s; the steps themselves are on the true path",
         "step onto the surface, or interpolate with the velocities (Hermite)", share, 0.9,
         Change(engine=FixedStep(dt=best, scheme="chords")), step=best,
-        stage="plate" if few.stages[0] == "pitch" else "landing",
+        stage="plate" if few.stage == "pitch" else "landing",
     )  # fmt: skip
 
 

@@ -17,13 +17,14 @@ from collections import defaultdict
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from statistics import median
+from typing import Any
 
 import numpy as np
 
 from longball.engines.verlet import Verlet
+from longball.judge import clocks, fits, outcomes, relations
 from longball.judge.answers import Answer
 from longball.judge.cases import FRAGILE, Case, decidable
-from longball.judge.clocks import clocks, ends, fences, grid, on_chords, touchings
 from longball.judge.explanations import (
     ALIKE,
     IN_A_SCENE,
@@ -39,30 +40,7 @@ from longball.judge.explanations import (
     told_together,
 )
 from longball.judge.findings import Diagnosis, Finding, StageRow, found, many
-from longball.judge.fits import (
-    factor_meaning,
-    fitted,
-    is_odd,
-    one_after_another,
-    pairs,
-    parts,
-    scene_by_scene,
-    two,
-)
-from longball.judge.outcomes import made_otherwise, outcome_findings, told_findings
 from longball.judge.quantities import superfluous, untrue
-from longball.judge.relations import (
-    SINGLE,
-    SINGLE_NOISE,
-    conventions,
-    few_digits,
-    formulas,
-    in_single_precision,
-    relations,
-    resolutions,
-    shifted,
-    singles,
-)
 from longball.judge.rules import rule
 from longball.judge.stages import (
     COLLISION,
@@ -156,12 +134,12 @@ def diagnose(
         # Either outcome of a fragile case may be right.
         and (FRAGILE not in case.flags or answer.outcome in (None, case.expected.outcome))
     ]
-    if other := shifted(trials):
+    if other := relations.shifted(trials):
         return Diagnosis(sentence=other.sentence, first=None, stages=[], clean=[], findings=[other])
     if 2 * sum(t.resolution > 0 or t.share > 0 for t in trials) <= len(trials):
         # A few answers have short numbers by chance, such as those of the scene.
         trials = [replace(t, resolution=0.0, share=0.0) for t in trials]
-    single = in_single_precision(answers.values())
+    single = relations.in_single_precision(answers.values())
     unread = sum(bool(answer.unreadable) for answer in answers.values())
     base = NONE if scheme is None else Change(engine=scheme, push=True)
     return _Search(trials, dt, scheme, causes, single, unread, frozenset(wrong), base).diagnosis()
@@ -218,7 +196,7 @@ class _Search:
     _followed: list[Checked] | None = None
 
     def diagnosis(self) -> Diagnosis:
-        checks, coarse = self._follow(), few_digits(self.trials)
+        checks, coarse = self._follow(), relations.few_digits(self.trials)
         rows = [row for stage in STAGES if (row := _row(stage, checks))]
         self.thrown = {
             t.case.id for t, cs in checks if any(c.stage == "pitch" and not c.follows for c in cs)
@@ -232,8 +210,8 @@ class _Search:
             for _ in range(ROUNDS):
                 if not self._explain(stage, self._follow()):
                     break
-        self.findings += outcome_findings(self.trials, self.base, self.findings)
-        facts = list(told_findings(self.trials, self.base))
+        self.findings += outcomes.outcome_findings(self.trials, self.base, self.findings)
+        facts = list(outcomes.told_findings(self.trials, self.base))
         self.findings += facts
         named = any(f.names for f in self.findings)
         if unseen and named and unseen.wrong <= FEW_UNSEEN * len(self.wrong):
@@ -241,7 +219,7 @@ class _Search:
         if more := (coarse if self.causes and coarse else unseen):
             self.findings.append(more)
         self.findings.sort(key=lambda f: f.worst < MINOR * largest)
-        rows = _with_facts(self._where_made(rows), facts)
+        rows = _where_made(rows, self.moved, {f.stage for f in self.findings}, facts)
         absent = {_absent(t) for t, cs in checks if t.confused and all(c.follows for c in cs)}
         clean = [r.stage for r in rows if not r.wrong and r.stage not in absent]
         lead = next((r for r in rows if r.wrong and r.worst >= MINOR * largest), None)
@@ -271,21 +249,6 @@ class _Search:
             "can be told; they are among the wrong answers", len(small), len(checks), worst=0.0,
             example=small[0].case.id,
         )  # fmt: skip
-
-    def _where_made(self, rows: Sequence[StageRow]) -> list[StageRow]:
-        """Return the rows with errors of a stage at the one where they are made, if that is known.
-
-        A landing by a wrong clock is on the true path, and not where the ball is at that time.
-        """
-        by_stage = {row.stage: row for row in rows}
-        for stage, made in self.moved.items():
-            if stage in by_stage:
-                row = by_stage[stage]
-                by_stage[made] = row.model_copy(update={"stage": made})
-                if not any(f.stage == stage for f in self.findings):
-                    right = {"wrong": 0, "worst": 0.0, "example": None}
-                    by_stage[stage] = row.model_copy(update=right)
-        return [by_stage[stage] for stage in STAGES if stage in by_stage]
 
     def _sentence(self, first: StageRow | None, clean: Sequence[str]) -> str:
         """Return it all in a sentence."""
@@ -340,35 +303,20 @@ class _Search:
 
     def _rewrite(self, first: str | None, rows: Sequence[StageRow]) -> None:
         """Read the output as it is meant, if all of it is written otherwise."""
-        meant = conventions(self.trials)
-        if meant is None or meant.mend is None:
-            return
-        stage = first or stage_of(meant.quantity or "landing")
-        wrong = max((r.wrong for r in rows if r.stage == stage), default=len(self.trials))
-        checked = max((r.checked for r in rows if r.stage == stage), default=wrong)
-        self.findings.append(
-            found(
-                stage, meant.sentence, wrong, checked, [meant.name], remedy=meant.remedy,
-                quantity=meant.quantity or "", share=1 - meant.left,
-            )
-        )  # fmt: skip
-        self.begun[stage] = 1.0
-        self.trials, self._followed = [meant.mend(t) for t in self.trials], None
+        if meant := relations.conventions(self.trials):
+            stage = first or stage_of(meant.quantity or "landing")
+            wrong = max((r.wrong for r in rows if r.stage == stage), default=len(self.trials))
+            checked = max((r.checked for r in rows if r.stage == stage), default=wrong)
+            self._read(self.trials, meant, found(stage, "", wrong, checked))
 
-    def _rewrite_some(self, wrong: Collection[int], told: Finding) -> bool:
-        """Read the output of some trials as it is meant, if theirs is written otherwise."""
-        meant = conventions([t for t in self.trials if id(t) in wrong])
-        if meant is None or meant.mend is None or not meant.named:
-            return False
-        said = {
-            "kind": "named", "names": [meant.name], "sentence": meant.sentence,
-            "remedy": meant.remedy, "quantity": meant.quantity, "share": 1 - meant.left,
-        }  # fmt: skip
-        self.findings.append(told.model_copy(update=said))
+    def _read(self, some: Sequence[Trial], meant: Explanation, told: Finding) -> None:
+        """Read the output of some trials as it is meant."""
+        assert meant.mend is not None
+        self.findings.append(_with_name(told, meant, quantity=meant.quantity))
         self.begun.setdefault(told.stage, 1.0)
-        self.trials = [meant.mend(t) if id(t) in wrong else t for t in self.trials]
+        mended = {id(t): meant.mend(t) for t in some}
+        self.trials = [mended.get(id(t), t) for t in self.trials]
         self._followed = None
-        return True
 
     def _explain(self, stage: str, checks: Sequence[Checked]) -> bool:
         """Explain what does not follow at a stage; tell whether there may be more."""
@@ -405,26 +353,31 @@ class _Search:
         few = len(wrong) < max(ENOUGH, (len(wrong) + len(good)) / ONE_IN)
         inherited = few and all(t.case.id in left for t, _ in wrong)
         searched = self.causes and not (little or stepped or inherited)
-        if searched and scenes and self._rewrite_some({id(t) for t, _ in wrong}, told):
-            return True
+        if searched and scenes:
+            failing = {id(t) for t, _ in wrong}
+            some = [t for t in self.trials if id(t) in failing]
+            if (meant := relations.conventions(some)) and meant.named:
+                self._read(some, meant, told)
+                return True
         plain = _plain(wrong)
         of_most = rounded = False
-        if searched and self.single and worst < SINGLE_NOISE:
-            causes = [SINGLE]
+        if searched and self.single and worst < relations.SINGLE_NOISE:
+            causes = [relations.SINGLE]
         elif searched and worst > FAINT:
             causes = self._found(stage, wrong, good, checks, told.scenes is not None)
             rounded = bool(self.begun) and _usual(sizes) < FINE
             if rounded:
                 # Beside what is found so little is in its last digits, and no other number.
-                causes = [e for e in causes if _parameter(e.name) in self._numbers()]
+                numbers = {_parameter(f.names[0]) for f in self.findings if f.names}
+                causes = [e for e in causes if _parameter(e.name) in numbers]
             if not causes and not rounded and ENOUGH <= len(plain) < len(wrong):
-                some = self._found(stage, plain, _plain(good), checks, False)
-                causes = [e for e in some if _is_telling(e)]
+                of_plain = self._found(stage, plain, _plain(good), checks, False)
+                causes = [e for e in of_plain if _is_telling(e)]
                 of_most = bool(causes)
         if not causes:
             if searched and stage in ("pitch", "flight"):
                 chosen = [t for t, _ in evenly(wrong, SOUGHT)]
-                more = scene_by_scene(Sought(chosen, (), (stage,), self.base, self.work))
+                more = fits.scene_by_scene(Sought(chosen, (), (stage,), self.base, self.work))
                 if not more and worst < 1e-4 and not scenes:
                     more = MAYBE_STEPS
                 told = told.model_copy(update={"sentence": told.sentence + more})
@@ -446,16 +399,10 @@ class _Search:
         elif alone:
             where = f", where {told.scenes}" if told.scenes else ""
             sentence = f"{stage} alone{where}: {sentence}"
-        said = {
-            "kind": "named",
-            "names": list(dict.fromkeys(e.name for e in same)),
-            "sentence": sentence,
-            "remedy": best.remedy,
-            "share": 1 - best.left,
-            "step": best.step,
-            "stage": best.stage or stage,
-        }
-        self.findings.append(told.model_copy(update=said))
+        said = {"names": list(dict.fromkeys(e.name for e in same)), "sentence": sentence}
+        self.findings.append(
+            _with_name(told, best, **said, step=best.step, stage=best.stage or stage)
+        )
         self.begun.setdefault(stage, worst)
         if best.stage:
             self.moved[stage] = best.stage
@@ -466,10 +413,6 @@ class _Search:
             self._accept(best, stage, worst)
         self._followed = None
         return True
-
-    def _numbers(self) -> set[str]:
-        """Return the parameters that a number is found for."""
-        return {_parameter(f.names[0]) for f in self.findings if f.names}
 
     def _is_own(self, wrong: Sequence[Checked], good: Sequence[Checked]) -> bool:
         """Tell whether errors are those of flights with what is found so far in them."""
@@ -558,7 +501,7 @@ class _Search:
                 fails = any(not c.follows for c in checks)
                 alike["" if fails else repr(facts)].append((t, facts))
         return any(
-            2 * sum(made_otherwise(t, full, facts) for t, facts in some) > len(some)
+            2 * sum(outcomes.made_otherwise(t, full, facts) for t, facts in some) > len(some)
             for some in (evenly(known, OTHERS) for known in alike.values())
         )
 
@@ -611,7 +554,10 @@ class _Search:
         elif best.stage == "plate":
             # Where a pitch ends says nothing of other flights, nor of the ball's later velocity.
             self.excused |= {stage, "plate"}
-            self.trials = [_without(t, "plate.velocity") for t in self.trials]
+            self.trials = [
+                replace(t, given={n: x for n, x in t.given.items() if n != "plate.velocity"})
+                for t in self.trials
+            ]
         elif best.change is not None:
             self.jumps |= best.allowed > NAMED
             self.base, self._raw = self.base.then(best.change), {}
@@ -646,7 +592,7 @@ class _Search:
         if said is None or wrong is None or len(said) != len(check.expected):
             return trial
         value = tuple(e + s - w for e, s, w in zip(check.expected, said, wrong, strict=True))
-        return replace(trial, given={**trial.given, best.quantity: value})
+        return trial.saying({best.quantity: value})
 
     def _failing(self) -> int:
         """Return how many checks fail."""
@@ -671,46 +617,47 @@ class _Search:
         chosen = evenly(wrong, SOUGHT)
         right = evenly([t for t, _ in good if not _keen(t)], BESIDE)
         sought = Sought([t for t, _ in chosen], right, (stage,), self.base, self.work)
-        if found := list(singles(wrong)):
+        if found := list(relations.singles(wrong)):
             return found
         together = self._with_flights(wrong, right, checks) if stage == "pitch" else None
         if max(size_of(c) for _, cs in wrong for c in cs if not c.follows) < FINE:
-            return _fine(stage, [together, sought] if together else [sought])
+            return _fine([together, sought] if together else [sought])
         found = [
-            *relations(chosen, beside, self.base),
-            *formulas(chosen, beside, self.base),
-            *resolutions(chosen),
+            *relations.relations(chosen, beside, self.base),
+            *relations.formulas(chosen, beside, self.base),
+            *relations.resolutions(chosen),
         ]
         if stage in ("landing", "plate"):
-            found += ends(stage, chosen, self.trials, self.dt)
+            found += clocks.ends(stage, chosen, self.trials, self.dt)
         if stage == "fence":
-            found += fences(wrong, self.base)
+            found += clocks.fences(wrong, self.base)
         if stage == "touching":
-            found += touchings(wrong, self.base)
+            found += clocks.touchings(wrong, self.base)
         if stage not in COLLISION and any(e.named for e in found):
             return found
         if together:
-            found += parts(stage, together)
+            found += fits.parts(together)
             if any(e.named for e in found):
                 return found
-        found += parts(stage, sought)
+        found += fits.parts(sought)
         if stage in ("pitch", "flight"):
-            found += clocks(stage, chosen, self.base)
+            found += clocks.clocks(stage, chosen, self.base)
             if not any(e.named for e in found) and self.scheme is None and not self.stepless:
-                known = self.dt or grid(stage, self.trials)
-                found += on_chords(sought.some(4), self.base, known)
+                known = self.dt or clocks.grid(stage, self.trials)
+                found += clocks.on_chords(sought.some(4), self.base, known)
                 if not any(e.named for e in found):
                     found += schemes(sought, known)
                 # What flies the pitch flies the batted ball.
                 self.stepless = not any(e.named for e in found)
             if not any(e.named for e in found):
                 single = list({e.name: e for e in found}.values())
-                found += two(stage, together or sought, single)
+                found += fits.two(together or sought, single)
                 if together and not any(e.named for e in found):
                     # Pitches alone are alike: any two numbers explain them, but not any scheme.
-                    found += (e for e in two(stage, sought, single) if _has_scheme(e))
+                    some = fits.two(sought, single)
+                    found += (e for e in some if e.change and e.change.engine != NONE.engine)
         if stage == "restitution" and not any(e.named for e in found):
-            found += one_after_another(stage, sought, found)
+            found += fits.one_after_another(sought, found)
         return found
 
     def _with_flights(
@@ -727,9 +674,10 @@ class _Search:
         return Sought([t for t, _ in some], right, ("pitch", "flight"), self.base, self.work)
 
 
-def _has_scheme(e: Explanation) -> bool:
-    """Tell whether an explanation flies in another way than the base."""
-    return e.change is not None and e.change.engine != NONE.engine
+def _with_name(told: Finding, e: Explanation, **more: Any) -> Finding:
+    """Return what is told of a stage with the explanation of its errors."""
+    said = {"names": [e.name], "sentence": e.sentence, "remedy": e.remedy, "share": 1 - e.left}
+    return told.model_copy(update={"kind": "named", **said, **more})
 
 
 def _parameter(name: str) -> str:
@@ -747,11 +695,11 @@ def _known(check: Check) -> bool:
     return all(map(math.isfinite, check.expected))
 
 
-def _fine(stage: str, sought: Iterable[Sought]) -> list[Explanation]:
+def _fine(sought: Iterable[Sought]) -> list[Explanation]:
     """Return the numbers, one or two, that may be behind errors that are mostly an integrator's."""
     found: list[Explanation] = []
     for some in sought:
-        for way in (fitted(stage, some), pairs(stage, some, ())):
+        for way in (fits.fitted(some), fits.pairs(some, ())):
             found += way
             if any(e.named for e in found):
                 return found
@@ -767,9 +715,29 @@ def _absent(trial: Trial) -> str | None:
     return None if first.startswith("landing") else stage_of(first)
 
 
-def _with_facts(rows: Sequence[StageRow], facts: Sequence[Finding]) -> list[StageRow]:
-    """Return the rows of stages, with those wrong at which something is told that is not so."""
+def _where_made(
+    rows: Iterable[StageRow], moved: Mapping[str, str], known: Collection[str],
+    facts: Iterable[Finding],
+) -> list[StageRow]:  # fmt: skip
+    """Return the rows of stages with the errors of each at the one where they are made.
+
+    A landing by a wrong clock is on the true path, and not where the ball is at that time. Wrong is
+    also a stage at which something is told, besides numbers, that is not so.
+
+    Parameters
+    ----------
+    moved
+        Stages whose errors are made at another one, and that.
+    known
+        Stages that something is found for.
+    """
     by_stage = {row.stage: row for row in rows}
+    for stage, made in moved.items():
+        if row := by_stage.get(stage):
+            by_stage[made] = row.model_copy(update={"stage": made})
+            if stage not in known:
+                right = {"wrong": 0, "worst": 0.0, "example": None}
+                by_stage[stage] = row.model_copy(update=right)
     for fact in facts:
         row = by_stage.get(fact.stage)
         if row is None and fact.stage in STAGES:
@@ -796,18 +764,14 @@ def _plain(checked: Sequence[Checked]) -> list[Checked]:
     return [one for one in checked if one[0].scene.reading == Reading()]
 
 
-def _without(trial: Trial, quantity: str) -> Trial:
-    return replace(trial, given={n: v for n, v in trial.given.items() if n != quantity})
-
-
 def _is_telling(e: Explanation) -> bool:
     """Tell whether an explanation of some scenes says more than a number that any error makes.
 
     Where these all have the same bat, there is a ratio, and a mass, for every mistake.
     """
     quantity, _, ratio = e.name.partition("*")
-    any_ratio = quantity == e.quantity and factor_meaning(float(ratio or "nan")) is None
-    return not any_ratio and not is_odd(e)
+    any_ratio = quantity == e.quantity and fits.factor_meaning(float(ratio or "nan")) is None
+    return not any_ratio and not fits.is_odd(e)
 
 
 def _unknown(stage: str, sizes: Sequence[float], minor: float, rest: bool) -> str:

@@ -132,15 +132,14 @@ class Judge:
         chosen = chosen[:: max(1, len(chosen) // AGAIN)][:AGAIN][::-1]
         if len(chosen) < 2:
             return []
+
+        def differing(a: Mapping[str, Answer], b: Mapping[str, Answer]) -> list[str]:
+            return [name for s in chosen if _differ(a.get(name := s.id or ""), b.get(name))]
+
         backwards = asked(chosen)
-        differ = [
-            s.id for s in chosen if _differ(answers.get(s.id or ""), backwards.get(s.id or ""))
-        ]
-        if not differ:
+        if not (differ := differing(answers, backwards)):
             return []
-        again = asked(chosen)
-        random = [s.id for s in chosen if _differ(backwards.get(s.id or ""), again.get(s.id or ""))]
-        if random:
+        if random := differing(backwards, asked(chosen)):
             return [
                 f"it is not deterministic: the same scenes in the same order give other numbers, "
                 f"{random[0]} for one"

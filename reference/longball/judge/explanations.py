@@ -81,8 +81,8 @@ class Explanation:
     name: str
     sentence: str
     remedy: str | None
-    left: float
-    rank: float
+    left: float = 0.0
+    rank: float = 0.0
     change: Change | None = None
     quantity: str | None = None
     value: Callable[[Trial], Numbers | None] | None = None
@@ -111,6 +111,14 @@ def share_left(lefts: Sequence[float], wholes: Sequence[float]) -> float:
         left > max(IN_A_SCENE * whole, little) for left, whole in zip(lefts, wholes, strict=True)
     )
     return max(sum(lefts) / sum(errors), min(1.0, unexplained / len(errors)))
+
+
+def share_by(
+    chosen: Iterable[Checked], left: Callable[[Trial, Sequence[Check]], float]
+) -> float:  # fmt: skip
+    """Return the share of the errors of some trials that a function of each leaves."""
+    pairs = [(left(t, checks), sum(map(size_of, checks))) for t, checks in chosen]
+    return share_left([one for one, _ in pairs], [whole for _, whole in pairs])
 
 
 def size_of(check: Check) -> float:
@@ -180,9 +188,8 @@ class Work:
     def residuals(self, trial: Trial, change: Change, stages: Iterable[str]) -> Array:
         """Return the relative errors that a change leaves in some stages."""
         wanted, step = frozenset(stages), getattr(change.engine, "dt", LONG_STEP)
-        landing = trial.case.expected.landing
-        seconds = 0.5 if landing is None else float(landing.time)
-        self.done += 0.2 if wanted.isdisjoint(FLYING) else seconds * LONG_STEP / step
+        flown = duration(trial.case) * LONG_STEP / step
+        self.done += 0.2 if wanted.isdisjoint(FLYING) else flown
         errors = np.array(
             [
                 (o - e) / check.scale
@@ -211,7 +218,7 @@ class Sought:
     trials, beside
         Those that fail, and some that do not: nothing may be explained that is not there.
     stages
-        Whose errors are looked at.
+        Whose errors are looked at; the first is the one that is to be explained.
     base
         The chain as far as it is explained.
     """
@@ -226,6 +233,7 @@ class Sought:
     ) -> None:
         self.trials, self.beside = list(trials), list(beside)
         self.stages, self.base, self.work = stages, base, work
+        self.stage = stages[0]
         self._known: dict[tuple[int, Change], Array] = {}
 
     def rows(self, change: Change) -> list[Array]:

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from longball.engines.verlet import Verlet
 from longball.judge.changes import Mistake
-from longball.judge.explanations import JUMPED, NAMED, OWN_ERROR, Explanation, Sought, Work
+from longball.judge.explanations import JUMPED, NAMED, OWN_ERROR, Explanation, Sought
 from longball.judge.flight_mistakes import LAW, OWN, SPIN, with_density
 from longball.judge.mistakes import FENCE, IGNORED, IMPACT, READINGS, TOUCHING, TWO_STEP_PUSH
 from longball.judge.rubbing import RUBBING
@@ -52,48 +52,32 @@ LIFTS = ConstantLift, RationalLift, LinearLift, Table
 _IMPULSE = ("impulse", "velocity after", "spin after", "energy", "flight")
 
 # What is fitted, at which stages: the numbers of a scene that the stage depends on.
-PARAMETERS: dict[str, tuple[str, ...]] = {
-    "gravity": _FLIGHT,
-    "air.density": _FLIGHT,
-    "air.drag_coefficient": _FLIGHT,
-    "air.lift_coefficient": _FLIGHT,
-    "launch.speed": ("flight",),
-    "launch.height": ("flight",),
-    "pitch.speed": ("pitch",),
-    "pitch.release[0]": ("pitch",),
-    "pitch.release[1]": ("pitch",),
-    "pitch.release[2]": ("pitch",),
-    "pitch.aim[0]": ("pitch",),
-    "pitch.aim[1]": ("pitch",),
-    "ball.mass": ("pitch", "flight", *COLLISION),
-    "ball.radius": ("pitch", "touching", "flight", "landing"),
-    "ball.restitution": ("restitution", "flight"),
-    "bat.mass": ("restitution", "impulse", "energy"),
-    "bat.length": ("bat velocity", "restitution"),
-    "bat.radius": ("touching", "restitution"),
-    "swing.angular_speed": ("bat velocity",),
-    "swing.tilt": ("bat velocity",),
-    "swing.height_offset": ("touching", "normal"),
-    "ground.height": ("landing",),
-    "spin": (*_FLIGHT, "spin decay", *_IMPULSE),
-    "wind": _FLIGHT,
-    **dict.fromkeys(
-        (
-            *(f"air.density.{key}" for key in Weather.model_fields),
-            *(f"air.{way}_coefficient.{key}" for way, laws in (("drag", DRAGS), ("lift", LIFTS))
-              for law in laws for key in law.model_fields if key not in ("law", "of")),
-            "air.wind[0]", "air.wind[1]", "air.wind[2]", "air.wind.above", "air.wind.height",
-            "air.wind.roughness", "air.density_scale_height", "earth.latitude", "earth.azimuth",
-        ),
-        _FLIGHT,
-    ),
-    "air.spin_decay_length": (*_FLIGHT, "spin decay"),
-    "ball.inertia_factor": _IMPULSE,
-    "bat.friction": _IMPULSE,
-    "bat.tangential_restitution": _IMPULSE,
-    "fence.radius": ("fence",),
-    **dict.fromkeys(OWN, _FLIGHT),
-}  # fmt: skip
+PARAMETERS: dict[str, tuple[str, ...]] = {name: stages for names, stages in (
+    (("gravity", "air.density", "air.drag_coefficient", "air.lift_coefficient"), _FLIGHT),
+    (("launch.speed", "launch.height"), ("flight",)),
+    (("pitch.speed", "pitch.release[0]", "pitch.release[1]", "pitch.release[2]", "pitch.aim[0]",
+      "pitch.aim[1]"), ("pitch",)),
+    (("ball.mass",), ("pitch", "flight", *COLLISION)),
+    (("ball.radius",), ("pitch", "touching", "flight", "landing")),
+    (("ball.restitution",), ("restitution", "flight")),
+    (("bat.mass",), ("restitution", "impulse", "energy")),
+    (("bat.length",), ("bat velocity", "restitution")),
+    (("bat.radius",), ("touching", "restitution")),
+    (("swing.angular_speed", "swing.tilt"), ("bat velocity",)),
+    (("swing.height_offset",), ("touching", "normal")),
+    (("ground.height",), ("landing",)),
+    (("spin",), (*_FLIGHT, "spin decay", *_IMPULSE)),
+    (("wind", *(f"air.density.{key}" for key in Weather.model_fields),
+      *(f"air.{way}_coefficient.{key}" for way, laws in (("drag", DRAGS), ("lift", LIFTS))
+        for law in laws for key in law.model_fields if key not in ("law", "of")),
+      "air.wind[0]", "air.wind[1]", "air.wind[2]", "air.wind.above", "air.wind.height",
+      "air.wind.roughness", "air.density_scale_height", "earth.latitude", "earth.azimuth"),
+     _FLIGHT),
+    (("air.spin_decay_length",), (*_FLIGHT, "spin decay")),
+    (("ball.inertia_factor", "bat.friction", "bat.tangential_restitution"), _IMPULSE),
+    (("fence.radius",), ("fence",)),
+    (tuple(OWN), _FLIGHT),
+) for name in names}  # fmt: skip
 
 # Parameters that stand for a vector's size, or for whichever a scene has.
 _PLACES: dict[str, tuple[str, ...]] = {
@@ -196,14 +180,8 @@ class Fit:
                 return scene
             if self.form == "default" and not _leaves_out(scene, self.parameter):
                 return scene
-            match self.form:
-                case "fixed" | "default":
-                    new = self.value
-                case "factor":
-                    new = own * self.value
-                case _:
-                    new = own + self.value
-            return with_parameter(scene, self.parameter, new)
+            new = {"factor": own * self.value, "offset": own + self.value}
+            return with_parameter(scene, self.parameter, new.get(self.form, self.value))
 
         return _in_law(self.parameter, change)
 
@@ -361,22 +339,22 @@ FIRST = 3
 
 
 def implied(
-    trial: Trial, names: Sequence[str], stages: Iterable[str], base: Change, work: Work
+    trial: Trial, names: Sequence[str], sought: Sought, own: Change = NONE
 ) -> tuple[Array, float] | None:
     """Return the values of parameters that explain a trial best, and the share they leave.
 
-    None if the trial does not depend on all of them.
+    `own` is a change before it. None if the trial does not depend on all of the parameters.
     """
+    base = sought.base.then(own)
     held = [value_of(base.scene(trial.scene), name) for name in names]
     if None in held:
         return None
-    wanted = frozenset(stages)
 
     def off(values: Array) -> Array:
         change = base
         for name, value in zip(names, values.tolist(), strict=True):
             change = change.then(_in_law(name, partial(with_parameter, name=name, value=value)))
-        return work.residuals(trial, change, wanted)
+        return sought.work.residuals(trial, change, sought.stages)
 
     value = np.array(held, float)
     r = off(value)
@@ -412,15 +390,14 @@ def implied(
     return value, size / first
 
 
-def fits(
-    trials: Sequence[Trial], names: Sequence[str], stages: Iterable[str], base: Change, work: Work
-) -> list[list[Fit]]:
+def fits(names: Sequence[str], sought: Sought, own: Change = NONE) -> list[list[Fit]]:
     """Return for each of some parameters the forms in which they may explain trials together."""
+    trials, base = sought.trials, sought.base.then(own)
     found: list[tuple[Array, list[float | None]]] = []
     scenes: list[Any] = []
-    missed, may_miss = 0, MOST_MISSED * len(trials) * (frozenset(stages) <= frozenset(COLLISION))
+    missed, may_miss = 0, MOST_MISSED * len(trials) * (set(sought.stages) <= set(COLLISION))
     for trial in trials:
-        one = implied(trial, names, stages, base, work)
+        one = implied(trial, names, sought, own)
         if one is None:
             continue
         if one[1] > MISSED:
@@ -432,9 +409,9 @@ def fits(
         found.append((one[0], [value_of(scene, name) for name in names]))
     if len(found) < max(1, len(trials) // 3):
         return [[] for _ in names]
-    values, own = (np.array(rows, float).T for rows in zip(*found, strict=True))
+    values, theirs = (np.array(rows, float).T for rows in zip(*found, strict=True))
     unsaid = [all(_leaves_out(scene, name) for scene in scenes) for name in names]
-    return [_forms(*one) for one in zip(names, values, own, unsaid, strict=True)]
+    return [_forms(*one) for one in zip(names, values, theirs, unsaid, strict=True)]
 
 
 def _forms(name: str, values: Array, own: Array, unsaid: bool) -> list[Fit]:
@@ -481,11 +458,8 @@ def _forms(name: str, values: Array, own: Array, unsaid: bool) -> list[Fit]:
 
 def _difference(form: str, value: float, own: Array) -> float:
     """Return how much a fit differs from what the scenes say, in its own unit."""
-    match form:
-        case "factor":
-            return abs(value - 1.0)
-        case "offset":
-            return abs(value)
+    if form in ("factor", "offset"):
+        return abs(value - (form == "factor"))
     return float(np.abs(value - own).max())
 
 
@@ -503,17 +477,17 @@ def is_odd(e: Explanation) -> bool:
     return e.rank >= 2 + ODD / 100
 
 
-def parts(stage: str, sought: Sought) -> list[Explanation]:
+def parts(sought: Sought) -> list[Explanation]:
     """Return known mistakes and fitted numbers, with what they leave of a stage's errors."""
-    if stage == "flight" and type(sought.base.engine) is Verlet and not sought.base.push:
+    if sought.stage == "flight" and type(sought.base.engine) is Verlet and not sought.base.push:
         push = list(_tried([TWO_STEP_PUSH], sought))
         if any(e.named for e in push):
             return push
-    library = _library(stage)
-    found = [*_tried(library, sought), *fitted(stage, sought)]
+    library = _library(sought.stage)
+    found = [*_tried(library, sought), *fitted(sought)]
     if any(e.named for e in found):
         return found
-    return [*found, *_scaled(stage, library, sought)]
+    return [*found, *_scaled(library, sought)]
 
 
 def _library(stage: str) -> list[Mistake]:
@@ -551,24 +525,24 @@ def _explanation(mistake: Mistake, left: float) -> Explanation:
     )  # fmt: skip
 
 
-def _scaled(stage: str, library: Iterable[Mistake], sought: Sought) -> Iterator[Explanation]:
+def _scaled(library: Iterable[Mistake], sought: Sought) -> Iterator[Explanation]:
     """Yield mistakes that have a number of their own, such as the speed that V² is made with."""
     for mistake in library:
         if mistake.scaled and not sought.work.exhausted:
             one = _explanation(mistake, 1.0)
-            if joined := _joined(sought, stage, one, mistake.scaled):
+            if joined := _joined(sought, one, mistake.scaled):
                 yield joined
 
 
-def fitted(stage: str, sought: Sought) -> Iterator[Explanation]:
+def fitted(sought: Sought) -> Iterator[Explanation]:
     """Yield what numbers the candidate acts as if it had."""
-    whole_chain = stage == "flight" and any(
+    whole_chain = sought.stage == "flight" and any(
         t.scene.kind == "at-bat" and "impact.velocity" not in t.given for t in sought.trials
     )
     for name, stages in PARAMETERS.items():
-        if (stage not in stages and not whole_chain) or sought.work.exhausted:
+        if (sought.stage not in stages and not whole_chain) or sought.work.exhausted:
             continue
-        (forms,) = fits(sought.trials, [name], sought.stages, sought.base, sought.work)
+        (forms,) = fits([name], sought)
         for fit in forms:
             left = sought.screened(fit.change)
             if left is None or fit.doubt > 1e-2 * max(abs(fit.value), 1e-6):
@@ -598,7 +572,7 @@ def scene_by_scene(sought: Sought) -> str:
     for name in STRENGTHS:
         ratios = []
         for trial, whole in zip(sought.trials, sought.sizes(NONE), strict=True):
-            one = implied(trial, [name], sought.stages, sought.base, sought.work)
+            one = implied(trial, [name], sought)
             own = value_of(sought.base.scene(trial.scene), name)
             allowed = min(max(WHOLLY, OWN_ERROR / whole), NAMED) if whole else WHOLLY
             if one is None or not own or one[1] > allowed:
@@ -613,16 +587,16 @@ def scene_by_scene(sought: Sought) -> str:
 # --- two at once ----------------------------------------------------------------------------------
 
 
-def two(stage: str, sought: Sought, known: Sequence[Explanation]) -> Iterator[Explanation]:
+def two(sought: Sought, known: Sequence[Explanation]) -> Iterator[Explanation]:
     """Yield two of the known mistakes and fitted numbers together."""
     for way in (pairs, one_after_another):
-        found = list(way(stage, sought, known))
+        found = list(way(sought, known))
         yield from found
         if any(e.named for e in found):
             return
 
 
-def pairs(stage: str, sought: Sought, known: Sequence[Explanation]) -> Iterator[Explanation]:
+def pairs(sought: Sought, known: Sequence[Explanation]) -> Iterator[Explanation]:
     """Yield two of the known mistakes and fitted numbers together.
 
     Small effects add up: which two it may be is seen in a few trials, from what each does alone.
@@ -637,7 +611,7 @@ def pairs(stage: str, sought: Sought, known: Sequence[Explanation]) -> Iterator[
         effect = None if is_odd(e) or e.change is None else _effect(few, e.change)
         if effect and sum(np.abs(x).sum() for x in effect) > 1e-9:
             columns.append((e, effect))
-    columns += _slopes(stage, few)
+    columns += _slopes(few)
     ranked: dict[tuple[int, bool], list[tuple[float, Any, Any]]] = defaultdict(list)
     for (a, ea), (b, eb) in itertools.combinations(columns, 2):
         count = isinstance(a, str) + isinstance(b, str)
@@ -654,7 +628,7 @@ def pairs(stage: str, sought: Sought, known: Sequence[Explanation]) -> Iterator[
             if (a, b) in tried or sought.work.exhausted:
                 continue
             tried.append((a, b))
-            if joined := _joined(sought, stage, a, b):
+            if joined := _joined(sought, a, b):
                 yield joined
                 if joined.named:
                     return
@@ -699,9 +673,7 @@ HELPS = 0.95
 TRIED = 4
 
 
-def one_after_another(
-    stage: str, sought: Sought, known: Sequence[Explanation]
-) -> Iterator[Explanation]:
+def one_after_another(sought: Sought, known: Sequence[Explanation]) -> Iterator[Explanation]:
     """Yield two of the known mistakes and fitted numbers together, each of any size.
 
     The first is one that explains a scene wholly, in which the other does nothing, or else one that
@@ -724,7 +696,7 @@ def one_after_another(
     for _, _, first in ranked[:FIRSTS]:
         assert first.change is not None
         rest = sought.given(first.change)
-        seconds = [*_tried(_library(stage), rest), *fitted(stage, rest)]
+        seconds = [*_tried(_library(sought.stage), rest), *fitted(rest)]
         best = 1.0
         for second in (e for e in seconds if e.named and e.change and not is_odd(e)):
             assert second.change is not None
@@ -747,18 +719,16 @@ def _effect(few: Sought, change: Change) -> list[Array] | None:
     return [a - b for a, b in pairs] if all(a.shape == b.shape for a, b in pairs) else None
 
 
-def _slopes(stage: str, few: Sought) -> Iterator[tuple[str, list[Array]]]:
+def _slopes(few: Sought) -> Iterator[tuple[str, list[Array]]]:
     """Yield what a small part more of each parameter does."""
     for name, stages in PARAMETERS.items():
-        if stage in stages:
+        if few.stage in stages:
             effect = _effect(few, Fit(name, "factor", 1.0 + 1e-5, 0.0, True).change)
             if effect and sum(np.abs(x).sum() for x in effect) > 1e-12:
                 yield name, [x / 1e-5 for x in effect]
 
 
-def _joined(
-    sought: Sought, stage: str, a: Explanation | str, b: Explanation | str
-) -> Explanation | None:
+def _joined(sought: Sought, a: Explanation | str, b: Explanation | str) -> Explanation | None:
     """Return two explanations as one, the fitted numbers fitted together."""
     fixed = [x for x in (a, b) if not isinstance(x, str)]
     free = [x for x in (a, b) if isinstance(x, str)]
@@ -768,7 +738,7 @@ def _joined(
         own = own.then(x.change)
     fitted: list[Fit] = []
     if free:
-        forms = fits(sought.trials, free, sought.stages, sought.base.then(own), sought.work)
+        forms = fits(free, sought, own)
         tried = [
             (left, some)
             for some in itertools.product(*forms)

@@ -14,9 +14,10 @@ from typing import Any
 
 import numpy as np
 
-from longball.engines.chain import MODEL, OneCase, meet_bat
+from longball.engines.chain import MODEL, Model, OneCase, meet_bat
 from longball.judge.any_law import ANY_LAW
 from longball.judge.changes import Mistake, reading_change, scene_change
+from longball.judge.findings import many
 from longball.judge.stages import Change, Numbers, with_values
 from longball.model import trace
 from longball.model.aerodynamics import CRISIS, DECAY_ALONG_PATH, DRAG, LIFT, spin_ratio
@@ -55,38 +56,46 @@ from longball.model.wind import ROUGHNESS
 # --- the law of motion ----------------------------------------------------------------------------
 
 
-def _terms(change: Callable[[Term], Term | None]) -> Change:
-    """Return the change of each term that may act on a ball in flight; None leaves it out."""
+def _terms(change: Callable[[Term], Term | None], *carried: Term) -> Change:
+    """Return the change of each term that may act on a ball in flight; None leaves it out.
+
+    `carried` are terms behind them, whose parameters those changed may use.
+    """
     changed = cache(change)  # the same terms each time, so that their law is traced once
-    return Change(
-        model=lambda model: replace(
-            model, forces=tuple(new for f in model.forces if (new := changed(f)) is not None)
-        )
-    )
+
+    def model(held: Model) -> Model:
+        forces = (new for f in held.forces if (new := changed(f)) is not None)
+        return replace(held, forces=(*forces, *carried))
+
+    return Change(model=model)
 
 
-def _carrying(change: Callable[[Term], Term], carried: Term) -> Change:
-    """Return the change of each term to one that may use the parameters of another term."""
-    changed = cache(change)
-    return Change(model=lambda model: replace(model, forces=(*map(changed, model.forces), carried)))
+def _forms(which: Callable[[Term], bool], change: Callable[[Any], Term]) -> Callable[[Any], Any]:
+    """Return the change of terms of a kind to another form, on each branch if they have some."""
+
+    def changed(term: Any) -> Any:
+        if isinstance(term, Piecewise):
+            return replace(term, term=change(term.term)) if which(term.term) else term
+        return change(term) if which(term) else term
+
+    return changed
 
 
-def _form(term: Term) -> Term:
-    return term.term if isinstance(term, Piecewise) else term
-
-
-def _with_form(term: Any, form: Term) -> Term:
-    """Return a term with another form, on each of its branches if it has some."""
-    return replace(term, term=form) if isinstance(term, Piecewise) else form
-
-
-def _with_strengths(term: Any, strengths: Callable[..., Any]) -> Term:
-    """Return a term with other strengths; `strengths` takes its own before scene, frame, numbers.
+def _strengths(
+    changed: Callable[..., Any], which: Callable[[Term], bool] = lambda term: True
+) -> Change:
+    """Return the change of strengths; `changed` takes a term's own before scene, frame, numbers.
 
     Those of a term with branches are its branches.
     """
-    name = "branches" if isinstance(term, Piecewise) else "strengths"
-    return replace(term, **{name: partial(strengths, getattr(term, name))})  # type: ignore[no-any-return]
+
+    def change(term: Any) -> Any:
+        branches = isinstance(term, Piecewise)
+        name = "branches" if branches else "strengths"
+        new = replace(term, **{name: partial(changed, getattr(term, name))})
+        return new if which(term.term if branches else term) else term
+
+    return _terms(change)
 
 
 def _replaced(term: Term, changed: Term) -> Change:
@@ -100,11 +109,27 @@ def _instead(term: Term, acceleration: Callable[[Motion, Any], Vector[Any]]) -> 
 
 def _without(left_out: Callable[[Term], bool]) -> Change:
     """Return the change that leaves terms out."""
-    return _terms(lambda f: None if left_out(_form(f)) else f)
+    return _terms(lambda f: None if left_out(f.term if isinstance(f, Piecewise) else f) else f)
+
+
+def _drags(term: Term) -> bool:
+    return isinstance(term, Drag)
 
 
 def _lifts(term: Term) -> bool:
     return isinstance(term, Lift) or any("lift" in name for name in term.parameters)
+
+
+def _multiplied(form: Any, factor: Callable[[Motion, Any], Any]) -> Term:
+    """Return a drag, a lift or another force times a factor, of the motion and the parameters."""
+    match form:
+        case Drag():
+            return replace(form, rate=lambda m, p: form.rate(m, p) * factor(m, p))
+        case Lift():
+            return replace(form, factor=lambda m, p: form.factor(m, p) * factor(m, p))
+    return replace(  # type: ignore[no-any-return]
+        form, acceleration=lambda m, p: scaled(factor(m, p), form.acceleration(m, p))
+    )
 
 
 # m/s. A series in time cannot go through the kink of |c| at c = 0. What stands for it has none, and
@@ -123,8 +148,13 @@ def _rising(motion: Motion) -> Any:
     return (1.0 + w / trace.sqrt(w * w + SMALL * SMALL)) * 0.5
 
 
-def _more(term: Term, names: tuple[str, ...], values: Callable[[Any, Any], Any]) -> Term:
-    """Return a term with more parameters, whose values are from the scene and the frame."""
+# More parameters of a term: their names, and their values from the scene and the frame.
+More = tuple[tuple[str, ...], Callable[[Any, Any], tuple[Any, ...]]]
+
+
+def _more(term: Term, more: More) -> Term:
+    """Return a term with more parameters."""
+    names, values = more
 
     def strengths(scene: Any, frame: Any, numbers: Any) -> tuple[Any, ...] | None:
         found = term.strengths(scene, frame, numbers)
@@ -133,31 +163,26 @@ def _more(term: Term, names: tuple[str, ...], values: Callable[[Any, Any], Any])
     return Term((*term.parameters, *names), strengths)
 
 
-def _with_axes(term: Term) -> Term:
-    """Return a term with where the axes of the frame point."""
-    return _more(term, ("cos", "sin"), lambda scene, frame: (frame.cos, frame.sin))
+def _launched(scene: Any, frame: Any) -> tuple[Any, ...]:
+    """Return the velocity at launch, m/s: along, up, size."""
+    if scene.kind != "flight":
+        return (None,) * 3
+    x, y, z = scene.launch.velocity
+    return math.hypot(x, y), z, math.hypot(x, y, z)
 
 
-def _with_launch(term: Term) -> Term:
-    """Return a term with the velocity at launch: along, up, size."""
-
-    def values(scene: Any, frame: Any) -> tuple[Any, ...]:
-        if scene.kind != "flight":
-            return (None,) * 3
-        x, y, z = scene.launch.velocity
-        return math.hypot(x, y), z, math.hypot(x, y, z)
-
-    return _more(term, ("launch_u", "launch_w", "launch_speed"), values)
+_LAUNCH: More = (("launch_u", "launch_w", "launch_speed"), _launched)
+_AXES: More = (("cos", "sin"), lambda scene, frame: (frame.cos, frame.sin))  # of the frame
 
 
 def _in_air(
-    term: Term, form: Callable[[Motion, Flow, Any], Vector[Any]], extended: Term | None = None
+    term: Term, form: Callable[[Motion, Flow, Any], Vector[Any]], more: More = ((), lambda *_: ())
 ) -> Change:
     """Return the change of drag or lift to ρ k times a form: of the motion, the flow, parameters.
 
-    `extended` is the term with more parameters, if the form needs them.
+    `more` are those that the form needs besides the term's own.
     """
-    (strength,), given = term.parameters, extended or term
+    (strength,), given = term.parameters, _more(term, more)
 
     def acceleration(motion: Motion, p: Any) -> Vector[Any]:
         flow = motion.air if term is DRAG else motion.lift
@@ -179,32 +204,21 @@ def _by_component(square: Callable[[Any], Any]) -> Change:
         x, y, z = (-square(c) for c in _in_space(flow, p))
         return p.cos * x + p.sin * y, p.cos * y - p.sin * x, z
 
-    return _in_air(DRAG, form, _with_axes(DRAG))
+    return _in_air(DRAG, form, _AXES)
 
 
-def _summed(motion: Motion, flow: Flow, p: Any) -> Vector[Any]:
-    """Return minus the velocity times |x| + |y| + |z| of it."""
-    x, y, z = map(_size, _in_space(flow, p))
-    return scaled(-(x + y + z), flow.velocity)
-
-
-def _of_two(motion: Motion, flow: Flow, p: Any) -> Vector[Any]:
-    """Return minus the velocity times the size of its x and z."""
-    x, _, z = _in_space(flow, p)
-    return scaled(-trace.sqrt(x * x + z * z), flow.velocity)
+def _of_two(x: Any, y: Any) -> Any:
+    return trace.sqrt(x * x + y * y)
 
 
 def _about(axis: Callable[[Any, Any], Vector[Any]]) -> Change:
     """Return the change of the lift to one about an axis in space, from the scene and the frame."""
-
-    def axis_in_frame(scene: Any, frame: Any) -> tuple[Any, ...]:
-        return tuple(frame.turned(axis(scene, frame)))
-
-    def form(motion: Motion, flow: Flow, p: Any) -> Vector[Any]:
-        axis = p.axis_s, p.axis_y, p.axis_z
-        return scaled(flow.speed, cross(axis, flow.velocity))
-
-    return _in_air(LIFT, form, _more(LIFT, ("axis_s", "axis_y", "axis_z"), axis_in_frame))
+    in_frame: More = (
+        ("axis_s", "axis_y", "axis_z"),
+        lambda scene, frame: tuple(frame.turned(axis(scene, frame))),
+    )
+    return _in_air(LIFT, lambda m, flow, p: scaled(
+        flow.speed, cross((p.axis_s, p.axis_y, p.axis_z), flow.velocity)), in_frame)  # fmt: skip
 
 
 def _is_batted(scene: Any, frame: Any) -> bool:
@@ -234,20 +248,17 @@ def _axis_by_arctangent(scene: Any, frame: Any) -> Vector[Any]:
     return sign * frame.sin, -sign * frame.cos, 0.0
 
 
-def _drag(factor: Callable[[Motion, Any], Any], given: Term = DRAG) -> Change:
+def _drag(factor: Callable[[Motion, Any], Any], more: More = ((), lambda *_: ())) -> Change:
     """Return the change of the drag to ``-k factor v``."""
+    given = _more(DRAG, more)
     changed = Drag(given.parameters, given.strengths, lambda m, p: p.drag * factor(m, p))
     return _replaced(DRAG, changed)
 
 
 def _vertical_drag(vertical: Callable[[Any], Any]) -> Change:
     """Return the change of the drag's vertical component to ``-k V vertical(w)``."""
-
-    def form(motion: Motion, flow: Flow, p: Any) -> Vector[Any]:
-        u, v, w = flow.velocity
-        return scaled(-flow.speed, (u, v, vertical(w)))
-
-    return _in_air(DRAG, form)
+    return _in_air(DRAG, lambda m, flow, p: scaled(
+        -flow.speed, (*flow.velocity[:2], vertical(flow.velocity[2]))))  # fmt: skip
 
 
 def _lift(direction: Callable[[Any, Any, Any], Vector[Any]]) -> Change:
@@ -257,12 +268,12 @@ def _lift(direction: Callable[[Any, Any, Any], Vector[Any]]) -> Change:
     )
 
 
-def _lift_rising(share: Callable[[Any], Any]) -> Change:
-    """Return the change of the lift to one that depends on whether the ball rises."""
+def _lift_rate(rate: Callable[[Motion, Flow], Any]) -> Change:
+    """Return the change of the lift to k_L times a rate, m/s, across the velocity: (-w, u)."""
 
     def form(motion: Motion, flow: Flow, p: Any) -> Vector[Any]:
-        (u, _, w), rate = flow.velocity, flow.speed * share(_rising(motion))
-        return -rate * w, trace.ZERO, rate * u
+        (u, _, w), size = flow.velocity, rate(motion, flow)
+        return -size * w, trace.ZERO, size * u
 
     return _in_air(LIFT, form)
 
@@ -318,15 +329,17 @@ _PAPERS_LAW: tuple[Mistake, ...] = (
             _drag(lambda motion, p: motion.speed * motion.speed), scaled="air.drag_coefficient"),
     Mistake("drag-with-launch-speed", "drags with the speed at launch all the time",
             "the drag is -k V v with the present speed V",
-            _drag(lambda m, p: p.launch_speed, _with_launch(DRAG))),
+            _drag(lambda m, p: p.launch_speed, _LAUNCH)),
     Mistake("drag-with-horizontal-speed", "takes the horizontal speed for V in the drag",
-            "V is the whole speed", _drag(lambda m, p: trace.sqrt(
-                m.air.velocity[0] * m.air.velocity[0] + m.air.velocity[1] * m.air.velocity[1]))),
+            "V is the whole speed", _drag(lambda m, p: _of_two(*m.air.velocity[:2]))),
     Mistake("drag-without-side-speed", "leaves v_y, the speed across the field, out of V in the "
-            "drag", "V is the whole speed", _in_air(DRAG, _of_two, _with_axes(DRAG))),
+            "drag", "V is the whole speed",
+            _in_air(DRAG, lambda m, flow, p: scaled(
+                -_of_two(*_in_space(flow, p)[::2]), flow.velocity), _AXES)),
     Mistake("drag-with-summed-speed", "takes the sum of the components' sizes for V in the drag",
             "V is the root of the sum of their squares",
-            _in_air(DRAG, _summed, _with_axes(DRAG))),
+            _in_air(DRAG, lambda m, flow, p: scaled(
+                -trace.total(map(_size, _in_space(flow, p))), flow.velocity), _AXES)),
     Mistake("drag-rising-only", "drags the ball on its way up only",
             "the drag acts on the way down too", _drag(lambda m, p: m.speed * _rising(m)), True),
     Mistake("density-falls", "lets the air grow thinner with height",
@@ -341,7 +354,7 @@ _PAPERS_LAW: tuple[Mistake, ...] = (
     Mistake("horizontal-drag-only", "drags the horizontal components only", _AGAINST,
             _vertical_drag(lambda w: trace.ZERO)),
     Mistake("no-drag", "flies without drag", "add -k_D V v",
-            _without(lambda term: isinstance(term, Drag))),
+            _without(_drags)),
     Mistake("no-lift", "flies without lift", "add k_L V (ê × v)", _without(_lifts)),
     Mistake("no-gravity", "flies without gravity", "add -g to the vertical",
             _without(lambda term: term is GRAVITY)),
@@ -358,7 +371,7 @@ _PAPERS_LAW: tuple[Mistake, ...] = (
             scaled="air.lift_coefficient"),
     Mistake("lift-sign", "lifts the ball the wrong way",
             "with backspin the lift turns the velocity upwards: k_L V (-w, u) in the flight plane",
-            _lift(lambda u, w, speed: (speed * w, trace.ZERO, -speed * u))),
+            _lift_rate(lambda m, flow: -flow.speed)),
     Mistake("lift-vertical", "lifts straight up with V², instead of across the velocity", _ACROSS,
             _lift(lambda u, w, speed: (trace.ZERO, trace.ZERO, speed * speed))),
     Mistake("lift-vertical-part", "has the vertical part of the lift, and not the horizontal one",
@@ -367,15 +380,16 @@ _PAPERS_LAW: tuple[Mistake, ...] = (
             "perpendicular to the velocity", _ACROSS,
             _lift(lambda u, w, speed: (speed * w, trace.ZERO, speed * u))),
     Mistake("lift-with-v", "lets the lift grow with V, not with V²", "the lift is ½ C_L ρ A V²",
-            _lift(lambda u, w, speed: (-w, trace.ZERO, u)), scaled="air.lift_coefficient"),
+            _lift_rate(lambda m, flow: 1.0), scaled="air.lift_coefficient"),
     Mistake("lift-with-horizontal-speed", "takes the horizontal speed for V in the lift", _ACROSS,
-            _lift(lambda u, w, speed: (-_size(u) * w, trace.ZERO, _size(u) * u))),
+            _lift_rate(lambda m, flow: _size(flow.velocity[0]))),
     Mistake("lift-as-at-launch", "keeps the direction that the lift has at launch", _ACROSS,
-            _in_air(LIFT, _as_at_launch, _with_launch(LIFT))),
+            _in_air(LIFT, _as_at_launch, _LAUNCH)),
     Mistake("lift-rising-only", "lifts the ball on its way up only",
-            "the lift acts on the way down too", _lift_rising(lambda up: up), True),
+            "the lift acts on the way down too",
+            _lift_rate(lambda m, flow: flow.speed * _rising(m)), True),
     Mistake("lift-sign-falling", "lifts a falling ball the wrong way", _ACROSS,
-            _lift_rising(lambda up: 2.0 * up - 1.0), True),
+            _lift_rate(lambda m, flow: flow.speed * (2.0 * _rising(m) - 1.0)), True),
     Mistake("lift-about-minus-y", "lifts about -y, whatever the ball's heading",
             "the axis ê is horizontal and across the heading at launch",
             _about(lambda scene, frame: (0.0, -1.0, 0.0))),
@@ -430,38 +444,31 @@ _PAPERS_LAW: tuple[Mistake, ...] = (
 # --- spin, air and wind ---------------------------------------------------------------------------
 
 
-def _seeing(which: Callable[[Term], bool], change: Callable[[Any], Any]) -> Change:
-    """Return the change that gives some terms their strengths in another scene."""
-
-    def under(f: Any) -> Any:
-        if not which(_form(f)):
-            return f
-        return _with_strengths(f, lambda given, scene, *rest: given(change(scene), *rest))
-
-    return _terms(under)
-
-
-def _spins(change: Callable[[Any, Numbers], Any], *places: str) -> Change:
-    """Return the change of the ball's spin, where a scene gives one."""
+def _spins(change: Callable[..., Numbers], *places: str) -> Change:
+    """Return the change of the ball's spin, where a scene gives one; it may ask for the scene."""
 
     def values(scene: Any) -> Mapping[str, Any]:
         names = [f"{place}.spin" for place in places or ("launch", "pitch", "incoming")]
-        return {name: change(scene, spin) for name in names if (spin := at(scene, name))}
+        return {name: change(spin, scene) for name in names if (spin := at(scene, name))}
 
     return scene_change(values)
 
 
-def _exchange(spin: Numbers, i: int, j: int) -> Numbers:
-    found = list(spin)
-    found[i], found[j] = found[j], found[i]
-    return tuple(found)
+def _times(factor: float) -> Callable[..., Numbers]:
+    return lambda vector, *_: tuple(factor * x for x in vector)
 
 
-def _times(factor: float) -> Callable[[Any, Numbers], Numbers]:
-    return lambda scene, spin: tuple(factor * w for w in spin)
+def _arranged(axes: str) -> Callable[..., Numbers]:
+    """Return the change of a vector to such components as "x -y 0"."""
+
+    def arranged(vector: Numbers, *_: Any) -> Numbers:
+        known = {"0": 0.0, **dict(zip("xyz", vector, strict=True))}
+        return tuple(-known[a[1]] if a[0] == "-" else known[a] for a in axes.split())
+
+    return arranged
 
 
-def _backspin(scene: Any, spin: Numbers) -> Numbers:
+def _backspin(spin: Numbers, scene: Any) -> Numbers:
     """Return a backspin of that size."""
     if scene.kind == "flight":
         x, y, _ = scene.launch.velocity
@@ -488,10 +495,6 @@ def _wind_not_in_lift_by_spin(scene: Any) -> Any:
     if launch is None or launch.spin is None:
         return scene
     return reading_change(wind_acts_on="drag").scene(scene)
-
-
-def _air(term: Term) -> bool:
-    return isinstance(term, Drag | Lift) or term in (DRAG, LIFT) or _lifts(term)
 
 
 def with_density(scene: Any, value: float) -> Any:
@@ -522,31 +525,12 @@ def _of_weather(scene: Any, **other: float) -> float:
     return float(density(with_values(scene, named), DOUBLES))
 
 
-def _dry_of_celsius(scene: Any, weather: Any) -> float:
-    """Return the density with T in °C where K belongs, but for the vapour's pressure."""
-    t = weather.temperature
-    return _of_weather(scene) * float(t / (t - ZERO_CELSIUS))
-
-
 def _vapour_of_kelvin(scene: Any, weather: Any) -> float:
     """Return the density with the vapour's pressure at T in K where °C belongs."""
     t = weather.temperature
     dry, hot = (_of_weather(scene, humidity=0.0, temperature=x) for x in (t, t + ZERO_CELSIUS))
     vapour = hot - _of_weather(scene, temperature=t + ZERO_CELSIUS)
     return dry - vapour * float((t + ZERO_CELSIUS) / t)
-
-
-def _zero_at_273(scene: Any, weather: Any) -> float:
-    """Return the density with 273 K for 0 °C in it, and the vapour's pressure at the true t."""
-    t = weather.temperature
-    share = 273.0 / (t - ZERO_CELSIUS + 273.0) * t / ZERO_CELSIUS
-    return _of_weather(scene) * float(share)
-
-
-def _vapour_lowered(scene: Any, weather: Any) -> float:
-    """Return the density with the vapour's pressure lowered by the elevation too."""
-    lowered = station_pressure(scene, DOUBLES) / weather.pressure
-    return _of_weather(scene, elevation=0.0) * float(lowered)
 
 
 def _with_vapour(pressure: Callable[[float], float]) -> Change:
@@ -557,17 +541,6 @@ def _with_vapour(pressure: Callable[[float], float]) -> Change:
         dry = _of_weather(scene, humidity=0.0)
         vapour = LIGHTER * weather.humidity * pressure(t)
         return dry * (1 - vapour / station_pressure(scene, DOUBLES))  # type: ignore[no-any-return]
-
-    return _density(formula)
-
-
-def _with_pressure(pressure: Callable[[Any], float]) -> Change:
-    """Return the change of the pressure at the park to a formula of the weather."""
-
-    def formula(scene: Any, weather: Any) -> float:
-        if scene.reading.pressure == "station":
-            return _of_weather(scene)
-        return _of_weather(scene, elevation=0.0, pressure=pressure(weather))
 
     return _density(formula)
 
@@ -590,17 +563,6 @@ _VAPOURS: tuple[tuple[str, tuple[float, ...], float, float], ...] = (
     ("Buck (1981)", (611.21, 611.16), 17.502, 240.97),
     ("Buck without the second term", (611.16, 611.21), 18.687, 257.14),
 )
-
-
-def _vapours() -> Iterator[Mistake]:
-    for name, starts, a, b in _VAPOURS:
-        for start in starts:
-            yield Mistake(
-                f"vapour-of-{name.split()[0].lower()}-{start:g}-{a:g}",
-                f"takes the vapour pressure by another formula, {start:g} Pa e^({a:g} t/({b:g} + "
-                f"t)) ({name})", _WEATHER,
-                _with_vapour(lambda t, p=start, a=a, b=b: p * math.exp(a * t / (b + t))),  # type: ignore[misc]
-            )  # fmt: skip
 
 
 # Where the density that falls by e in H is 1, as a height of the scene; that of the scale is 0.
@@ -627,17 +589,6 @@ def _denser(factor: Callable[[Any, float], float], other: float | None = 0.0) ->
     return Change(change)
 
 
-def _wind_above(level: Callable[[Any], float]) -> Change:
-    """Return the change of the height that a wind blows above to one from a level."""
-    return scene_change(lambda s: {"air.wind.above": s.air.wind.above + level(s)})
-
-
-def _thinning(density: Callable[[Any], Any]) -> Change:
-    """Return the change of the density aloft to a function of z/H."""
-    return _replaced(THINNING, replace(
-        THINNING, density=lambda position, p: density(p.thinning * position[2])))  # fmt: skip
-
-
 def _sound(formula: Callable[[float], float]) -> Change:
     """Return the change of the speed of sound to a formula of T in K."""
 
@@ -653,14 +604,11 @@ def _sound(formula: Callable[[float], float]) -> Change:
     return scene_change(values)
 
 
-def _launch_speed(scene: Any) -> float:
-    return math.hypot(*scene.launch.velocity) if scene.kind == "flight" else scene.pitch.speed
-
-
 def _at_launch(scene: Any) -> Mapping[str, Any]:
     """Return the coefficients with the values that they have at the launch's speed."""
     found: dict[str, Any] = {}
-    speed, law = _launch_speed(scene), scene.air.drag_coefficient
+    flight, law = scene.kind == "flight", scene.air.drag_coefficient
+    speed = math.hypot(*scene.launch.velocity) if flight else scene.pitch.speed
     if isinstance(law, CrisisDrag):
         high, low = law.high_speed, law.low_speed
         value = high + (low - high) / (1 + math.exp((speed - law.speed) / law.width))
@@ -676,15 +624,10 @@ def _at_launch(scene: Any) -> Mapping[str, Any]:
 
 def _lift_times(share: Callable[[Flow, Any], Any]) -> Callable[[Any], Any]:
     """Return the change of a spinning ball's lift by a factor, from its flow and the parameters."""
-
-    def changed(f: Any) -> Any:
-        form = _form(f)
-        if not isinstance(form, Lift):
-            return f
-        new = replace(form, factor=lambda m, p: form.factor(m, p) * share(m.lift, p))
-        return _with_form(f, new)
-
-    return changed
+    return _forms(
+        lambda term: isinstance(term, Lift),
+        lambda form: _multiplied(form, lambda m, p: share(m.lift, p)),
+    )
 
 
 _TOTAL = "of_total"
@@ -728,7 +671,7 @@ def _pitch_without_spin(given: Any, scene: Any, frame: Any, numbers: Any) -> Any
     return _without_spin(given, scene, replace(frame, spin=None) if thrown else frame, numbers)
 
 
-_NO_SPIN = _terms(lambda f: _with_strengths(f, _without_spin))
+_NO_SPIN = _strengths(_without_spin)
 
 
 @lru_cache(maxsize=4096)
@@ -738,19 +681,22 @@ def _spin_at_bat(scene: Any) -> Numbers | None:
     return None if meeting is None else meeting.contact.spin
 
 
+def _of_diameter(given: Any, scene: Any, frame: Any, numbers: Any) -> Any:
+    """Return strengths that have the diameter for R, but for the area."""
+    ball = {"ball.radius": 2 * scene.ball.radius, "ball.mass": 4 * scene.ball.mass}
+    return given(with_values(scene, ball), frame, numbers)
+
+
 def _profile(rise: Callable[[Any, Any], Any]) -> Change:
     """Return the change of the wind's growth with the height to a function of z and parameters.
 
     Those are its `roughness` and its `wind_height`.
     """
 
-    def height(scene: Any, frame: Any) -> tuple[Any, ...]:
-        return (scene.air.wind.height,)
-
     def changed(f: Any) -> Any:
         if not (isinstance(f, Wind) and ROUGHNESS in f.parameters):
             return f
-        more = _more(f, ("wind_height",), height)
+        more = _more(f, (("wind_height",), lambda scene, frame: (scene.air.wind.height,)))
 
         def velocity(position: Vector[Any], p: Any) -> Vector[Any]:
             own = trace.log(1.0 + p.wind_height / p.roughness) * rise(position[2], p)
@@ -768,10 +714,6 @@ _BLEND = 5e-3
 def _larger(a: Any, b: Any) -> Any:
     """Return the larger of two, smoothly."""
     return (a + b + trace.sqrt((a - b) * (a - b) + _BLEND * _BLEND)) * 0.5
-
-
-def _smaller(a: Any, b: Any) -> Any:
-    return -_larger(-a, -b)
 
 
 def _exchanged() -> Iterator[Mistake]:
@@ -812,17 +754,6 @@ def _turning_without(*components: str) -> Change:
 def _coriolis(changed: Callable[[Vector[Any]], Vector[Any]]) -> Change:
     """Return the change of the Coriolis acceleration to a function of it."""
     return _instead(CORIOLIS, lambda m, p: changed(CORIOLIS.acceleration(m, p)))
-
-
-def _over_ground(term: Drag) -> Force:
-    """Return a drag along the velocity over the ground, by the airspeed."""
-
-    def acceleration(motion: Motion, p: Any) -> Vector[Any]:
-        rate = motion.density * term.rate(motion, p)
-        x, y, z = motion.velocity
-        return -rate * x, -rate * y, -rate * z
-
-    return Force(term.parameters, term.strengths, acceleration)
 
 
 def _tables(change: Callable[..., Any], of: str = "") -> Change:
@@ -900,11 +831,6 @@ def _ground_speed(term: Drag) -> Drag:
         motion._replace(air=Flow(motion.air.velocity, size(motion.velocity))), p))  # fmt: skip
 
 
-def _over_ground_in_crisis(motion: Motion, p: Any) -> Any:
-    """Return the rate of the crisis whose C_D follows the speed over the ground."""
-    return _ground_speed(CRISIS).rate(motion, p) * (motion.speed / size(motion.velocity))
-
-
 def _with_spin_of_launch(form: Callable[[Motion, Any], Any]) -> Callable[[Motion, Any], Any]:
     """Return a function of the motion with the spin that the ball has at launch."""
     return lambda motion, p: form(motion._replace(spin_left=trace.as_node(1.0)), p)
@@ -912,15 +838,16 @@ def _with_spin_of_launch(form: Callable[[Motion, Any], Any]) -> Callable[[Motion
 
 def _undecayed(which: type[Term], form: str) -> Change:
     """Return the change of drags, or of the sizes of lifts, to ones by the spin at launch."""
+    change = _forms(
+        lambda term: isinstance(term, which),
+        lambda held: replace(held, **{form: _with_spin_of_launch(getattr(held, form))}),
+    )
 
     def changed(f: Any) -> Any:
-        if not isinstance(_form(f), which):
-            return f
-        held: Any = _form(f)
-        new = _with_form(f, replace(held, **{form: _with_spin_of_launch(getattr(held, form))}))
-        if isinstance(new, Piecewise):
-            new = replace(new, argument=_with_spin_of_launch(new.argument))
-        return new
+        new = change(f)
+        if new is f or not isinstance(new, Piecewise):
+            return new
+        return replace(new, argument=_with_spin_of_launch(new.argument))
 
     return _terms(changed)
 
@@ -952,19 +879,25 @@ EXTENDED: tuple[Mistake, ...] = (
     Mistake("spin-in-degrees", "takes the spin for degrees per second", _UNIT,
             _spins(_times(math.pi / 180))),
     Mistake("spin-side-sign", "has the spin's y the other way round", _DIRECTION,
-            _spins(lambda scene, spin: (spin[0], -spin[1], spin[2]))),
+            _spins(_arranged("x -y z"))),
     Mistake("spin-y-only", "takes the spin's y only", _DIRECTION,
-            _spins(lambda scene, spin: (0.0, spin[1], 0.0))),
-    *(Mistake(f"spin-{axis}-left-out", f"leaves the spin's {axis} out", _DIRECTION, _spins(
-        lambda scene, spin, i=i: (*spin[:i], 0.0, *spin[i + 1 :])))  # type: ignore[misc]
-      for i, axis in enumerate("xyz")),
-    *(Mistake(f"spin-{axis}-sign", f"has the spin's {axis} the other way round", _DIRECTION, _spins(
-        lambda scene, spin, i=i: (*spin[:i], -spin[i], *spin[i + 1 :])))  # type: ignore[misc]
-      for i, axis in ((0, "x"), (2, "z"))),
-    *(Mistake(f"spin-{'xyz'[i]}{'xyz'[j]}-exchanged", f"exchanges the spin's {'xyz'[i]} and "
-              f"{'xyz'[j]}", _DIRECTION, _spins(
-                  lambda scene, spin, i=i, j=j: _exchange(spin, i, j)))  # type: ignore[misc]
-      for i, j in ((0, 1), (0, 2), (1, 2))),
+            _spins(_arranged("0 y 0"))),
+    Mistake("spin-x-left-out", "leaves the spin's x out", _DIRECTION,
+            _spins(_arranged("0 y z"))),
+    Mistake("spin-y-left-out", "leaves the spin's y out", _DIRECTION,
+            _spins(_arranged("x 0 z"))),
+    Mistake("spin-z-left-out", "leaves the spin's z out", _DIRECTION,
+            _spins(_arranged("x y 0"))),
+    Mistake("spin-x-sign", "has the spin's x the other way round", _DIRECTION,
+            _spins(_arranged("-x y z"))),
+    Mistake("spin-z-sign", "has the spin's z the other way round", _DIRECTION,
+            _spins(_arranged("x y -z"))),
+    Mistake("spin-xy-exchanged", "exchanges the spin's x and y", _DIRECTION,
+            _spins(_arranged("y x z"))),
+    Mistake("spin-xz-exchanged", "exchanges the spin's x and z", _DIRECTION,
+            _spins(_arranged("z y x"))),
+    Mistake("spin-yz-exchanged", "exchanges the spin's y and z", _DIRECTION,
+            _spins(_arranged("x z y"))),
     Mistake("spin-of-pitch-kept", "lets the batted ball fly with the spin of the pitch",
             "the batted ball has the spin that the impact gives it",
             _batted_spin(_spin_at_bat)),
@@ -977,7 +910,7 @@ EXTENDED: tuple[Mistake, ...] = (
           ("pitch-spin-forgotten", "",
            scene_change(lambda scene: {"pitch.spin": None}).then(_NO_SPIN)),
           ("pitch-spin-not-in-flight", "; it comes to the bat with its spin",
-           _terms(lambda f: _with_strengths(f, _pitch_without_spin))))),
+           _strengths(_pitch_without_spin)))),
     Mistake("batted-without-spin", "lets the batted ball fly without spin",
             "the batted ball has the spin that the impact gives it",
             _batted_spin(lambda scene: (0.0, 0.0, 0.0))),
@@ -987,7 +920,7 @@ EXTENDED: tuple[Mistake, ...] = (
                 _terms(_lift_times(lambda flow, p: 1.0 / _active(flow, p))))),
     Mistake("lift-by-whole-spin", "multiplies by the whole spin, gyro spin included, in the "
             "lift's size", "S = R ω_T/U with ω_T = |ω × u|/U",
-            _carrying(_by_whole_spin, Term((_TOTAL,), _of_total))),
+            _terms(_by_whole_spin, Term((_TOTAL,), _of_total))),
     Mistake("lift-not-along-unit", "divides ω × u by ωU, and not by its length, in the "
             "direction of the lift", "the lift is along ω × u/|ω × u|",
             _terms(_lift_times(_active))),
@@ -1001,8 +934,7 @@ EXTENDED: tuple[Mistake, ...] = (
     Mistake("drag-spin-total", "takes the whole spin for that which adds to the drag",
             "ω_T = |ω × u|/U", reading_change(drag_spin="total")),
     Mistake("spin-parameter-of-diameter", "takes the diameter for the radius in the spin parameter",
-            "S = R ω_T/U", _seeing(_lifts, lambda s: with_values(
-                s, {"ball.radius": 2 * s.ball.radius, "ball.mass": 4 * s.ball.mass}))),
+            "S = R ω_T/U", _strengths(_of_diameter, _lifts)),
     Mistake("spin-decay-in-time", "lets the spin decay with time",
             "spin falls by e along spin_decay_length of path through the air",
             reading_change(spin_decay="time")),
@@ -1027,38 +959,41 @@ EXTENDED: tuple[Mistake, ...] = (
             _replaced(DECAY_ALONG_PATH, replace(
                 DECAY_ALONG_PATH, rate=lambda motion, p: size(motion.velocity)))),
     Mistake("wind-sign", "takes the wind for where it blows from", "wind is where it blows to",
-            _winds(lambda w: tuple(-x for x in w))),
+            _winds(_arranged("-x -y -z"))),
     Mistake("wind-side-sign", "has the wind's y the other way round", "+y is left of the catcher",
-            _winds(lambda w: (w[0], -w[1], w[2]))),
+            _winds(_arranged("x -y z"))),
     Mistake("wind-exchanged", "exchanges x and y of the wind", "wind is [x, y, z], +x outwards",
-            _winds(lambda w: (w[1], w[0], w[2]))),
+            _winds(_arranged("y x z"))),
     Mistake("wind-ignored", "flies without the wind", _WIND,
             scene_change(lambda scene: {"air.wind": None})),
     Mistake("wind-level", "leaves the wind's vertical part out", _WIND,
-            _winds(lambda w: (w[0], w[1], 0.0))),
+            _winds(_arranged("x y 0"))),
     Mistake("wind-not-in-lift", "leaves the wind out of the lift", _WIND,
             reading_change(wind_acts_on="drag")),
     Mistake("wind-not-in-lift-by-spin", "leaves the wind out of the lift of balls with spin",
             _WIND, Change(_wind_not_in_lift_by_spin)),
     Mistake("wind-in-size-only", "drags by the airspeed, but along the velocity over the ground",
-            _WIND, _terms(lambda f: _over_ground(f) if isinstance(f, Drag) else f)),
+            _WIND, _terms(lambda f: Force(f.parameters, f.strengths, lambda m, p: scaled(
+                -(m.density * f.rate(m, p)), m.velocity)) if isinstance(f, Drag) else f)),
     Mistake("wind-in-direction-only", "drags along the velocity through the air, but by the speed "
             "over the ground", _WIND,
             _terms(lambda f: _ground_speed(f) if isinstance(f, Drag) else f)),
     Mistake("crisis-over-ground", "takes the speed over the ground for U in the drag crisis",
             "C_D = a + (b - a)/(1 + e^((U - U_c)/δ)), with the airspeed U",
-            _replaced(CRISIS, replace(CRISIS, rate=_over_ground_in_crisis))),
+            _replaced(CRISIS, replace(CRISIS, rate=lambda m, p: _ground_speed(CRISIS).rate(m, p) * (
+                m.speed / size(m.velocity))))),
     Mistake("wind-everywhere", "has the same wind at all heights",
             "a wind with `above` blows above that height, one with `height` grows with ln z",
             scene_change(lambda scene: {"air.wind": scene.air.wind.velocity})),
     *(Mistake(f"wind-above-{name}", f"counts the height of a wind with `above` {sentence}",
-              "the wind blows above the plane z = `above`", _wind_above(level), True)
+              "the wind blows above the plane z = `above`", scene_change(
+                  lambda s, level=level: {"air.wind.above": s.air.wind.above + level(s)}), True)  # type: ignore[misc]
       for name, sentence, level in _LEVELS),
     Mistake("wind-profile-without-offset", "lets the wind grow as ln(z/z_0)/ln(h/z_0)",
             _PROFILE, _profile(lambda z, p: trace.log(_larger(z, p.roughness) / p.roughness)
                                / trace.log(p.wind_height / p.roughness)), True),
     Mistake("wind-profile-capped", "has the same wind at all heights above that of the profile",
-            _PROFILE, _profile(lambda z, p: trace.log(1.0 + _smaller(z, p.wind_height)
+            _PROFILE, _profile(lambda z, p: trace.log(1.0 - _larger(-z, -p.wind_height)
                                                       / p.roughness)
                                / trace.log(1.0 + p.wind_height / p.roughness)), True),
     Mistake("wind-profile-denominator", "divides by ln(h/z_0) in the wind's profile", _PROFILE,
@@ -1070,7 +1005,8 @@ EXTENDED: tuple[Mistake, ...] = (
     Mistake("celsius-for-kelvin", "takes the temperature for °C: adds 273.15 once more", _WEATHER,
             _density(lambda s, w: _of_weather(s, temperature=w.temperature + ZERO_CELSIUS))),
     Mistake("celsius-in-gas-law", "divides by the temperature in °C", _WEATHER,
-            _density(_dry_of_celsius)),
+            _density(lambda s, w: (
+                _of_weather(s) * (w.temperature / (w.temperature - ZERO_CELSIUS))))),
     Mistake("kelvin-in-vapour", "takes the vapour pressure at the temperature in K", _WEATHER,
             _density(_vapour_of_kelvin)),
     Mistake("humidity-per-cent", "takes the humidity for per cent", _WEATHER,
@@ -1086,14 +1022,23 @@ EXTENDED: tuple[Mistake, ...] = (
             "with the reading pressure = station the elevation does nothing",
             reading_change(pressure="sea_level")),
     Mistake("vapour-lowered", "lowers the vapour's pressure by the elevation, as the air's",
-            _WEATHER, _density(_vapour_lowered)),
-    Mistake("zero-at-273", "takes 273 K for 0 °C", _WEATHER, _density(_zero_at_273)),
+            _WEATHER, _density(lambda s, w: (
+                _of_weather(s, elevation=0.0) * (station_pressure(s, DOUBLES) / w.pressure)))),
+    Mistake("zero-at-273", "takes 273 K for 0 °C", _WEATHER,
+            _density(lambda s, w: _of_weather(s) * (
+                273.0 / (w.temperature - ZERO_CELSIUS + 273.0) * w.temperature / ZERO_CELSIUS))),
     Mistake("weather-ignored", "has air of 1.2929 kg/m³, whatever the weather", _WEATHER,
             _density(lambda s, w: DRY_DENSITY)),
-    *_vapours(),
+    *(Mistake(f"vapour-of-{name.split()[0].lower()}-{start:g}-{a:g}",
+              f"takes the vapour pressure by another formula, {start:g} Pa e^({a:g} t/({b:g} + t)) "
+              f"({name})", _WEATHER,
+              _with_vapour(lambda t, p=start, a=a, b=b: p * math.exp(a * t / (b + t))))  # type: ignore[misc]
+      for name, starts, a, b in _VAPOURS for start in starts),
     Mistake("barometric-formula", "takes the barometric formula of the standard atmosphere, "
             "p (1 - 2.25577e-5 h)^5.25588, for the park's pressure", _WEATHER,
-            _with_pressure(lambda w: w.pressure * (1 - 2.25577e-5 * w.elevation) ** 5.25588)),
+            _density(lambda s, w: _of_weather(s) if s.reading.pressure == "station" else
+                     _of_weather(s, elevation=0.0, pressure=w.pressure * (
+                         1 - 2.25577e-5 * w.elevation) ** 5.25588))),
     Mistake("ideal-gas", "takes an ideal gas with 287.058 J/(kg K), and 461.495 for the vapour",
             _WEATHER, _density(_gas)),
     *(Mistake(f"density-falls-from-{name}", f"counts the height in e^(-z/H) {sentence}", _ALOFT,
@@ -1102,7 +1047,8 @@ EXTENDED: tuple[Mistake, ...] = (
     Mistake("density-of-launch-height", "has the density of the launch's height at all heights",
             _ALOFT, _denser(lambda scene, scale: math.exp(-_LEVELS[0][2](scene) / scale), None)),
     Mistake("density-falls-linearly", "lets the density fall as 1 - z/H", _ALOFT,
-            _thinning(lambda x: 1.0 - x)),
+            _replaced(THINNING, replace(
+                THINNING, density=lambda position, p: 1.0 - p.thinning * position[2]))),
     Mistake("sound-linear", "takes 331.3 + 0.606 t for the speed of sound", _SOUND,
             _sound(lambda t: 331.3 + 0.606 * (t - ZERO_CELSIUS))),
     Mistake("sound-of-gas", "takes √(1.4 · 287 T) for the speed of sound", _SOUND,
@@ -1179,23 +1125,15 @@ EXTENDED: tuple[Mistake, ...] = (
 # The most decimals that a scene's numbers may be rounded to, where that shows.
 _MOST_DECIMALS = 6
 
-
-def _rounded(place: str, decimals: int) -> Mistake:
-    """Return that some numbers of the scene are rounded."""
-
-    def values(scene: Any) -> Mapping[str, Any]:
-        return {place: tuple(round(x, decimals) for x in at(scene, place))}
-
-    said = f"rounds {place} to {decimals} decimal{'s' * (decimals != 1)}"
-    return Mistake(f"rounded:{place}:{decimals}", said, "take the numbers of the scene as they are",
-                   scene_change(values))  # fmt: skip
-
-
 ROUNDED = tuple(
-    _rounded(place, decimals)
+    Mistake(f"rounded:{place}:{decimals}",
+            f"rounds {place} to {many(decimals, 'decimal')}",
+            "take the numbers of the scene as they are",
+            scene_change(lambda scene, place=place, decimals=decimals: {  # type: ignore[misc]
+                place: tuple(round(x, decimals) for x in at(scene, place))}))
     for place in ("launch.velocity", "launch.position")
     for decimals in range(_MOST_DECIMALS + 1)
-)
+)  # fmt: skip
 
 LAW = (*_PAPERS_LAW, *EXTENDED, *ROUNDED)
 
@@ -1222,65 +1160,39 @@ class Own:
     change: Change
 
 
-def _always(name: str, usual: float) -> Term:
-    """Return the term that carries a number."""
-    return Term((name,), lambda scene, frame, numbers: (getattr(scene, name, usual),))
-
-
-def _carried(term: Term) -> Callable[[Any], Any]:
-    """Return the function from parameters to the one that a term carries; 0 on no branch yet."""
-    (name,) = term.parameters
-    return lambda p: getattr(p, name, trace.ZERO)
-
-
-def _of_drag(carried: Term, factor: Callable[[Motion, Any], Any]) -> Change:
-    """Return the change of all drag by a factor: of the motion and the number carried."""
-    number = _carried(carried)
-
-    def changed(f: Any) -> Any:
-        form = _form(f)
-        if not isinstance(form, Drag):
-            return f
-        new = replace(form, rate=lambda m, p: form.rate(m, p) * factor(m, number(p)))
-        return _with_form(f, new)
-
-    return _carrying(changed, carried)
-
-
-def _of_lift(carried: Term, factor: Callable[[Motion, Any], Any]) -> Change:
-    """Return the same change of all lift."""
-    number = _carried(carried)
-
-    def changed(f: Any) -> Any:
-        form = _form(f)
-        if isinstance(form, Lift):
-            new: Term = replace(form, factor=lambda m, p: form.factor(m, p) * factor(m, number(p)))
-        elif isinstance(form, Force) and _lifts(form):
-            new = replace(form, acceleration=lambda m, p: scaled(
-                factor(m, number(p)), form.acceleration(m, p)))  # fmt: skip
-        else:
-            return f
-        return _with_form(f, new)
-
-    return _carrying(changed, carried)
-
-
 def _to_power(flow: Flow, more: Any) -> Any:
     """Return the speed to a power."""
     return trace.exp(more * trace.log(flow.speed * flow.speed + SMALL * SMALL) * 0.5)
 
 
-def _moving(name: str, rises: bool) -> Term:
+def _own(
+    words: str, name: str, usual: float, which: Callable[[Term], bool],
+    factor: Callable[[Motion, Any], Any], carried: Callable[[str], Term] | None = None,
+) -> Own:  # fmt: skip
+    """Return a number that a factor of terms hangs on: of the motion and the number.
+
+    It is a parameter of a term that does nothing else; 0 on no branch yet.
+    """
+    constant = Term((name,), lambda scene, frame, numbers: (getattr(scene, name, usual),))
+    change = _forms(which, lambda form: _multiplied(
+        form, lambda m, p: factor(m, getattr(p, name, trace.ZERO))))  # fmt: skip
+    return Own(words, usual, _terms(change, carried(name) if carried else constant))
+
+
+def _while_rising(rises: bool) -> Callable[[str], Term]:
     """Return the term that carries a number while the ball rises, or falls, and 1 otherwise."""
 
-    def branches(scene: Any, frame: Any, numbers: Any) -> Branches:
-        number = (getattr(scene, name, 1.0),)
-        return Branches((0.0,), ((1.0,), number) if rises else (number, (1.0,)))
+    def carried(name: str) -> Term:
+        def branches(scene: Any, frame: Any, numbers: Any) -> Branches:
+            number = (getattr(scene, name, 1.0),)
+            return Branches((0.0,), ((1.0,), number) if rises else (number, (1.0,)))
 
-    return Piecewise(
-        (name,), switched, Term((name,), switched), branches,
-        lambda motion, p: (motion.velocity[2], 1.0), "the ball is at its highest point",
-    )  # fmt: skip
+        return Piecewise(
+            (name,), switched, Term((name,), switched), branches,
+            lambda motion, p: (motion.velocity[2], 1.0), "the ball is at its highest point",
+        )  # fmt: skip
+
+    return carried
 
 
 def _faster_sound(scene: Any) -> Any:
@@ -1289,24 +1201,22 @@ def _faster_sound(scene: Any) -> Any:
     return _tables(lambda nodes, values: ([x * share for x in nodes], values), "mach").scene(scene)
 
 
-def _share(motion: Motion, number: Any) -> Any:
-    return number
+def _lifting(term: Term) -> bool:
+    return isinstance(term, Lift | Force) and _lifts(term)
 
 
 OWN: dict[str, Own] = {
-    "drag_exponent": Own("the exponent of V in the drag", 2.0, _of_drag(
-        _always("drag_exponent", 2.0), lambda m, n: _to_power(m.air, n - 2.0))),
-    "lift_exponent": Own("the exponent of V in the lift", 2.0, _of_lift(
-        _always("lift_exponent", 2.0), lambda m, n: _to_power(m.lift, n - 2.0))),
+    "drag_exponent": _own("the exponent of V in the drag", "drag_exponent", 2.0, _drags,
+                          lambda m, n: _to_power(m.air, n - 2.0)),
+    "lift_exponent": _own("the exponent of V in the lift", "lift_exponent", 2.0, _lifting,
+                          lambda m, n: _to_power(m.lift, n - 2.0)),
     **{
-        f"{way}_{how}": Own(f"the share of the {way} on a {how} ball", 1.0, of(
-            _moving(f"{way}_{how}", how == "rising"), _share))
-        for way, of in (("drag", _of_drag), ("lift", _of_lift)) for how in ("rising", "falling")
+        f"{way}_{how}": _own(f"the share of the {way} on a {how} ball", f"{way}_{how}", 1.0, which,
+                             lambda m, n: n, _while_rising(how == "rising"))
+        for way, which in (("drag", _drags), ("lift", _lifting)) for how in ("rising", "falling")
     },
-    "rotation": Own("the Earth's rotation in rad/s", ROTATION, _carrying(
-        lambda f: replace(CORIOLIS, acceleration=lambda m, p: scaled(
-            p.rotation / ROTATION, CORIOLIS.acceleration(m, p))) if f is CORIOLIS else f,
-        _always("rotation", ROTATION))),
+    "rotation": _own("the Earth's rotation in rad/s", "rotation", ROTATION,
+                     lambda term: term is CORIOLIS, lambda m, n: n / ROTATION),
     "sound": Own("the share of the speed of sound", 1.0, Change(_faster_sound)),
 }  # fmt: skip
 SPIN = tuple(mistake for mistake in EXTENDED if mistake.name.startswith("spin-"))

@@ -18,7 +18,15 @@ from longball.model.readings import Reading
 
 @dataclass(frozen=True)
 class View:
-    """A scene, and the values that a formula has before it, by the names of the quantities."""
+    """A scene, and the values that a formula has before it, by the names of the quantities.
+
+    Attributes
+    ----------
+    before
+        The ball's velocity before the impact, m/s.
+    height
+        Of the bat's axis, m.
+    """
 
     scene: Any
     values: Mapping[str, Numbers]
@@ -31,21 +39,6 @@ class View:
     def number(self, name: str) -> float:
         """Return a quantity that is one number."""
         return self.values[name][0]
-
-    @property
-    def m(self) -> float:
-        """The ball's mass, kg."""
-        return float(self.scene.ball.mass)
-
-    @property
-    def M(self) -> float:  # noqa: N802 (the paper's symbol)
-        """The bat's mass, kg."""
-        return float(self.scene.bat.mass)
-
-    @property
-    def e(self) -> float:
-        """The ball's restitution."""
-        return float(self.scene.ball.restitution)
 
     @property
     def position(self) -> Numbers:
@@ -65,46 +58,28 @@ class View:
         launch = getattr(self.scene, "launch", None)
         return self.position if launch is None else tuple(launch.position)
 
-    @property
-    def lever(self) -> float:
-        """r̃, m."""
-        return float(self.scene.bat.length) / 2 - self.position[1]
-
     def collision(self, **switches: str) -> CollisionParameters[float]:
         """Return ẽ and μ, with some switches of the reading set otherwise."""
         scene = self.scene
         reading = Reading.model_validate(scene.reading.model_dump() | switches)
         return collision_parameters(scene.ball, scene.bat, self.lever, reading, DOUBLES)
 
-    @property
-    def mu(self) -> float:
-        """μ, kg."""
-        return self.collision().reduced_mass
-
-    @property
-    def bare(self) -> float:
-        """μ from M_eff, kg."""
-        return self.collision(bat_ball_restitution="nathan", reduced_mass="bat_mass").reduced_mass
-
-    @property
-    def ratio(self) -> float:
-        """m/M_eff."""
-        return self.m / self.bare - 1
+    # The paper's symbols.
+    m = property(lambda self: float(self.scene.ball.mass))  # kg
+    M = property(lambda self: float(self.scene.bat.mass))  # kg
+    e = property(lambda self: float(self.scene.ball.restitution))
+    lever = property(lambda self: float(self.scene.bat.length) / 2 - self.position[1])  # r̃, m
+    mu = property(lambda self: self.collision().reduced_mass)  # kg
+    bare = property(lambda self: self.collision(  # μ from M_eff, kg
+        bat_ball_restitution="nathan", reduced_mass="bat_mass").reduced_mass)  # fmt: skip
+    ratio = property(lambda self: self.m / self.bare - 1)  # m/M_eff
+    restitution = property(lambda self: self.number("impact.restitution"))  # ẽ
+    relative = property(lambda self: plus(self.before, -1.0, self["contact.bat_velocity"]))  # Ṽ
 
     @property
     def inertia(self) -> float:
         """The bat's, kg m²."""
         return float(moment_of_inertia(self.scene.bat, self.scene.reading, DOUBLES))
-
-    @property
-    def relative(self) -> Numbers:
-        """Ṽ, m/s."""
-        return plus(self.before, -1.0, self["contact.bat_velocity"])
-
-    @property
-    def restitution(self) -> float:
-        """ẽ."""
-        return self.number("impact.restitution")
 
     @property
     def kick(self) -> Numbers:
@@ -134,31 +109,22 @@ class Formula:
     name: str
     sentence: str
     remedy: str
-    value: Value
+    value: Callable[..., Numbers]
 
 
 @dataclass(frozen=True)
-class Numbered:
+class Numbered(Formula):
     """A known mistake in one formula with a number in it that may be any.
+
+    Its sentence has braces for the number, and its value takes it.
 
     Attributes
     ----------
-    quantity, name, remedy
-        See `Formula`.
-    sentence
-        With braces for the number.
     number
         What the number is, if the quantity is what a candidate says.
-    value
-        What the quantity is with a number.
     """
 
-    quantity: str
-    name: str
-    sentence: str
-    remedy: str
     number: Callable[[View, Numbers], float]
-    value: Callable[[View, float], Numbers]
 
     def of(self, number: float) -> Formula:
         """Return the mistake with a number."""
@@ -205,19 +171,9 @@ def _printed(e: float, ratio: float) -> float:
     return e * (1 + ratio) + ratio
 
 
-def _read(**switches: str) -> Value:
-    """Return ẽ with some switches of the reading set otherwise."""
-    return lambda v: (v.collision(**switches).restitution,)
-
-
 def _closing(velocity: Value) -> Value:
     """Return the part of a velocity along the normal."""
     return lambda v: (dot(velocity(v), v["contact.normal"]),)
-
-
-def _along(vector: Numbers, normal: Numbers) -> Numbers:
-    part = dot(vector, normal)
-    return tuple(part * n for n in normal)
 
 
 def _push(mass: Number = lambda v: v.mu, e: Number = lambda v: v.restitution) -> Value:
@@ -271,7 +227,7 @@ def _slender(v: View) -> float:
     """Return the bat's moment of inertia without its part of r_b², by its mass, m²."""
     bat = v.scene.bat
     part = 0.0 if v.scene.reading.inertia == "thin_rod" else float(bat.radius) ** 2 / 4
-    return v.inertia / v.M - part
+    return float(v.inertia / v.M - part)
 
 
 def _round_part(v: View, ratio: float) -> float:
@@ -281,7 +237,7 @@ def _round_part(v: View, ratio: float) -> float:
 
 
 def _ratio_with(v: View, c: float) -> float:
-    return v.ratio * v.inertia / (v.M * (_slender(v) + c * float(v.scene.bat.radius) ** 2))
+    return float(v.ratio * v.inertia / (v.M * (_slender(v) + c * float(v.scene.bat.radius) ** 2)))
 
 
 def _bare_said(v: View, said: Numbers) -> float:
@@ -294,16 +250,6 @@ def _bare_pushed(v: View, c: float) -> Numbers:
     """Return the impulse with that μ, where the reading takes it from M_eff."""
     bare = math.isclose(v.mu, v.bare, rel_tol=1e-12)
     return _push(lambda v: v.m / (1 + _ratio_with(v, c)) if bare else v.mu)(v)
-
-
-def _tilted(v: View, share: float) -> Numbers:
-    x, _, z = v.axis
-    return _unit((x, share * v.position[1], z))
-
-
-def _off_centre(v: View, radii: float) -> Numbers:
-    place, step = v["contact.position:follows"], radii * v.scene.ball.radius
-    return plus(place, -step, v["contact.normal"])
 
 
 # In the bat's parameters: names, sentences, remedies, and the switches of the reading that make
@@ -384,7 +330,8 @@ FORMULAS: tuple[Formula, ...] = (
          _closing(lambda v: plus(v["plate.velocity"], -1.0, v["contact.bat_velocity"])),
          "take it at the contact")),
     Formula("impact.restitution", "plain-restitution", PLAIN, EFFECTIVE, lambda v: (v.e,)),
-    *(Formula("impact.restitution", name, sentence, remedy, _read(**switches))
+    *(Formula("impact.restitution", name, sentence, remedy,
+              lambda v, s=switches: (v.collision(**s).restitution,))
       for name, (sentence, remedy, switches) in _MISREAD.items()),
     *_wrong("impact.restitution", EFFECTIVE,
         ("bat-mass-ratio", "takes the bat's whole mass for M_eff",
@@ -426,7 +373,8 @@ FORMULAS: tuple[Formula, ...] = (
         ("relative-velocity", "starts from Ṽ instead of V",
          lambda v: plus(v.relative, 1 / v.m, v.kick)),
         ("velocity-along-normal", "keeps the velocity along the normal only",
-         lambda v: _along(v["impact.velocity:follows"], v["contact.normal"])),
+         lambda v: tuple(n * dot(v["impact.velocity:follows"], v["contact.normal"])
+                         for n in v["contact.normal"])),
         ("velocity-reversed", "turns the whole velocity round, -ẽ times it",
          lambda v: tuple(-v.restitution * b for b in v.before)),
         ("impulse-along-relative-velocity", "lets the impulse act along the whole relative "
@@ -508,20 +456,23 @@ NUMBERED: tuple[Numbered, ...] = (
     Numbered("contact.position", "contact-off-centre", "gives as the contact a point off the "
              "ball's centre, nearer to the bat by {} times the ball's radius",
              "contact.position is where the ball's centre is",
+             lambda v, radii: plus(v["contact.position:follows"], -radii * v.scene.ball.radius,
+                                   v["contact.normal"]),
              lambda v, said: dot(plus(v["contact.position:follows"], -1.0, said),
-                                  v["contact.normal"]) / v.scene.ball.radius, _off_centre),
+                                 v["contact.normal"]) / v.scene.ball.radius),
     Numbered("contact.normal", "normal-along-bat", "gives the normal a part along the bat: "
              "(x, {} y, z - z_b) stands for (x, 0, z - z_b)",
              "n is perpendicular to the bat's axis: its y is 0",
+             lambda v, share: _unit((v.axis[0], share * v.position[1], v.axis[2])),
              lambda v, said: said[1] * math.hypot(*v.axis)
-             / (v.position[1] * math.hypot(said[0], said[2])), _tilted),
+             / (v.position[1] * math.hypot(said[0], said[2]))),
     Numbered("contact.bat_velocity", "pivot-elsewhere", "lets the bat turn about a point {} times "
              "its length from the middle", PIVOT,
+             lambda v, share: _swung(lambda w: share * w.scene.bat.length - w.position[1])(v),
              lambda v, said: (math.copysign(math.hypot(*said), said[0])
-                              / v.scene.swing.angular_speed + v.position[1]) / v.scene.bat.length,
-             lambda v, share: _swung(lambda w: share * w.scene.bat.length - w.position[1])(v)),
+                              / v.scene.swing.angular_speed + v.position[1]) / v.scene.bat.length),
     Numbered("impact.restitution", "bat-inertia", _ROUND, _I,
-             lambda v, said: _round_part(v, (said[0] - v.e) / (1 + v.e)),
-             lambda v, c: _restitution(lambda v, e, r: _printed(e, _ratio_with(v, c)))(v)),
-    Numbered("impact.impulse", "bat-inertia", _ROUND, _I, _bare_said, _bare_pushed),
+             lambda v, c: _restitution(lambda v, e, r: _printed(e, _ratio_with(v, c)))(v),
+             lambda v, said: _round_part(v, (said[0] - v.e) / (1 + v.e))),
+    Numbered("impact.impulse", "bat-inertia", _ROUND, _I, _bare_pushed, _bare_said),
 )  # fmt: skip

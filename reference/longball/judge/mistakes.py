@@ -17,8 +17,8 @@ from longball.engines.chain import MODEL, OneCase, collide, reach_plate
 from longball.judge.any_law import ANY_LAW
 from longball.judge.changes import Mistake, reading_change, scene_change
 from longball.judge.formulas import EFFECTIVE, MU, PIVOT, PLAIN, misread
+from longball.judge.rubbing import STILL, rubbed
 from longball.judge.stages import Change, Numbers, with_values
-from longball.model.numbers import plus
 from longball.model.readings import Reading
 from longball.model.scene import parse_scene
 
@@ -120,65 +120,37 @@ OUTCOMES: tuple[Mistake, ...] = (
 )  # fmt: skip
 
 
-# --- friction -------------------------------------------------------------------------------------
+# --- the collision --------------------------------------------------------------------------------
 
 
-def _rubbed_without_spin(cases: Any, contact: Any, error: Any, *carried: Any) -> tuple[Any, ...]:
-    """Apply the oblique impulse as if the ball came without spin."""
-    if contact.spin is None:
-        return collide(cases, contact, error, *carried)
-    cases, impact, *rest = collide(cases, replace(contact, spin=(0.0, 0.0, 0.0)), error, *carried)
-    return cases, replace(impact, spin=plus(impact.spin, 1.0, contact.spin)), *rest
-
-
-def _rubbed_without_rotation(
-    cases: Any, contact: Any, error: Any, *carried: Any
-) -> tuple[Any, ...]:
-    """Apply the oblique impulse as if the bat's surface moved like its axis."""
-    scene = with_values(cases.scene, {"swing.angular_speed": 0.0})
-    still = OneCase(scene, cases.engine, cases.model)
-    return cases, *collide(still, contact, error, *carried)[1:]
-
-
-def _colliding(collision: Callable[..., tuple[Any, ...]]) -> Change:
-    return Change(model=lambda model: replace(model, collide=collision))
-
-
-def _struck_with_spin_of_release(
-    cases: Any, contact: Any, error: Any, *carried: Any
-) -> tuple[Any, ...]:
-    """Apply the impulse to a ball that has the spin still with which it was thrown."""
-    if cases.scene.kind != "at-bat" or contact.spin is None:
-        return collide(cases, contact, error, *carried)
-    return collide(cases, replace(contact, spin=cases.scene.pitch.spin), error, *carried)
-
-
-def _levered(lever: Callable[[Any, float], float]) -> Change:
-    """Return the change of r̃ in the bat's parameters, from the scene and the right one, m."""
+def _met(change: Callable[[Any, Any], dict[str, Any]]) -> Change:
+    """Return the change of what goes into the collision, from the scene and the contact."""
 
     def struck(cases: Any, contact: Any, error: Any, *carried: Any) -> tuple[Any, ...]:
-        arm = lever(cases.scene, contact.lever_arm)
-        return collide(cases, replace(contact, lever_arm=arm), error, *carried)
+        other = replace(contact, **change(cases.scene, contact))
+        return collide(cases, other, error, *carried)
 
-    return _colliding(struck)
+    return Change(model=lambda model: replace(model, collide=struck))
 
 
 IMPACT: tuple[Mistake, ...] = (
     Mistake("other-pivot", "measures r̃ from the bat's end A, at y = -L/2", PIVOT,
-            _levered(lambda scene, arm: scene.bat.length - arm)),
+            _met(lambda s, contact: {"lever_arm": s.bat.length - contact.lever_arm})),
     Mistake("middle-lever", "takes half the bat's length for r̃, whatever y is", PIVOT,
-            _levered(lambda scene, arm: scene.bat.length / 2)),
+            _met(lambda s, contact: {"lever_arm": s.bat.length / 2})),
     Mistake("lever-of-size", "takes |y| for y in r̃", PIVOT,
-            _levered(lambda scene, arm: min(arm, scene.bat.length - arm))),
+            _met(lambda s, contact: {
+                "lever_arm": min(contact.lever_arm, s.bat.length - contact.lever_arm)})),
     Mistake("spin-of-release", "strikes the ball with the spin of the release",
             "spin falls by e along spin_decay_length, on the way to the bat too",
-            _colliding(_struck_with_spin_of_release)),
+            _met(lambda s, contact: {} if s.kind != "at-bat" or contact.spin is None
+                 else {"spin": s.pitch.spin})),
     Mistake("friction-without-spin", "leaves the ball's spin out of the slip",
             "g = V + ω × (-R n) - V_b: the surface moves with the spin",
-            _colliding(_rubbed_without_spin)),
+            rubbed(spin=lambda contact: STILL)),
     Mistake("friction-without-rotation", "leaves the bat's rotation out of the slip",
             "g = V + ω × (-R n) - V_b - Ω × (r_b n): the bat's surface turns about its axis",
-            _colliding(_rubbed_without_rotation)),
+            rubbed(rotation=lambda scene: STILL)),
     Mistake("friction-ignored", "strikes without friction", "see bat.friction",
             scene_change(lambda scene: {"bat.friction": None})),
     Mistake("slides-finally", "lets the friction act along what would end the slip",

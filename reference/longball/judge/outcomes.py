@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 from longball.engines.chain import MODEL, solve
@@ -33,22 +32,18 @@ MOST = 0.9
 FINE = 1e-12
 
 
-@dataclass(frozen=True)
-class Rule:
-    """A mistake in what counts as which outcome, told by the values of an answer.
+def _is_fair(place: Sequence[float]) -> bool:
+    return abs(place[1]) <= place[0]
 
-    Attributes
-    ----------
-    name, sentence, remedy
-        See `longball.judge.mistakes.Mistake`.
-    holds
-        Whether a trial with another outcome is of that kind.
+
+def _leaves(trial: Trial, fair: bool = True) -> bool:
+    """Tell whether a ball passes over the fence, by its own values, and passes it fair, or foul.
+
+    Over a fence that is a circle a ball goes fair wherever it does.
     """
-
-    name: str
-    sentence: str
-    remedy: str
-    holds: Callable[[Trial], bool]
+    place, above = trial.given.get("fence.position"), trial.given.get("fence.clearance")
+    over = place is not None and above is not None and above[0] > 0
+    return over and (_is_fair(place or ()) or trial.scene.fence.polyline is None) is fair
 
 
 def _beyond_limit(trial: Trial) -> bool:
@@ -65,31 +60,16 @@ def _limited_together(trial: Trial) -> bool:
     return bool(hang <= trial.scene.time_limit < whole)
 
 
-def _is_fair(place: Sequence[float]) -> bool:
-    return abs(place[1]) <= place[0]
-
-
-def _leaves(trial: Trial, fair: bool = True) -> bool:
-    """Tell whether a ball passes over the fence, by its own values, and passes it fair, or foul.
-
-    Over a fence that is a circle a ball goes fair wherever it does.
-    """
-    place, above = trial.given.get("fence.position"), trial.given.get("fence.clearance")
-    over = place is not None and above is not None and above[0] > 0
-    return over and (_is_fair(place or ()) or trial.scene.fence.polyline is None) is fair
-
-
-def _foul_over_fence(trial: Trial) -> bool:
-    return trial.outcome == "home_run" and _leaves(trial, fair=False)
-
-
-RULES: tuple[Rule, ...] = (
-    Rule(TIME_LIMIT_IGNORED.name, TIME_LIMIT_IGNORED.sentence, TIME_LIMIT_IGNORED.remedy,
-         _beyond_limit),
-    Rule("time-limit-of-both", "counts time_limit for pitch and batted ball together",
-         "pitch and batted ball have time_limit seconds each", _limited_together),
-    Rule("foul-home-run", "takes a foul ball over the fence for a home run",
-         "a ball that passes the fence foul is none: it flies on, and lands", _foul_over_fence),
+# Mistakes in what counts as which outcome, told by the values of an answer: name, sentence, remedy,
+# and whether a trial with another outcome is of that kind.
+RULES: tuple[tuple[str, str, str, Callable[[Trial], bool]], ...] = (
+    (TIME_LIMIT_IGNORED.name, TIME_LIMIT_IGNORED.sentence, TIME_LIMIT_IGNORED.remedy,
+     _beyond_limit),
+    ("time-limit-of-both", "counts time_limit for pitch and batted ball together",
+     "pitch and batted ball have time_limit seconds each", _limited_together),
+    ("foul-home-run", "takes a foul ball over the fence for a home run",
+     "a ball that passes the fence foul is none: it flies on, and lands",
+     lambda t: t.outcome == "home_run" and _leaves(t, fair=False)),
 )  # fmt: skip
 
 # What else may be taken for fair: of the place at the fence, or else of the landing, and of that.
@@ -155,9 +135,9 @@ def outcome_findings(
             sentence += f": {reason}"
         elif own := _follows(wrong):
             sentence += f": {own}"
-        elif rule_ := next((r for r in RULES if flies and all(map(r.holds, wrong))), None):
-            names, remedy = [rule_.name], rule_.remedy
-            sentence += f": {rule_.sentence}"
+        elif rule_ := next((r for r in RULES if flies and all(map(r[3], wrong))), None):
+            name, said, remedy, _ = rule_
+            names, sentence = [name], f"{sentence}: {said}"
         elif obtained in ("landed", "batted") and all(
             "fence" in _blocks(t.expected) - _blocks(t.given) for t in wrong
         ):
@@ -172,10 +152,10 @@ def outcome_findings(
                 "find the closest approach within the step, where d·v changes sign, and test there"
             )
         one = _told("outcome", "outcome", names, sentence, wrong, same)
-        said: dict[str, Any] = {"kind": "unexplained"}
-        if names or own or against:
-            said = {"kind": "probably", "share": 1.0, "scenes": None}
-        yield one.model_copy(update=said | {"remedy": remedy, "example": None})
+        is_known = names or own or against
+        more = {"kind": "probably", "share": 1.0, "scenes": None} if is_known else {
+            "kind": "unexplained"}  # fmt: skip
+        yield one.model_copy(update={**more, "remedy": remedy, "example": None})
 
 
 def _made(
@@ -235,19 +215,11 @@ def made_otherwise(trial: Trial, change: Change, facts: Mapping[str, object]) ->
 
 # Outcomes that are told by how low a value is, m: its name, up to the sign; its limit; the value.
 LIMITED: dict[str, tuple[str, str, Callable[[Trial], float | None]]] = {
-    "missed": ("contact.margin", "0", lambda t: _first(t, "contact.margin")),
-    "wall": ("fence.clearance", "0", lambda t: _first(t, "fence.clearance")),
-    "beyond_bat": ("|contact.position[1]|", "L/2", lambda t: _from_end(t)),
-}
-
-
-def _first(trial: Trial, quantity: str) -> float | None:
-    return trial.given[quantity][0] if quantity in trial.given else None
-
-
-def _from_end(trial: Trial) -> float | None:
-    place = trial.given.get("contact.position")
-    return None if place is None else -abs(place[1])
+    "missed": ("contact.margin", "0", lambda t: t.given.get("contact.margin", (None,))[0]),
+    "wall": ("fence.clearance", "0", lambda t: t.given.get("fence.clearance", (None,))[0]),
+    "beyond_bat": ("|contact.position[1]|", "L/2", lambda t: (
+        -abs(t.given["contact.position"][1]) if "contact.position" in t.given else None)),
+}  # fmt: skip
 
 
 def _limit(obtained: str, wrong: Sequence[Trial], trials: Sequence[Trial]) -> str:
@@ -311,16 +283,13 @@ def _follows(trials: Sequence[Trial]) -> str:
         if not outcomes <= both:
             continue
         given = [(t, t.given[quantity]) for t in trials if quantity in t.given]
-        wrong = [(t, x) for t, x in given if not _told_alike(x, t.expected.get(quantity, x))]
-        count = sum(holds(t, value) for t, value in wrong)
+        beside = [(t, x, t.expected.get(quantity, x)) for t, x in given]
+        count = sum(holds(t, x) for t, x, true in beside
+                    if math.dist(x, true) > FINE * max(math.hypot(*true), 1e-3))  # fmt: skip
         if count >= MOST * len(trials):
             where = "" if count == len(trials) else f"in {count} of them "
             return f"{where}this follows from its own {quantity}"
     return ""
-
-
-def _told_alike(said: Sequence[float], true: Sequence[float]) -> bool:
-    return math.dist(said, true) <= FINE * max(math.hypot(*true), 1e-3)
 
 
 def _flies_so(trial: Trial, velocity: Sequence[float]) -> bool:

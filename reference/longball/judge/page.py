@@ -21,7 +21,15 @@ from longball.extras import naming_extras
 from longball.judge.answers import printable, quoted
 from longball.judge.evaluation import Evaluation
 from longball.judge.quantities import values_of
-from longball.judge.text import ERRORS, LONGEST_NAME, counts, describe, error_cells, silence
+from longball.judge.text import (
+    ERRORS,
+    LONGEST_NAME,
+    counts,
+    describe,
+    error_cells,
+    flagged,
+    silence,
+)
 from longball.judge.verdict import Comparison, Measured
 from longball.model.scene import ImpactScene
 
@@ -48,7 +56,7 @@ def page(evaluation: Evaluation) -> str:
     v = evaluation.verdict
     failures = [
         (
-            failure.id + (f" [{', '.join(failure.flags)}]" if failure.flags else ""),
+            flagged(failure.id, failure.flags),
             [describe(fault) for fault in failure.faults],
             str(failure.scene),
         )

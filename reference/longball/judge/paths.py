@@ -12,7 +12,7 @@ bring to the ground before the plate is grounded.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from decimal import Decimal
 from typing import Any
@@ -90,7 +90,10 @@ def landed(scene: Any, answer: Answer) -> tuple[Answer, Mapping[str, float]]:
         # A step on, but for the rounding of times.
         in_the_air = 2 * path[-1, 0] - path[-2, 0] > limit * (1 - 1e-9)
         return (_ended(answer, "airborne") if in_the_air else answer), {}
-    ways = [_both(path, crossing, together, block, scene) for together in _ways(path)]
+    # Places and velocities may make one polynomial; both are tried where that can be seen.
+    together = [False] if path.shape[1] == 4 or len(path) >= POINTS[0] else []
+    together += [True] if path.shape[1] > 4 else []
+    ways = [[_met(path, crossing, n, one, block, scene) for n in POINTS] for one in together]
     known = [(fine, coarse) for fine, coarse in ways if fine and coarse]
     if not known:
         return answer, {}
@@ -144,19 +147,6 @@ def _crossing(heights: Array) -> int | None:
     if fallen.size:
         return int(fallen[0]) + 1
     return len(heights) - 1 if 2 * heights[-1] - heights[-2] <= 0 else None
-
-
-def _ways(path: Array) -> Sequence[bool]:
-    """Return whether places and velocities make one polynomial; both where that can be seen."""
-    if path.shape[1] == 4:
-        return (False,)
-    return (False, True) if len(path) >= POINTS[0] else (True,)
-
-
-def _both(path: Array, crossing: int, *way: Any) -> tuple[Met | None, Met | None]:
-    """Return what polynomials through more numbers and through fewer meet."""
-    more, fewer = (_met(path, crossing, count, *way) for count in POINTS)
-    return more, fewer
 
 
 def _met(

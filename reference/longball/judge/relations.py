@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from longball.judge.answers import Answer
-from longball.judge.explanations import Checked, Explanation, off, share_left, size_of
+from longball.judge.explanations import Checked, Explanation, off, share_by, size_of
 from longball.judge.findings import Finding, found, many
 from longball.judge.fits import FEW_DIGITS, FIRST, digits_of, factor_meaning, roundest
 from longball.judge.formulas import FORMULAS, NUMBERED, View
@@ -99,9 +99,9 @@ def _held(
             off(value(trial, c), c) if c.quantity == quantity else size_of(c) for c in checks
         )
 
-    wholes = [sum(map(size_of, cs)) for _, cs in chosen]
+    whole = sum(sum(map(size_of, cs)) for _, cs in chosen)
     against = sum(left(t, [c for c in cs if c.quantity == quantity]) for t, cs in beside)
-    return share_left([left(t, cs) for t, cs in chosen], wholes), against / sum(wholes)
+    return share_by(chosen, left), against / whole
 
 
 def _images(quantity: str, expected: Array, obtained: Array) -> Iterator[tuple[str, str, Image]]:
@@ -170,10 +170,8 @@ TURNS = tuple(sorted(_turns(), key=lambda turn: turn[0].count("-")))
 
 def _image_value(quantity: str, image: Image, base: Change) -> Callable[[Trial], Numbers | None]:
     def value(trial: Trial) -> Numbers | None:
-        for check in follow(trial, base):
-            if check.quantity == quantity:
-                return tuple(image(_row(check)).tolist())
-        return None
+        rows = (_row(check) for check in follow(trial, base) if check.quantity == quantity)
+        return next((tuple(image(row).tolist()) for row in rows), None)
 
     return value
 
@@ -271,7 +269,7 @@ def singles(wrong: Sequence[Checked]) -> Iterator[Explanation]:
         ):
             yield Explanation(
                 f"single-precision:{quantity}", f"{quantity} holds numbers of single precision",
-                SINGLE.remedy, 0.0, 0, quantity=quantity,
+                SINGLE.remedy, quantity=quantity,
             )  # fmt: skip
 
 
@@ -302,7 +300,7 @@ DOUBLES = "write doubles with 17 digits"
 
 SINGLE = Explanation(
     "single-precision", "computes or writes in single precision",
-    "use doubles throughout, and write them with 17 digits", 0.0, 0,
+    "use doubles throughout, and write them with 17 digits",
 )  # fmt: skip
 
 # Of a number, what rounding it to single precision may do, in three components.
@@ -403,10 +401,11 @@ def conventions(trials: Sequence[Trial]) -> Explanation | None:
                 right.append((n, after / before))
         if len(right) > 1:
             sentence = f"{said}: in {', '.join(n for n, _ in right)}"
-            mend = _rewritten(frozenset(n for n, _ in right), back)
             left = sum(share for _, share in right) / len(right)
-            one = Explanation(name, sentence, "see the contract's axes and units", left, 0,
-                              quantity=right[0][0], mend=mend)  # fmt: skip
+            one = Explanation(
+                name, sentence, "see the contract's axes and units", left, quantity=right[0][0],
+                mend=_rewritten([n for n, _ in right], back),
+            )  # fmt: skip
             likely.append((-len(right), left, one))
     return min(likely, key=lambda one: one[:2])[2] if likely else None
 
@@ -424,12 +423,9 @@ def _errors(expected: Array, obtained: Array) -> float:
     return float(np.minimum(np.linalg.norm(obtained - expected, axis=1) / size, 1.0).mean())
 
 
-def _rewritten(names: frozenset[str], back: Image) -> Callable[[Trial], Trial]:
+def _rewritten(names: Sequence[str], back: Image) -> Callable[[Trial], Trial]:
     def mend(trial: Trial) -> Trial:
-        given = {
-            name: tuple(back(np.array(value)).tolist()) if name in names else value
-            for name, value in trial.given.items()
-        }
-        return replace(trial, given=given)
+        said = {name: trial.given[name] for name in names if name in trial.given}
+        return trial.saying({n: tuple(back(np.array(x)).tolist()) for n, x in said.items()})
 
     return mend

@@ -15,6 +15,7 @@ from longball.engines.chain import collide
 from longball.engines.chain.collision import ContactState, Impact
 from longball.judge.changes import Mistake
 from longball.judge.stages import Change, with_values
+from longball.model import impact
 from longball.model.bat import (
     bat_rotation,
     collision_parameters,
@@ -22,23 +23,12 @@ from longball.model.bat import (
     inverse_mass_arguments,
     tangential_restitution,
 )
-from longball.model.impact import (
-    gripping_impulse,
-    impulse,
-    inverse_mass,
-    push_energy,
-    sliding_impulse,
-    sliding_resistance,
-    slip,
-    spin_after_push,
-    velocity_after_push,
-)
 from longball.model.numbers import DOUBLES, Vector
 
 Floats = Vector[float]
 Matrix = tuple[float, ...]
 
-_STILL = (0.0, 0.0, 0.0)
+STILL = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -62,7 +52,7 @@ class Parts:
         frictionless one along the normal.
     """
 
-    spin: Callable[[ContactState[float]], Floats] = lambda contact: contact.spin or _STILL
+    spin: Callable[[ContactState[float]], Floats] = lambda contact: contact.spin or STILL
     rotation: Callable[[Any], Floats] = lambda scene: bat_rotation(scene.swing, DOUBLES)
     radii: Callable[[Any], tuple[float, float]] = lambda s: (s.ball.radius, s.bat.radius)
     arguments: Callable[[Any, Mapping[str, float]], Mapping[str, float]] = lambda scene, given: {}
@@ -71,7 +61,7 @@ class Parts:
     sliding: Callable[[Floats, Floats, float], Floats] = lambda slid, gripped, plain: slid
 
 
-def _rubbed(**parts: Any) -> Change:
+def rubbed(**parts: Any) -> Change:
     """Return the change of some of the `Parts`."""
     made = Parts(**parts)
 
@@ -89,12 +79,12 @@ def _struck(scene: Any, contact: ContactState[float], parts: Parts) -> Impact[fl
     pair = collision_parameters(ball, bat, contact.lever_arm, scene.reading, DOUBLES)
     e, e_t = pair.restitution, tangential_restitution(bat, DOUBLES)
     motion = contact.velocity, parts.spin(contact), contact.bat_velocity, parts.rotation(scene)
-    g = contact.normal_speed, *slip(*motion, normal, *parts.radii(scene))[1:]
+    g = contact.normal_speed, *impact.slip(*motion, normal, *parts.radii(scene))[1:]
     given = inverse_mass_arguments(ball, bat, contact.lever_arm, scene.reading, DOUBLES)
-    own, *others = inverse_mass(**{**given, **parts.arguments(scene, given)})
+    own, *others = impact.inverse_mass(**{**given, **parts.arguments(scene, given)})
     k = parts.matrix((1 / pair.reduced_mass, *others), own)
 
-    wanted = gripping_impulse(k, e, e_t, g)
+    wanted = impact.gripping_impulse(k, e, e_t, g)
     rubbed = math.hypot(*wanted[1:])
     margin = bat.friction * wanted[0] - rubbed
     grips = parts.grips(margin > 0)
@@ -104,16 +94,16 @@ def _struck(scene: Any, contact: ContactState[float], parts: Parts) -> Impact[fl
         way = g[1:] if initial else (-wanted[1], -wanted[2])
         speed = math.hypot(*way) or 1.0  # without slip there is no direction, and no friction
         direction = way[0] / speed, way[1] / speed
-        resistance = sliding_resistance(k, bat.friction, direction)
-        slid = sliding_impulse(resistance, e, bat.friction, g, direction)
-        push = parts.sliding(slid, wanted, impulse(pair.reduced_mass, e, g[0]))
+        resistance = impact.sliding_resistance(k, bat.friction, direction)
+        slid = impact.sliding_impulse(resistance, e, bat.friction, g, direction)
+        push = parts.sliding(slid, wanted, impact.impulse(pair.reduced_mass, e, g[0]))
     factor = inertia_factor(ball, DOUBLES)
     return Impact(
         e,
         push[0],
-        velocity_after_push(contact.velocity, push, normal, ball.mass),
-        push_energy(push, g, k),
-        spin_after_push(contact.spin or _STILL, push, normal, ball.mass, ball.radius, factor),
+        impact.velocity_after_push(contact.velocity, push, normal, ball.mass),
+        impact.push_energy(push, g, k),
+        impact.spin_after_push(contact.spin or STILL, push, normal, ball.mass, ball.radius, factor),
         "grip" if grips else "slide",
         margin / (bat.friction * abs(wanted[0])),
     )
@@ -129,17 +119,12 @@ def _along(factor: Callable[[Floats, Floats, float], float]) -> Callable[..., Fl
     return sliding
 
 
-def _turned(contact: ContactState[float]) -> Floats:
-    x, y, z = contact.spin or _STILL
-    return -x, -y, -z
-
-
 def _level(scene: Any) -> Floats:
     return bat_rotation(with_values(scene, {"swing.tilt": 0.0}).swing, DOUBLES)
 
 
-def _backwards(scene: Any) -> Floats:
-    x, y, z = bat_rotation(scene.swing, DOUBLES)
+def _reversed(vector: Floats) -> Floats:
+    x, y, z = vector
     return -x, -y, -z
 
 
@@ -157,41 +142,41 @@ _SLID = "P = -(1 + ẽ) g_n/(n·K(n - μ_f t)) (n - μ_f t)"
 
 RUBBING: tuple[Mistake, ...] = (
     Mistake("friction-spin-sign", "counts the ball's spin the other way round in the slip", _SLIP,
-            _rubbed(spin=_turned)),
+            rubbed(spin=lambda contact: _reversed(contact.spin or STILL))),
     Mistake("friction-rotation-level", "turns the bat's surface about z, whatever the tilt", _SLIP,
-            _rubbed(rotation=_level)),
+            rubbed(rotation=_level)),
     Mistake("friction-rotation-sign", "counts the bat's rotation the other way round in the slip",
-            _SLIP, _rubbed(rotation=_backwards)),
+            _SLIP, rubbed(rotation=lambda s: _reversed(bat_rotation(s.swing, DOUBLES)))),
     Mistake("friction-bat-radius", "takes the bat's radius for the ball's in the slip", _SLIP,
-            _rubbed(radii=lambda s: (s.bat.radius, s.bat.radius))),
+            rubbed(radii=lambda s: (s.bat.radius, s.bat.radius))),
     Mistake("friction-ball-radius", "takes the ball's radius for the bat's in the slip", _SLIP,
-            _rubbed(radii=lambda s: (s.ball.radius, s.ball.radius))),
+            rubbed(radii=lambda s: (s.ball.radius, s.ball.radius))),
     Mistake("friction-uncoupled", "leaves out of K what couples the normal to the slip along the "
-            "bat", _K, _rubbed(matrix=lambda k, own: (k[0], 0.0, *k[2:]))),
+            "bat", _K, rubbed(matrix=lambda k, own: (k[0], 0.0, *k[2:]))),
     Mistake("friction-bat-fixed", "leaves the bat out of K, as if it gave way along the normal "
-            "only", _K, _rubbed(arguments=lambda s, given: {
+            "only", _K, rubbed(arguments=lambda s, given: {
                 "inverse_bat_mass": 0.0, "inertia": math.inf, "axial_inertia": math.inf})),
     Mistake("friction-own-normal", "has n·K n of the bat itself in place of 1/μ", _K,
-            _rubbed(matrix=lambda k, own: (own, *k[1:]))),
+            rubbed(matrix=lambda k, own: (own, *k[1:]))),
     Mistake("friction-at-centre", "has K at the ball's centre, not at the point of contact", _K,
-            _rubbed(arguments=lambda s, given: {"bat_radius": s.ball.radius + s.bat.radius})),
+            rubbed(arguments=lambda s, given: {"bat_radius": s.ball.radius + s.bat.radius})),
     Mistake("friction-on-axis", "has K on the bat's axis, not at the point of contact", _K,
-            _rubbed(arguments=lambda s, given: {"bat_radius": 0.0})),
+            rubbed(arguments=lambda s, given: {"bat_radius": 0.0})),
     Mistake("friction-same-inertia", "takes the bat's moment of inertia across its axis for that "
-            "about it", _K, _rubbed(arguments=lambda s, given: {
+            "about it", _K, rubbed(arguments=lambda s, given: {
                 "axial_inertia": given["inertia"]})),
     Mistake("friction-half-axial", "takes M r_b²/4 for the bat's moment of inertia about its axis, "
-            "M r_b²/2", _K, _rubbed(arguments=lambda s, given: {
+            "M r_b²/2", _K, rubbed(arguments=lambda s, given: {
                 "axial_inertia": given["axial_inertia"] / 2})),
-    Mistake("always-grips", "lets the ball grip always", _CONE, _rubbed(grips=lambda grips: True)),
+    Mistake("always-grips", "lets the ball grip always", _CONE, rubbed(grips=lambda grips: True)),
     Mistake("always-slides", "lets the ball slide always", _CONE,
-            _rubbed(grips=lambda grips: False)),
+            rubbed(grips=lambda grips: False)),
     Mistake("slides-with-gripping-impulse", "slides with the normal part of the gripping impulse",
-            _SLID, _rubbed(sliding=_along(lambda slid, gripped, plain: gripped[0]))),
+            _SLID, rubbed(sliding=_along(lambda slid, gripped, plain: gripped[0]))),
     Mistake("slides-with-plain-impulse", "slides with the normal impulse of a bat without "
             "friction, -μ(1 + ẽ) g_n", _SLID,
-            _rubbed(sliding=_along(lambda slid, gripped, plain: plain))),
+            rubbed(sliding=_along(lambda slid, gripped, plain: plain))),
     Mistake("slides-forward", "lets the friction act along the slip, not against it", _SLID,
-            _rubbed(sliding=lambda slid, *others: (slid[0], -slid[1], -slid[2]))),
+            rubbed(sliding=lambda slid, *others: (slid[0], -slid[1], -slid[2]))),
     Mistake("friction-squared", "squares bat.friction", _CONE, Change(_squared)),
 )  # fmt: skip

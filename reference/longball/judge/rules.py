@@ -107,13 +107,13 @@ def rule(failing: Sequence[Case], passing: Sequence[Case], measured: bool = True
     wrong, right = [*map(features, failing)], [*map(features, passing)]
     if min(len(wrong), len(right)) < FEWEST:
         return None
-    known = _conditions(wrong, right, measured)
+    known = [one for one in _conditions(wrong, right) if measured or not one.measured]
     if whole := _text(_telling(known, wrong, right, len(known))):
         return whole
     # Every failing scene must be told by either; those that pass are cut away.
     cuts = [(one, [*filter(one.holds, right)]) for one in known if all(map(one.holds, wrong))]
     for one, left in sorted(cuts, key=lambda cut: len(cut[1]))[:HALVES]:
-        others = _conditions(wrong, left, measured)
+        others = [two for two in _conditions(wrong, left) if measured or not two.measured]
         tried = len(known) * len(others)
         both = [
             other
@@ -161,10 +161,8 @@ def _text(conditions: Iterable[Condition]) -> str:
 
 def _sorts(name: str) -> bool:
     """Tell whether a feature is one that scenes are sorted by: numbers may follow from those."""
-    simple = name in ("kind", "outcome", "air", "impact.mode") or name.startswith(
-        ("reading.", "flag ")
-    )
-    return simple or name in FORMS or _law(name)
+    by_name = (*FORMS, "kind", "outcome", "air", "impact.mode")
+    return name in by_name or name.startswith(("reading.", "flag ")) or _law(name)
 
 
 def _law(name: str) -> bool:
@@ -214,14 +212,8 @@ def _values(some: Sequence[Features], name: str) -> list[Any]:
     return [f[name] for f in some if name in f]
 
 
-def _conditions(
-    wrong: Sequence[Features], right: Sequence[Features], measured: bool
-) -> list[Condition]:
-    """Return what may tell the scenes; also how large a number is, if `measured`."""
-    return [one for one in _all_conditions(wrong, right) if measured or not one.measured]
-
-
-def _all_conditions(wrong: Sequence[Features], right: Sequence[Features]) -> Iterator[Condition]:
+def _conditions(wrong: Sequence[Features], right: Sequence[Features]) -> Iterator[Condition]:
+    """Yield what may tell the scenes."""
     for name in dict.fromkeys(name for f in (*wrong, *right) for name in f):
         values, others = _values(wrong, name), _values(right, name)
         if name.startswith("flag "):
@@ -285,27 +277,25 @@ def simpler(scene: Scene) -> list[Any]:
     made: list[Any] = []
     fields = type(scene).model_fields
 
-    def add(change: Callable[[], Any]) -> None:
+    def add(change: Callable[..., Any], *given: Any) -> None:
         try:
-            new = change()
+            new = change(*given)
         except (ValidationError, ValueError):
             return  # together with the rest it is no scene
         if new.line() != scene.line():
             made.append(new)
 
+    whole = scene.model_dump()
     if scene.reading != Reading():
-        add(lambda: type(scene).model_validate(scene.model_dump() | {"reading": {}}))
+        add(type(scene).model_validate, whole | {"reading": {}})
     for block in ("air", "ball", "bat", "ground", "swing", "pitch", "gravity", "time_limit"):
         if block in fields and not fields[block].is_required():
-            add(
-                lambda b=block: KINDS[scene.kind].model_validate(  # type: ignore[misc]
-                    {k: v for k, v in scene.model_dump().items() if k != b}
-                )
-            )
+            rest = {key: held for key, held in whole.items() if key != block}
+            add(KINDS[scene.kind].model_validate, rest)
     for name, value in numbers(scene):
         for short in (0.0, *(float(f"{value:.{digits}g}") for digits in (1, 2, 3))):
             if short != value and (short or abs(value) < NOTHING):
-                add(lambda n=name, v=short: replaced(scene, {n: v}))  # type: ignore[misc]
+                add(replaced, scene, {name: short})
                 break
     unique = {new.line(): new for new in made}
     return [new.model_copy(update={"id": f"shrunk-{i}"}) for i, new in enumerate(unique.values())]

@@ -47,6 +47,9 @@ FEWEST = 500
 # independent numbers, and forty are looked at.
 TOO_ALIKE = 5.7
 
+# A draw is there a few times if several restitutions are tried with it, and not so often.
+MANY_TIMES = 20
+
 LONGEST_SCENE = 1 << 16  # bytes
 
 DRAWN = ("pitch.speed", "pitch.aim[0]", "swing.height_offset", "swing.tilt")
@@ -71,7 +74,14 @@ class Drawn(Frozen):
         return self.fits and not self.named
 
 
-class Constant(Frozen):
+class _Wrong(Frozen):
+    @property
+    def right(self) -> bool:
+        """Whether it is as it should be, which it is not."""
+        return False
+
+
+class Constant(_Wrong):
     """A number of the at-bats that the paper prints, and that is another one here."""
 
     quantity: str
@@ -80,13 +90,8 @@ class Constant(Frozen):
     named: list[str] = Field(description="the mistake that it is, if it is a known one")
     sentence: str
 
-    @property
-    def right(self) -> bool:
-        """Whether it is the paper's, which it is not."""
-        return False
 
-
-class Dependence(Frozen):
+class Dependence(_Wrong):
     """Random numbers that hang together, or come again."""
 
     quantity: str = Field(description="one, or two that hang together")
@@ -95,11 +100,6 @@ class Dependence(Frozen):
         description="of dependence: a rank correlation times √n; of repeats: their number"
     )
     sentence: str
-
-    @property
-    def right(self) -> bool:
-        """Whether it is as it should be, which it is not."""
-        return False
 
 
 class Sampling(Frozen):
@@ -196,7 +196,9 @@ def judge_samples(scenes: Iterable[Mapping[str, Any]], source: str = "given") ->
         If there are too few, or something else than numbers in them.
     """
     draws: dict[tuple[float | None, ...], int] = {}
-    constants: dict[str, dict[float, None]] = {name: {} for name in _printed()}
+    paper = json.loads(AtBatScene(id="paper").line())
+    printed = {name: x for name in _PRINTED if (x := _number(paper, name)) is not None}
+    constants: dict[str, dict[float, None]] = {name: {} for name in printed}
     for number, scene in enumerate(scenes, 1):
         try:
             draw = tuple(_number(scene, name) for name in DRAWN)
@@ -219,30 +221,23 @@ def judge_samples(scenes: Iterable[Mapping[str, Any]], source: str = "given") ->
         raise BadSamples(
             f"{source}: {most} different at-bats; {FEWEST} are needed to tell how they are drawn"
         )
+    repeating = Dependence(
+        quantity="at-bats",
+        named=["repeating-stream"],
+        statistic=total / max(len(draws), 1),
+        sentence=f"at-bats: the stream repeats itself: {len(draws)} different ones in {total}",
+    )
     return Sampling(
         source=source,
         at_bats=len(draws),
         drawn=[_judge(name, values) for name, values in given.items() if len(values) >= FEWEST],
         constants=[
             found
-            for name, paper in _printed().items()
-            if (found := _constant(name, paper, list(constants[name]))) is not None
+            for name, value in printed.items()
+            if (found := _constant(name, value, list(constants[name]))) is not None
         ],
-        dependences=[_repeating(len(draws), total)] if repeats else list(_dependences(columns)),
+        dependences=[repeating] if repeats else list(_dependences(columns)),
         sees=min(1.0, CRITICAL / math.sqrt(max(most, 1))),
-    )
-
-
-# A draw is there a few times if several restitutions are tried with it, and not so often.
-MANY_TIMES = 20
-
-
-def _repeating(different: int, total: int) -> Dependence:
-    return Dependence(
-        quantity="at-bats",
-        named=["repeating-stream"],
-        statistic=total / different,
-        sentence=f"at-bats: the stream repeats itself: {different} different ones in {total}",
     )
 
 
@@ -280,14 +275,17 @@ def _dependences(columns: Mapping[str, Sequence[float | None]]) -> Iterator[Depe
 
 def _judge(quantity: str, values: Array) -> Drawn:
     if quantity == "swing.tilt":
-        return _judge_tilt(values)
+        largest = {"": _paper().largest_tilt, "tilt-in-degrees": 10.0}
+        sizes = {name: _kolmogorov(values / top, "uniform") for name, top in largest.items()}
+        name = "" if sizes[""] < CRITICAL else min(sizes, key=lambda n: sizes[n])
+        return _drawn(quantity, (name,) if name else (), sizes[name])
     ways = {"pitch.speed": _speeds, "swing.height_offset": _offsets}
     guesses = _aims(values) if quantity == "pitch.aim[0]" else ways[quantity]()
     best = max(guesses, key=lambda guess: guess.log_likelihood(values) - guess.doubt)
     note = ""
     if best.fitted:
         width = best.scale * SamplingReading().cell_width
-        note = f"with cells {width:.3g} m wide: ask for the reading cell_width"
+        note = f", with cells {width:.3g} m wide: ask for the reading cell_width"
     return _drawn(quantity, best.named, _kolmogorov(values, best.distribution), note)
 
 
@@ -388,13 +386,6 @@ def _offsets() -> Iterator[_Guess]:
         yield _Guess((name,) if name else (), mixture)
 
 
-def _judge_tilt(values: Array) -> Drawn:
-    largest = {"": _paper().largest_tilt, "tilt-in-degrees": 10.0}
-    statistics = {name: _kolmogorov(values / top, "uniform") for name, top in largest.items()}
-    best = "" if statistics[""] < CRITICAL else min(statistics, key=lambda n: statistics[n])
-    return _drawn("swing.tilt", (best,) if best else (), statistics[best])
-
-
 def _kolmogorov(values: Array, distribution: str | Callable[[Array], Array]) -> float:
     """Return Kolmogorov's √n D of values."""
     from scipy.stats import kstest  # which takes a second to load
@@ -422,7 +413,7 @@ def _drawn(quantity: str, named: tuple[str, ...], statistic: float, note: str = 
     elif named:
         sentence = "; ".join(_SENTENCES[name] for name in named)
     else:
-        sentence = "drawn as the paper means it" + (f", {note}" if note else "")
+        sentence = f"drawn as the paper means it{note}"
     return Drawn(
         quantity=quantity,
         named=list(named),
@@ -435,16 +426,12 @@ def _drawn(quantity: str, named: tuple[str, ...], statistic: float, note: str = 
 # --- what is not random ---------------------------------------------------------------------------
 
 
-def _printed() -> dict[str, float]:
-    """Return the numbers of an at-bat that the paper prints and does not vary."""
-    scene = json.loads(AtBatScene(id="paper").line())
-    names = (
-        "ball.radius", "air.density", "air.drag_coefficient", "air.lift_coefficient", "gravity",
-        "pitch.release[0]", "pitch.release[1]", "pitch.release[2]", "pitch.aim[1]",
-        "bat.length", "bat.radius", "swing.angular_speed", "ground.height",
-    )  # fmt: skip
-    return {name: value for name in names if (value := _number(scene, name)) is not None}
-
+# The numbers of an at-bat that the paper prints and does not vary.
+_PRINTED = (
+    "ball.radius", "air.density", "air.drag_coefficient", "air.lift_coefficient", "gravity",
+    "pitch.release[0]", "pitch.release[1]", "pitch.release[2]", "pitch.aim[1]",
+    "bat.length", "bat.radius", "swing.angular_speed", "ground.height",
+)  # fmt: skip
 
 _SLIPS = {
     "ball.radius": (("radius-or-diameter", (0.0732, 0.0183)),),

@@ -130,6 +130,10 @@ class Trial:
         """Whether another outcome was given."""
         return self.outcome not in (None, self.case.expected.outcome)
 
+    def saying(self, values: Mapping[str, Numbers]) -> Trial:
+        """Return the trial as if the candidate said these values."""
+        return replace(self, given={**self.given, **values})
+
 
 @dataclass(frozen=True)
 class Check:
@@ -396,8 +400,7 @@ class _Following:
         if kind == "at-bat" and "touching" in only and "contact.margin" in self.trial.expected:
             yield from self._touching()
         if kind == "impact" and "touching" in only:
-            place = self.scene.incoming.position
-            yield from self._maybe("touching", "contact.position", place)
+            yield from self._maybe("contact.position", self.scene.incoming.position)
         if "contact.normal" in self.trial.expected and set(COLLISION) & only:
             yield from self._collision(only)
         if outcome in ("batted", "landed", "home_run", "wall") and set(FLYING) & only:
@@ -421,6 +424,8 @@ class _Following:
         KeyError
             If there is neither.
         """
+        if name in ("contact.time", "contact.position") and name not in self.given:
+            _ = self.met
         return self.given.get(name) or self.own[name]
 
     @cached_property
@@ -460,8 +465,6 @@ class _Following:
         if isinstance(self.scene, ImpactScene):
             return self.scene.incoming.velocity
         leg, _ = self.thrown
-        if "contact.time" not in self.given:
-            _ = self.met
         if isinstance(self.change.engine, Verlet):  # that of the step before, as printed
             _ = self.met
             if self.meeting is not None:
@@ -501,32 +504,29 @@ class _Following:
         if time and position:
             place, velocity = _at(leg, time[0])
             self.flown = leg, time[0], position
-            yield self._check("pitch", "plate.position", place)
-            yield from self._maybe("pitch", "plate.velocity", velocity)
+            yield self._check("plate.position", place)
+            yield from self._maybe("plate.velocity", velocity)
             yield self._event("plate", "plate.position", 0.0, position[0])
         else:
             for name in ("plate.time", "plate.position", "plate.velocity"):
-                yield from self._maybe("pitch", name, _tuple(plate[name]))
+                yield from self._maybe(name, plate[name])
 
     def _touching(self) -> Iterable[Check]:
         met = self.met
-        yield from self._maybe("touching", "contact.margin", _tuple(met["contact.margin"]))
+        yield from self._maybe("contact.margin", met["contact.margin"])
         time, position = self.given.get("contact.time"), self.given.get("contact.position")
         if "contact.time" not in met:
             return
-        yield from self._maybe("touching", "contact.time", _tuple(met["contact.time"]))
+        yield from self._maybe("contact.time", met["contact.time"])
         if position:
             reach = self.scene.ball.radius + self.change.meeting(self.scene).bat.radius
             gap = math.hypot(position[0], position[2] - self.height) - reach
             yield self._event("touching", "contact.position", 0.0, gap)
             # In the paper's steps the ball goes to the bat on a line of its own (Appendix B).
-            exact = time is not None and not isinstance(self.change.engine, Verlet)
-            place = (
-                _at(self.thrown[0], time[0])[0]
-                if time and exact
-                else _tuple(met["contact.position"])
-            )
-            yield self._check("touching", "contact.position", place)
+            place = met["contact.position"]
+            if time and not isinstance(self.change.engine, Verlet):
+                place = _at(self.thrown[0], time[0])[0]
+            yield self._check("contact.position", place)
 
     def _collision(self, only: frozenset[str]) -> Iterable[Check]:
         position = self._contact_position()
@@ -538,27 +538,19 @@ class _Following:
             self.own[f"contact.{key}"] = _tuple(case.answer[f"contact.{key}"])
             if key == "normal" and self.scene.kind == "at-bat":
                 self._take_normal(x, z - self.height)
-            yield from self._maybe(
-                key.replace("_", " "), f"contact.{key}", self.own[f"contact.{key}"]
-            )
+            yield from self._maybe(f"contact.{key}", self.own[f"contact.{key}"])
         normal, bat = self.has("contact.normal"), self.has("contact.bat_velocity")
         speed = sum((v - b) * n for v, b, n in zip(before, bat, normal, strict=True))
         self.own["contact.normal_speed"] = (speed,)
-        yield from self._maybe("normal speed", "contact.normal_speed", (speed,))
+        yield from self._maybe("contact.normal_speed", speed)
         if not {*COLLISION[3:], *FLYING} & only:
             return
         closing = self.has("contact.normal_speed")[0]
         arm = lever_arm(position[1], self.scene.bat, DOUBLES)
         if contact is None or closing >= 0 or self.trial.case.expected.impact is None:
             return
-        contact = replace(
-            contact,
-            normal=_three(normal),
-            bat_velocity=_three(bat),
-            lever_arm=arm,
-            normal_speed=closing,
-        )
-        yield from self._impact(contact)
+        said = {"normal": _three(normal), "bat_velocity": _three(bat)}
+        yield from self._impact(replace(contact, **said, lever_arm=arm, normal_speed=closing))
 
     def _take_normal(self, x: float, z: float) -> None:
         """Take the normal divided by R + r_b, if the candidate's is nearer to that.
@@ -572,30 +564,27 @@ class _Following:
 
     def _impact(self, contact: ContactState[float]) -> Iterable[Check]:
         struck = self.model.collide(self._case(), contact, 0.0)[1]
-        yield from self._maybe("restitution", "impact.restitution", (struck.restitution,))
+        yield from self._maybe("impact.restitution", struck.restitution)
         e = self.given.get("impact.restitution", (struck.restitution,))[0]
         if e != struck.restitution:
             own = self._case(_with_restitution(self.scene, struck.restitution, e))
             struck = self.model.collide(own, contact, 0.0)[1]
-        yield from self._maybe("impulse", "impact.impulse", (struck.impulse,))
-        given = self.given.get("impact.impulse")
-        more = (given[0] if given else struck.impulse) - struck.impulse
+        yield from self._maybe("impact.impulse", struck.impulse)
+        more = self.given.get("impact.impulse", (struck.impulse,))[0] - struck.impulse
         after = plus(struck.velocity, more / self.scene.ball.mass, contact.normal)
         self.own["impact.velocity"] = after
-        yield from self._maybe("velocity after", "impact.velocity", after)
+        yield from self._maybe("impact.velocity", after)
         if struck.friction_margin is not None:
-            yield from self._maybe(
-                "velocity after", "impact.friction_margin", (struck.friction_margin,)
-            )
+            yield from self._maybe("impact.friction_margin", struck.friction_margin)
         if struck.spin is not None:
             spun = self._spun(contact, struck.spin)
             self.own["impact.spin"] = spun
             self.own["contact.spin"] = contact.spin or (0.0, 0.0, 0.0)
-            yield from self._maybe("spin after", "impact.spin", spun)
+            yield from self._maybe("impact.spin", spun)
         energy = struck.energy_change
         if self.scene.bat.friction is None:
             energy = self._energy(struck, e, contact.normal_speed)
-        yield from self._maybe("energy", "impact.energy_change", (energy,))
+        yield from self._maybe("impact.energy_change", energy)
 
     def _energy(self, struck: Any, restitution: float, normal_speed: float) -> float:
         """Return the change of energy by the true μ, or by that of the candidate's own impulse.
@@ -625,11 +614,8 @@ class _Following:
         return plus(contact.spin, -factor, turned)
 
     def _contact_position(self) -> Numbers:
-        if isinstance(self.scene, ImpactScene):
-            return self.scene.incoming.position
-        if "contact.position" not in self.given:
-            _ = self.met
-        return self.has("contact.position")
+        impact = isinstance(self.scene, ImpactScene)
+        return self.scene.incoming.position if impact else self.has("contact.position")
 
     def _launch(self) -> Launch[float]:
         """Return the launch of the batted ball, from the candidate's own values."""
@@ -638,8 +624,6 @@ class _Following:
             spin = None if given.spin is None else _three(given.spin)
             return Launch(given.position, given.velocity, 0.0, 0.0, spin=spin)
         start = _three(self._contact_position())
-        if "contact.time" not in self.given:
-            _ = self.met
         hit = {"impact.velocity", "impact.spin"} & set(self.trial.expected)
         if not hit <= set(self.given):
             list(self._collision(frozenset(STAGES)))
@@ -672,35 +656,32 @@ class _Following:
                 since[0] = since[-1] = flown
             place, speed = _at(leg, flown)
             self.flown = leg, flown, position
-            there = self._check("flight", "landing.position", place)
+            there = self._check("landing.position", place)
             yield there
             # Where the place is right the law is, and the velocity is another matter.
             apart = there.follows and "landing velocity" in only
-            stage = "landing velocity" if apart else "flight"
-            yield from self._maybe(stage, "landing.velocity", speed)
+            yield from self._maybe("landing.velocity", speed, "" if apart else "flight")
             yield from self._decay(case, leg, flown, there)
         elif "landing.time" in case.answer:
             for name in ("landing.position", "landing.velocity", "landing.hang_time"):
-                yield from self._maybe("flight", name, _tuple(case.answer[name]))
+                yield from self._maybe(name, case.answer[name], "flight")
         yield from self._fence(case, leg, launch.time)
         if position and since:
             floor = landing_height(self.scene)
             yield self._event("landing", "landing.position", floor, position[2])
         if time and hang and position and flown == since[-1] != since[0]:
-            yield self._check("time", "landing.hang_time", (time[0] - begun.time,))
+            yield self._check("landing.hang_time", time[0] - begun.time, "time")
         elif time and hang:
-            yield self._check("time", "landing.time", (begun.time + hang[0],))
+            yield self._check("landing.time", begun.time + hang[0])
         elif time and not position and "landing.time" in case.answer:
-            yield from self._maybe("flight", "landing.time", _tuple(case.answer["landing.time"]))
+            yield self._check("landing.time", case.answer["landing.time"], "flight")
         if position:
             x, y, _ = position
             if self.scene.reading.distance_origin == "launch":
                 x, y = x - launch.position[0], y - launch.position[1]
-            yield from self._maybe("distance", "landing.distance", (math.hypot(x, y),))
+            yield from self._maybe("landing.distance", math.hypot(x, y))
         elif "landing.distance" in case.answer:
-            yield from self._maybe(
-                "flight", "landing.distance", _tuple(case.answer["landing.distance"])
-            )
+            yield from self._maybe("landing.distance", case.answer["landing.distance"], "flight")
 
     def _decay(
         self, case: OneCase[float], leg: Leg[float], flown: float, there: Check
@@ -715,11 +696,11 @@ class _Following:
         off = 0.0 if there.follows else there.error / there.scale
         path = self.given.get("landing.path")
         if path and hasattr(state, "path") and self.scene.reading.spin_decay == "path":
-            check = self._check("spin decay", "landing.path", (state.path,))
+            check = self._check("landing.path", state.path)
             yield replace(check, tolerance=check.tolerance + off * check.scale)
             state, off = state._replace(path=path[0]), 0.0
         spin = case.spin_at(leg.frame, case.law(leg.frame), state)
-        for check in self._maybe("spin decay", "landing.spin", spin or ()):
+        for check in self._maybe("landing.spin", spin or ()):
             yield replace(check, tolerance=check.tolerance + off * check.scale)
 
     def _fence(self, case: OneCase[float], leg: Leg[float], begin: float) -> Iterable[Check]:
@@ -730,11 +711,11 @@ class _Following:
             return
         if not (time and position):
             for name in [n for n in self.given if n.startswith("fence.") and n in case.answer]:
-                yield self._check("fence", name, _tuple(case.answer[name]))
+                yield self._check(name, case.answer[name])
             return
         place, velocity = _at(leg, time[0] - begin)
-        yield self._check("fence", "fence.position", place)
-        yield from self._maybe("fence", "fence.velocity", velocity)
+        yield self._check("fence.position", place)
+        yield from self._maybe("fence.velocity", velocity)
         x, y, z = position
         if fence.polyline is None:
             off, top, margin = math.hypot(x, y) - fence.radius, 0.0, None
@@ -747,9 +728,9 @@ class _Following:
         above = z - top
         if self.scene.reading.fence_clearance == "surface":
             above -= self.scene.ball.radius
-        yield from self._maybe("fence", "fence.clearance", (above,))
+        yield from self._maybe("fence.clearance", above)
         if margin is not None:
-            yield from self._maybe("fence", "fence.margin", (margin,))
+            yield from self._maybe("fence.margin", margin)
 
     def _pushed(self, case: OneCase[float], launch: Launch[float]) -> Launch[float]:
         """Return where the ball is set free, if the bat pushes for two steps."""
@@ -778,29 +759,21 @@ class _Following:
         amplified = HANDED_ON if len(self.given) > 1 else 1.0
         return max(SLACK * own, rounding * large) + amplified * few
 
-    def _scale(self, quantity: str) -> float:
-        return max(self.trial.bounds.get(quantity, (0.0, 0.0))[0], 1e-3)
+    def _check(self, quantity: str, follows: Any, stage: str = "") -> Check:
+        """Return a quantity beside what follows; its stage is the usual one if not given."""
+        obtained, expected = self.given[quantity], _tuple(follows)
+        self.own[quantity] = expected
+        scale = max(self.trial.bounds.get(quantity, (0.0, 0.0))[0], 1e-3)
+        tolerance = self._tolerance(quantity, expected)
+        return Check(stage or stage_of(quantity), quantity, expected, obtained, tolerance, scale)
 
-    def _check(self, stage: str, quantity: str, expected: Numbers) -> Check:
-        obtained, self.own[quantity] = self.given[quantity], expected
-        return Check(
-            stage, quantity, expected, obtained, self._tolerance(quantity, expected),
-            self._scale(quantity),
-        )  # fmt: skip
-
-    def _maybe(self, stage: str, quantity: str, expected: Numbers) -> Iterable[Check]:
+    def _maybe(self, quantity: str, follows: Any, stage: str = "") -> Iterable[Check]:
         if quantity in self.given:
-            yield self._check(stage, quantity, expected)
+            yield self._check(quantity, follows, stage)
 
     def _event(self, stage: str, quantity: str, expected: float, obtained: float) -> Check:
-        return Check(
-            stage,
-            f"{quantity}: event",
-            (expected,),
-            (obtained,),
-            self._tolerance(quantity, ()),
-            1.0,
-        )
+        tolerance = self._tolerance(quantity, ())
+        return Check(stage, f"{quantity}: event", (expected,), (obtained,), tolerance, 1.0)
 
 
 def _at(leg: Leg[float], time: float) -> tuple[Numbers, Numbers]:

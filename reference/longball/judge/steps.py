@@ -8,9 +8,10 @@ shorter.
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, Literal, get_args
 
@@ -19,9 +20,7 @@ from numpy.polynomial.polynomial import polyval
 from numpy.typing import NDArray
 
 from longball.engines.engine import Launch
-from longball.engines.event import Event
 from longball.engines.ivp import Ivp
-from longball.engines.path import Flight, Path
 from longball.engines.polynomial import PolynomialPiece
 from longball.engines.verlet import TREATMENTS, Chord, Components, Verlet, plain_step
 from longball.judge.any_law import EFFORT
@@ -45,16 +44,16 @@ _AHEAD = {"old": 0.0, "mean": 0.5, "new": 1.0}
 
 
 def _runge_kutta(
-    nodes: Sequence[float],
-    weights: Sequence[float],
+    nodes: Sequence[float] = (0.5, 0.5, 1),
+    weights: Sequence[float] = (1, 2, 2, 1),
     whose: str = "own",
     begun: Sequence[int] = (0, 1, 2),
 ) -> Step:
     """Return an explicit Runge-Kutta method, each of whose stages begins with one before.
 
-    `begun` tells with which one; that is the last one, mostly.
-    `whose` velocity moves the position: its "own", the "old" or the "new" one of the step, or the
-    "mean" of these two.
+    RK4, if nothing else is said. `begun` tells which one a stage begins with; that is the last one,
+    mostly. `whose` velocity moves the position: its "own", the "old" or the "new" one of the step,
+    or the "mean" of these two.
     """
     total = sum(weights)
 
@@ -182,32 +181,27 @@ def _paper(treatment: VerletForces, order: int, words: str) -> Scheme:
 
 SCHEMES: dict[str, Scheme] = {
     "explicit-euler": Scheme(_runge_kutta((), (1,)), 1, "Euler's method"),
-    "semi-implicit-euler": Scheme(
-        _runge_kutta((), (1,), "new"), 1, "semi-implicit Euler, velocity first"
-    ),
+    "semi-implicit-euler": Scheme(_runge_kutta((), (1,), "new"), 1,
+                                  "semi-implicit Euler, velocity first"),
     "implicit-euler": Scheme(_implicit, 1, "implicit Euler"),
     "euler-velocity": Scheme(
         _runge_kutta((), (1,), "mean"), 1, "constant acceleration over each step: Euler's method "
         "for the velocity and the mean of two velocities for the position"),
-    "lagged-verlet": _paper(
-        "old_carried", 1, "drag and lift at the velocity of the step before"),
+    "lagged-verlet": _paper("old_carried", 1, "drag and lift at the velocity of the step before"),
     "lagged-verlet-recomputed": _paper("old_recomputed", 1, "the force at the old velocity"),
     "half-step-verlet": _paper(
         "half_step", 1, "drag and lift at the half-step velocity, as is usual in molecular "
         "dynamics"),
     "leapfrog": Scheme(_leapfrog, 1, "leapfrog with drag and lift at the old velocity"),
-    "rk4-old-velocity": Scheme(
-        _runge_kutta((0.5, 0.5, 1), (1, 2, 2, 1), "old"), 1, "RK4 for the velocity, but the "
-        "position moves with the velocity at the step's start"),
-    "rk4-new-velocity": Scheme(
-        _runge_kutta((0.5, 0.5, 1), (1, 2, 2, 1), "new"), 1, "RK4 for the velocity, but the "
-        "position moves with the velocity at the step's end"),
-    "rk4-drag-of-start": Scheme(
-        _drag_of_start(_runge_kutta((0.5, 0.5, 1), (1, 2, 2, 1))), 1, "RK4 whose drag takes the "
-        "speed at the step's start"),
+    "rk4-old-velocity": Scheme(_runge_kutta(whose="old"), 1, "RK4 for the velocity, but the "
+                               "position moves with the velocity at the step's start"),
+    "rk4-new-velocity": Scheme(_runge_kutta(whose="new"), 1, "RK4 for the velocity, but the "
+                               "position moves with the velocity at the step's end"),
+    "rk4-drag-of-start": Scheme(_drag_of_start(_runge_kutta()), 1,
+                                "RK4 whose drag takes the speed at the step's start"),
     "rk4-mean-velocity": Scheme(
-        _runge_kutta((0.5, 0.5, 1), (1, 2, 2, 1), "mean"), 2, "RK4 for the velocity, but the "
-        "position moves with the mean of the velocities at the step's ends"),
+        _runge_kutta(whose="mean"), 2, "RK4 for the velocity, but the position moves with the mean "
+        "of the velocities at the step's ends"),
     "verlet-predicted-carried": _paper(
         "predicted_carried", 2, "a predicted velocity, which is of order 2"),
     "verlet-predicted": _paper(
@@ -216,29 +210,23 @@ SCHEMES: dict[str, Scheme] = {
     "heun": Scheme(_runge_kutta((1,), (1, 1)), 2, "Heun's method, of order 2"),
     "midpoint": Scheme(_runge_kutta((0.5,), (0, 1)), 2, "the midpoint method, of order 2"),
     "ralston": Scheme(_runge_kutta((2 / 3,), (1, 3)), 2, "Ralston's method, of order 2"),
-    "adams-bashforth": Scheme(
-        _adams_bashforth(False), 2, "the Adams-Bashforth method of order 2"),
+    "adams-bashforth": Scheme(_adams_bashforth(False), 2, "the Adams-Bashforth method of order 2"),
     "adams-bashforth-velocity": Scheme(
         _adams_bashforth(True), 2, "the Adams-Bashforth method of order 2 for the velocity"),
-    "rk4-equal-weights": Scheme(
-        _runge_kutta((0.5, 0.5, 1), (1, 1, 1, 1)), 2, "RK4 with equal weights"),
-    "rk4-third-from-first": Scheme(
-        _runge_kutta((0.5, 0.5, 1), (1, 2, 2, 1), begun=(0, 0, 2)), 2,
-        "RK4 whose third stage begins with the first one's slope"),
-    "rk4-fourth-from-second": Scheme(
-        _runge_kutta((0.5, 0.5, 1), (1, 2, 2, 1), begun=(0, 1, 1)), 2,
-        "RK4 whose fourth stage begins with the second one's slope"),
-    "rk4-fourth-from-first": Scheme(
-        _runge_kutta((0.5, 0.5, 1), (1, 2, 2, 1), begun=(0, 1, 0)), 2,
-        "RK4 whose fourth stage begins with the first one's slope"),
-    "rk4-fourth-at-half": Scheme(
-        _runge_kutta((0.5, 0.5, 0.5), (1, 2, 2, 1)), 1, "RK4 whose fourth stage is in the middle "
-        "of the step"),
-    "rk4-weights-exchanged": Scheme(
-        _runge_kutta((0.5, 0.5, 1), (2, 1, 1, 2)), 2, "RK4 with its weights exchanged, 2 1 1 2"),
-    "rk4-three-eighths": Scheme(
-        _runge_kutta((0.5, 0.5, 1), (1, 3, 3, 1)), 2, "RK4 with the weights of the 3/8 rule"),
-    "rk4": Scheme(_runge_kutta((0.5, 0.5, 1), (1, 2, 2, 1)), 4, "RK4"),
+    "rk4-equal-weights": Scheme(_runge_kutta(weights=(1, 1, 1, 1)), 2, "RK4 with equal weights"),
+    "rk4-third-from-first": Scheme(_runge_kutta(begun=(0, 0, 2)), 2,
+                                   "RK4 whose third stage begins with the first one's slope"),
+    "rk4-fourth-from-second": Scheme(_runge_kutta(begun=(0, 1, 1)), 2,
+                                     "RK4 whose fourth stage begins with the second one's slope"),
+    "rk4-fourth-from-first": Scheme(_runge_kutta(begun=(0, 1, 0)), 2,
+                                    "RK4 whose fourth stage begins with the first one's slope"),
+    "rk4-fourth-at-half": Scheme(_runge_kutta((0.5, 0.5, 0.5)), 1,
+                                 "RK4 whose fourth stage is in the middle of the step"),
+    "rk4-weights-exchanged": Scheme(_runge_kutta(weights=(2, 1, 1, 2)), 2,
+                                    "RK4 with its weights exchanged, 2 1 1 2"),
+    "rk4-three-eighths": Scheme(_runge_kutta(weights=(1, 3, 3, 1)), 2,
+                                "RK4 with the weights of the 3/8 rule"),
+    "rk4": Scheme(_runge_kutta(), 4, "RK4"),
 }  # fmt: skip
 
 # Where the force is asked for at a velocity that is late.
@@ -271,14 +259,6 @@ class FixedStep(Verlet):
         """Scheme and step."""
         return f"{self.scheme} dt={self.dt!r}"
 
-    def fly(
-        self, law: Law[float], start: State[float], events: Sequence[Event[float]], limit: float
-    ) -> Flight[float]:
-        """Fly until the first of several events; see `longball.engines.engine.Engine.fly`."""
-        flight = super().fly(law, start, events, limit)
-        between = partial(self._chord, law, None if self.scheme == "chords" else self._step(law))
-        return replace(flight, path=_Stepped(self._states(law, start, limit), between, self.dt))
-
     def rebound(self, frame: Any, touch: Any, delta_v: Any, law_in: Any, ground: Any) -> Any:
         """Strike at once, where ball and bat touch."""
         position, before = frame.position(touch.state), frame.velocity(touch.state)
@@ -297,16 +277,16 @@ class FixedStep(Verlet):
                 done, length, rows = done + length, min(2 * length, 4096), rows[-1:]
         yield done, np.array(rows).T
 
-    def _chord(
-        self, law: Law[float], step: Callable[..., Any] | None, number: int, before: Any, after: Any
-    ) -> Chord:
-        """Return what lies between two states, each with what the step before it has left."""
-        (row, left), (new, _) = before, after
-        begin = number * self.dt
-        length = (number + 1) * self.dt - begin
-        if self.ends == "line" or step is None:
-            return Chord(begin, length, law.state(*row), law.state(*new))
-        return _Cut(begin, length, law.state(*row), law.state(*new), step, left)
+    def _chords(self, law: Law[float], start: State[float], limit: float) -> Iterator[Chord]:
+        step = None if self.scheme == "chords" else self._step(law)
+        pairs = itertools.pairwise(self._states(law, start, limit))
+        for number, ((row, left), (new, _)) in enumerate(pairs):
+            begin = number * self.dt
+            ends = begin, (number + 1) * self.dt - begin, law.state(*row), law.state(*new)
+            if self.ends == "line" or step is None:
+                yield Chord(*ends)
+            else:
+                yield _Cut(*ends, step, left)
 
     def _states(
         self, law: Law[float], start: State[float], limit: float
@@ -375,51 +355,6 @@ class _Cut(Chord):
         if t == self.length:
             return self.after
         state: State[float] = type(self.before)(*self.step(tuple(self.before), t, self.left)[0])
-        return state
-
-
-class _Stepped(Path[float]):
-    """A flight of very many pieces, of which few are asked for.
-
-    Parameters
-    ----------
-    states
-        At the steps, each with what the step before it has left.
-    between
-        From a number, the state there and the next one to the piece between them.
-    dt
-        s.
-    """
-
-    def __init__(self, states: Iterator[Any], between: Callable[..., Chord], dt: float) -> None:
-        super().__init__(iter(()))
-        self._states, self._between, self._dt = states, between, dt
-        self._rows: list[Any] = []
-
-    def _piece(self, number: int) -> Chord | None:
-        while len(self._rows) < number + 2:
-            row = next(self._states, None)
-            if row is None:
-                return None
-            self._rows.append(row)
-        return self._between(number, *self._rows[number : number + 2])
-
-    def pieces(self) -> Iterator[Chord]:
-        """Yield the pieces; see `longball.engines.path.Path.pieces`."""
-        number = 0
-        while piece := self._piece(number):
-            yield piece
-            number += 1
-
-    def at(self, time: float) -> State[float]:
-        """Return the state at a time; see `longball.engines.path.Path.at`."""
-        number = max(0, math.ceil(time / self._dt) - 1)
-        if time > (number + 1) * self._dt:  # for the rounding of the quotient
-            number += 1
-        piece = None if time < 0 else self._piece(number)
-        if piece is None:
-            raise ValueError(f"the flight has no state at t = {time} s")
-        state: State[float] = piece.at(time - piece.begin)
         return state
 
 

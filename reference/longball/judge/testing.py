@@ -17,7 +17,7 @@ from typing import Any
 from longball.judge.answers import Answer, Collector
 from longball.judge.cases import Case, Profile, as_profile
 from longball.judge.quantities import told_by, values_of
-from longball.judge.text import describe
+from longball.judge.text import describe, flagged
 from longball.judge.verdict import compare
 from longball.judge.verdict import failure as failure_of
 from longball.model.result import Result
@@ -64,8 +64,8 @@ def assert_case(
             faults.append("nothing that could be judged")
     if faults:
         lines = "\n".join(f"  {fault}" for fault in dict.fromkeys(faults))
-        flags = f" [{', '.join(case.flags)}]" if case.flags else ""
-        raise AssertionError(f"{case.id}{flags}\n{lines}\n  scene: {case.scene.line()}")
+        name = flagged(case.id, case.flags)
+        raise AssertionError(f"{name}\n{lines}\n  scene: {case.scene.line()}")
 
 
 def _answer(case: Case, obtained: Any) -> tuple[Answer | None, list[str]]:

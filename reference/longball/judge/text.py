@@ -14,7 +14,7 @@ from longball.judge.answers import printable, quoted
 from longball.judge.findings import Diagnosis, Finding, many
 from longball.judge.quantities import OPTIONAL
 from longball.judge.sampling import Sampling
-from longball.judge.verdict import Failure, Fault, Row, Verdict
+from longball.judge.verdict import Fault, Row, Verdict
 
 # How many of each list are printed; all are in the JSON.
 SHOWN = 5
@@ -28,9 +28,9 @@ def render(verdict: Verdict, shown: int = SHOWN) -> str:
         _head(verdict),
         _errors(verdict),
         _contacts(verdict),
-        _diagnosis(verdict.diagnosis),
-        _convergence(verdict.convergence),
-        _sampling(verdict.sampling),
+        _diagnosis(verdict.diagnosis) if verdict.diagnosis else (),
+        _convergence(verdict.convergence) if verdict.convergence else (),
+        _sampling(verdict.sampling) if verdict.sampling else (),
         _failures(verdict, shown),
         silence(verdict, shown),
         _issues(verdict, shown),
@@ -127,9 +127,7 @@ def _contacts(verdict: Verdict) -> Iterator[str]:
             yield f"contacts {what}: {len(ids)} ({_some(ids, 5)})"
 
 
-def _diagnosis(diagnosis: Diagnosis | None) -> Iterator[str]:
-    if diagnosis is None:
-        return
+def _diagnosis(diagnosis: Diagnosis) -> Iterator[str]:
     if diagnosis.first:
         yield f"where first: {diagnosis.first}"
     yield from stage_sentences(diagnosis)
@@ -171,16 +169,12 @@ def finding_sentences(finding: Finding) -> Iterator[str]:
         yield f"  exactly the scenes with {finding.scenes}"
 
 
-def _convergence(report: ConvergenceReport | None) -> Iterator[str]:
-    if report is None:
-        return
+def _convergence(report: ConvergenceReport) -> Iterator[str]:
     yield "convergence: the error of a family of time steps, against the truth"
     yield from (f"  {line}".rstrip() for line in report.text().splitlines())
 
 
-def _sampling(sampling: Sampling | None) -> Iterator[str]:
-    if sampling is None:
-        return
+def _sampling(sampling: Sampling) -> Iterator[str]:
     yield f"sampling: {sampling.at_bats} different at-bats of {sampling.source}, beside the paper's"
     yield f"  so many show differences of a distribution function of {sampling.sees:.2f} or more"
     for found in sampling.found:
@@ -193,16 +187,16 @@ def _failures(verdict: Verdict, shown: int) -> Iterator[str]:
         return
     yield f"wrong answers, the worst first ({min(shown, len(verdict.failures))} shown)"
     for failure in verdict.failures[:shown]:
-        yield from _failure(failure)
+        yield f"  {flagged(failure.id, failure.flags)}"
+        for fault in failure.faults[:2]:
+            yield f"    {describe(fault)}"
+        if len(failure.faults) > 2:
+            yield f"    and {len(failure.faults) - 2} quantities more"
 
 
-def _failure(failure: Failure) -> Iterator[str]:
-    flags = f" [{', '.join(failure.flags)}]" if failure.flags else ""
-    yield f"  {failure.id}{flags}"
-    for fault in failure.faults[:2]:
-        yield f"    {describe(fault)}"
-    if len(failure.faults) > 2:
-        yield f"    and {len(failure.faults) - 2} quantities more"
+def flagged(name: str, flags: Sequence[str]) -> str:
+    """Return the id of a scene with its flags behind it, if it has some."""
+    return name + (f" [{', '.join(flags)}]" if flags else "")
 
 
 def describe(fault: Fault) -> str:

@@ -215,12 +215,9 @@ def compare(case: Case, answer: Answer | None, profile: Profile) -> Comparison:
         if name in given and name not in answer.unreadable
     ]  # fmt: skip
     for name, (true, point) in points.items():
-        size = length(true)
-        allowed = (
-            profile.tolerance(case, "landing.position", true)
-            if "landing.position" in expected
-            else profile.allowed(size)
-        )
+        allowed = profile.allowed(size := length(true))
+        if "landing.position" in expected:
+            allowed = profile.tolerance(case, "landing.position", true)
         measured.append(
             Measured(name, true, (Decimal(0),) * 3, point, difference(point, true), allowed,
                      Exact().allowed(size), size)
