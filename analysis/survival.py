@@ -145,7 +145,7 @@ def verdict_of(scene: Scene, result: Result, truth: Result | None) -> str:
 
 def _least(scene: Scene, truth: Result, name: str) -> float:
     """Return by how much a number may be off, whatever moves with the inputs."""
-    if ".position" in name:
+    if ".position" in name or name == "landing.distance":
         return _ROUNDINGS * ROUNDING * _start(scene)
     if name == "contact.margin" and isinstance(scene, AtBatScene):
         # A height less that of the bat, as `longball.engines.contact.margin_error` counts.
