@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 from flint import arb
 
+from analysis.random_scenes import random_scene
 from longball.engines import event
 from longball.engines.chain import approach_of, solve
 from longball.engines.enclosure import Enclosure
@@ -553,3 +554,10 @@ def test_a_ball_dropped_with_lift_that_is_always_up_falls_straight_down(engine):
         '"reading":{"lift_direction":"always_up"}}'
     )
     assert float(solve(scene, engine).landing.distance) == 0.0
+
+
+def test_a_batted_ball_whose_direction_is_left_open_is_not_taken_for_a_vertical_one():
+    """A ball of 1e18 kg in 20 digits: the error of its rebound is far more than its slow side."""
+    scene = random_scene("extreme", 23943, 20)
+    assert solve(scene, Enclosure(20)).code == "undecided"
+    assert float(solve(scene, ENCLOSURE).landing.distance) == pytest.approx(2.2139, abs=0.01)

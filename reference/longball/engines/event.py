@@ -154,6 +154,7 @@ def first_fall(
     question: str | None,
     numbers: Numbers[N],
     launch: bool = False,
+    on_surface: bool = False,
 ) -> N | None:
     """Return when a value first falls through zero on a piece; None if it does not.
 
@@ -168,11 +169,14 @@ def first_fall(
     launch
         Whether the piece begins with the launch, whose value is exact. It may lie on the surface:
         then it is an arrival, at 0, only if the value does not rise from there.
+    on_surface
+        Whether such a piece lies on the surface where its value is zero within a radius.
 
     Raises
     ------
     Undecided
-        If a turning point of the value lies within its error of zero.
+        If a turning point of the value lies within its error of zero; if a radius leaves open
+        whether the piece begins above the surface, or whether the value rises from there.
     """
     start = numbers.exact(0.0)
     first = curve(start)
@@ -181,11 +185,17 @@ def first_fall(
     for left, right in pairwise([start, *curve.turns(start, end), end]):
         value = curve(right)
         if left is start and not first > (0 if launch else error):
-            if launch and not value > first:
-                return start
+            # Of two numbers with radii neither may be the larger.
+            falls = value <= first
             if launch:
+                if not (on_surface or first <= 0):
+                    _require_positive(first, start, f"whether {question}", numbers)
+                if falls:
+                    return start
+                if not value > first:
+                    _require_positive(value - first, start, f"whether {question}", numbers)
                 continue
-            if value > first:  # the last piece ended on a turning point
+            if not falls:  # the last piece ended on a turning point
                 _require_positive(first, error, f"whether {question}", numbers)
         if value > error:
             continue

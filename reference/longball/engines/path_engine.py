@@ -27,7 +27,7 @@ from longball.engines.engine import CannotSolve, Engine, Touch
 from longball.engines.event import Event, Piece, first_fall, past
 from longball.engines.path import Flight, Part, Path, Rest
 from longball.model.law import Bend, Law, State
-from longball.model.numbers import N, Numbers, doubt
+from longball.model.numbers import N, Numbers, absolute, doubt
 
 
 class PathEngine(Engine[N], ABC):
@@ -72,17 +72,20 @@ class PathEngine(Engine[N], ABC):
             return
         law, start = law.in_polynomials(start, self.numbers)
         branches = branches_at(law, start, self.numbers)
+        passed: int | None = None  # the bend whose level the form begins on
         for _ in range(_MOST_BRANCHES):
             form = law.on(branches)
             ends = self._ends_of(form, branches)
-            met = None
+            met, first = None, True
             stops = [*(event for event, *_ in ends), *events]
             for piece in self._smooth(form, start, begin, limit, stops):
-                met = self._first_end(piece, ends, form.bends)
+                met = self._first_end(piece, ends, form.bends, first, passed)
                 if met is None:
                     yield piece
+                    first = False
                     continue
                 time, which, way = met
+                passed = which
                 if cast(Any, time) != 0:
                     yield Part(piece, time)
                 begin, start = piece.begin + time, piece.at(time)
@@ -118,8 +121,13 @@ class PathEngine(Engine[N], ABC):
         piece: Piece[N],
         ends: Sequence[tuple[Event[N], int, int]],
         bends: Sequence[Bend[N]],
+        first: bool,
+        passed: int | None,
     ) -> tuple[N, int, int] | None:
-        """Return the first of such events on a piece: when, of which bend, which way."""
+        """Return the first of such events on a piece: when, of which bend, which way.
+
+        The `first` piece under a form begins on the level that was `passed`, of a bend.
+        """
         found: tuple[N, int, int] | None = None
         for event, which, way in ends:
             error = self.numbers.exact(self.flight_error) * event.size
@@ -129,7 +137,10 @@ class PathEngine(Engine[N], ABC):
             touch_matters = self.flight_error == 0.0 or bends[which].blows
             question = event.question if touch_matters else None
             # As at a launch: a piece may begin on the level that the one before ended on.
-            time = first_fall(curve, piece.length, error, question, self.numbers, launch=True)
+            time = first_fall(
+                curve, piece.length, error, question, self.numbers,
+                launch=first or self.flight_error > 0.0, on_surface=which == passed,
+            )  # fmt: skip
             if time is not None and (found is None or time < found[0]):
                 found = time, which, way
         return found
@@ -215,7 +226,10 @@ class PathEngine(Engine[N], ABC):
         closest = -gap
         for way in self._ways_in(pitch, law, bat, events, limit, first):
             margin = bat.reach - bat.distance(way.end, numbers)
-            closest = margin if margin > closest else closest
+            if margin > closest:
+                closest = margin
+            elif not margin <= closest:  # of two numbers with radii neither may be the larger
+                closest = (margin + closest + absolute(margin - closest)) / 2
             if way.settled and not abs(margin) > error + way.error:
                 return Touch(margin, None, doubt=doubt(margin, error + way.error, TOUCHES, numbers))
             if way.settled and margin > error and way.touching is not None:
@@ -253,7 +267,7 @@ class PathEngine(Engine[N], ABC):
             else:
                 curve = piece.curve(bat.depth)
                 for a, b in pairwise([view.since, *curve.turns(view.since, end), end]):
-                    if curve(b) < curve(a):
+                    if not curve(b) >= curve(a):  # or its radius leaves that open
                         if touching is None and curve(b) < 0:
                             t = curve.zero(a, b)
                             touching = piece.begin + t, piece.at(t)

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 from flint import arb, arb_poly
+from hypothesis import given
+from hypothesis import strategies as st
 
 from longball.engines.enclosure import Balls
 from longball.engines.enclosure.curve import Curve, zeros
+from longball.engines.event import first_fall
 from longball.model.numbers import Undecided
 
 
@@ -92,3 +96,31 @@ def test_positive_is_certain_or_not():
     assert curve.positive(arb(0), arb(0.5))
     assert not curve.positive(arb(0), arb(1))
     assert not curve.positive(arb(0.5), arb(2))
+
+
+RADII = st.sampled_from((0.0, 2.0**-10, 0.25, 1.0))
+HEIGHTS = st.tuples(st.integers(0, 8), RADII)  # a flight does not begin below the ground
+COEFFICIENTS = st.tuples(st.integers(-8, 8), RADII)
+TIMES = np.linspace(0.0, 1.0, 201)
+
+
+@given(HEIGHTS, st.lists(COEFFICIENTS, min_size=1, max_size=3), st.booleans(), st.randoms())
+def test_the_first_fall_is_that_of_every_member(height, rest, launch, random):
+    """Where members differ in whether they fall, or in whether at once, it is not told."""
+    family = [height, *rest]
+    with Balls(30).arithmetic():
+        curve = Curve(arb_poly([arb(middle / 4, radius) for middle, radius in family]))
+        try:
+            fall = first_fall(curve, arb(1), arb(0), "it falls", Balls(30), launch=launch)
+        except Undecided:
+            return
+        if fall is None and not curve(arb(1)) > 0:
+            return  # that the piece ends so is left to the next one
+    for _ in range(8):
+        member = [middle / 4 + radius * random.uniform(-1, 1) for middle, radius in family]
+        values = np.polynomial.Polynomial(member)(TIMES)
+        if fall is None:
+            assert values.min() > -1e-12
+            continue
+        assert values[float(fall.lower()) > TIMES].min(initial=1.0) > -1e-12
+        assert np.polynomial.Polynomial(member)(float(fall.upper())) < 1e-12
