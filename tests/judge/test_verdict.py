@@ -398,3 +398,10 @@ def test_the_golden_pitches_are_passed_by_the_ivp_engine():
     assert len(pitches_of_gold) >= 20
     for case in pitches_of_gold:
         assert_case(case, solve(case.scene, Ivp()))
+
+
+def test_what_nobody_would_allow_and_shares_of_outcomes_are_not_told(few: list[Known]):
+    assert "--profile converged --tolerance" not in render(tried(few, farther(1e5)).verdict)
+    assert "explains" not in "".join(
+        line for line in render(tried(few, missed).verdict).splitlines() if "outcome:" in line
+    )
