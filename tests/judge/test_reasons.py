@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
+import numpy as np
 import pytest
 
 from longball.engines.chain import solve
@@ -18,9 +20,10 @@ from longball.judge.findings import Diagnosis, Finding
 from longball.judge.fits import Fit
 from longball.judge.outcomes import _explains
 from longball.judge.rules import features, rule
-from longball.judge.stages import Change, trial_of, with_values
+from longball.judge.stages import NONE, Change, placed, trial_of, with_values
 from longball.judge.steps import ITS_OWN, _Way
 from longball.model.readings import Reading
+from longball.model.scene import Pitch, PitchScene
 from tests.judge.material import at_bats, flights, impacts
 
 
@@ -283,3 +286,44 @@ def test_outcomes_of_balls_that_fly_wrongly_are_one_line(gold: dict[str, Case]):
     (outcome,) = [f for f in told(cases, answer) if f.stage == "outcome"]
     assert outcome.kind == "probably"
     assert "in 2 scenes" in outcome.sentence
+
+
+def test_a_plate_by_a_straight_line_from_the_last_step_is_no_wrong_pitch():
+    thrown = [
+        PitchScene(id=f"pitch-{i}", pitch=Pitch(speed=30.0 + 1.3 * i, aim=(0.05 * i, 1.7 + i / 40)))
+        for i in range(12)
+    ]
+
+    def straight(i: int, case: Case) -> dict[str, Any]:
+        right = result(case.scene)
+        collector = Collector([case.id])
+        collector.take_line(1, json.dumps(right).encode())
+        known = placed(trial_of(case, collector.answers[case.id]), NONE, "pitch")
+        assert known is not None
+        way, step = known.way, 0.02
+        last = math.floor(right["plate"]["time"] / step) * step
+        before, place, after = (np.array(way(last + k * 1e-5)) for k in (-1, 0, 1))
+        velocity = (after - before) / 2e-5
+        more = -place[0] / velocity[0]
+        crossed = {"time": last + more, "position": [0.0, *(place + more * velocity)[1:]]}
+        return {**right, "plate": {**crossed, "velocity": list(velocity)}}
+
+    found = diagnosis(solved(thrown, Ivp()), straight)
+    assert found.first == "plate"
+    assert "pitch" in found.clean
+    assert [f.names for f in found.findings] == [["event-between-steps"]]
+
+
+def test_times_that_are_off_are_no_wrong_touching():
+    def late(i: int, case: Case) -> dict[str, Any]:
+        told = result(case.scene)
+        off = 1 + 1e-7 * (2 + math.sin(i))
+        for block in told.values():
+            if isinstance(block, dict):
+                block |= {key: off * block[key] for key in ("time", "hang_time") if key in block}
+        return told
+
+    found = diagnosis(solved([*at_bats(), *flights()], Ivp()), late)
+    assert found.first == "time"
+    assert {row.stage for row in found.stages if row.wrong} == {"time"}
+    assert {f.stage for f in found.findings} == {"time"}

@@ -243,12 +243,11 @@ class _Search:
         has that law itself.
         """
         told = {"flight", *self.excused, *(f.stage for f in self.findings)}
-        checks = self._follow()
-        if any(f.names for f in self.findings) and not isinstance(self.base.engine, Verlet):
-            told |= {c.stage for _, cs in checks for c in cs if not c.follows}
-            right = {"wrong": 0, "worst": 0.0, "example": None}
-            return [r if r.stage in told else r.model_copy(update=right) for r in rows]
-        return list(rows)
+        if isinstance(self.base.engine, Verlet):  # of which only some scenes are followed
+            return list(rows)
+        told |= {c.stage for _, cs in self._follow() for c in cs if not c.follows}
+        right = {"wrong": 0, "worst": 0.0, "example": None}
+        return [r if r.stage in told else r.model_copy(update=right) for r in rows]
 
     def _unseen(self, checks: Sequence[Checked]) -> Finding | None:
         """Return that answers are wrong in which every stage follows, as far as it is told."""
@@ -675,6 +674,8 @@ class _Search:
                     # Pitches alone are alike: any two numbers explain them, but not any scheme.
                     some = fits.two(sought, single)
                     found += (e for e in some if e.change and e.change.engine != NONE.engine)
+            if not any(e.named for e in found):
+                found += clocks.between_steps(stage, wrong, self.base)
         if stage == "restitution" and not any(e.named for e in found):
             found += fits.one_after_another(sought, found)
         return found
