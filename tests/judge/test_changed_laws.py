@@ -4,21 +4,25 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import replace
 from typing import Any
 
 import pytest
 
-from longball.engines.chain import MODEL, Model, solve
+from longball.engines.chain import MODEL, Model, OneCase, solve
 from longball.engines.ivp import Ivp
 from longball.golden import load
+from longball.judge.any_law import ANY_LAW
 from longball.judge.cases import Case, decidable
 from longball.judge.diagnosis import diagnose
+from longball.judge.flight_mistakes import LAW
 from longball.judge.stages import with_values
 from longball.model.aerodynamics import CRISIS, DECAY_ALONG_PATH
 from longball.model.atmosphere import density, station_pressure
 from longball.model.earth import CORIOLIS
 from longball.model.force import Flow, Term, size
+from longball.model.frame import launch_frame
 from longball.model.numbers import DOUBLES
 from longball.model.trace import as_node
 from tests.judge.material import collected
@@ -197,3 +201,15 @@ def test_a_slightly_other_density_in_each_scene():
     first, *_ = diagnose(cases, collected(cases, results).answers).findings
     assert first.kind == "unexplained"
     assert "another air.density, 1.00003 to " in first.sentence
+
+
+@pytest.mark.parametrize("family", ["flight-kinks", "flight-real"])
+def test_every_known_mistake_makes_a_law_or_is_no_explanation(family: str):
+    kinds = {repr((c.scene.reading, c.scene.air)): c.scene for c in gold(family, 2)}
+    for scene in list(kinds.values())[:12]:
+        launch = scene.launch
+        for mistake in LAW:
+            with suppress(ArithmeticError, ValueError):
+                frame, _ = launch_frame(launch.position, launch.velocity, DOUBLES, launch.spin)
+                made = OneCase(mistake.change.scene(scene), ANY_LAW, mistake.change.model(MODEL))
+                made.law(frame)

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
+import numpy as np
 import pytest
 
 from longball.engines.chain import solve
@@ -18,10 +20,11 @@ from longball.judge.findings import Diagnosis, Finding
 from longball.judge.fits import Fit
 from longball.judge.outcomes import _explains
 from longball.judge.rules import features, rule
-from longball.judge.stages import Change, trial_of, with_values
+from longball.judge.stages import NONE, Change, placed, trial_of, with_values
 from longball.judge.steps import ITS_OWN, _Way
 from longball.model.readings import Reading
-from tests.judge.material import flights, impacts
+from longball.model.scene import Pitch, PitchScene
+from tests.judge.material import at_bats, flights, impacts
 
 
 @pytest.fixture(scope="module")
@@ -218,3 +221,109 @@ def test_a_fence_that_is_not_seen_does_not_follow():
 def test_a_factor_near_one_is_told_by_its_difference():
     assert "gravity were 1 + 1e-11 times" in Fit("gravity", "factor", 1 + 1e-11, 0.0, True).sentence
     assert "gravity were 1 - 2e-07 times" in Fit("gravity", "factor", 1 - 2e-7, 0.0, True).sentence
+
+
+# --- what follows from something else -------------------------------------------------------------
+
+
+def test_what_follows_from_a_wrong_pitch_is_no_wrong_stage():
+    cases = solved(at_bats(), Ivp())
+    lighter = with_gravity(1 + 1e-7)
+    found = diagnosis(cases, lambda i, case: result(lighter(case.scene)))
+    assert found.first == "pitch"
+    assert {row.stage for row in found.stages if row.wrong} == {"pitch", "flight"}
+
+
+def test_the_first_stage_is_one_with_a_name_however_small_its_errors():
+    cases = solved([*at_bats(), *flights()], Ivp())
+
+    def answer(i: int, case: Case) -> dict[str, Any]:
+        told = result(with_gravity(1 + 1e-8)(case.scene))
+        told["landing"]["distance"] *= 2
+        return told
+
+    found = diagnosis(cases, answer)
+    assert found.first == "pitch"
+    assert found.findings[0].stage == "pitch"
+    assert {f.stage for f in found.findings} == {"pitch", "distance"}
+
+
+def with_gravity(factor: float) -> Callable[[Any], Any]:
+    return lambda scene: with_values(scene, {"gravity": factor * scene.gravity})
+
+
+def test_a_limit_that_its_own_values_bear_out_is_no_finding(gold: dict[str, Case]):
+    ends = [case for name, case in gold.items() if name.startswith("hard-bat-end-")]
+    cases = [*ends, *(case for case in gold.values() if case.family == "at-bat")]
+
+    def answer(i: int, case: Case) -> dict[str, Any]:
+        said = result(case.scene)
+        if case.id == "hard-bat-end-slanted-inside":
+            x, _, z = said["contact"]["position"]
+            contact = {"time": said["contact"]["time"], "margin": said["contact"]["margin"]}
+            beyond = [x, 0.5000001 * case.scene.bat.length, z]
+            said |= {"outcome": "beyond_bat", "contact": {**contact, "position": beyond}}
+            del said["impact"], said["landing"]
+        return said
+
+    outcome = next(f for f in told(cases, answer) if f.stage == "outcome")
+    assert "this follows from its own contact.position" in outcome.sentence
+
+
+def test_outcomes_of_balls_that_fly_wrongly_are_one_line(gold: dict[str, Case]):
+    cases = [gold[f"hard-dip-phugoid-{side}-1e-12"] for side in ("under", "over")]
+    cases += [case for case in gold.values() if case.family == "flight-lift"][::3]
+    kinds = iter(("grounded", "wall"))
+
+    def answer(i: int, case: Case) -> dict[str, Any]:
+        if "dip" in case.flags:
+            return {"id": case.id, "outcome": next(kinds)}
+        said = result(case.scene)
+        if "landing" in said:
+            said["landing"]["position"][0] *= 1.01 + 0.003 * i
+        return said
+
+    (outcome,) = [f for f in told(cases, answer) if f.stage == "outcome"]
+    assert outcome.kind == "probably"
+    assert "in 2 scenes" in outcome.sentence
+
+
+def test_a_plate_by_a_straight_line_from_the_last_step_is_no_wrong_pitch():
+    thrown = [
+        PitchScene(id=f"pitch-{i}", pitch=Pitch(speed=30.0 + 1.3 * i, aim=(0.05 * i, 1.7 + i / 40)))
+        for i in range(12)
+    ]
+
+    def straight(i: int, case: Case) -> dict[str, Any]:
+        right = result(case.scene)
+        collector = Collector([case.id])
+        collector.take_line(1, json.dumps(right).encode())
+        known = placed(trial_of(case, collector.answers[case.id]), NONE, "pitch")
+        assert known is not None
+        way, step = known.way, 0.02
+        last = math.floor(right["plate"]["time"] / step) * step
+        before, place, after = (np.array(way(last + k * 1e-5)) for k in (-1, 0, 1))
+        velocity = (after - before) / 2e-5
+        more = -place[0] / velocity[0]
+        crossed = {"time": last + more, "position": [0.0, *(place + more * velocity)[1:]]}
+        return {**right, "plate": {**crossed, "velocity": list(velocity)}}
+
+    found = diagnosis(solved(thrown, Ivp()), straight)
+    assert found.first == "plate"
+    assert "pitch" in found.clean
+    assert [f.names for f in found.findings] == [["event-between-steps"]]
+
+
+def test_times_that_are_off_are_no_wrong_touching():
+    def late(i: int, case: Case) -> dict[str, Any]:
+        told = result(case.scene)
+        off = 1 + 1e-7 * (2 + math.sin(i))
+        for block in told.values():
+            if isinstance(block, dict):
+                block |= {key: off * block[key] for key in ("time", "hang_time") if key in block}
+        return told
+
+    found = diagnosis(solved([*at_bats(), *flights()], Ivp()), late)
+    assert found.first == "time"
+    assert {row.stage for row in found.stages if row.wrong} == {"time"}
+    assert {f.stage for f in found.findings} == {"time"}

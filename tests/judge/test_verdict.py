@@ -19,9 +19,10 @@ from longball.judge import cases as golden_cases
 from longball.judge.answers import Answer, Collector
 from longball.judge.cases import Converged, Exact, Known, Paper, profile, solved
 from longball.judge.evaluation import Evaluation, Judge
+from longball.judge.findings import Diagnosis, StageRow, found
 from longball.judge.junit import junit
 from longball.judge.page import page
-from longball.judge.text import render
+from longball.judge.text import _diagnosis, render
 from longball.judge.verdict import SCHEMA_FILE, Submission, Verdict, compare, schema
 from longball.model.result import Result
 from longball.model.schema import text
@@ -398,3 +399,24 @@ def test_the_golden_pitches_are_passed_by_the_ivp_engine():
     assert len(pitches_of_gold) >= 20
     for case in pitches_of_gold:
         assert_case(case, solve(case.scene, Ivp()))
+
+
+def test_what_nobody_would_allow_and_shares_of_outcomes_are_not_told(few: list[Known]):
+    assert "--profile converged --tolerance" not in render(tried(few, farther(1e5)).verdict)
+    assert "explains" not in "".join(
+        line for line in render(tried(few, missed).verdict).splitlines() if "outcome:" in line
+    )
+
+
+def test_what_a_second_run_tells_comes_first_and_no_cause_beside_it():
+    told = {"checked": 9, "wrong": 9, "example": None}
+    rows = [StageRow(stage=s, worst=w, **told) for s, w in (("pitch", 1e-9), ("flight", 1.0))]
+    sought = found("flight", "nothing explains it", 9, 9)
+    twice = Diagnosis(sentence="", first="flight", stages=rows, clean=[], findings=[sought])
+    once, again = (
+        list(_diagnosis(twice.model_copy(update={"conduct": c}))) for c in ([], ["it differs"])
+    )
+    assert once[0] == "where first: flight (its errors are large beside those of pitch)"
+    assert "nothing explains it" in once[-1]
+    assert again[0] == "run twice: it differs"
+    assert "nothing explains it" not in " ".join(again)

@@ -14,7 +14,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from longball.engines.fence import chords
-from longball.judge.explanations import Checked, Explanation, Sought, share_by, share_left, size_of
+from longball.judge.explanations import (
+    Checked,
+    Explanation,
+    Sought,
+    evenly,
+    share_by,
+    share_left,
+    size_of,
+)
 from longball.judge.findings import many
 from longball.judge.fits import Fit, meaning, roundest, told
 from longball.judge.relations import DOUBLES as ALL_DIGITS
@@ -291,13 +299,21 @@ def clocks(stage: str, chosen: Sequence[Checked], base: Change) -> Iterator[Expl
     on_path = f"the points lie on the true path, within {max(p.off for p in places):.1e} m; "
 
     def told_of(
-        name: str, sentence: str, right: Callable[[Trial, float], float], rank: float,
+        name: str, sentence: str, right: Callable[[Trial, float, str], float], rank: float,
         remedy: str | None = None, step: float | None = None,
     ) -> Explanation:  # fmt: skip
         def mend(trial: Trial) -> Trial:
-            names = ("plate.time",) if stage == "pitch" else ("landing.time", "landing.hang_time")
-            times = {n: trial.given[n][0] for n in names if n in trial.given}
-            return trial.saying({n: (right(trial, time),) for n, time in times.items()})
+            # The same clock tells when ball and bat touch.
+            timed = {"plate.time": stage, "contact.time": "touching"} if stage == "pitch" else {
+                "landing.time": stage, "landing.hang_time": stage}  # fmt: skip
+            given = trial.given
+            mended = {name: right(trial, given[name][0], which)
+                      for name, which in timed.items() if name in given}  # fmt: skip
+            if "contact.time" in mended:  # since when the batted ball flies
+                by = mended["contact.time"] - given["contact.time"][0]
+                later = (name for name in ("fence.time", "landing.time") if name in given)
+                mended |= {name: given[name][0] + by for name in later}
+            return trial.saying({name: (time,) for name, time in mended.items()})
 
         def left(trial: Trial, checks: Sequence[Check]) -> float:
             known = {c.quantity for c in checks}
@@ -314,12 +330,12 @@ def clocks(stage: str, chosen: Sequence[Checked], base: Change) -> Iterator[Expl
             "clock-offset",
             f"the clock is {'ahead' if middle > 0 else 'behind'} by {told(abs(middle), doubt)} s "
             f"in all, as if a step were counted {'twice' if middle > 0 else 'too late'}",
-            lambda trial, time: time - middle, 0,
+            lambda trial, time, which: time - middle, 0,
             "let the time of a state be that of the same step", abs(middle),
         )  # fmt: skip
     elif np.ptp(ratios) < 1e-3 * abs(ratio - 1):
         yield told_of("clock-rate", f"the clock runs {told(ratio, 0)} times as fast",
-                      lambda trial, time: time / ratio, 0)  # fmt: skip
+                      lambda trial, time, which: time / ratio, 0)  # fmt: skip
     else:
         name, remedy = "clock", "look at how the time of the event is counted"
         sentence = f"its times are off by {clock.min():.3g} to {clock.max():.3g} s"
@@ -328,7 +344,8 @@ def clocks(stage: str, chosen: Sequence[Checked], base: Change) -> Iterator[Expl
             sentence = f"its times are rounded to {many(decimals, 'decimal')}"
         yield told_of(
             name, sentence,
-            lambda trial, time: time - (q.clock if (q := placed(trial, base, stage)) else 0.0), 3,
+            lambda trial, time, which: (
+                time - (q.clock if (q := placed(trial, base, which)) else 0.0)), 3,
             remedy,
         )  # fmt: skip
 
@@ -378,3 +395,68 @@ def _off_chord(dt: float, place: Placed) -> float:
     except (ArithmeticError, ValueError):  # the flight cannot be followed beyond its end
         return place.moved
     return math.dist([p + (q - p) * share for p, q in zip(a, b, strict=True)], place.point)
+
+
+# s: a second difference over this is an acceleration, to six digits.
+_TICK = 1e-3
+
+# What a straight line, or a parabola in a vacuum, leaves of the way that the ball makes in the last
+# step is along its acceleration, to this share, since that changes little in a step.
+_ALONG = 0.03
+
+# How many times as large it is in one scene as in another, by where in a step the end is: nine in
+# ten of them, and one in ten. Of laws and schemes it is the same, or goes with the time of flight.
+_SPREAD = 1.8
+
+# Scenes that are enough to see that.
+_MANY = 40
+
+
+def between_steps(stage: str, wrong: Sequence[Checked], base: Change) -> Iterator[Explanation]:
+    """Yield that an event is off the true path by what the way from a step to it leaves out."""
+    places = [(t, p) for t, _ in evenly(wrong, _MANY) if (p := placed(t, base, stage))]
+    if len(places) < ENOUGH:
+        return
+    by = np.array([np.subtract(p.point, p.way(p.time)) for _, p in places])
+    times = np.array([p.time for _, p in places])
+    bent = np.array([_acceleration(p) for _, p in places])
+    weight = np.array([(0.0, 0.0, -float(t.scene.gravity)) for t, _ in places])
+    event, where = ("plate", "the plate") if stage == "pitch" else ("landing", "the ground")
+    for way, missing in (
+        ("on a straight line, or stays on that to the next step", bent),
+        ("by a parabola without the air", bent - weight),
+    ):
+        squares = (missing**2).sum(axis=1)
+        if not (np.isfinite(by).all() and np.isfinite(squares).all() and squares.all()):
+            continue
+        halves = (by * missing).sum(axis=1) / squares  # s²: of a step's square, up to a half
+        rest = by - halves[:, None] * missing
+        left = float(np.linalg.norm(rest, axis=1).sum() / np.linalg.norm(by, axis=1).sum())
+        same_side = (halves > 0).all() or (halves < 0).all()
+        if left > _ALONG or not same_side:
+            continue
+        if all(_spread(halves / times**power) > _SPREAD for power in range(3)):
+            most = float(np.linalg.norm(by, axis=1).max())
+            yield Explanation(
+                "event-between-steps", f"the end is off the true path by up to {most:.1e} m, as "
+                f"where one goes from a step to {where} {way}; the steps may be right",
+                "step onto the surface, or interpolate by the order of the integrator", left, 4,
+                allowed=_ALONG, stage=event,
+            )  # fmt: skip
+            return
+
+
+def _acceleration(place: Placed) -> Array:
+    """Return the acceleration on the true path, shortly before a time, m/s²."""
+    try:
+        a, b, c = (np.array(place.way(place.time - k * _TICK)) for k in range(3))
+    except (ArithmeticError, ValueError):  # the flight cannot be followed beyond its end
+        return np.full(3, np.nan)
+    found: Array = (a - 2 * b + c) / _TICK**2
+    return found
+
+
+def _spread(values: Array) -> float:
+    """Return by what factor nine in ten values, and one in ten, differ."""
+    low, high = np.quantile(np.abs(values), (0.1, 0.9))
+    return float(high / max(low, 1e-300))

@@ -218,11 +218,16 @@ class _Search:
             unseen = None
         if more := (coarse if self.causes and coarse else unseen):
             self.findings.append(more)
-        self.findings.sort(key=lambda f: f.worst < MINOR * largest)
+        known = {f.stage for f in self.findings if f.names}
+        # Little beside other errors is mostly the candidate's integrator's, unless it has a name.
+        self.findings.sort(key=lambda f: not f.names and f.worst < MINOR * largest)
         rows = _where_made(rows, self.moved, {f.stage for f in self.findings}, facts)
         absent = {_absent(t) for t, cs in checks if t.confused and all(c.follows for c in cs)}
         clean = [r.stage for r in rows if not r.wrong and r.stage not in absent]
-        lead = next((r for r in rows if r.wrong and r.worst >= MINOR * largest), None)
+        rows = self._without_inherited(rows)
+        lead = next(
+            (r for r in rows if r.wrong and (r.worst >= MINOR * largest or r.stage in known)), None
+        )
         return Diagnosis(
             sentence=self._sentence(lead, clean),
             first=lead and lead.stage,
@@ -230,6 +235,19 @@ class _Search:
             clean=clean,
             findings=self.findings,
         )
+
+    def _without_inherited(self, rows: Sequence[StageRow]) -> list[StageRow]:
+        """Return the rows without errors of stages that follow with what is found at others.
+
+        So the touching does with the law of a wrong pitch, which goes on from the plate. A flight
+        has that law itself.
+        """
+        told = {"flight", *self.excused, *(f.stage for f in self.findings)}
+        if isinstance(self.base.engine, Verlet):  # of which only some scenes are followed
+            return list(rows)
+        told |= {c.stage for _, cs in self._follow() for c in cs if not c.follows}
+        right = {"wrong": 0, "worst": 0.0, "example": None}
+        return [r if r.stage in told else r.model_copy(update=right) for r in rows]
 
     def _unseen(self, checks: Sequence[Checked]) -> Finding | None:
         """Return that answers are wrong in which every stage follows, as far as it is told."""
@@ -656,6 +674,8 @@ class _Search:
                     # Pitches alone are alike: any two numbers explain them, but not any scheme.
                     some = fits.two(sought, single)
                     found += (e for e in some if e.change and e.change.engine != NONE.engine)
+            if not any(e.named for e in found):
+                found += clocks.between_steps(stage, wrong, self.base)
         if stage == "restitution" and not any(e.named for e in found):
             found += fits.one_after_another(sought, found)
         return found

@@ -641,9 +641,12 @@ def _by_whole_spin(f: Any) -> Any:
         1.0 / _active(flow, p) - 1.0))(f)  # fmt: skip
 
 
-def _of_total(scene: Any, frame: Any, numbers: Any) -> tuple[float | None]:
-    """Return 1 if the scene's lift is one by the whole spin."""
-    return (1.0 if scene.reading.spin_parameter == "total" else None,)
+def _of_total(scene: Any, frame: Any, numbers: Any) -> tuple[float]:
+    """Return 1 if the scene's lift is one by the whole spin, and else 0.
+
+    No None: a term of which no strength has a value does not act, and what it names is unknown.
+    """
+    return (float(scene.reading.spin_parameter == "total"),)
 
 
 def _active(flow: Flow, p: Any) -> Any:

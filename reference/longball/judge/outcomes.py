@@ -117,6 +117,8 @@ def outcome_findings(
     for t in trials:
         if t.confused:
             kinds[str(t.case.expected.outcome), str(t.outcome)].append(t)
+    flies = {f.stage for f in known}.isdisjoint(("pitch", "flight"))
+    flown: dict[str, list[Trial]] = {}  # what nothing explains but that the ball flies wrongly
     for (expected, obtained), wrong in sorted(kinds.items(), key=lambda k: -len(k[1])):
         agreed = [t for t in trials if not t.confused]
         same = [t for t in agreed if t.case.expected.outcome == expected]
@@ -125,7 +127,6 @@ def outcome_findings(
         names: list[str] = []
         own = against = ""
         made = _made(evenly(wrong, WRONG), held, base, known)
-        flies = {f.stage for f in known}.isdisjoint(("pitch", "flight"))
         if limit := _limit(obtained, wrong, trials):
             own = sentence = f"{sentence}: {limit}"
         elif against := _against_itself(wrong):
@@ -151,11 +152,23 @@ def outcome_findings(
             remedy = (
                 "find the closest approach within the step, where d·v changes sign, and test there"
             )
+        elif not flies:
+            flown[f"{obtained} where {expected} is right"] = wrong
+            continue
         one = _told("outcome", "outcome", names, sentence, wrong, same)
         is_known = names or own or against
         more = {"kind": "probably", "share": 1.0, "scenes": None} if is_known else {
             "kind": "unexplained"}  # fmt: skip
         yield one.model_copy(update={**more, "remedy": remedy, "example": None})
+    if flown:
+        whole = [t for wrong in flown.values() for t in wrong]
+        sentence = (
+            f"says {', '.join(flown)}, in {many(len(whole), 'scene')}: its ball flies wrongly"
+        )
+        one = _told("outcome", "outcome", [], sentence, whole, [])
+        remedy = "see whether this is so still when the flight is right"
+        yield one.model_copy(update={"kind": "probably", "remedy": remedy, "scenes": None,
+                                     "example": None})  # fmt: skip
 
 
 def _made(
@@ -213,12 +226,18 @@ def made_otherwise(trial: Trial, change: Change, facts: Mapping[str, object]) ->
     return any(made.get(name) != told for name, told in facts.items())
 
 
-# Outcomes that are told by how low a value is, m: its name, up to the sign; its limit; the value.
-LIMITED: dict[str, tuple[str, str, Callable[[Trial], float | None]]] = {
-    "missed": ("contact.margin", "0", lambda t: t.given.get("contact.margin", (None,))[0]),
-    "wall": ("fence.clearance", "0", lambda t: t.given.get("fence.clearance", (None,))[0]),
+# Outcomes that are told by how low a value is, m: its name, up to the sign; its limit; the value;
+# whether the outcome is right by it.
+LIMITED: dict[
+    str, tuple[str, str, Callable[[Trial], float | None], Callable[[Trial], bool]]
+] = {
+    "missed": ("contact.margin", "0", lambda t: t.given.get("contact.margin", (None,))[0],
+               lambda t: t.given["contact.margin"][0] <= 0),
+    "wall": ("fence.clearance", "0", lambda t: t.given.get("fence.clearance", (None,))[0],
+             lambda t: t.given["fence.clearance"][0] <= 0),
     "beyond_bat": ("|contact.position[1]|", "L/2", lambda t: (
-        -abs(t.given["contact.position"][1]) if "contact.position" in t.given else None)),
+        -abs(t.given["contact.position"][1]) if "contact.position" in t.given else None),
+        lambda t: _beyond(t)),
 }  # fmt: skip
 
 
@@ -229,15 +248,15 @@ def _limit(obtained: str, wrong: Sequence[Trial], trials: Sequence[Trial]) -> st
     """
     if obtained not in LIMITED:
         return ""
-    name, right, value = LIMITED[obtained]
+    name, right, value, rightly = LIMITED[obtained]
     wrongly = [x for t in wrong if (x := value(t)) is not None]
     told = [x for t in trials if t.outcome == obtained and (x := value(t)) is not None]
     others = [x for t in trials if t.outcome != obtained and (x := value(t)) is not None]
     chosen = math.comb(len(wrongly) + len(others), len(wrongly))  # as many might be the lowest
     if len(wrongly) < len(wrong) or chosen < CHANCE or max(told) >= min(others):
         return ""
-    if right == "0" and max(told) <= 0:
-        return ""
+    if all(map(rightly, wrong)):
+        return ""  # by its own values it is that outcome
     low, high = sorted((abs(max(told)), abs(min(others))))
     return f"its limit for {name} is between {low:.3g} and {high:.3g} m, where {right} is right"
 
@@ -344,7 +363,9 @@ def told_findings(trials: Sequence[Trial], base: Change) -> Iterator[Finding]:
         others = sum(t.case.expected.outcome in outcomes for t in same)
         names = [] if others else [f"{name}-given"]
         none = (
-            f" where the truth has none; in {others} more it has" if others else ", which has none"
+            f" where the truth has none; in {others} more the truth has one, too"
+            if others
+            else ", which has none"
         )
         yield _told("outcome", name, names, sentence + none, more, same)
 

@@ -327,10 +327,18 @@ class Placed:
 
 
 def placed(trial: Trial, change: Change, stage: str) -> Placed | None:
-    """Place a landing, or with "pitch" a plate, on the true path; None if it cannot be."""
+    """Place a landing, with "pitch" a plate, or with "touching" a contact on the true path.
+
+    None if it cannot be.
+    """
     following = _Following(trial, change)
     try:
-        list(following.checks(frozenset([stage])))
+        if stage == "touching":
+            given = following.given
+            at = given["contact.time"][0], given["contact.position"]
+            following.flown = following.thrown[0], *at
+        else:
+            list(following.checks(frozenset([stage])))
     except _NO_STATE:
         return None
     if following.flown is None:

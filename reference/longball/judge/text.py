@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import sys
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
@@ -18,6 +19,9 @@ from longball.judge.verdict import Fault, Row, Verdict
 
 # How many of each list are printed; all are in the JSON.
 SHOWN = 5
+
+# A tolerance (m, s, m/s, J) by which nobody would judge says nothing.
+LOOSEST = 1.0
 
 LONGEST_NAME = 120  # of a candidate: its command may hold a whole program
 
@@ -50,7 +54,7 @@ def _head(verdict: Verdict) -> Iterator[str]:
         yield from counts(verdict)
     for reason in verdict.reasons:
         yield f"{'partial' if verdict.status == 'PARTIAL' else 'failed'} because: {reason}"
-    if verdict.would_pass_at is not None:
+    if verdict.would_pass_at is not None and verdict.would_pass_at <= LOOSEST:
         yield f"nothing would be wrong at --profile converged --tolerance {verdict.would_pass_at:g}"
 
 
@@ -128,13 +132,16 @@ def _contacts(verdict: Verdict) -> Iterator[str]:
 
 
 def _diagnosis(diagnosis: Diagnosis) -> Iterator[str]:
-    if diagnosis.first:
-        yield f"where first: {diagnosis.first}"
-    yield from stage_sentences(diagnosis)
-    for finding in diagnosis.findings:
-        yield from finding_sentences(finding)
     for sentence in diagnosis.conduct:
         yield f"run twice: {sentence}"
+    if diagnosis.first:
+        wrong = [row.stage for row in diagnosis.stages if row.wrong]
+        before = wrong[: wrong.index(diagnosis.first)] if diagnosis.first in wrong else []
+        less = f" (its errors are large beside those of {', '.join(before)})" if before else ""
+        yield f"where first: {diagnosis.first}{less}"
+    yield from stage_sentences(diagnosis)
+    for finding in diagnosis.findings if not diagnosis.conduct else ():  # no cause was sought
+        yield from finding_sentences(finding)
     if diagnosis.smallest:
         yield f"a smallest scene that fails: {json.dumps(diagnosis.smallest, ensure_ascii=False)}"
 
@@ -161,7 +168,8 @@ def finding_sentences(finding: Finding) -> Iterator[str]:
     sentence = finding.beside_stage
     subject = "it " if _VERB.match(sentence) else ""
     word = {"named": subject, "probably": f"probably {subject}", "unexplained": "not explained: "}
-    share = f" (explains {finding.share:.2%} of the error)" if finding.share else ""
+    has_share = finding.share and finding.stage != "outcome"  # an outcome has no size
+    share = f" (explains {finding.share:.2%} of the error)" if has_share else ""
     yield f"diagnosis: {finding.stage}: {word[finding.kind]}{sentence}{share}"
     if finding.remedy:
         yield f"  {finding.remedy}"
@@ -207,7 +215,8 @@ def describe(fault: Fault) -> str:
     sentence = f"{fault.what}: expected {expected}, obtained {_joined(fault.obtained)}"
     if fault.error is None or fault.tolerance is None:
         return sentence
-    return f"{sentence}; off by {fault.error:.2e}, allowed {fault.tolerance:.1e}"
+    allowed = f"{fault.tolerance:.1e}" if fault.tolerance >= sys.float_info.epsilon**2 else "none"
+    return f"{sentence}; off by {fault.error:.2e}, allowed {allowed}"
 
 
 def _joined(numbers: Sequence[str]) -> str:
