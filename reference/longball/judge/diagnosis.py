@@ -88,6 +88,9 @@ DOUBT_OF_STEPS = 1e-6
 # Steps of all flights together that are followed with a scheme.
 MOST_STEPS = 15_000
 
+# What a factor of k = ρ A/(2 m) may be in, besides the density that stands for it.
+BALL = ("air.density*", "ball.mass", "ball.radius")
+
 # Stages in which a graze makes errors of what comes before it a thousand times as large.
 INHERITING = ("touching", "normal speed", "velocity after")
 
@@ -384,7 +387,11 @@ class _Search:
             self.findings.append(told)
             self._leave(stage, wrong)
             return False
-        broken, same = self._least_harm(causes, stage, good)
+        if worst < FINE:  # so little neither breaks a stage nor mends one
+            broken, same = 0, causes[:4]
+        else:
+            broken, same = self._least_harm(causes, stage, good)
+        same = _without_others(same)
         best, alone = same[0], broken > 0 or of_most
         if rounded and not alone:
             self._accept(best, stage, worst)
@@ -458,8 +465,8 @@ class _Search:
             if e.left <= max(alike, DOUBT_OF_STEPS if e.step and e.change else doubt)
         ]  # fmt: skip
         ties = self._told_from_ties(ties, stage, wrong)
-        by_name = {e.name: e for e in reversed(ties)}
-        return sorted(by_name.values(), key=lambda e: e.rank)
+        by_sentence = {e.sentence: e for e in reversed(ties)}
+        return sorted(by_sentence.values(), key=lambda e: e.rank)
 
     def _told_from_ties(
         self, ties: list[Explanation], stage: str, wrong: Sequence[Checked]
@@ -683,6 +690,19 @@ def _with_name(told: Finding, e: Explanation, **more: Any) -> Finding:
 def _parameter(name: str) -> str:
     """Return what a fitted number is of, from its name."""
     return re.split("[=*+]", name)[0]
+
+
+def _without_others(same: Sequence[Explanation]) -> list[Explanation]:
+    """Return explanations that come to the same, each name once, and a factor of k as that alone.
+
+    Mass and radius make one, too: whoever is told of the radius looks in the wrong place.
+    """
+    by_name: dict[str, Explanation] = {}
+    for e in same:
+        by_name.setdefault(e.name, e)
+    ranked = list(by_name.values())
+    strengths = [e for e in ranked if e.name.startswith("air.density*")]
+    return [*strengths, *(e for e in ranked if not e.name.startswith(BALL))] if strengths else ranked
 
 
 def _keen(trial: Trial) -> bool:
