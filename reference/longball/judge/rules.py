@@ -13,11 +13,12 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from longball.engines.chain import MODEL, OneCase
+from longball.engines.chain.flying import fly, to_ground
 from longball.engines.ivp import Ivp
 from longball.judge.cases import MOST_PIECES, Case
 from longball.model.frame import launch_frame
-from longball.model.law import law_of
-from longball.model.numbers import DOUBLES, Undecided
+from longball.model.numbers import DOUBLES
 from longball.model.quantities import numbers, replaced
 from longball.model.readings import Reading
 from longball.model.scene import KINDS, Scene
@@ -92,16 +93,19 @@ def _height_of_path(case: Case) -> float | None:
     if velocity[2] <= 0.0:
         return float(position[2])
     frame, start = launch_frame(position, velocity, DOUBLES, spin)
-    law = law_of(scene, frame, DOUBLES)
+    held, tops = OneCase(scene, Ivp(), MODEL), []
+    law = held.law(frame)
     try:
-        pieces = Ivp().path(law, law.state_of(start), float(truth.landing.hang_time)).pieces()
-        tops = []
-        for piece in islice(pieces, MOST_PIECES):
+        if scene.reading.lift_direction == "always_up":
+            path = fly(held, law, frame, start, to_ground).path
+        else:  # that takes a third of the time
+            path = held.engine.path(law, law.state_of(start), float(truth.landing.hang_time))
+        for piece in islice(path.pieces(), MOST_PIECES):
             heights = piece.curve(lambda state: state.z)
             tops += [heights(t) for t in (0.0, *heights.turns(0.0, piece.length), piece.length)]
-        return float(max(tops))
-    except Undecided:
+    except ArithmeticError:  # doubles do not decide it, or it takes too long
         return None
+    return float(max(tops))
 
 
 # Flags of what a program meets on the way, and neither a field of the scene nor of the result tells.
@@ -179,7 +183,7 @@ def rule(failing: Sequence[Case], passing: Sequence[Case], measured: bool = True
         tried = len(known) * len(others)
         both = [
             other
-            for other in _telling(others, wrong, left, HALVES * len(others))
+            for other in _telling(others, wrong, left, len(others))
             if one.choices(wrong, [*filter(other.holds, right)]) >= CHANCE * tried
         ]
         if text := _text(both):

@@ -24,7 +24,7 @@ from longball.engines.ivp import Ivp
 from longball.engines.polynomial import PolynomialPiece
 from longball.engines.verlet import TREATMENTS, Chord, Components, Verlet, plain_step
 from longball.judge.any_law import EFFORT
-from longball.judge.explanations import ALIKE, NAMED, Explanation, Sought
+from longball.judge.explanations import ALIKE, Explanation, Sought
 from longball.judge.stages import Change
 from longball.model.law import Law, State
 from longball.model.numbers import plus
@@ -506,9 +506,9 @@ def schemes(sought: Sought, known: float | None) -> Iterator[Explanation]:
 def _by_order(found: list[Explanation]) -> list[Explanation]:
     """Return schemes; of several that err as the candidate does, and are not its own, the order."""
     best = min(found, key=lambda e: e.left, default=None)
-    if best is None or not best.sentence.startswith(LIKE):
+    if best is None or not best.named or not best.sentence.startswith(LIKE):
         return found
-    names = {e.name for e in found if e.left <= max(ALIKE * best.left, NAMED)}
+    names = {e.name for e in found if e.left <= ALIKE * best.left}
     if len(names) < 2:
         return found
     orders = sorted({SCHEMES[name].order for name in names})
