@@ -628,7 +628,8 @@ class _Search:
             return found
         together = self._with_flights(wrong, right, checks) if stage == "pitch" else None
         if max(size_of(c) for _, cs in wrong for c in cs if not c.follows) < FINE:
-            return _fine([together, sought] if together else [sought])
+            ratios = list(relations.relations(chosen, beside, self.base))
+            return [*ratios, *_fine([together, sought] if together else [sought])]
         found = [
             *relations.relations(chosen, beside, self.base),
             *relations.formulas(chosen, beside, self.base),
@@ -719,7 +720,7 @@ def _fine(sought: Iterable[Sought]) -> list[Explanation]:
     """Return the numbers, one or two, that may be behind errors that are mostly an integrator's."""
     found: list[Explanation] = []
     for some in sought:
-        for way in (fits.fitted(some), fits.pairs(some, ())):
+        for way in (fits.singles(some), fits.fitted(some), fits.pairs(some, ())):
             found += way
             if any(e.named for e in found):
                 return found

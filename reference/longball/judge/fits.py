@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from longball.engines.verlet import Verlet
 from longball.judge.changes import Mistake
 from longball.judge.explanations import JUMPED, NAMED, OWN_ERROR, Explanation, Sought
-from longball.judge.flight_mistakes import LAW, OWN, SPIN, with_density
+from longball.judge.flight_mistakes import LAW, OWN, SINGLES, SPIN, with_density
 from longball.judge.mistakes import FENCE, IGNORED, IMPACT, READINGS, TOUCHING, TWO_STEP_PUSH
 from longball.judge.rubbing import RUBBING
 from longball.judge.stages import COLLISION, NONE, Change, Trial, with_values
@@ -554,7 +554,7 @@ def _library(stage: str) -> list[Mistake]:
         library += (*IMPACT, *RUBBING, *SPIN)
     if stage not in ("pitch", "plate", "touching", "normal", "bat velocity"):
         library += READINGS
-    library += IGNORED
+    library += (*IGNORED, *SINGLES)
     return library
 
 
@@ -567,6 +567,11 @@ def _tried(library: Iterable[Mistake], sought: Sought) -> Iterator[Explanation]:
         left = sought.screened(mistake.change)
         if left is not None:
             yield _explanation(mistake, left)
+
+
+def singles(sought: Sought) -> list[Explanation]:
+    """Return what the candidate may hold in single precision."""
+    return list(_tried(SINGLES, sought))
 
 
 def _explanation(mistake: Mistake, left: float) -> Explanation:

@@ -50,7 +50,7 @@ from longball.model.force import (
 )
 from longball.model.law import GRAVITY
 from longball.model.numbers import DOUBLES, Vector, plus
-from longball.model.quantities import at
+from longball.model.quantities import at, numbers
 from longball.model.wind import ROUGHNESS
 
 # --- the law of motion ----------------------------------------------------------------------------
@@ -1139,6 +1139,36 @@ ROUNDED = tuple(
                 place: tuple(round(x, decimals) for x in at(scene, place))}))
     for place in ("launch.velocity", "launch.position")
     for decimals in range(_MOST_DECIMALS + 1)
+)  # fmt: skip
+
+
+
+def _single(value: Any) -> Any:
+    """Return a number or a vector in single precision."""
+    return tuple(map(_single, value)) if isinstance(value, tuple) else float(np.float32(value))
+
+
+def _with_single_strength(scene: Any) -> Any:
+    """Return a scene with the density of a k = ρ A/(2 m) in single precision."""
+    if getattr(scene, "air", None) is None:
+        return scene
+    dense, ball = float(density(scene, DOUBLES)), scene.ball
+    k = dense * math.pi * ball.radius**2 / (2 * ball.mass)
+    return with_density(scene, dense * _single(k) / k) if k else scene
+
+
+_DOUBLES = "use doubles throughout"
+
+# What a program may hold in single precision that is in doubles otherwise.
+SINGLES = (
+    Mistake("single:scene", "takes the scene's numbers in single precision", _DOUBLES,
+            scene_change(lambda scene: {n: _single(float(x)) for n, x in numbers(scene)})),
+    Mistake("single:k", "has k = ρ A/(2 m) in single precision", _DOUBLES,
+            Change(_with_single_strength)),
+    *(Mistake(f"single:{place}", f"takes {place} in single precision", _DOUBLES,
+              scene_change(lambda scene, place=place: {place: _single(at(scene, place))}))  # type: ignore[misc]
+      for place in ("gravity", "launch.velocity", "launch.position", "air.density", "ball.mass",
+                    "ball.radius")),
 )  # fmt: skip
 
 LAW = (*_PAPERS_LAW, *EXTENDED, *ROUNDED)
