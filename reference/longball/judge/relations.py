@@ -103,7 +103,12 @@ def _held(
         )
 
     whole = sum(sum(map(size_of, cs)) for _, cs in chosen)
-    against = sum(left(t, [c for c in cs if c.quantity == quantity]) for t, cs in beside)
+    against = sum(
+        max(0.0, off(value(t, c), c) - c.tolerance / c.scale)  # what passes may be off by that
+        for t, cs in beside
+        for c in cs
+        if c.quantity == quantity
+    )
     return share_by(chosen, left), against / whole
 
 
