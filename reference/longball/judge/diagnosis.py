@@ -221,6 +221,7 @@ class _Search:
             unseen = None
         if more := (coarse if self.causes and coarse else unseen):
             self.findings.append(more)
+        self.findings = _not_alone(self.findings)
         self.findings.sort(key=lambda f: f.worst < MINOR * largest)
         rows = _where_made(rows, self.moved, {f.stage for f in self.findings}, facts)
         absent = {_absent(t) for t, cs in checks if t.confused and all(c.follows for c in cs)}
@@ -369,7 +370,10 @@ class _Search:
         elif searched and worst > FAINT:
             causes = self._found(stage, wrong, good, checks, told.scenes is not None)
             rounded = bool(self.begun) and _usual(sizes) < FINE
-            if rounded:
+            ratios = [e for e in causes if e.quantity and e.change is None]
+            if rounded and ratios:  # of a quantity itself: no rest of another number is like that
+                rounded, causes = False, ratios
+            elif rounded:
                 # Beside what is found so little is in its last digits, and no other number.
                 numbers = {_parameter(f.names[0]) for f in self.findings if f.names}
                 causes = [e for e in causes if _parameter(e.name) in numbers]
@@ -686,6 +690,24 @@ def _with_name(told: Finding, e: Explanation, **more: Any) -> Finding:
     """Return what is told of a stage with the explanation of its errors."""
     said = {"names": [e.name], "sentence": e.sentence, "remedy": e.remedy, "share": 1 - e.left}
     return told.model_copy(update={"kind": "named", **said, **more})
+
+
+def _not_alone(findings: Sequence[Finding]) -> list[Finding]:
+    """Return findings without "alone" where several stages have the same."""
+    stages: dict[str, list[str]] = defaultdict(list)
+    for f in findings:
+        if f.names:
+            stages[f.names[0]].append(f.stage)
+    result = []
+    for f in findings:
+        several = stages[f.names[0]] if f.names else []
+        if len(several) > 1:
+            others = [stage for stage in several if stage != f.stage]
+            where = f"{f.stage}, as at {' and '.join(dict.fromkeys(others))}"
+            sentence = f.sentence.replace(f"{f.stage} alone", where, 1)
+            f = f.model_copy(update={"sentence": sentence})
+        result.append(f)
+    return result
 
 
 def _parameter(name: str) -> str:

@@ -211,6 +211,10 @@ def _of_two(x: Any, y: Any) -> Any:
     return trace.sqrt(x * x + y * y)
 
 
+def _right_axis(scene: Any, frame: Any) -> Vector[Any]:
+    return frame.sin, -frame.cos, 0.0
+
+
 def _about(axis: Callable[[Any, Any], Vector[Any]]) -> Change:
     """Return the change of the lift to one about an axis in space, from the scene and the frame."""
     in_frame: More = (
@@ -219,6 +223,28 @@ def _about(axis: Callable[[Any, Any], Vector[Any]]) -> Change:
     )
     return _in_air(LIFT, lambda m, flow, p: scaled(
         flow.speed, cross((p.axis_s, p.axis_y, p.axis_z), flow.velocity)), in_frame)  # fmt: skip
+
+
+def _about_if_fixed(axis: Callable[[Any, Any], Vector[Any]]) -> Change:
+    """Return the same change, but of lifts that are always up: their axis is computed elsewhere.
+
+    The lift stays, and one about the difference of the axes is added.
+    """
+
+    def strengths(scene: Any, frame: Any, numbers: Any) -> tuple[Any, ...] | None:
+        found = LIFT.strengths(scene, frame, numbers)
+        if not found or scene.reading.lift_direction == "always_up":
+            return None
+        more = plus(axis(scene, frame), -1.0, _right_axis(scene, frame))
+        return (*found, *frame.turned(more))
+
+    def acceleration(motion: Motion, p: Any) -> Vector[Any]:
+        flow = motion.lift
+        across = cross((p.axis_s, p.axis_y, p.axis_z), flow.velocity)
+        return scaled(motion.density * p.lift_about_axis * flow.speed, across)
+
+    names = ("lift_about_axis", "axis_s", "axis_y", "axis_z")
+    return _terms(lambda term: term, Force(names, strengths, acceleration))
 
 
 def _is_batted(scene: Any, frame: Any) -> bool:
@@ -234,7 +260,7 @@ def _axis_of_pitch(straight: bool) -> Callable[[Any, Any], Vector[Any]]:
 
     def axis(scene: Any, frame: Any) -> Vector[Any]:
         if not _is_batted(scene, frame):
-            return frame.sin, -frame.cos, 0.0
+            return _right_axis(scene, frame)
         x, y, _ = (-1.0, 0.0, 0.0) if straight else scene.pitch.thrown
         size = math.hypot(x, y) or 1.0
         return y / size, -x / size, 0.0
@@ -390,9 +416,14 @@ _PAPERS_LAW: tuple[Mistake, ...] = (
             _lift_rate(lambda m, flow: flow.speed * _rising(m)), True),
     Mistake("lift-sign-falling", "lifts a falling ball the wrong way", _ACROSS,
             _lift_rate(lambda m, flow: flow.speed * (2.0 * _rising(m) - 1.0)), True),
-    Mistake("lift-about-minus-y", "lifts about -y, whatever the ball's heading",
-            "the axis ê is horizontal and across the heading at launch",
-            _about(lambda scene, frame: (0.0, -1.0, 0.0))),
+    *(Mistake(name, sentence + where, "the axis ê is horizontal and across the heading at launch: "
+              "(sin φ, -cos φ, 0)", about(axis))
+      for name, sentence, axis in (
+          ("lift-about-minus-y", "lifts about -y, whatever the ball's heading",
+           lambda scene, frame: (0.0, -1.0, 0.0)),
+          ("lift-axis-sign", "has the lift's axis the other way round, (-sin φ, cos φ, 0)",
+           lambda scene, frame: (-frame.sin, frame.cos, 0.0)))
+      for where, about in (("", _about), (", but not where it is always up", _about_if_fixed))),
     Mistake("lift-about-axis-of-pitch", "lifts a batted ball about the axis that the pitch had",
             "the axis ê is fixed at the launch of each flight: at the impact anew",
             _about(_axis_of_pitch(straight=False))),

@@ -156,6 +156,10 @@ IMPACT: tuple[Mistake, ...] = (
     Mistake("slides-finally", "lets the friction act along what would end the slip",
             "against the slip as it begins, unless the reading slide_direction says final",
             reading_change(slide_direction="final")),
+    Mistake("free-for-pivot", "lets the bat with friction move as a free one, where it turns about "
+            "its end", "bat.support = pivot, if it is not given: the bat turns about its end",
+            scene_change(lambda scene: {} if scene.bat.friction is None
+                         else {"bat.support": "free"})),
     Mistake("pivot-for-free", "has a free bat turn about its end",
             "bat.support = free: it moves and turns about its centre",
             scene_change(lambda scene: {"bat.support": "pivot"})),
