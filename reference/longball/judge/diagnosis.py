@@ -725,7 +725,9 @@ def _without_others(same: Sequence[Explanation]) -> list[Explanation]:
         by_name.setdefault(e.name, e)
     ranked = list(by_name.values())
     strengths = [e for e in ranked if e.name.startswith("air.density*")]
-    return [*strengths, *(e for e in ranked if not e.name.startswith(BALL))] if strengths else ranked
+    return (
+        [*strengths, *(e for e in ranked if not e.name.startswith(BALL))] if strengths else ranked
+    )
 
 
 def _keen(trial: Trial) -> bool:

@@ -266,6 +266,7 @@ class Fit:
 # A factor so near to 1 is told by what it differs.
 NEARLY = 1e-4
 
+
 def told_factor(value: float) -> str:
     """Return a factor that is nearly 1 by what it differs; nothing if it is not."""
     if not 0 < abs(value - 1) < NEARLY:

@@ -1173,7 +1173,6 @@ ROUNDED = tuple(
 )  # fmt: skip
 
 
-
 def _single(value: Any) -> Any:
     """Return a number or a vector in single precision."""
     return tuple(map(_single, value)) if isinstance(value, tuple) else float(np.float32(value))

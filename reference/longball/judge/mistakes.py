@@ -149,7 +149,7 @@ IMPACT: tuple[Mistake, ...] = (
             "g = V + ω × (-R n) - V_b: the surface moves with the spin",
             rubbed(spin=lambda contact: STILL)),
     Mistake("friction-without-rotation", "leaves the bat's rotation out of the slip",
-            "g = V + ω × (-R n) - V_b - Ω × (r_b n): the bat's surface turns about its axis",
+            "g = V + ω × (-R n) - V_b - Ω_b × (r_b n): the bat's surface turns with Ω_b",
             rubbed(rotation=lambda scene: STILL)),
     Mistake("friction-ignored", "strikes without friction", "see bat.friction",
             scene_change(lambda scene: {"bat.friction": None})),

@@ -80,7 +80,8 @@ def _highest(case: Case) -> float | None:
 
 def _height_of_path(case: Case) -> float | None:
     scene: Any = case.scene
-    truth, spin = case.expected, None
+    truth: Any = case.expected
+    spin = None
     if scene.kind == "flight":
         position, velocity, spin = scene.launch.position, scene.launch.velocity, scene.launch.spin
     elif scene.kind == "at-bat" and truth.contact is not None and truth.impact is not None:
@@ -89,17 +90,17 @@ def _height_of_path(case: Case) -> float | None:
         spin = truth.impact.spin and tuple(map(float, truth.impact.spin))
     else:
         return None
-    assert truth.landing is not None
     if velocity[2] <= 0.0:
         return float(position[2])
     frame, start = launch_frame(position, velocity, DOUBLES, spin)
-    held, tops = OneCase(scene, Ivp(), MODEL), []
+    engine, tops = Ivp(), []
+    held = OneCase(scene, engine, MODEL)
     law = held.law(frame)
     try:
         if scene.reading.lift_direction == "always_up":
             path = fly(held, law, frame, start, to_ground).path
         else:  # that takes a third of the time
-            path = held.engine.path(law, law.state_of(start), float(truth.landing.hang_time))
+            path = engine.path(law, law.state_of(start), float(truth.landing.hang_time))
         for piece in islice(path.pieces(), MOST_PIECES):
             heights = piece.curve(lambda state: state.z)
             tops += [heights(t) for t in (0.0, *heights.turns(0.0, piece.length), piece.length)]
@@ -108,7 +109,7 @@ def _height_of_path(case: Case) -> float | None:
     return float(max(tops))
 
 
-# Flags of what a program meets on the way, and neither a field of the scene nor of the result tells.
+# Flags of what a program meets on the way, and no field of the scene or the result tells.
 TOLD_BY_NO_FIELD = frozenset((
     "tangential", "grazing", "kink", "tie", "vertex", "grip-slide", "loops", "vertical",
     "second-touching", "blown-back",
