@@ -158,6 +158,19 @@ def test_an_axis_the_other_way_round_where_it_is_fixed_is_no_fault_of_the_pitch_
     assert "alone" not in only.sentence
 
 
+def test_a_lift_without_its_sign_is_no_axis_the_other_way_round():
+    scenes = [
+        with_values(s, {"air.lift_coefficient": -0.1 if i % 2 else 0.2})
+        for i, s in enumerate((*pitches(), *flights()[:6]))
+    ]
+
+    def alter(scene: Any) -> Any:
+        return with_values(scene, {"air.lift_coefficient": abs(scene.air.lift_coefficient)})
+
+    (only,) = findings(solved(scenes, Ivp()), alter)
+    assert only.names == ["lift-coefficient-size"]
+
+
 def test_a_bat_with_friction_that_is_always_free_is_named():
     cases = gold("impact-oblique")
 
