@@ -961,9 +961,6 @@ EXTENDED: tuple[Mistake, ...] = (
     Mistake("magnus-order", "takes u × ω for ω × u: the lift by spin has the wrong sign",
             "the lift is along ω × u, where u is the ball's velocity through the air",
             _terms(_lift_times(lambda flow, p: -1.0))),
-    Mistake("lift-sign-of-all", "lifts the ball the wrong way, with a spin and without one",
-            "the lift is along ω × u, without a spin along ê × u",
-            _terms(_forms(_lifts, lambda form: _multiplied(form, lambda m, p: -1.0)))),
     Mistake("spin-all-back", "takes the size of the spin for backspin", _DIRECTION,
             _spins(_backspin)),
     Mistake("spin-total", "takes the whole spin, gyro spin included, where the part across the "
