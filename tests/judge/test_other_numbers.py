@@ -59,6 +59,12 @@ def test_a_factor_of_k_is_no_other_radius(factor: float, meant: str):
     assert meant in only.sentence
 
 
+def test_a_mass_of_few_digits_is_told_before_a_factor_of_k():
+    scenes = [with_values(s, {"air.density": 1.1 + 0.03 * i}) for i, s in enumerate(flights()[:6])]
+    (only,) = findings(solved(scenes, Ivp()), lambda s: with_values(s, {"ball.mass": 0.142}))
+    assert only.names[0] == "ball.mass=0.142"
+
+
 @pytest.mark.parametrize("place", ["gravity", "launch.velocity", "k"])
 def test_what_is_held_in_single_precision_is_named(place: str):
     def alter(scene: Any) -> Any:

@@ -88,8 +88,9 @@ DOUBT_OF_STEPS = 1e-6
 # Steps of all flights together that are followed with a scheme.
 MOST_STEPS = 15_000
 
-# What a factor of k = ρ A/(2 m) may be in, besides the density that stands for it.
-BALL = ("air.density*", "ball.mass", "ball.radius")
+# A factor of k = ρ A/(2 m), which the density stands for; what it is of, and none of these alone.
+STRENGTH = "air.density*"
+BALL = ("ball.mass*", "ball.mass+", "ball.radius*", "ball.radius+")
 
 # Stages in which a graze makes errors of what comes before it a thousand times as large.
 INHERITING = ("touching", "normal speed", "velocity after")
@@ -724,10 +725,14 @@ def _without_others(same: Sequence[Explanation]) -> list[Explanation]:
     for e in same:
         by_name.setdefault(e.name, e)
     ranked = list(by_name.values())
-    strengths = [e for e in ranked if e.name.startswith("air.density*")]
-    return (
-        [*strengths, *(e for e in ranked if not e.name.startswith(BALL))] if strengths else ranked
-    )
+    strength = next((e for e in ranked if e.name.startswith(STRENGTH)), None)
+    if strength is None:
+        return ranked
+    # Nobody chooses a mass that is nearly the right one; one of few digits may be the mistake.
+    nearly = abs(float(strength.name.removeprefix(STRENGTH)) - 1) < fits.NEARLY
+    never = ("ball.",) if nearly else BALL
+    return [e for e in ranked
+            if e is strength or not (e.name.startswith(never) or fits.is_odd(e))]  # fmt: skip
 
 
 def _keen(trial: Trial) -> bool:

@@ -600,7 +600,8 @@ def fitted(sought: Sought) -> Iterator[Explanation]:
         if (sought.stage not in stages and not whole_chain) or sought.work.exhausted:
             continue
         (forms,) = fits([name], sought)
-        alike = [fit for fit in forms if fit.form == "fixed" and not fit.varies]
+        alike = [f for f in forms
+                 if f.form == "fixed" and not f.varies and f.roundness < ODD / 100]  # fmt: skip
         for fit in (*forms, *(replace(fit, form="where") for fit in alike)):
             left = sought.screened(fit.change)
             if left is None or fit.doubt > 1e-2 * max(abs(fit.value), 1e-6):
