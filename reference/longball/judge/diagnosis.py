@@ -88,9 +88,8 @@ DOUBT_OF_STEPS = 1e-6
 # Steps of all flights together that are followed with a scheme.
 MOST_STEPS = 15_000
 
-# A factor of k = ρ A/(2 m), which the density stands for; what it is of, and none of these alone.
+# What stands for a factor of k = ρ A/(2 m).
 STRENGTH = "air.density*"
-BALL = ("ball.mass*", "ball.mass+", "ball.radius*", "ball.radius+")
 
 # Stages in which a graze makes errors of what comes before it a thousand times as large.
 INHERITING = ("touching", "normal speed", "velocity after")
@@ -717,7 +716,7 @@ def _parameter(name: str) -> str:
 
 
 def _without_others(same: Sequence[Explanation]) -> list[Explanation]:
-    """Return explanations that come to the same, each name once, and a factor of k as that alone.
+    """Return explanations that come to the same, each name once, a factor of k as that first.
 
     Mass and radius make one, too: whoever is told of the radius looks in the wrong place.
     """
@@ -728,11 +727,15 @@ def _without_others(same: Sequence[Explanation]) -> list[Explanation]:
     strength = next((e for e in ranked if e.name.startswith(STRENGTH)), None)
     if strength is None:
         return ranked
-    # Nobody chooses a mass that is nearly the right one; one of few digits may be the mistake.
+    # Nobody chooses a mass that is nearly the right one; a rounder factor may be the mistake.
     nearly = abs(float(strength.name.removeprefix(STRENGTH)) - 1) < fits.NEARLY
-    never = ("ball.",) if nearly else BALL
-    return [e for e in ranked
-            if e is strength or not (e.name.startswith(never) or fits.is_odd(e))]  # fmt: skip
+    others = (e for e in ranked if e is not strength and not fits.is_odd(e))
+    kept = [
+        e
+        for e in others
+        if not e.name.startswith("ball.") or (not nearly and e.rank < strength.rank)
+    ]
+    return sorted([strength, *kept], key=lambda e: "=" not in e.name)  # numbers before factors
 
 
 def _keen(trial: Trial) -> bool:
