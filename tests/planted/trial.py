@@ -130,7 +130,7 @@ KEYS = {
 
 def spoken(finding):
     """Return a finding's names and sentence as one text, but for the stage that it speaks of."""
-    said = re.sub(r"^[a-z ]+ alone(, where [^:]*)?: ", "", finding["sentence"])
+    said = re.sub(r"^[a-z ]+( alone|, as at [a-z ]+)(, where [^:]*)?: ", "", finding["sentence"])
     return " ".join([*finding["names"], said])
 
 

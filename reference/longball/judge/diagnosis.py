@@ -88,6 +88,9 @@ DOUBT_OF_STEPS = 1e-6
 # Steps of all flights together that are followed with a scheme.
 MOST_STEPS = 15_000
 
+# What stands for a factor of k = ρ A/(2 m).
+STRENGTH = "air.density*"
+
 # Stages in which a graze makes errors of what comes before it a thousand times as large.
 INHERITING = ("touching", "normal speed", "velocity after")
 
@@ -218,6 +221,7 @@ class _Search:
             unseen = None
         if more := (coarse if self.causes and coarse else unseen):
             self.findings.append(more)
+        self.findings = _not_alone(self.findings)
         known = {f.stage for f in self.findings if f.names}
         # Little beside other errors is mostly the candidate's integrator's, unless it has a name.
         self.findings.sort(key=lambda f: not f.names and f.worst < MINOR * largest)
@@ -384,7 +388,10 @@ class _Search:
         elif searched and worst > FAINT:
             causes = self._found(stage, wrong, good, checks, told.scenes is not None)
             rounded = bool(self.begun) and _usual(sizes) < FINE
-            if rounded:
+            ratios = [e for e in causes if e.quantity and e.change is None]
+            if rounded and ratios:  # of a quantity itself: no rest of another number is like that
+                rounded, causes = False, ratios
+            elif rounded:
                 # Beside what is found so little is in its last digits, and no other number.
                 numbers = {_parameter(f.names[0]) for f in self.findings if f.names}
                 causes = [e for e in causes if _parameter(e.name) in numbers]
@@ -402,7 +409,11 @@ class _Search:
             self.findings.append(told)
             self._leave(stage, wrong)
             return False
-        broken, same = self._least_harm(causes, stage, good)
+        if worst < FINE:  # so little neither breaks a stage nor mends one
+            broken, same = 0, causes[:4]
+        else:
+            broken, same = self._least_harm(causes, stage, good)
+        same = _without_others(same)
         best, alone = same[0], broken > 0 or of_most
         if rounded and not alone:
             self._accept(best, stage, worst)
@@ -476,8 +487,8 @@ class _Search:
             if e.left <= max(alike, DOUBT_OF_STEPS if e.step and e.change else doubt)
         ]  # fmt: skip
         ties = self._told_from_ties(ties, stage, wrong)
-        by_name = {e.name: e for e in reversed(ties)}
-        return sorted(by_name.values(), key=lambda e: e.rank)
+        by_sentence = {e.sentence: e for e in reversed(ties)}
+        return sorted(by_sentence.values(), key=lambda e: e.rank)
 
     def _told_from_ties(
         self, ties: list[Explanation], stage: str, wrong: Sequence[Checked]
@@ -639,7 +650,8 @@ class _Search:
             return found
         together = self._with_flights(wrong, right, checks) if stage == "pitch" else None
         if max(size_of(c) for _, cs in wrong for c in cs if not c.follows) < FINE:
-            return _fine([together, sought] if together else [sought])
+            ratios = list(relations.relations(chosen, beside, self.base))
+            return [*ratios, *_fine([together, sought] if together else [sought])]
         found = [
             *relations.relations(chosen, beside, self.base),
             *relations.formulas(chosen, beside, self.base),
@@ -668,7 +680,7 @@ class _Search:
                 # What flies the pitch flies the batted ball.
                 self.stepless = not any(e.named for e in found)
             if not any(e.named for e in found):
-                single = list({e.name: e for e in found}.values())
+                single = list({e.name: e for e in reversed(found)}.values())[::-1]
                 found += fits.two(together or sought, single)
                 if together and not any(e.named for e in found):
                     # Pitches alone are alike: any two numbers explain them, but not any scheme.
@@ -700,9 +712,50 @@ def _with_name(told: Finding, e: Explanation, **more: Any) -> Finding:
     return told.model_copy(update={"kind": "named", **said, **more})
 
 
+def _not_alone(findings: Sequence[Finding]) -> list[Finding]:
+    """Return findings without "alone" where several stages have the same."""
+    stages: dict[str, list[str]] = defaultdict(list)
+    for f in findings:
+        if f.names:
+            stages[f.names[0]].append(f.stage)
+    result = []
+    for f in findings:
+        several = stages[f.names[0]] if f.names else []
+        if len(several) > 1:
+            others = [stage for stage in several if stage != f.stage]
+            where = f"{f.stage}, as at {' and '.join(dict.fromkeys(others))}"
+            sentence = f.sentence.replace(f"{f.stage} alone", where, 1)
+            f = f.model_copy(update={"sentence": sentence})
+        result.append(f)
+    return result
+
+
 def _parameter(name: str) -> str:
     """Return what a fitted number is of, from its name."""
     return re.split("[=*+]", name)[0]
+
+
+def _without_others(same: Sequence[Explanation]) -> list[Explanation]:
+    """Return explanations that come to the same, each name once, a factor of k as that first.
+
+    Mass and radius make one, too: whoever is told of the radius looks in the wrong place.
+    """
+    by_name: dict[str, Explanation] = {}
+    for e in same:
+        by_name.setdefault(e.name, e)
+    ranked = list(by_name.values())
+    strength = next((e for e in ranked if e.name.startswith(STRENGTH)), None)
+    if strength is None:
+        return ranked
+    # Nobody chooses a mass that is nearly the right one; a rounder factor may be the mistake.
+    nearly = abs(float(strength.name.removeprefix(STRENGTH)) - 1) < fits.NEARLY
+    others = (e for e in ranked if e is not strength and not fits.is_odd(e))
+    kept = [
+        e
+        for e in others
+        if not e.name.startswith("ball.") or (not nearly and e.rank < strength.rank)
+    ]
+    return sorted([strength, *kept], key=lambda e: "=" not in e.name)  # numbers before factors
 
 
 def _keen(trial: Trial) -> bool:
@@ -719,7 +772,7 @@ def _fine(sought: Iterable[Sought]) -> list[Explanation]:
     """Return the numbers, one or two, that may be behind errors that are mostly an integrator's."""
     found: list[Explanation] = []
     for some in sought:
-        for way in (fits.fitted(some), fits.pairs(some, ())):
+        for way in (fits.singles(some), fits.fitted(some), fits.pairs(some, ())):
             found += way
             if any(e.named for e in found):
                 return found

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from longball.engines.verlet import Verlet
 from longball.judge.changes import Mistake
 from longball.judge.explanations import JUMPED, NAMED, OWN_ERROR, Explanation, Sought
-from longball.judge.flight_mistakes import LAW, OWN, SPIN, with_density
+from longball.judge.flight_mistakes import LAW, OWN, SINGLES, SPIN, with_density
 from longball.judge.mistakes import FENCE, IGNORED, IMPACT, READINGS, TOUCHING, TWO_STEP_PUSH
 from longball.judge.rubbing import RUBBING
 from longball.judge.stages import COLLISION, NONE, Change, Trial, with_values
@@ -119,6 +119,12 @@ def _leaves_out(scene: Any, name: str) -> bool:
     return name in _LEFT_OUT and at(scene, name) is None
 
 
+def law_of(scene: Any, name: str) -> str | None:
+    """Return the law that a number of a coefficient is in; None if it is in none."""
+    block, _, _ = name.rpartition(".")
+    return getattr(at(scene, block), "law", None) if block.endswith("_coefficient") else None
+
+
 def value_of(scene: Any, name: str) -> float | None:
     """Return the scene's own value of a parameter, of a vector its size; None if it has none."""
     found = _held(scene, name)[1]
@@ -153,14 +159,17 @@ class Fit:
     Attributes
     ----------
     form
-        "fixed": the value whatever the scene says; "factor": times the scene's; "offset": added;
-        "default": the value where the scene leaves it out.
+        "fixed": the value whatever the scene says; "where": the value in scenes that say the usual
+        one; "factor": times the scene's; "offset": added; "default": the value where the scene
+        leaves it out.
     value, doubt
         Half the range of nine tenths of the scenes.
     varies
         Whether the scenes have different values, so that the forms can be told apart.
     usual
         The scene's value, where it is always the same.
+    laws
+        Those that it is known of, as another one may have a number of that name; None for all.
     """
 
     parameter: str
@@ -169,6 +178,7 @@ class Fit:
     doubt: float
     varies: bool
     usual: float = math.nan
+    laws: frozenset[str | None] | None = None
 
     @property
     def change(self) -> Change:
@@ -180,6 +190,10 @@ class Fit:
                 return scene
             if self.form == "default" and not _leaves_out(scene, self.parameter):
                 return scene
+            if self.form == "where" and own != self.usual:
+                return scene
+            if self.laws is not None and law_of(scene, self.parameter) not in self.laws:
+                return scene
             new = {"factor": own * self.value, "offset": own + self.value}
             return with_parameter(scene, self.parameter, new.get(self.form, self.value))
 
@@ -188,7 +202,7 @@ class Fit:
     @property
     def name(self) -> str:
         """Parameter and value: ``air.density=1.205``, ``pitch.speed*3.6``."""
-        symbol = {"fixed": "=", "default": "=", "factor": "*", "offset": "+"}[self.form]
+        symbol = {"factor": "*", "offset": "+"}.get(self.form, "=")
         digits = 6 if abs(self.value - 1) > NEARLY else 10
         return f"{self.parameter}{symbol}{self.value:.{digits}g}"
 
@@ -197,7 +211,14 @@ class Fit:
         """How to mend it."""
         if self.parameter in OWN:
             return f"it is {OWN[self.parameter].usual:.7g}"
+        if self.is_strength:
+            return "k = ρ A/(2 m) with A = π R²: see which of them it is"
         return f"take the scene's {self.parameter}"
+
+    @property
+    def is_strength(self) -> bool:
+        """Whether it is a factor of drag and lift, of which no flight tells where it is from."""
+        return self.parameter == "air.density" and self.form == "factor"
 
     @property
     def roundness(self) -> float:
@@ -214,14 +235,23 @@ class Fit:
     def sentence(self) -> str:
         """What the candidate does."""
         number = told(self.value, self.doubt)
-        if self.form == "factor" and 0 < abs(self.value - 1) < NEARLY:
-            number = f"1 {'+' if self.value > 1 else '-'} {abs(self.value - 1):.3g}"
+        if self.form == "factor":
+            number = told_factor(self.value) or number
         meant = meaning(self)
+        if self.is_strength:
+            return (
+                f"acts as if k = ρ A/(2 m) were {number} times as large{meant}: density, π, R² or "
+                "1/m, which the flights do not tell apart"
+            )
         parameter = OWN[self.parameter].words if self.parameter in OWN else self.parameter
         match self.form:
             case "fixed":
                 whatever = "whatever the scene says" if self.varies else f"and not {self.usual:.6g}"
                 return f"acts as if {parameter} = {number}{meant}, {whatever}"
+            case "where":
+                return f"acts as if {parameter} = {number}{meant} where the scene says " + (
+                    f"{self.usual:.6g}"
+                )
             case "default":
                 where = f"and not {self.usual:.6g}, where the scene leaves it out"
                 return f"acts as if {parameter} = {number}, {where}"
@@ -235,6 +265,14 @@ class Fit:
 
 # A factor so near to 1 is told by what it differs.
 NEARLY = 1e-4
+
+
+def told_factor(value: float) -> str:
+    """Return a factor that is nearly 1 by what it differs; nothing if it is not."""
+    if not 0 < abs(value - 1) < NEARLY:
+        return ""
+    return f"1 {'+' if value > 1 else '-'} {abs(value - 1):.3g}"
+
 
 # People write 2/3 for what needs more digits than so many.
 LARGEST_DENOMINATOR, FRACTION_DIGITS = 12, 4
@@ -299,6 +337,7 @@ _FACTORS = (
     (0.45359237, "kg for pounds"), (1.466666667, "ft/s for mph"), (math.sqrt(2), "a √2 too many"),
     (math.sqrt(0.5), "a √2 is missing"),
     *((pi / math.pi, f"{pi:.6g} for π") for pi in (3.14, 3.1416, 3.14159, 22 / 7)),
+    (355 / 113 / math.pi, "355/113 for π"),
 )  # fmt: skip
 
 
@@ -412,7 +451,11 @@ def fits(names: Sequence[str], sought: Sought, own: Change = NONE) -> list[list[
         return [[] for _ in names]
     values, theirs = (np.array(rows, float).T for rows in zip(*found, strict=True))
     unsaid = [all(_leaves_out(scene, name) for scene in scenes) for name in names]
-    return [_forms(*one) for one in zip(names, values, theirs, unsaid, strict=True)]
+    laws = [frozenset(law_of(scene, name) for scene in scenes) for name in names]
+    return [
+        [replace(fit, laws=known) for fit in _forms(*one)]
+        for known, *one in zip(laws, names, values, theirs, unsaid, strict=True)
+    ]
 
 
 def _forms(name: str, values: Array, own: Array, unsaid: bool) -> list[Fit]:
@@ -438,6 +481,10 @@ def _forms(name: str, values: Array, own: Array, unsaid: bool) -> list[Fit]:
             continue  # the factor says more
         if form == "fixed" and not values.any() and own.all():
             continue  # so it does here
+        nearly = own.all() and 0 < abs(float(np.median(values / own)) - 1) < NEARLY
+        strength = not varies and name == "air.density" and nearly
+        if form == "fixed" and strength and digits_of(float(np.median(values))) > ODD:
+            continue  # nobody chooses such a density: the factor may be elsewhere
         if form == "offset" and not varies and not name.endswith("height"):
             continue
         spread = make()
@@ -451,7 +498,7 @@ def _forms(name: str, values: Array, own: Array, unsaid: bool) -> list[Fit]:
             continue  # scene after scene acts as if it were another number
         if len(values) < FIRST and fit.roundness > FEW_DIGITS / 100:
             continue  # nothing tells how much it differs from scene to scene
-        if form == "factor" and not varies and not factor_meaning(fit.value, doubt):
+        if form == "factor" and not (varies or strength or factor_meaning(fit.value, doubt)):
             continue  # the number itself says as much
         result.append(fit)
     return result
@@ -471,6 +518,11 @@ SNAP = 1e-4
 
 # Digits of a number that nobody chooses, of two that are fitted at once.
 ODD = 5
+
+
+# Of a number that may be taken in all scenes or in those that say the usual one, the first is told
+# where no scene tells which.
+BEHIND = 1e-3
 
 
 def is_odd(e: Explanation) -> bool:
@@ -504,7 +556,7 @@ def _library(stage: str) -> list[Mistake]:
         library += (*IMPACT, *RUBBING, *SPIN)
     if stage not in ("pitch", "plate", "touching", "normal", "bat velocity"):
         library += READINGS
-    library += IGNORED
+    library += (*IGNORED, *SINGLES)
     return library
 
 
@@ -517,6 +569,11 @@ def _tried(library: Iterable[Mistake], sought: Sought) -> Iterator[Explanation]:
         left = sought.screened(mistake.change)
         if left is not None:
             yield _explanation(mistake, left)
+
+
+def singles(sought: Sought) -> list[Explanation]:
+    """Return what the candidate may hold in single precision."""
+    return list(_tried(SINGLES, sought))
 
 
 def _explanation(mistake: Mistake, left: float) -> Explanation:
@@ -544,7 +601,9 @@ def fitted(sought: Sought) -> Iterator[Explanation]:
         if (sought.stage not in stages and not whole_chain) or sought.work.exhausted:
             continue
         (forms,) = fits([name], sought)
-        for fit in forms:
+        alike = [f for f in forms
+                 if f.form == "fixed" and not f.varies and f.roundness < ODD / 100]  # fmt: skip
+        for fit in (*forms, *(replace(fit, form="where") for fit in alike)):
             left = sought.screened(fit.change)
             if left is None or fit.doubt > 1e-2 * max(abs(fit.value), 1e-6):
                 continue
@@ -553,9 +612,8 @@ def fitted(sought: Sought) -> Iterator[Explanation]:
                 there = sought.left(usual.change)
                 if there is not None and there < left + SNAP:
                     fit, left = usual, there
-            yield Explanation(
-                fit.name, fit.sentence, fit.remedy, left, 2 + fit.roundness, fit.change,
-            )  # fmt: skip
+            rank = 2 + fit.roundness + (BEHIND if fit.form == "where" else 0)
+            yield Explanation(fit.name, fit.sentence, fit.remedy, left, rank, fit.change)
 
 
 # Numbers that a force goes with, and so may have another value in each scene.

@@ -50,7 +50,7 @@ from longball.model.force import (
 )
 from longball.model.law import GRAVITY
 from longball.model.numbers import DOUBLES, Vector, plus
-from longball.model.quantities import at
+from longball.model.quantities import at, numbers
 from longball.model.wind import ROUGHNESS
 
 # --- the law of motion ----------------------------------------------------------------------------
@@ -211,6 +211,10 @@ def _of_two(x: Any, y: Any) -> Any:
     return trace.sqrt(x * x + y * y)
 
 
+def _right_axis(scene: Any, frame: Any) -> Vector[Any]:
+    return frame.sin, -frame.cos, 0.0
+
+
 def _about(axis: Callable[[Any, Any], Vector[Any]]) -> Change:
     """Return the change of the lift to one about an axis in space, from the scene and the frame."""
     in_frame: More = (
@@ -219,6 +223,28 @@ def _about(axis: Callable[[Any, Any], Vector[Any]]) -> Change:
     )
     return _in_air(LIFT, lambda m, flow, p: scaled(
         flow.speed, cross((p.axis_s, p.axis_y, p.axis_z), flow.velocity)), in_frame)  # fmt: skip
+
+
+def _about_if_fixed(axis: Callable[[Any, Any], Vector[Any]]) -> Change:
+    """Return the same change, but of lifts that are always up: their axis is computed elsewhere.
+
+    The lift stays, and one about the difference of the axes is added.
+    """
+
+    def strengths(scene: Any, frame: Any, numbers: Any) -> tuple[Any, ...] | None:
+        found = LIFT.strengths(scene, frame, numbers)
+        if not found or scene.reading.lift_direction == "always_up":
+            return None
+        more = plus(axis(scene, frame), -1.0, _right_axis(scene, frame))
+        return (*found, *frame.turned(more))
+
+    def acceleration(motion: Motion, p: Any) -> Vector[Any]:
+        flow = motion.lift
+        across = cross((p.axis_s, p.axis_y, p.axis_z), flow.velocity)
+        return scaled(motion.density * p.lift_about_axis * flow.speed, across)
+
+    names = ("lift_about_axis", "axis_s", "axis_y", "axis_z")
+    return _terms(lambda term: term, Force(names, strengths, acceleration))
 
 
 def _is_batted(scene: Any, frame: Any) -> bool:
@@ -234,7 +260,7 @@ def _axis_of_pitch(straight: bool) -> Callable[[Any, Any], Vector[Any]]:
 
     def axis(scene: Any, frame: Any) -> Vector[Any]:
         if not _is_batted(scene, frame):
-            return frame.sin, -frame.cos, 0.0
+            return _right_axis(scene, frame)
         x, y, _ = (-1.0, 0.0, 0.0) if straight else scene.pitch.thrown
         size = math.hypot(x, y) or 1.0
         return y / size, -x / size, 0.0
@@ -372,6 +398,9 @@ _PAPERS_LAW: tuple[Mistake, ...] = (
     Mistake("lift-sign", "lifts the ball the wrong way",
             "with backspin the lift turns the velocity upwards: k_L V (-w, u) in the flight plane",
             _lift_rate(lambda m, flow: -flow.speed)),
+    Mistake("lift-coefficient-size", "takes C_L without its sign",
+            "a negative C_L is topspin: it presses the ball down",
+            scene_change(lambda s: {"air.lift_coefficient": abs(s.air.lift_coefficient)})),
     Mistake("lift-vertical", "lifts straight up with V², instead of across the velocity", _ACROSS,
             _lift(lambda u, w, speed: (trace.ZERO, trace.ZERO, speed * speed))),
     Mistake("lift-vertical-part", "has the vertical part of the lift, and not the horizontal one",
@@ -390,9 +419,14 @@ _PAPERS_LAW: tuple[Mistake, ...] = (
             _lift_rate(lambda m, flow: flow.speed * _rising(m)), True),
     Mistake("lift-sign-falling", "lifts a falling ball the wrong way", _ACROSS,
             _lift_rate(lambda m, flow: flow.speed * (2.0 * _rising(m) - 1.0)), True),
-    Mistake("lift-about-minus-y", "lifts about -y, whatever the ball's heading",
-            "the axis ê is horizontal and across the heading at launch",
-            _about(lambda scene, frame: (0.0, -1.0, 0.0))),
+    *(Mistake(name, sentence + where, "the axis ê is horizontal and across the heading at launch: "
+              "(sin φ, -cos φ, 0)", about(axis))
+      for name, sentence, axis in (
+          ("lift-about-minus-y", "lifts about -y, whatever the ball's heading",
+           lambda scene, frame: (0.0, -1.0, 0.0)),
+          ("lift-axis-sign", "has the lift's axis the other way round, (-sin φ, cos φ, 0)",
+           lambda scene, frame: (-frame.sin, frame.cos, 0.0)))
+      for where, about in (("", _about), (", but not where it is always up", _about_if_fixed))),
     Mistake("lift-about-axis-of-pitch", "lifts a batted ball about the axis that the pitch had",
             "the axis ê is fixed at the launch of each flight: at the impact anew",
             _about(_axis_of_pitch(straight=False))),
@@ -927,6 +961,9 @@ EXTENDED: tuple[Mistake, ...] = (
     Mistake("lift-not-along-unit", "divides ω × u by ωU, and not by its length, in the "
             "direction of the lift", "the lift is along ω × u/|ω × u|",
             _terms(_lift_times(_active))),
+    Mistake("magnus-order", "takes u × ω for ω × u: the lift by spin has the wrong sign",
+            "the lift is along ω × u, where u is the ball's velocity through the air",
+            _terms(_lift_times(lambda flow, p: -1.0))),
     Mistake("spin-all-back", "takes the size of the spin for backspin", _DIRECTION,
             _spins(_backspin)),
     Mistake("spin-total", "takes the whole spin, gyro spin included, where the part across the "
@@ -1136,6 +1173,35 @@ ROUNDED = tuple(
                 place: tuple(round(x, decimals) for x in at(scene, place))}))
     for place in ("launch.velocity", "launch.position")
     for decimals in range(_MOST_DECIMALS + 1)
+)  # fmt: skip
+
+
+def _single(value: Any) -> Any:
+    """Return a number or a vector in single precision."""
+    return tuple(map(_single, value)) if isinstance(value, tuple) else float(np.float32(value))
+
+
+def _with_single_strength(scene: Any) -> Any:
+    """Return a scene with the density of a k = ρ A/(2 m) in single precision."""
+    if getattr(scene, "air", None) is None:
+        return scene
+    dense, ball = float(density(scene, DOUBLES)), scene.ball
+    k = dense * math.pi * ball.radius**2 / (2 * ball.mass)
+    return with_density(scene, dense * _single(k) / k) if k else scene
+
+
+_DOUBLES = "use doubles throughout"
+
+# What a program may hold in single precision that is in doubles otherwise.
+SINGLES = (
+    Mistake("single:scene", "takes the scene's numbers in single precision", _DOUBLES,
+            scene_change(lambda scene: {n: _single(float(x)) for n, x in numbers(scene)})),
+    Mistake("single:k", "has k = ρ A/(2 m) in single precision", _DOUBLES,
+            Change(_with_single_strength)),
+    *(Mistake(f"single:{place}", f"takes {place} in single precision", _DOUBLES,
+              scene_change(lambda scene, place=place: {place: _single(at(scene, place))}))  # type: ignore[misc]
+      for place in ("gravity", "launch.velocity", "launch.position", "air.density", "ball.mass",
+                    "ball.radius")),
 )  # fmt: skip
 
 LAW = (*_PAPERS_LAW, *EXTENDED, *ROUNDED)

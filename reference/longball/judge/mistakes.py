@@ -149,13 +149,17 @@ IMPACT: tuple[Mistake, ...] = (
             "g = V + ω × (-R n) - V_b: the surface moves with the spin",
             rubbed(spin=lambda contact: STILL)),
     Mistake("friction-without-rotation", "leaves the bat's rotation out of the slip",
-            "g = V + ω × (-R n) - V_b - Ω × (r_b n): the bat's surface turns about its axis",
+            "g = V + ω × (-R n) - V_b - Ω_b × (r_b n): the bat's surface turns with Ω_b",
             rubbed(rotation=lambda scene: STILL)),
     Mistake("friction-ignored", "strikes without friction", "see bat.friction",
             scene_change(lambda scene: {"bat.friction": None})),
     Mistake("slides-finally", "lets the friction act along what would end the slip",
             "against the slip as it begins, unless the reading slide_direction says final",
             reading_change(slide_direction="final")),
+    Mistake("free-for-pivot", "lets the bat with friction move as a free one, where it turns about "
+            "its end", "bat.support = pivot, if it is not given: the bat turns about its end",
+            scene_change(lambda scene: {} if scene.bat.friction is None
+                         else {"bat.support": "free"})),
     Mistake("pivot-for-free", "has a free bat turn about its end",
             "bat.support = free: it moves and turns about its centre",
             scene_change(lambda scene: {"bat.support": "pivot"})),

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from longball.judge.answers import Answer
 from longball.judge.explanations import Checked, Explanation, off, share_by, size_of
 from longball.judge.findings import Finding, found, many
-from longball.judge.fits import FEW_DIGITS, FIRST, digits_of, factor_meaning, roundest
+from longball.judge.fits import FEW_DIGITS, FIRST, digits_of, factor_meaning, roundest, told_factor
 from longball.judge.formulas import FORMULAS, NUMBERED, View
 from longball.judge.quantities import QUANTITIES
 from longball.judge.stages import (
@@ -46,6 +46,9 @@ FEW_DECIMALS = 10
 
 # Of the number in a formula, how far it may differ from scene to scene.
 CERTAIN = 1e-3
+
+# A factor differs from 1 by more than this: less is rounding.
+NEAREST = 1e-11
 
 # A number below this is 0: what rounding leaves of one that is left out.
 NOTHING = 1e-6
@@ -100,7 +103,12 @@ def _held(
         )
 
     whole = sum(sum(map(size_of, cs)) for _, cs in chosen)
-    against = sum(left(t, [c for c in cs if c.quantity == quantity]) for t, cs in beside)
+    against = sum(
+        max(0.0, off(value(t, c), c) - c.tolerance / c.scale)  # what passes may be off by that
+        for t, cs in beside
+        for c in cs
+        if c.quantity == quantity
+    )
     return share_by(chosen, left), against / whole
 
 
@@ -113,13 +121,16 @@ def _images(quantity: str, expected: Array, obtained: Array) -> Iterator[tuple[s
     # Scenes that expect the same are one: any number is the ratio, and the difference, of one.
     same = bool((np.ptp(expected, axis=0) <= SAME * np.abs(expected).max()).all())
     if (
-        abs(ratio - 1) > 1e-9
+        abs(ratio - 1) > NEAREST
         and np.ptp(ratios) < 1e-3 * min(max(abs(ratio), 1e-9), abs(ratio - 1))
         and (what or not same)
     ):
+        nearly = (near := told_factor(ratio)) and f"({near})"
         text = "the sign is wrong" if what == "the sign" else (
-            f"obtained = {ratio:.8g} × expected" + (f": {what}" if what else ""))  # fmt: skip
-        yield f"{quantity}*{ratio:.6g}", f"{quantity}: {text}", lambda x: ratio * x
+            f"obtained = {nearly or f'{ratio:.8g}'} × expected"
+            + (f": {what}" if what else ""))  # fmt: skip
+        name = f"{quantity}*{ratio:.{10 if nearly else 6}g}"
+        yield name, f"{quantity}: {text}", lambda x: ratio * x
     if expected.shape[1] == 3:
         for shown, image in TURNS:
             yield (

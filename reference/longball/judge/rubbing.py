@@ -133,7 +133,7 @@ def _squared(scene: Any) -> Any:
     return scene if friction is None else with_values(scene, {"bat.friction": friction**2})
 
 
-_SLIP = "g = V + ω × (-R n) - V_b - Ω × (r_b n), with the bat's Ω = ω'(-sin θ, 0, cos θ)"
+_SLIP = "g = V + ω × (-R n) - V_b - Ω_b × (r_b n), with the bat's Ω_b = ω'(-sin θ, 0, cos θ)"
 _K = "g' = g + K P, with K of ball and bat at the point of contact, and n·K n = 1/μ"
 _CONE = (
     "the ball grips if the gripping impulse lies within the cone |P_t| ≤ μ_f P_n, else it slides"

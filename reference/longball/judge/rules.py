@@ -7,12 +7,18 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
+from itertools import islice
 from operator import eq, gt, lt, ne
 from typing import Any
 
 from pydantic import ValidationError
 
-from longball.judge.cases import Case
+from longball.engines.chain import MODEL, OneCase
+from longball.engines.chain.flying import fly, to_ground
+from longball.engines.ivp import Ivp
+from longball.judge.cases import MOST_PIECES, Case
+from longball.model.frame import launch_frame
+from longball.model.numbers import DOUBLES
 from longball.model.quantities import numbers, replaced
 from longball.model.readings import Reading
 from longball.model.scene import KINDS, Scene
@@ -25,13 +31,14 @@ def features(case: Case) -> Features:
     scene: Any = case.scene
     found: Features = {name: float(value) for name, value in numbers(scene)}
     found |= {f"reading.{name}": value for name, value in scene.reading}
-    found |= {f"flag {flag}": True for flag in case.flags}
+    found |= {f"flag {flag}": True for flag in case.flags if flag in TOLD_BY_NO_FIELD}
     found |= {"kind": scene.kind, "outcome": case.expected.outcome}
     found |= _forms(scene)
     landing, contact, impact = case.expected.landing, case.expected.contact, case.expected.impact
     if landing is not None:
         found["direction at landing"] = "+x" if float(landing.velocity[0]) > 0 else "-x"
         found["landing.hang_time"] = float(landing.hang_time)
+        found["landing speed"] = math.hypot(*map(float, landing.velocity))
         x, y, _ = map(float, landing.position)
         found |= {"landing.position[0]": x, "landing.position[1]": y}
     if impact is not None:
@@ -42,11 +49,71 @@ def features(case: Case) -> Features:
             found["impact.mode"] = impact.mode
     if contact is not None and contact.normal_speed is not None:
         found["contact.normal_speed"] = float(contact.normal_speed)
+    if contact is not None and contact.normal is not None:
+        found["contact.normal[2]"] = float(contact.normal[2])
+    if (velocity := getattr(getattr(scene, "pitch", None), "velocity", None)) is not None:
+        found["pitch.speed"] = math.hypot(*velocity)
+    for block in ("launch", "pitch", "incoming"):
+        if (spin := getattr(getattr(scene, block, None), "spin", None)) is not None:
+            found[f"size of {block}.spin"] = math.hypot(*spin)
     if scene.kind == "flight" and any(scene.launch.velocity):
         x, y, z = scene.launch.velocity
         found["launch speed"] = math.hypot(x, y, z)
         found["launch angle in degrees"] = math.degrees(math.atan2(z, math.hypot(x, y)))
+    if landing is not None:
+        speeds = found.get("launch speed", 0.0), found["landing speed"]
+        found["larger speed of launch and landing"] = max(speeds)
+        if (height := _highest(case)) is not None:
+            found["highest point in m"] = height
     return found
+
+
+_HEIGHTS: dict[int, tuple[Case, float | None]] = {}  # by the case's identity
+
+
+def _highest(case: Case) -> float | None:
+    """Return the largest height of a ball that lands, m; None if that is not told."""
+    if id(case) not in _HEIGHTS:
+        _HEIGHTS[id(case)] = case, _height_of_path(case)
+    return _HEIGHTS[id(case)][1]
+
+
+def _height_of_path(case: Case) -> float | None:
+    scene: Any = case.scene
+    truth: Any = case.expected
+    spin = None
+    if scene.kind == "flight":
+        position, velocity, spin = scene.launch.position, scene.launch.velocity, scene.launch.spin
+    elif scene.kind == "at-bat" and truth.contact is not None and truth.impact is not None:
+        position = tuple(map(float, truth.contact.position))
+        velocity = tuple(map(float, truth.impact.velocity))
+        spin = truth.impact.spin and tuple(map(float, truth.impact.spin))
+    else:
+        return None
+    if velocity[2] <= 0.0:
+        return float(position[2])
+    frame, start = launch_frame(position, velocity, DOUBLES, spin)
+    engine, tops = Ivp(), []
+    held = OneCase(scene, engine, MODEL)
+    law = held.law(frame)
+    try:
+        if scene.reading.lift_direction == "always_up":
+            path = fly(held, law, frame, start, to_ground).path
+        else:  # that takes a third of the time
+            path = engine.path(law, law.state_of(start), float(truth.landing.hang_time))
+        for piece in islice(path.pieces(), MOST_PIECES):
+            heights = piece.curve(lambda state: state.z)
+            tops += [heights(t) for t in (0.0, *heights.turns(0.0, piece.length), piece.length)]
+    except ArithmeticError:  # doubles do not decide it, or it takes too long
+        return None
+    return float(max(tops))
+
+
+# Flags of what a program meets on the way, and no field of the scene or the result tells.
+TOLD_BY_NO_FIELD = frozenset((
+    "tangential", "grazing", "kink", "tie", "vertex", "grip-slide", "loops", "vertical",
+    "second-touching", "blown-back",
+))  # fmt: skip
 
 
 def _forms(scene: Any) -> Features:
@@ -117,7 +184,7 @@ def rule(failing: Sequence[Case], passing: Sequence[Case], measured: bool = True
         tried = len(known) * len(others)
         both = [
             other
-            for other in _telling(others, wrong, left, tried)
+            for other in _telling(others, wrong, left, len(others))
             if one.choices(wrong, [*filter(other.holds, right)]) >= CHANCE * tried
         ]
         if text := _text(both):
@@ -217,8 +284,7 @@ def _conditions(wrong: Sequence[Features], right: Sequence[Features]) -> Iterato
     for name in dict.fromkeys(name for f in (*wrong, *right) for name in f):
         values, others = _values(wrong, name), _values(right, name)
         if name.startswith("flag "):
-            text = f"{'flagged' if values else 'not flagged'} {name[5:]}"
-            yield Condition(name, text, partial(eq, bool(values)), without=not values)
+            yield Condition(name, f"flagged {name[5:]}", bool)
             continue
         if not values:
             continue
@@ -235,11 +301,11 @@ def _conditions(wrong: Sequence[Features], right: Sequence[Features]) -> Iterato
         if often and usual != 0.0:
             yield differs
         if number and (below := [v for v in others if v < min(values)]):
-            low = _between(max(below), min(values))
+            low = max(below) and _between(max(below), min(values))
             if _is_short(low):
                 yield Condition(name, f"{name} > {low:g}", partial(lt, low), measured=True)
         if number and (above := [v for v in others if v > max(values)]):
-            high = _between(max(values), min(above))
+            high = min(above) and _between(max(values), min(above))
             if _is_short(high):
                 yield Condition(name, f"{name} < {high:g}", partial(gt, high), measured=True)
 
@@ -257,7 +323,9 @@ def _is_short(limit: float) -> bool:
 
 
 def _between(a: float, b: float) -> float:
-    """Return a short number that is above a, and below b or b itself."""
+    """Return a short number that is above a, and below b or b itself; 0 if it may be that."""
+    if a < 0.0 < b:
+        return 0.0
     for digits in range(1, 17):
         short = float(f"{(a + b) / 2:.{digits}g}")
         if a < short < b:

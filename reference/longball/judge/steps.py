@@ -11,7 +11,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any, Literal, get_args
 
@@ -24,7 +24,7 @@ from longball.engines.ivp import Ivp
 from longball.engines.polynomial import PolynomialPiece
 from longball.engines.verlet import TREATMENTS, Chord, Components, Verlet, plain_step
 from longball.judge.any_law import EFFORT
-from longball.judge.explanations import Explanation, Sought
+from longball.judge.explanations import ALIKE, Explanation, Sought
 from longball.judge.stages import Change
 from longball.model.law import Law, State
 from longball.model.numbers import plus
@@ -414,10 +414,21 @@ ALMOST = 1.1
 # more it is another one of that order.
 ITS_OWN = 1e-5
 
+# Of a scheme that errs so, and is not the candidate's own.
+LIKE = "errs as one who"
+
 # With steps longer than this, s, what a scheme leaves is seen in all trials, and not in a few.
 LONG = 2e-3
 
 _SHORTER = "take shorter steps, or a method of higher order"
+_STAGES = (
+    "an RK4 step has four slopes: at its start, twice in its middle and at its end, each from the "
+    "one before, for position and velocity alike, and weighted as 1, 2, 2, 1"
+)
+_ORDER = (
+    "if that is less than the order of your scheme, one of its stages or weights is wrong; if not, "
+    "take shorter steps, or a method of higher order"
+)
 _REMEDY = (
     "predict the velocity at the step's end, v + aΔt, or iterate, before asking for the force "
     "there: the error then falls with Δt² instead of Δt"
@@ -447,10 +458,10 @@ class _Way:
         end = ", each event on the line between two of them" if self.ends == "line" else ""
         words = f"flies by {SCHEMES[self.name].words}, in steps of {dt:.4g} s{end}"
         if not _chosen(dt, known) or (known is None and left > ITS_OWN):
-            words = f"errs as one who {words}: of this order, and so much"
+            words = f"{LIKE} {words}: of this order, and so much"
+        remedy = _STAGES if self.name.startswith("rk4-") else _SHORTER
         return Explanation(
-            self.name, words,
-            _REMEDY if self.name in LAGGING else _SHORTER, left, 1.1 if end else 1,
+            self.name, words, _REMEDY if self.name in LAGGING else remedy, left, 1.1 if end else 1,
             self.change(dt), step=dt,
         )  # fmt: skip
 
@@ -489,7 +500,23 @@ def schemes(sought: Sought, known: float | None) -> Iterator[Explanation]:
         if left is not None:
             found.append((_chosen(fitted, known), way.explanation(fitted, left, known)))
     usual = any(chosen and e.named for chosen, e in found)
-    yield from (e for chosen, e in found if chosen or not usual)
+    yield from _by_order([e for chosen, e in found if chosen or not usual])
+
+
+def _by_order(found: list[Explanation]) -> list[Explanation]:
+    """Return schemes; of several that err as the candidate does, and are not its own, the order."""
+    best = min(found, key=lambda e: e.left, default=None)
+    if best is None or not best.named or not best.sentence.startswith(LIKE):
+        return found
+    names = {e.name for e in found if e.left <= ALIKE * best.left}
+    if len(names) < 2:
+        return found
+    orders = sorted({SCHEMES[name].order for name in names})
+    order = " or ".join(map(str, orders))
+    return [replace(
+        best, name=f"order-{orders[0]}", sentence=f"errs as a method of order {order} does",
+        remedy=_ORDER, step=None,
+    )]  # fmt: skip
 
 
 def _chosen(dt: float, known: float | None) -> bool:
