@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from typing import Any, Literal
 
@@ -37,7 +38,8 @@ class Finding(Frozen):
     @property
     def beside_stage(self) -> str:
         """The sentence where the stage stands before it already."""
-        return self.sentence.removeprefix(f"{self.stage}: ")
+        said = self.sentence.removeprefix(f"{self.stage}: ").removeprefix(f"{self.stage}, ")
+        return re.sub(f"^{self.stage} alone", "here alone", said)
 
 
 def found(
