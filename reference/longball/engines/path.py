@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, Generic, cast
@@ -25,9 +26,8 @@ class Path(Generic[N]):
         self._coming = iter(pieces)
         self._known: list[Piece[N]] = []
 
-    def pieces(self) -> Iterator[Piece[N]]:
-        """Yield the pieces from the launch on."""
-        number = 0
+    def pieces(self, number: int = 0) -> Iterator[Piece[N]]:
+        """Yield the pieces from the launch on, or from that of a number on."""
         while True:
             if number == len(self._known):
                 piece = next(self._coming, None)
@@ -45,7 +45,8 @@ class Path(Generic[N]):
         ValueError
             If the flight does not last so long, or the time is before the launch.
         """
-        for piece in self.pieces():
+        passed = bisect_left(self._known, True, key=lambda p: not time > p.begin + p.length)
+        for piece in self.pieces(passed):
             if not time > piece.begin + piece.length:
                 if time < piece.begin:
                     break
