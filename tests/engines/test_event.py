@@ -17,6 +17,7 @@ import pytest
 from flint import arb
 
 from analysis.random_scenes import random_scene
+from longball import golden
 from longball.engines import event
 from longball.engines.chain import approach_of, solve
 from longball.engines.enclosure import Enclosure
@@ -561,3 +562,9 @@ def test_a_batted_ball_whose_direction_is_left_open_is_not_taken_for_a_vertical_
     scene = random_scene("extreme", 23943, 20)
     assert solve(scene, Enclosure(20)).code == "undecided"
     assert float(solve(scene, ENCLOSURE).landing.distance) == pytest.approx(2.2139, abs=0.01)
+
+
+@pytest.mark.parametrize("of", ["speed", "spin"])
+def test_nodes_of_two_tables_that_are_passed_at_once_are_told(of):
+    (case,) = (c for c in golden.load("flight-kinks") if c.scene.id.endswith(f"both-by-{of}"))
+    assert solve(case.scene, ENCLOSURE).outcome == "landed"

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from itertools import pairwise
 from types import MappingProxyType
-from typing import Any, Generic, cast
+from typing import Any, Generic, NamedTuple, cast
 
 from longball.engines.arithmetic import Dual
 from longball.engines.contact import (
@@ -26,8 +26,9 @@ from longball.engines.contact import (
 from longball.engines.engine import CannotSolve, Engine, Touch
 from longball.engines.event import Event, Piece, first_fall, past
 from longball.engines.path import Flight, Part, Path, Rest
-from longball.model.law import Bend, Law, State
+from longball.model.law import Law, State
 from longball.model.numbers import N, Numbers, absolute, doubt
+from longball.model.trace import Program
 
 
 class PathEngine(Engine[N], ABC):
@@ -72,20 +73,19 @@ class PathEngine(Engine[N], ABC):
             return
         law, start = law.in_polynomials(start, self.numbers)
         branches = branches_at(law, start, self.numbers)
-        passed: int | None = None  # the bend whose level the form begins on
+        passed: _Level[N] | None = None  # on which the form begins
         for _ in range(_MOST_BRANCHES):
             form = law.on(branches)
             ends = self._ends_of(form, branches)
             met, first = None, True
             stops = [*(event for event, *_ in ends), *events]
             for piece in self._smooth(form, start, begin, limit, stops):
-                met = self._first_end(piece, ends, form.bends, first, passed)
+                met = self._first_end(piece, ends, form, first, passed)
                 if met is None:
                     yield piece
                     first = False
                     continue
-                time, which, way = met
-                passed = which
+                time, which, way, passed = met
                 if cast(Any, time) != 0:
                     yield Part(piece, time)
                 begin, start = piece.begin + time, piece.at(time)
@@ -100,8 +100,8 @@ class PathEngine(Engine[N], ABC):
             f"{_MOST_BRANCHES} times"
         )
 
-    def _ends_of(self, form: Law[N], branches: Sequence[int]) -> list[tuple[Event[N], int, int]]:
-        """Return what ends these forms of a law: an event, of which bend, and which way it goes."""
+    def _ends_of(self, form: Law[N], branches: Sequence[int]) -> list[_End[N]]:
+        """Return what ends these forms of a law."""
         found = []
         for which, (bend, branch) in enumerate(zip(form.bends, branches, strict=True)):
             for way, number in ((-1, branch - 1), (1, branch)):
@@ -113,36 +113,38 @@ class PathEngine(Engine[N], ABC):
                     size = self.numbers.where(level > 1, level, self.numbers.exact(1.0))
                     question = bend.piecewise.question
                     event = Event("bend", question, value, lambda state: state, size)
-                    found.append((event, which, way))
+                    found.append(_End(event, which, way, _Level(form.passage(bend), level)))
         return found
 
     def _first_end(
         self,
         piece: Piece[N],
-        ends: Sequence[tuple[Event[N], int, int]],
-        bends: Sequence[Bend[N]],
+        ends: Sequence[_End[N]],
+        form: Law[N],
         first: bool,
-        passed: int | None,
-    ) -> tuple[N, int, int] | None:
-        """Return the first of such events on a piece: when, of which bend, which way.
+        passed: _Level[N] | None,
+    ) -> tuple[N, int, int, _Level[N]] | None:
+        """Return the first of such events on a piece: when, of which bend, which way, which level.
 
-        The `first` piece under a form begins on the level that was `passed`, of a bend.
+        The `first` piece under a form begins on the level that was `passed`, as another bend of the
+        same argument may have it, too.
         """
-        found: tuple[N, int, int] | None = None
-        for event, which, way in ends:
+        found: tuple[N, int, int, _Level[N]] | None = None
+        for event, which, way, level in ends:
             error = self.numbers.exact(self.flight_error) * event.size
             curve = piece.curve(event.value)
             # Forces are the same on both sides of a node: a touch within an error that is not
             # proven changes them by as little.
-            touch_matters = self.flight_error == 0.0 or bends[which].blows
+            touch_matters = self.flight_error == 0.0 or form.bends[which].blows
             question = event.question if touch_matters else None
             # As at a launch: a piece may begin on the level that the one before ended on.
             time = first_fall(
                 curve, piece.length, error, question, self.numbers,
-                launch=first or self.flight_error > 0.0, on_surface=which == passed,
+                launch=first or self.flight_error > 0.0,
+                on_surface=passed is not None and level.same_as(passed),
             )  # fmt: skip
             if time is not None and (found is None or time < found[0]):
-                found = time, which, way
+                found = time, which, way, level
         return found
 
     def _smooth(
@@ -285,6 +287,31 @@ class PathEngine(Engine[N], ABC):
 
 # A flight passes a table's node twice, or a few times more if it loops.
 _MOST_BRANCHES = 1000
+
+
+@dataclass(frozen=True)
+class _Level(Generic[N]):
+    """A level, and the program of what passes it."""
+
+    passage: Program
+    value: N
+
+    def same_as(self, other: _Level[N]) -> bool:
+        """Tell whether it is the same level of the same: of a number with a radius, both parts."""
+        if self.passage.outputs != other.passage.outputs:
+            return False
+        numbers: Any = self.value, other.value
+        one, two = ((x.mid(), x.rad()) if hasattr(x, "mid") else x for x in numbers)
+        return bool(one == two)
+
+
+class _End(NamedTuple, Generic[N]):
+    """What ends a form of a law: an event, of which bend, which way it goes, past which level."""
+
+    event: Event[N]
+    which: int
+    way: int
+    level: _Level[N]
 
 
 def _negative(value: Callable[[Any], Any], state: Any) -> Any:
