@@ -62,6 +62,12 @@ def list_fields(
             lines += [f"{name} : {kind}", f"    {described}"]
 
 
+def link_to_copied_report(_app: Any, _page: str, source: list[str]) -> None:
+    """Let links to the report, which are those of the repository, lead to its copy."""
+    source[0] = source[0].replace("](../report/", "](report/")
+
+
 def setup(app: Any) -> None:
     """Let `list_fields` come before numpydoc, which reads what it adds."""
     app.connect("autodoc-process-docstring", list_fields, priority=400)
+    app.connect("source-read", link_to_copied_report)

@@ -33,8 +33,24 @@ def test_mistake_is_explained(binary, name):
     assert not grade.false_name
 
 
-def test_without_a_mistake_all_is_right(binary):
-    assert judge([str(binary)], "impact").passed
+BY_THE_PROGRAM_IN_C = [
+    *trial.PAPER,
+    "flight-spin-lift",
+    "flight-weather",
+    "impact-oblique",
+    "fence",
+]
+
+
+@pytest.mark.parametrize("family", BY_THE_PROGRAM_IN_C)
+def test_without_a_mistake_the_program_in_c_is_right_to_the_digits_of_doubles(binary, family):
+    assert judge([str(binary)], family).passed
+
+
+@pytest.mark.skipif(shutil.which("node") is None, reason="there is no Node")
+@pytest.mark.parametrize("family", trial.PAPER)
+def test_without_a_mistake_the_program_in_javascript_is_right_to_the_digits_of_doubles(family):
+    assert judge(["node", str(trial.HERE / "flight.js")], family).passed
 
 
 def test_all_rows_are_mistakes_of_their_program(binary):

@@ -271,7 +271,7 @@ def main():
 PAGE = """# Planted mistakes
 
 The judge is tried with simulators that are known to be wrong. Three independent programs, in C,
-JavaScript and Python (`tests/planted` in the repository), solve the equations of [](model.md) and
+JavaScript and Python (`tests/planted` in the repository), solve the equations of [the model](model.md) and
 pass as they are; on request each makes one or two mistakes that authors of simulators make.
 
 Each mistake is judged by the families of golden data in which it shows. A script,
@@ -279,13 +279,13 @@ Each mistake is judged by the families of golden data in which it shows. A scrip
 pattern of words that an explanation has to match. Some patterns were adjusted after verdicts had
 been read.
 
-The authors of the judge have seen both sets, so that the table does not tell how it does with a
-new mistake. This does, where nobody who had read the judge had a part in it; after each trial the
-judge was changed:
+The authors of the judge have seen both sets, so that this says little of how it does with a new
+mistake. In the trials of the next table, mistakes and programs came from authors who had not read the
+judge. After each trial the judge was changed:
 
 | trial | new mistakes | caught | false name | false reassurance |
 | --- | --- | --- | --- | --- |
-| a part of the first set and the second, together | 235 | 235 | 13, either of the two | |
+| a part of the first set, and the second | 235 | 235 | 13 of one kind or the other | |
 | a third program, in C++ | 135 | 130 | 6 | 8 |
 | a fourth program, in C++ | 119 | 114 | 12 | 10 |
 | the same program, other mistakes | 34 | 34 | 2 | 0 |
