@@ -271,8 +271,9 @@ def main():
 PAGE = """# Planted mistakes
 
 The judge is tried with simulators that are known to be wrong. Three independent programs, in C,
-JavaScript and Python (`tests/planted` in the repository), solve the equations of [the model](model.md) and
-pass as they are; on request each makes one or two mistakes that authors of simulators make.
+JavaScript and Python (`tests/planted` in the repository), solve the equations of
+[the model](model.md) and pass as they are; on request each makes one or two mistakes that authors
+of simulators make.
 
 Each mistake is judged by the families of golden data in which it shows. A script,
 `tests/planted/trial.py`, grades the verdict: by the stage at which the mistake acts, and by a
@@ -280,8 +281,8 @@ pattern of words that an explanation has to match. Some patterns were adjusted a
 been read.
 
 The authors of the judge have seen both sets, so that this says little of how it does with a new
-mistake. In the trials of the next table, mistakes and programs came from authors who had not read the
-judge. After each trial the judge was changed:
+mistake. In the trials of the next table, mistakes and programs came from authors who had not read
+the judge. After each trial the judge was changed:
 
 | trial | new mistakes | caught | false name | false reassurance |
 | --- | --- | --- | --- | --- |
