@@ -49,5 +49,6 @@ def solve(scene, h=1e-3):
     return {"id": scene["id"], "outcome": "landed", "landing": landing}
 
 
-for line in sys.stdin:
-    print(json.dumps(solve(json.loads(line))), flush=True)
+if __name__ == "__main__":
+    for line in sys.stdin:
+        print(json.dumps(solve(json.loads(line))), flush=True)

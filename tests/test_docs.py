@@ -154,5 +154,15 @@ def test_the_candidate_refuses_what_it_does_not_solve(scene: dict[str, object]):
     assert json.loads(answer.stdout).keys() == {"id", "error"}
 
 
+def test_the_tutorials_test_of_a_simulator_passes(tmp_path: Path):
+    (test,) = (x for x in fences(ROOT / "docs/tutorial-simulator.md", "python") if "pytest" in x)
+    (tmp_path / "my_simulator.py").write_bytes((ROOT / "docs/candidate.py").read_bytes())
+    (tmp_path / "test_it.py").write_text(test, encoding="utf-8")
+    command = [sys.executable, "-m", "pytest", "-q", "-k", "000", "test_it.py"]
+    ran = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert " passed" in ran.stdout, ran.stdout
+    assert ran.returncode == 0
+
+
 def test_there_is_something_to_try():
     assert sum(len(commands(page)) for page in PAGES) >= 5
