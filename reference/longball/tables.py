@@ -10,6 +10,8 @@ import csv
 import json
 import os
 import re
+import warnings
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from itertools import islice, product
@@ -21,10 +23,12 @@ from numpy.typing import NDArray
 from pydantic import BaseModel
 from pydantic_core import to_json
 
+from longball import engines
 from longball.api import Solution, as_engine, as_scene
 from longball.engines import chain
 from longball.engines.chain import BLOCKS, DISCRETE
 from longball.engines.engine import Engine, ManyAtOnce
+from longball.engines.parallel import checked
 from longball.extras import naming_extras
 from longball.model.quantities import flat, nested, replaced
 from longball.model.result import Result
@@ -94,9 +98,14 @@ def solve_many(
     Raises
     ------
     InvalidScene
-        If no row of the columns is a scene.
+        If no row of the columns is a scene, as when a column is missing.
     ValueError, TypeError
-        As in `solve`; or if the columns differ in length.
+        As in `solve`; or if the columns differ in length, or `workers` is no number of them.
+
+    Warns
+    -----
+    UserWarning
+        If several scenes have the same id.
 
     Examples
     --------
@@ -108,22 +117,38 @@ def solve_many(
     """
     flyer = as_engine(engine, options)
     solver: Engine[Any] | ManyAtOnce = flyer
-    if certify:
+    if engines.of_type(bool, "certify", certify):
         from longball.engines.certify import Certifying  # brings ball arithmetic
 
         solver = Certifying(flyer)
+    workers = checked(workers)
     if workers == -1:
         workers = os.cpu_count() or 1
     if isinstance(scenes, Mapping) or hasattr(scenes, "columns"):
         names = getattr(scenes, "columns", scenes)
         table = _solve_table({name: scenes[name] for name in names}, solver, workers)
+        _warn_of_repeated(table.get("id", ()))
         return table.set_axis(scenes.index) if hasattr(scenes, "columns") else table
     if isinstance(scenes, str | bytes | BaseModel):
         raise TypeError("solve_many takes a list of scenes or columns; lb.solve takes one scene")
-    return [
+    if hasattr(scenes, "to_frame") or not isinstance(scenes, Iterable):
+        raise TypeError(
+            "solve_many takes a list of scenes, or columns as a mapping or a DataFrame; "
+            f"not an object of type {type(scenes).__name__}"
+        )
+    solutions = [
         Solution(asked if isinstance(asked, BaseModel) else None, result, flyer)
         for asked, result in _asked_and_results(scenes, solver, workers)
     ]
+    _warn_of_repeated(solution.id for solution in solutions)
+    return solutions
+
+
+def _warn_of_repeated(ids: Iterable[object]) -> None:
+    repeated = [name for name, count in Counter(ids).items() if count > 1 and not _is_empty(name)]
+    if repeated:
+        told = f"{len(repeated)}, among them {repeated[0]!r}"
+        warnings.warn(f"ids that more than one scene has: {told}", stacklevel=3)
 
 
 def _asked_and_results(
@@ -166,7 +191,9 @@ def _solve_table(
     solved = [*_asked_and_results((_scene_of(row) for row in rows), solver, workers)]
     errors = [asked for asked, _ in solved if isinstance(asked, InvalidScene)]
     if errors and len(errors) == len(rows):
-        raise errors[0]
+        raise InvalidScene(
+            f"no row is a scene: {errors[0]}; the columns are {', '.join(map(str, columns))}"
+        )
     frame = results_table(result.data() for _, result in solved)
     unasked = [name for name in ("engine", "id") if name not in columns]
     return frame.drop(columns=unasked, errors="ignore")

@@ -502,6 +502,11 @@ def _explain_fault(fault: dict[str, Any], model: type[BaseModel]) -> str:
             return f"{where}: unknown key; the keys here are {', '.join(block.model_fields)}"
         case "missing":
             return f"{where}: is missing"
+        case "float_type" if fault["input"] is None and isinstance(location[-1], int):
+            return f"{where}: is missing, or null"  # in a vector, of which other numbers are given
+        case "too_long":
+            most, given = fault["ctx"]["max_length"], fault["ctx"]["actual_length"]
+            return f"{where}: takes {most} values at most, and has {given}"
         case "value_error":
             sentence = str(fault["ctx"]["error"])
             return f"{where}: {sentence}" if where else sentence
@@ -513,12 +518,17 @@ def _explain_fault(fault: dict[str, Any], model: type[BaseModel]) -> str:
             return f"{where}.law: {what}; the laws are {laws}"
         case "json_invalid":  # pydantic's parser is stricter than Python's
             return f"not JSON: {fault['ctx']['error']}"
-    sentence = fault["msg"].removeprefix("Input ").replace("should", "must")
+    sentence = in_our_words(fault["msg"])
     for limit in fault.get("ctx", {}).values():
         if isinstance(limit, float):
             unit = _UNITS.get(str(location[-1]), "")
             sentence = re.sub(r"\S+$", f"{limit:g}{unit}", sentence)  # 1e-30, not all its zeros
     return f"{where}: {sentence} (got {_short(fault['input'])})"
+
+
+def in_our_words(message: str) -> str:
+    """Return what pydantic says of a value as the end of a sentence about it."""
+    return re.sub("^(Value error, |Input )", "", message).replace("should", "must")
 
 
 # Of numbers that are likely to be in another unit if they are beyond their limits.
