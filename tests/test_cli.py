@@ -122,13 +122,24 @@ class TestSolve:
         [
             ("kind,gravity,gravity\npitch,9,9", "the column gravity is there twice"),
             ("kind,gravity\n\npitch,9,9", "line 3: 3 cells, and the head has 2"),
+            ("kind;gravity\npitch;9,8", "head has semicolons where commas must"),
+            ("kind\tgravity\npitch\t9.8", "head has tabs where commas must"),
+            ("kind,id\npitch,caf\xe9", "not UTF-8 text: byte 18 is 0xe9"),
         ],
     )
     def test_a_table_that_does_not_fit_its_head_is_refused(self, tmp_path, text, said):
         table = tmp_path / "scenes.csv"
-        table.write_text(text)
+        table.write_bytes(text.encode("latin-1"))
         with pytest.raises(ValueError, match=said):
             tables.scene_lines(table)
+
+    def test_spaces_around_names_mean_nothing(self, tmp_path: Path):
+        table = tmp_path / "scenes.csv"
+        table.write_text('kind, pitch.speed , air\npitch, 30, "{""density"": 1}"\n')
+        _, line = tables.scene_lines(table).split(b"\n")
+        assert json.loads(line) == {
+            "kind": "pitch", "pitch": {"speed": 30}, "air": {"density": 1},
+        }  # fmt: skip
 
     def test_a_table_that_makes_no_sense_is_a_wrong_call(self, tmp_path: Path):
         source = tmp_path / "scenes.csv"
@@ -285,6 +296,9 @@ def test_scenes_without_an_id_bear_the_number_of_their_line(tmp_path: Path):
     assert [scene.id for scene in read_scenes(str(file))] == ["2", "a", "5"]
     run = longball("judge", "--scenes", str(file), "--", sys.executable, "-m", "longball", "solve")
     assert run.returncode == 0, run.stdout
+    table = tmp_path / "scenes.csv"
+    table.write_text("kind,id\npitch,\npitch,a\n")
+    assert [scene.id for scene in read_scenes(str(table))] == ["2", "a"]
     file.write_bytes(b"\nnonsense")
     run = longball("converge", "--scenes", str(file), "--", "true", "{dt}")
     assert f"{file}, line 2: not JSON" in run.stderr.decode()

@@ -7,12 +7,13 @@ Columns bear the names of the numbers (`longball.model.quantities`): ``pitch.aim
 from __future__ import annotations
 
 import csv
+import io
 import json
 import os
 import re
 import warnings
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from itertools import islice, product
 from pathlib import Path
@@ -30,6 +31,7 @@ from longball.engines.chain import BLOCKS, DISCRETE
 from longball.engines.engine import Engine, ManyAtOnce
 from longball.engines.parallel import checked
 from longball.extras import naming_extras
+from longball.model.csv_files import not_utf8, other_separators
 from longball.model.quantities import flat, nested, replaced
 from longball.model.result import Result
 from longball.model.scene import AtBatScene, ImpactScene, InvalidScene, PitchScene, Scene
@@ -369,26 +371,37 @@ def scene_lines(path: Path) -> bytes:
 
 def _csv_rows(path: Path) -> Iterator[tuple[int, dict[str, Any]]]:
     """Yield the rows of a .csv that are not blank, each with the number of its first line."""
-    with open(path, encoding="utf-8-sig", newline="") as file:
-        reader = csv.reader(file)
-        begin, head = 1, None
-        try:
-            for cells in reader:
-                number, begin = begin, reader.line_num + 1
-                if not any(map(str.strip, cells)):
-                    continue
-                if head is None:
-                    head = cells
-                    for name in filter(None, head):
-                        if head.count(name) > 1:
-                            raise ValueError(f"the column {name} is there twice")
-                    continue
-                if any(cells[len(head) :]):
-                    told = f"{len(cells)} cells, and the head has {len(head)}"
-                    raise ValueError(f"line {number}: {told}")
-                yield number, {name: x for name, x in zip(head, cells, strict=False) if x}
-        except csv.Error as error:
-            raise ValueError(f"line {begin}: {error}") from None
+    try:
+        text = path.read_bytes().decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise ValueError(not_utf8(error)) from None
+    reader = csv.reader(io.StringIO(text, newline=""), skipinitialspace=True)
+    begin, head = 1, None
+    try:
+        for cells in reader:
+            number, begin = begin, reader.line_num + 1
+            if not any(map(str.strip, cells)):
+                continue
+            if head is None:
+                head = _head(cells)
+                continue
+            if any(cells[len(head) :]):
+                told = f"{len(cells)} cells, and the head has {len(head)}"
+                raise ValueError(f"line {number}: {told}")
+            yield number, {name: x for name, x in zip(head, cells, strict=False) if x}
+    except csv.Error as error:
+        raise ValueError(f"line {begin}: {error}") from None
+
+
+def _head(cells: Sequence[str]) -> list[str]:
+    """Return the names of columns as the first row has them."""
+    head = [name.strip() for name in cells]
+    for name in filter(None, head):
+        if head.count(name) > 1:
+            raise ValueError(f"the column {name} is there twice")
+    if hint := other_separators(head):
+        raise ValueError(f"not a table of scenes{hint}")
+    return head
 
 
 def write_table(path: Path, results: Iterable[bytes]) -> None:

@@ -15,13 +15,13 @@ from longball.cli.common import (
     Quiet,
     named,
     progress_bar,
-    reading_from,
     refusing,
     tell,
     to_file,
     to_picture,
     wrong_call,
 )
+from longball.cli.solve import scenes_from
 from longball.engines.chain import solve
 from longball.model.scene import Scene, parse_scene
 
@@ -34,7 +34,10 @@ def converge(
         typer.Argument(metavar="-- COMMAND …{dt}…", help="{dt} stands for the time step, s."),
     ],
     scenes: Annotated[
-        str | None, typer.Option(help="JSON Lines; by default golden flights and at-bats.")
+        str | None,
+        typer.Option(
+            help="Lines of JSON, .csv or .parquet; by default golden flights and at-bats."
+        ),
     ] = None,
     golden: Annotated[
         str | None,
@@ -103,12 +106,12 @@ def converge(
 
 
 def read_scenes(source: str) -> list[Scene]:
-    """Return the scenes of a file in JSON Lines; an invalid line is a wrong call.
+    """Return the scenes of a file; an invalid line is a wrong call.
 
     A scene without an id bears the number of its line.
     """
     found = []
-    with reading_from(source) as lines:
+    with scenes_from(source) as lines:
         for number, line in enumerate(lines, 1):
             if line.strip():
                 with refusing(f"{named(source)}, line {number}: "):

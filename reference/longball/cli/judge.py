@@ -46,7 +46,10 @@ def judge(
     ] = None,
     scenes: Annotated[
         str | None,
-        typer.Option(help="Judge by the scenes of this file (JSON Lines), which are solved first."),
+        typer.Option(
+            help="Judge by the scenes of this file, lines of JSON, .csv or .parquet, which are "
+            "solved first."
+        ),
     ] = None,
     random: Annotated[
         int | None,

@@ -21,6 +21,7 @@ from longball.model.air import WindProfile
 from longball.model.block import SMALLEST, NotNegative, Point, Positive, Quantity
 from longball.model.block import Block as _Block
 from longball.model.block import refuse as _refuse
+from longball.model.csv_files import not_utf8
 from longball.model.force import cross, plus, scaled
 from longball.model.jsonl import LONGEST_LINE, json_line
 from longball.model.readings import Reading
@@ -457,9 +458,7 @@ def _text(line: str | bytes) -> str:
     try:
         return line.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise InvalidScene(
-            f"not UTF-8 text: byte {error.start + 1} is 0x{line[error.start]:02x}"
-        ) from None
+        raise InvalidScene(not_utf8(error)) from None
 
 
 def _json(text: str) -> Any:
