@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -192,7 +193,10 @@ class TestSolve:
     @pytest.mark.parametrize(
         ("arguments", "named"),
         [
-            (["solve", "--engine", "verne"], "verne"),
+            (["solve", "--engine", "verne"], "'--engine': 'verne' is not one of"),
+            (["measured", "--example", "--kind", "bat"], "'--kind': 'bat' is not one of"),
+            (["solve", "--points", "1"], "'--points': must be greater than or equal to 2"),
+            (["homerun", "--fence", __file__], "neither a radius in m nor a file with the block"),
             (["solve", "--integrator", "Euler"], "Euler"),
             (["solve", "--rtol", "1e-20"], "rtol"),
             (["converge", "--expected", "nan", "--", "true", "{dt}"], "'--expected': nan is not"),
@@ -287,7 +291,28 @@ class TestSolve:
             process.stdin.write(FLIGHT + b"\n")
             process.stdin.close()
             assert process.stderr.read() == b""
-            assert process.wait(timeout=30) == 1
+            assert process.wait(timeout=30) == 0
+
+    @pytest.mark.parametrize(
+        ("arguments", "status"),
+        [
+            (["--help"], 0),
+            (["golden", "list", "--json"], 0),
+            (["judge", "--golden", "flight-weightless", "--results", os.devnull], 1),
+        ],
+    )
+    def test_a_reader_that_has_left_changes_no_status(self, arguments: list[str], status: int):
+        reader, writer = os.pipe()
+        os.close(reader)
+        run = subprocess.run(
+            [sys.executable, "-m", "longball", *arguments],
+            stdout=writer,
+            stderr=subprocess.PIPE,
+            check=False,
+        )
+        os.close(writer)
+        assert run.returncode == status
+        assert b"Broken" not in run.stderr
 
 
 def test_scenes_without_an_id_bear_the_number_of_their_line(tmp_path: Path):
@@ -311,6 +336,7 @@ class TestPlot:
             run = longball("plot", "-o", str(picture), stdin=AT_BAT + b"\n" + FLIGHT)
             assert run.returncode == 0
             assert run.stdout == b""
+            assert run.stderr.decode() == f"longball: the picture is in {picture}\n"
         assert b"<svg" in pictures[0].read_bytes()
         assert pictures[1].read_bytes().startswith(b"\x89PNG")
 

@@ -13,6 +13,7 @@ from longball.cli.common import (
     Expected,
     Json,
     Quiet,
+    failing_unless,
     named,
     progress_bar,
     refusing,
@@ -96,13 +97,12 @@ def converge(
         report, issues = sweep.run(command, asked, proven, Limits(timeout))
     for issue in issues[:20]:
         tell(str(issue))
-    print(report.model_dump_json(indent=2) if as_json else report.text().rstrip())
     if csv:
         csv.write_text(report.csv(), encoding="utf-8")
     if figure:
         save_convergence(figure, report)
-    if not report.passed:
-        raise typer.Exit(1)
+    with failing_unless(report.passed):
+        print(report.model_dump_json(indent=2) if as_json else report.text().rstrip())
 
 
 def read_scenes(source: str) -> list[Scene]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -14,6 +15,7 @@ from longball.cli.common import (
     Json,
     Quiet,
     Seed,
+    failing_unless,
     progress_bar,
     refusing,
     split_assignment,
@@ -140,6 +142,8 @@ def judge(
         wrong_call("--column names the columns of --results FILE.csv")
     if sum(map(bool, (golden, scenes, random))) > 1:
         wrong_call("either --golden, --scenes or --random, not two of them")
+    if html:
+        import_module("matplotlib")  # it draws the page's pictures
     # The judge brings compiled code with it, and --help does not need it.
     from longball.judge import junit as xml
     from longball.judge import page
@@ -176,13 +180,12 @@ def judge(
         else:
             assert drawn
             found = judge.evaluate_samples(drawn)
-    print(found.verdict.line() if as_json else render(found.verdict).rstrip())
     if junit:
         junit.write_text(xml.junit(found), encoding="utf-8")
     if html:
         html.write_text(page.page(found), encoding="utf-8")
-    if not found.verdict.passed:
-        raise typer.Exit(1)
+    with failing_unless(found.verdict.passed):
+        print(found.verdict.line() if as_json else render(found.verdict).rstrip())
 
 
 def cases_of(
