@@ -123,6 +123,8 @@ class TestSolve:
         [
             ("kind,gravity,gravity\npitch,9,9", "the column gravity is there twice"),
             ("kind,gravity\n\npitch,9,9", "line 3: 3 cells, and the head has 2"),
+            ("kind,gravity,\npitch,9,8", "line 2: '8' is in a column without a name"),
+            ("kind,pitch.aim[99999999999]\npitch,9", "no list has so many places"),
             ("kind;gravity\npitch;9,8", "head has semicolons where commas must"),
             ("kind\tgravity\npitch\t9.8", "head has tabs where commas must"),
             ("kind,id\npitch,caf\xe9", "not UTF-8 text: byte 18 is 0xe9"),
@@ -133,6 +135,12 @@ class TestSolve:
         table.write_bytes(text.encode("latin-1"))
         with pytest.raises(ValueError, match=said):
             tables.scene_lines(table)
+
+    def test_an_ending_in_capitals_is_one(self, tmp_path: Path):
+        source, output = tmp_path / "SCENES.CSV", tmp_path / "RESULTS.CSV"
+        source.write_text("kind\npitch\n")
+        assert longball("solve", str(source), "-o", str(output)).returncode == 0
+        assert pd.read_csv(output).outcome.tolist() == ["crossed"]
 
     def test_spaces_around_names_mean_nothing(self, tmp_path: Path):
         table = tmp_path / "scenes.csv"
@@ -196,6 +204,9 @@ class TestSolve:
             (["solve", "--engine", "verne"], "'--engine': 'verne' is not one of"),
             (["measured", "--example", "--kind", "bat"], "'--kind': 'bat' is not one of"),
             (["solve", "--points", "1"], "'--points': must be greater than or equal to 2"),
+            (["solve", "--points", "1000000001"], "'--points': must be less than or equal to"),
+            (["converge", "--scenes", "-", "--golden", "pitch", "--", "{dt}"], "not both"),
+            (["judge", "--results", "r.csv", "--as-csv"], "--as-csv says what a COMMAND reads"),
             (["homerun", "--fence", __file__], "neither a radius in m nor a file with the block"),
             (["solve", "--integrator", "Euler"], "Euler"),
             (["solve", "--rtol", "1e-20"], "rtol"),

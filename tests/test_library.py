@@ -98,7 +98,7 @@ class TestScenes:
             lb.AtBat(pitch={"aim": [1]})
         with pytest.raises(lb.InvalidScene, match="'pitch' here"):
             lb.Pitch(kind="flight")
-        with pytest.raises(lb.InvalidScene, match=r"velocity: takes 3 values at most, and has 4"):
+        with pytest.raises(lb.InvalidScene, match=r"velocity: takes at most 3 values, and has 4"):
             lb.Flight(launch={"position": [0, 0, 1], "velocity": [1, 2, 3, 4]})
         with pytest.raises(TypeError, match="AtBat takes the keys of a scene as keywords"):
             lb.AtBat({"kind": "at-bat"})

@@ -358,7 +358,7 @@ def scene_lines(path: Path) -> bytes:
         If the file is no table, or a column has no name of a scene.
     """
     rows: Iterable[tuple[int, Mapping[Any, Any]]] = _csv_rows(path)
-    if path.suffix == ".parquet":
+    if path.suffix.lower() == ".parquet":
         import pandas as pd
 
         rows = enumerate(pd.read_parquet(path).to_dict("records"), 1)
@@ -388,6 +388,8 @@ def _csv_rows(path: Path) -> Iterator[tuple[int, dict[str, Any]]]:
             if any(cells[len(head) :]):
                 told = f"{len(cells)} cells, and the head has {len(head)}"
                 raise ValueError(f"line {number}: {told}")
+            if unnamed := [x for name, x in zip(head, cells, strict=False) if x and not name]:
+                raise ValueError(f"line {number}: {unnamed[0]!r} is in a column without a name")
             yield number, {name: x for name, x in zip(head, cells, strict=False) if x}
     except csv.Error as error:
         raise ValueError(f"line {begin}: {error}") from None
@@ -407,7 +409,7 @@ def _head(cells: Sequence[str]) -> list[str]:
 def write_table(path: Path, results: Iterable[bytes]) -> None:
     """Write results, as lines of JSON, as a table."""
     frame = results_table(map(json.loads, results))
-    if path.suffix == ".parquet":
+    if path.suffix.lower() == ".parquet":
         frame.to_parquet(path)
     else:
         frame.to_csv(path, index=False)

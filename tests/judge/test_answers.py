@@ -135,6 +135,8 @@ def test_a_broken_table_keeps_what_came_before(tmp_path: Path):
 def test_columns_are_for_tables(tmp_path: Path):
     with pytest.raises(BadTable, match="CSV"):
         read_results(written(tmp_path, "r.jsonl", ""), ASKED, {"x": "id"})
+    with pytest.raises(BadTable, match="results are read from"):
+        read_results(written(tmp_path, "r.parquet", "PAR1"), ASKED)
 
 
 def test_every_quantity_has_a_column():

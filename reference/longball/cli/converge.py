@@ -84,6 +84,8 @@ def converge(
 
     if not (knob or takes_step(command)):
         wrong_call(f"the COMMAND must contain {PLACE}, where its time step goes")
+    if scenes and golden:
+        wrong_call("either --scenes or --golden, not both")
     asked = read_scenes(scenes) if scenes else golden_scenes(golden)
     proven = None
     if truth:

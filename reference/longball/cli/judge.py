@@ -138,6 +138,10 @@ def judge(
         wrong_call("either --results FILE or -- COMMAND, not both")
     if not (command or results or samples):
         wrong_call("-- COMMAND, --results FILE or --samples FILE is needed")
+    if table and not command:
+        wrong_call(
+            "--as-csv says what a COMMAND reads and writes; --results takes FILE.csv by itself"
+        )
     if column and not results:
         wrong_call("--column names the columns of --results FILE.csv")
     if sum(map(bool, (golden, scenes, random))) > 1:

@@ -397,6 +397,8 @@ def read_results(
         if path.suffix.lower() == ".csv":
             _read_csv(file, collector, columns or {})
         else:
+            if path.suffix.lower() == ".parquet":
+                raise BadTable(f"{path}: results are read from .jsonl or .csv, not from .parquet")
             if columns:
                 raise BadTable("columns are named for a CSV file only; this is read as JSON Lines")
             for number, line in enumerate(_lines(file, collector), 1):

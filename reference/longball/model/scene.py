@@ -505,7 +505,12 @@ def _explain_fault(fault: dict[str, Any], model: type[BaseModel]) -> str:
             return f"{where}: is missing, or null"  # in a vector, of which other numbers are given
         case "too_long":
             most, given = fault["ctx"]["max_length"], fault["ctx"]["actual_length"]
-            return f"{where}: takes {most} values at most, and has {given}"
+            return f"{where}: takes at most {most} values, and has {given}"
+        case "too_short":
+            least, given = fault["ctx"]["min_length"], fault["ctx"]["actual_length"]
+            return f"{where}: takes at least {least} values, and has {given}"
+        case "tuple_type" | "list_type":
+            return f"{where}: must be a list (got {_short(fault['input'])})"
         case "value_error":
             sentence = str(fault["ctx"]["error"])
             return f"{where}: {sentence}" if where else sentence
@@ -527,7 +532,7 @@ def _explain_fault(fault: dict[str, Any], model: type[BaseModel]) -> str:
 
 def in_our_words(message: str) -> str:
     """Return what pydantic says of a value as the end of a sentence about it."""
-    return re.sub("^(Value error, |Input )", "", message).replace("should", "must")
+    return re.sub("^(Value error, |(Input|String) )", "", message).replace("should", "must")
 
 
 # Of numbers that are likely to be in another unit if they are beyond their limits.
