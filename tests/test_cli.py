@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -122,13 +123,32 @@ class TestSolve:
         [
             ("kind,gravity,gravity\npitch,9,9", "the column gravity is there twice"),
             ("kind,gravity\n\npitch,9,9", "line 3: 3 cells, and the head has 2"),
+            ("kind,gravity,\npitch,9,8", "line 2: '8' is in a column without a name"),
+            ("kind,pitch.aim[99999999999]\npitch,9", "no list has so many places"),
+            ("kind;gravity\npitch;9,8", "head has semicolons where commas must"),
+            ("kind\tgravity\npitch\t9.8", "head has tabs where commas must"),
+            ("kind,id\npitch,\xe9", "not UTF-8 text: byte 15 is 0xe9"),
         ],
     )
     def test_a_table_that_does_not_fit_its_head_is_refused(self, tmp_path, text, said):
         table = tmp_path / "scenes.csv"
-        table.write_text(text)
+        table.write_bytes(text.encode("latin-1"))
         with pytest.raises(ValueError, match=said):
             tables.scene_lines(table)
+
+    def test_an_ending_in_capitals_is_one(self, tmp_path: Path):
+        source, output = tmp_path / "SCENES.CSV", tmp_path / "RESULTS.CSV"
+        source.write_text("kind\npitch\n")
+        assert longball("solve", str(source), "-o", str(output)).returncode == 0
+        assert pd.read_csv(output).outcome.tolist() == ["crossed"]
+
+    def test_spaces_around_names_mean_nothing(self, tmp_path: Path):
+        table = tmp_path / "scenes.csv"
+        table.write_text('kind, pitch.speed , air\npitch, 30, "{""density"": 1}"\n')
+        _, line = tables.scene_lines(table).split(b"\n")
+        assert json.loads(line) == {
+            "kind": "pitch", "pitch": {"speed": 30}, "air": {"density": 1},
+        }  # fmt: skip
 
     def test_a_table_that_makes_no_sense_is_a_wrong_call(self, tmp_path: Path):
         source = tmp_path / "scenes.csv"
@@ -181,7 +201,13 @@ class TestSolve:
     @pytest.mark.parametrize(
         ("arguments", "named"),
         [
-            (["solve", "--engine", "verne"], "verne"),
+            (["solve", "--engine", "verne"], "'--engine': 'verne' is not one of"),
+            (["measured", "--example", "--kind", "bat"], "'--kind': 'bat' is not one of"),
+            (["solve", "--points", "1"], "'--points': must be greater than or equal to 2"),
+            (["solve", "--points", "1000000001"], "'--points': must be less than or equal to"),
+            (["converge", "--scenes", "-", "--golden", "pitch", "--", "{dt}"], "not both"),
+            (["judge", "--results", "r.csv", "--as-csv"], "--as-csv says what a COMMAND reads"),
+            (["homerun", "--fence", __file__], "neither a radius in m nor a file with the block"),
             (["solve", "--integrator", "Euler"], "Euler"),
             (["solve", "--rtol", "1e-20"], "rtol"),
             (["converge", "--expected", "nan", "--", "true", "{dt}"], "'--expected': nan is not"),
@@ -276,7 +302,28 @@ class TestSolve:
             process.stdin.write(FLIGHT + b"\n")
             process.stdin.close()
             assert process.stderr.read() == b""
-            assert process.wait(timeout=30) == 1
+            assert process.wait(timeout=30) == 0
+
+    @pytest.mark.parametrize(
+        ("arguments", "status"),
+        [
+            (["--help"], 0),
+            (["golden", "list", "--json"], 0),
+            (["judge", "--golden", "flight-weightless", "--results", os.devnull], 1),
+        ],
+    )
+    def test_a_reader_that_has_left_changes_no_status(self, arguments: list[str], status: int):
+        reader, writer = os.pipe()
+        os.close(reader)
+        run = subprocess.run(
+            [sys.executable, "-m", "longball", *arguments],
+            stdout=writer,
+            stderr=subprocess.PIPE,
+            check=False,
+        )
+        os.close(writer)
+        assert run.returncode == status
+        assert b"Broken" not in run.stderr
 
 
 def test_scenes_without_an_id_bear_the_number_of_their_line(tmp_path: Path):
@@ -285,6 +332,9 @@ def test_scenes_without_an_id_bear_the_number_of_their_line(tmp_path: Path):
     assert [scene.id for scene in read_scenes(str(file))] == ["2", "a", "5"]
     run = longball("judge", "--scenes", str(file), "--", sys.executable, "-m", "longball", "solve")
     assert run.returncode == 0, run.stdout
+    table = tmp_path / "scenes.csv"
+    table.write_text("kind,id\npitch,\npitch,a\n")
+    assert [scene.id for scene in read_scenes(str(table))] == ["2", "a"]
     file.write_bytes(b"\nnonsense")
     run = longball("converge", "--scenes", str(file), "--", "true", "{dt}")
     assert f"{file}, line 2: not JSON" in run.stderr.decode()
@@ -297,6 +347,7 @@ class TestPlot:
             run = longball("plot", "-o", str(picture), stdin=AT_BAT + b"\n" + FLIGHT)
             assert run.returncode == 0
             assert run.stdout == b""
+            assert run.stderr.decode() == f"longball: the picture is in {picture}\n"
         assert b"<svg" in pictures[0].read_bytes()
         assert pictures[1].read_bytes().startswith(b"\x89PNG")
 

@@ -111,6 +111,11 @@ def test_the_library():
         ("tables", ["solve", "-o", "x.csv"]),
         ("tables", ["solve", "-o", "x.parquet"]),
         ("plot", ["homerun", "--samples", "5", "--figure", "x.png"]),
+        ("fast", ["golden", "check", "--workers", "2"]),
+        ("fast", ["measured", "--example"]),
+        ("tables", ["measured", "--example", "--engine", "ivp"]),
+        ("plot", ["plot"]),
+        ("plot", ["judge", "--html", "x.html", "--", "true"]),
         ("dask", ["solve", "--scheduler", "tcp://127.0.0.1:1"]),
     ],
 )  # fmt: skip
@@ -123,6 +128,7 @@ def test_what_is_missing_is_named(extra: str, arguments: list[str], tmp_path: Pa
     assert run.returncode == 2, run.stderr
     assert f'pip install "longball[{extra}]"' in run.stderr
     assert len(run.stderr.splitlines()) == 1
+    assert "llvmlite" not in run.stderr  # which numba brings
 
 
 def test_samples_are_struck_by_an_engine_that_needs_none():

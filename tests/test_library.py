@@ -6,6 +6,7 @@ import copy
 import doctest
 import json
 import pickle
+import re
 import subprocess
 import sys
 from decimal import Decimal
@@ -16,7 +17,7 @@ import pytest
 
 import longball as lb
 from longball import api, engines, tables
-from longball.model.quantities import numbers
+from longball.model.quantities import flat, numbers
 from tests.engines.test_lines import ERRORS
 
 AT_BAT = {
@@ -97,6 +98,10 @@ class TestScenes:
             lb.AtBat(pitch={"aim": [1]})
         with pytest.raises(lb.InvalidScene, match="'pitch' here"):
             lb.Pitch(kind="flight")
+        with pytest.raises(lb.InvalidScene, match=r"velocity: takes at most 3 values, and has 4"):
+            lb.Flight(launch={"position": [0, 0, 1], "velocity": [1, 2, 3, 4]})
+        with pytest.raises(TypeError, match="AtBat takes the keys of a scene as keywords"):
+            lb.AtBat({"kind": "at-bat"})
 
 
 class TestSolve:
@@ -336,6 +341,27 @@ class TestSolveMany:
         with pytest.raises(ValueError, match=named):
             lb.solve_many(columns)
 
+    @pytest.mark.parametrize("missing", ["kind", "launch.velocity[1]", "launch.position[0]"])
+    def test_a_column_that_is_missing_is_named(self, missing: str):
+        columns = {"kind": "flight", "launch": {"position": [0, 0, 1], "velocity": [30, 0, 25]}}
+        table = {**dict(flat(columns)), "gravity": [9.8, 9.9]}
+        del table[missing]
+        named = re.escape(f"no row is a scene: {missing}: is missing")
+        with pytest.raises(lb.InvalidScene, match=f"{named}.*the columns are"):
+            lb.solve_many(table)
+
+    @pytest.mark.parametrize("other", [None, 3, pd.Series([3.0]), pd.Series(["a"], ["kind"])])
+    def test_what_is_neither_scenes_nor_columns_is_refused(self, other):
+        with pytest.raises(TypeError, match=f"not an object of type {type(other).__name__}"):
+            lb.solve_many(other)
+
+    @pytest.mark.parametrize(
+        "scenes", [[{"kind": "at-bat", "id": "a"}] * 2, {"kind": ["pitch"] * 2, "id": ["a"] * 2}]
+    )
+    def test_ids_that_are_there_twice_are_told(self, scenes):
+        with pytest.warns(UserWarning, match="ids that more than one scene has: 1, among them 'a'"):
+            assert len(lb.solve_many(scenes)) == 2
+
     def test_impacts_are_validated_one_by_one(self):
         # Both ends of the range touch the bat, from either side; the middle is inside it.
         table = lb.solve_many(
@@ -349,6 +375,29 @@ class TestSolveMany:
         )
         assert table.outcome[0] == "struck"
         assert "inside the bat" in table.error[1]
+
+
+@pytest.mark.parametrize(
+    ("call", "said"),
+    [
+        (lambda: lb.solve(lb.Pitch(), certify="yes"), "certify = 'yes' is not True or False"),
+        (lambda: lb.solve_many([], certify=1), "certify = 1 is not True or False"),
+        (lambda: lb.solve_many([], workers="a"), "workers = 'a' is not a whole number"),
+        (lambda: lb.solve_many([], workers=0), "workers = 0: a positive number, or -1"),
+        (lambda: lb.home_run_probability(0.4, workers=2.5), "workers = 2.5 is not a whole"),
+        (lambda: lb.home_run_probability(0.4, samples=0), "samples = 0 is less than 1"),
+        (lambda: lb.home_run_probability(0.4, seed=-1), "seed = -1 is less than 0"),
+        (lambda: lb.home_run_probability([]), r"e = \[\]: one coefficient of restitution or more"),
+        (lambda: lb.home_run_probability("a"), "e = a: one coefficient"),
+        (lambda: lb.home_run_probability(0.4, reading="a"), "reading: a mapping from switches"),
+        (lambda: lb.solve(lb.Pitch()).path.sample(0), "points = 0 is less than 2"),
+        (lambda: lb.solve(lb.Pitch()).path.sample(2.5), "points = 2.5 is not a whole number"),
+        (lambda: lb.golden.load("pitch")[0].attainable("foo"), "foo is not the name of a number"),
+    ],
+)
+def test_odd_arguments_are_refused_in_a_sentence(call, said: str):
+    with pytest.raises((TypeError, ValueError, KeyError), match=said):
+        call()
 
 
 def test_probability_of_a_home_run():

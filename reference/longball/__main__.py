@@ -75,17 +75,21 @@ def main() -> None:
     for number in heard:
         signal.signal(number, stop)
     try:
-        with naming_extras():
-            app()
+        try:
+            with naming_extras():
+                app()
+        finally:
+            sys.stdout.flush()
     except BaseException as error:
         # After a signal it may be another one: workers that have been stopped are missed.
         if stopped_by:
             tell(STOPPED[signal.Signals(stopped_by[0])])
             sys.exit(128 + stopped_by[0])
-        if isinstance(error, BrokenPipeError):
-            # The reader of our output has left. Python would raise again when it flushes.
+        if BrokenPipeError in (type(error), type(error.__context__)):
+            # The reader of our output has left. Python would raise again when it flushes. The
+            # status is what the command has found, if it came to an end.
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-            sys.exit(1)
+            sys.exit(getattr(error.__context__, "code", 0))
         if not isinstance(error, Exception):
             raise
         tell(_sentence(error))

@@ -53,7 +53,12 @@ Array = NDArray[np.float64]
 class _Written:
     """A scene as a caller writes it: blocks are mappings, vectors any sequence or array."""
 
-    def __init__(self, **blocks: Any) -> None:
+    def __init__(self, *written: object, **blocks: Any) -> None:
+        if written:
+            raise TypeError(
+                f"{type(self).__name__} takes the keys of a scene as keywords, such as "
+                "gravity=9.81; a mapping or a line of JSON goes to lb.solve as it is"
+            )
         kind = type(self).model_fields["kind"].default  # type: ignore[attr-defined]
         if blocks.setdefault("kind", kind) != kind:
             raise InvalidScene(f"kind: must be {kind!r} here, and is {blocks['kind']!r}")
@@ -197,16 +202,22 @@ class Path:
         Parameters
         ----------
         points
-            How many: the first at the start, the last at the end.
+            How many, 2 at least: the first at the start, the last at the end.
 
         Returns
         -------
         pandas.DataFrame
             With columns ``t`` (s), ``x``, ``y``, ``z`` (m), ``vx``, ``vy``, ``vz`` (m/s).
+
+        Raises
+        ------
+        TypeError, ValueError
+            If `points` is not such a number.
         """
         import pandas as pd
 
-        time, position, velocity = self.at(np.linspace(self.start, self.end, points))
+        count = engines.whole_number("points", points, 2)
+        time, position, velocity = self.at(np.linspace(self.start, self.end, count))
         table = np.column_stack([time, position, velocity])
         return pd.DataFrame(table, columns=["t", "x", "y", "z", "vx", "vy", "vz"])
 
@@ -357,7 +368,7 @@ def solve(
     ValueError
         If there is no such engine, or it does not take an option.
     TypeError
-        If `scene`, `engine` or an option is of another type.
+        If `scene`, `engine`, `certify` or an option is of another type.
 
     Examples
     --------
@@ -370,6 +381,7 @@ def solve(
     array([25.243,  0.   , 20.103])
     """
     asked, solver = as_scene(scene), as_engine(engine, options)
+    certify = engines.of_type(bool, "certify", certify)
     result, trajectory = chain.solve_with_path(asked, solver)
     if result.error is not None:
         raise error_of(result)
@@ -431,7 +443,7 @@ def home_run_probability(
     method
         ``"quadrature"`` integrates over the distributions; ``"monte-carlo"`` counts samples.
     samples, seed
-        Of Monte Carlo: at-bats drawn, and where they come from.
+        Of Monte Carlo: at-bats drawn, and where they come from. Quadrature draws none.
     reading
         Switches of the ledger (``longball readings``), of the scene and of the sampling.
     scene
@@ -449,8 +461,11 @@ def home_run_probability(
     Raises
     ------
     ValueError
-        If an e is not between 0 and 1, a reading or the method is unknown, or `scene` is no at-bat,
-        or sets what is drawn at random.
+        If an e is not between 0 and 1 or there is none, a reading or the method is unknown, or
+        `scene` is no at-bat, or sets what is drawn at random; or if `samples`, `seed` or `workers`
+        is too small.
+    TypeError
+        If one of these three is not a whole number, or `reading` no mapping.
 
     Examples
     --------
@@ -462,9 +477,9 @@ def home_run_probability(
 
     from longball import home_run
 
-    restitutions = np.atleast_1d(np.asarray(e, float)).tolist()
-    if not restitutions or not all(0 <= x <= 1 for x in restitutions):
-        raise ValueError(f"e = {e}: coefficients of restitution lie between 0 and 1")
+    restitutions = _restitutions(e)
+    samples = engines.whole_number("samples", samples, 1)
+    seed = engines.whole_number("seed", seed, 0)
     physics, sampling = _readings(reading or {})
     base = as_scene({"kind": "at-bat"} if scene is None else scene)
     if not isinstance(base, AtBatScene):
@@ -488,8 +503,23 @@ def home_run_probability(
     return pd.DataFrame([home_run.columns(row) for row in rows])
 
 
+def _restitutions(e: object) -> list[float]:
+    try:
+        values = np.atleast_1d(np.asarray(e, float))
+    except (TypeError, ValueError):
+        values = np.empty(0)
+    if values.ndim != 1 or not values.size or not ((values >= 0) & (values <= 1)).all():
+        raise ValueError(
+            f"e = {e}: one coefficient of restitution or more is needed, each from 0 to 1"
+        )
+    found: list[float] = values.tolist()
+    return found
+
+
 def _readings(switches: Mapping[str, object]) -> tuple[Reading, SamplingReading]:
     """Return the readings of scene and sampling; what is wrong with them is one sentence."""
+    if not isinstance(switches, Mapping):
+        raise TypeError(f"reading: a mapping from switches is needed; not {_of_type(switches)}")
     known = (*Reading.model_fields, *SamplingReading.model_fields)
     for name in switches:
         if name not in known:

@@ -17,6 +17,9 @@ EXTRAS = {
 }
 
 
+_BROUGHT_BY = {"llvmlite": "numba"}
+
+
 class MissingExtra(ImportError):
     """A library is not installed; the message says how to install it."""
 
@@ -36,6 +39,7 @@ def naming_extras() -> Iterator[None]:
         library = (error.name or "").partition(".")[0]
         if library not in EXTRAS:
             raise
+        needed, extra = _BROUGHT_BY.get(library, library), EXTRAS[library]
         raise MissingExtra(
-            f'this needs {library}: pip install "longball[{EXTRAS[library]}]"', name=library
+            f'this needs {needed}: pip install "longball[{extra}]"', name=library
         ) from None

@@ -7,10 +7,13 @@ Columns bear the names of the numbers (`longball.model.quantities`): ``pitch.aim
 from __future__ import annotations
 
 import csv
+import io
 import json
 import os
 import re
-from collections.abc import Iterable, Iterator, Mapping
+import warnings
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from itertools import islice, product
 from pathlib import Path
@@ -21,11 +24,14 @@ from numpy.typing import NDArray
 from pydantic import BaseModel
 from pydantic_core import to_json
 
+from longball import engines
 from longball.api import Solution, as_engine, as_scene
 from longball.engines import chain
 from longball.engines.chain import BLOCKS, DISCRETE
 from longball.engines.engine import Engine, ManyAtOnce
+from longball.engines.parallel import checked
 from longball.extras import naming_extras
+from longball.model.csv_files import not_utf8, other_separators
 from longball.model.quantities import flat, nested, replaced
 from longball.model.result import Result
 from longball.model.scene import AtBatScene, ImpactScene, InvalidScene, PitchScene, Scene
@@ -94,9 +100,14 @@ def solve_many(
     Raises
     ------
     InvalidScene
-        If no row of the columns is a scene.
+        If no row of the columns is a scene, as when a column is missing.
     ValueError, TypeError
-        As in `solve`; or if the columns differ in length.
+        As in `solve`; or if the columns differ in length, or `workers` is no number of them.
+
+    Warns
+    -----
+    UserWarning
+        If several scenes have the same id.
 
     Examples
     --------
@@ -108,22 +119,38 @@ def solve_many(
     """
     flyer = as_engine(engine, options)
     solver: Engine[Any] | ManyAtOnce = flyer
-    if certify:
+    if engines.of_type(bool, "certify", certify):
         from longball.engines.certify import Certifying  # brings ball arithmetic
 
         solver = Certifying(flyer)
+    workers = checked(workers)
     if workers == -1:
         workers = os.cpu_count() or 1
     if isinstance(scenes, Mapping) or hasattr(scenes, "columns"):
         names = getattr(scenes, "columns", scenes)
         table = _solve_table({name: scenes[name] for name in names}, solver, workers)
+        _warn_of_repeated(table.get("id", ()))
         return table.set_axis(scenes.index) if hasattr(scenes, "columns") else table
     if isinstance(scenes, str | bytes | BaseModel):
         raise TypeError("solve_many takes a list of scenes or columns; lb.solve takes one scene")
-    return [
+    if hasattr(scenes, "to_frame") or not isinstance(scenes, Iterable):
+        raise TypeError(
+            "solve_many takes a list of scenes, or columns as a mapping or a DataFrame; "
+            f"not an object of type {type(scenes).__name__}"
+        )
+    solutions = [
         Solution(asked if isinstance(asked, BaseModel) else None, result, flyer)
         for asked, result in _asked_and_results(scenes, solver, workers)
     ]
+    _warn_of_repeated(solution.id for solution in solutions)
+    return solutions
+
+
+def _warn_of_repeated(ids: Iterable[object]) -> None:
+    repeated = [name for name, count in Counter(ids).items() if count > 1 and not _is_empty(name)]
+    if repeated:
+        told = f"{len(repeated)}, among them {repeated[0]!r}"
+        warnings.warn(f"ids that more than one scene has: {told}", stacklevel=3)
 
 
 def _asked_and_results(
@@ -166,7 +193,9 @@ def _solve_table(
     solved = [*_asked_and_results((_scene_of(row) for row in rows), solver, workers)]
     errors = [asked for asked, _ in solved if isinstance(asked, InvalidScene)]
     if errors and len(errors) == len(rows):
-        raise errors[0]
+        raise InvalidScene(
+            f"no row is a scene: {errors[0]}; the columns are {', '.join(map(str, columns))}"
+        )
     frame = results_table(result.data() for _, result in solved)
     unasked = [name for name in ("engine", "id") if name not in columns]
     return frame.drop(columns=unasked, errors="ignore")
@@ -329,7 +358,7 @@ def scene_lines(path: Path) -> bytes:
         If the file is no table, or a column has no name of a scene.
     """
     rows: Iterable[tuple[int, Mapping[Any, Any]]] = _csv_rows(path)
-    if path.suffix == ".parquet":
+    if path.suffix.lower() == ".parquet":
         import pandas as pd
 
         rows = enumerate(pd.read_parquet(path).to_dict("records"), 1)
@@ -342,32 +371,45 @@ def scene_lines(path: Path) -> bytes:
 
 def _csv_rows(path: Path) -> Iterator[tuple[int, dict[str, Any]]]:
     """Yield the rows of a .csv that are not blank, each with the number of its first line."""
-    with open(path, encoding="utf-8-sig", newline="") as file:
-        reader = csv.reader(file)
-        begin, head = 1, None
-        try:
-            for cells in reader:
-                number, begin = begin, reader.line_num + 1
-                if not any(map(str.strip, cells)):
-                    continue
-                if head is None:
-                    head = cells
-                    for name in filter(None, head):
-                        if head.count(name) > 1:
-                            raise ValueError(f"the column {name} is there twice")
-                    continue
-                if any(cells[len(head) :]):
-                    told = f"{len(cells)} cells, and the head has {len(head)}"
-                    raise ValueError(f"line {number}: {told}")
-                yield number, {name: x for name, x in zip(head, cells, strict=False) if x}
-        except csv.Error as error:
-            raise ValueError(f"line {begin}: {error}") from None
+    try:
+        text = path.read_bytes().decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise ValueError(not_utf8(error)) from None
+    reader = csv.reader(io.StringIO(text, newline=""), skipinitialspace=True)
+    begin, head = 1, None
+    try:
+        for cells in reader:
+            number, begin = begin, reader.line_num + 1
+            if not any(map(str.strip, cells)):
+                continue
+            if head is None:
+                head = _head(cells)
+                continue
+            if any(cells[len(head) :]):
+                told = f"{len(cells)} cells, and the head has {len(head)}"
+                raise ValueError(f"line {number}: {told}")
+            if unnamed := [x for name, x in zip(head, cells, strict=False) if x and not name]:
+                raise ValueError(f"line {number}: {unnamed[0]!r} is in a column without a name")
+            yield number, {name: x for name, x in zip(head, cells, strict=False) if x}
+    except csv.Error as error:
+        raise ValueError(f"line {begin}: {error}") from None
+
+
+def _head(cells: Sequence[str]) -> list[str]:
+    """Return the names of columns as the first row has them."""
+    head = [name.strip() for name in cells]
+    for name in filter(None, head):
+        if head.count(name) > 1:
+            raise ValueError(f"the column {name} is there twice")
+    if hint := other_separators(head):
+        raise ValueError(f"not a table of scenes{hint}")
+    return head
 
 
 def write_table(path: Path, results: Iterable[bytes]) -> None:
     """Write results, as lines of JSON, as a table."""
     frame = results_table(map(json.loads, results))
-    if path.suffix == ".parquet":
+    if path.suffix.lower() == ".parquet":
         frame.to_parquet(path)
     else:
         frame.to_csv(path, index=False)

@@ -95,6 +95,12 @@ def test_a_table(tmp_path: Path):
     assert "line 4: c: landing.distance is NaN" in said(collected)
 
 
+def test_columns_that_are_not_used_are_told(tmp_path: Path):
+    collected = read_results(written(tmp_path, "r.csv", "id, dist\na, 3\n"), ASKED)
+    assert "line 1: the column dist is not used: it is no key of a result" in said(collected)
+    assert collected.faults == 0
+
+
 def test_a_table_with_names_of_its_own(tmp_path: Path):
     path = written(tmp_path, "results.csv", "case,D [m]\na,100.5\nz,3\na,4\n")
     collected = read_results(path, ASKED, {"case": "id", "D [m]": "landing.distance"})
@@ -106,7 +112,8 @@ def test_a_table_with_names_of_its_own(tmp_path: Path):
 @pytest.mark.parametrize(
     ("content", "columns", "why"),
     [
-        ("case,landing.time\n", {}, "no id column"),
+        ("case,landing.time\n", {}, "--column COLUMN=id; the columns are case, landing.time$"),
+        ("id;landing.time\n", {}, "head has semicolons where commas must"),
         ("", {}, "no id column"),
         ("id,D\n", {"E": "landing.distance"}, "no column E; the columns are id, D"),
         ("id,D\n", {"D": "distance"}, "cannot hold distance"),
@@ -128,6 +135,8 @@ def test_a_broken_table_keeps_what_came_before(tmp_path: Path):
 def test_columns_are_for_tables(tmp_path: Path):
     with pytest.raises(BadTable, match="CSV"):
         read_results(written(tmp_path, "r.jsonl", ""), ASKED, {"x": "id"})
+    with pytest.raises(BadTable, match="results are read from"):
+        read_results(written(tmp_path, "r.parquet", "PAR1"), ASKED)
 
 
 def test_every_quantity_has_a_column():

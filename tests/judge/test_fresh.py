@@ -7,14 +7,16 @@ import json
 import math
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from longball.engines.chain import solve, solve_with_path
 from longball.engines.ivp import Ivp
-from longball.judge import serve
+from longball.judge import evaluation, serve
 from longball.judge.answers import Collector
+from longball.judge.candidate import Run
 from longball.judge.cases import Converged, Exact, solved
 from longball.judge.evaluation import Judge
 from longball.judge.fresh import as_csv, proven, random_scenes, usual_constants
@@ -233,6 +235,24 @@ def test_state_kept_between_scenes_and_random_answers_are_told(tmp_path: Path):
         source.write_text(text.replace("VALUE", value), encoding="utf-8")
         verdict = judge.evaluate_command([sys.executable, str(source)]).verdict
         assert any(why in reason for reason in verdict.reasons), verdict.reasons
+
+
+def test_the_time_of_a_verdict_is_that_of_all_runs(monkeypatch):
+    runs: list[int] = []  # a second each, by the clock below
+
+    def run(command, scenes, *others, **options) -> Run:
+        runs.append(len(scenes))
+        return Run(Collector([scene.id for scene in scenes]), "", 0)
+
+    def again(self, asked, answers) -> list[str]:
+        asked(pitches()[:2])
+        return []
+
+    monkeypatch.setattr(evaluation, "run", run)
+    monkeypatch.setattr(evaluation, "time", SimpleNamespace(monotonic=lambda: float(len(runs))))
+    monkeypatch.setattr(Judge, "_again", again)
+    judge = Judge(solved(pitches(), Ivp()), Exact())
+    assert judge.evaluate_command(["candidate"]).verdict.seconds == 2.0
 
 
 @pytest.mark.parametrize(

@@ -146,6 +146,9 @@ def test_a_byte_order_mark_is_no_part_of_the_line():
         ({"gravity": -1}, "gravity: must be greater than or equal to 0 (got -1)"),
         ({"gravity": "9.8"}, "gravity: must be a valid number (got '9.8')"),
         ({"gravity": None}, "gravity: must be a valid number (got null)"),
+        ({"pitch": {"aim": {"y": 1}}}, "pitch.aim: must be a list (got {'y': 1})"),
+        ({"pitch": {"aim": [0, None]}}, "pitch.aim[1]: is missing, or null"),
+        ({"pitch": {"aim": [0, 1, 2]}}, "pitch.aim: takes at most 2 values, and has 3"),
         ({"gravity": True}, "gravity: must be a valid number (got true)"),
         ({"ball": {"mass": 0}}, "ball.mass: must be greater than or equal to 1e-30 (got 0)"),
         (

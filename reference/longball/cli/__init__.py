@@ -5,9 +5,10 @@ Exit status: 0 success, 1 a line or a verdict failed, 2 the call itself was wron
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
+from typer.core import TyperGroup
 
 from longball import __version__
 from longball.cli import golden
@@ -19,8 +20,23 @@ from longball.cli.measured import measured
 from longball.cli.plot import plot
 from longball.cli.readings import readings
 from longball.cli.solve import solve
+from longball.model.scene import in_our_words
+
+
+class Commands(TyperGroup):
+    """Commands that refuse the value of an option in plain words."""
+
+    def invoke(self, ctx: Any) -> Any:
+        """Call the command that is asked for."""
+        try:
+            return super().invoke(ctx)
+        except typer.BadParameter as error:
+            error.message = in_our_words(error.message)
+            raise
+
 
 app = typer.Typer(
+    cls=Commands,
     help="The precision reference for baseball in flight.",
     epilog='Example: echo \'{"kind": "at-bat"}\' | longball solve',
     no_args_is_help=True,

@@ -11,6 +11,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from functools import partial
+from importlib import import_module
 from pathlib import Path
 from typing import Annotated, Any, BinaryIO, NoReturn, TextIO, TypeVar
 
@@ -34,6 +35,8 @@ errors, say = (Console(stderr=True, highlight=False, soft_wrap=True, emoji=False
 def _checked(workers: int) -> int:
     if workers < 1 and workers != -1:
         raise typer.BadParameter(f"{workers}: a positive number, or -1 for one per core")
+    if workers > 1:
+        import_module("joblib")  # if it is missing, that is said before anything is computed
     return workers
 
 
@@ -56,8 +59,9 @@ def writable(file: Path | None) -> Path | None:
 
 
 def drawable(file: Path | None) -> Path | None:
-    """Refuse a file that no picture can be drawn to, likewise."""
-    if writable(file) and file and file.suffix:
+    """Refuse a file that no picture can be drawn to, likewise; without an ending it is a .png."""
+    if writable(file) and file:
+        file = file if file.suffix else file.with_suffix(".png")
         with naming_extras():
             from matplotlib.backend_bases import FigureCanvasBase  # slow to import
 
@@ -112,6 +116,16 @@ def wrong_call(sentence: str) -> NoReturn:
     """Say what is wrong with the call and leave with status 2."""
     tell(sentence)
     raise typer.Exit(2)
+
+
+@contextmanager
+def failing_unless(passed: bool) -> Iterator[None]:
+    """Leave with status 1 after a verdict is printed, even to a reader that has left."""
+    try:
+        yield
+    finally:
+        if not passed:
+            raise typer.Exit(1)
 
 
 def parsed(model: type[M], values: Mapping[str, Any], option: str = "") -> M:

@@ -13,15 +13,16 @@ from longball.cli.common import (
     Expected,
     Json,
     Quiet,
+    failing_unless,
     named,
     progress_bar,
-    reading_from,
     refusing,
     tell,
     to_file,
     to_picture,
     wrong_call,
 )
+from longball.cli.solve import scenes_from
 from longball.engines.chain import solve
 from longball.model.scene import Scene, parse_scene
 
@@ -34,7 +35,10 @@ def converge(
         typer.Argument(metavar="-- COMMAND …{dt}…", help="{dt} stands for the time step, s."),
     ],
     scenes: Annotated[
-        str | None, typer.Option(help="JSON Lines; by default golden flights and at-bats.")
+        str | None,
+        typer.Option(
+            help="Lines of JSON, .csv or .parquet; by default golden flights and at-bats."
+        ),
     ] = None,
     golden: Annotated[
         str | None,
@@ -80,6 +84,8 @@ def converge(
 
     if not (knob or takes_step(command)):
         wrong_call(f"the COMMAND must contain {PLACE}, where its time step goes")
+    if scenes and golden:
+        wrong_call("either --scenes or --golden, not both")
     asked = read_scenes(scenes) if scenes else golden_scenes(golden)
     proven = None
     if truth:
@@ -93,22 +99,21 @@ def converge(
         report, issues = sweep.run(command, asked, proven, Limits(timeout))
     for issue in issues[:20]:
         tell(str(issue))
-    print(report.model_dump_json(indent=2) if as_json else report.text().rstrip())
     if csv:
         csv.write_text(report.csv(), encoding="utf-8")
     if figure:
         save_convergence(figure, report)
-    if not report.passed:
-        raise typer.Exit(1)
+    with failing_unless(report.passed):
+        print(report.model_dump_json(indent=2) if as_json else report.text().rstrip())
 
 
 def read_scenes(source: str) -> list[Scene]:
-    """Return the scenes of a file in JSON Lines; an invalid line is a wrong call.
+    """Return the scenes of a file; an invalid line is a wrong call.
 
     A scene without an id bears the number of its line.
     """
     found = []
-    with reading_from(source) as lines:
+    with scenes_from(source) as lines:
         for number, line in enumerate(lines, 1):
             if line.strip():
                 with refusing(f"{named(source)}, line {number}: "):

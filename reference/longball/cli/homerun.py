@@ -234,8 +234,13 @@ def fence_block(text: str) -> Any:
         return {"radius": float(text)}
     except ValueError:
         pass
-    with refusing(f"--fence {text}: "):
+    try:
         return json.loads(Path(text).read_text(encoding="utf-8"))
+    except ValueError:
+        wrong_call(
+            f"--fence {text}: neither a radius in m nor a file with the block of a fence in JSON, "
+            'such as {"radius": 120}'
+        )
 
 
 def with_pitches(at_bats: AtBats, path: Path) -> AtBats:

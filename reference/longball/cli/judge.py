@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -14,6 +15,7 @@ from longball.cli.common import (
     Json,
     Quiet,
     Seed,
+    failing_unless,
     progress_bar,
     refusing,
     split_assignment,
@@ -46,7 +48,10 @@ def judge(
     ] = None,
     scenes: Annotated[
         str | None,
-        typer.Option(help="Judge by the scenes of this file (JSON Lines), which are solved first."),
+        typer.Option(
+            help="Judge by the scenes of this file, lines of JSON, .csv or .parquet, which are "
+            "solved first."
+        ),
     ] = None,
     random: Annotated[
         int | None,
@@ -133,10 +138,16 @@ def judge(
         wrong_call("either --results FILE or -- COMMAND, not both")
     if not (command or results or samples):
         wrong_call("-- COMMAND, --results FILE or --samples FILE is needed")
+    if table and not command:
+        wrong_call(
+            "--as-csv says what a COMMAND reads and writes; --results takes FILE.csv by itself"
+        )
     if column and not results:
         wrong_call("--column names the columns of --results FILE.csv")
     if sum(map(bool, (golden, scenes, random))) > 1:
         wrong_call("either --golden, --scenes or --random, not two of them")
+    if html:
+        import_module("matplotlib")  # it draws the page's pictures
     # The judge brings compiled code with it, and --help does not need it.
     from longball.judge import junit as xml
     from longball.judge import page
@@ -173,13 +184,12 @@ def judge(
         else:
             assert drawn
             found = judge.evaluate_samples(drawn)
-    print(found.verdict.line() if as_json else render(found.verdict).rstrip())
     if junit:
         junit.write_text(xml.junit(found), encoding="utf-8")
     if html:
         html.write_text(page.page(found), encoding="utf-8")
-    if not found.verdict.passed:
-        raise typer.Exit(1)
+    with failing_unless(found.verdict.passed):
+        print(found.verdict.line() if as_json else render(found.verdict).rstrip())
 
 
 def cases_of(

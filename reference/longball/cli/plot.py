@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from longball import engines
-from longball.cli.common import EngineName, Quiet, named, tell, to_picture
+from longball.cli.common import EngineName, Quiet, named, note, tell, to_picture
 from longball.cli.solve import Source, scenes_from
 from longball.engines.chain import solve_with_path
 from longball.model.result import Result
@@ -46,6 +46,7 @@ def plot(
                 failed += 1
     if pictured:
         save_paths(output, pictured)
+        note(f"the picture is in {output}")
     else:
         tell(f"no paths in {named(source)}")
     if failed or not pictured:

@@ -50,10 +50,15 @@ TABLES = (".csv", ".parquet")
 LINES = (".jsonl", ".ndjson", ".json", "")
 
 
+def ending(file: str | Path) -> str:
+    """Return how the name of a file ends, which tells what the file holds."""
+    return Path(file).suffix.lower()
+
+
 def _results_file(output: Path | None) -> Path | None:
     if output is None or str(output) == "-":
         return None
-    if output.suffix not in (*LINES, *TABLES):
+    if ending(output) not in (*LINES, *TABLES):
         endings = ", ".join(filter(None, (*LINES, *TABLES)))
         raise typer.BadParameter(f"{output}: the endings of results are {endings}, or none")
     return writable(output)
@@ -110,7 +115,9 @@ def solve(
     ] = False,
     points: Annotated[
         int | None,
-        typer.Option(min=2, help="How many points the path has, evenly spaced in time; 201."),
+        typer.Option(
+            min=2, max=1_000_000, help="How many points the path has, evenly spaced in time; 201."
+        ),
     ] = None,
     certify: Annotated[
         bool, typer.Option("--certify", help="Give every number with a proven error.")
@@ -127,13 +134,13 @@ def solve(
     }
     # fmt: on
     asked = (points or 201) if path or points else None
-    if asked and output and output.suffix in TABLES:
+    if asked and output and ending(output) in TABLES:
         wrong_call(f"--path: {output} is a table, which has no place for paths; .jsonl has")
     if asked and certify:
         wrong_call("--path: its points cannot be certified; take --engine enclosure")
-    if ".parquet" in {Path(name).suffix for name in (source, output or "")}:
+    if ".parquet" in {ending(name) for name in (source, output or "")}:
         import_module("pyarrow")
-    if output and output.suffix in TABLES:
+    if output and ending(output) in TABLES:
         import_module("pandas")
     try:
         solver: Engine[Any] | ManyAtOnce = engines.create(
@@ -199,14 +206,14 @@ def progress_of(lines: BinaryIO, output: Path | None) -> Iterator[Callable[[int]
 @contextmanager
 def scenes_from(source: str) -> Iterator[BinaryIO]:
     """Open scenes as lines of JSON, whatever the file holds."""
-    if (path := Path(source)).suffix not in TABLES:
+    if ending(source) not in TABLES:
         with reading_from(source) as file:
             yield file
         return
     with refusing(f"{source}: "):
         from longball.tables import scene_lines
 
-        lines = scene_lines(path)
+        lines = scene_lines(Path(source))
     yield BytesIO(lines)
 
 
@@ -215,7 +222,7 @@ def results_to(
     output: Path | None, source: str, lines: BinaryIO
 ) -> Iterator[Callable[[bytes], object]]:
     """Open the file that results go to; yield a function that takes a line of JSON."""
-    if output is None or output.suffix not in TABLES:
+    if output is None or ending(output) not in TABLES:
         with writing_to(output, lines) as file:
             # Somebody may wait for an answer at the end of a pipe, but not of a file.
             awaited = True

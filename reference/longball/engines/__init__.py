@@ -44,23 +44,45 @@ def create(name: str, **options: object) -> Engine[Any]:
     for option in options:
         if option not in takes:
             raise ValueError(f"engine {name} takes {', '.join(takes)}; not {option}")
-    values = {option: _of_type(types[option], option, options[option]) for option in options}
+    values = {option: of_type(types[option], option, options[option]) for option in options}
     engine: Engine[Any] = family(**values)
     return engine
 
 
-_NUMBERS: tuple[tuple[Any, Any, str], ...] = (
+_KINDS: tuple[tuple[Any, Any, str], ...] = (
+    (bool, bool, "True or False"),
     (int, Integral, "a whole number"),
     (float, Real, "a number"),
 )
 
 
-def _of_type(kind: Any, option: str, value: Any) -> Any:
-    """Return the value of an option; numbers, which may be NumPy's, as Python's."""
+def of_type(kind: Any, option: str, value: Any) -> Any:
+    """Return the value of an option; numbers, which may be NumPy's, as Python's.
+
+    Raises
+    ------
+    TypeError
+        If it is of another kind: `bool`, `int`, `float`, or one of them or None.
+    """
     kinds = get_args(kind) or (kind,)  # float | None
-    for number, sort, what in _NUMBERS:
-        if number in kinds and not (value is None and type(None) in kinds):
-            if isinstance(value, bool) or not isinstance(value, sort):
+    for wanted, sort, what in _KINDS:
+        if wanted in kinds and not (value is None and type(None) in kinds):
+            # To Python a bool is a number.
+            if not isinstance(value, sort) or (isinstance(value, bool) and wanted is not bool):
                 raise TypeError(f"{option} = {value!r} is not {what}")
-            return number(value)
+            return wanted(value)
     return value
+
+
+def whole_number(option: str, value: Any, least: int) -> int:
+    """Return the value of an option that is a whole number, and not too small.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If it is not.
+    """
+    number: int = of_type(int, option, value)
+    if number < least:
+        raise ValueError(f"{option} = {number} is less than {least}")
+    return number

@@ -8,6 +8,7 @@ from contextlib import contextmanager, nullcontext
 from itertools import chain, islice, starmap
 from typing import Any, TypeVar
 
+from longball.engines import of_type
 from longball.extras import naming_extras
 
 T = TypeVar("T")
@@ -33,13 +34,12 @@ def in_parallel(
 
     Raises
     ------
-    ValueError
+    TypeError, ValueError
         If the number of workers is none.
     MissingExtra
         If several workers are asked for, and joblib is not installed.
     """
-    if workers < 1 and workers != -1:
-        raise ValueError(f"workers = {workers}: a positive number, or -1 for one per core")
+    workers = checked(workers)
     try:
         from joblib import Parallel, delayed, effective_n_jobs  # slow to import
     except ImportError:
@@ -56,6 +56,20 @@ def in_parallel(
     with nullcontext() if threads or workers == 1 else _interrupts_held():
         found: Iterator[T] = Parallel(n_jobs=workers, return_as="generator", prefer=prefer)(tasks)
     return found
+
+
+def checked(workers: object) -> int:
+    """Return a number of workers: positive, or -1 for one per core.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If it is none.
+    """
+    number: int = of_type(int, "workers", workers)
+    if number < 1 and number != -1:
+        raise ValueError(f"workers = {number}: a positive number, or -1 for one per core")
+    return number
 
 
 @contextmanager

@@ -35,7 +35,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path as File
 from typing import Any, NamedTuple, TypeVar, get_args
@@ -172,7 +172,22 @@ class Verlet(Stepped[float]):
         """Fly until the first of several events; see `longball.engines.engine.Engine.fly`.
 
         An event is looked for at the steps only.
+
+        Raises
+        ------
+        TooLong
+            If the flight takes too many steps: at once where a trial with long steps shows it.
         """
+        if limit > (reach := _MARGIN * _MOST_WORK * self.dt):
+            trial = replace(self, dt=reach / _TRIAL_STEPS)
+            with suppress(OutOfRange):  # the forces may be too strong for the long step alone
+                if trial._fly(law, start, events, reach).stop == "time":
+                    raise self._too_long()
+        return self._fly(law, start, events, limit)
+
+    def _fly(
+        self, law: Law[float], start: State[float], events: Sequence[Event[float]], limit: float
+    ) -> Flight[float]:
         path = Path(self._chords(law, start, limit))
         for event in events:
             if _rests_on(event, start, law):
@@ -320,10 +335,7 @@ class Verlet(Stepped[float]):
         steps = math.ceil(min(limit / self.dt, 2.0**53))
         while done < steps:
             if done > _MOST_WORK:
-                raise TooLong(
-                    f"the flight takes more than {_MOST_WORK:,} steps of {self.dt!r} s; the first "
-                    f"{done * self.dt:.3g} s of it can be had by a lower time_limit"
-                )
+                raise self._too_long()
             states = np.full((len(start), 1 + min(length, steps - done)), math.nan)
             states[:, 0] = last
             march = steps_of(form.program).count(states.shape[1]).march
@@ -342,6 +354,12 @@ class Verlet(Stepped[float]):
                 done + states.shape[1] - 1,
                 min(4 * length, _MOST_STEPS),
             )
+
+    def _too_long(self) -> TooLong:
+        return TooLong(
+            f"the flight takes more than {_MOST_WORK:,} steps of {self.dt!r} s; the first "
+            f"{_MOST_WORK * self.dt:.3g} s of it can be had by a lower time_limit"
+        )
 
     def _chords(self, law: Law[float], start: State[float], limit: float) -> Iterator[Chord]:
         for done, states in self._march(law, start, limit):
@@ -366,6 +384,10 @@ _FIRST_STEPS, _MOST_STEPS = 128, 4096
 
 # Steps of a flight: compiled they take some ten seconds.
 _MOST_WORK = 200_000_000
+
+# The steps of a trial whether those are enough, and by how much the time that they take is
+# exceeded: a flight in 2000 steps is some per cent off at most.
+_TRIAL_STEPS, _MARGIN = 2000, 1.1
 
 
 @_QUIET

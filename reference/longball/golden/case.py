@@ -12,7 +12,7 @@ from pydantic import Field
 
 from longball.model.block import Strict
 from longball.model.jsonl import json_line
-from longball.model.quantities import numbers
+from longball.model.quantities import numbers, unknown
 from longball.model.result import Bounded, Result
 from longball.model.scene import Scene
 
@@ -102,8 +102,10 @@ class Case(Strict):
         Raises
         ------
         KeyError
-            If the result has no such quantity.
+            If the result has no such quantity; the message names the nearest that it has.
         """
+        if quantity not in self.quantities:
+            raise KeyError(str(unknown(quantity, self.quantities)))
         error = self.quantities[quantity].attainable
         return math.inf if error is None else error
 

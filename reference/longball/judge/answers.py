@@ -26,6 +26,7 @@ from pydantic import Field
 from longball.convergence.report import Frozen
 from longball.engines.chain import BLOCKS as MODELS
 from longball.judge.quantities import BLOCKS, QUANTITIES, Value
+from longball.model.csv_files import not_utf8, other_separators
 from longball.model.quantities import nested
 from longball.model.result import Outcome, Result
 
@@ -145,8 +146,7 @@ class Collector:
                 text, parse_float=_decimal, parse_int=_decimal, parse_constant=_decimal
             )
         except UnicodeDecodeError as error:
-            byte = line[error.start]
-            self.report("rubbish", f"not UTF-8 text: byte {error.start + 1} is {byte:#x}", number)
+            self.report("rubbish", not_utf8(error), number)
         except json.JSONDecodeError as error:
             there = f"from character {error.pos + 1} on: {quoted(text[error.pos :])}"
             self.report("rubbish", f"not JSON {there}", number)
@@ -175,7 +175,7 @@ class Collector:
         known = csv_columns()
         for name in header:
             if name not in known:
-                self._report_key(1, name, known)
+                self._report_key(1, name, known, told="the column {} is not used: it")
 
     def take(self, number: int, data: Any) -> bool:
         """Take what a line held; tell whether it answers a scene that had no answer."""
@@ -261,11 +261,12 @@ class Collector:
             told,
         )
 
-    def _report_key(self, number: int, key: str, known: Iterable[str]) -> None:
+    def _report_key(self, number: int, key: str, known: Iterable[str], told: str = "{}") -> None:
         if key not in self._unknown and len(self._unknown) < KEPT:
             self._unknown.add(key)
             near = _nearest(key, known)
-            self.report("unknown key", f"{quoted(key)} is no key of a result{near}", number)
+            sentence = f"{told.format(quoted(key))} is no key of a result{near}"
+            self.report("unknown key", sentence, number)
 
 
 _TOP = {*Result.model_fields, "path"}
@@ -396,6 +397,8 @@ def read_results(
         if path.suffix.lower() == ".csv":
             _read_csv(file, collector, columns or {})
         else:
+            if path.suffix.lower() == ".parquet":
+                raise BadTable(f"{path}: results are read from .jsonl or .csv, not from .parquet")
             if columns:
                 raise BadTable("columns are named for a CSV file only; this is read as JSON Lines")
             for number, line in enumerate(_lines(file, collector), 1):
@@ -442,10 +445,10 @@ def csv_columns() -> dict[str, tuple[str, int | None]]:
 
 def _read_csv(file: BinaryIO, collector: Collector, columns: Mapping[str, str]) -> None:
     text = io.StringIO(b"".join(_lines(file, collector)).decode("utf-8-sig", errors="replace"))
-    rows = csv.reader(text, strict=True)
+    rows = csv.reader(text, strict=True, skipinitialspace=True)
     known = csv_columns()
     try:
-        header = next(rows, [])
+        header = [name.strip() for name in next(rows, [])]
         for column, name in columns.items():
             if column not in header:
                 raise BadTable(f"there is no column {column}; the columns are {', '.join(header)}")
@@ -456,7 +459,10 @@ def _read_csv(file: BinaryIO, collector: Collector, columns: Mapping[str, str]) 
         if len(set(names)) < len(names):
             raise BadTable("two columns hold the same")
         if "id" not in names:
-            raise BadTable("there is no id column; name the one that holds it: COLUMN=id")
+            raise BadTable(
+                "there is no id column; name the one that holds it by --column COLUMN=id; the "
+                f"columns are {', '.join(header)}{other_separators(header)}"
+            )
         for row in rows:
             if row:
                 collector.take(rows.line_num, _nested(zip(names, row, strict=False)))

@@ -65,14 +65,11 @@ class Run:
         The end of its standard error.
     status
         Its exit status; negative: the signal that ended it. None if it was stopped.
-    seconds
-        Wall time.
     """
 
     collected: Collector
     errors: str
     status: int | None
-    seconds: float
 
 
 def run(
@@ -223,7 +220,7 @@ class _Session:
     def result(self) -> Run:
         """Return how it ran."""
         errors = self.errors.decode("utf-8", errors="replace")
-        return Run(self.collected, errors, self.status, time.monotonic() - self.started)
+        return Run(self.collected, errors, self.status)
 
     # --- the three pipes --------------------------------------------------------------------------
 

@@ -43,6 +43,10 @@ class Evaluation:
     verdict: Verdict
     comparisons: Sequence[Comparison]
 
+    def telling(self, **more: Any) -> Evaluation:
+        """Return the same with more in its verdict."""
+        return replace(self, verdict=self.verdict.model_copy(update=more))
+
 
 @dataclass(frozen=True)
 class Judge:
@@ -96,6 +100,7 @@ class Judge:
         table
             Whether scenes and results are CSV.
         """
+        start = time.monotonic()
         filled = sweep.filled(command) if sweep else command
         filled = with_step(filled, self.dt) if self.dt else filled
         ran = run(filled, [case.scene for case in self.cases], limits, progress, table)
@@ -111,16 +116,14 @@ class Judge:
 
         if well and self.diagnose:
             conduct = self._again(asked, ran.collected.answers)
-        submission = Submission(
-            shlex.join(filled), ran.collected, ran.errors, ran.seconds, report, sampling
-        )
+        submission = Submission(shlex.join(filled), ran.collected, ran.errors, report, sampling)
         found = self.evaluate(submission, conduct)
         if well and self.diagnose and not conduct and self.profile.engine() is None:
             smallest = self._smallest(asked, found.verdict)
-        if smallest is None or found.verdict.diagnosis is None:
-            return found
-        diagnosis = found.verdict.diagnosis.model_copy(update={"smallest": smallest})
-        return replace(found, verdict=found.verdict.model_copy(update={"diagnosis": diagnosis}))
+        if smallest is not None and found.verdict.diagnosis is not None:
+            diagnosis = found.verdict.diagnosis.model_copy(update={"smallest": smallest})
+            found = found.telling(diagnosis=diagnosis)
+        return found.telling(seconds=time.monotonic() - start)
 
     def _again(
         self,
@@ -197,7 +200,8 @@ class Judge:
                 line = line_of(case.id, {"error": f"{type(error).__name__}: {error}"})
             collected.take_line(number, line)
         name = getattr(solve, "__name__", type(solve).__name__)
-        return self.evaluate(Submission(name, collected, seconds=time.monotonic() - start))
+        found = self.evaluate(Submission(name, collected))
+        return found.telling(seconds=time.monotonic() - start)
 
     def evaluate_file(
         self,

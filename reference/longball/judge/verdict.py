@@ -367,7 +367,9 @@ class Verdict(Frozen):
     complaints: list[Issue] = Field(description="those about its conduct first")
     complaints_left_out: dict[str, int] = Field(description="of a kind, beyond those listed")
     standard_error: str = Field(description="its end")
-    seconds: float | None
+    seconds: float | None = Field(
+        description="of all the candidate's runs and the search for causes; null if none was run"
+    )
     diagnosis: Diagnosis | None = Field(default=None, description="where, by how much, and why")
     convergence: ConvergenceReport | None = Field(
         default=None, description="what a family of time steps told"
@@ -407,7 +409,7 @@ class Submission:
         What it is called.
     collected
         Its answers, and what is wrong with its output or conduct.
-    standard_error, seconds
+    standard_error
         Of its run, if it was run.
     convergence
         How it converges, if a family of steps was run.
@@ -418,7 +420,6 @@ class Submission:
     candidate: str
     collected: Collector
     standard_error: str = ""
-    seconds: float | None = None
     convergence: ConvergenceReport | None = None
     sampling: Sampling | None = None
 
@@ -495,7 +496,7 @@ def verdict(
         complaints=sorted(collected.issues, key=lambda issue: issue.kind != "process"),
         complaints_left_out=dict(collected.left_out),
         standard_error=submission.standard_error,
-        seconds=submission.seconds,
+        seconds=None,  # nobody knows before the last run
         diagnosis=diagnosis,
         convergence=convergence,
         sampling=sampling,

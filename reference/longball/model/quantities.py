@@ -17,6 +17,8 @@ from pydantic import BaseModel
 from longball.model.block import Block
 from longball.model.result import Bounded, Certified
 
+_MOST_PLACES = 100_000  # of a list that names describe: an odd name must not take all memory
+
 B = TypeVar("B", bound=BaseModel)
 
 _NAME = re.compile(r"\w+(\.\w+|\[\d+\])*", re.ASCII)
@@ -152,7 +154,10 @@ def _with_lists(data: Any, default: Any, name: str) -> Any:
     if not data or not all(key.isdigit() for key in data):
         return {key: _with_lists(x, default, f"{name}.{key}") for key, x in data.items()}
     rest = [] if default is None else at(default, name) or []
-    places = range(max(len(rest), *(int(key) + 1 for key in data)))
+    last = max(map(int, data))
+    if last >= _MOST_PLACES:
+        raise ValueError(f"{name}[{last}]: no list has so many places")
+    places = range(max(len(rest), last + 1))
     return [
         _with_lists(data[key], default, f"{name}[{key}]")
         if (key := str(i)) in data

@@ -21,6 +21,7 @@ from longball.model.air import WindProfile
 from longball.model.block import SMALLEST, NotNegative, Point, Positive, Quantity
 from longball.model.block import Block as _Block
 from longball.model.block import refuse as _refuse
+from longball.model.csv_files import not_utf8
 from longball.model.force import cross, plus, scaled
 from longball.model.jsonl import LONGEST_LINE, json_line
 from longball.model.readings import Reading
@@ -457,9 +458,7 @@ def _text(line: str | bytes) -> str:
     try:
         return line.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise InvalidScene(
-            f"not UTF-8 text: byte {error.start + 1} is 0x{line[error.start]:02x}"
-        ) from None
+        raise InvalidScene(not_utf8(error)) from None
 
 
 def _json(text: str) -> Any:
@@ -502,6 +501,16 @@ def _explain_fault(fault: dict[str, Any], model: type[BaseModel]) -> str:
             return f"{where}: unknown key; the keys here are {', '.join(block.model_fields)}"
         case "missing":
             return f"{where}: is missing"
+        case "float_type" if fault["input"] is None and isinstance(location[-1], int):
+            return f"{where}: is missing, or null"  # in a vector, of which other numbers are given
+        case "too_long":
+            most, given = fault["ctx"]["max_length"], fault["ctx"]["actual_length"]
+            return f"{where}: takes at most {most} values, and has {given}"
+        case "too_short":
+            least, given = fault["ctx"]["min_length"], fault["ctx"]["actual_length"]
+            return f"{where}: takes at least {least} values, and has {given}"
+        case "tuple_type" | "list_type":
+            return f"{where}: must be a list (got {_short(fault['input'])})"
         case "value_error":
             sentence = str(fault["ctx"]["error"])
             return f"{where}: {sentence}" if where else sentence
@@ -513,12 +522,17 @@ def _explain_fault(fault: dict[str, Any], model: type[BaseModel]) -> str:
             return f"{where}.law: {what}; the laws are {laws}"
         case "json_invalid":  # pydantic's parser is stricter than Python's
             return f"not JSON: {fault['ctx']['error']}"
-    sentence = fault["msg"].removeprefix("Input ").replace("should", "must")
+    sentence = in_our_words(fault["msg"])
     for limit in fault.get("ctx", {}).values():
         if isinstance(limit, float):
             unit = _UNITS.get(str(location[-1]), "")
             sentence = re.sub(r"\S+$", f"{limit:g}{unit}", sentence)  # 1e-30, not all its zeros
     return f"{where}: {sentence} (got {_short(fault['input'])})"
+
+
+def in_our_words(message: str) -> str:
+    """Return what pydantic says of a value as the end of a sentence about it."""
+    return re.sub("^(Value error, |(Input|String) )", "", message).replace("should", "must")
 
 
 # Of numbers that are likely to be in another unit if they are beyond their limits.

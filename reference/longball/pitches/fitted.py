@@ -17,6 +17,7 @@ from pydantic import AfterValidator, Field, ValidationError
 
 from longball.home_run import MIDDLE_CELL, Mixture
 from longball.model.block import Strict
+from longball.model.csv_files import not_utf8
 from longball.model.scene import explain
 from longball.pitches.chart import Columns, PitchTypes
 from longball.pitches.table import Omission, TableError
@@ -202,7 +203,7 @@ def load_fitted(path: str | Path) -> FittedPitches:
     except OSError as error:
         raise TableError(f"{path}: cannot be read: {error.strerror}") from None
     except UnicodeDecodeError as error:
-        raise TableError(f"{path}: not UTF-8 text: byte {error.start + 1}") from None
+        raise TableError(f"{path}: {not_utf8(error)}") from None
     try:
         return FittedPitches.model_validate_json(text)
     except ValidationError as error:

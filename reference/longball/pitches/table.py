@@ -12,6 +12,7 @@ from pydantic import Field
 
 from longball.extras import naming_extras
 from longball.model.block import Strict
+from longball.model.csv_files import not_utf8, other_separators
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -77,7 +78,10 @@ def read_table(
     if missing := [name for name in columns if name not in names]:
         shown = ", ".join(names[:20]) + (", …" if len(names) > 20 else "")
         none = "no such column" if len(missing) == 1 else "no such columns"
-        raise TableError(f"{', '.join(missing)}: the table has {none}; its columns are {shown}")
+        raise TableError(
+            f"{', '.join(missing)}: the table has {none}; its columns are {shown}"
+            f"{other_separators(names)}"
+        )
     if not len(frame):
         raise TableError(f"{source}: the table has a header, and nothing below it")
     return source, frame.set_axis(names, axis="columns")[columns]
@@ -102,7 +106,7 @@ def _frame(table: str | Path | TextIO | pd.DataFrame) -> tuple[str, pd.DataFrame
     except pd.errors.ParserError as error:
         raise TableError(f"{source}: not a table in CSV: {str(error).strip()}") from None
     except UnicodeDecodeError as error:
-        raise TableError(f"{source}: not UTF-8 text: byte {error.start + 1}") from None
+        raise TableError(f"{source}: {not_utf8(error)}") from None
     except OSError as error:
         raise TableError(f"{path}: cannot be read: {error.strerror}") from error
     header = [str(name).strip() for name in lines.iloc[0].fillna("")]

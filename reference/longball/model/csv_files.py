@@ -1,0 +1,21 @@
+"""CSV as it is written: what all that read it have in common."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+# Spreadsheets write what a country's decimal comma leaves them.
+_OTHERS = {";": "semicolons", "\t": "tabs"}
+
+
+def other_separators(head: Sequence[str]) -> str:
+    """Return the end of a message about a head that other signs than commas seem to separate."""
+    for sign, name in _OTHERS.items():
+        if any(sign in cell for cell in head):
+            return f"; its head has {name} where commas must separate the cells"
+    return ""
+
+
+def not_utf8(error: UnicodeDecodeError) -> str:
+    """Say where a text is in another encoding."""
+    return f"not UTF-8 text: byte {error.start + 1} is 0x{error.object[error.start]:02x}"
