@@ -110,6 +110,7 @@ def diagnose(
     scheme: Verlet | None = None,
     causes: bool = True,
     wrong: Collection[str] = (),
+    granted: float = 0.0,
 ) -> Diagnosis:
     """Return what is wrong with a candidate's answers.
 
@@ -127,9 +128,11 @@ def diagnose(
         Whether causes are sought; they are not in answers that change from run to run.
     wrong
         The ids of the answers that are wrong by the profile.
+    granted
+        The error of a quantity that the profile passes, in its unit.
     """
     trials = [
-        trial_of(case, answer)
+        trial_of(case, answer, granted)
         for case in cases
         if decidable(case)
         and (answer := answers.get(case.id))
@@ -143,7 +146,7 @@ def diagnose(
         # A few answers have short numbers by chance, such as those of the scene.
         trials = [replace(t, resolution=0.0, share=0.0) for t in trials]
     single = relations.in_single_precision(answers.values())
-    unread = sum(bool(answer.unreadable) for answer in answers.values())
+    unread = {name for name, answer in answers.items() if answer.unreadable}
     base = NONE if scheme is None else Change(engine=scheme, push=True)
     return _Search(trials, dt, scheme, causes, single, unread, frozenset(wrong), base).diagnosis()
 
@@ -159,7 +162,7 @@ class _Search:
     single
         Whether the answers are in single precision.
     unread
-        Answers with values that are no numbers.
+        Ids of answers with values that are no numbers.
     base
         The chain as far as it is explained.
     excused
@@ -183,7 +186,7 @@ class _Search:
     scheme: Verlet | None
     causes: bool
     single: bool
-    unread: int
+    unread: Collection[str]
     wrong: Collection[str]
     base: Change
     findings: list[Finding] = field(default_factory=list)
@@ -259,6 +262,7 @@ class _Search:
             t
             for t, cs in checks
             if t.case.id in self.wrong
+            and t.case.id not in self.unread
             and not t.confused
             and not untrue(t.case.expected, t.told)
             and not superfluous(t.case.expected.outcome, t.expected, t.given)
@@ -274,7 +278,8 @@ class _Search:
 
     def _sentence(self, first: StageRow | None, clean: Sequence[str]) -> str:
         """Return it all in a sentence."""
-        unread = f"{self.unread} answers hold values that are no numbers" if self.unread else ""
+        count = len(self.unread)
+        unread = f"{count} answers hold values that are no numbers" if count else ""
         if not self.findings:
             if not clean:
                 return unread or "nothing is answered that could be followed"

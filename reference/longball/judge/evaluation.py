@@ -229,7 +229,8 @@ class Judge:
             }
             scheme = engine if isinstance(engine, Verlet) else None
             failed = [c.case.id for c in comparisons if c.judged and not c.passed]
-            diagnosis = diagnose(truths, whole, self.dt, scheme, not conduct, failed)
+            granted = self.profile.error
+            diagnosis = diagnose(truths, whole, self.dt, scheme, not conduct, failed, granted)
             diagnosis = diagnosis.model_copy(update={"conduct": list(conduct)})
             if not diagnosis.findings:
                 wrong_in = {f.what for c in comparisons if not c.passed for f in failure(c).faults}

@@ -108,6 +108,8 @@ class Trial:
         of numbers with few digits, relative to them.
     right
         Whether all that it says is true.
+    granted
+        The error of a quantity that counts as none, in its unit.
     """
 
     case: Case
@@ -119,6 +121,7 @@ class Trial:
     share: float = 0.0
     right: bool = False
     told: Mapping[str, object] = field(default_factory=dict)
+    granted: float = 0.0
 
     @property
     def scene(self) -> Any:
@@ -176,8 +179,8 @@ class Check:
 _NO_STATE = (CannotSolve, Undecided, ArithmeticError, ValueError, KeyError, IndexError)
 
 
-def trial_of(case: Case, answer: Answer) -> Trial:
-    """Return a case and its answer in doubles."""
+def trial_of(case: Case, answer: Answer, granted: float = 0.0) -> Trial:
+    """Return a case and its answer in doubles; `granted` is the error that counts as none."""
     # Of points without velocities the slope is known, which many integrators do not move by.
     slopes = answer.path is not None and answer.path.shape[1] == 4
     given = {
@@ -189,13 +192,13 @@ def trial_of(case: Case, answer: Answer) -> Trial:
     right = answer.outcome in (None, case.expected.outcome) and all(
         name in expected
         and difference(value, expected[name])
-        <= SLACK * attainable(case, name) + length(radius_of(case.expected, name))
+        <= max(granted, SLACK * attainable(case, name) + length(radius_of(case.expected, name)))
         for name, value in answer.values.items()
     )
     true = {name: tuple(map(float, value)) for name, value in expected.items()}
     bounds = {name: (length(value), attainable(case, name)) for name, value in expected.items()}
     written = _resolution(answer), _share(answer)
-    return Trial(case, given, true, bounds, answer.outcome, *written, right, answer.told)
+    return Trial(case, given, true, bounds, answer.outcome, *written, right, answer.told, granted)
 
 
 # Whoever writes so few digits leaves out more than single precision does.
@@ -765,7 +768,7 @@ class _Following:
         few = self.trial.resolution + self.trial.share * large
         # What is given alone follows from the scene, and not from numbers with few digits.
         amplified = HANDED_ON if len(self.given) > 1 else 1.0
-        return max(SLACK * own, rounding * large) + amplified * few
+        return max(SLACK * own, rounding * large, self.trial.granted) + amplified * few
 
     def _check(self, quantity: str, follows: Any, stage: str = "") -> Check:
         """Return a quantity beside what follows; its stage is the usual one if not given."""
