@@ -107,6 +107,26 @@ def test_an_impulse_that_is_slightly_too_large_is_told_with_its_ratio():
     assert "(1 + 1e-09) × expected" in impulse.sentence
 
 
+def test_an_energy_without_its_half():
+    """With friction, P·(g + K P) where P·(g + K P/2) belongs; P·g is by hand."""
+    cases = [case for case in load("impact-oblique") if decidable(case) and case.expected.impact]
+    cases = [case for case in cases if case.scene.kind == "impact"][:12]
+    collector = collected(cases, [])
+    for number, case in enumerate(cases, 1):
+        scene, right = case.scene, json.loads(solve(case.scene, Ivp()).line())
+        n, bat = np.array(right["contact"]["normal"]), np.array(right["contact"]["bat_velocity"])
+        before, tilt = np.array(scene.incoming.velocity), scene.swing.tilt
+        turning = scene.swing.angular_speed * np.array([-math.sin(tilt), 0.0, math.cos(tilt)])
+        spin = np.array(scene.incoming.spin or (0.0, 0.0, 0.0))
+        slip = before - scene.ball.radius * np.cross(spin, n) - bat
+        slip -= scene.bat.radius * np.cross(turning, n)
+        push = scene.ball.mass * (np.array(right["impact"]["velocity"]) - before)
+        right["impact"]["energy_change"] = 2 * right["impact"]["energy_change"] - push @ slip
+        collector.take_line(number, json.dumps(right).encode())
+    first, *_ = diagnose(cases, collector.answers).findings
+    assert first.names == ["energy-not-halved"]
+
+
 # --- numbers and signs in some scenes -------------------------------------------------------------
 
 

@@ -77,8 +77,8 @@ def _runge_kutta(
     return step
 
 
-def _drag_of_start(step: Step) -> Step:
-    """Return a step whose drag is that of the speed at the step's start, in still air.
+def _with_speed_of_start(step: Step, lifts: bool) -> Step:
+    """Return a step whose drag takes V at the step's start, in still air; the lift too if `lifts`.
 
     Of the force without gravity, which is that on a ball at rest, what lies along the velocity is
     the drag.
@@ -95,8 +95,12 @@ def _drag_of_start(step: Step) -> Step:
             for v, a, g in zip(velocity, force, weight, strict=True):
                 square += v * v
                 along += v * (a - g)
-            more = (begun / math.sqrt(square) - 1) * along / square
-            return (*found[:n], *plus(force, more, velocity), *found[2 * n :])
+            more = begun / math.sqrt(square) - 1
+            if lifts:
+                changed = plus(force, more, plus(force, -1.0, weight))
+            else:
+                changed = plus(force, more * along / square, velocity)
+            return (*found[:n], *changed, *found[2 * n :])
 
         return step(rates, s, h, left)
 
@@ -198,8 +202,10 @@ SCHEMES: dict[str, Scheme] = {
                                "position moves with the velocity at the step's start"),
     "rk4-new-velocity": Scheme(_runge_kutta(whose="new"), 1, "RK4 for the velocity, but the "
                                "position moves with the velocity at the step's end"),
-    "rk4-drag-of-start": Scheme(_drag_of_start(_runge_kutta()), 1,
+    "rk4-drag-of-start": Scheme(_with_speed_of_start(_runge_kutta(), False), 1,
                                 "RK4 whose drag takes the speed at the step's start"),
+    "rk4-speed-of-start": Scheme(_with_speed_of_start(_runge_kutta(), True), 1,
+                                 "RK4 whose drag and lift take the speed at the step's start"),
     "rk4-mean-velocity": Scheme(
         _runge_kutta(whose="mean"), 2, "RK4 for the velocity, but the position moves with the mean "
         "of the velocities at the step's ends"),
