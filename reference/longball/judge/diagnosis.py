@@ -106,6 +106,11 @@ MAYBE_STEPS = (
     "tolerance): see whether shorter steps change it"
 )
 
+OF_ORDER = (
+    "; its runs with several time steps converge with order {}: look for what is of that order in "
+    "a step"
+)
+
 # Explanations that are looked at as one at a stage, the second for what the first has left.
 ROUNDS = 3
 
@@ -118,6 +123,7 @@ def diagnose(
     causes: bool = True,
     wrong: Collection[str] = (),
     granted: float = 0.0,
+    order: int | None = None,
 ) -> Diagnosis:
     """Return what is wrong with a candidate's answers.
 
@@ -137,6 +143,8 @@ def diagnose(
         The ids of the answers that are wrong by the profile.
     granted
         The error of a quantity that the profile passes, in its unit.
+    order
+        With which its errors fall as its time step does, if that was measured.
     """
     trials = [
         trial_of(case, answer, granted)
@@ -157,7 +165,9 @@ def diagnose(
         trials = [replace(t, share=t.share if t.share >= SINGLE_SHARE else 0.0) for t in trials]
     unread = {name for name, answer in answers.items() if answer.unreadable}
     base = NONE if scheme is None else Change(engine=scheme, push=True)
-    return _Search(trials, dt, scheme, causes, single, unread, frozenset(wrong), base).diagnosis()
+    return _Search(
+        trials, dt, order, scheme, causes, single, unread, frozenset(wrong), base
+    ).diagnosis()
 
 
 @dataclass
@@ -166,7 +176,7 @@ class _Search:
 
     Attributes
     ----------
-    trials, dt, scheme, causes, wrong
+    trials, dt, order, scheme, causes, wrong
         See `diagnose`.
     single
         Whether the answers are in single precision.
@@ -192,6 +202,7 @@ class _Search:
 
     trials: list[Trial]
     dt: float | None
+    order: int | None
     scheme: Verlet | None
     causes: bool
     single: bool
@@ -424,7 +435,9 @@ class _Search:
             if searched and stage in ("pitch", "flight"):
                 chosen = [t for t, _ in evenly(wrong, SOUGHT)]
                 more = fits.scene_by_scene(Sought(chosen, (), (stage,), self.base, self.work))
-                if not more and worst < 1e-4 and not scenes:
+                if self.order is not None:
+                    more += OF_ORDER.format(self.order)
+                elif not more and worst < 1e-4 and not scenes:
                     more = MAYBE_STEPS
                 told = told.model_copy(update={"sentence": told.sentence + more})
             self.findings.append(told)
@@ -710,7 +723,7 @@ class _Search:
                 known = self.dt or clocks.grid(stage, self.trials)
                 found += clocks.on_chords(sought.some(4), self.base, known)
                 if not any(e.named for e in found):
-                    found += schemes(sought, known)
+                    found += schemes(sought, known, self.order)
                 # What flies the pitch flies the batted ball.
                 self.stepless = not any(e.named for e in found)
             if not any(e.named for e in found):

@@ -482,7 +482,8 @@ LONG = 2e-3
 _SHORTER = "take shorter steps, or a method of higher order"
 _STAGES = (
     "an RK4 step has four slopes: at its start, twice in its middle and at its end, each from the "
-    "one before, for position and velocity alike, and weighted as 1, 2, 2, 1"
+    "one before, with the forces of its own state, for position and velocity alike, and weighted "
+    "as 1, 2, 2, 1"
 )
 _ORDER = (
     "if that is less than the order of your scheme, one of its stages or weights is wrong; if not, "
@@ -505,6 +506,11 @@ class _Way:
     def order(self) -> int:
         return SCHEMES[self.name].order
 
+    @property
+    def whole(self) -> int:
+        """The order of the whole flight: a line between two steps has one of 2."""
+        return min(self.order, 2) if self.ends == "line" else self.order
+
     def change(self, dt: float) -> Change:
         """Return the chain that flies so."""
         treatment = SCHEMES[self.name].treatment
@@ -525,8 +531,16 @@ class _Way:
         )  # fmt: skip
 
 
-def schemes(sought: Sought, known: float | None) -> Iterator[Explanation]:
-    """Yield schemes with the step that fits best; `known` is the candidate's, s, if it is known."""
+def schemes(sought: Sought, known: float | None, order: int | None) -> Iterator[Explanation]:
+    """Yield schemes with the step that fits best.
+
+    Parameters
+    ----------
+    known
+        The candidate's step, s, if it is known.
+    order
+        Of its errors, if that was measured: no scheme of another one is its own.
+    """
     few = sought.some(FEW)
     base = few.residual()
     if base is None:
@@ -535,6 +549,8 @@ def schemes(sought: Sought, known: float | None) -> Iterator[Explanation]:
     for way in (_Way(name, ends) for name in SCHEMES for ends in get_args(Ends)):
         if sought.work.spent:
             return
+        if order not in (None, way.whole):
+            continue
         dt = known or _scaled(few, base, way, FIRST)
         if not dt or dt < SHORTEST / NEAR or (way.ends == "line" and dt < FINE_STEP):
             continue  # with such steps, the line between two of them is the path
