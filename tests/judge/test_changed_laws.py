@@ -14,18 +14,18 @@ from longball.engines.chain import MODEL, Model, OneCase, solve
 from longball.engines.ivp import Ivp
 from longball.golden import load
 from longball.judge.any_law import ANY_LAW
-from longball.judge.cases import Case, decidable
+from longball.judge.cases import Case, decidable, solved
 from longball.judge.diagnosis import diagnose
 from longball.judge.flight_mistakes import LAW
 from longball.judge.stages import with_values
-from longball.model.aerodynamics import CRISIS, DECAY_ALONG_PATH
+from longball.model.aerodynamics import CRISIS, DECAY_ALONG_PATH, LIFT
 from longball.model.atmosphere import density, station_pressure
 from longball.model.earth import CORIOLIS
-from longball.model.force import Flow, Term, size
+from longball.model.force import Drag, Flow, Lift, Piecewise, Term, scaled, size
 from longball.model.frame import launch_frame
 from longball.model.numbers import DOUBLES
 from longball.model.trace import as_node
-from tests.judge.material import collected
+from tests.judge.material import collected, flights
 
 ONE = as_node(1.0)
 
@@ -101,6 +101,42 @@ def test_a_drag_crisis_by_the_speed_over_ground():
     assert explained(gold("flight-real"), same, over_ground) == ["crisis-over-ground"]
 
 
+def changed(kind: type[Term], factor: Callable[[Any], Any]) -> Model:
+    """Return the model with all drags, or all lifts, times a factor of the motion."""
+    key = "rate" if kind is Drag else "factor"
+
+    def one(f: Any) -> Any:
+        if isinstance(f, Piecewise):
+            return replace(f, term=one(f.term))
+        if isinstance(f, kind):
+            own = getattr(f, key)
+            return replace(f, **{key: lambda m, p: own(m, p) * factor(m)})
+        if kind is Lift and f is LIFT:
+            return replace(f, acceleration=lambda m, p: scaled(factor(m), LIFT.acceleration(m, p)))
+        return f
+
+    return replace(MODEL, forces=tuple(map(one, MODEL.forces)))
+
+
+def test_a_drag_by_the_speed_over_ground_and_a_coefficient_by_the_airspeed():
+    over_ground = changed(Drag, lambda m: size(m.velocity) / m.air.speed)
+    assert explained(gold("flight-real"), same, over_ground) == ["speed-over-ground"]
+
+
+def test_a_lift_in_air_that_is_the_same_at_all_heights():
+    same_aloft = changed(Lift, lambda m: 1.0 / m.density)
+    assert explained(gold("flight-real"), same, same_aloft) == ["lift-the-same-aloft"]
+
+
+def test_a_lift_with_the_sign_of_its_vertical_part():
+    def other(m: Any, p: Any) -> Any:
+        x, y, z = LIFT.acceleration(m, p)
+        return x, y, -1.0 * z
+
+    model = with_term(LIFT, replace(LIFT, acceleration=other))
+    assert explained(solved(flights(), Ivp()), same, model) == ["lift-vertical-sign"]
+
+
 def test_a_lift_by_spin_without_wind():
     def calm(scene: Any) -> Any:
         if scene.launch.spin is None:
@@ -123,8 +159,23 @@ def vapour_lowered(scene: Any) -> float:
     return float(density(at_sea, DOUBLES)) * lowered
 
 
+def vapour_zero_at_27316(scene: Any) -> float:
+    t, weather = scene.air.density.temperature, scene.air.density
+    dry, wet = (
+        float(density(with_values(scene, {"air.density.humidity": x}), DOUBLES)) for x in (0.0, 1.0)
+    )
+    vapour = (18.687 - (t - 273.15) / 234.5) * (t - 273.15) / (257.14 + t - 273.15)
+    other = (18.687 - (t - 273.16) / 234.5) * (t - 273.16) / (257.14 + t - 273.16)
+    return dry + weather.humidity * (wet - dry) * math.exp(other - vapour)
+
+
 @pytest.mark.parametrize(
-    ("name", "formula"), [("zero-at-273", zero_at_273), ("vapour-lowered", vapour_lowered)]
+    ("name", "formula"),
+    [
+        ("zero-at-273", zero_at_273),
+        ("vapour-lowered", vapour_lowered),
+        ("vapour-zero-at-273.16", vapour_zero_at_27316),
+    ],
 )
 def test_a_formula_of_the_weather(name, formula):
     def other(scene: Any) -> Any:

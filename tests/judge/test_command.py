@@ -86,6 +86,7 @@ def test_a_place_for_the_step_shows_how_it_converges(tmp_path: Path):
     said = judge(*arguments, "--expected", "2", *command)
     assert said.returncode == 1
     assert said.stdout.splitlines()[0].endswith("--dt 0.002")
+    assert "at least 10 shorter ones, with dt = 0.02 to 0.002" in said.stderr
     assert "failed because: convergence: distance: other order" in said.stdout
     assert ", but 2 in theory" in said.stdout
     assert html.read_text(encoding="utf-8").count("<img") == 2

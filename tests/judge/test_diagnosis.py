@@ -70,7 +70,7 @@ EXPECTED = {
     "over-bat-mass": ("velocity after", "impulse-over-bat-mass"),
     "first-below-since-launch": ("landing", "first-below"),
     "distance-in-feet": ("distance", "landing.distance*3.28084"),
-    "axes-exchanged": ("flight", "landing.position:(y, x, z)"),
+    "axes-exchanged": ("landing", "landing.position:(y, x, z)"),
     "distance-from-start": ("distance", "distance-from-start"),
 }
 

@@ -107,6 +107,73 @@ def test_an_impulse_that_is_slightly_too_large_is_told_with_its_ratio():
     assert "(1 + 1e-09) × expected" in impulse.sentence
 
 
+def test_an_energy_without_its_half():
+    """With friction, P·(g + K P) where P·(g + K P/2) belongs; P·g is by hand."""
+    cases = [case for case in load("impact-oblique") if decidable(case) and case.expected.impact]
+    cases = [case for case in cases if case.scene.kind == "impact"][:12]
+    collector = collected(cases, [])
+    for number, case in enumerate(cases, 1):
+        scene, right = case.scene, json.loads(solve(case.scene, Ivp()).line())
+        n, bat = np.array(right["contact"]["normal"]), np.array(right["contact"]["bat_velocity"])
+        before, tilt = np.array(scene.incoming.velocity), scene.swing.tilt
+        turning = scene.swing.angular_speed * np.array([-math.sin(tilt), 0.0, math.cos(tilt)])
+        spin = np.array(scene.incoming.spin or (0.0, 0.0, 0.0))
+        slip = before - scene.ball.radius * np.cross(spin, n) - bat
+        slip -= scene.bat.radius * np.cross(turning, n)
+        push = scene.ball.mass * (np.array(right["impact"]["velocity"]) - before)
+        right["impact"]["energy_change"] = 2 * right["impact"]["energy_change"] - push @ slip
+        collector.take_line(number, json.dumps(right).encode())
+    first, *_ = diagnose(cases, collector.answers).findings
+    assert first.names == ["energy-not-halved"]
+
+
+def rk4_with_speed_of_start(scene: Any, dt: float) -> dict[str, Any]:
+    """Return the landing of a flight whose steps keep the speed of their start in drag and lift."""
+    k = scene.air.density * math.pi * scene.ball.radius**2 / (2 * scene.ball.mass)
+    x, v = np.array(scene.launch.position), np.array(scene.launch.velocity)
+    axis = np.array([v[1], -v[0], 0.0]) / math.hypot(v[0], v[1])
+
+    def force(u: Any, speed: float) -> Any:
+        drag, lift = scene.air.drag_coefficient, scene.air.lift_coefficient
+        away = k * speed * (lift * np.cross(axis, u) - drag * u)
+        return away - np.array([0.0, 0.0, scene.gravity])
+
+    def step(x: Any, v: Any, h: float) -> tuple[Any, Any]:
+        speed = np.linalg.norm(v)
+        a = force(v, speed)
+        b = force(v + h / 2 * a, speed)
+        c = force(v + h / 2 * b, speed)
+        d = force(v + h * c, speed)
+        return x + h * v + h * h / 6 * (a + b + c), v + h / 6 * (a + 2 * b + 2 * c + d)
+
+    time = 0.0
+    while (new := step(x, v, dt))[0][2] > scene.ground.height:
+        x, v, time = *new, time + dt
+    low, high = 0.0, dt
+    for _ in range(60):
+        middle = (low + high) / 2
+        low, high = (middle, high) if step(x, v, middle)[0][2] > 0 else (low, middle)
+    x, v = step(x, v, low)
+    landing = {"time": time + low, "hang_time": time + low, "distance": math.hypot(*x[:2])}
+    return {"outcome": "landed", "landing": {
+        **landing, "position": [x[0], x[1], 0.0], "velocity": list(v)}}  # fmt: skip
+
+
+@pytest.mark.parametrize("order", [None, 1, 2])
+def test_a_scheme_is_of_the_order_that_was_measured(order: int | None):
+    cases = solved(flights()[:6], Ivp())
+    collector = collected(cases, [])
+    for number, case in enumerate(cases, 1):
+        line = {"id": case.id, **rk4_with_speed_of_start(case.scene, 0.01)}
+        collector.take_line(number, json.dumps(line).encode())
+    first, *_ = diagnose(cases, collector.answers, dt=0.01, order=order).findings
+    if order == 2:
+        assert "converge with order 2" in first.sentence
+        assert not first.names
+    else:
+        assert first.names == ["rk4-speed-of-start"]
+
+
 # --- numbers and signs in some scenes -------------------------------------------------------------
 
 

@@ -314,6 +314,95 @@ def test_a_plate_by_a_straight_line_from_the_last_step_is_no_wrong_pitch():
     assert [f.names for f in found.findings] == [["event-between-steps"]]
 
 
+def ended(case: Case, change: Callable[[Any, float], dict[str, Any]]) -> dict[str, Any]:
+    """Return a flight's right answer with another landing: from the true path and its time."""
+    right = result(case.scene)
+    trial = trial_of(case, answered(case, right))
+    there = placed(trial, NONE, "landing")
+    assert there is not None
+    return {**right, "landing": {**right["landing"], **change(there, there.time)}}
+
+
+def answered(case: Case, right: dict[str, Any]) -> Answer:
+    collector = Collector([case.id])
+    collector.take_line(1, json.dumps(right).encode())
+    return collector.answers[case.id]
+
+
+def at_time(there: Any, time: float) -> dict[str, Any]:
+    """Return what is told of a landing at another time on the true path."""
+    place, velocity = there.way(time), there.velocity(time)
+    told = {"time": time, "hang_time": time, "distance": math.hypot(*place[:2])}
+    return {**told, "position": list(place), "velocity": list(velocity)}
+
+
+def test_a_velocity_on_a_line_between_two_steps_is_no_fault_of_the_flight():
+    def on_line(i: int, case: Case) -> dict[str, Any]:
+        def change(there: Any, time: float) -> dict[str, Any]:
+            share, step = (0.3 + 0.618 * i) % 1, 0.02
+            a, b = (np.array(there.velocity(time + k * step)) for k in (-share, 1 - share))
+            x, y, z = there.way(time)
+            return {"velocity": list(a + share * (b - a)), "position": [x + 1e-9, y, z]}
+
+        return ended(case, change)
+
+    found = diagnosis(solved(flights(), Ivp()), on_line)
+    (velocity,) = [f for f in found.findings if f.stage == "landing velocity"]
+    assert velocity.names == ["event-between-steps"]
+    assert {f.stage for f in found.findings if f.worst > 1e-9} == {"landing velocity"}
+
+
+def test_where_a_wrong_flight_ends_is_not_called_right():
+    cases = solved(flights(), Ivp())
+    found = diagnosis(cases, lambda i, case: result(with_values(case.scene, {"gravity": 9.81})))
+    assert found.first == "flight"
+    assert not {"landing", "landing velocity"} & {*found.clean}
+
+
+@pytest.mark.parametrize(("late", "said"), [(1e-9, "a root is found no better"), (1e-2, "behind")])
+def test_an_end_that_is_late_is_told_with_its_time(late: float, said: str):
+    def answer(i: int, case: Case) -> dict[str, Any]:
+        off = late * ((0.2 + 0.618 * i) % 1 + 0.05)
+        return ended(case, lambda there, time: at_time(there, time + off))
+
+    found = diagnosis(solved(flights(), Ivp()), answer)
+    assert found.first == "landing"
+    (only,) = [f for f in found.findings if f.names]
+    assert only.names == ["landing-beside-surface"]
+    assert said in only.sentence
+
+
+def test_numbers_with_nine_digits_are_one_finding():
+    def short(i: int, case: Case) -> dict[str, Any]:
+        right = json.dumps(result(case.scene))
+        return json.loads(right, parse_float=lambda x: float(f"{float(x):.9g}"))  # type: ignore[no-any-return]
+
+    (only,) = told(solved([*flights(), *at_bats(6)], Ivp()), short)
+    assert only.names == ["few-digits"]
+    assert "9 digits" in only.sentence
+
+
+def test_margins_that_are_all_too_small_are_not_of_the_nearest_place():
+    def farther(i: int, case: Case) -> dict[str, Any]:
+        right = result(case.scene)
+        right["contact"]["margin"] -= 1e-3 * ((0.2 + 0.618 * i) % 1) ** 2
+        return right
+
+    (only,) = told(solved(at_bats(), Ivp()), farther)
+    assert only.names == ["margin-not-nearest"]
+
+
+def test_one_quantity_that_is_wrong_is_named():
+    def odd(i: int, case: Case) -> dict[str, Any]:
+        right = result(case.scene)
+        x, y, z = right["impact"]["velocity"]
+        right["impact"]["velocity"] = [x + 0.01 * math.sin(3 * i + 1), y, z * (1 + i / 50)]
+        return right
+
+    (first, *_) = told(solved(impacts(), Ivp()), odd)
+    assert "impact.velocity is wrong" in first.sentence
+
+
 def test_times_that_are_off_are_no_wrong_touching():
     def late(i: int, case: Case) -> dict[str, Any]:
         told = result(case.scene)

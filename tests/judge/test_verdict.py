@@ -232,6 +232,22 @@ def test_nothing_to_judge_is_no_success(few: list[Known]):
     assert verdict.reasons == ["no answer could be judged"]
     verdict = tried(few, lambda answer: {"id": answer["id"]}, partial=True).verdict
     assert verdict.reasons == ["the answers hold nothing that could be judged"]
+    assert (verdict.judged, verdict.right) == (0, 0)
+
+
+def test_what_the_profile_grants_is_no_error(few: list[Known]):
+    def change(answer: dict) -> dict:
+        if "landing" in answer:
+            answer["landing"]["velocity"][2] += 2e-8
+            answer["landing"]["position"][1] += 3e-8
+        if answer["id"] == "sample-000002":
+            answer["landing"]["distance"] = "far"
+        return answer
+
+    diagnosis = tried(few, change, Converged(1e-6), diagnose=True).verdict.diagnosis
+    assert not any(row.wrong for row in diagnosis.stages)
+    assert diagnosis.findings == []
+    assert any(row.wrong for row in tried(few, change, diagnose=True).verdict.diagnosis.stages)
 
 
 def test_no_number_is_a_fault(few: list[Known]):

@@ -16,6 +16,7 @@ from longball.cli.common import (
     Quiet,
     Seed,
     failing_unless,
+    note,
     progress_bar,
     refusing,
     split_assignment,
@@ -171,6 +172,12 @@ def judge(
             columns = dict(split_assignment("--column", text) for text in column or ())
             found = judge.evaluate_file(results, columns, drawn)
         elif command:
+            if sweep and not knob:
+                values = f"{max(sweep.steps):g} to {min(sweep.steps):g}"
+                note(
+                    f"after this run come at least {sweep.fewest} shorter ones, with {sweep.knob} "
+                    f"= {values}; --steps FROM:TO:COUNT makes them fewer"
+                )
             # One bar for both: the scenes answered, then the runs with other steps.
             with progress_bar("judging", len(judge.cases)) as advance:
                 found = judge.evaluate_command(

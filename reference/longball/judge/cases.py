@@ -172,6 +172,7 @@ class Profile(ABC):
     """A named rule of how near a candidate must come to pass."""
 
     name: str
+    error = 0.0  # in the quantity's SI unit, what passes in any case
 
     @abstractmethod
     def __str__(self) -> str: ...
@@ -209,7 +210,6 @@ class Exact(Profile):
     """As good as double precision can be: within `SLACK` attainable errors."""
 
     name = "exact"
-    error = 0.0  # what passes in any case
 
     def __str__(self) -> str:
         return f"exact: within {SLACK:g} times the error that double precision cannot avoid"

@@ -186,6 +186,19 @@ def touchings(wrong: Sequence[Checked], base: Change) -> Iterator[Explanation]:
             yield Explanation(name, sentence, remedy)
 
 
+def margins(wrong: Sequence[Checked]) -> Iterator[Explanation]:
+    """Yield that the margin alone is wrong, and that of another place than the nearest."""
+    checks = [c for _, cs in wrong for c in cs if not c.follows]
+    short = np.array([c.expected[0] - c.obtained[0] for c in checks])
+    alone = all(c.quantity == "contact.margin" for c in checks)
+    if len(checks) >= ENOUGH and alone and short.min() > 0 and _spread(short) > _SPREAD:
+        yield Explanation(
+            "margin-not-nearest", "takes the margin where the ball is not nearest to the bat's "
+            "axis: it is too small in every scene", "the margin is that of the least distance, "
+            "which is between two steps, where d·v changes sign", quantity="contact.margin",
+        )  # fmt: skip
+
+
 def fences(wrong: Sequence[Checked], base: Change) -> Iterator[Explanation]:
     """Yield what is wrong with when or where a ball passes the fence."""
 
@@ -270,6 +283,32 @@ def _at_steps(
         f"{np.abs(offs).max():.2g} m",
         "interpolate to the surface between the last two steps, in time and velocity too",
         0.0, 1, quantity=f"{stage}.position: event", step=dt,
+    )  # fmt: skip
+
+
+# s: a flight that ends nearer to the surface than this does so by a root that is found no better.
+_LOOSE = 1e-5
+
+
+def beside_surface(stage: str, wrong: Sequence[Checked]) -> Iterator[Explanation]:
+    """Yield by how much flights that follow go on behind the surface, or end before it."""
+    axis, name = (2, "landing.velocity") if stage == "landing" else (0, "plate.velocity")
+    offs, late = [], []
+    for trial, (check, *_) in wrong:
+        speed = abs(trial.given.get(name, (0.0, 0.0, 0.0))[axis])
+        offs.append(check.obtained[0] - check.expected[0])
+        late.append(-offs[-1] / speed if speed else math.inf)
+    if len(late) < ENOUGH or not all(map(math.isfinite, late)):
+        return
+    where = "the ground" if stage == "landing" else "the plate"
+    side = "behind" if min(late) > 0 else "before" if max(late) < 0 else "before or behind"
+    most = max(map(abs, late))
+    loose = "; a root is found no better" if most < _LOOSE else ""
+    yield Explanation(
+        f"{stage}-beside-surface", f"ends the flight up to {most:.1e} s {side} {where}, by up to "
+        f"{max(map(abs, offs)):.1e} m{loose}", "find the time of the end, and the state there, to "
+        "the last digits: no step, and no root of a loose tolerance, is there",
+        quantity=f"{stage}.position: event",
     )  # fmt: skip
 
 
@@ -379,7 +418,7 @@ def on_chords(few: Sought, base: Change, dt: float | None) -> Iterator[Explanati
     share, best = min((left(step), step) for step in tried)
     yield Explanation(
         "linear-event", f"puts the end of the flight on the straight line between two steps of "
-        f"{best:.4g} s; the steps themselves are on the true path",
+        f"{best:.4g} s",
         "step onto the surface, or interpolate with the velocities (Hermite)", share, 0.9,
         Change(engine=FixedStep(dt=best, scheme="chords")), step=best,
         stage="plate" if few.stage == "pitch" else "landing",
@@ -413,19 +452,31 @@ _MANY = 40
 
 
 def between_steps(stage: str, wrong: Sequence[Checked], base: Change) -> Iterator[Explanation]:
-    """Yield that an event is off the true path by what the way from a step to it leaves out."""
+    """Yield that an event is off the true path by what the way from a step to it leaves out.
+
+    At "landing velocity", that the velocity there is so.
+    """
     places = [(t, p) for t, _ in evenly(wrong, _MANY) if (p := placed(t, base, stage))]
     if len(places) < ENOUGH:
         return
-    by = np.array([np.subtract(p.point, p.way(p.time)) for _, p in places])
     times = np.array([p.time for _, p in places])
-    bent = np.array([_acceleration(p) for _, p in places])
-    weight = np.array([(0.0, 0.0, -float(t.scene.gravity)) for t, _ in places])
     event, where = ("plate", "the plate") if stage == "pitch" else ("landing", "the ground")
-    for way, missing in (
-        ("on a straight line, or stays on that to the next step", bent),
-        ("by a parabola without the air", bent - weight),
-    ):
+    if stage == "landing velocity":
+        by = np.array(
+            [np.subtract(t.given["landing.velocity"], p.velocity(p.time)) for t, p in places]
+        )
+        event, what, unit = stage, "landing.velocity is off that of the true path", "m/s"
+        ways = [("on a straight line", np.array([_bend(p.velocity, p.time) for _, p in places]))]
+    else:
+        by = np.array([np.subtract(p.point, p.way(p.time)) for _, p in places])
+        what, unit = "the end is off the true path", "m"
+        bent = np.array([_bend(p.way, p.time) for _, p in places])
+        weight = np.array([(0.0, 0.0, -float(t.scene.gravity)) for t, _ in places])
+        ways = [
+            ("on a straight line, or stays on that to the next step", bent),
+            ("by a parabola without the air", bent - weight),
+        ]
+    for way, missing in ways:
         squares = (missing**2).sum(axis=1)
         if not (np.isfinite(by).all() and np.isfinite(squares).all() and squares.all()):
             continue
@@ -438,18 +489,18 @@ def between_steps(stage: str, wrong: Sequence[Checked], base: Change) -> Iterato
         if all(_spread(halves / times**power) > _SPREAD for power in range(3)):
             most = float(np.linalg.norm(by, axis=1).max())
             yield Explanation(
-                "event-between-steps", f"the end is off the true path by up to {most:.1e} m, as "
-                f"where one goes from a step to {where} {way}; the steps may be right",
+                "event-between-steps", f"{what} by up to {most:.1e} {unit}, as where one goes "
+                f"from a step to {where} {way}",
                 "step onto the surface, or interpolate by the order of the integrator", left, 4,
                 allowed=_ALONG, stage=event,
             )  # fmt: skip
             return
 
 
-def _acceleration(place: Placed) -> Array:
-    """Return the acceleration on the true path, shortly before a time, m/s²."""
+def _bend(way: Callable[[float], Sequence[float]], time: float) -> Array:
+    """Return the second derivative of a way, shortly before a time, 1/s²."""
     try:
-        a, b, c = (np.array(place.way(place.time - k * _TICK)) for k in range(3))
+        a, b, c = (np.array(way(time - k * _TICK)) for k in range(3))
     except (ArithmeticError, ValueError):  # the flight cannot be followed beyond its end
         return np.full(3, np.nan)
     found: Array = (a - 2 * b + c) / _TICK**2

@@ -46,6 +46,7 @@ from longball.judge.stages import (
     COLLISION,
     ENOUGH,
     NONE,
+    SHORT,
     STAGES,
     Change,
     Check,
@@ -68,6 +69,9 @@ OTHERS = 3
 # hardly decide: beside a cause that is named, so few are not worth a line.
 FEW_UNSEEN = 0.05
 
+# Where a wrong flight ends is seen to be on the surface, and no more: not that it is there in time.
+ENDS_OF = {"plate": "pitch", "landing": "flight", "landing velocity": "flight"}
+
 # What the impact tells besides numbers, which a change of it may change.
 MADE = ("impact.mode",)
 
@@ -88,6 +92,9 @@ DOUBT_OF_STEPS = 1e-6
 # Steps of all flights together that are followed with a scheme.
 MOST_STEPS = 15_000
 
+# Half a unit in the last digit, relative, of numbers with `SHORT` digits.
+SINGLE_SHARE = 0.5 * 10.0 ** (1 - SHORT)
+
 # What stands for a factor of k = ρ A/(2 m).
 STRENGTH = "air.density*"
 
@@ -97,6 +104,11 @@ INHERITING = ("touching", "normal speed", "velocity after")
 MAYBE_STEPS = (
     "; an error of this size may be in a number, or the integrator's (long steps, a loose "
     "tolerance): see whether shorter steps change it"
+)
+
+OF_ORDER = (
+    "; its runs with several time steps converge with order {}: look for what is of that order in "
+    "a step"
 )
 
 # Explanations that are looked at as one at a stage, the second for what the first has left.
@@ -110,6 +122,8 @@ def diagnose(
     scheme: Verlet | None = None,
     causes: bool = True,
     wrong: Collection[str] = (),
+    granted: float = 0.0,
+    order: int | None = None,
 ) -> Diagnosis:
     """Return what is wrong with a candidate's answers.
 
@@ -127,9 +141,13 @@ def diagnose(
         Whether causes are sought; they are not in answers that change from run to run.
     wrong
         The ids of the answers that are wrong by the profile.
+    granted
+        The error of a quantity that the profile passes, in its unit.
+    order
+        With which its errors fall as its time step does, if that was measured.
     """
     trials = [
-        trial_of(case, answer)
+        trial_of(case, answer, granted)
         for case in cases
         if decidable(case)
         and (answer := answers.get(case.id))
@@ -142,10 +160,14 @@ def diagnose(
     if 2 * sum(t.resolution > 0 or t.share > 0 for t in trials) <= len(trials):
         # A few answers have short numbers by chance, such as those of the scene.
         trials = [replace(t, resolution=0.0, share=0.0) for t in trials]
-    single = relations.in_single_precision(answers.values())
-    unread = sum(bool(answer.unreadable) for answer in answers.values())
+    if single := relations.in_single_precision(answers.values()):
+        # Written with nine digits, they are right to seven.
+        trials = [replace(t, share=t.share if t.share >= SINGLE_SHARE else 0.0) for t in trials]
+    unread = {name for name, answer in answers.items() if answer.unreadable}
     base = NONE if scheme is None else Change(engine=scheme, push=True)
-    return _Search(trials, dt, scheme, causes, single, unread, frozenset(wrong), base).diagnosis()
+    return _Search(
+        trials, dt, order, scheme, causes, single, unread, frozenset(wrong), base
+    ).diagnosis()
 
 
 @dataclass
@@ -154,12 +176,12 @@ class _Search:
 
     Attributes
     ----------
-    trials, dt, scheme, causes, wrong
+    trials, dt, order, scheme, causes, wrong
         See `diagnose`.
     single
         Whether the answers are in single precision.
     unread
-        Answers with values that are no numbers.
+        Ids of answers with values that are no numbers.
     base
         The chain as far as it is explained.
     excused
@@ -180,10 +202,11 @@ class _Search:
 
     trials: list[Trial]
     dt: float | None
+    order: int | None
     scheme: Verlet | None
     causes: bool
     single: bool
-    unread: int
+    unread: Collection[str]
     wrong: Collection[str]
     base: Change
     findings: list[Finding] = field(default_factory=list)
@@ -227,7 +250,12 @@ class _Search:
         self.findings.sort(key=lambda f: not f.names and f.worst < MINOR * largest)
         rows = _where_made(rows, self.moved, {f.stage for f in self.findings}, facts)
         absent = {_absent(t) for t, cs in checks if t.confused and all(c.follows for c in cs)}
-        clean = [r.stage for r in rows if not r.wrong and r.stage not in absent]
+        known_wrong = {r.stage for r in rows if r.wrong}
+        clean = [
+            r.stage
+            for r in rows
+            if r.stage not in known_wrong | absent and ENDS_OF.get(r.stage) not in known_wrong
+        ]
         rows = self._without_inherited(rows)
         lead = next(
             (r for r in rows if r.wrong and (r.worst >= MINOR * largest or r.stage in known)), None
@@ -259,6 +287,7 @@ class _Search:
             t
             for t, cs in checks
             if t.case.id in self.wrong
+            and t.case.id not in self.unread
             and not t.confused
             and not untrue(t.case.expected, t.told)
             and not superfluous(t.case.expected.outcome, t.expected, t.given)
@@ -267,14 +296,15 @@ class _Search:
         if not small:
             return None
         return found(
-            "all", f"{many(len(small), 'answer')} wrong though each stage follows, as far as that "
-            "can be told; they are among the wrong answers", len(small), len(checks), worst=0.0,
+            "all", f"{many(len(small), 'answer')} wrong in which no stage is so far off that it "
+            "can be told to be at fault", len(small), len(checks), worst=0.0,
             example=small[0].case.id,
         )  # fmt: skip
 
     def _sentence(self, first: StageRow | None, clean: Sequence[str]) -> str:
         """Return it all in a sentence."""
-        unread = f"{self.unread} answers hold values that are no numbers" if self.unread else ""
+        count = len(self.unread)
+        unread = f"{count} answers hold values that are no numbers" if count else ""
         if not self.findings:
             if not clean:
                 return unread or "nothing is answered that could be followed"
@@ -356,14 +386,16 @@ class _Search:
         before = self.begun.get(stage, 0.0)
         # Of a number that is found the last digits are not known.
         rest = FINE if before else FAINT if self.begun else 0.0
-        if _usual(sizes) < rest or self._is_own(wrong, good):
+        failures = sum(size > 0 for size in sizes)
+        if _usual(sizes) < rest or self._is_own(wrong, good, failures):
             self._leave(stage, wrong)
             return False
         right = [t for t, _ in good]
         quantity = max((c for _, cs in wrong for c in cs), key=lambda c: c.error / c.scale).quantity
         scenes = _told_apart(seen, sizes, minor)
+        wrong_ones = {c.quantity for _, cs in wrong for c in cs if not c.follows}
         told = found(
-            stage, _unknown(stage, sizes, minor, before > 0), len(wrong),
+            stage, _unknown(stage, wrong_ones, sizes, minor, before > 0), len(wrong),
             len(wrong) + len(right), quantity=quantity.partition(":")[0], worst=worst,
             scenes=scenes,
         )  # fmt: skip
@@ -371,9 +403,9 @@ class _Search:
         little = worst < MINOR * min(before, 1.0)
         stepped = before and (isinstance(self.base.engine, Verlet) or self.jumps)
         # Large in a graze is what an earlier stage has left there, or had wrong from the beginning.
-        left = self.loose.keys() | (self.thrown if stage in INHERITING else ())
         few = len(wrong) < max(ENOUGH, (len(wrong) + len(good)) / ONE_IN)
-        inherited = few and all(t.case.id in left for t, _ in wrong)
+        left = self.loose.keys() | self.thrown
+        inherited = stage in INHERITING and few and all(t.case.id in left for t, _ in wrong)
         searched = self.causes and not (little or stepped or inherited)
         if searched and scenes:
             failing = {id(t) for t, _ in wrong}
@@ -403,7 +435,9 @@ class _Search:
             if searched and stage in ("pitch", "flight"):
                 chosen = [t for t, _ in evenly(wrong, SOUGHT)]
                 more = fits.scene_by_scene(Sought(chosen, (), (stage,), self.base, self.work))
-                if not more and worst < 1e-4 and not scenes:
+                if self.order is not None:
+                    more += OF_ORDER.format(self.order)
+                elif not more and worst < 1e-4 and not scenes:
                     more = MAYBE_STEPS
                 told = told.model_copy(update={"sentence": told.sentence + more})
             self.findings.append(told)
@@ -443,12 +477,18 @@ class _Search:
         self._followed = None
         return True
 
-    def _is_own(self, wrong: Sequence[Checked], good: Sequence[Checked]) -> bool:
-        """Tell whether errors are those of flights with what is found so far in them."""
-        few = ONE_IN * len(wrong) <= len(wrong) + len(good)
+    def _is_own(self, wrong: Sequence[Checked], good: Sequence[Checked], failures: int) -> bool:
+        """Tell whether errors are those of flights with what is found so far in them.
+
+        `failures` tells in how many scenes there are some, minor ones too.
+        """
+        seen = len(wrong) + len(good)
         # A scene passes a jump where a flight is sensitive to it, or a scheme its own start.
-        if self.jumps or isinstance(self.base.engine, FixedStep):
-            return few
+        if self.jumps:
+            return ONE_IN * len(wrong) <= seen
+        if isinstance(self.base.engine, FixedStep):
+            return ONE_IN * failures <= seen
+        few = ONE_IN * len(wrong) <= seen
         if not self.begun:
             return False
         worst = max((size_of(c) for _, cs in wrong for c in cs), default=0.0)
@@ -649,8 +689,11 @@ class _Search:
         if found := list(relations.singles(wrong)):
             return found
         together = self._with_flights(wrong, right, checks) if stage == "pitch" else None
+        at_surface = clocks.beside_surface(stage, wrong) if stage in ("plate", "landing") else ()
         if max(size_of(c) for _, cs in wrong for c in cs if not c.follows) < FINE:
-            ratios = list(relations.relations(chosen, beside, self.base))
+            ratios = [*relations.relations(chosen, beside, self.base), *at_surface]
+            if any(e.named for e in ratios):
+                return ratios
             return [*ratios, *_fine([together, sought] if together else [sought])]
         found = [
             *relations.relations(chosen, beside, self.base),
@@ -659,10 +702,16 @@ class _Search:
         ]
         if stage in ("landing", "plate"):
             found += clocks.ends(stage, chosen, self.trials, self.dt)
+            if not any(e.named for e in found):
+                found += at_surface
+        if stage == "landing velocity":
+            found += clocks.between_steps(stage, wrong, self.base)
         if stage == "fence":
             found += clocks.fences(wrong, self.base)
         if stage == "touching":
             found += clocks.touchings(wrong, self.base)
+            if not any(e.named for e in found):
+                found += clocks.margins(wrong)
         if stage not in COLLISION and any(e.named for e in found):
             return found
         if together:
@@ -676,7 +725,7 @@ class _Search:
                 known = self.dt or clocks.grid(stage, self.trials)
                 found += clocks.on_chords(sought.some(4), self.base, known)
                 if not any(e.named for e in found):
-                    found += schemes(sought, known)
+                    found += schemes(sought, known, self.order)
                 # What flies the pitch flies the batted ball.
                 self.stepless = not any(e.named for e in found)
             if not any(e.named for e in found):
@@ -847,11 +896,17 @@ def _is_telling(e: Explanation) -> bool:
     return not any_ratio and not fits.is_odd(e)
 
 
-def _unknown(stage: str, sizes: Sequence[float], minor: float, rest: bool) -> str:
-    """Return what can be said where nothing explains errors of these sizes, in such scenes."""
+def _unknown(
+    stage: str, quantities: Collection[str], sizes: Sequence[float], minor: float, rest: bool
+) -> str:
+    """Return what can be said where nothing explains errors of these sizes, in such scenes.
+
+    `quantities` are those that are wrong; a single one is named.
+    """
     worst, wrong = max(sizes), sum(size > minor for size in sizes)
-    sentence = f"{'what is left at ' if rest else ''}{stage}: wrong by up to {worst:.1e} of the "
-    sentence += f"quantity in {many(wrong, 'scene')}"
+    sentence = f"{'what is left at ' if rest else ''}{stage}: "
+    sentence += f"{' and '.join(quantities)} is " if len(quantities) == 1 else ""
+    sentence += f"wrong by up to {worst:.1e} of the quantity in {many(wrong, 'scene')}"
     if smaller := sum(0 < size <= minor for size in sizes):
         sentence += f" (in {smaller} more by less than {minor:.0e})"
     sentence += ", and none of the known mistakes or fitted numbers explains it"

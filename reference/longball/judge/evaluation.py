@@ -20,7 +20,7 @@ from longball.judge.diagnosis import diagnose
 from longball.judge.paths import as_written
 from longball.judge.rules import shrunk
 from longball.judge.sampling import Sampling
-from longball.judge.step_sweep import FAMILIES, StepSweep, sample, with_step
+from longball.judge.step_sweep import FAMILIES, StepSweep, order_of, sample, with_step
 from longball.judge.testing import line_of
 from longball.judge.verdict import Comparison, Submission, Verdict, compare, failure, verdict
 from longball.model.scene import Scene
@@ -233,7 +233,11 @@ class Judge:
             }
             scheme = engine if isinstance(engine, Verlet) else None
             failed = [c.case.id for c in comparisons if c.judged and not c.passed]
-            diagnosis = diagnose(truths, whole, self.dt, scheme, not conduct, failed)
+            granted = self.profile.error
+            report = submission.convergence if self.dt else None
+            order = order_of(report) if report else None
+            known = scheme, not conduct, failed, granted, order
+            diagnosis = diagnose(truths, whole, self.dt, *known)
             diagnosis = diagnosis.model_copy(update={"conduct": list(conduct)})
             if not diagnosis.findings:
                 wrong_in = {f.what for c in comparisons if not c.passed for f in failure(c).faults}

@@ -666,6 +666,8 @@ def pairs(sought: Sought, known: Sequence[Explanation]) -> Iterator[Explanation]
         return
     columns: list[tuple[Explanation | str, list[Array]]] = []
     for e in known:
+        if sought.work.exhausted:
+            return
         # Free, an odd number stands among the slopes.
         effect = None if is_odd(e) or e.change is None else _effect(few, e.change)
         if effect and sum(np.abs(x).sum() for x in effect) > 1e-9:

@@ -120,6 +120,10 @@ def _lifts(term: Term) -> bool:
     return isinstance(term, Lift) or any("lift" in name for name in term.parameters)
 
 
+def _lifting(term: Term) -> bool:
+    return isinstance(term, Lift | Force) and _lifts(term)
+
+
 def _multiplied(form: Any, factor: Callable[[Motion, Any], Any]) -> Term:
     """Return a drag, a lift or another force times a factor, of the motion and the parameters."""
     match form:
@@ -408,6 +412,9 @@ _PAPERS_LAW: tuple[Mistake, ...] = (
     Mistake("lift-not-across", "turns the horizontal part of the lift the wrong way: it is not "
             "perpendicular to the velocity", _ACROSS,
             _lift(lambda u, w, speed: (speed * w, trace.ZERO, speed * u))),
+    Mistake("lift-vertical-sign", "turns the vertical part of the lift the wrong way: it is not "
+            "perpendicular to the velocity", _ACROSS,
+            _lift(lambda u, w, speed: (-speed * w, trace.ZERO, -speed * u))),
     Mistake("lift-with-v", "lets the lift grow with V, not with V²", "the lift is ½ C_L ρ A V²",
             _lift_rate(lambda m, flow: 1.0), scaled="air.lift_coefficient"),
     Mistake("lift-with-horizontal-speed", "takes the horizontal speed for V in the lift", _ACROSS,
@@ -559,12 +566,16 @@ def _of_weather(scene: Any, **other: float) -> float:
     return float(density(with_values(scene, named), DOUBLES))
 
 
-def _vapour_of_kelvin(scene: Any, weather: Any) -> float:
-    """Return the density with the vapour's pressure at T in K where °C belongs."""
-    t = weather.temperature
-    dry, hot = (_of_weather(scene, humidity=0.0, temperature=x) for x in (t, t + ZERO_CELSIUS))
-    vapour = hot - _of_weather(scene, temperature=t + ZERO_CELSIUS)
-    return dry - vapour * float((t + ZERO_CELSIUS) / t)
+def _vapour_warmer(by: float) -> Change:
+    """Return the change of the density to that with the vapour's pressure at T + by, K."""
+
+    def formula(scene: Any, weather: Any) -> float:
+        t = weather.temperature
+        dry, hot = (_of_weather(scene, humidity=0.0, temperature=x) for x in (t, t + by))
+        vapour = hot - _of_weather(scene, temperature=t + by)
+        return dry - vapour * float((t + by) / t)
+
+    return _density(formula)
 
 
 def _with_vapour(pressure: Callable[[float], float]) -> Change:
@@ -1018,6 +1029,10 @@ EXTENDED: tuple[Mistake, ...] = (
     Mistake("wind-in-direction-only", "drags along the velocity through the air, but by the speed "
             "over the ground", _WIND,
             _terms(lambda f: _ground_speed(f) if isinstance(f, Drag) else f)),
+    Mistake("speed-over-ground", "takes the speed over the ground for U in k C_D U u, and the "
+            "airspeed in C_D", _WIND,
+            _terms(_forms(_drags, lambda form: _multiplied(
+                form, lambda m, p: size(m.velocity) / m.speed)))),
     Mistake("crisis-over-ground", "takes the speed over the ground for U in the drag crisis",
             "C_D = a + (b - a)/(1 + e^((U - U_c)/δ)), with the airspeed U",
             _replaced(CRISIS, replace(CRISIS, rate=lambda m, p: _ground_speed(CRISIS).rate(m, p) * (
@@ -1048,7 +1063,9 @@ EXTENDED: tuple[Mistake, ...] = (
             _density(lambda s, w: (
                 _of_weather(s) * (w.temperature / (w.temperature - ZERO_CELSIUS))))),
     Mistake("kelvin-in-vapour", "takes the vapour pressure at the temperature in K", _WEATHER,
-            _density(_vapour_of_kelvin)),
+            _vapour_warmer(ZERO_CELSIUS)),
+    *(Mistake(f"vapour-zero-at-{zero:g}", f"takes {zero:g} K for 0 °C in the vapour pressure",
+              _WEATHER, _vapour_warmer(ZERO_CELSIUS - zero)) for zero in (273.0, 273.16)),
     Mistake("humidity-per-cent", "takes the humidity for per cent", _WEATHER,
             _density(lambda s, w: _of_weather(s, humidity=w.humidity / 100))),
     Mistake("humidity-to-per-cent", "turns the humidity into per cent", _WEATHER,
@@ -1101,6 +1118,10 @@ EXTENDED: tuple[Mistake, ...] = (
     Mistake("density-the-same-aloft", "has the same density at all heights",
             "the density falls by e in density_scale_height",
             scene_change(lambda scene: {"air.density_scale_height": None})),
+    *(Mistake(f"{way}-the-same-aloft", f"has the density of z = 0 at all heights in the {way}",
+              "the density falls by e in density_scale_height, for drag and lift alike",
+              _terms(_forms(which, lambda form: _multiplied(form, lambda m, p: 1.0 / m.density))))
+      for way, which in (("drag", _drags), ("lift", _lifting))),
     Mistake("no-earth", "leaves the Earth's rotation out", "add -2 Ω × v",
             scene_change(lambda scene: {"earth": None})),
     Mistake("earth-sign", "turns the Earth the other way round", _EARTH,
@@ -1268,10 +1289,6 @@ def _faster_sound(scene: Any) -> Any:
     """Return a scene with the nodes of its tables of the Mach number as the speed of sound."""
     share = getattr(scene, "sound", 1.0)
     return _tables(lambda nodes, values: ([x * share for x in nodes], values), "mach").scene(scene)
-
-
-def _lifting(term: Term) -> bool:
-    return isinstance(term, Lift | Force) and _lifts(term)
 
 
 OWN: dict[str, Own] = {

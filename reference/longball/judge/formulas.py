@@ -10,6 +10,7 @@ from typing import Any
 from longball.judge.changes import Mistake, reading_change
 from longball.judge.stages import Numbers
 from longball.model.bat import CollisionParameters, collision_parameters, moment_of_inertia
+from longball.model.force import cross
 from longball.model.numbers import DOUBLES, dot, plus
 from longball.model.readings import Reading
 
@@ -192,6 +193,21 @@ def _whole_impulse(v: View) -> Numbers:
 
 def _energy(mass: Number = lambda v: v.mu, loss: Number = lambda v: 1 - v.restitution**2) -> Value:
     return lambda v: (-0.5 * mass(v) * loss(v) * v.number("contact.normal_speed") ** 2,)
+
+
+def _energy_not_halved(v: View) -> Numbers:
+    """Return P·(g + K P), which is 2 ΔE - P·g, with the whole impulse P and the slip g."""
+    ball, bat, n = v.scene.ball, v.scene.bat, v["contact.normal"]
+    x, z = _cos_sin(v.scene.swing.tilt)
+    of_ball = _across(v.values.get("contact.spin", (0.0, 0.0, 0.0)), n)
+    of_bat = _across((-v.scene.swing.angular_speed * z, 0.0, v.scene.swing.angular_speed * x), n)
+    slip = plus(plus(v.relative, -ball.radius, of_ball), -bat.radius, of_bat)
+    push = plus(v["impact.velocity"], -1.0, v.before)
+    return (2 * v.number("impact.energy_change:follows") - v.m * dot(push, slip),)
+
+
+def _across(turning: Numbers, n: Numbers) -> Numbers:
+    return cross((turning[0], turning[1], turning[2]), (n[0], n[1], n[2]))
 
 
 def _less(quantity: str, what: Value) -> Value:
@@ -399,6 +415,8 @@ FORMULAS: tuple[Formula, ...] = (
         ("energy-of-ball", "counts the ball's energy only", lambda v: (0.5 * v.m * (
             sum(x * x for x in v["impact.velocity"]) - sum(x * x for x in v.before)),)),
         ("energy-with-ball-mass", "takes the ball's mass for μ", _energy(lambda v: v.m)),
+        ("energy-not-halved", "leaves the ½ out: P·(g + K P)", _energy_not_halved,
+         "ΔE = P·(g + K P/2), with the whole impulse P"),
         ("energy-without-friction", "counts what the normal impulse does, and not what friction "
          "does", _energy(), "ΔE = P·(g + K P/2), with the whole impulse P")),
     *_wrong("impact.spin", _SPUN,
@@ -413,7 +431,7 @@ FORMULAS: tuple[Formula, ...] = (
          _less("impact.spin", lambda v: v["contact.spin"]))),
     *_wrong("landing.spin", "spin falls by e along spin_decay_length of path through the air",
         ("spin-of-launch", "gives the spin of the launch for that at landing",
-         lambda v: tuple(v.scene.launch.spin))),
+         lambda v: tuple(v.scene.launch.spin) if v.scene.kind == "flight" else v["impact.spin"])),
     *_wrong("landing.time", "landing.time = contact.time + landing.hang_time",
         ("time-since-contact", "counts landing.time from the contact",
          lambda v: v["landing.hang_time"],

@@ -50,7 +50,7 @@ def _case(comparison: Comparison, failures: dict[str, Failure]) -> ElementTree.E
         child.text = printable("\n".join([*sentences, f"scene: {case.scene.line()}"]))
     elif not comparison.judged:
         ElementTree.SubElement(element, "skipped", message="double precision cannot decide")
-    elif comparison.answer is None:
+    elif comparison.answer is None or comparison.empty:
         ElementTree.SubElement(element, "skipped", message="no answer")
     elif comparison.answer.error is not None:
         reason = f"refused: {comparison.answer.error}"

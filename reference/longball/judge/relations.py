@@ -82,6 +82,7 @@ def relations(
             yield Explanation(
                 name, sentence, None, left, RELATION + number / 100, quantity=quantity,
                 value=_image_value(quantity, image, base), against=against,
+                stage="landing" if quantity == "landing.position" else None,
             )  # fmt: skip
 
 

@@ -108,6 +108,8 @@ class Trial:
         of numbers with few digits, relative to them.
     right
         Whether all that it says is true.
+    granted
+        The error of a quantity that counts as none, in its unit.
     """
 
     case: Case
@@ -119,6 +121,7 @@ class Trial:
     share: float = 0.0
     right: bool = False
     told: Mapping[str, object] = field(default_factory=dict)
+    granted: float = 0.0
 
     @property
     def scene(self) -> Any:
@@ -172,12 +175,16 @@ class Check:
         return self.error <= self.tolerance
 
 
+# A law that errs by so much in the velocity errs by some of that times the time of flight in the
+# place. What errs less there, by this factor, errs at the end only.
+AT_THE_END = 3e-3
+
 # Values given that are no state that a ball can be in, or parts that contradict each other.
 _NO_STATE = (CannotSolve, Undecided, ArithmeticError, ValueError, KeyError, IndexError)
 
 
-def trial_of(case: Case, answer: Answer) -> Trial:
-    """Return a case and its answer in doubles."""
+def trial_of(case: Case, answer: Answer, granted: float = 0.0) -> Trial:
+    """Return a case and its answer in doubles; `granted` is the error that counts as none."""
     # Of points without velocities the slope is known, which many integrators do not move by.
     slopes = answer.path is not None and answer.path.shape[1] == 4
     given = {
@@ -189,17 +196,20 @@ def trial_of(case: Case, answer: Answer) -> Trial:
     right = answer.outcome in (None, case.expected.outcome) and all(
         name in expected
         and difference(value, expected[name])
-        <= SLACK * attainable(case, name) + length(radius_of(case.expected, name))
+        <= max(granted, SLACK * attainable(case, name) + length(radius_of(case.expected, name)))
         for name, value in answer.values.items()
     )
     true = {name: tuple(map(float, value)) for name, value in expected.items()}
     bounds = {name: (length(value), attainable(case, name)) for name, value in expected.items()}
     written = _resolution(answer), _share(answer)
-    return Trial(case, given, true, bounds, answer.outcome, *written, right, answer.told)
+    return Trial(case, given, true, bounds, answer.outcome, *written, right, answer.told, granted)
 
 
 # Whoever writes so few digits leaves out more than single precision does.
 SHORT = 7
+
+# Numbers with more digits are doubles, or as good.
+MOST_DIGITS = 12
 
 # Fewer numbers than this may be short, or in single precision, by chance: 2.0 is.
 ENOUGH = 5
@@ -208,7 +218,7 @@ ENOUGH = 5
 def _share(answer: Answer) -> float:
     """Return half a unit in the last digit written, relative, if all numbers have few digits."""
     written = [digits(x) for value in answer.values.values() for x in value]
-    few = len(written) >= ENOUGH and max(written) <= SHORT
+    few = len(written) >= ENOUGH and max(written) <= MOST_DIGITS
     return 0.5 * 10.0 ** (1 - max(written)) if few else 0.0
 
 
@@ -314,8 +324,8 @@ class Placed:
         The candidate's, s since the flight begins.
     point
         The candidate's, m.
-    way
-        The true path: from the time to the place.
+    way, velocity
+        The true path: from the time to the place, and to the velocity.
     """
 
     off: float
@@ -324,6 +334,7 @@ class Placed:
     time: float
     point: Numbers
     way: Callable[[float], Numbers]
+    velocity: Callable[[float], Numbers]
 
 
 def placed(trial: Trial, change: Change, stage: str) -> Placed | None:
@@ -359,7 +370,9 @@ def placed(trial: Trial, change: Change, stage: str) -> Placed | None:
     off, moved = math.dist(nearest, point), math.dist(there, point)
     if not math.isfinite(off + moved):
         return None
-    return Placed(off, flown - time, moved, flown, point, lambda t: _at(leg, t)[0])
+    return Placed(
+        off, flown - time, moved, flown, point, lambda t: _at(leg, t)[0], lambda t: _at(leg, t)[1]
+    )
 
 
 def view_values(
@@ -667,8 +680,10 @@ class _Following:
             there = self._check("landing.position", place)
             yield there
             # Where the place is right the law is, and the velocity is another matter.
-            apart = there.follows and "landing velocity" in only
-            yield from self._maybe("landing.velocity", speed, "" if apart else "flight")
+            for check in self._maybe("landing.velocity", speed):
+                apart = there.follows and "landing velocity" in only
+                at_end = not check.follows and there.error < AT_THE_END * check.error * abs(flown)
+                yield check if apart or at_end else replace(check, stage="flight")
             yield from self._decay(case, leg, flown, there)
         elif "landing.time" in case.answer:
             for name in ("landing.position", "landing.velocity", "landing.hang_time"):
@@ -765,7 +780,7 @@ class _Following:
         few = self.trial.resolution + self.trial.share * large
         # What is given alone follows from the scene, and not from numbers with few digits.
         amplified = HANDED_ON if len(self.given) > 1 else 1.0
-        return max(SLACK * own, rounding * large) + amplified * few
+        return max(SLACK * own, rounding * large, self.trial.granted) + amplified * few
 
     def _check(self, quantity: str, follows: Any, stage: str = "") -> Check:
         """Return a quantity beside what follows; its stage is the usual one if not given."""

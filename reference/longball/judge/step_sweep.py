@@ -132,6 +132,11 @@ class StepSweep:
         steps = [1 / size for size in sizes] if sizes[0] < sizes[-1] else sizes
         return cls(steps, expected, phases=1, knob=name, words=words, **options)
 
+    @property
+    def fewest(self) -> int:
+        """How many runs there are, if no quantity jumps with the phase of the step."""
+        return len(self.steps) * min(2, self.phases)
+
     def filled(self, command: Sequence[str]) -> list[str]:
         """Return a command with the finest value of a knob in its place; as it is with {dt}."""
         return self._with(command, min(self.steps)) if self.words else list(command)
@@ -181,6 +186,20 @@ class StepSweep:
 
         options: dict[str, Any] = {"phases": self.phases, "progress": self.progress}
         return converge(answers, scenes, self.steps, truth, self.expected, **options), issues
+
+
+# How near to a whole number an order is that is told as one.
+WHOLE = 0.1
+
+
+def order_of(report: ConvergenceReport) -> int | None:
+    """Return the order of a candidate's errors, if all have the same, and fall to nothing."""
+    orders = [o.order for o in report.orders if o.order is not None]
+    settled = all(abs(x - round(x)) < WHOLE for x in orders) and not any(
+        o.verdict == "wrong limit" for o in report.orders
+    )
+    whole = {round(x) for x in orders}
+    return whole.pop() if settled and len(whole) == 1 else None
 
 
 def _sample(answer: Answer, scene: Scene) -> Sample:

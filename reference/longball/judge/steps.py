@@ -77,8 +77,8 @@ def _runge_kutta(
     return step
 
 
-def _drag_of_start(step: Step) -> Step:
-    """Return a step whose drag is that of the speed at the step's start, in still air.
+def _with_speed_of_start(step: Step, lifts: bool) -> Step:
+    """Return a step whose drag takes V at the step's start, in still air; the lift too if `lifts`.
 
     Of the force without gravity, which is that on a ball at rest, what lies along the velocity is
     the drag.
@@ -95,8 +95,12 @@ def _drag_of_start(step: Step) -> Step:
             for v, a, g in zip(velocity, force, weight, strict=True):
                 square += v * v
                 along += v * (a - g)
-            more = (begun / math.sqrt(square) - 1) * along / square
-            return (*found[:n], *plus(force, more, velocity), *found[2 * n :])
+            more = begun / math.sqrt(square) - 1
+            if lifts:
+                changed = plus(force, more, plus(force, -1.0, weight))
+            else:
+                changed = plus(force, more * along / square, velocity)
+            return (*found[:n], *changed, *found[2 * n :])
 
         return step(rates, s, h, left)
 
@@ -198,8 +202,10 @@ SCHEMES: dict[str, Scheme] = {
                                "position moves with the velocity at the step's start"),
     "rk4-new-velocity": Scheme(_runge_kutta(whose="new"), 1, "RK4 for the velocity, but the "
                                "position moves with the velocity at the step's end"),
-    "rk4-drag-of-start": Scheme(_drag_of_start(_runge_kutta()), 1,
+    "rk4-drag-of-start": Scheme(_with_speed_of_start(_runge_kutta(), False), 1,
                                 "RK4 whose drag takes the speed at the step's start"),
+    "rk4-speed-of-start": Scheme(_with_speed_of_start(_runge_kutta(), True), 1,
+                                 "RK4 whose drag and lift take the speed at the step's start"),
     "rk4-mean-velocity": Scheme(
         _runge_kutta(whose="mean"), 2, "RK4 for the velocity, but the position moves with the mean "
         "of the velocities at the step's ends"),
@@ -476,7 +482,8 @@ LONG = 2e-3
 _SHORTER = "take shorter steps, or a method of higher order"
 _STAGES = (
     "an RK4 step has four slopes: at its start, twice in its middle and at its end, each from the "
-    "one before, for position and velocity alike, and weighted as 1, 2, 2, 1"
+    "one before, with the forces of its own state, for position and velocity alike, and weighted "
+    "as 1, 2, 2, 1"
 )
 _ORDER = (
     "if that is less than the order of your scheme, one of its stages or weights is wrong; if not, "
@@ -499,6 +506,11 @@ class _Way:
     def order(self) -> int:
         return SCHEMES[self.name].order
 
+    @property
+    def whole(self) -> int:
+        """The order of the whole flight: a line between two steps has one of 2."""
+        return min(self.order, 2) if self.ends == "line" else self.order
+
     def change(self, dt: float) -> Change:
         """Return the chain that flies so."""
         treatment = SCHEMES[self.name].treatment
@@ -519,8 +531,16 @@ class _Way:
         )  # fmt: skip
 
 
-def schemes(sought: Sought, known: float | None) -> Iterator[Explanation]:
-    """Yield schemes with the step that fits best; `known` is the candidate's, s, if it is known."""
+def schemes(sought: Sought, known: float | None, order: int | None) -> Iterator[Explanation]:
+    """Yield schemes with the step that fits best.
+
+    Parameters
+    ----------
+    known
+        The candidate's step, s, if it is known.
+    order
+        Of its errors, if that was measured: no scheme of another one is its own.
+    """
     few = sought.some(FEW)
     base = few.residual()
     if base is None:
@@ -529,6 +549,8 @@ def schemes(sought: Sought, known: float | None) -> Iterator[Explanation]:
     for way in (_Way(name, ends) for name in SCHEMES for ends in get_args(Ends)):
         if sought.work.spent:
             return
+        if order not in (None, way.whole):
+            continue
         dt = known or _scaled(few, base, way, FIRST)
         if not dt or dt < SHORTEST / NEAR or (way.ends == "line" and dt < FINE_STEP):
             continue  # with such steps, the line between two of them is the path

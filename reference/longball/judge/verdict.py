@@ -176,6 +176,13 @@ class Comparison:
         )
 
     @property
+    def empty(self) -> bool:
+        """Whether there is an answer that holds nothing to be judged."""
+        given = self.answer
+        held = given is None or self.refused or self.measured or given.outcome or given.told
+        return self.judged and self.passed and not held
+
+    @property
     def complete(self) -> bool:
         """Whether there is an answer with all quantities of the truth."""
         return self.answer is not None and not self.refused and not self.lacking
@@ -447,7 +454,7 @@ def verdict(
     diagnosis
         From `longball.judge.diagnosis`.
     """
-    judged = [c for c in comparisons if c.judged and c.answer is not None and not c.refused]
+    judged = [c for c in comparisons if c.judged and c.answer and not (c.refused or c.empty)]
     failures = sorted((failure(c) for c in judged if not c.passed), key=lambda f: -f.excess)
     refused = [
         Unsolved(id=c.case.id, reason=c.answer.error)
@@ -511,9 +518,9 @@ def _reasons(
 ) -> list[str]:
     reasons = []
     if comparisons and not judged:
-        reasons.append("no answer could be judged")
-    elif judged and not any(c.measured or "outcome" not in c.missing for c in judged):
-        reasons.append("the answers hold nothing that could be judged")
+        empty = any(c.empty for c in comparisons)
+        what = "the answers hold nothing that could" if empty else "no answer could"
+        reasons.append(f"{what} be judged")
     if failures:
         reasons.append(f"{len(failures)} of {len(judged)} answers are wrong")
     if collected.faults:
