@@ -72,7 +72,7 @@ def measured_pitches() -> MeasuredPitches:
 
 FULL_SPIN = "Nathan, backspin and side spin"
 LAUNCHED = "the same, launched so that it comes down where it was fielded"
-COMPARED = ("the paper", "best constants", FULL_SPIN)
+COMPARED = ("the paper", "constants fitted to the day", FULL_SPIN)
 
 
 def fly_predictions(flies: MeasuredFlies, launch: MeasuredFlies) -> dict[str, Prediction]:
@@ -81,7 +81,7 @@ def fly_predictions(flies: MeasuredFlies, launch: MeasuredFlies) -> dict[str, Pr
     return {
         "no air": predict(flies, MODELS["vacuum"]),
         "the paper": predict(flies, MODELS["paper"]),
-        "best constants": predict(flies, MODELS["constants"]),
+        "constants fitted to the day": predict(flies, MODELS["constants"]),
         "Giordano and Nakanishi": predict(flies, MODELS["giordano"]),
         "Nathan, 2,000 rpm of backspin for all": predict(flies, NATHAN, backspin),
         "Nathan, backspin by the angle": predict(flies, NATHAN, regression_spin(flies, False)),

@@ -144,8 +144,15 @@ def test_the_readme_quotes_the_report():
 
 @pytest.mark.parametrize(
     "scene",
-    [{"kind": "pitch"}, {"kind": "flight", "reading": {"ground_contact": "surface"}}],
-    ids=["kind", "reading"],
+    [
+        {"kind": "pitch"},
+        {"kind": "flight", "reading": {"ground_contact": "surface"}},
+        {"kind": "flight", "reading": {}, "air": {"wind": [1, 0, 0]}, "launch": {}},
+        {"kind": "flight", "reading": {}, "air": {"density": {}}, "launch": {}},
+        {"kind": "flight", "reading": {}, "air": None, "launch": {"spin": [0, 200, 0]}},
+        {"kind": "flight", "reading": {}, "air": None, "launch": {}, "fence": {"radius": 90}},
+    ],
+    ids=["kind", "reading", "wind", "weather", "spin", "fence"],
 )
 def test_the_candidate_refuses_what_it_does_not_solve(scene: dict[str, object]):
     asked = json.dumps({"id": "a", **scene})

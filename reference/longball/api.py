@@ -155,7 +155,7 @@ class State(NamedTuple):
 class Path:
     """The trajectory of the ball from the start of a scene to its end.
 
-    The velocity jumps at the contact, where the one after the impulse is given.
+    The velocity jumps at the contact; at that time the one after the impulse is returned.
 
     Attributes
     ----------
@@ -361,8 +361,8 @@ def solve(
     InvalidScene
         If `scene` describes none; the message names the key at fault.
     Undecided
-        If the engine cannot tell what happens: its error is larger than what decides. If an answer
-        cannot be certified.
+        If the engine cannot tell what happens: its error is larger than what decides. With
+        `certify`, also if a bound cannot be proven.
     CannotSolve
         If it has no answer for another reason.
     ValueError
@@ -443,7 +443,8 @@ def home_run_probability(
     method
         ``"quadrature"`` integrates over the distributions; ``"monte-carlo"`` counts samples.
     samples, seed
-        Of Monte Carlo: at-bats drawn, and where they come from. Quadrature draws none.
+        Of Monte Carlo: how many at-bats are drawn, and the seed of the random numbers. Quadrature
+        draws none.
     reading
         Switches of the ledger (``longball readings``), of the scene and of the sampling.
     scene

@@ -80,7 +80,7 @@ def solve_many(
         of shape (n,) or to one value for all scenes. An empty cell, NaN or None, is a value left
         out: it is the paper's.
     engine, options
-        As in `solve`.
+        As in `solve`, but that the default is the engine batch.
     certify
         Whether every number comes with a proven bound on its error; where there is none,
         ``certificate`` says why.

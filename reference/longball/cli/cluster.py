@@ -20,7 +20,8 @@ Scheduler = Annotated[
     str | None,
     typer.Option(
         metavar="ADDRESS",
-        help="Work on the Dask cluster of this scheduler, tcp://HOST:PORT; needs longball[dask].",
+        help="Work on the Dask cluster of this scheduler, tcp:// or tls://HOST:PORT; needs "
+        "longball[dask].",
     ),
 ]
 
@@ -50,7 +51,7 @@ def on_cluster(address: str | None) -> Iterator[None]:
             wrong_call(f"{option}: Dask's configuration has no certificates, distributed.comm.tls")
         client = distributed.Client(address, timeout=CONNECTING, set_as_default=False)
     except ValueError as error:
-        wrong_call(f"{option}: an address is tcp://HOST:PORT: {error}")
+        wrong_call(f"{option}: an address is tcp://HOST:PORT or tls://HOST:PORT: {error}")
     except OSError as error:
         wrong_call(f"{option}: no scheduler can be reached there: {error}")
     with client:

@@ -76,7 +76,7 @@ def converge(
     figure: Annotated[Path | None, to_picture("Draw error against step here.")] = None,
     quiet: Quiet = False,
 ) -> None:
-    """Run a family of time steps, and report observed orders against theory."""
+    """Measure the order of convergence of a simulator."""
     # The judge brings compiled code with it, and --help does not need it.
     from longball.convergence.figure import save_convergence
     from longball.judge.candidate import Limits

@@ -22,7 +22,7 @@ from longball.cli.common import (
 from longball.golden import Header, reader
 
 app = typer.Typer(
-    help="The golden data: list, export, generate or verify them.",
+    help="The golden data: list, locate, export, check or generate them.",
     epilog="Example: longball golden list",
     no_args_is_help=True,
 )

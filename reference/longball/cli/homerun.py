@@ -106,7 +106,7 @@ def homerun(
     ] = None,
     quiet: Quiet = False,
 ) -> None:
-    """Compute the probability of a home run P(e), from sampled at-bats or by quadrature.
+    """Compute the probability of a home run.
 
     Quadrature integrates over the distributions that samples are drawn from, and also gives dP/de.
     It takes seconds for each e, up to a minute under the few readings where P(e) has many kinks;

@@ -92,7 +92,7 @@ def judge(
     profile: Annotated[
         str,
         typer.Option(
-            help="How near is near enough. exact: as good as double precision can be; converged: "
+            help="Accuracy required. exact: within 100 times what doubles cannot avoid; converged: "
             "errors below --tolerance; paper: the same as the paper's scheme at its time step, "
             "0.05 s or --dt."
         ),
@@ -134,7 +134,7 @@ def judge(
     ] = None,
     quiet: Quiet = False,
 ) -> None:
-    """Compare another simulator with the truth, and say what is wrong with it, where and why."""
+    """Compare a simulator with proven results; say what is wrong."""
     if command and results:
         wrong_call("either --results FILE or -- COMMAND, not both")
     if not (command or results or samples):

@@ -23,7 +23,10 @@ def plot(
     engine: EngineName = "ivp",
     quiet: Quiet = False,
 ) -> None:
-    """Solve scenes, and draw the paths of their balls to scale, from the side and from above."""
+    """Draw the paths of the balls.
+
+    Scenes are solved; the paths are to scale, from the side and from above.
+    """
     from longball.pictures import drawn, save_paths
 
     solver = engines.create(engine)

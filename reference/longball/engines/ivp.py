@@ -98,8 +98,8 @@ class Ivp(PathEngine[float]):
         """Relative error of a state at the end of a flight.
 
         By Taylor's method it is a few roundings: up to 2.3e-15 in 400 batted balls at their
-        landings, 3e-16 for lobs, feathers and flights of 20 s, 1.3e-14 after some six loops,
-        which are longer than the place is far.
+        landings, 3e-16 for high and for slow flights, 1.3e-14 after some six loops, whose path is
+        much longer than the distance flown.
 
         The errors of the other methods' steps add up. Over pitches of all sorts, steep ones
         included, the plate was reached within 2.3 tolerances by one-step methods, and within 70 by
@@ -175,8 +175,8 @@ class Ivp(PathEngine[float]):
     ) -> Iterator[View[float]]:
         """Yield the pieces of a pitch; near the plate, one that is expanded at the crossing.
 
-        The bat is put at the height of that very state, and so shares its error. Under a law that
-        changes its form near the plate there is no such piece.
+        The bat's height is that of the same state, so that both have the same error. Under a law
+        that changes its form near the plate there is no such piece.
         """
         if law.bends:
             for piece in pitch.path.pieces():

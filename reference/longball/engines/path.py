@@ -1,4 +1,4 @@
-"""A flight that one can ask: the state at any time, and the first event."""
+"""Flights as functions of time: the state at any time, and the first event."""
 
 from __future__ import annotations
 
@@ -105,7 +105,7 @@ def reaching(begin: N, length: N, end: N) -> N:
 
 @dataclass(frozen=True)
 class Part(Generic[N]):
-    """The beginning of a piece, up to a length, s, as a flight has it that begins later, s."""
+    """The first part of a piece, of a length, s, in a flight that begins `delay` earlier, s."""
 
     piece: Piece[N]
     length: N

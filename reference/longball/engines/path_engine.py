@@ -324,7 +324,7 @@ def branches_at(
     numbers: Numbers[N],
     known: Mapping[int, int] = MappingProxyType({}),
 ) -> list[int]:
-    """Return which forms the terms of a law have in a state; on a level, that which it goes to.
+    """Return the branch of each term with several, in a state; on a level, that which it enters.
 
     The wind's first, on which airspeeds depend; forms that are `known` stay.
 

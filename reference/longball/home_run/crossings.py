@@ -115,8 +115,8 @@ def crossings(function: Function, grid: Array, values: Array) -> Crossings:
     Returns
     -------
     Crossings
-        Between two samples of different signs one, beside a sample that is nearer to zero than
-        its neighbours two or none.
+        One between two samples of different signs; two or none beside a sample that is nearer to
+        zero than its neighbours.
     """
     from scipy.optimize import elementwise  # slow to import, and not needed for --help
 

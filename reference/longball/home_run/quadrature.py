@@ -1,4 +1,4 @@
-"""P(e) and dP/de by quadrature: no random numbers, and errors that no sample reaches.
+"""P(e) and dP/de by quadrature: no random numbers, and errors far below those of samples.
 
 For given speed, offset and tilt the home runs are intervals of the aim, between an end of the bat
 and roots of D = 150 m. D depends strongly on the aim, since the bat moves faster farther from its

@@ -41,7 +41,7 @@ def judge(
     golden
         A family of the golden data, or "all"; the families of the paper's model if left out.
     profile
-        How near is near enough: "exact", "converged" or "paper", or one with a number of its own,
+        The accuracy required: "exact", "converged" or "paper", or one with a number of its own,
         such as ``longball.judge.cases.Converged(1e-4)``; "exact" if left out.
     partial
         Whether scenes and quantities may be left out.

@@ -165,7 +165,7 @@ def passes_corner_within_errors(case: Case) -> bool:
     return found.place.to_break <= error * abs(found.s)
 
 
-# --- how near is near enough ----------------------------------------------------------------------
+# --- the accuracy required ------------------------------------------------------------------------
 
 
 class Profile(ABC):

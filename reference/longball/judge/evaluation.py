@@ -57,7 +57,7 @@ class Judge:
     cases
         With their truth.
     profile
-        How near is near enough.
+        The accuracy required.
     truth
         Where the cases are from, for the report.
     partial

@@ -39,7 +39,7 @@ def assert_case(
         The result: a mapping with the keys of one, or what `longball.solve` returns. The id may be
         left out.
     profile
-        How near is near enough, as in `longball.judge.judge`.
+        The accuracy required, as in `longball.judge.judge`.
     partial
         Whether quantities may be left out that the implementation does not compute; not all.
 

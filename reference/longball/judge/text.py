@@ -61,7 +61,7 @@ def _head(verdict: Verdict) -> Iterator[str]:
 def counts(verdict: Verdict) -> Iterator[str]:
     """Yield how many scenes were answered and how, by which rule."""
     yield f"profile {verdict.profile}"
-    yield f"held against {verdict.truth}"
+    yield f"compared with {verdict.truth}"
     parts = [many(verdict.cases, "scene"), f"{many(verdict.judged, 'answer')} judged"]
     parts += [f"{verdict.right} right", f"{verdict.judged - verdict.right} wrong"]
     if verdict.unanswered:

@@ -409,7 +409,7 @@ def _likeliest_aim(counts: Counts, edges: Floats) -> tuple[_Aim, float, float]:
         return residuals
 
     def cost_beside(side: int) -> float:
-        """Return the cost of the likeliest that is about to have a second peak on a side."""
+        """Return the cost of the best on the boundary between one peak and two, on a side."""
         return _nearest(
             lambda *one: deviance_residuals(*_OnePeak(*one).aim(side)),
             _STARTS_OF_ONE,
