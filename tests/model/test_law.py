@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import sympy as sp
 
+from longball.model.air import WindProfile
 from longball.model.frame import Frame
 from longball.model.law import (
     DRAG,
@@ -122,6 +123,31 @@ def test_a_straight_flight_has_no_root():
         assert straight.rates(DOUBLES)(0.0, 0.0, 0.0, w) == law.rates(DOUBLES)(0.0, 0.0, 0.0, w)
         assert all(node.kind != "sqrt" for node in straight.program.nodes)
     assert law_with({"lift": 0.1}).straight(1.0) is None
+
+
+def test_a_ball_drifts_straight_in_a_wind_that_is_the_same_everywhere_alone():
+    """Where it grows with the height, a ball that rises with it is blown on."""
+    forces = {"lift_coefficient": 0.0, "wind": (3.0, 0.0, 0.0)}
+    law = law_of(scene(Air(**forces)), ALONG_X, DOUBLES)
+    straight = law.straight(1.0)
+    assert straight.rates(DOUBLES)(0.0, 9.0, 3.0, 5.0) == law.rates(DOUBLES)(0.0, 9.0, 3.0, 5.0)
+    grows = Air(**forces | {"wind": WindProfile(velocity=(3.0, 0.0, 0.0), height=10.0)})
+    assert law_of(scene(grows), ALONG_X, DOUBLES).straight(1.0) is None
+
+
+@pytest.mark.parametrize("at", [(0.0, 20.0, 35.0), (10.0, 20.0, 35.0), (0.0, 20.0)])
+def test_a_table_is_interpolated_and_constant_beyond_its_ends(at):
+    values = (0.5, 0.4, 0.25)[: len(at)]
+    table = {"law": "table", "of": "speed", "at": at, "values": values}
+    found, unit = (
+        law_of(scene(Air(drag_coefficient=drag, lift_coefficient=0.0)), ALONG_X, DOUBLES)
+        for drag in (table, 1.0)
+    )
+    for u in (1.0, 9.0, 15.0, 24.0, 34.0, 50.0):
+        state = 0.0, 1.0, u, 0.0
+        on = found.on(found.branches(PlaneState(*state), DOUBLES))
+        share = on.rates(DOUBLES)(*state)[2] / unit.rates(DOUBLES)(*state)[2]
+        assert share == pytest.approx(np.interp(u, at, values), rel=1e-14)
 
 
 @pytest.mark.parametrize("straight", [False, True])
