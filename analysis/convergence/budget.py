@@ -172,9 +172,19 @@ class HalfForce(ButOnePart, Stepped[float]):
         exact = super().touch(pitch, law, bat, events, limit)
         margin, time, state = exact.margin, exact.time, exact.state
         assert time is not None
+        assert state is not None
         begin, before, _ = self.steps_at(pitch, time)
         count = round(begin / self.scheme.dt)
-        return SteppedTouch(margin, True, time, state, "", count, before, state, time - begin)
+        return SteppedTouch(
+            margin,
+            True,
+            time,
+            state,
+            step=count,
+            before=before,
+            inside=state,
+            ahead=time - begin,
+        )
 
     def rebound(
         self, frame: Frame[float], touch: Any, delta_v: Vector[float], law_in: LawOf, ground: Ground

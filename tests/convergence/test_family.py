@@ -108,6 +108,26 @@ def test_a_jump_beyond_the_limit_takes_all_phases(share, evaluations):
     assert order.jumps is (evaluations == PHASES)
 
 
+def test_the_limit_of_what_jumps_is_that_of_its_means():
+    """Errors whose mean over the phases is h; the first is 1.5 h and h/2 by turns."""
+    steps = np.geomspace(0.1, 0.001, 9)
+
+    def evaluate(h):
+        level = int(np.abs(np.log(steps / h)).argmin())
+        aside = 0.5 if level % 2 == 0 else -0.5
+        share = 1.0 + aside if h == steps[level] else 1.0 - aside / (PHASES - 1)
+        return [one_number(3.0 + h * share)]
+
+    (order,), (limit,) = observe(
+        evaluate, steps, [one_number(3.0)], scenes=["a"], expected=1.0, first=1e6, last=1.0,
+        phases=PHASES, progress=lambda done, planned: None,
+    )  # fmt: skip
+    assert order.jumps
+    # Steps of other phases are shorter by 1e-7 of themselves; one phase alone is off by steps[-1].
+    assert limit.value[0] == pytest.approx(3.0, abs=1e-6 * steps[-1])
+    assert limit.off == abs(limit.value[0] - 3.0)
+
+
 def one_number(value):
     return Observed("value", "m", np.array([[value]]))
 

@@ -369,6 +369,15 @@ def expand_lanes(law: Law[float], states: Any, order: int) -> Any:
     return x
 
 
+@pytest.mark.parametrize("count", [1, 8, 9, 1000])
+def test_lanes_begin_on_a_cache_line(count: int) -> None:
+    kept = [aligned(count, 3) for _ in range(20)]  # at once, so that they lie in several places
+    for zeros in kept:
+        assert zeros.shape == (count, 3)
+        assert not zeros.any()
+        assert zeros.ctypes.data % 64 == 0
+
+
 @pytest.mark.parametrize("name", LAWS)
 def test_lanes_follow_the_recurrence(name: str) -> None:
     """The sums are taken in another order, so that the last digits may differ."""

@@ -25,6 +25,7 @@ AT_BAT = parse_scene('{"id":"x","kind":"at-bat","swing":{"height_offset":-0.03}}
 FLIGHT = parse_scene(
     '{"id":"x","kind":"flight","launch":{"position":[0,0,1],"velocity":[35,2,20]}}'
 )
+IN_DIGITS = Enclosure(20)
 
 
 def check(found: Result, truth: Result) -> None:
@@ -116,6 +117,14 @@ def test_more_digits_are_taken_where_few_leave_much_open(monkeypatch):
     fine = certified(AT_BAT, IVP)
     check(fine, solve(AT_BAT, Enclosure(40)))
     assert float(rough.landing.distance.radius) > 10 * float(fine.landing.distance.radius)
+
+
+def test_more_digits_are_not_taken_where_few_leave_nothing_open(monkeypatch):
+    taken = []
+    monkeypatch.setattr(certify, "Enclosure", lambda digits: taken.append(digits) or IN_DIGITS)
+    monkeypatch.setattr(certify, "DIGITS", (1, 2, 3))
+    assert certified(AT_BAT, IVP).certificate is None
+    assert taken == [1]
 
 
 def test_what_cannot_be_proven_says_why():

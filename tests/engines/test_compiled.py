@@ -139,6 +139,28 @@ def test_what_is_timed_is_compiled_at_once(folder: Path, monkeypatch: pytest.Mon
     assert len(list(folder.iterdir())) == 2
 
 
+@pytest.mark.parametrize(
+    ("variables", "last"),
+    [
+        ({"NUMBA_CACHE_DIR": "/chosen", "HOME": "/home/a"}, "/chosen"),
+        ({"LOCALAPPDATA": "/local", "XDG_CACHE_HOME": "/cache"}, "/local/longball"),
+        ({"XDG_CACHE_HOME": "/cache", "HOME": "/home/a"}, "/cache/longball"),
+        ({"HOME": "/home/a"}, "/home/a/.cache/longball"),
+        ({"XDG_CACHE_HOME": "nowhere"}, None),
+    ],
+)
+def test_where_code_is_kept(
+    variables: dict[str, str], last: str | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in ("NUMBA_CACHE_DIR", "LOCALAPPDATA", "XDG_CACHE_HOME", "HOME"):
+        monkeypatch.delenv(name, raising=False)
+    for name, value in variables.items():
+        monkeypatch.setenv(name, value)
+    with_package = [] if "NUMBA_CACHE_DIR" in variables else [Path(compiled.__file__).parent]
+    places = [folder / "__pycache__" for folder in with_package]
+    assert list(compiled.folders()) == places + ([Path(last)] if last else [])
+
+
 def test_a_folder_that_is_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "file").touch()
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "file"))

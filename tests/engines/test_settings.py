@@ -80,10 +80,10 @@ def test_the_limits_of_tolerances() -> None:
         # Pitches were off by 2.3 tolerances with one-step methods, and by 70 with the others.
         assert 2.3 < Ivp("RK45", rtol, atol).flight_error / max(rtol, atol) < 23
         assert 70 < Ivp("BDF", rtol, atol).flight_error / max(rtol, atol) < 700
-    for rtol in (0.999 * smallest, 1.0):
+    for rtol in (0.999 * smallest, 1.0, 1.5):
         with pytest.raises(ValueError, match="rtol = "):
             Ivp("RK45", rtol)
-    for atol in (0.0, 1.0):
+    for atol in (0.0, 1.0, 1.5):
         with pytest.raises(ValueError, match="atol = "):
             Ivp("RK45", atol=atol)
     for value in ("offset_spread", "cell_width"):

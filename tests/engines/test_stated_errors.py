@@ -380,3 +380,21 @@ def test_plate_and_ground_are_told_apart_beyond_the_error(
     result = solve(PitchScene(id="line", air=None, gravity=0.0, pitch=pitch), engine)
     assert result.outcome == outcome
     assert said in str(result.error or "")
+
+
+@pytest.mark.parametrize(("share", "told"), [(0.2, False), (2.0, True)])
+def test_a_wind_aloft_is_reached_or_not_to_within_the_error_of_its_height(
+    share: float, told: bool
+) -> None:
+    """Without forces of the air, 40 m/s up reach 80 m above the start under 10 m/s²."""
+    wind = {"velocity": [5, 0, 0], "above": 100.0 * (1 + share * ERROR)}
+    line = {
+        "kind": "flight",
+        "launch": {"position": [0, 0, 20], "velocity": [10, 0, 40]},
+        "air": {"drag_coefficient": 0.0, "lift_coefficient": 0.0, "wind": wind},
+        "gravity": 10,
+    }
+    result = solve(parse_scene(json.dumps(line)), Ivp())
+    assert (result.error is None) is told
+    if not told:
+        assert "above which the wind blows" in str(result.error)

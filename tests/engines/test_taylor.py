@@ -95,6 +95,12 @@ def test_options_of_other_methods_are_named_in_a_warning():
         by_taylor(BALL, (0, 1), START, atol=1e-9)
 
 
+def test_the_right_hand_side_is_taken_one_state_at_a_time_unless_it_is_said():
+    """As by all solvers of scipy."""
+    solver = Taylor(lambda t, y: [*y.shape, y[1]], 0.0, [1.0, 0.5], 1.0, law=spring())
+    assert solver.fun(0.0, np.array([1.0, 0.5])).tolist() == [2.0, 0.5]
+
+
 def test_from_rest():
     found = by_taylor(BALL, (0, 1), [0.0, 50.0, 0.0, 0.0])
     other = solve_ivp(

@@ -450,6 +450,17 @@ def test_a_contact_between_two_steps_goes_unseen(window, share, count):
     assert solve(PLAIN, TRUTH).outcome == "batted"
 
 
+@pytest.mark.parametrize(("floor", "touched"), [(0.0, False), (-0.125, True)])
+def test_a_ball_that_is_down_at_a_step_touches_no_bat_there(floor, touched):
+    """It falls 1 m in four steps, to where the bat's axis lies; on the ground it is not struck."""
+    engine, bat = verlet(0.25), section(4.0, 0.0, 0.125)
+    pitch = engine.fly(NOTHING, PlaneState(0.0, 1.0, 4.0, -1.0), [plate(4.0)], 60.0)
+    touch = engine.touch(pitch, NOTHING, bat, [ground(floor)], 60.0)
+    assert touch.touched is touched
+    step_before = math.hypot(1.0, 0.25)
+    assert touch.margin == pytest.approx(0.125 if touched else 0.125 - step_before)
+
+
 def section(way, height, reach):
     return BatSection(Frame(way, 0.0, -1.0, 0.0), height, reach)
 

@@ -360,3 +360,16 @@ def test_a_fence_runs_from_left_to_right_between_two_places() -> None:
     for fence in ({}, {"radius": 9.0, "polyline": [[70, 9, 1], [70, -9, 2]]}):
         with pytest.raises(InvalidScene, match="a radius or a polyline, one of the two"):
             scene(fence=fence)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_fence_is_seen_from_the_plate(sign: int) -> None:
+    """Almost along a line of sight, which is another one from a metre aside or ahead of it."""
+    ends = [(30, 0.5 * sign), (60, (1.0 - sign * 0.01) * sign)]
+    for (x, y), (u, v) in (ends, ends[::-1]):
+        fence = {"polyline": [[x, y, 1], [u, v, 2]]}
+        if math.atan2(v, u) < math.atan2(y, x):
+            assert scene(fence=fence).fence.polyline is not None
+        else:
+            with pytest.raises(InvalidScene, match="the wrong way round"):
+                scene(fence=fence)

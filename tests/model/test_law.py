@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from longball.model.frame import Frame
+from longball.model.air import WindProfile
+from longball.model.frame import Frame, launch_frame
 from longball.model.law import (
     DRAG,
     FORCES,
@@ -20,7 +21,7 @@ from longball.model.law import (
     law_with,
 )
 from longball.model.numbers import DOUBLES
-from longball.model.scene import Air, FlightScene, Launch
+from longball.model.scene import Air, Ball, FlightScene, Launch
 from longball.model.trace import ZERO
 
 K_D, K_L, G = sp.symbols("k_D k_L g", positive=True)
@@ -122,6 +123,64 @@ def test_a_straight_flight_has_no_root():
         assert straight.rates(DOUBLES)(0.0, 0.0, 0.0, w) == law.rates(DOUBLES)(0.0, 0.0, 0.0, w)
         assert all(node.kind != "sqrt" for node in straight.program.nodes)
     assert law_with({"lift": 0.1}).straight(1.0) is None
+
+
+def test_a_ball_drifts_straight_in_a_wind_that_is_the_same_everywhere_alone():
+    """Where it grows with the height, a ball that rises with it is blown on."""
+    forces = {"lift_coefficient": 0.0, "wind": (3.0, 0.0, 0.0)}
+    law = law_of(scene(Air(**forces)), ALONG_X, DOUBLES)
+    straight = law.straight(1.0)
+    assert straight.rates(DOUBLES)(0.0, 9.0, 3.0, 5.0) == law.rates(DOUBLES)(0.0, 9.0, 3.0, 5.0)
+    grows = Air(**forces | {"wind": WindProfile(velocity=(3.0, 0.0, 0.0), height=10.0)})
+    assert law_of(scene(grows), ALONG_X, DOUBLES).straight(1.0) is None
+
+
+@pytest.mark.parametrize("at", [(0.0, 20.0, 35.0), (10.0, 20.0, 35.0), (0.0, 20.0)])
+def test_a_table_is_interpolated_and_constant_beyond_its_ends(at):
+    values = (0.5, 0.4, 0.25)[: len(at)]
+    table = {"law": "table", "of": "speed", "at": at, "values": values}
+    found, unit = (
+        law_of(scene(Air(drag_coefficient=drag, lift_coefficient=0.0)), ALONG_X, DOUBLES)
+        for drag in (table, 1.0)
+    )
+    for u in (1.0, 9.0, 15.0, 24.0, 34.0, 50.0):
+        state = 0.0, 1.0, u, 0.0
+        on = found.on(found.branches(PlaneState(*state), DOUBLES))
+        share = on.rates(DOUBLES)(*state)[2] / unit.rates(DOUBLES)(*state)[2]
+        assert share == pytest.approx(np.interp(u, at, values), rel=1e-14)
+
+
+@pytest.mark.parametrize("reading", ["total", "transverse"])
+@pytest.mark.parametrize("coefficient", ["drag_coefficient", "lift_coefficient"])
+def test_a_table_of_the_spin_parameter_takes_the_spin_that_the_reading_says(coefficient, reading):
+    """S = R ω/V, or R ω_T/V with the part of the spin across the velocity."""
+    place, velocity, spin = (0.0, 0.0, 1.0), (30.0, 0.0, 10.0), (60.0, -150.0, 80.0)
+    at, values = (0.05, 0.2, 0.5), (0.1, 0.5, 0.6)
+    table = {"law": "table", "of": "spin_parameter", "at": at, "values": values}
+    frame, _ = launch_frame(place, velocity, DOUBLES, spin)
+
+    def law(value):
+        blowing = {"drag_coefficient": 0.0, "lift_coefficient": 0.0, "wind": (0.0, 2.0, 0.0)}
+        flight = FlightScene(
+            id="x",
+            launch=Launch(position=place, velocity=velocity, spin=spin),
+            air=Air(**blowing | {coefficient: value}),
+            gravity=0.0,
+            reading={"spin_parameter": reading},
+        )
+        return law_of(flight, frame, DOUBLES)
+
+    found, unit = law(table), law(1.0)
+    for moving in ((30.0, 0.0, 10.0), (40.0, 5.0, -10.0), (20.0, -3.0, 0.0)):
+        state = (0.0, 0.0, 1.0, *moving)
+        through = np.array(moving) - (0.0, 2.0, 0.0)
+        across = np.cross(spin, through) / np.linalg.norm(through)
+        rate = np.linalg.norm(across if reading == "transverse" else spin)
+        parameter = Ball().radius * rate / np.linalg.norm(through)
+        assert at[0] < parameter < at[-1]
+        on = found.on(found.branches(SpaceState(*state), DOUBLES))
+        wanted = np.interp(parameter, at, values) * np.array(unit.rates(DOUBLES)(*state)[3:])
+        assert on.rates(DOUBLES)(*state)[3:] == pytest.approx(wanted, rel=1e-13)
 
 
 @pytest.mark.parametrize("straight", [False, True])

@@ -218,7 +218,7 @@ def _observed(results: Sequence[Sample], should: Sequence[Sample]) -> list[Obser
     """Return what is observed of results; NaN of those that end otherwise than they should."""
     observed = []
     for name, unit, quantity in OBSERVABLES:
-        width = max((len(end.values.get(quantity, ())) for end in should), default=1) or 1
+        width = max([1, *(len(end.values.get(quantity, ())) for end in should)])
         values = np.full((len(results), width), np.nan)
         for scene, (result, end) in enumerate(zip(results, should, strict=True)):
             both = quantity in result.values and quantity in end.values

@@ -101,7 +101,7 @@ OPTIONS: dict[str, tuple[str, ...]] = {
 }
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class SteppedTouch(Touch[float]):
     """How a pitch meets the bat in steps.
 
@@ -117,14 +117,14 @@ class SteppedTouch(Touch[float]):
         Whether `state` is where the ball would leave the bat, instead of where it enters.
     """
 
-    step: int = 0
-    before: State[float] | None = None
-    inside: State[float] | None = None
-    ahead: float = 0.0
-    leaving: bool = False
+    step: int
+    before: State[float]
+    inside: State[float]
+    ahead: float
+    leaving: bool = False  # in place of the property
 
     @property
-    def detected(self) -> State[float] | None:
+    def detected(self) -> State[float]:
         """The step in the bat: there the paper asks whether the ball is between the bat's ends."""
         return self.inside
 
@@ -296,7 +296,6 @@ class Verlet(Stepped[float]):
         ground: Event[float],
     ) -> Launch[float]:
         """Push for two steps from the step before the contact (paper, Appendix B)."""
-        assert touch.before is not None
         air, dt = air_in_space(law_in), self.dt
         push = tuple(change / (2 * dt) for change in delta_v)  # F̄/(2m), m/s²
         position, velocity = frame.position(touch.before), frame.velocity(touch.before)

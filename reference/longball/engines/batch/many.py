@@ -225,7 +225,7 @@ def _named(table: Table) -> dict[str, NDArray[Any]]:
     return {"outcome": names[table.outcome]} | table.columns
 
 
-def solve_as_data(scenes: Sequence[Scene], solver: Any, threads: int = 1) -> list[dict[str, Any]]:
+def solve_as_data(scenes: Sequence[Scene], solver: Any, threads: int) -> list[dict[str, Any]]:
     """Return the results of scenes of any kinds, in order, as plain data."""
     alike: defaultdict[tuple[Any, ...], list[int]] = defaultdict(list)
     for i, scene in enumerate(scenes):
