@@ -382,16 +382,6 @@ def test_numbers_with_nine_digits_are_one_finding():
     assert "9 digits" in only.sentence
 
 
-def test_margins_that_are_all_too_small_are_not_of_the_nearest_place():
-    def farther(i: int, case: Case) -> dict[str, Any]:
-        right = result(case.scene)
-        right["contact"]["margin"] -= 1e-3 * ((0.2 + 0.618 * i) % 1) ** 2
-        return right
-
-    (only,) = told(solved(at_bats(), Ivp()), farther)
-    assert only.names == ["margin-not-nearest"]
-
-
 def test_one_quantity_that_is_wrong_is_named():
     def odd(i: int, case: Case) -> dict[str, Any]:
         right = result(case.scene)

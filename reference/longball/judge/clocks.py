@@ -186,19 +186,6 @@ def touchings(wrong: Sequence[Checked], base: Change) -> Iterator[Explanation]:
             yield Explanation(name, sentence, remedy)
 
 
-def margins(wrong: Sequence[Checked]) -> Iterator[Explanation]:
-    """Yield that the margin alone is wrong, and that of another place than the nearest."""
-    checks = [c for _, cs in wrong for c in cs if not c.follows]
-    short = np.array([c.expected[0] - c.obtained[0] for c in checks])
-    alone = all(c.quantity == "contact.margin" for c in checks)
-    if len(checks) >= ENOUGH and alone and short.min() > 0 and _spread(short) > _SPREAD:
-        yield Explanation(
-            "margin-not-nearest", "takes the margin where the ball is not nearest to the bat's "
-            "axis: it is too small in every scene", "the margin is that of the least distance, "
-            "which is between two steps, where d·v changes sign", quantity="contact.margin",
-        )  # fmt: skip
-
-
 def fences(wrong: Sequence[Checked], base: Change) -> Iterator[Explanation]:
     """Yield what is wrong with when or where a ball passes the fence."""
 

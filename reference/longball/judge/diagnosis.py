@@ -710,8 +710,6 @@ class _Search:
             found += clocks.fences(wrong, self.base)
         if stage == "touching":
             found += clocks.touchings(wrong, self.base)
-            if not any(e.named for e in found):
-                found += clocks.margins(wrong)
         if stage not in COLLISION and any(e.named for e in found):
             return found
         if together:
