@@ -179,12 +179,17 @@ def _extent(scene: Scene) -> float:
 
 
 def errors(result: Result, truth: Result) -> dict[str, tuple[float, float]]:
-    """Return of every number how far it is off, and half an ulp of its vector's length."""
+    """Return of every number how far it is off, and half an ulp of its vector's length.
+
+    A difference within the radius of the true number, which may be that large, is none.
+    """
     true = {name: exactly(value) for name, value in numbers(truth)}
+    radii = {name: float(getattr(value, "radius", 0.0) or 0.0) for name, value in numbers(truth)}
     found = {}
     for name, value in numbers(result):
         length = float(np.hypot.reduce([float(true[part]) for part in vector_of(name)]))
-        found[name] = float(abs(exactly(value) - true[name])), ROUNDING * length
+        off = float(abs(exactly(value) - true[name]))
+        found[name] = max(off - radii[name], 0.0), ROUNDING * length
     return found
 
 

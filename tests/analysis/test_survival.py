@@ -45,6 +45,8 @@ def test_engines_agree_with_what_is_proven(family, monkeypatch):
         ("extreme", 1688, 20),
         ("extreme", 15556, 20),
         ("extreme", 24816, 20),
+        ("extreme", 44715, 20),
+        ("extreme", 45928, 20),
     ],
 )
 def test_what_was_wrong_once_is_right(family, number, seed):

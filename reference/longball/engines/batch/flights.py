@@ -438,13 +438,16 @@ def _launch(s: _Setup, slot: _Slot) -> None:
 
 @inner
 def _overflows(s: _Setup, lane: int, order: Integer) -> bool:
-    """Tell whether the expansion of a moving ball to an order leaves the range of doubles."""
+    """Tell whether the expansion of a moving ball to an order leaves the range of doubles.
+
+    So must not second derivatives, whose coefficients are up to order² as large, and their sums.
+    """
     total, moves = 0.0, False
     for i in range(s.half, s.variables):
         row = shifted(s.x, i * s.block + lane)
         total += abs(row[order * WIDTH]) + abs(row[(order - 1) * WIDTH])
         moves = moves or row[0] != 0.0
-    return moves and not math.isfinite(total)
+    return moves and not math.isfinite(total * order**3)
 
 
 @inner
