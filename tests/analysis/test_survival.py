@@ -47,6 +47,13 @@ def test_engines_agree_with_what_is_proven(family, monkeypatch):
         ("extreme", 24816, 20),
         ("extreme", 44715, 20),
         ("extreme", 45928, 20),
+        pytest.param(
+            *("extreme", 46363, 20),
+            marks=pytest.mark.xfail(
+                strict=True,
+                reason="a bat of 1e-24 m, 4e7 m above the ground: ivp times the contact to 11 digits",
+            ),
+        ),
     ],
 )
 def test_what_was_wrong_once_is_right(family, number, seed):
