@@ -51,7 +51,7 @@ def test_engines_agree_with_what_is_proven(family, monkeypatch):
             *("extreme", 46363, 20),
             marks=pytest.mark.xfail(
                 strict=True,
-                reason="a bat of 1e-24 m, 4e7 m above the ground: ivp times the contact to 11 digits",
+                reason="a bat of 1e-24 m, 4e7 m up: ivp times the contact to 11 digits",
             ),
         ),
     ],
