@@ -29,13 +29,12 @@ def step(state, h, *law):
 
 def is_solved(scene):
     """Tell whether a scene is a flight of the paper's model by the default reading."""
-    if scene["kind"] != "flight" or scene["reading"]:
+    if scene["kind"] != "flight" or scene["reading"] or scene.keys() & {"earth", "fence"}:
         return False
-    air = scene["air"] or {}
-    more = air.keys() - {"density", "drag_coefficient", "lift_coefficient"} | scene.keys() & {
-        "earth", "fence"
-    } | scene["launch"].keys() - {"position", "velocity"}  # fmt: skip
-    return not more and not any(isinstance(value, dict) for value in air.values())
+    air, launch = scene["air"] or {}, scene["launch"]
+    known = air.keys() <= {"density", "drag_coefficient", "lift_coefficient"}
+    known = known and launch.keys() <= {"position", "velocity"}
+    return known and not any(isinstance(value, dict) for value in air.values())
 
 
 def solve(scene, h=1e-3):
