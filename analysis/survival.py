@@ -183,13 +183,13 @@ def errors(result: Result, truth: Result) -> dict[str, tuple[float, float]]:
 
     A difference within the radius of the true number, which may be that large, is none.
     """
-    true = {name: exactly(value) for name, value in numbers(truth)}
-    radii = {name: float(getattr(value, "radius", 0.0) or 0.0) for name, value in numbers(truth)}
+    true = dict(numbers(truth))
     found = {}
     for name, value in numbers(result):
-        length = float(np.hypot.reduce([float(true[part]) for part in vector_of(name)]))
-        off = float(abs(exactly(value) - true[name]))
-        found[name] = max(off - radii[name], 0.0), ROUNDING * length
+        length = float(np.hypot.reduce([float(exactly(true[x])) for x in vector_of(name)]))
+        off = float(abs(exactly(value) - exactly(true[name])))
+        radius = float(getattr(true[name], "radius", 0.0) or 0.0)
+        found[name] = max(off - radius, 0.0), ROUNDING * length
     return found
 
 

@@ -32,9 +32,11 @@ def is_solved(scene):
     if scene["kind"] != "flight" or scene["reading"] or scene.keys() & {"earth", "fence"}:
         return False
     air, launch = scene["air"] or {}, scene["launch"]
-    known = air.keys() <= {"density", "drag_coefficient", "lift_coefficient"}
-    known = known and launch.keys() <= {"position", "velocity"}
-    return known and not any(isinstance(value, dict) for value in air.values())
+    return (
+        launch.keys() <= {"position", "velocity"}
+        and air.keys() <= {"density", "drag_coefficient", "lift_coefficient"}
+        and not any(isinstance(value, dict) for value in air.values())
+    )
 
 
 def solve(scene, h=1e-3):

@@ -85,7 +85,7 @@ class PathEngine(Engine[N], ABC):
                     yield piece
                     first = False
                     continue
-                time, which, way, passed = met
+                time, (_, which, way, passed) = met
                 if cast(Any, time) != 0:
                     yield Part(piece, time)
                 begin, start = piece.begin + time, piece.at(time)
@@ -123,28 +123,29 @@ class PathEngine(Engine[N], ABC):
         form: Law[N],
         first: bool,
         passed: _Level[N] | None,
-    ) -> tuple[N, int, int, _Level[N]] | None:
-        """Return the first of such events on a piece: when, of which bend, which way, which level.
+    ) -> tuple[N, _End[N]] | None:
+        """Return the first of such events on a piece, with its time.
 
         The `first` piece under a form begins on the level that was `passed`, as another bend of the
         same argument may have it, too.
         """
-        found: tuple[N, int, int, _Level[N]] | None = None
-        for event, which, way, level in ends:
+        found: tuple[N, _End[N]] | None = None
+        for end in ends:
+            event = end.event
             error = self.numbers.exact(self.flight_error) * event.size
             curve = piece.curve(event.value)
             # Forces are the same on both sides of a node: a touch within an error that is not
             # proven changes them by as little.
-            touch_matters = self.flight_error == 0.0 or form.bends[which].blows
+            touch_matters = self.flight_error == 0.0 or form.bends[end.which].blows
             question = event.question if touch_matters else None
             # As at a launch: a piece may begin on the level that the one before ended on.
             time = first_fall(
                 curve, piece.length, error, question, self.numbers,
                 launch=first or self.flight_error > 0.0,
-                on_surface=passed is not None and level.same_as(passed),
+                on_surface=passed is not None and end.level.same_as(passed),
             )  # fmt: skip
             if time is not None and (found is None or time < found[0]):
-                found = time, which, way, level
+                found = time, end
         return found
 
     def _smooth(

@@ -53,6 +53,7 @@ from longball.judge.stages import (
     Trial,
     follow,
     followed,
+    half_unit,
     stage_of,
     trial_of,
 )
@@ -91,9 +92,6 @@ DOUBT_OF_STEPS = 1e-6
 
 # Steps of all flights together that are followed with a scheme.
 MOST_STEPS = 15_000
-
-# Half a unit in the last digit, relative, of numbers with `SHORT` digits.
-SINGLE_SHARE = 0.5 * 10.0 ** (1 - SHORT)
 
 # What stands for a factor of k = ρ A/(2 m).
 STRENGTH = "air.density*"
@@ -162,7 +160,8 @@ def diagnose(
         trials = [replace(t, resolution=0.0, share=0.0) for t in trials]
     if single := relations.in_single_precision(answers.values()):
         # Written with nine digits, they are right to seven.
-        trials = [replace(t, share=t.share if t.share >= SINGLE_SHARE else 0.0) for t in trials]
+        least = half_unit(SHORT)
+        trials = [replace(t, share=t.share if t.share >= least else 0.0) for t in trials]
     unread = {name for name, answer in answers.items() if answer.unreadable}
     base = NONE if scheme is None else Change(engine=scheme, push=True)
     return _Search(
@@ -483,12 +482,12 @@ class _Search:
         `failures` tells in how many scenes there are some, minor ones too.
         """
         seen = len(wrong) + len(good)
+        few = ONE_IN * len(wrong) <= seen
         # A scene passes a jump where a flight is sensitive to it, or a scheme its own start.
         if self.jumps:
-            return ONE_IN * len(wrong) <= seen
+            return few
         if isinstance(self.base.engine, FixedStep):
             return ONE_IN * failures <= seen
-        few = ONE_IN * len(wrong) <= seen
         if not self.begun:
             return False
         worst = max((size_of(c) for _, cs in wrong for c in cs), default=0.0)

@@ -215,11 +215,16 @@ MOST_DIGITS = 12
 ENOUGH = 5
 
 
+def half_unit(digits: int) -> float:
+    """Return half a unit in the last digit, relative, of numbers with so many."""
+    return 0.5 * 10.0 ** (1 - digits)
+
+
 def _share(answer: Answer) -> float:
     """Return half a unit in the last digit written, relative, if all numbers have few digits."""
     written = [digits(x) for value in answer.values.values() for x in value]
     few = len(written) >= ENOUGH and max(written) <= MOST_DIGITS
-    return 0.5 * 10.0 ** (1 - max(written)) if few else 0.0
+    return half_unit(max(written)) if few else 0.0
 
 
 def digits(x: Decimal) -> int:
