@@ -100,7 +100,7 @@ def solve(
     digits: Annotated[
         int | None,
         typer.Option(
-            help="enclosure, multiprecision: digits of each number, by default 30, up to 500 and 290."
+            help="enclosure, multiprecision: digits of numbers, by default 30, up to 500 and 290."
         ),
     ] = None,
     dt: Annotated[float | None, typer.Option(help="verlet: the step, s, by default 0.05.")] = None,
