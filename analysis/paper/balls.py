@@ -105,10 +105,11 @@ def _balls(table: Any, base: Base, pitched: Flags) -> Balls:
 CHUNK = 500  # at-bats that a process takes at a time by the paper's scheme
 
 
-def strike_in_steps(base: Base, restitutions: Sequence[float], scheme: Verlet) -> list[Balls]:
+def strike_in_steps(
+    base: Base, samples: Samples, restitutions: Sequence[float], scheme: Verlet
+) -> list[Balls]:
     """Return what becomes of samples by the paper's scheme."""
-    samples = base.drawn(STEPPED_SAMPLES)
-    chosen = (samples.chosen(slice(i, i + CHUNK)) for i in range(0, STEPPED_SAMPLES, CHUNK))
+    chosen = (samples.chosen(slice(i, i + CHUNK)) for i in range(0, len(samples), CHUNK))
     chunks = in_parallel(_chunk, ((base, x, restitutions, scheme) for x in chosen), workers=-1)
     return [joined(part) for part in zip(*chunks, strict=True)]
 

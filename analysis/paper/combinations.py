@@ -145,8 +145,9 @@ def section(report: Path) -> str:
     draw_plane(report, found)
     as_printed = Base(found.default.base.scene, SamplingReading(speed_table="as_printed"))
     # The nearest by the paper's scheme with its step, and without them.
-    stepped = balls.strike_in_steps(best.base, RESTITUTIONS, Verlet(STEP))
-    (exactly,) = strike(best.base, best.base.drawn(balls.STEPPED_SAMPLES), RESTITUTIONS[:1])
+    samples = best.base.drawn(balls.STEPPED_SAMPLES)
+    stepped = balls.strike_in_steps(best.base, samples, RESTITUTIONS, Verlet(STEP))
+    (exactly,) = strike(best.base, samples, RESTITUTIONS[:1])
     rows = best.space.estimates(stepped)
     return render(
         report, "combinations", globals(),

@@ -83,11 +83,12 @@ def turn_scheme(base: Base, space: Space) -> list[dict[str, Any]]:
     """
     turns = [("default", "")]
     turns += [(x.switch, o) for x in LEDGER if x.belongs == "scheme" for o in x.options[1:]]
+    samples = base.drawn(balls.STEPPED_SAMPLES)
     found, before = [], None
     for switch, option in turns:
         chosen: Any = {SCHEME_OPTIONS[switch]: option} if option else {}
         scheme = Verlet(dt=STEP, **chosen)
-        (struck,) = balls.strike_in_steps(base, [E], scheme)
+        (struck,) = balls.strike_in_steps(base, samples, [E], scheme)
         share = space.share(struck)
         before = before or share
         row = {"switch": switch, "option": option, "batted": struck.batted.mean(), "share": share}
