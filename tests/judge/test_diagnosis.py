@@ -64,6 +64,7 @@ EXPECTED = {
     "g-9.80665": ("pitch", "gravity=9.80665"),
     "mass-0.145": ("pitch", "ball.mass=0.145"),
     "drag-per-component": ("pitch", "drag-per-component"),
+    "drag-per-component-in-plane": ("pitch", "drag-per-component-in-plane"),
     "nathan": ("restitution", "nathan"),
     "other-end": ("bat velocity", "other-pivot"),
     "bat-at-rest": ("normal speed", "bat-at-rest"),
