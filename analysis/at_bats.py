@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 from matplotlib.patches import Circle
 
-from analysis import Array
 from analysis.writing import LINES, data, figure, render
 from longball.engines.chain import solve_with_path
 from longball.engines.ivp import Ivp
 from longball.engines.path import Trajectory
+from longball.model.arrays import Array
 from longball.model.quantities import number
 from longball.model.scene import AtBatScene, Pitch, Swing
 

@@ -11,13 +11,13 @@ from scipy.interpolate import CubicSpline
 from scipy.optimize import least_squares
 
 from analysis.writing import figure, render
+from longball.model.arrays import Array
 from longball.model.scene import Ball
 from longball.pictures import draw_errors
 from longball.pitches import EXAMPLE, prediction, statcast
 from longball.pitches.models import MODELS, STANDARD_GRAVITY, FlightModel, regression_spin
 from longball.pitches.prediction import ANGLES, Prediction, bands, predict, solve
 from longball.pitches.statcast import RPM, MeasuredFlies, MeasuredPitches, read_measured
-from longball.pitches.table import Floats as Array
 
 NATHAN = MODELS["nathan"]
 # Shares of active spin that are tried, and those of them that are solved: places at the plate are

@@ -19,14 +19,13 @@ from longball import home_run
 from longball.engines import create
 from longball.engines.chain import solve_with_restitutions
 from longball.home_run import PAPER_CURVES
+from longball.model.arrays import Array, Flags
 from longball.model.quantities import number
 from longball.model.readings import Reading
 from longball.pitches import EXAMPLE
 from longball.pitches.models import MODELS, FlightModel
 from longball.pitches.prediction import predict
 from longball.pitches.statcast import FOOT, MPH, MeasuredFlies, time_of_plane
-from longball.pitches.table import Booleans
-from longball.pitches.table import Floats as Array
 
 # The rule book (Official Baseball Rules, 2.01) asks for 325 ft along the lines and 400 ft to
 # centre; parks have about this. Straight chords between the points, 8 ft high.
@@ -50,7 +49,7 @@ class Hits:
 
     flies: MeasuredFlies  # as they were hit
     pitch: Array  # velocity at the plate, m/s, shape (n, 3)
-    home_run: Booleans  # whether it was one
+    home_run: Flags  # whether it was one
 
     def per_restitution(self, e: float) -> Array:
         """Return dV/de of the velocity off the bat, m/s, shape (n, 3).

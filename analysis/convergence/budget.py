@@ -12,7 +12,6 @@ from typing import Any, cast
 
 import numpy as np
 
-from analysis import Array
 from analysis.convergence.pieces import TRUTH, each, golden, passing
 from analysis.speed_error.work import batted
 from analysis.writing import STYLES, figure, render
@@ -25,6 +24,7 @@ from longball.engines.ivp import Ivp
 from longball.engines.path import Flight
 from longball.engines.polynomial import PolynomialPiece
 from longball.engines.verlet import SteppedTouch, Verlet, interpolate, line_touch
+from longball.model.arrays import Array
 from longball.model.frame import Frame
 from longball.model.law import Law, State
 from longball.model.numbers import DOUBLES, Vector

@@ -13,13 +13,13 @@ from typing import Any
 import numpy as np
 from scipy.optimize import brentq
 
-from analysis import Array
 from analysis.convergence.pieces import TRUTH, each, golden, passing
 from analysis.paper.printed import AT_BATS, BASE
 from analysis.writing import STYLES, figure, render
 from longball.engines.chain import approach_of
 from longball.engines.verlet import Verlet
 from longball.home_run import BLOCK, draw, draw_block, scenes, wilson
+from longball.model.arrays import Array
 from longball.model.scene import AtBatScene, Swing
 
 BLOCKS, FULL_BLOCKS = 40, 1000  # of 50 pitches each

@@ -11,7 +11,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.stats import binned_statistic, norm
 
-from analysis import Array
 from analysis.paper import combinations, printed
 from analysis.paper.balls import Balls, Base, Space, strike
 from analysis.speed_error.work import launches
@@ -19,6 +18,7 @@ from analysis.writing import STYLES, figure, render
 from longball import home_run
 from longball.engines.batch import solve_columns
 from longball.home_run import HOME_RUN_DISTANCE, RESTITUTIONS
+from longball.model.arrays import Array
 
 SAMPLES = 400_000
 SEED = 21

@@ -8,20 +8,18 @@ from typing import Any, NamedTuple, TypeVar
 import joblib
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
-from analysis import Array
 from longball import home_run
 from longball.engines.batch import solve_columns_with_restitutions
 from longball.engines.chain import solve_with_restitutions
 from longball.engines.parallel import in_parallel
 from longball.engines.verlet import Verlet
 from longball.home_run import RESTITUTIONS, Estimate, Samples, Struck
+from longball.model.arrays import Array, Flags
 from longball.model.quantities import number, numbers, replaced
 from longball.model.readings import SampleSpace, SamplingReading
 from longball.model.scene import AtBatScene
 
-Flags = NDArray[np.bool_]
 S = TypeVar("S", bound=Struck)
 
 

@@ -10,7 +10,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from scipy.stats import norm
 
-from analysis import Array
 from analysis.paper import combinations, distances, printed
 from analysis.paper.balls import Balls, Space, strike
 from analysis.paper.combinations import Trial
@@ -19,6 +18,7 @@ from analysis.paper.printed import FLAT, PAIRS, PEAKS, UZR_SPAN, Season
 from analysis.writing import LINES, STYLES, figure, render
 from longball import home_run
 from longball.home_run import HOME_RUN_DISTANCE, PAPER_CURVES, RESTITUTIONS, Curve
+from longball.model.arrays import Array
 
 SAMPLES = 200_000
 SEED = 31

@@ -19,10 +19,10 @@ from matplotlib.axes import Axes
 
 from analysis.writing import STYLES, data, figure, render, write_table
 from longball.engines.parallel import in_parallel
+from longball.model.arrays import Array
 from longball.pitches import EXAMPLE, Columns, FittedPitches, PitchTypes, fit_pitches, read_pitches
 from longball.pitches.fitted import Estimate
 from longball.pitches.fitting import normal
-from longball.pitches.table import Floats
 
 Rows = list[dict[str, Any]]
 
@@ -220,7 +220,7 @@ THEIRS = f"{PITCHES:,} pitches drawn from the paper's fits"
 OURS = "{.rows_used:,} MLB pitches of 11 June 2023".format
 
 
-def _mixture(axes: Axes, x: Floats, parts: Sequence[Floats], *labels: str) -> None:
+def _mixture(axes: Axes, x: Array, parts: Sequence[Array], *labels: str) -> None:
     """Draw a fitted mixture and its two parts."""
     axes.plot(x, sum(parts), **STYLES["mixture"], label=f"fitted mixture, {labels[0]}")
     axes.plot(x, parts[0], **STYLES["first part"], label=labels[1])

@@ -6,10 +6,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from analysis import Array
 from analysis.paper import balls
 from analysis.writing import render
 from longball.home_run import HOME_RUN_DISTANCE, Samples
+from longball.model.arrays import Array
 
 INPUTS = {"speed": "pitch's speed", "aim": "aim", "tilt": "tilt", "offset": "offset"}
 SAMPLES = 50_000  # of each of the two sets; six times as many at-bats are solved

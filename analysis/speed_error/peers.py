@@ -18,9 +18,9 @@ from typing import Any, NamedTuple
 import numpy as np
 import scipy.integrate
 
-from analysis import Array
 from longball.engines.batch.flights import TIME_LIMIT, TOUCH, Records, arrival_dtype
 from longball.model import trace
+from longball.model.arrays import Array
 from longball.model.trace import Node, Program
 
 Function = Callable[..., tuple[Any, ...]]

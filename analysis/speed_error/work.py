@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.stats.qmc import Sobol
 
-from analysis import Array
 from analysis.paper.printed import AT_BATS, BASE
 from longball import engines
 from longball.engines.chain import solve
 from longball.engines.ivp import Ivp
 from longball.home_run import draw
+from longball.model.arrays import Array
 from longball.model.quantities import replaced
 from longball.model.result import Result
 from longball.model.scene import AtBatScene, FlightScene, Launch

@@ -12,7 +12,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from analysis import Array
 from analysis.wild.simulators import SIMULATORS, Method, Simulator
 from analysis.writing import figure, render
 from longball.convergence import PowerLaw, fit_power_law
@@ -25,6 +24,7 @@ from longball.judge.fresh import proven
 from longball.judge.serve import serve
 from longball.judge.step_sweep import sample
 from longball.judge.verdict import Comparison
+from longball.model.arrays import Array
 from longball.model.quantities import replaced
 from longball.model.scene import Scene
 

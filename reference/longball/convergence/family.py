@@ -13,7 +13,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longball.convergence.order import (
     FEWEST,
@@ -24,8 +23,8 @@ from longball.convergence.order import (
     typical,
 )
 from longball.convergence.report import Level, Limit, Order, OrderVerdict, Use
+from longball.model.arrays import Array
 
-Array = NDArray[np.float64]
 Expected = float | Mapping[str, float] | None
 
 EPSILON = float(np.finfo(np.float64).eps)

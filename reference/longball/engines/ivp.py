@@ -16,7 +16,6 @@ from typing import Any
 
 import numpy as np
 import scipy.integrate
-from numpy.typing import NDArray
 
 from longball.engines.contact import BatSection
 from longball.engines.engine import OutOfRange, TooLong
@@ -25,12 +24,12 @@ from longball.engines.path import Flight
 from longball.engines.path_engine import PathEngine, View
 from longball.engines.polynomial import PolynomialPiece
 from longball.engines.taylor import Expander, Taylor, right_hand_side
+from longball.model.arrays import Array
 from longball.model.law import Law, State
 from longball.model.numbers import DOUBLES, Doubles
 
 METHODS = ("Taylor", "RK23", "RK45", "DOP853", "Radau", "BDF", "LSODA")
 
-Array = NDArray[np.float64]
 
 # A baseball's flight takes a dozen steps of Taylor's method and a hundred of others. Strong lift
 # can loop a ball a thousand times a second: the limit is some seconds of work.

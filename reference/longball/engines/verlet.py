@@ -41,7 +41,6 @@ from pathlib import Path as File
 from typing import Any, NamedTuple, TypeVar, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longball.engines.arithmetic import ARRAYS, Dual
 from longball.engines.compiled import BEYOND, Code
@@ -49,6 +48,7 @@ from longball.engines.contact import TURNS_VERTICAL, BatSection, inside_bat
 from longball.engines.engine import CannotSolve, Launch, OutOfRange, Stepped, TooLong, Touch
 from longball.engines.event import Event
 from longball.engines.path import Flight, Path
+from longball.model.arrays import Array
 from longball.model.frame import Frame, launch_frame
 from longball.model.law import Law, PlaneState, SpaceState, State
 from longball.model.numbers import DOUBLES, Vector, plus
@@ -57,7 +57,6 @@ from longball.model.trace import Names, Program, run_source
 from longball.model.wind import ROUGHNESS
 
 T = TypeVar("T")
-Array = NDArray[np.float64]
 Components = tuple[float, ...]
 
 # Numbers that do not stay finite are told in an error of the engine's.

@@ -15,11 +15,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from longball.model.arrays import Array, Flags
 from longball.model.quantities import at, replaced
 from longball.model.readings import SamplingReading
 from longball.model.scene import AtBatScene
-
-Array = NDArray[np.float64]
 
 MIDDLE_CELL = 3.0  # of the five that the pitching zone is divided into (paper, Sec. II)
 BLOCK = 50  # samples drawn from one seed
@@ -122,7 +121,7 @@ class Samples:
         return len(self.speed)
 
     @property
-    def pitched(self) -> NDArray[np.bool_]:
+    def pitched(self) -> Flags:
         """Whether the speed is positive.
 
         The printed columns of Table II draw others, too: such a ball is never pitched.

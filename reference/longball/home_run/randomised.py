@@ -13,17 +13,15 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longball.engines.parallel import in_parallel
 from longball.home_run.at_bats import AtBats, Samples
 from longball.home_run.clearance import Clearance
-from longball.home_run.crossings import Places, crossings, probability, sampled
+from longball.home_run.crossings import crossings, probability, sampled
 from longball.home_run.quadrature import FARTHEST
+from longball.model.arrays import Array, Integers
 from longball.model.readings import SampleSpace
 from longball.model.scene import AtBatScene
-
-Array = NDArray[np.float64]
 
 SCRAMBLES = 16
 _LINES = 512  # that a thread takes at a time: some tenths of a second
@@ -129,7 +127,7 @@ def _share_over_offsets(clearance: Clearance, at_bats: AtBats, lines: Samples) -
     lines = lines.chosen(pitched)
     grid = clearance.offsets(lines.speed, FARTHEST * at_bats.offset_deviation)
 
-    def on_lines(offset: Array, line: Places) -> Array:
+    def on_lines(offset: Array, line: Integers) -> Array:
         return clearance(replace(lines.chosen(line), offset=offset))
 
     values = sampled(on_lines, grid)

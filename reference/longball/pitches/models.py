@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
+from longball.model.arrays import Array
 from longball.model.scene import Ball
 from longball.pitches.statcast import RPM, MeasuredFlies, MeasuredPitches
-from longball.pitches.table import Floats
 
 Coefficient = float | Mapping[str, Any]
 
@@ -114,7 +114,7 @@ MODELS = {
 }  # fmt: skip
 
 
-def regression_spin(flies: MeasuredFlies, side_spin: bool = True) -> Floats:
+def regression_spin(flies: MeasuredFlies, side_spin: bool = True) -> Array:
     """Return the spin of batted balls that a published regression expects, rad/s, shape (n, 3).
 
     In rpm and degrees, with s = 1 for a right-handed batter and -1 for a left-handed one, and the
@@ -138,7 +138,7 @@ ACTIVE_SHARE = {
 
 def expected_spin(
     measured: MeasuredPitches | MeasuredFlies, active: Mapping[str, float] = ACTIVE_SHARE
-) -> Floats:
+) -> Array:
     """Return the spin of measured balls, rad/s, shape (n, 3).
 
     That of batted balls is `regression_spin`. Of a pitch's, rate and axis are measured, and the

@@ -16,7 +16,6 @@ from types import SimpleNamespace
 from typing import Any, Protocol, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longball.engines.batch import flights
 from longball.engines.batch.flights import Records
@@ -37,13 +36,11 @@ from longball.engines.contact import BatSection, margin_error
 from longball.engines.engine import Touch
 from longball.engines.event import past
 from longball.engines.path import Flight, Path
+from longball.model.arrays import Array, Flags, Integers
 from longball.model.law import Law, State
 from longball.model.numbers import DOUBLES, ratio
 from longball.model.result import Outcome
 from longball.model.trace import Program
-
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 OUTCOMES: tuple[str, ...] = get_args(Outcome)
 UNSOLVED = -1  # stands in a column of outcomes where a scene has no answer
@@ -124,7 +121,7 @@ class Table:
         return self.rows.stop - self.rows.start
 
     @property
-    def outcome(self) -> NDArray[np.int64]:
+    def outcome(self) -> Integers:
         """The outcomes, as places in OUTCOMES."""
         return self.whole[self.rows]
 
@@ -262,7 +259,7 @@ class ManyCases(Cases[Any]):
     engine: Any
     model: Model
     table: Table
-    rows: NDArray[np.int64]
+    rows: Integers
 
     @property
     def empty(self) -> bool:
