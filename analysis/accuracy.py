@@ -37,7 +37,7 @@ def run(report: Path, full: bool) -> str:
     }
     turns = [(one._replace(turn=TIMED), flights) for one in candidates.values()]
     measured = dict(zip(candidates, measuring.measure(turns, ROUNDS), strict=True))
-    pairs = list(zip(results, work.truth(struck.first(count)), strict=False))
+    pairs = list(zip(results, work.truth(struck[:count]), strict=False))
     return render(
         report, "accuracy", globals(), count=count, measured=measured,
         unit=measured[UNIT], default=measured["longball ivp, Taylor's method"],

@@ -175,15 +175,9 @@ class HalfForce(ButOnePart, Stepped[float]):
         assert state is not None
         begin, before, _ = self.steps_at(pitch, time)
         count = round(begin / self.scheme.dt)
+        ahead = time - begin
         return SteppedTouch(
-            margin,
-            True,
-            time,
-            state,
-            step=count,
-            before=before,
-            inside=state,
-            ahead=time - begin,
+            margin, True, time, state, step=count, before=before, inside=state, ahead=ahead
         )
 
     def rebound(

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple
 
 import joblib
 import numpy as np
@@ -19,8 +19,6 @@ from longball.model.arrays import Array, Flags
 from longball.model.quantities import number, numbers, replaced
 from longball.model.readings import SampleSpace, SamplingReading
 from longball.model.scene import AtBatScene
-
-S = TypeVar("S", bound=Struck)
 
 
 class Base(NamedTuple):
@@ -52,16 +50,6 @@ class Balls(Struck):
     pitch_speed: Array  # m/s, of the ball as it meets the bat
     exit_speed: Array  # m/s, of the ball as it leaves it
     elevation: Array  # rad, of its direction then
-
-    def chosen(self, which: Flags) -> "Balls":
-        """Return some of them."""
-        return Balls(*(column[which] for column in vars(self).values()))
-
-
-def joined(parts: Sequence[S]) -> S:
-    """Return the balls of all parts, one after the other."""
-    columns = zip(*(vars(part).values() for part in parts), strict=True)
-    return type(parts[0])(*map(np.concatenate, columns))
 
 
 VECTORS = "landing.position", "impact.velocity", "contact.normal"
@@ -105,7 +93,7 @@ def strike_in_steps(
     samples = base.drawn(count, seed)
     chosen = (samples.chosen(slice(i, i + CHUNK)) for i in range(0, count, CHUNK))
     chunks = in_parallel(_chunk, ((base, x, restitutions, scheme) for x in chosen), workers=-1)
-    return [joined(part) for part in zip(*chunks, strict=True)]
+    return [Balls.joined(part) for part in zip(*chunks, strict=True)]
 
 
 def _chunk(base: Base, some: Samples, restitutions: Sequence[float], scheme: Verlet) -> list[Balls]:

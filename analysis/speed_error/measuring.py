@@ -65,7 +65,7 @@ def measure(turns: Sequence[tuple[Contender, Work]], rounds: int) -> list[Measur
     first round, in which code is compiled, does not count.
     """
     compile_at_once()
-    portions = [(entrant, work.first(entrant.turn)) for entrant, work in turns]
+    portions = [(entrant, work[: entrant.turn]) for entrant, work in turns]
     for entrant, portion in portions:
         entrant.solve(portion)
     seconds: list[list[float]] = [[] for _ in portions]
@@ -76,7 +76,7 @@ def measure(turns: Sequence[tuple[Contender, Work]], rounds: int) -> list[Measur
     found = []
     for (entrant, work), mine in zip(turns, seconds, strict=True):
         true = work.true[: entrant.most]
-        answers = entrant.solve(work.first(len(true)))
+        answers = entrant.solve(work[: len(true)])
         found.append(Measured(entrant, mine, errors(answers, true)))
     return found
 
