@@ -9,7 +9,7 @@ from analysis.__main__ import REPORT
 from analysis.speed_error import contenders, laws, measuring
 from analysis.speed_error.measuring import measure
 from analysis.speed_error.work import at_bats, flights, known
-from analysis.writing import render
+from analysis.writing import Report
 from longball.engines.batch import Batch
 
 TURNS = 15
@@ -30,7 +30,7 @@ def main() -> None:
     units = {given.base.kind: one.seconds for (_, given), one in reversed(found)}
     of_laws = laws.compared(LAW_ROUNDS, LAW_TRUE)
     there = vars(measuring) | globals()
-    print(render(REPORT, "bench", there, found=found, units=units, of_laws=of_laws), end="")
+    print(Report(REPORT).render("bench", there, found=found, units=units, of_laws=of_laws), end="")
 
 
 if __name__ == "__main__":

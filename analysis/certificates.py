@@ -7,7 +7,6 @@ baseball, and for at-bats of the paper's distributions, whose time is measured t
 import time
 from collections.abc import Sequence
 from itertools import islice
-from pathlib import Path
 
 import pandas as pd
 from joblib import Parallel, delayed
@@ -15,7 +14,7 @@ from joblib import Parallel, delayed
 from analysis.paper.printed import AT_BATS, BASE
 from analysis.random_scenes import random_scene
 from analysis.survival import errors
-from analysis.writing import render
+from analysis.writing import Report
 from longball.engines.certify import certify
 from longball.engines.chain import solve
 from longball.engines.compiled import compile_at_once
@@ -33,12 +32,12 @@ SEED = 21
 TRUTH = Enclosure(40)
 
 
-def run(report: Path, full: bool) -> str:
+def run(report: Report, full: bool) -> str:
     """Certify the scenes, hold radii against the truth, and sum up."""
     number = FULL_SCENES if full else SCENES
     blocks = Parallel(n_jobs=-1)(delayed(_block)(block) for block in range(number // BLOCK))
     seen = pd.DataFrame([row for block in blocks for row in block])
-    return render(report, "certificates", globals(), number=number, seen=seen, full=full)
+    return report.render("certificates", globals(), number=number, seen=seen, full=full)
 
 
 def _block(block: int) -> list[dict[str, object]]:

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -14,7 +13,7 @@ from analysis.paper import printed
 from analysis.paper.home_run_figures import curve_ratio
 from analysis.paper.printed import AT_BATS, BASE, PAIRS, Season
 from analysis.reality import NATHAN, landings, launched, measured_flies, measured_pitches
-from analysis.writing import figure, render
+from analysis.writing import Report
 from longball import home_run
 from longball.engines import create
 from longball.engines.chain import solve_with_restitutions
@@ -189,7 +188,7 @@ def with_fence_for(variant: Variant, home_runs: float) -> Variant:
     return replace(variant, fence=float(fence))
 
 
-def run(report: Path, full: bool) -> str:
+def run(report: Report, full: bool) -> str:
     """Differentiate the home runs of a day by the restitution, and hold it against two seasons."""
     hits = measured_hits()
     day, games = int(hits.home_run.sum()), len(np.unique(hits.flies.games))
@@ -225,8 +224,8 @@ def run(report: Path, full: bool) -> str:
         return replace(slower, model=model).chances(slower.hits)
 
     by_speed = slope(slower, FASTER, lambda x: slower.chances(slower.hits.harder(x)))
-    return render(
-        report, "seasons", vars(printed) | globals(), hits=hits, day=day, games=games, plain=plain,
+    return report.render(
+        "seasons", vars(printed) | globals(), hits=hits, day=day, games=games, plain=plain,
         fitted=fitted, change=change, slopes=slopes, ratios=ratios, counted=counted, models=models,
         alone=ratios[slower.name][0], slope=slopes[slower.name][1],
         explained=ratios[slower.name][0].map(lambda x, y: np.log(x) / np.log(y), counted[0]),
@@ -281,10 +280,10 @@ def carry_slope(variant: Variant) -> float:
 
 
 def draw_ratios(
-    report: Path, counted: Sequence[Estimate], expected: Sequence[Estimate], models: list[float]
+    report: Report, counted: Sequence[Estimate], expected: Sequence[Estimate], models: list[float]
 ) -> None:
     """Draw the ratios of both pairs of seasons."""
-    with figure(report, "seasons", size=(6.4, 3.2)) as (axes,):
+    with report.figure("seasons", size=(6.4, 3.2)) as (axes,):
         rows = zip(SEASON_PAIRS, counted, expected, models, strict=True)
         for i, (pair, seen, alone, model) in enumerate(rows):
             hide = "_" * i  # the labels of the first pair serve both

@@ -7,14 +7,13 @@ that is written once, and the parts can be added up and held against the whole.
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 from typing import Any, cast
 
 import numpy as np
 
 from analysis.convergence.pieces import TRUTH, each, golden, passing
 from analysis.speed_error.work import batted
-from analysis.writing import STYLES, figure, render
+from analysis.writing import STYLES, Report
 from longball.convergence.order import fit_power_law, typical
 from longball.engines.chain import solve
 from longball.engines.contact import BatSection
@@ -212,7 +211,7 @@ class GroundBetweenSteps(ButOnePart):
 # --- the budget -----------------------------------------------------------------------------------
 
 
-def run(report: Path, full: bool) -> str:
+def run(report: Report, full: bool) -> str:
     """Measure every part alone, and hold their sum against the whole."""
     count, phases = (FULL_SCENES, FULL_PHASES) if full else (SCENES, PHASES)
     scenes = batted(count, SEED)[0].scenes
@@ -227,7 +226,7 @@ def run(report: Path, full: bool) -> str:
     seen = {name: typical(rms(part)) for name, part in parts.items()}
     left = {}
     # The errors of the parts against the step, a panel a treatment.
-    with figure(report, "convergence_budget", columns=2, size=(9.0, 4.6)) as panels:
+    with report.figure("convergence_budget", columns=2, size=(9.0, 4.6)) as panels:
         for axes, (treatment, names) in zip(panels, ADDED.items(), strict=True):
             whole = WHOLE.format(treatment)
             left[treatment] = typical(rms(parts[whole] - sum(parts[name] for name in names)))
@@ -242,8 +241,8 @@ def run(report: Path, full: bool) -> str:
         labels = panels[0].get_legend_handles_labels()
         panels[0].figure.legend(*labels, loc="outside lower center", ncols=3)
     laws = {name: fit_power_law(np.array(STEPS), of) for name, of in seen.items()}
-    return render(
-        report, "budget", globals(), scenes=len(scenes), phases=phases, seen=seen, laws=laws,
+    return report.render(
+        "budget", globals(), scenes=len(scenes), phases=phases, seen=seen, laws=laws,
         left=left, largest=sorted(IN_THEORY, key=lambda name: -float(seen[name][0])),
         # Beyond a tenth and the interval.
         missed=[

@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,7 +9,7 @@ import pandas as pd
 
 from analysis.convergence.pieces import each
 from analysis.speed_error.work import launches
-from analysis.writing import STYLES, figure, render
+from analysis.writing import STYLES, Report
 from longball.convergence import converge
 from longball.convergence.report import Order
 from longball.engines import create
@@ -31,12 +30,12 @@ _LAUNCHES = launches(np.array([30.0, 30.0, 45.0, 45.0]), np.radians([25.0, 45.0]
 FOUR = [one.model_copy(update={"id": str(i)}) for i, one in enumerate(_LAUNCHES.scenes)]
 
 
-def run(report: Path, full: bool) -> str:
+def run(report: Report, full: bool) -> str:
     """Find the orders, and the errors of one flight at the printed step."""
     finest = FULL_FINEST if full else FINEST
     calls = [(Verlet(forces=treatment), finest, 2) for treatment in TREATMENTS]
     orders = dict(zip(TREATMENTS, each(report, "orders", converged, calls), strict=True))
-    with figure(report, "convergence_flights", size=(6.4, 4.6)) as (axes,):
+    with report.figure("convergence_flights", size=(6.4, 4.6)) as (axes,):
         for name, found in orders.items():
             # Two of the treatments coincide: one is seen round the other.
             size = 9 if name == "old_recomputed" else 5
@@ -51,8 +50,8 @@ def run(report: Path, full: bool) -> str:
         axes.legend(fontsize="small")
     below = Verlet(PRINTED, "implicit", "first_below")
     true = distance(PROVEN)
-    return render(
-        report, "flights", globals(), orders=orders, distance=true,
+    return report.render(
+        "flights", globals(), orders=orders, distance=true,
         off={name: distance(Verlet(PRINTED, name)) - true for name in TREATMENTS},
         below=distance(below) - distance(Verlet(PRINTED, "implicit")),
         jump=converged(below, 1e-4, phases=8),

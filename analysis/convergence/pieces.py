@@ -11,6 +11,7 @@ from rich.console import Console
 from rich.progress import track
 
 import longball
+from analysis.writing import Report
 from longball.engines.chain import approach_of
 from longball.engines.ivp import Ivp
 from longball.model.scene import AtBatScene
@@ -21,7 +22,7 @@ TRUTH = Ivp()
 
 
 def each(
-    report: Path, what: str, work: Callable[..., Any], calls: Iterable[Sequence[object]]
+    report: Report, what: str, work: Callable[..., Any], calls: Iterable[Sequence[object]]
 ) -> list[Any]:
     """Return what a function gives for each of many arguments, on all cores.
 
@@ -31,7 +32,7 @@ def each(
     folders = Path(longball.__file__).parent, Path(__file__).parent.parent
     files = sorted(path for folder in folders for path in folder.rglob("*.py"))
     code = joblib.hash([path.read_bytes() for path in files])
-    kept = joblib.Memory(report / ".resume" / code, verbose=0).cache(work)
+    kept = joblib.Memory(report.folder / ".resume" / code, verbose=0).cache(work)
     tasks = [joblib.delayed(kept)(*arguments) for arguments in calls]
     answers = joblib.Parallel(n_jobs=-1, return_as="generator")(tasks)
     console = Console(stderr=True)

@@ -4,7 +4,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
-from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
@@ -14,7 +13,7 @@ from scipy.stats import binned_statistic, norm
 from analysis.paper import combinations, printed
 from analysis.paper.balls import Balls, Base, Space, strike
 from analysis.speed_error.work import launches
-from analysis.writing import STYLES, figure, render
+from analysis.writing import STYLES, Report
 from longball import home_run
 from longball.engines.batch import solve_columns
 from longball.home_run import HOME_RUN_DISTANCE, RESTITUTIONS
@@ -182,12 +181,12 @@ def everything() -> list[SimpleNamespace]:
     return [tested(name, *case) for name, case in combinations.cases().items()]
 
 
-def run(report: Path, full: bool) -> str:
+def run(report: Report, full: bool) -> str:
     """Draw the densities, and D against the exit speed; `full` changes nothing."""
     found = everything()
     d = np.arange(0.0, 300.0, 5.0) + 2.5
     near = (d > WINDOW[0] - 50) & (d < WINDOW[1] + 50)
-    with figure(report, "paper_argument", columns=2, size=(9.0, 4.0)) as (left, right):
+    with report.figure("paper_argument", columns=2, size=(9.0, 4.0)) as (left, right):
         for one in found:
             line = {key: STYLES[one.name][key] for key in ("color", "linestyle")}
             left.plot(d, 1e3 * one.density, **line, linewidth=1.6, label=f"{one.name} reading")
@@ -204,4 +203,4 @@ def run(report: Path, full: bool) -> str:
         left.legend(fontsize="small")
         right.set(xlabel="exit speed, m/s", ylabel="distance D, m")
         right.legend(fontsize="small", ncols=2)
-    return render(report, "argument", vars(printed) | globals(), found=found)
+    return report.render("argument", vars(printed) | globals(), found=found)

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from analysis.wild.simulators import SIMULATORS, Method, Simulator
-from analysis.writing import figure, render
+from analysis.writing import Report
 from longball.convergence import PowerLaw, fit_power_law
 from longball.convergence.order import typical
 from longball.golden import load
@@ -57,12 +57,12 @@ class Tried(NamedTuple):
         return fit_power_law(self.steps, self.errors) if len(self.errors) else None
 
 
-def run(report: Path, full: bool) -> str:
+def run(report: Report, full: bool) -> str:
     """Judge what is installed, draw errors and orders, and say what is not installed."""
     there = [simulator for simulator in SIMULATORS if simulator.version]
     tried = [tried for simulator in there for tried in trials(simulator, full)]
     stepped = [t for t in tried if t.method.order]
-    with figure(report, "wild_orders", columns=2, size=(9.0, 4.4)) as (left, right):
+    with report.figure("wild_orders", columns=2, size=(9.0, 4.4)) as (left, right):
         for row, (t, mark) in enumerate(zip(stepped, cycle("osD^vP*X"))):
             style: dict[str, Any] = {"color": f"C{row}", "marker": mark}
             left.loglog(t.steps, t.errors, **style, markersize=4, linewidth=1)
@@ -76,7 +76,7 @@ def run(report: Path, full: bool) -> str:
         right.set_yticks(range(len(stepped)), [t.name for t in stepped])
         right.set(xlabel="order", xlim=(0.0, None))
         right.invert_yaxis()
-    return render(report, "wild", globals(), there=there, tried=tried)
+    return report.render("wild", globals(), there=there, tried=tried)
 
 
 def trials(simulator: Simulator, full: bool) -> list[Tried]:
