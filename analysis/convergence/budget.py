@@ -11,11 +11,10 @@ from typing import Any, cast
 
 import numpy as np
 
-from analysis.convergence.pieces import TRUTH, each, golden, passing
+from analysis.convergence.pieces import TRUTH, distance, each, golden, passing
 from analysis.speed_error.work import batted
 from analysis.writing import STYLES, Report
 from longball.convergence.order import fit_power_law, typical
-from longball.engines.chain import solve
 from longball.engines.contact import BatSection
 from longball.engines.engine import Engine, Launch, Stepped, Touch
 from longball.engines.event import Event, first_met, plate
@@ -282,14 +281,10 @@ def errors(scene: AtBatScene, step: float, phases: int) -> list[dict[str, float]
     way = passing(scene)
     assert way is not None
 
-    def distance(engine: Engine[float]) -> float:
-        landing = solve(scene, engine).landing
-        return float(landing.distance) if landing else math.nan
-
-    true, rows = distance(TRUTH), []
+    true, rows = distance(scene, TRUTH), []
     for share in golden(phases):
         inside = way.time + share * way.window
         dt = inside / max(1, round(inside / step))
         parts = {name: one for how in SHOWN for name, one in engines(how, dt, way.time).items()}
-        rows.append({name: distance(engine) - true for name, engine in parts.items()})
+        rows.append({name: distance(scene, engine) - true for name, engine in parts.items()})
     return rows

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from analysis.convergence.pieces import each
+from analysis.convergence.pieces import distance, each
 from analysis.speed_error.work import launches
 from analysis.writing import STYLES, Report
 from longball.convergence import converge
@@ -49,11 +49,11 @@ def run(report: Report, full: bool) -> str:
         axes.set(xscale="log", yscale="log", xlabel="step Δt, s", ylabel="error of D, m")
         axes.legend(fontsize="small")
     below = Verlet(PRINTED, "implicit", "first_below")
-    true = distance(PROVEN)
+    true = distance(ONE, PROVEN)
     return report.render(
         "flights", globals(), orders=orders, distance=true,
-        off={name: distance(Verlet(PRINTED, name)) - true for name in TREATMENTS},
-        below=distance(below) - distance(Verlet(PRINTED, "implicit")),
+        off={name: distance(ONE, Verlet(PRINTED, name)) - true for name in TREATMENTS},
+        below=distance(ONE, below) - distance(ONE, Verlet(PRINTED, "implicit")),
         jump=converged(below, 1e-4, phases=8),
     )  # fmt: skip
 
@@ -66,10 +66,3 @@ def converged(scheme: Verlet, finest: float, phases: int) -> Order:
         FOUR, steps.tolist(), [solve(scene, PROVEN) for scene in FOUR], phases=phases,
     )  # fmt: skip
     return next(found for found in report.orders if found.quantity == "distance")
-
-
-def distance(engine: Engine[Any]) -> float:
-    """Return D of the one flight, m."""
-    landing = solve(ONE, engine).landing
-    assert landing is not None
-    return float(landing.distance)

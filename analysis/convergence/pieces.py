@@ -12,9 +12,10 @@ from rich.progress import track
 
 import longball
 from analysis.writing import Report
-from longball.engines.chain import approach_of
+from longball.engines.chain import approach_of, solve
+from longball.engines.engine import Engine
 from longball.engines.ivp import Ivp
-from longball.model.scene import AtBatScene
+from longball.model.scene import AtBatScene, FlightScene
 
 # Good to 1e-11 m (`python -m analysis accuracy`), and no error of an at-bat shown here is smaller
 # than five times that.
@@ -37,6 +38,12 @@ def each(
     answers = joblib.Parallel(n_jobs=-1, return_as="generator")(tasks)
     console = Console(stderr=True)
     return list(track(answers, what, len(tasks), console=console, disable=not console.is_terminal))
+
+
+def distance(scene: AtBatScene | FlightScene, engine: Engine[Any]) -> float:
+    """Return D by an engine, m; NaN if no ball lands."""
+    landing = solve(scene, engine).landing
+    return float(landing.distance) if landing else math.nan
 
 
 class Pass(NamedTuple):
