@@ -26,9 +26,9 @@ def run(report: Report, full: bool) -> str:
         for name, block in (("position", "contact"), ("velocity", "impact"))
     }
     flights = work.known(Work(work.launches(np.ones(1), 0.0).base, columns), count)
-    plain = {f"solve_ivp DOP853 {rtol:g}, its own event": rtol for rtol in TOLERANCES}
+    its_own = "solve_ivp DOP853 {:g}, its own event".format
     candidates = {
-        **{name: contenders.plain("DOP853", rtol) for name, rtol in plain.items()},
+        **{its_own(r): contenders.plain("DOP853", r) for r in TOLERANCES},
         **{f"longball ivp DOP853 {r:g}": contenders.ivp("DOP853", r) for r in TOLERANCES[1:]},
         "longball ivp DOP853": contenders.ivp("DOP853"),
         "longball ivp, Taylor's method": contenders.ivp("Taylor"),

@@ -100,10 +100,9 @@ def close(kind: str, generator: Generator) -> Written:
         case "flight", 0:  # to be at rest in the air, or all but so
             scene["launch"]["velocity"] = [nudge, 0.0, generator.choice([0.0, 10.0])]
         case "flight", 1:  # level over the ground
-            scene["launch"] = {
-                "position": [0.0, 0.0, 0.0366 * (1.0 + abs(nudge))],
-                "velocity": [generator.uniform(1.0, 60.0), 0.0, generator.choice([0.0, nudge])],
-            }
+            scene["launch"]["position"][2] = 0.0366 * (1.0 + abs(nudge))
+            level, rise = generator.uniform(1.0, 60.0), generator.choice([0.0, nudge])
+            scene["launch"]["velocity"] = [level, 0.0, rise]
         case "pitch" | "flight", _:  # ends with the time limit
             block = "landing" if kind == "flight" else "plate"
             scene["time_limit"] = float(_quantity(scene, block, "time") or 1.0) * (1.0 + nudge)

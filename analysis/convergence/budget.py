@@ -14,6 +14,7 @@ import numpy as np
 from analysis.convergence.pieces import TRUTH, distance, each, golden, passing
 from analysis.speed_error.work import batted
 from analysis.writing import STYLES, Report
+from longball.convergence.family import mean_over_phases
 from longball.convergence.order import fit_power_law, typical
 from longball.engines.contact import BatSection
 from longball.engines.engine import Engine, Launch, Stepped, Touch
@@ -253,9 +254,7 @@ def run(report: Report, full: bool) -> str:
 
 def rms(errors: Array) -> Array:
     """Return the root mean square over phases of those that are there: (scene, step)."""
-    squares: Any = np.ma.masked_invalid(errors) ** 2
-    root: Array = np.sqrt(squares.mean(axis=2).filled(np.nan))
-    return root
+    return np.sqrt(mean_over_phases(errors**2))
 
 
 def engines(forces: VerletForces, dt: float, contact: float) -> dict[str, Engine[float]]:

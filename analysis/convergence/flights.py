@@ -23,7 +23,6 @@ PER_DECADE = 4
 # Proves its digits: what is shown goes down to 1e-11 m and less.
 PROVEN: Engine[Any] = create("enclosure", digits=20)
 
-
 (ONE,) = launches(np.array([45.0]), math.radians(30.0)).scenes
 # Two speeds at 25° and 45° each. The fit of the orders identifies results by their ids.
 _LAUNCHES = launches(np.array([30.0, 30.0, 45.0, 45.0]), np.radians([25.0, 45.0] * 2))

@@ -40,20 +40,18 @@ def share(problem: Problem, space: Space) -> Share:
 
 # In a scene or its sampling: name, unit, low and high end of the range, and their source.
 UNKNOWN = tuple(SimpleNamespace(**one) for one in DATA["unknown"])
-Change = tuple[float, float]  # of P(0.42), with its standard error
-
-
-def over_ranges(base: Base, space: Space) -> tuple[Share, list[list[Change]]]:
-    """Return P(0.42), and what each number alone does to it at the ends of its range."""
-    before = share(drawn(base), space)
-    others = [[base.replaced({one.name: x}) for x in (one.low, one.high)] for one in UNKNOWN]
-    return before, [[share(drawn(x), space).above(before) for x in ends] for ends in others]
 
 
 def section(report: Report, cases: Cases) -> str:
     """Write the section: what the unknown numbers do, alone and together."""
     cases = {name: (base.replaced({"ball.restitution": E}), s) for name, (base, s) in cases.items()}
-    found = {name: over_ranges(*case) for name, case in cases.items()}
+    found = {}
+    # P(0.42), and its changes by each number alone at both ends of its range, with their errors.
+    for name, (base, space) in cases.items():
+        before = share(drawn(base), space)
+        others = [[base.replaced({one.name: x}) for x in (one.low, one.high)] for one in UNKNOWN]
+        changes = [[share(drawn(x), space).above(before) for x in ends] for ends in others]
+        found[name] = before, changes
     heights = np.arange(len(UNKNOWN))[::-1]
     with report.figure("paper_numbers", columns=len(found), size=(9.0, 3.2)) as panels:
         for axes, (name, (before, ranged)) in zip(panels, found.items(), strict=True):

@@ -14,6 +14,7 @@ from longball.engines.batch import Batch
 
 ROUNDS, FULL_ROUNDS = 5, 7
 SCENES, FULL_SCENES = 100, 300  # of which the errors are looked at
+COLUMNS = {"median": "median error, m", "most": "99 % error, m", "worst": "worst error, m"}
 UNIT = f"batch, {Batch().tolerance:g} m"  # the measure of all
 
 
@@ -54,12 +55,13 @@ def measure(given: Work, rounds: int) -> tuple[pd.DataFrame, pd.DataFrame]:
         whose = {"work": given.base.kind, "method": entrant.family, "setting": entrant.setting}
         ratio = measuring.ratio(found.seconds, unit.seconds)
         times = {"time each, µs": found.microseconds, "ratio": ratio}
-        rows.append({**whose, **times, **found.errors.row()})
+        rows.append({**whose, **times, **found.errors._asdict()})
         timings += [
             whose | {"round": i, "scenes": entrant.turn, "time, s": f"{entrant.turn * s:.6g}"}
             for i, s in enumerate(found.seconds, 1)
         ]
-    return pd.DataFrame(timings), pd.DataFrame(rows)
+    summary = pd.DataFrame(rows).drop(columns="worst_time").rename(columns=COLUMNS)
+    return pd.DataFrame(timings), summary
 
 
 BEYOND = 1e-15  # m; smaller errors than doubles can have at 100 m are drawn there

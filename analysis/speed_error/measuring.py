@@ -39,11 +39,6 @@ class Errors(NamedTuple):
     missed: int  # of those, how many are answered with that it does not
     unanswered: int  # scenes without an answer
 
-    def row(self) -> dict[str, object]:
-        """Return the numbers as columns of a table."""
-        names = {"median": "median error, m", "most": "99 % error, m", "worst": "worst error, m"}
-        return {names.get(x, x): y for x, y in self._asdict().items() if x != "worst_time"}
-
 
 class Measured(NamedTuple):
     """What a contender took for its work, s a scene, by round; and how far off it was."""

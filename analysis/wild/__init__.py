@@ -39,22 +39,14 @@ class Tried(NamedTuple):
     method: Method
     evaluation: Evaluation  # as it is usually run, in scenes with its own constants
     diagnosis: Diagnosis | None  # of the golden scenes; None if it was not asked for
-    errors: Array  # of the place at each of the method's steps, m, typical of all scenes
+    steps: Array  # the method's, s
+    errors: Array  # of the place at each of them, m, typical of all scenes
+    law: PowerLaw | None  # how the errors fall; None if no range of steps shows it
 
     @property
     def name(self) -> str:
         """Simulator and method."""
         return f"{self.simulator.title}, {self.method.name}"
-
-    @property
-    def steps(self) -> Array:
-        """The method's steps, s."""
-        return np.array(self.method.knobs) * self.method.second
-
-    @property
-    def law(self) -> PowerLaw | None:
-        """How the errors fall; None if no range of steps shows it."""
-        return fit_power_law(self.steps, self.errors) if len(self.errors) else None
 
 
 def run(report: Report, full: bool) -> str:
@@ -106,8 +98,11 @@ def trial(
     sweep = replace(judge, cases=own[::2])
     runs = [candidate(simulator, method, knob) for knob in method.knobs]
     errors = [list(map(place_error, sweep.evaluate_function(run).comparisons)) for run in runs]
-    typically = typical(np.array(errors).T) if errors else np.empty(0)
-    return Tried(simulator, method, judge.evaluate_function(usual), diagnosis, typically)
+    off = typical(np.array(errors).T) if errors else np.empty(0)
+    steps = np.array(method.knobs) * method.second
+    law = fit_power_law(steps, off) if errors else None
+    evaluation = judge.evaluate_function(usual)
+    return Tried(simulator, method, evaluation, diagnosis, steps, off, law)
 
 
 def candidate(simulator: Simulator, method: Method, knob: float) -> Callable[[Scene], Any]:
