@@ -137,38 +137,31 @@ def flight_spin_drag() -> Iterator[Draft]:
 
 def flight_wind() -> Iterator[Draft]:
     """Wind from ahead, behind, below and aside, logarithmic; on drag and lift, or on drag alone."""
-    for i in range(COUNT):
+    for i in range(COUNT + PROFILES):
         a, b, c, d, e, *_ = shares(i)
-        vx, vy, vz = towards(between(20.0, 52.0, a), between(2.0, 65.0, b))
-        aside = between(-6.0, 6.0, d) if i % 8 == 7 else 0.0
-        upwards = between(-2.0, 2.0, e) if i % 3 == 0 else 0.0
+        speed, rise, blows = between(20.0, 52.0, a), between(2.0, 65.0, b), between(-9.0, 9.0, c)
+        wind: Point | WindProfile
+        if i < COUNT:
+            vx, vy, vz = towards(speed, rise)
+            velocity = (vx if i % 2 else -vx, vy, vz)
+            aside = between(-6.0, 6.0, d) if i % 8 == 7 else 0.0
+            wind = (blows, aside, between(-2.0, 2.0, e) if i % 3 == 0 else 0.0)
+            number, comment = i // 2, "in a wind"
+        else:
+            velocity = towards(speed, rise, 40.0 * e - 20.0)
+            wind = WindProfile(
+                velocity=(blows, between(-6.0, 6.0, e), 0.0),
+                height=between(2.0, 15.0, d),
+                roughness=between(0.01, 0.1, a),
+            )
+            number, comment = i, "in a logarithmic wind"
         scene = FlightScene(
             id=f"flight-wind-{i:04d}",
-            launch=Launch(
-                position=(0.6, 0.0, between(0.4, 1.4, d)),
-                velocity=(vx if i % 2 else -vx, vy, vz),
-            ),
-            air=Air(wind=(between(-9.0, 9.0, c), aside, upwards)),
-            reading=Reading(wind_acts_on=("both", "drag")[i // 2 % 2]),
+            launch=Launch(position=(0.6, 0.0, between(0.4, 1.4, d)), velocity=velocity),
+            air=Air(wind=wind),
+            reading=Reading(wind_acts_on=("both", "drag")[number % 2]),
         )
-        yield draft(scene, "in a wind")
-    for i in range(COUNT, COUNT + PROFILES):
-        a, b, c, d, e, *_ = shares(i)
-        profile = WindProfile(
-            velocity=(between(-9.0, 9.0, c), between(-6.0, 6.0, e), 0.0),
-            height=between(2.0, 15.0, d),
-            roughness=between(0.01, 0.1, a),
-        )
-        scene = FlightScene(
-            id=f"flight-wind-{i:04d}",
-            launch=Launch(
-                position=(0.6, 0.0, between(0.4, 1.4, d)),
-                velocity=towards(between(20.0, 52.0, a), between(2.0, 65.0, b), 40.0 * e - 20.0),
-            ),
-            air=Air(wind=profile),
-            reading=Reading(wind_acts_on=("both", "drag")[i % 2]),
-        )
-        yield draft(scene, "in a logarithmic wind")
+        yield draft(scene, comment)
 
 
 def flight_weather() -> Iterator[Draft]:

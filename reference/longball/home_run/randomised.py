@@ -9,7 +9,7 @@ tells the error.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -45,13 +45,12 @@ def scrambled(
     *,
     sample_space: SampleSpace = "pitches",
     workers: int = 1,
-    progress: Callable[[int], None] = lambda done: None,
 ) -> list[Randomised]:
     """Return P(e) at each restitution, by the batch engine, from the same lines for all.
 
     Parameters
     ----------
-    base, at_bats, restitutions, sample_space, workers, progress
+    base, at_bats, restitutions, sample_space, workers
         As `longball.home_run.integrals` takes them.
     lines
         Lines along the offset in each of the scrambles: a power of 2.
@@ -62,7 +61,7 @@ def scrambled(
 
     everything = Samples.joined([_lines(base, at_bats, lines, seed, i) for i in range(SCRAMBLES)])
     estimates = []
-    for done, e in enumerate(restitutions, 1):
+    for e in restitutions:
         home_runs = Clearance(base, e, Batch(), sample_space)
         each = _means(home_runs, at_bats, everything, workers)
         if sample_space != "pitches":
@@ -71,7 +70,6 @@ def scrambled(
                 each = each / _means(space, at_bats, everything, workers)
         error = float(np.std(each, ddof=1)) / math.sqrt(SCRAMBLES)
         estimates.append(Randomised(e, float(np.mean(each)), error))
-        progress(done)
     return estimates
 
 

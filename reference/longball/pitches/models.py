@@ -136,15 +136,13 @@ ACTIVE_SHARE = {
 }  # fmt: skip
 
 
-def expected_spin(
-    measured: MeasuredPitches | MeasuredFlies, active: Mapping[str, float] = ACTIVE_SHARE
-) -> Array:
+def expected_spin(measured: MeasuredPitches | MeasuredFlies) -> Array:
     """Return the spin of measured balls, rad/s, shape (n, 3).
 
     That of batted balls is `regression_spin`. Of a pitch's, rate and axis are measured, and the
-    share that is active is `active` of its type; the mean of all types where it has none.
+    share that is active is that of its type in `ACTIVE_SHARE`, or the mean of all types.
     """
     if isinstance(measured, MeasuredFlies):
         return regression_spin(measured)
-    usual = float(np.mean(list(active.values())))
-    return measured.spin(np.array([active.get(kind, usual) for kind in measured.labels]))
+    usual = float(np.mean(list(ACTIVE_SHARE.values())))
+    return measured.spin(np.array([ACTIVE_SHARE.get(kind, usual) for kind in measured.labels]))
