@@ -19,7 +19,7 @@ import scipy.integrate
 
 from longball.engines.contact import BatSection
 from longball.engines.engine import OutOfRange, TooLong
-from longball.engines.event import Event
+from longball.engines.event import Events
 from longball.engines.path import Flight
 from longball.engines.path_engine import PathEngine, View
 from longball.engines.polynomial import PolynomialPiece
@@ -114,7 +114,7 @@ class Ivp(PathEngine[float]):
         start: State[float],
         begin: float,
         limit: float,
-        events: Sequence[Event[float]],
+        events: Events[float],
     ) -> Iterator[PolynomialPiece]:
         """Yield the pieces of a flight; see `longball.engines.path_engine.PathEngine.steps`.
 
@@ -143,12 +143,7 @@ class Ivp(PathEngine[float]):
             events = ()  # whoever asks for more did not stop there
 
     def _integrate(
-        self,
-        law: Law[float],
-        time: float,
-        state: Array,
-        limit: float,
-        events: Sequence[Event[float]],
+        self, law: Law[float], time: float, state: Array, limit: float, events: Events[float]
     ) -> tuple[Any, Iterable[PolynomialPiece]]:
         """Return what solve_ivp returns, and the polynomials of its steps."""
         span, ends = (time, limit), _ends(events, law)
@@ -273,7 +268,7 @@ def _expanded(
             time, state = until, np.array(piece.at(piece.length))
 
 
-def _ends(events: Sequence[Event[float]], law: Law[float]) -> Callable[[float, Array], float]:
+def _ends(events: Events[float], law: Law[float]) -> Callable[[float, Array], float]:
     """Return the terminal event that ends an integration with the step that meets an event.
 
     Its value stays at zero from there, and so solve_ivp finds it at the end of that step. An

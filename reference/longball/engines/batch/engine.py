@@ -23,7 +23,7 @@ from longball.engines.contact import (
     margin_error,
 )
 from longball.engines.engine import CannotSolve, ManyAtOnce, OutOfRange, TooLong, Touch
-from longball.engines.event import Event, Piece, past
+from longball.engines.event import Event, Events, Piece, past
 from longball.engines.ivp import Ivp
 from longball.engines.path import Flight, Path, Rest
 from longball.engines.polynomial import PolynomialPiece
@@ -104,7 +104,7 @@ class Batch(ManyAtOnce):
         return 20 * max(self.truncation, DOUBLES.rounding)
 
     def fly(
-        self, law: Law[float], start: State[float], events: Sequence[Event[float]], limit: float
+        self, law: Law[float], start: State[float], events: Events[float], limit: float
     ) -> Flight[float]:
         """Fly until the first of several events; see `longball.engines.engine.Engine.fly`."""
         if not records.flies_in_lanes(law) or records.starts_at_corner(law, start):
@@ -127,7 +127,7 @@ class Batch(ManyAtOnce):
         pitch: Flight[float],
         law: Law[float],
         bat: BatSection[float],
-        events: Sequence[Event[float]],
+        events: Events[float],
         limit: float,
     ) -> Touch[float]:
         """Find how a pitch meets the bat; see `longball.engines.engine.Engine.touch`."""
@@ -200,7 +200,7 @@ def _plain(start: Start) -> Start:
     return Start(start.time.item(), type(start.state)(*(x.item() for x in start.state)))
 
 
-def _require_answer(end: Records, flight: Records, events: Sequence[Event[Any]]) -> None:
+def _require_answer(end: Records, flight: Records, events: Events[Any]) -> None:
     """Raise why a flight has no answer, if it has none."""
     stop, value = end["stop"].item(), end["doubt"].item()
     if stop < len(events) or stop == flights.TIME_LIMIT:
