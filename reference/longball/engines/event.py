@@ -218,11 +218,7 @@ class Met(NamedTuple, Generic[N]):
 
 
 def first_met(
-    pieces: Iterable[Piece[N]],
-    events: Events[N],
-    limit: N,
-    error: float,
-    numbers: Numbers[N],
+    pieces: Iterable[Piece[N]], events: Events[N], limit: N, error: float, numbers: Numbers[N]
 ) -> Met[N] | None:
     """Return the first of several events on a flight; None if none is met in time.
 

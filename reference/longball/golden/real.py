@@ -12,15 +12,7 @@ from functools import wraps
 from itertools import product
 from typing import Any
 
-from longball.golden.case_builder import (
-    Draft,
-    between,
-    draft,
-    five_digits,
-    flight,
-    shares,
-    towards,
-)
+from longball.golden.case_builder import Draft, between, draft, five_digits, flight, shares, towards
 from longball.model.air import (
     Air,
     ConstantLift,
@@ -186,10 +178,7 @@ def flight_spin_decay(i: int, a: float, b: float, c: float) -> dict[str, Any]:
         spin_decay_length=between(100.0, 3000.0, a),
         wind=(between(-5.0, 5.0, b), 0.0, 0.0) if i % 4 == 0 else None,
     )
-    return {
-        "air": air,
-        "reading": Reading(spin_decay=("path", "time", "path", "nathan")[i % 4]),
-    }
+    return {"air": air, "reading": Reading(spin_decay=("path", "time", "path", "nathan")[i % 4])}
 
 
 @_lattice("all terms of the flight together")
