@@ -108,7 +108,7 @@ def paper_at_bats(reading: SamplingReading) -> AtBats:
     )
 
 
-class Rows:
+class Arrays:
     """A base of dataclasses of arrays, whose elements of one number are a row."""
 
     def chosen(self, which: NDArray[Any] | slice) -> Self:
@@ -123,7 +123,7 @@ class Rows:
 
 
 @dataclass(frozen=True)
-class Samples(Rows):
+class Samples(Arrays):
     """Random inputs of at-bats, an array element each: m/s, m, m, rad."""
 
     speed: Array

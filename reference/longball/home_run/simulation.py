@@ -16,7 +16,7 @@ from longball.engines import create
 from longball.engines.chain import solve_with_restitutions
 from longball.engines.engine import Engine, ManyAtOnce
 from longball.engines.parallel import in_parallel
-from longball.home_run.at_bats import BLOCK, AtBats, Rows, Samples, draw, scenes
+from longball.home_run.at_bats import BLOCK, Arrays, AtBats, Samples, draw, scenes
 from longball.model.arrays import Array, Flags
 from longball.model.scene import AtBatScene
 
@@ -34,7 +34,7 @@ COLUMNS = 200 * BLOCK
 
 
 @dataclass(frozen=True)
-class Struck(Rows):
+class Struck(Arrays):
     """Landings of at-bats, one array element for each.
 
     Attributes
