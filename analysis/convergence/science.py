@@ -10,8 +10,8 @@ import pandas as pd
 from scipy.stats import ks_2samp
 
 from analysis.convergence.pieces import each
-from analysis.paper import printed
-from analysis.paper.printed import AT_BATS, P_TEXT
+from analysis.paper.printed import AT_BATS, P_TEXT, noise
+from analysis.paper.printed import SAMPLES as PAPER_SAMPLES
 from analysis.writing import LINES, STYLES, Report
 from longball import home_run
 from longball.engines.ivp import Ivp
@@ -135,9 +135,9 @@ def draw(report: Report, found: Found) -> None:
             points |= {"label": f"{case.name}, P = {p:.3f}"}
             left.errorbar(np.array(STEPS) * aside, values, bars, **points)
             if case.name != IMPLICIT:
-                limit = 1 - printed.noise(p) / p
+                limit = 1 - noise(p) / p
                 left.axhline(limit, color=style["color"], linestyle=":")
-                text = f"noise of {printed.SAMPLES:,} samples, {case.name}"
+                text = f"noise of {PAPER_SAMPLES:,} samples, {case.name}"
                 place: Any = {"xycoords": ("axes fraction", "data"), "textcoords": "offset points"}
                 left.annotate(text, (0.02, limit), (0, -2), **place, va="top", fontsize="x-small")
         left.set(xscale="log", xlabel="step Δt, s", ylabel="P(0.42) / P of the reference")
