@@ -12,7 +12,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import NamedTuple
 
-from analysis.writing import HERE, data, render
+from analysis.writing import HERE, Report, data
 
 REPORT = HERE.parent / "report"
 
@@ -45,17 +45,17 @@ def main() -> None:
             f"no study {unknown[0]!r}; the studies are {', '.join(modules)}; "
             f"{' and '.join(PAGES)} stand for all of a page"
         )
-    sections = arguments.report / "sections"
+    report, sections = Report(arguments.report), arguments.report / "sections"
     sections.mkdir(parents=True, exist_ok=True)
     for name in chosen(arguments.studies):
         start = time.monotonic()
-        section = import_module(modules[name]).run(arguments.report, arguments.full)
+        section = import_module(modules[name]).run(report, arguments.full)
         (sections / f"{name}.md").write_text(section, encoding="utf-8")
         print(f"{name}: {time.monotonic() - start:.1f} s", file=sys.stderr)
     for page in PAGES.values():
         written = [path for name in page.studies if (path := sections / f"{name}.md").exists()]
         there = "\n\n".join(path.read_text(encoding="utf-8").strip() for path in written)
-        text = render(arguments.report, f"pages/{page.name}", {}, sections=there)
+        text = report.render(f"pages/{page.name}", {}, sections=there)
         (arguments.report / f"{page.name}.md").write_text(text, encoding="utf-8")
 
 

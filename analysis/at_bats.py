@@ -1,17 +1,16 @@
 """A few at-bats, from the pitcher's hand to the ground."""
 
 import math
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from matplotlib.patches import Circle
 
-from analysis import Array
-from analysis.writing import LINES, data, figure, render
+from analysis.writing import LINES, Report, data
 from longball.engines.chain import solve_with_path
 from longball.engines.ivp import Ivp
 from longball.engines.path import Trajectory
+from longball.model.arrays import Array
 from longball.model.quantities import number
 from longball.model.scene import AtBatScene, Pitch, Swing
 
@@ -21,7 +20,7 @@ SWINGS = data(__file__)
 BEHIND = 0.01  # s: the pitch is drawn to a third of a metre behind the plate
 
 
-def run(report: Path, full: bool) -> str:
+def run(report: Report, full: bool) -> str:
     """Solve the at-bats and draw them; `full` changes nothing."""
     scenes = {
         name: AtBatScene(pitch=PITCH, swing=Swing(height_offset=offset, tilt=math.radians(tilt)))
@@ -31,7 +30,7 @@ def run(report: Path, full: bool) -> str:
     way = solved["miss"][1]
     pitch: Any = along(way, 0.0, way.end + BEHIND)
     thin: Any = {"color": "black", "linewidth": 0.8}
-    with figure(report, "at_bats", size=(7.0, 3.6)) as (axes,):
+    with report.figure("at_bats", size=(7.0, 3.6)) as (axes,):
         axes.plot(*pitch, label="pitch", **thin)
         for (name, (result, way)), dash in zip(solved.items(), LINES, strict=True):
             if result.landing is not None:
@@ -39,7 +38,7 @@ def run(report: Path, full: bool) -> str:
                 axes.plot(*along(way, way.legs[-1].begin, way.end), linestyle=dash, label=label)
         axes.set(xlabel="x towards the pitcher, m", ylabel="height z, m", aspect="equal", ylim=0.0)
         axes.legend(fontsize="small", loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=5)
-    with figure(report, "at_bats_contact", columns=len(SWINGS), size=(9.0, 2.6)) as panels:
+    with report.figure("at_bats_contact", columns=len(SWINGS), size=(9.0, 2.6)) as panels:
         for axes, (name, (result, way)) in zip(panels, solved.items(), strict=True):
             scene = scenes[name]
             height = number(result, "plate.position[2]") + scene.swing.height_offset
@@ -54,7 +53,7 @@ def run(report: Path, full: bool) -> str:
             axes.plot(*pitch, **thin)
             axes.set(title=name, xlabel="x, m", xlim=(-0.15, 0.15), ylim=(1.08, 1.38), aspect=1.0)
         panels[0].set_ylabel("height z, m")
-    return render(report, "at_bats", globals(), solved=solved)
+    return report.render("at_bats", globals(), solved=solved)
 
 
 def along(way: Trajectory[float], begin: float, end: float) -> tuple[Array, Array]:

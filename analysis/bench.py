@@ -5,14 +5,11 @@ study `analysis.speed_error`, on the same flights and at-bats; so are the measur
 error.
 """
 
-from collections.abc import Iterator
-
 from analysis.__main__ import REPORT
 from analysis.speed_error import contenders, laws, measuring
-from analysis.speed_error.contenders import Contender
 from analysis.speed_error.measuring import measure
 from analysis.speed_error.work import at_bats, flights, known
-from analysis.writing import render
+from analysis.writing import Report
 from longball.engines.batch import Batch
 
 TURNS = 15
@@ -20,25 +17,20 @@ TRUE = 50  # flights and at-bats of which the truth is found
 LAW_ROUNDS, LAW_TRUE = 5, 10  # the same under other laws of flight
 
 
-def entrants() -> Iterator[Contender]:
-    """Yield who is timed, the measure of all first; a peer that is not installed is left out."""
-    yield contenders.batch(Batch().tolerance)
-    yield contenders.batch(1e-8)
-    yield contenders.plain("DOP853", 1e-12)
-    tightest = {peer.family: peer for peer in contenders.installed_peers()}
-    yield from tightest.values()
-
-
 def main() -> None:
     """Measure, and print tables."""
     works = [known(flights(contenders.COMPILED), TRUE), known(at_bats(contenders.COMPILED), TRUE)]
-    turns = [(entrant, given) for given in works for entrant in entrants()]
+    tightest = {peer.family: peer for peer in contenders.installed_peers()}
+    # The measure of all first.
+    ours = contenders.batch(Batch().tolerance), contenders.batch(1e-8)
+    entrants = (*ours, contenders.plain("DOP853", 1e-12), *tightest.values())
+    turns = [(entrant, given) for given in works for entrant in entrants]
     found = list(zip(turns, measure(turns, TURNS), strict=True))
     # The first of each kind.
     units = {given.base.kind: one.seconds for (_, given), one in reversed(found)}
     of_laws = laws.compared(LAW_ROUNDS, LAW_TRUE)
     there = vars(measuring) | globals()
-    print(render(REPORT, "bench", there, found=found, units=units, of_laws=of_laws), end="")
+    print(Report(REPORT).render("bench", there, found=found, units=units, of_laws=of_laws), end="")
 
 
 if __name__ == "__main__":

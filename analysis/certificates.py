@@ -5,24 +5,21 @@ baseball, and for at-bats of the paper's distributions, whose time is measured t
 """
 
 import time
-from collections.abc import Sequence
-from decimal import Decimal
 from itertools import islice
-from pathlib import Path
 
-import numpy as np
 import pandas as pd
 from joblib import Parallel, delayed
 
 from analysis.paper.printed import AT_BATS, BASE
 from analysis.random_scenes import random_scene
-from analysis.writing import render
+from analysis.survival import errors
+from analysis.writing import Report
 from longball.engines.certify import certify
 from longball.engines.chain import solve
 from longball.engines.compiled import compile_at_once
 from longball.engines.enclosure import Enclosure
 from longball.engines.ivp import Ivp
-from longball.golden.case import vector_of
+from longball.golden.case import ROUNDING
 from longball.home_run import draw_block, scenes
 from longball.model.quantities import numbers
 from longball.model.result import Result
@@ -34,12 +31,12 @@ SEED = 21
 TRUTH = Enclosure(40)
 
 
-def run(report: Path, full: bool) -> str:
+def run(report: Report, full: bool) -> str:
     """Certify the scenes, hold radii against the truth, and sum up."""
     number = FULL_SCENES if full else SCENES
     blocks = Parallel(n_jobs=-1)(delayed(_block)(block) for block in range(number // BLOCK))
     seen = pd.DataFrame([row for block in blocks for row in block])
-    return render(report, "certificates", globals(), number=number, seen=seen, full=full)
+    return report.render("certificates", globals(), number=number, seen=seen, full=full)
 
 
 def _block(block: int) -> list[dict[str, object]]:
@@ -48,8 +45,8 @@ def _block(block: int) -> list[dict[str, object]]:
     beyond = [random_scene("wide", block * BLOCK + number, SEED) for number in range(half)]
     compile_at_once()
     certify(paper[0], solve(paper[0], Ivp()))  # compiles, and is not timed
-    named: dict[str, Sequence[Scene]] = {"at-bats of the paper": paper, "far beyond": beyond}
-    return [_certified(name, scene) for name, some in named.items() for scene in some]
+    rows = [_certified("at-bats of the paper", scene) for scene in paper]
+    return rows + [_certified("far beyond", scene) for scene in beyond]
 
 
 def _certified(name: str, scene: Scene) -> dict[str, object]:
@@ -73,11 +70,8 @@ def _held(found: Result, truth: Result) -> dict[str, object]:
     """Return how many radii there are, the largest for its number, and how many miss the truth."""
     if found.outcome != truth.outcome:
         raise ValueError(f"{found.id}: {found.outcome} is certified, the truth is {truth.outcome}")
-    true, certified = dict(numbers(truth)), dict(numbers(found))
-    radii, wrong = [0.0], 0
-    for name, number in certified.items():
-        off = abs(Decimal(number.value) - Decimal(true[name].value)) - Decimal(true[name].radius)
-        size = np.hypot.reduce([float(certified[part]) for part in vector_of(name)])
-        radii.append(float(number.radius) / (size or 1.0))
-        wrong += off > Decimal(number.radius)
-    return {"numbers": len(certified), "wrong": wrong, "radius": max(radii)}
+    radii = {name: float(number.radius) for name, number in numbers(found)}
+    off = errors(found, truth)
+    wrong = sum(error > radii[name] for name, (error, _) in off.items())
+    relative = (radii[name] * ROUNDING / (fine or ROUNDING) for name, (_, fine) in off.items())
+    return {"numbers": len(radii), "wrong": wrong, "radius": max(relative, default=0.0)}

@@ -1,13 +1,11 @@
 """The impulse, printed from its derivation in SymPy."""
 
-from pathlib import Path
-
 from sympy import latex
 
-from analysis.writing import render
+from analysis.writing import Report
 from longball.model.derivation import equations
 
 
-def run(report: Path, full: bool) -> str:
+def run(report: Report, full: bool) -> str:
     """Return the section; nothing is measured, so `full` changes nothing."""
-    return render(report, "derivation", {}, equations=equations(), latex=latex)
+    return report.render("derivation", {}, equations=equations(), latex=latex)

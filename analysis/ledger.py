@@ -1,11 +1,9 @@
 """The ledger of readings, as it stands in the package."""
 
-from pathlib import Path
-
-from analysis.writing import render
+from analysis.writing import Report
 from longball.model.readings import LEDGER
 
 
-def run(report: Path, full: bool) -> str:
+def run(report: Report, full: bool) -> str:
     """Return the section; nothing is measured, so `full` changes nothing."""
-    return render(report, "ledger", {"LEDGER": LEDGER})
+    return report.render("ledger", {"LEDGER": LEDGER})

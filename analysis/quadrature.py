@@ -3,14 +3,13 @@
 import time
 from collections.abc import Callable, Iterable
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from analysis.paper.printed import AT_BATS, BASE
-from analysis.writing import STYLES, figure, render
+from analysis.writing import STYLES, Report
 from longball import golden, home_run
 from longball.engines.batch import Batch
 from longball.home_run.randomised import SCRAMBLES
@@ -23,7 +22,7 @@ TOLERANCES = (1e-3, 1e-7)
 PROBLEM = BASE, AT_BATS
 
 
-def run(report: Path, full: bool) -> str:
+def run(report: Report, full: bool) -> str:
     """Compute P(0.42) by each method at several costs, and the curve by quadrature."""
     # What is compiled and imported at the first call is not timed.
     integrated(TOLERANCES[0])
@@ -38,15 +37,15 @@ def run(report: Path, full: bool) -> str:
     ]
     rows = [(method, of, *timed(compute, cost)) for method, of, compute, cost in calls]
     found = pd.DataFrame(rows, columns=["method", "of", "time", "p", "error"])
-    with figure(report, "quadrature", size=(6.0, 3.8)) as (axes,):
+    with report.figure("quadrature", size=(6.0, 3.8)) as (axes,):
         for name, of_method in found.groupby("method", sort=False):
             style = STYLES[str(name)]
             axes.plot(of_method["time"], of_method["error"], **style, label=str(name))
         axes.set(xscale="log", yscale="log", xlabel="time, s", ylabel=f"error of P({E})")
         axes.legend()
     took, *curve = timed(partial(home_run.integrals, *PROBLEM, workers=-1), home_run.RESTITUTIONS)
-    return render(
-        report, "quadrature", globals(), engine=Batch().description, rows=found, known=true,
+    return report.render(
+        "quadrature", globals(), engine=Batch().description, rows=found, known=true,
         took=took, curve=curve,
     )  # fmt: skip
 

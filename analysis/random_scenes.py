@@ -18,6 +18,7 @@ from pydantic import ValidationError
 from longball.engines import create
 from longball.engines.chain import solve
 from longball.model.block import LARGEST, SMALLEST
+from longball.model.quantities import flat, nested
 from longball.model.readings import Reading
 from longball.model.scene import KINDS, Scene
 
@@ -52,13 +53,10 @@ def baseball(kind: str, generator: Generator) -> Written:
         speed, rise = generator.uniform(5.0, 60.0), generator.uniform(-0.5, 1.5)
         level, heading = speed * math.cos(rise), generator.uniform(-3.1, 3.1)
         velocity = [level * math.cos(heading), level * math.sin(heading), speed * math.sin(rise)]
-        return scene | {
-            "launch": {"position": [0.0, 0.0, size(generator, 0.04, 3.0)], "velocity": velocity}
-        }
-    scene["pitch"] = {
-        "speed": generator.normal(37.0, 3.0),
-        "aim": [generator.normal(0.0, 0.2), generator.normal(1.8, 0.2)],
-    }
+        position = [0.0, 0.0, size(generator, 0.04, 3.0)]
+        return scene | {"launch": {"position": position, "velocity": velocity}}
+    speed, *aim = generator.normal([37.0, 0.0, 1.8], [3.0, 0.2, 0.2]).tolist()
+    scene["pitch"] = {"speed": speed, "aim": aim}
     if kind == "at-bat":
         scene["swing"] = swing | {"height_offset": generator.normal(0.0, 0.03)}
     return scene
@@ -73,8 +71,11 @@ def extreme(kind: str, generator: Generator) -> Written:
     """Return a scene some of whose numbers have any size that a scene may have."""
     scene = _sized(kind, generator, generator.choice([0.3, 3.0, 10.0]))
     for _ in range(generator.integers(0, 4)):
-        block, key = _numbers(scene)[generator.integers(len(_numbers(scene)))]
-        block[key] = math.copysign(size(generator, SMALLEST, LARGEST), block[key])
+        values = dict(flat(scene))
+        names = [x for x in values if isinstance(values[x], float) and "incoming" not in x]
+        name = names[generator.integers(len(names))]
+        values[name] = math.copysign(size(generator, SMALLEST, LARGEST), values[name])
+        scene = nested(values)
     if kind == "impact":
         ball, bat, incoming = scene["ball"], scene["bat"], scene["incoming"]
         scene["incoming"] = touching(generator, ball["radius"], bat["radius"], incoming["velocity"])
@@ -99,10 +100,9 @@ def close(kind: str, generator: Generator) -> Written:
         case "flight", 0:  # to be at rest in the air, or all but so
             scene["launch"]["velocity"] = [nudge, 0.0, generator.choice([0.0, 10.0])]
         case "flight", 1:  # level over the ground
-            scene["launch"] = {
-                "position": [0.0, 0.0, 0.0366 * (1.0 + abs(nudge))],
-                "velocity": [generator.uniform(1.0, 60.0), 0.0, generator.choice([0.0, nudge])],
-            }
+            scene["launch"]["position"][2] = 0.0366 * (1.0 + abs(nudge))
+            level, rise = generator.uniform(1.0, 60.0), generator.choice([0.0, nudge])
+            scene["launch"]["velocity"] = [level, 0.0, rise]
         case "pitch" | "flight", _:  # ends with the time limit
             block = "landing" if kind == "flight" else "plate"
             scene["time_limit"] = float(_quantity(scene, block, "time") or 1.0) * (1.0 + nudge)
@@ -172,11 +172,8 @@ def _blow(scene: Written, law: Generator, generator: Generator) -> None:
         {"velocity": blowing, "above": uniform(0.0, 10.0)},
         {"velocity": [*blowing[:2], 0.0], "height": 10.0, "roughness": uniform(0.02, 0.1)},
     ]
-    weather = {
-        "temperature": uniform(260.0, 320.0),
-        "humidity": uniform(),
-        "elevation": uniform(0.0, 2000.0),
-    }
+    weather = {"temperature": uniform(260.0, 320.0), "humidity": uniform()}
+    weather["elevation"] = uniform(0.0, 2000.0)
     by_weather = law.random() < 0.5 or "mach" in (drag.get("of"), lift.get("of"))
     scene["air"] = {
         "density": weather if by_weather else size(generator, 0.01, 10.0),
@@ -282,10 +279,8 @@ def _sized(kind: str, generator: Generator, spread: float) -> Written:
     }
     scene: Written = {"kind": kind, "ball": ball, "reading": random_reading(generator)}
     bat = {"mass": bat_mass, "length": any_size(0.1, 10.0), "radius": any_size(0.01, 0.1)}
-    swing = {
-        "angular_speed": generator.normal(0.0, 50.0),
-        "tilt": generator.uniform(-math.pi, math.pi),
-    }
+    turning, tilt = generator.normal(0.0, 50.0), generator.uniform(-math.pi, math.pi)
+    swing = {"angular_speed": turning, "tilt": tilt}
     if kind == "impact":
         incoming = touching(generator, ball["radius"], bat["radius"], velocity())
         return scene | {"bat": bat, "swing": swing, "incoming": incoming}
@@ -306,19 +301,6 @@ def _sized(kind: str, generator: Generator, spread: float) -> Written:
     if kind == "at-bat":
         return scene | {"bat": bat, "swing": swing | {"height_offset": generator.normal(0.0, 0.05)}}
     return scene
-
-
-def _numbers(scene: Written) -> list[tuple[Any, Any]]:
-    """Return the places of the numbers of a scene: a block and a key each."""
-    places: list[tuple[Any, Any]] = []
-    for key, value in scene.items():
-        if isinstance(value, float):
-            places.append((scene, key))
-        elif isinstance(value, dict) and key not in ("reading", "incoming"):
-            places += [(value, name) for name in value if isinstance(value[name], float)]
-            vectors = [each for each in value.values() if isinstance(each, list)]
-            places += [(vector, i) for vector in vectors for i in range(len(vector))]
-    return places
 
 
 def _quantity(scene: Written, block: str, name: str) -> Any:

@@ -1,7 +1,6 @@
 """Measured baseball: what models of flight say of a day of measured pitches and batted balls."""
 
 from dataclasses import replace
-from pathlib import Path
 from typing import Any, cast
 
 import numpy as np
@@ -10,14 +9,14 @@ import scipy.stats
 from scipy.interpolate import CubicSpline
 from scipy.optimize import least_squares
 
-from analysis.writing import figure, render
+from analysis.writing import Report
+from longball.model.arrays import Array
 from longball.model.scene import Ball
 from longball.pictures import draw_errors
 from longball.pitches import EXAMPLE, prediction, statcast
 from longball.pitches.models import MODELS, STANDARD_GRAVITY, FlightModel, regression_spin
 from longball.pitches.prediction import ANGLES, Prediction, bands, predict, solve
 from longball.pitches.statcast import RPM, MeasuredFlies, MeasuredPitches, read_measured
-from longball.pitches.table import Floats as Array
 
 NATHAN = MODELS["nathan"]
 # Shares of active spin that are tried, and those of them that are solved: places at the plate are
@@ -27,7 +26,7 @@ BOOTSTRAP = {"n_resamples": 999, "method": "percentile", "rng": 11}
 CAUGHT = ("field_out", "sac_fly", "double_play", "field_error")
 
 
-def run(report: Path, full: bool) -> str:
+def run(report: Report, full: bool) -> str:
     """Predict the day that is shipped with every model, and tell how far off each is."""
     flies, pitches = measured_flies(), measured_pitches()
     launch = launched(flies)
@@ -35,7 +34,7 @@ def run(report: Path, full: bool) -> str:
     shares, held_out, spread = held_out_shares(pitches)
     of_pitches = pitch_predictions(pitches)
     of_pitches[HELD_OUT] = held_out
-    with figure(report, "reality_flies", columns=3, size=(9.0, 3.4)) as panels:
+    with report.figure("reality_flies", columns=3, size=(9.0, 3.4)) as panels:
         for name, axes in zip(COMPARED, panels, strict=True):
             angle, off = np.degrees(flies.angle), of_flies[name].error[:, 0]
             axes.plot(angle, off, ".", markersize=3, color="0.6")
@@ -44,11 +43,11 @@ def run(report: Path, full: bool) -> str:
             axes.axhline(0.0, color="black", linewidth=0.8)
             axes.set(title=name, xlabel="angle of launch, °", ylim=(-45.0, 60.0))
         panels[0].set_ylabel("predicted too far by, m")
-    with figure(report, "reality_pitches", size=(5.6, 4.2)) as (axes,):
+    with report.figure("reality_pitches", size=(5.6, 4.2)) as (axes,):
         draw_errors(axes, held_out)
     there = vars(scipy.stats) | vars(statcast) | vars(prediction) | globals()
-    return render(
-        report, "reality", there, flies=flies, launch=launch, pitches=pitches, of_flies=of_flies,
+    return report.render(
+        "reality", there, flies=flies, launch=launch, pitches=pitches, of_flies=of_flies,
         of_pitches=of_pitches, shares=shares, spread=spread,
         day=pd.read_csv(EXAMPLE).iloc[flies.rows - 1],
         best=best_constants(flies), scatters=scatter(flies), distance=flies.measured[:, 0],

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -14,19 +13,18 @@ from analysis.paper import printed
 from analysis.paper.home_run_figures import curve_ratio
 from analysis.paper.printed import AT_BATS, BASE, PAIRS, Season
 from analysis.reality import NATHAN, landings, launched, measured_flies, measured_pitches
-from analysis.writing import figure, render
+from analysis.writing import Report
 from longball import home_run
 from longball.engines import create
 from longball.engines.chain import solve_with_restitutions
 from longball.home_run import PAPER_CURVES
+from longball.model.arrays import Array, Flags
 from longball.model.quantities import number
 from longball.model.readings import Reading
 from longball.pitches import EXAMPLE
 from longball.pitches.models import MODELS, FlightModel
 from longball.pitches.prediction import predict
 from longball.pitches.statcast import FOOT, MPH, MeasuredFlies, time_of_plane
-from longball.pitches.table import Booleans
-from longball.pitches.table import Floats as Array
 
 # The rule book (Official Baseball Rules, 2.01) asks for 325 ft along the lines and 400 ft to
 # centre; parks have about this. Straight chords between the points, 8 ft high.
@@ -50,7 +48,7 @@ class Hits:
 
     flies: MeasuredFlies  # as they were hit
     pitch: Array  # velocity at the plate, m/s, shape (n, 3)
-    home_run: Booleans  # whether it was one
+    home_run: Flags  # whether it was one
 
     def per_restitution(self, e: float) -> Array:
         """Return dV/de of the velocity off the bat, m/s, shape (n, 3).
@@ -190,7 +188,7 @@ def with_fence_for(variant: Variant, home_runs: float) -> Variant:
     return replace(variant, fence=float(fence))
 
 
-def run(report: Path, full: bool) -> str:
+def run(report: Report, full: bool) -> str:
     """Differentiate the home runs of a day by the restitution, and hold it against two seasons."""
     hits = measured_hits()
     day, games = int(hits.home_run.sum()), len(np.unique(hits.flies.games))
@@ -226,8 +224,8 @@ def run(report: Path, full: bool) -> str:
         return replace(slower, model=model).chances(slower.hits)
 
     by_speed = slope(slower, FASTER, lambda x: slower.chances(slower.hits.harder(x)))
-    return render(
-        report, "seasons", vars(printed) | globals(), hits=hits, day=day, games=games, plain=plain,
+    return report.render(
+        "seasons", vars(printed) | globals(), hits=hits, day=day, games=games, plain=plain,
         fitted=fitted, change=change, slopes=slopes, ratios=ratios, counted=counted, models=models,
         alone=ratios[slower.name][0], slope=slopes[slower.name][1],
         explained=ratios[slower.name][0].map(lambda x, y: np.log(x) / np.log(y), counted[0]),
@@ -282,10 +280,10 @@ def carry_slope(variant: Variant) -> float:
 
 
 def draw_ratios(
-    report: Path, counted: Sequence[Estimate], expected: Sequence[Estimate], models: list[float]
+    report: Report, counted: Sequence[Estimate], expected: Sequence[Estimate], models: list[float]
 ) -> None:
     """Draw the ratios of both pairs of seasons."""
-    with figure(report, "seasons", size=(6.4, 3.2)) as (axes,):
+    with report.figure("seasons", size=(6.4, 3.2)) as (axes,):
         rows = zip(SEASON_PAIRS, counted, expected, models, strict=True)
         for i, (pair, seen, alone, model) in enumerate(rows):
             hide = "_" * i  # the labels of the first pair serve both

@@ -4,13 +4,12 @@ import math
 import time
 from decimal import Decimal
 from itertools import groupby
-from pathlib import Path
 
 import pandas as pd
 from joblib import Parallel, delayed
 from matplotlib.colors import ListedColormap
 
-from analysis.writing import data, figure, render, write_table
+from analysis.writing import Report, data
 from longball import engines
 from longball.engines.chain import solve
 from longball.engines.compiled import compile_at_once
@@ -28,19 +27,19 @@ ALLOWED = 100.0
 MOST_DIGITS = 30.0  # of the golden values
 
 
-def run(report: Path, full: bool) -> str:
+def run(report: Report, full: bool) -> str:
     """Solve the golden set's hard family by every engine; `full` adds all other families."""
     cases = load() if full else load("hard")
     tasks = (delayed(try_case)(case, name) for name in ENGINES for case in cases)
     frame = pd.DataFrame(Parallel(n_jobs=-1, batch_size=16)(tasks))
     seconds = frame["seconds"].map("{:.2g}".format).astype(float)
     rounded = frame.round({"digits": 1, "attainable": 1}).assign(seconds=seconds)
-    write_table(report, "stability", rounded)
+    report.write_table("stability", rounded)
     # The verdicts, cases across and engines down; darker is worse.
     names = list(frame["case"].unique())
     grid = frame["verdict"].map(VERDICTS.index).to_numpy().reshape(len(ENGINES), len(names))
     shades = ListedColormap(["0.95", "0.7", "0.4", "black"])
-    with figure(report, "stability", size=(9.0, 4.6)) as (axes,):
+    with report.figure("stability", size=(9.0, 4.6)) as (axes,):
         image = axes.imshow(
             grid, shades, aspect="auto", interpolation="nearest", vmin=-0.5, vmax=3.5
         )
@@ -56,7 +55,7 @@ def run(report: Path, full: bool) -> str:
         axes.grid(visible=False)
         bar = axes.figure.colorbar(image, ax=axes, ticks=range(4), shrink=0.6)
         bar.ax.set_yticklabels(VERDICTS)
-    return render(report, "stability", globals(), cases=len(cases), frame=frame)
+    return report.render("stability", globals(), cases=len(cases), frame=frame)
 
 
 def try_case(case: Case, name: str) -> dict[str, object]:

@@ -9,7 +9,6 @@ import time
 from collections import defaultdict
 from contextlib import suppress
 from functools import lru_cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -18,7 +17,7 @@ from joblib import Parallel, delayed
 
 from analysis.random_scenes import random_scene
 from analysis.stability import ALLOWED, exactly
-from analysis.writing import render, write_table
+from analysis.writing import Report
 from longball.engines import create
 from longball.engines.chain import solve, solve_with_path
 from longball.engines.engine import CannotSolve
@@ -50,16 +49,16 @@ FAULTS = ("wrong outcome", "number off", "exception")
 VERDICTS = ("right", "agree", "declined", "not compared", *FAULTS)
 
 
-def run(report: Path, full: bool) -> str:
+def run(report: Report, full: bool) -> str:
     """Solve the scenes and count what came of them."""
     count, stride = (FULL_SCENES, FULL_STRIDE) if full else (SCENES, 1)
     blocks = range(count // (BLOCK * sum(SHARES.values())))
     found = Parallel(n_jobs=-1, return_as="generator")(delayed(survive)(n, stride) for n in blocks)
     seen = pd.concat(found, ignore_index=True)
     counts = seen.groupby(["engine", "family", "answer"]).size().unstack("family", fill_value=0)
-    write_table(report, "survival", counts.reset_index())
-    return render(
-        report, "survival", globals(), count=count, stride=stride, full=full,
+    report.write_table("survival", counts.reset_index())
+    return report.render(
+        "survival", globals(), count=count, stride=stride, full=full,
         engines=seen.groupby("engine"), faults=seen[seen["verdict"].isin(FAULTS)],
     )  # fmt: skip
 

@@ -4,6 +4,7 @@ import re
 import tomllib
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -34,55 +35,59 @@ STYLES: dict[str, dict[str, Any]] = {
 }
 
 
-@contextmanager
-def figure(
-    report: Path, name: str, size: tuple[float, float], columns: int = 1
-) -> Iterator[list[Axes]]:
-    """Draw into the axes that are yielded; the figure becomes report/figures/NAME.png."""
-    drawn, axes = plt.subplots(1, columns, figsize=size, layout="constrained", squeeze=False)
-    yield list(axes.flat)
-    path = report / "figures" / f"{name}.png"
-    path.parent.mkdir(parents=True, exist_ok=True)
-    drawn.savefig(path)
-    plt.close(drawn)
+@dataclass(frozen=True)
+class Report:
+    """The folder that studies write into."""
 
+    folder: Path
 
-def render(report: Path, name: str, study: Mapping[str, object], **values: object) -> str:
-    """Return the Markdown of analysis/templates/NAME.md, a Jinja template, with values put in.
+    @contextmanager
+    def figure(
+        self, name: str, size: tuple[float, float], columns: int = 1
+    ) -> Iterator[list[Axes]]:
+        """Draw into the axes that are yielded; the figure becomes figures/NAME.png."""
+        drawn, axes = plt.subplots(1, columns, figsize=size, layout="constrained", squeeze=False)
+        yield list(axes.flat)
+        drawn.savefig(self._file("figures", f"{name}.png"))
+        plt.close(drawn)
 
-    A template sees these values, and what the study's module defines, its ``globals()``; besides
-    Jinja's own, it has the filter ``f``, which formats as the function `format` does,
-    ``{{ rms | f(".1f") }}``; ``shown(figure, caption)``; and ``{% call table(name) %}`` around a
-    Markdown table, whose rows become report/tables/NAME.csv, too.
+    def write_table(self, name: str, frame: pd.DataFrame, float_format: str | None = None) -> None:
+        """Write tables/NAME.csv."""
+        path = self._file("tables", f"{name}.csv")
+        frame.to_csv(path, index=False, lineterminator="\n", float_format=float_format)
 
-    Raises
-    ------
-    jinja2.UndefinedError
-        If the template names a value that is not given.
-    """
+    def render(self, name: str, study: Mapping[str, object], **values: object) -> str:
+        """Return the Markdown of analysis/templates/NAME.md, a Jinja template, with values put in.
 
-    def table(name: str, caller: Callable[[], str]) -> str:
-        markdown = caller()
-        header, _, *rows = (_cells(line) for line in markdown.strip().splitlines())
-        write_table(report, name, pd.DataFrame(rows, columns=header))
-        return markdown
+        A template sees these values, and what the study's module defines, its ``globals()``;
+        besides Jinja's own, it has the filter ``f``, which formats as the function `format` does,
+        ``{{ rms | f(".1f") }}``; ``shown(figure, caption)``; and ``{% call table(name) %}`` around
+        a Markdown table, whose rows become tables/NAME.csv, too.
 
-    return _TEMPLATES.get_template(f"{name}.md").render(**{**study, **values, "table": table})
+        Raises
+        ------
+        jinja2.UndefinedError
+            If the template names a value that is not given.
+        """
+
+        def table(name: str, caller: Callable[[], str]) -> str:
+            markdown = caller()
+            header, _, *rows = (_cells(line) for line in markdown.strip().splitlines())
+            self.write_table(name, pd.DataFrame(rows, columns=header))
+            return markdown
+
+        return _TEMPLATES.get_template(f"{name}.md").render(**{**study, **values, "table": table})
+
+    def _file(self, *parts: str) -> Path:
+        path = self.folder.joinpath(*parts)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        return path
 
 
 def _cells(line: str) -> list[str]:
     """Return the cells of a line of a Markdown table; a bar in a cell is escaped."""
     cells = re.split(r"(?<!\\)\|", line.strip())[1:-1]
     return [cell.strip().replace("\\|", "|") for cell in cells]
-
-
-def write_table(
-    report: Path, name: str, frame: pd.DataFrame, float_format: str | None = None
-) -> None:
-    """Write report/tables/NAME.csv."""
-    path = report / "tables" / f"{name}.csv"
-    path.parent.mkdir(parents=True, exist_ok=True)
-    frame.to_csv(path, index=False, lineterminator="\n", float_format=float_format)
 
 
 _TEMPLATES = jinja2.Environment(

@@ -5,13 +5,11 @@ that made them: an interrupted study goes on where it was. On two cores the stud
 minutes; `--full`, with thirty times as many pieces, about forty.
 """
 
-from pathlib import Path
-
 from analysis.convergence import budget, flights, science, tunnelling
-from analysis.writing import render
+from analysis.writing import Report
 
 
-def run(report: Path, full: bool) -> str:
+def run(report: Report, full: bool) -> str:
     """Run the four studies."""
     studies = [study.run(report, full) for study in (flights, budget, tunnelling, science)]
-    return render(report, "convergence", {}, studies=studies)
+    return report.render("convergence", {}, studies=studies)

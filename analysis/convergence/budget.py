@@ -7,17 +7,15 @@ that is written once, and the parts can be added up and held against the whole.
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 from typing import Any, cast
 
 import numpy as np
 
-from analysis import Array
-from analysis.convergence.pieces import TRUTH, each, golden, passing
+from analysis.convergence.pieces import TRUTH, distance, each, golden, passing
 from analysis.speed_error.work import batted
-from analysis.writing import STYLES, figure, render
+from analysis.writing import STYLES, Report
+from longball.convergence.family import mean_over_phases
 from longball.convergence.order import fit_power_law, typical
-from longball.engines.chain import solve
 from longball.engines.contact import BatSection
 from longball.engines.engine import Engine, Launch, Stepped, Touch
 from longball.engines.event import Event, first_met, plate
@@ -25,6 +23,7 @@ from longball.engines.ivp import Ivp
 from longball.engines.path import Flight
 from longball.engines.polynomial import PolynomialPiece
 from longball.engines.verlet import SteppedTouch, Verlet, interpolate, line_touch
+from longball.model.arrays import Array
 from longball.model.frame import Frame
 from longball.model.law import Law, State
 from longball.model.numbers import DOUBLES, Vector
@@ -175,15 +174,9 @@ class HalfForce(ButOnePart, Stepped[float]):
         assert state is not None
         begin, before, _ = self.steps_at(pitch, time)
         count = round(begin / self.scheme.dt)
+        ahead = time - begin
         return SteppedTouch(
-            margin,
-            True,
-            time,
-            state,
-            step=count,
-            before=before,
-            inside=state,
-            ahead=time - begin,
+            margin, True, time, state, step=count, before=before, inside=state, ahead=ahead
         )
 
     def rebound(
@@ -218,7 +211,7 @@ class GroundBetweenSteps(ButOnePart):
 # --- the budget -----------------------------------------------------------------------------------
 
 
-def run(report: Path, full: bool) -> str:
+def run(report: Report, full: bool) -> str:
     """Measure every part alone, and hold their sum against the whole."""
     count, phases = (FULL_SCENES, FULL_PHASES) if full else (SCENES, PHASES)
     scenes = batted(count, SEED)[0].scenes
@@ -233,7 +226,7 @@ def run(report: Path, full: bool) -> str:
     seen = {name: typical(rms(part)) for name, part in parts.items()}
     left = {}
     # The errors of the parts against the step, a panel a treatment.
-    with figure(report, "convergence_budget", columns=2, size=(9.0, 4.6)) as panels:
+    with report.figure("convergence_budget", columns=2, size=(9.0, 4.6)) as panels:
         for axes, (treatment, names) in zip(panels, ADDED.items(), strict=True):
             whole = WHOLE.format(treatment)
             left[treatment] = typical(rms(parts[whole] - sum(parts[name] for name in names)))
@@ -248,8 +241,8 @@ def run(report: Path, full: bool) -> str:
         labels = panels[0].get_legend_handles_labels()
         panels[0].figure.legend(*labels, loc="outside lower center", ncols=3)
     laws = {name: fit_power_law(np.array(STEPS), of) for name, of in seen.items()}
-    return render(
-        report, "budget", globals(), scenes=len(scenes), phases=phases, seen=seen, laws=laws,
+    return report.render(
+        "budget", globals(), scenes=len(scenes), phases=phases, seen=seen, laws=laws,
         left=left, largest=sorted(IN_THEORY, key=lambda name: -float(seen[name][0])),
         # Beyond a tenth and the interval.
         missed=[
@@ -261,9 +254,7 @@ def run(report: Path, full: bool) -> str:
 
 def rms(errors: Array) -> Array:
     """Return the root mean square over phases of those that are there: (scene, step)."""
-    squares: Any = np.ma.masked_invalid(errors) ** 2
-    root: Array = np.sqrt(squares.mean(axis=2).filled(np.nan))
-    return root
+    return np.sqrt(mean_over_phases(errors**2))
 
 
 def engines(forces: VerletForces, dt: float, contact: float) -> dict[str, Engine[float]]:
@@ -289,14 +280,10 @@ def errors(scene: AtBatScene, step: float, phases: int) -> list[dict[str, float]
     way = passing(scene)
     assert way is not None
 
-    def distance(engine: Engine[float]) -> float:
-        landing = solve(scene, engine).landing
-        return float(landing.distance) if landing else math.nan
-
-    true, rows = distance(TRUTH), []
+    true, rows = distance(scene, TRUTH), []
     for share in golden(phases):
         inside = way.time + share * way.window
         dt = inside / max(1, round(inside / step))
         parts = {name: one for how in SHOWN for name, one in engines(how, dt, way.time).items()}
-        rows.append({name: distance(engine) - true for name, engine in parts.items()})
+        rows.append({name: distance(scene, engine) - true for name, engine in parts.items()})
     return rows

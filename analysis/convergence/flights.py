@@ -2,15 +2,14 @@
 
 import math
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from analysis.convergence.pieces import each
+from analysis.convergence.pieces import distance, each
 from analysis.speed_error.work import launches
-from analysis.writing import STYLES, figure, render
+from analysis.writing import STYLES, Report
 from longball.convergence import converge
 from longball.convergence.report import Order
 from longball.engines import create
@@ -24,19 +23,18 @@ PER_DECADE = 4
 # Proves its digits: what is shown goes down to 1e-11 m and less.
 PROVEN: Engine[Any] = create("enclosure", digits=20)
 
-
 (ONE,) = launches(np.array([45.0]), math.radians(30.0)).scenes
 # Two speeds at 25° and 45° each. The fit of the orders identifies results by their ids.
 _LAUNCHES = launches(np.array([30.0, 30.0, 45.0, 45.0]), np.radians([25.0, 45.0] * 2))
 FOUR = [one.model_copy(update={"id": str(i)}) for i, one in enumerate(_LAUNCHES.scenes)]
 
 
-def run(report: Path, full: bool) -> str:
+def run(report: Report, full: bool) -> str:
     """Find the orders, and the errors of one flight at the printed step."""
     finest = FULL_FINEST if full else FINEST
     calls = [(Verlet(forces=treatment), finest, 2) for treatment in TREATMENTS]
     orders = dict(zip(TREATMENTS, each(report, "orders", converged, calls), strict=True))
-    with figure(report, "convergence_flights", size=(6.4, 4.6)) as (axes,):
+    with report.figure("convergence_flights", size=(6.4, 4.6)) as (axes,):
         for name, found in orders.items():
             # Two of the treatments coincide: one is seen round the other.
             size = 9 if name == "old_recomputed" else 5
@@ -50,11 +48,11 @@ def run(report: Path, full: bool) -> str:
         axes.set(xscale="log", yscale="log", xlabel="step Δt, s", ylabel="error of D, m")
         axes.legend(fontsize="small")
     below = Verlet(PRINTED, "implicit", "first_below")
-    true = distance(PROVEN)
-    return render(
-        report, "flights", globals(), orders=orders, distance=true,
-        off={name: distance(Verlet(PRINTED, name)) - true for name in TREATMENTS},
-        below=distance(below) - distance(Verlet(PRINTED, "implicit")),
+    true = distance(ONE, PROVEN)
+    return report.render(
+        "flights", globals(), orders=orders, distance=true,
+        off={name: distance(ONE, Verlet(PRINTED, name)) - true for name in TREATMENTS},
+        below=distance(ONE, below) - distance(ONE, Verlet(PRINTED, "implicit")),
         jump=converged(below, 1e-4, phases=8),
     )  # fmt: skip
 
@@ -67,10 +65,3 @@ def converged(scheme: Verlet, finest: float, phases: int) -> Order:
         FOUR, steps.tolist(), [solve(scene, PROVEN) for scene in FOUR], phases=phases,
     )  # fmt: skip
     return next(found for found in report.orders if found.quantity == "distance")
-
-
-def distance(engine: Engine[Any]) -> float:
-    """Return D of the one flight, m."""
-    landing = solve(ONE, engine).landing
-    assert landing is not None
-    return float(landing.distance)

@@ -11,9 +11,11 @@ from rich.console import Console
 from rich.progress import track
 
 import longball
-from longball.engines.chain import approach_of
+from analysis.writing import Report
+from longball.engines.chain import approach_of, solve
+from longball.engines.engine import Engine
 from longball.engines.ivp import Ivp
-from longball.model.scene import AtBatScene
+from longball.model.scene import AtBatScene, FlightScene
 
 # Good to 1e-11 m (`python -m analysis accuracy`), and no error of an at-bat shown here is smaller
 # than five times that.
@@ -21,7 +23,7 @@ TRUTH = Ivp()
 
 
 def each(
-    report: Path, what: str, work: Callable[..., Any], calls: Iterable[Sequence[object]]
+    report: Report, what: str, work: Callable[..., Any], calls: Iterable[Sequence[object]]
 ) -> list[Any]:
     """Return what a function gives for each of many arguments, on all cores.
 
@@ -31,11 +33,17 @@ def each(
     folders = Path(longball.__file__).parent, Path(__file__).parent.parent
     files = sorted(path for folder in folders for path in folder.rglob("*.py"))
     code = joblib.hash([path.read_bytes() for path in files])
-    kept = joblib.Memory(report / ".resume" / code, verbose=0).cache(work)
+    kept = joblib.Memory(report.folder / ".resume" / code, verbose=0).cache(work)
     tasks = [joblib.delayed(kept)(*arguments) for arguments in calls]
     answers = joblib.Parallel(n_jobs=-1, return_as="generator")(tasks)
     console = Console(stderr=True)
     return list(track(answers, what, len(tasks), console=console, disable=not console.is_terminal))
+
+
+def distance(scene: AtBatScene | FlightScene, engine: Engine[Any]) -> float:
+    """Return D by an engine, m; NaN if no ball lands."""
+    landing = solve(scene, engine).landing
+    return float(landing.distance) if landing else math.nan
 
 
 class Pass(NamedTuple):

@@ -2,7 +2,6 @@
 
 import math
 from itertools import product
-from pathlib import Path
 from statistics import NormalDist
 from typing import Any, NamedTuple
 
@@ -11,10 +10,9 @@ import pandas as pd
 from scipy.stats import ks_2samp
 
 from analysis.convergence.pieces import each
-from analysis.paper.balls import joined
 from analysis.paper.printed import AT_BATS, P_TEXT, noise
 from analysis.paper.printed import SAMPLES as PAPER_SAMPLES
-from analysis.writing import LINES, STYLES, figure, render, write_table
+from analysis.writing import LINES, STYLES, Report
 from longball import home_run
 from longball.engines.ivp import Ivp
 from longball.engines.verlet import Verlet
@@ -85,7 +83,7 @@ def largest_step(found: Found, case: str, e: float, allowed: float) -> float | N
     return next((step for i, step in enumerate(STEPS) if all(within[i:])), None)
 
 
-def run(report: Path, full: bool) -> str:
+def run(report: Report, full: bool) -> str:
     """Strike the same samples with the reference and with every step."""
     chunks = range(FULL_CHUNKS if full else CHUNKS)
     keys: list[tuple[Case, float | None]] = list(product(CASES, STEPS))
@@ -96,14 +94,14 @@ def run(report: Path, full: bool) -> str:
     for case, step in keys:
         parts = zip(*(next(answers) for _ in chunks), strict=True)
         for e, same in zip(case.restitutions, parts, strict=True):
-            found[case.name, step, e] = joined(same)
+            found[case.name, step, e] = Struck.joined(same)
     # The reference has no forces of a scheme.
     found[IMPLICIT, None, E] = found[DEFAULT.name, None, E]
     draw(report, found)
     crossing = crossings(found)
-    write_table(report, "convergence_crossings", crossing)
-    return render(
-        report, "science", globals(), count=len(chunks) * CHUNK, found=found, crossing=crossing,
+    report.write_table("convergence_crossings", crossing)
+    return report.render(
+        "science", globals(), count=len(chunks) * CHUNK, found=found, crossing=crossing,
         exact=found[DEFAULT.name, None, E], coarse=found[DEFAULT.name, STEPS[0], E],
         failed=sum(int(found[DEFAULT.name, step, E].failed.sum()) for step in STEPS),
         ks_2samp=ks_2samp,
@@ -124,9 +122,9 @@ def crossings(found: Found) -> pd.DataFrame:
     return pd.concat(tables, ignore_index=True)
 
 
-def draw(report: Path, found: Found) -> None:
+def draw(report: Report, found: Found) -> None:
     """Draw the bias of P, and the distribution of D."""
-    with figure(report, "convergence_probability", columns=2, size=(9.0, 3.8)) as (left, right):
+    with report.figure("convergence_probability", columns=2, size=(9.0, 3.8)) as (left, right):
         for case, aside in zip(CASES, (0.95, 1.0, 1.05), strict=True):
             style = STYLES[f"verlet {case.forces}" if case.name == IMPLICIT else case.name]
             ends = [bias(found, case.name, step, E) for step in STEPS]

@@ -7,19 +7,18 @@ path is w = 2 √(reach² - d²)/V. Grazes have windows down to zero, so that no
 
 import math
 from itertools import product
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from scipy.optimize import brentq
 
-from analysis import Array
 from analysis.convergence.pieces import TRUTH, each, golden, passing
 from analysis.paper.printed import AT_BATS, BASE
-from analysis.writing import STYLES, figure, render
+from analysis.writing import STYLES, Report
 from longball.engines.chain import approach_of
 from longball.engines.verlet import Verlet
 from longball.home_run import BLOCK, draw, draw_block, scenes, wilson
+from longball.model.arrays import Array
 from longball.model.scene import AtBatScene, Swing
 
 BLOCKS, FULL_BLOCKS = 40, 1000  # of 50 pitches each
@@ -104,7 +103,7 @@ def struck_at(scene: AtBatScene, offset: float) -> AtBatScene:
     return scene.model_copy(update={"swing": Swing(tilt=scene.swing.tilt, height_offset=offset)})
 
 
-def run(report: Path, full: bool) -> str:
+def run(report: Report, full: bool) -> str:
     """Count the missed contacts, and find the steps that miss few."""
     blocks = range(FULL_BLOCKS if full else BLOCKS)
     found = each(report, "tunnelling", count_block, [(block,) for block in blocks])
@@ -120,7 +119,7 @@ def run(report: Path, full: bool) -> str:
     grazes = np.array(each(report, "grazes", count_grazes, calls)).reshape(len(RARE), 4, 3)
     (trials, missed, waited), style = counts, STYLES["measured"]
     grid = np.geomspace(min(safe.values()) / 2, 0.06, 80)
-    with figure(report, "convergence_tunnelling", size=(6.4, 3.8)) as (axes,):
+    with report.figure("convergence_tunnelling", size=(6.4, 3.8)) as (axes,):
         axes.plot(grid, [expected(h, ways) for h in grid], "--", label="closed form, all pitches")
         label = "closed form, the pitches tried"
         axes.plot(STEPS, waited / trials, **style, markersize=10, label=label)
@@ -131,8 +130,8 @@ def run(report: Path, full: bool) -> str:
             axes.annotate(text, (step, rare), (9, -9), textcoords="offset points")
         axes.set(xscale="log", yscale="log", xlabel="step Δt, s", ylabel="contacts missed")
         axes.legend()
-    return render(
-        report, "tunnelling", globals(), pitches=len(blocks) * BLOCK, ways=ways, safe=safe,
+    return report.render(
+        "tunnelling", globals(), pitches=len(blocks) * BLOCK, ways=ways, safe=safe,
         rows=[described(*column) for column in counts.T],
         grazes=[described(*of.sum(axis=0)) for of in grazes],
     )  # fmt: skip

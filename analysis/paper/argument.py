@@ -4,21 +4,20 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
-from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.stats import binned_statistic, norm
 
-from analysis import Array
 from analysis.paper import balls, combinations, printed
 from analysis.paper.balls import Balls, Base, Space, strike
 from analysis.speed_error.work import launches
-from analysis.writing import STYLES, figure, render
+from analysis.writing import STYLES, Report
 from longball import home_run
 from longball.engines.batch import solve_columns
 from longball.home_run import HOME_RUN_DISTANCE, RESTITUTIONS
+from longball.model.arrays import Array
 
 E, STEP = 0.43, 0.01  # the middle of the paper's range, and the step of the differences
 WINDOW = (100.0, 200.0)  # m, "approximately D = 150 m"
@@ -180,12 +179,12 @@ def everything() -> list[SimpleNamespace]:
     return [tested(name, *case) for name, case in combinations.cases().items()]
 
 
-def run(report: Path, full: bool) -> str:
+def run(report: Report, full: bool) -> str:
     """Draw the densities, and D against the exit speed; `full` changes nothing."""
     found = everything()
     d = np.arange(0.0, 300.0, 5.0) + 2.5
     near = (d > WINDOW[0] - 50) & (d < WINDOW[1] + 50)
-    with figure(report, "paper_argument", columns=2, size=(9.0, 4.0)) as (left, right):
+    with report.figure("paper_argument", columns=2, size=(9.0, 4.0)) as (left, right):
         for one in found:
             line = {key: STYLES[one.name][key] for key in ("color", "linestyle")}
             left.plot(d, 1e3 * one.density, **line, linewidth=1.6, label=f"{one.name} reading")
@@ -202,4 +201,4 @@ def run(report: Path, full: bool) -> str:
         left.legend(fontsize="small")
         right.set(xlabel="exit speed, m/s", ylabel="distance D, m")
         right.legend(fontsize="small", ncols=2)
-    return render(report, "argument", vars(printed) | globals(), found=found)
+    return report.render("argument", vars(printed) | globals(), found=found)

@@ -3,26 +3,22 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple
 
 import joblib
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
-from analysis import Array
 from longball import home_run
 from longball.engines.batch import solve_columns_with_restitutions
 from longball.engines.chain import solve_with_restitutions
 from longball.engines.parallel import in_parallel
 from longball.engines.verlet import Verlet
 from longball.home_run import RESTITUTIONS, Estimate, Samples, Struck
+from longball.model.arrays import Array, Flags
 from longball.model.quantities import number, numbers, replaced
 from longball.model.readings import SampleSpace, SamplingReading
 from longball.model.scene import AtBatScene
-
-Flags = NDArray[np.bool_]
-S = TypeVar("S", bound=Struck)
 
 # At-bats, and what they are drawn by: the same ones in all studies, so that what two of them give
 # is the same number.
@@ -59,16 +55,6 @@ class Balls(Struck):
     pitch_speed: Array  # m/s, of the ball as it meets the bat
     exit_speed: Array  # m/s, of the ball as it leaves it
     elevation: Array  # rad, of its direction then
-
-    def chosen(self, which: Flags) -> "Balls":
-        """Return some of them."""
-        return Balls(*(column[which] for column in vars(self).values()))
-
-
-def joined(parts: Sequence[S]) -> S:
-    """Return the balls of all parts, one after the other."""
-    columns = zip(*(vars(part).values() for part in parts), strict=True)
-    return type(parts[0])(*map(np.concatenate, columns))
 
 
 VECTORS = "landing.position", "impact.velocity", "contact.normal"
@@ -111,7 +97,7 @@ def strike_in_steps(
     """Return what becomes of samples by the paper's scheme."""
     chosen = (samples.chosen(slice(i, i + CHUNK)) for i in range(0, len(samples), CHUNK))
     chunks = in_parallel(_chunk, ((base, x, restitutions, scheme) for x in chosen), workers=-1)
-    return [joined(part) for part in zip(*chunks, strict=True)]
+    return [Balls.joined(part) for part in zip(*chunks, strict=True)]
 
 
 def _chunk(base: Base, some: Samples, restitutions: Sequence[float], scheme: Verlet) -> list[Balls]:

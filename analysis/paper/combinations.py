@@ -3,7 +3,6 @@
 from collections.abc import Iterable, Iterator, Sequence
 from functools import cache
 from itertools import chain, product
-from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
@@ -13,7 +12,7 @@ from analysis.paper import balls, distances, printed
 from analysis.paper.balls import SPACES, Balls, Base, Space, strike
 from analysis.paper.distances import BIN, HEIGHT_AND_SLOPE, NEAR_BOTH, Distance, Peak, distance
 from analysis.paper.printed import PEAKS
-from analysis.writing import STYLES, data, figure, render
+from analysis.writing import STYLES, Report, data
 from longball.engines.parallel import in_parallel
 from longball.engines.verlet import Verlet
 from longball.home_run import PAPER_CURVES, RESTITUTIONS, Estimate
@@ -139,7 +138,7 @@ def cases() -> Cases:
 STEP = 0.05  # s, as printed
 
 
-def section(report: Path) -> str:
+def section(report: Report) -> str:
     """Write the section of the combinations."""
     found, best = study(), study().near[0]
     draw_plane(report, found)
@@ -149,8 +148,8 @@ def section(report: Path) -> str:
     stepped = balls.strike_in_steps(best.base, samples, RESTITUTIONS, Verlet(STEP))
     (exactly,) = strike(best.base, samples, RESTITUTIONS[:1])
     rows = best.space.estimates(stepped)
-    return render(
-        report, "combinations", globals(),
+    return report.render(
+        "combinations", globals(),
         found=found, default=found.default, best=best, solved=len(list(bases())),
         backwards=1 - as_printed.drawn(FIRST_SAMPLES).pitched.mean(),
         stepped=stepped, stepped_rows=rows, exactly=exactly,
@@ -160,9 +159,9 @@ def section(report: Path) -> str:
     )  # fmt: skip
 
 
-def draw_plane(report: Path, found: SimpleNamespace) -> None:
+def draw_plane(report: Report, found: SimpleNamespace) -> None:
     """Draw all readings by height and slope of P(e)."""
-    with figure(report, "paper_combinations", size=(6.8, 4.6)) as (axes,):
+    with report.figure("paper_combinations", size=(6.8, 4.6)) as (axes,):
 
         def mark(p: Sequence[Any], **style: Any) -> None:
             axes.plot(*(HEIGHT_AND_SLOPE @ np.transpose(p)), **style | {"linestyle": "none"})

@@ -1,12 +1,11 @@
 """Every number of the paper that can be had again: printed, ours, the difference, and why."""
 
-from pathlib import Path
 from typing import NamedTuple
 
 import pandas as pd
 
 from analysis.paper import argument, home_run_figures, pitch_fits, printed
-from analysis.writing import render
+from analysis.writing import Report
 from longball.pitches import EXAMPLE, fit_pitches
 
 WHICH = "**reproduced**", "**by the nearest reading only**", "**by the default reading only**"
@@ -37,12 +36,12 @@ class Counterpart(NamedTuple):
         return f"{WHICH[2] if by_default else NO}: {self.other}"
 
 
-def run(report: Path, full: bool) -> str:
+def run(report: Report, full: bool) -> str:
     """Write the section; `full` takes more draws of pitches."""
     default, nearest = home_run_figures.reproduced()
     draws = pitch_fits.FULL_DRAWS if full else pitch_fits.DRAWS
-    return render(
-        report, "counterparts", vars(home_run_figures) | globals(), default=default,
+    return report.render(
+        "counterparts", vars(home_run_figures) | globals(), default=default,
         nearest=nearest, found=argument.everything(), noise=printed.noise,
         determination=pd.DataFrame(pitch_fits.determine(draws)),
         heights=fit_pitches(EXAMPLE, replicates=2).height,

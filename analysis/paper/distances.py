@@ -5,12 +5,11 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.stats import chi2
 
-from analysis import Array
 from analysis.paper.printed import PEAKS, SAMPLES
 from longball.home_run import RESTITUTIONS, Curve, Estimate
+from longball.model.arrays import Array, Integers
 
 # Of 20 correct readings, one is farther off: from Fig. 7, and from it and both peaks of Fig. 6.
 NEAR, NEAR_BOTH = float(chi2.ppf(0.95, df=2)), float(chi2.ppf(0.95, df=6))
@@ -69,7 +68,7 @@ def distance(rows: Sequence[Estimate], curve: Curve, shared: bool = False) -> Di
     return Distance(float(level), float(slope), float(off @ np.linalg.solve(spread, off)))
 
 
-def histogram(distances: Array) -> NDArray[np.int64]:
+def histogram(distances: Array) -> Integers:
     """Return how many distances lie in each bin of 10 m."""
     return np.bincount((distances / BIN).astype(int), minlength=1)
 

@@ -2,7 +2,6 @@
 
 import math
 from functools import cache
-from pathlib import Path
 from statistics import NormalDist
 from typing import Any, NamedTuple
 
@@ -10,15 +9,15 @@ import numpy as np
 from matplotlib.axes import Axes
 from scipy.stats import norm
 
-from analysis import Array
 from analysis.paper import balls, combinations, distances, printed
 from analysis.paper.balls import Balls, Space, strike
 from analysis.paper.combinations import Trial
 from analysis.paper.distances import BIN, covariance
 from analysis.paper.printed import FLAT, PAIRS, PEAKS, UZR_SPAN, Season
-from analysis.writing import LINES, STYLES, figure, render
+from analysis.writing import LINES, STYLES, Report
 from longball import home_run
 from longball.home_run import HOME_RUN_DISTANCE, PAPER_CURVES, RESTITUTIONS, Curve
+from longball.model.arrays import Array
 
 UZR_E = 0.42  # the closest of the paper's to the season of the UZR data (its Sec. V)
 
@@ -110,10 +109,10 @@ def curve_share(curve: Curve, e: float, low: float, high: float) -> float:
     return reach.cdf(high) - reach.cdf(low)
 
 
-def run(report: Path, full: bool) -> str:
+def run(report: Report, full: bool) -> str:
     """Write the section; `full` changes nothing."""
     found = reproduced()
-    with figure(report, "paper_fig6", columns=len(found), size=(9.0, 3.4)) as panels:
+    with report.figure("paper_fig6", columns=len(found), size=(9.0, 3.4)) as panels:
         for axes, one in zip(panels, found, strict=True):
             top = 1.25 * draw_stairs(axes, one.density, linewidth=1.5, color="black")
             for e, at in PEAKS.items():
@@ -125,7 +124,7 @@ def run(report: Path, full: bool) -> str:
             axes.set(xlim=(0.0, 300.0), ylim=(0.0, 1.05 * top))
             axes.legend(loc="center right")
     grid = np.linspace(0.408, 0.452, 100)
-    with figure(report, "paper_fig7", size=(6.4, 4.2)) as (axes,):
+    with report.figure("paper_fig7", size=(6.4, 4.2)) as (axes,):
         for name, curve in PAPER_CURVES.items():
             label = f"paper's {name}: C₁ = {curve.c1:g} m, σ = {curve.sigma:g} m"
             style = STYLES[f"paper's {name}"] | {"marker": ""}
@@ -142,7 +141,7 @@ def run(report: Path, full: bool) -> str:
         axes.set(xlabel="coefficient of restitution e of the ball", ylim=(0.0, None))
         axes.set_ylabel("probability of a home run P(e)")
         axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.01), ncols=2, fontsize="x-small")
-    return render(report, "home_run_figures", globals(), found=found)
+    return report.render("home_run_figures", globals(), found=found)
 
 
 def draw_stairs(axes: Axes, densities: dict[float, Array], **style: Any) -> float:

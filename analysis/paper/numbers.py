@@ -3,7 +3,6 @@
 import itertools
 from collections.abc import Sequence
 from dataclasses import replace
-from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
@@ -15,7 +14,7 @@ from analysis.paper.balls import Base, Share, Space, strike
 from analysis.paper.combinations import Cases, Trial, trial
 from analysis.paper.distances import NEAR
 from analysis.paper.printed import P_TEXT
-from analysis.writing import STYLES, data, figure, render
+from analysis.writing import STYLES, Report, data
 from longball.home_run import PAPER_CURVES, RESTITUTIONS, Samples, paper_at_bats
 
 CORNER_SAMPLES = 20_000
@@ -40,22 +39,20 @@ def share(problem: Problem, space: Space) -> Share:
 
 # In a scene or its sampling: name, unit, low and high end of the range, and their source.
 UNKNOWN = tuple(SimpleNamespace(**one) for one in DATA["unknown"])
-Change = tuple[float, float]  # of P(0.42), with its standard error
 
 
-def over_ranges(base: Base, space: Space) -> tuple[Share, list[list[Change]]]:
-    """Return P(0.42), and what each number alone does to it at the ends of its range."""
-    before = share(drawn(base), space)
-    others = [[base.replaced({one.name: x}) for x in (one.low, one.high)] for one in UNKNOWN]
-    return before, [[share(drawn(x), space).above(before) for x in ends] for ends in others]
-
-
-def section(report: Path, cases: Cases) -> str:
+def section(report: Report, cases: Cases) -> str:
     """Write the section: what the unknown numbers do, alone and together."""
     cases = {name: (base.replaced({"ball.restitution": E}), s) for name, (base, s) in cases.items()}
-    found = {name: over_ranges(*case) for name, case in cases.items()}
+    found = {}
+    # P(0.42), and its changes by each number alone at both ends of its range, with their errors.
+    for name, (base, space) in cases.items():
+        before = share(drawn(base), space)
+        others = [[base.replaced({one.name: x}) for x in (one.low, one.high)] for one in UNKNOWN]
+        changes = [[share(drawn(x), space).above(before) for x in ends] for ends in others]
+        found[name] = before, changes
     heights = np.arange(len(UNKNOWN))[::-1]
-    with figure(report, "paper_numbers", columns=len(found), size=(9.0, 3.2)) as panels:
+    with report.figure("paper_numbers", columns=len(found), size=(9.0, 3.2)) as panels:
         for axes, (name, (before, ranged)) in zip(panels, found.items(), strict=True):
             low, high = before.p + np.array(ranged)[:, :, 0].T
             axes.plot([low, high], [heights, heights], color="0.6", linewidth=3.0)
@@ -74,7 +71,7 @@ def section(report: Path, cases: Cases) -> str:
         corner = base.replaced(dict(values))
         struck = strike(*drawn(corner, CORNER_SAMPLES), RESTITUTIONS)
         corners[name].append(trial(corner, space, struck))
-    return render(report, "numbers", globals(), near=NEAR, found=found, corners=corners)
+    return report.render("numbers", globals(), near=NEAR, found=found, corners=corners)
 
 
 def mark_p(axes: Axes, p: float, label: str, reading: str) -> None:
@@ -113,7 +110,7 @@ class Parameter(NamedTuple):
 PARAMETERS = tuple(Parameter(**one) for one in DATA["parameter"])
 
 
-def sensitivities(report: Path, cases: Cases) -> str:
+def sensitivities(report: Report, cases: Cases) -> str:
     """Write the section: ∂P/∂x and d ln P / d ln x of a number x at each of the two readings.
 
     By the central difference over ± 2 % with the same random numbers, with its standard error.
@@ -129,4 +126,4 @@ def sensitivities(report: Path, cases: Cases) -> str:
             value = one.value(problem)
             row = {"slope": rise / value, "slope_error": error / value, "parameter": one}
             found[name].append(row | {"power": rise / p, "power_error": error / p, "value": value})
-    return render(report, "sensitivities", globals(), found=found)
+    return report.render("sensitivities", globals(), found=found)

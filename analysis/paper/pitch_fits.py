@@ -10,19 +10,18 @@ from collections import namedtuple
 from collections.abc import Iterable, Sequence
 from functools import cache, partial
 from itertools import accumulate, product
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
-from analysis.writing import STYLES, data, figure, render, write_table
+from analysis.writing import STYLES, Report, data
 from longball.engines.parallel import in_parallel
+from longball.model.arrays import Array
 from longball.pitches import EXAMPLE, Columns, FittedPitches, PitchTypes, fit_pitches, read_pitches
 from longball.pitches.fitted import Estimate
 from longball.pitches.fitting import normal
-from longball.pitches.table import Floats
 
 Rows = list[dict[str, Any]]
 
@@ -65,13 +64,13 @@ MEAN_1, SPREAD_1, MEAN_2, SPREAD_2, P, LEFT, RIGHT, SPREAD, Q = (one.value for o
 Found = namedtuple("Found", "counterparts coverage r_squared grid classes")
 
 
-def run(report: Path, full: bool) -> str:
+def run(report: Report, full: bool) -> str:
     """Write tables and figures and return the section; `full`: with more random draws."""
     draws = FULL_DRAWS if full else DRAWS
     example, synthetic = fit_pitches(EXAMPLE), synthetic_fit()
     found = Found(compared(), cover(draws), determine(draws), vary_grid(), vary_classes())
     for name, rows in found._asdict().items():
-        write_table(report, f"pitch_fits_{name}", pd.DataFrame(rows), float_format="%.6g")
+        report.write_table(f"pitch_fits_{name}", pd.DataFrame(rows), float_format="%.6g")
     draw_speeds(report, example, synthetic)
     draw_aims(report, example, synthetic)
     draw_heights(report, example)
@@ -220,17 +219,17 @@ THEIRS = f"{PITCHES:,} pitches drawn from the paper's fits"
 OURS = "{.rows_used:,} MLB pitches of 11 June 2023".format
 
 
-def _mixture(axes: Axes, x: Floats, parts: Sequence[Floats], *labels: str) -> None:
+def _mixture(axes: Axes, x: Array, parts: Sequence[Array], *labels: str) -> None:
     """Draw a fitted mixture and its two parts."""
     axes.plot(x, sum(parts), **STYLES["mixture"], label=f"fitted mixture, {labels[0]}")
     axes.plot(x, parts[0], **STYLES["first part"], label=labels[1])
     axes.plot(x, parts[1], **STYLES["second part"], label=labels[2])
 
 
-def draw_speeds(report: Path, example: FittedPitches, synthetic: FittedPitches) -> None:
+def draw_speeds(report: Report, example: FittedPitches, synthetic: FittedPitches) -> None:
     """Draw the counterpart of Fig. 2."""
     panels_of = {THEIRS: synthetic.speed, OURS(example): example.speed}
-    with figure(report, "pitch_fits_fig2", columns=2, size=(9.6, 3.8)) as panels:
+    with report.figure("pitch_fits_fig2", columns=2, size=(9.6, 3.8)) as panels:
         for axes, (title, fitted) in zip(panels, panels_of.items(), strict=True):
             histogram, fit = fitted.histogram, fitted.least_squares
             edges = np.array(histogram.edges) * 3.6
@@ -246,13 +245,13 @@ def draw_speeds(report: Path, example: FittedPitches, synthetic: FittedPitches) 
         panels[0].legend(fontsize="small", loc="center left")
 
 
-def draw_aims(report: Path, example: FittedPitches, synthetic: FittedPitches) -> None:
+def draw_aims(report: Report, example: FittedPitches, synthetic: FittedPitches) -> None:
     """Draw the counterpart of Fig. 3."""
     panels_of = (
         (THEIRS, synthetic.aim.cells, synthetic.aim.least_squares),
         (OURS(example), example.aim.cells, example.aim.maximum_likelihood),
     )
-    with figure(report, "pitch_fits_fig3", columns=2, size=(9.6, 3.8)) as panels:
+    with report.figure("pitch_fits_fig3", columns=2, size=(9.6, 3.8)) as panels:
         panels[1].hist(
             read_pitches(EXAMPLE).across, np.arange(-1.5, 7.51, 0.25).tolist(), density=True,
             histtype="stepfilled", facecolor="0.85", edgecolor="0.6",
@@ -272,22 +271,22 @@ def draw_aims(report: Path, example: FittedPitches, synthetic: FittedPitches) ->
         panels[0].set_ylabel("share of a cell; density per cell")
 
 
-def draw_heights(report: Path, example: FittedPitches) -> None:
+def draw_heights(report: Report, example: FittedPitches) -> None:
     """Draw the counterpart of Fig. 4."""
     assert example.height is not None
     shares = [share.value for share in example.height.shares]
     bars = [2 * (share.standard_error or 0.0) for share in example.height.shares]
-    with figure(report, "pitch_fits_fig4", size=(4.8, 3.8)) as (axes,):
+    with report.figure("pitch_fits_fig4", size=(4.8, 3.8)) as (axes,):
         axes.errorbar(CELLS, shares, yerr=bars, capsize=3, **STYLES["measured"])
         axes.set(title=OURS(example), xticks=CELLS, ylim=(0.0, 0.3))
         axes.set_xlabel("cell in height, from the lowest (1 and 5 are open)")
         axes.set_ylabel("share of pitches ± 2 standard errors")
 
 
-def draw_determination(report: Path, determination: pd.DataFrame) -> None:
+def draw_determination(report: Report, determination: pd.DataFrame) -> None:
     """Draw R² against the width of the bins."""
     printed = PRINTED_R_SQUARED["speed"]
-    with figure(report, "pitch_fits_r_squared", size=(4.8, 3.8)) as (axes,):
+    with report.figure("pitch_fits_r_squared", size=(4.8, 3.8)) as (axes,):
         for what, label in ("speed", "normal density"), ("speed as printed", "Eq. 2 as printed"):
             drawn = determination[determination["what"] == what]
             middle = drawn["median"]
@@ -299,10 +298,10 @@ def draw_determination(report: Path, determination: pd.DataFrame) -> None:
         axes.legend(fontsize="small", loc="center left")
 
 
-def write(report: Path, example: FittedPitches, synthetic: FittedPitches, found: Found) -> str:
+def write(report: Report, example: FittedPitches, synthetic: FittedPitches, found: Found) -> str:
     """Return the report in Markdown; every number and verdict in it comes from the fits."""
-    return render(
-        report, "pitch_fits", globals(), example=example, synthetic=synthetic, found=found,
+    return report.render(
+        "pitch_fits", globals(), example=example, synthetic=synthetic, found=found,
         within=np.mean([row["within_1.96"] for row in found.coverage]),
         spread=spread_behind_figure_3(),
     )  # fmt: skip

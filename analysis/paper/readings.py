@@ -1,12 +1,10 @@
 """Which reading of the paper gives its numbers: the study `python -m analysis readings`."""
 
-from pathlib import Path
-
 from analysis.paper import combinations, numbers, switches, variance
-from analysis.writing import render
+from analysis.writing import Report
 
 
-def run(report: Path, full: bool) -> str:
+def run(report: Report, full: bool) -> str:
     """Write the section; `full` changes nothing: the errors of the samples are below the paper's.
 
     What is said of the nearest reading needs all combinations first, so that they come first in
@@ -20,4 +18,4 @@ def run(report: Path, full: bool) -> str:
         numbers.sensitivities(report, cases),
         variance.section(report, {name: base for name, (base, _) in cases.items()}),
     )
-    return render(report, "readings", {}, sections=sections)
+    return report.render("readings", {}, sections=sections)

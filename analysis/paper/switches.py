@@ -1,7 +1,6 @@
 """The ledger of readings, one switch turned at a time."""
 
 from collections.abc import Iterator
-from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -14,7 +13,7 @@ from analysis.paper.balls import SPACES, Base, Share, Space, strike
 from analysis.paper.combinations import RADII, STEP, Cases
 from analysis.paper.numbers import mark_p
 from analysis.paper.printed import P_TEXT
-from analysis.writing import figure, render
+from analysis.writing import Report
 from longball.engines.verlet import Verlet
 from longball.home_run import PAPER_CURVES, RESTITUTIONS
 from longball.model.readings import LEDGER, SCHEME_OPTIONS, readings_of
@@ -96,7 +95,7 @@ def turn_scheme(base: Base, space: Space) -> list[dict[str, Any]]:
     return found
 
 
-def section(report: Path, cases: Cases) -> str:
+def section(report: Report, cases: Cases) -> str:
     """Write the section: each reading with each switch turned."""
     found = []
     for name, case in cases.items():
@@ -105,7 +104,7 @@ def section(report: Path, cases: Cases) -> str:
     # A bar for each option, from P before to P after, the longest above.
     longest = max(len(one.turned) for one in found)
     size = (9.6, 0.6 + 0.24 * longest)
-    with figure(report, "paper_tornado", columns=len(found), size=size) as panels:
+    with report.figure("paper_tornado", columns=len(found), size=size) as panels:
         for axes, of in zip(panels, found, strict=True):
             rows = of.turned.sort_values("change", key=abs, kind="stable")
             heights = np.arange(longest - len(rows), longest)
@@ -121,7 +120,7 @@ def section(report: Path, cases: Cases) -> str:
         lines, _ = panels[0].get_legend_handles_labels()
         shades = [Patch(color="0.75", label="raises P"), Patch(color="0.35", label="lowers P")]
         panels[0].legend(handles=[*shades, *lines], loc="lower center", fontsize="small")
-    return render(
-        report, "switches", globals(), found=found, schemes=turn_scheme(*cases["nearest"]),
+    return report.render(
+        "switches", globals(), found=found, schemes=turn_scheme(*cases["nearest"]),
         caption=PAPER_CURVES["caption"],
     )  # fmt: skip

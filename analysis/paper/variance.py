@@ -1,15 +1,14 @@
 """Which of an at-bat's four random inputs the distance D comes from: Sobol's indices."""
 
 from dataclasses import replace
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from analysis import Array
 from analysis.paper import balls
-from analysis.writing import render
+from analysis.writing import Report
 from longball.home_run import HOME_RUN_DISTANCE, Samples
+from longball.model.arrays import Array
 
 INPUTS = {"speed": "pitch's speed", "aim": "aim", "tilt": "tilt", "offset": "offset"}
 SAMPLES = 50_000  # of each of the two sets; six times as many at-bats are solved
@@ -70,7 +69,7 @@ def quantities(base: balls.Base, samples: Samples) -> dict[str, Array]:
     }
 
 
-def section(report: Path, bases: dict[str, balls.Base]) -> str:
+def section(report: Report, bases: dict[str, balls.Base]) -> str:
     """Write the section: the indices of each quantity, under each reading."""
     found: dict[str, dict[str, Indices]] = {name: {} for name in bases}
     for name, base in bases.items():
@@ -80,4 +79,4 @@ def section(report: Path, bases: dict[str, balls.Base]) -> str:
         for what in a:
             both = np.array([each[what] for each in mixed])
             found[name][what] = indices(a[what], b[what], both, SEEDS[0])
-    return render(report, "variance", globals(), found=found, bases=bases)
+    return report.render("variance", globals(), found=found, bases=bases)

@@ -4,41 +4,40 @@ The peers are the extra ``peers`` of longball (``pip install 'longball[peers]'``
 installed is left out, and named.
 """
 
-from pathlib import Path
-
 import pandas as pd
 from matplotlib.axes import Axes
 
 from analysis.speed_error import contenders, laws, measuring, peers, work
 from analysis.speed_error.work import Work, at_bats, flights, known
-from analysis.writing import STYLES, figure, render, write_table
+from analysis.writing import STYLES, Report
 from longball.engines.batch import Batch
 
 ROUNDS, FULL_ROUNDS = 5, 7
 SCENES, FULL_SCENES = 100, 300  # of which the errors are looked at
+COLUMNS = {"median": "median error, m", "most": "99 % error, m", "worst": "worst error, m"}
 UNIT = f"batch, {Batch().tolerance:g} m"  # the measure of all
 
 
-def run(report: Path, full: bool) -> str:
+def run(report: Report, full: bool) -> str:
     """Measure flights and at-bats; write tables, pictures and the section."""
     rounds, count = (FULL_ROUNDS, FULL_SCENES) if full else (ROUNDS, SCENES)
     size = max(count, contenders.COMPILED)
     measured = [measure(known(one, count), rounds) for one in (flights(size), at_bats(size))]
     timings, rows = (pd.concat(tables, ignore_index=True) for tables in zip(*measured, strict=True))
-    write_table(report, "speed_error_timings", timings)
+    report.write_table("speed_error_timings", timings)
     rounded = rows.map(lambda value: float(f"{value:.3g}") if isinstance(value, float) else value)
-    write_table(report, "speed_error", rounded)
+    report.write_table("speed_error", rounded)
     draw(report, rounded)
     whole = rounded.set_index(rounded["method"] + ", " + rounded["setting"])
     flight, at_bat = (whole[whole["work"] == kind] for kind in ("flight", "at-bat"))
     shares = (at_bat["missed"] / at_bat["contacts"]).groupby(at_bat["method"], sort=False)
     few = count // 4  # flights under other laws whose errors are looked at
-    of_laws = render(
-        report, "speed_error_laws", vars(laws), found=laws.compared(rounds, few), count=few,
+    of_laws = report.render(
+        "speed_error_laws", vars(laws), found=laws.compared(rounds, few), count=few,
         ratio=measuring.ratio,
     )  # fmt: skip
-    return render(
-        report, "speed_error", vars(work) | globals(), count=count, rounds=rounds, full=full,
+    return report.render(
+        "speed_error", vars(work) | globals(), count=count, rounds=rounds, full=full,
         flight=flight.to_dict("index"), at_bat=at_bat.to_dict("index"), peers=peers,
         missed=shares.agg(["min", "max"]).to_dict("index"), of_laws=of_laws,
     )  # fmt: skip
@@ -56,12 +55,13 @@ def measure(given: Work, rounds: int) -> tuple[pd.DataFrame, pd.DataFrame]:
         whose = {"work": given.base.kind, "method": entrant.family, "setting": entrant.setting}
         ratio = measuring.ratio(found.seconds, unit.seconds)
         times = {"time each, µs": found.microseconds, "ratio": ratio}
-        rows.append({**whose, **times, **found.errors.row()})
+        rows.append({**whose, **times, **found.errors._asdict()})
         timings += [
             whose | {"round": i, "scenes": entrant.turn, "time, s": f"{entrant.turn * s:.6g}"}
             for i, s in enumerate(found.seconds, 1)
         ]
-    return pd.DataFrame(timings), pd.DataFrame(rows)
+    summary = pd.DataFrame(rows).drop(columns="worst_time").rename(columns=COLUMNS)
+    return pd.DataFrame(timings), summary
 
 
 BEYOND = 1e-15  # m; smaller errors than doubles can have at 100 m are drawn there
@@ -74,10 +74,10 @@ OURS = (
 )
 
 
-def draw(report: Path, whole: pd.DataFrame) -> None:
+def draw(report: Report, whole: pd.DataFrame) -> None:
     """Draw the three pictures."""
     for kind, name in (("flight", "speed_error_flights"), ("at-bat", "speed_error_at_bats")):
-        with figure(report, name, columns=2, size=(10.0, 5.6)) as (ours, others):
+        with report.figure(name, columns=2, size=(10.0, 5.6)) as (ours, others):
             others.sharex(ours)
             others.sharey(ours)
             ours.set(xscale="log", yscale="log", title="longball's engines")
@@ -89,7 +89,7 @@ def draw(report: Path, whole: pd.DataFrame) -> None:
                 axes.set_xlabel("worst error of D, m")
                 axes.axvline(BEYOND, color="0.7", linewidth=0.8)
                 axes.legend(loc="upper center", bbox_to_anchor=below, ncols=3, fontsize="x-small")
-    with figure(report, "speed_error_missed", size=(8.0, 5.5)) as (axes,):
+    with report.figure("speed_error_missed", size=(8.0, 5.5)) as (axes,):
         missed(axes, whole[whole["work"] == "at-bat"])
 
 

@@ -45,7 +45,7 @@ def kernel(work: Work) -> Contender:
     It flies the first scenes of the work, and answers nothing.
     """
     engine = _Recording()
-    solve_columns(work.base, work.first(BLOCK).columns, engine)
+    solve_columns(work.base, work[:BLOCK].columns, engine)
     ((starts, program),) = engine.given
 
     def solved(some: Work) -> Answers:

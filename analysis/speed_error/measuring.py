@@ -39,11 +39,6 @@ class Errors(NamedTuple):
     missed: int  # of those, how many are answered with that it does not
     unanswered: int  # scenes without an answer
 
-    def row(self) -> dict[str, object]:
-        """Return the numbers as columns of a table."""
-        names = {"median": "median error, m", "most": "99 % error, m", "worst": "worst error, m"}
-        return {names.get(x, x): y for x, y in self._asdict().items() if x != "worst_time"}
-
 
 class Measured(NamedTuple):
     """What a contender took for its work, s a scene, by round; and how far off it was."""
@@ -65,7 +60,7 @@ def measure(turns: Sequence[tuple[Contender, Work]], rounds: int) -> list[Measur
     first round, in which code is compiled, does not count.
     """
     compile_at_once()
-    portions = [(entrant, work.first(entrant.turn)) for entrant, work in turns]
+    portions = [(entrant, work[: entrant.turn]) for entrant, work in turns]
     for entrant, portion in portions:
         entrant.solve(portion)
     seconds: list[list[float]] = [[] for _ in portions]
@@ -76,7 +71,7 @@ def measure(turns: Sequence[tuple[Contender, Work]], rounds: int) -> list[Measur
     found = []
     for (entrant, work), mine in zip(turns, seconds, strict=True):
         true = work.true[: entrant.most]
-        answers = entrant.solve(work.first(len(true)))
+        answers = entrant.solve(work[: len(true)])
         found.append(Measured(entrant, mine, errors(answers, true)))
     return found
 

@@ -18,9 +18,9 @@ from typing import Any, NamedTuple
 import numpy as np
 import scipy.integrate
 
-from analysis import Array
 from longball.engines.batch.flights import TIME_LIMIT, TOUCH, Records, arrival_dtype
 from longball.model import trace
+from longball.model.arrays import Array
 from longball.model.trace import Node, Program
 
 Function = Callable[..., tuple[Any, ...]]
@@ -128,8 +128,8 @@ def by_scipy(method: str, rtol: float, max_step: float, problem: Problem, flight
     The largest step, s, is for the way on which the bat is looked for.
     """
     rates, heights = problem.bound(math)
-    options = {"method": method, "rtol": rtol, "atol": rtol}
-    max_step = max_step if problem.bat else math.inf
+    options: Any = {"method": method, "rtol": rtol, "atol": rtol}
+    options["max_step"] = max_step if problem.bat else math.inf
 
     def motion(_: float, y: Array) -> tuple[float, ...]:
         return rates(*y.tolist())
@@ -146,9 +146,7 @@ def by_scipy(method: str, rtol: float, max_step: float, problem: Problem, flight
     for flight in flights:
         span, start, own = flight[:2], flight[problem.state], flight[problem.state.stop :]
         events = [stop(height, own.tolist()) for height in heights]
-        found = scipy.integrate.solve_ivp(
-            motion, span, start, events=events, max_step=max_step, **options
-        )
+        found = scipy.integrate.solve_ivp(motion, span, start, events=events, **options)
         met = [place for place, times in enumerate(found.t_events) if len(times)]
         arrived.append((met[0] if met else -1, found.t[-1], *found.y[:, -1]))
     return np.array(arrived)
@@ -192,8 +190,8 @@ def by_heyoka(tolerance: float, problem: Problem, flights: Array) -> Array:
 
     Tolerance 0 is its default, the rounding.
     """
-    integrator = _heyoka(problem, tolerance)
-    state, pars, places = integrator.state, integrator.pars, _places(problem)
+    integrator, places = _heyoka(problem, tolerance)
+    state, pars = integrator.state, integrator.pars
     arrived = np.empty((len(flights), problem.state.stop))
     for flight, end in zip(flights, arrived, strict=True):
         integrator.time = flight[0]
@@ -220,9 +218,8 @@ def by_heyoka_batch(tolerance: float, problem: Problem, flights: Array) -> Array
     a call for each step 1.8 times, the next flight in the place of each that has landed twice as
     long. Eight and 32 lanes take as long as sixteen within a tenth; four, up to 1.4 times as long.
     """
-    integrator = _heyoka(problem, tolerance, LANES)
+    integrator, places = _heyoka(problem, tolerance, LANES)
     state, pars, times = integrator.state, integrator.pars, integrator.time
-    places = _places(problem)
     flying = int(import_module("heyoka").taylor_outcome.success)
     order = np.argsort(_duration(problem, flights))
     groups = _in_groups(flights[order], LANES)
@@ -269,14 +266,12 @@ def _duration(problem: Problem, flights: Array) -> Array:
     return shortest
 
 
-def _places(problem: Problem) -> dict[int, int]:
-    """Return the places of the stops, by the numbers of the outcomes that stand for them."""
-    return {-1 - place: place for place in range(len(problem.stops))}
-
-
 @cache
-def _heyoka(problem: Problem, tolerance: float, lanes: int = 0) -> Any:
-    """Return the compiled integrator of flights: scalar, or of several lanes."""
+def _heyoka(problem: Problem, tolerance: float, lanes: int = 0) -> tuple[Any, dict[int, int]]:
+    """Return the compiled integrator of flights, scalar or of several lanes.
+
+    And the places of the stops, by the numbers of the outcomes that stand for them.
+    """
     hy: Any = import_module("heyoka")
     names = problem.law.variables
     state = hy.make_vars(*names)
@@ -286,8 +281,9 @@ def _heyoka(problem: Problem, tolerance: float, lanes: int = 0) -> Any:
     event, falling = getattr(hy, f"t_event{kind}"), hy.event_direction.negative
     events = [event(height(*state, *own)[0], direction=falling) for height in heights]
     motion = list(zip(state, rates(*state), strict=True))
-    integrator = getattr(hy, f"taylor_adaptive{kind}")
-    return integrator(motion, np.ones(shape), t_events=events, tol=tolerance)
+    family = getattr(hy, f"taylor_adaptive{kind}")
+    integrator = family(motion, np.ones(shape), t_events=events, tol=tolerance)
+    return integrator, {-1 - place: place for place in range(len(events))}
 
 
 # What diffrax flies at once: its code is made for an array of one size.

@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.stats.qmc import Sobol
 
-from analysis import Array
 from analysis.paper.printed import AT_BATS, BASE
 from longball import engines
 from longball.engines.chain import solve
 from longball.engines.ivp import Ivp
 from longball.home_run import draw
+from longball.model.arrays import Array
 from longball.model.quantities import replaced
 from longball.model.result import Result
 from longball.model.scene import AtBatScene, FlightScene, Launch
@@ -36,12 +36,7 @@ class Work:
     def __len__(self) -> int:
         return min(map(len, self.columns.values()))
 
-    def first(self, count: int) -> "Work":
-        """Return the first scenes."""
-        return self.part(slice(count))
-
-    def part(self, rows: slice | list[int]) -> "Work":
-        """Return some of the scenes."""
+    def __getitem__(self, rows: slice | list[int]) -> "Work":
         return Work(self.base, {name: column[rows] for name, column in self.columns.items()})
 
     @cached_property
@@ -84,7 +79,7 @@ def truth(work: Work) -> list[Result]:
 
 def known(work: Work, count: int) -> Work:
     """Return work with the truth about so many of its scenes."""
-    return replace(work, true=truth(work.first(count)))
+    return replace(work, true=truth(work[:count]))
 
 
 def batted(count: int, seed: int) -> tuple[Work, list[Result]]:
@@ -92,4 +87,4 @@ def batted(count: int, seed: int) -> tuple[Work, list[Result]]:
     drawn = at_bats(2 * count, seed)
     results = [solve(scene, Ivp()) for scene in drawn.scenes]
     rows = [row for row, result in enumerate(results) if result.outcome == "batted"][:count]
-    return drawn.part(rows), [results[row] for row in rows]
+    return drawn[rows], [results[row] for row in rows]

@@ -12,9 +12,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from analysis import Array
 from analysis.wild.simulators import SIMULATORS, Method, Simulator
-from analysis.writing import figure, render
+from analysis.writing import Report
 from longball.convergence import PowerLaw, fit_power_law
 from longball.convergence.order import typical
 from longball.golden import load
@@ -25,6 +24,7 @@ from longball.judge.fresh import proven
 from longball.judge.serve import serve
 from longball.judge.step_sweep import sample
 from longball.judge.verdict import Comparison
+from longball.model.arrays import Array
 from longball.model.quantities import replaced
 from longball.model.scene import Scene
 
@@ -39,30 +39,22 @@ class Tried(NamedTuple):
     method: Method
     evaluation: Evaluation  # as it is usually run, in scenes with its own constants
     diagnosis: Diagnosis | None  # of the golden scenes; None if it was not asked for
-    errors: Array  # of the place at each of the method's steps, m, typical of all scenes
+    steps: Array  # the method's, s
+    errors: Array  # of the place at each of them, m, typical of all scenes
+    law: PowerLaw | None  # how the errors fall; None if no range of steps shows it
 
     @property
     def name(self) -> str:
         """Simulator and method."""
         return f"{self.simulator.title}, {self.method.name}"
 
-    @property
-    def steps(self) -> Array:
-        """The method's steps, s."""
-        return np.array(self.method.knobs) * self.method.second
 
-    @property
-    def law(self) -> PowerLaw | None:
-        """How the errors fall; None if no range of steps shows it."""
-        return fit_power_law(self.steps, self.errors) if len(self.errors) else None
-
-
-def run(report: Path, full: bool) -> str:
+def run(report: Report, full: bool) -> str:
     """Judge what is installed, draw errors and orders, and say what is not installed."""
     there = [simulator for simulator in SIMULATORS if simulator.version]
     tried = [tried for simulator in there for tried in trials(simulator, full)]
     stepped = [t for t in tried if t.method.order]
-    with figure(report, "wild_orders", columns=2, size=(9.0, 4.4)) as (left, right):
+    with report.figure("wild_orders", columns=2, size=(9.0, 4.4)) as (left, right):
         for row, (t, mark) in enumerate(zip(stepped, cycle("osD^vP*X"))):
             style: dict[str, Any] = {"color": f"C{row}", "marker": mark}
             left.loglog(t.steps, t.errors, **style, markersize=4, linewidth=1)
@@ -76,7 +68,7 @@ def run(report: Path, full: bool) -> str:
         right.set_yticks(range(len(stepped)), [t.name for t in stepped])
         right.set(xlabel="order", xlim=(0.0, None))
         right.invert_yaxis()
-    return render(report, "wild", globals(), there=there, tried=tried)
+    return report.render("wild", globals(), there=there, tried=tried)
 
 
 def trials(simulator: Simulator, full: bool) -> list[Tried]:
@@ -106,8 +98,11 @@ def trial(
     sweep = replace(judge, cases=own[::2])
     runs = [candidate(simulator, method, knob) for knob in method.knobs]
     errors = [list(map(place_error, sweep.evaluate_function(run).comparisons)) for run in runs]
-    typically = typical(np.array(errors).T) if errors else np.empty(0)
-    return Tried(simulator, method, judge.evaluate_function(usual), diagnosis, typically)
+    off = typical(np.array(errors).T) if errors else np.empty(0)
+    steps = np.array(method.knobs) * method.second
+    law = fit_power_law(steps, off) if errors else None
+    evaluation = judge.evaluate_function(usual)
+    return Tried(simulator, method, evaluation, diagnosis, steps, off, law)
 
 
 def candidate(simulator: Simulator, method: Method, knob: float) -> Callable[[Scene], Any]:

@@ -14,7 +14,7 @@ from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, cast, get_args
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from pydantic import BaseModel, ValidationError
 
 from longball import engines
@@ -23,6 +23,7 @@ from longball.engines.engine import CannotSolve, Engine, OutOfRange, TooLong
 from longball.engines.path import Trajectory
 from longball.extras import naming_extras
 from longball.model import scene as models
+from longball.model.arrays import Array
 from longball.model.numbers import Undecided
 from longball.model.quantities import flat
 from longball.model.readings import Reading, SamplingReading, readings_of
@@ -43,8 +44,6 @@ from longball.model.scene import AtBatScene, InvalidScene, Scene, parse_scene
 
 if TYPE_CHECKING:
     import pandas as pd
-
-Array = NDArray[np.float64]
 
 
 # --- scenes ---------------------------------------------------------------------------------------

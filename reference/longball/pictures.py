@@ -10,14 +10,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longball.engines.path import Trajectory
 from longball.extras import naming_extras
 from longball.home_run import PAPER_CURVES, Curve, Estimate, Fit, Integral
+from longball.model.arrays import Array
 from longball.pitches.prediction import Prediction
 from longball.pitches.statcast import MeasuredPitches
-from longball.pitches.table import Floats
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -87,7 +86,7 @@ def draw_errors(axes: Axes, prediction: Prediction) -> None:
         axes.set(xlabel="angle of launch, °", ylabel="predicted too far by, m")
 
 
-def _seen(error: Floats) -> Floats:
+def _seen(error: Array) -> Array:
     """Return errors at the plate as a catcher sees them: to his right, and up, cm."""
     return 100.0 * error.T * [[-1.0], [1.0]]
 
@@ -142,7 +141,7 @@ class Drawn:
     """
 
     label: str
-    flights: tuple[NDArray[np.float64], ...]
+    flights: tuple[Array, ...]
 
 
 # Colours that stay apart for the colour-blind (Okabe and Ito, 2008).

@@ -31,7 +31,7 @@ def test_columns_and_scenes_are_the_same_work() -> None:
     scene = work.scenes[1]
     assert scene.launch.velocity[0] == work.columns["launch.velocity[0]"][1]
     assert scene.launch.velocity[2] == work.columns["launch.velocity[2]"][1]
-    assert [s.id for s in work.first(2).scenes] == ["flight"] * 2
+    assert [s.id for s in work[:2].scenes] == ["flight"] * 2
 
 
 def test_what_misses_the_bat_is_counted(struck: tuple[Work, list[Result]]) -> None:

@@ -23,7 +23,7 @@ def template(monkeypatch):
 
 
 def test_a_table_of_a_template_becomes_a_file(template, tmp_path):
-    page = writing.render(tmp_path, "sizes", {}, rows=[(1.0, 3), (0.125, "")])
+    page = writing.Report(tmp_path).render("sizes", {}, rows=[(1.0, 3), (0.125, "")])
     assert page == "| size, m | count |\n| --- | --- |\n| 1.00 | 3 |\n| 0.12 |  |\n"
     written = (tmp_path / "tables" / "sizes.csv").read_text(encoding="utf-8")
     assert written == '"size, m",count\n1.00,3\n0.12,\n'
@@ -31,4 +31,4 @@ def test_a_table_of_a_template_becomes_a_file(template, tmp_path):
 
 def test_a_value_that_a_template_lacks_is_an_error(template, tmp_path):
     with pytest.raises(jinja2.UndefinedError, match="rows"):
-        writing.render(tmp_path, "sizes", {})
+        writing.Report(tmp_path).render("sizes", {})

@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal, cast
 
 import typer
 
-from longball import engines
+from longball import engines, home_run
 from longball.cli.cluster import Scheduler, on_cluster
 from longball.cli.common import (
     Json,
@@ -30,27 +30,7 @@ from longball.cli.common import (
     to_picture,
     wrong_call,
 )
-from longball.home_run import (
-    FEWEST,
-    HOME_RUN_DISTANCE,
-    PAPER_CURVES,
-    AtBats,
-    Curve,
-    Estimate,
-    Fit,
-    Integral,
-    columns,
-    draw,
-    estimate,
-    fit,
-    fit_form,
-    integrals,
-    monte_carlo,
-    paper_at_bats,
-    refuse_drawn,
-    scenes,
-    with_restitution,
-)
+from longball.home_run import AtBats, Curve, Estimate, Fit, Integral
 from longball.model.readings import (
     FIGURE_SWITCH,
     LEDGER,
@@ -129,7 +109,7 @@ def homerun(
     sampling = parsed(SamplingReading, switches["sampling"], "--reading ")
     curve = figure_curve(switches["figure"])
     restitutions = parse_restitutions(e)
-    at_bats = paper_at_bats(sampling)
+    at_bats = home_run.paper_at_bats(sampling)
     if pitches:
         at_bats = with_pitches(at_bats, pitches)
     if scenes_file:
@@ -140,21 +120,25 @@ def homerun(
     failed = 0
     if method == "quadrature":
         with progress_bar("restitutions", len(restitutions)) as advance:
-            rows = integrals(*problem, sample_space=space, workers=workers, progress=advance)
-        fitted = fit_form(restitutions, [row.p for row in rows])
+            rows = home_run.integrals(
+                *problem, sample_space=space, workers=workers, progress=advance
+            )
+        fitted = home_run.fit_form(restitutions, [row.p for row in rows])
     else:
         drawn = {"samples": samples, "seed": seed}
         solver = engines.create(engine)
         with on_cluster(scheduler), progress_bar("at-bats", samples) as advance:
-            struck = monte_carlo(
+            struck = home_run.monte_carlo(
                 *problem, samples, seed, engine=solver, workers=workers, progress=advance
             )
-        rows = [estimate(x, one, space) for x, one in zip(restitutions, struck, strict=True)]
-        fitted = fit(rows)
+        rows = [
+            home_run.estimate(x, one, space) for x, one in zip(restitutions, struck, strict=True)
+        ]
+        fitted = home_run.fit(rows)
         failed = max(row.failed for row in rows)
     # The paper's form and its curves are those of 150 m.
-    of_paper = base.fence in (None, Fence(radius=HOME_RUN_DISTANCE))
-    curves = PAPER_CURVES if of_paper else {}
+    of_paper = base.fence in (None, Fence(radius=home_run.HOME_RUN_DISTANCE))
+    curves = home_run.PAPER_CURVES if of_paper else {}
     fitted = fitted if of_paper else None
     if csv_file:
         write_csv(csv_file, rows)
@@ -198,8 +182,8 @@ def chosen_switches(readings: Sequence[str]) -> dict[Belongs, dict[str, Any]]:
 def figure_curve(switches: Mapping[str, Any]) -> Fig7Parameters:
     """Return which of the paper's curves P(e) is held against."""
     chosen = str(switches.get(FIGURE_SWITCH, "caption"))
-    if chosen not in PAPER_CURVES:
-        wrong_call(f"--reading {FIGURE_SWITCH}: must be one of {', '.join(PAPER_CURVES)}")
+    if chosen not in home_run.PAPER_CURVES:
+        wrong_call(f"--reading {FIGURE_SWITCH}: must be one of {', '.join(home_run.PAPER_CURVES)}")
     return cast(Fig7Parameters, chosen)
 
 
@@ -224,7 +208,7 @@ def base_scene(
         found = parse_scene(json.dumps(scene))
     assert isinstance(found, AtBatScene)
     with refusing("--set "):
-        refuse_drawn(found)
+        home_run.refuse_drawn(found)
     return found
 
 
@@ -277,11 +261,11 @@ def write_scenes(
     path: Path, base: AtBatScene, at_bats: AtBats, restitutions: Sequence[float], *seeded: int
 ) -> None:
     """Write the samples of a number and a seed as scenes, one line for each restitution."""
-    sampled = list(scenes(base, draw(at_bats, *seeded)))
+    sampled = list(home_run.scenes(base, home_run.draw(at_bats, *seeded)))
     pitched = [scene for scene in sampled if scene is not None]
     with open(path, "w", encoding="utf-8") as file:
         for scene in pitched:
-            file.writelines(with_restitution(scene, x).line() + "\n" for x in restitutions)
+            file.writelines(home_run.with_restitution(scene, x).line() + "\n" for x in restitutions)
     if omitted := len(sampled) - len(pitched):
         tell(f"{omitted} samples drew a speed that is not positive; not in {path}")
 
@@ -291,7 +275,10 @@ def as_data(
 ) -> dict[str, Any]:
     """Return what --json prints; a number that is not defined is null."""
     return {
-        "rows": [{name: None if x != x else x for name, x in columns(row).items()} for row in rows],
+        "rows": [
+            {name: None if x != x else x for name, x in home_run.columns(row).items()}
+            for row in rows
+        ],
         "fit": fitted
         and asdict(fitted.curve) | {"c1_error": fitted.c1_error, "sigma_error": fitted.sigma_error},
         "paper": {
@@ -305,9 +292,9 @@ def as_data(
 def write_csv(path: Path, rows: Rows) -> None:
     """Write estimates as a table."""
     with open(path, "w", encoding="utf-8", newline="") as file:
-        writer = csv.DictWriter(file, columns(rows[0]), lineterminator="\n")
+        writer = csv.DictWriter(file, home_run.columns(rows[0]), lineterminator="\n")
         writer.writeheader()
-        writer.writerows(map(columns, rows))
+        writer.writerows(map(home_run.columns, rows))
 
 
 def print_probability(
@@ -328,8 +315,8 @@ def print_probability(
     if fitted:
         c1 = f"C1 = {fitted.curve.c1:.0f} ± {fitted.c1_error:.0f} m"
         print(f"fit: {c1}, sigma = {fitted.curve.sigma:.1f} ± {fitted.sigma_error:.1f} m")
-    elif len(rows) < FEWEST:
-        print(f"fit: C1 and sigma need {FEWEST} values of e or more")
+    elif len(rows) < home_run.FEWEST:
+        print(f"fit: C1 and sigma need {home_run.FEWEST} values of e or more")
     else:
         print("fit: these home runs do not determine C1 and sigma")
     named = (f"{n} C1 = {c.c1:g} m, sigma = {c.sigma:g} m" for n, c in curves.items())

@@ -13,7 +13,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longball.convergence.order import (
     FEWEST,
@@ -24,8 +23,8 @@ from longball.convergence.order import (
     typical,
 )
 from longball.convergence.report import Level, Limit, Order, OrderVerdict, Use
+from longball.model.arrays import Array
 
-Array = NDArray[np.float64]
 Expected = float | Mapping[str, float] | None
 
 EPSILON = float(np.finfo(np.float64).eps)
@@ -197,7 +196,7 @@ class _Measured:
 
     def means(self, jumps: bool) -> Array:
         """Return the values (scene, step, component), averaged over phases if they jump."""
-        return _mean(self.values if jumps else self.values[:, :, :1])
+        return mean_over_phases(self.values if jumps else self.values[:, :, :1])
 
     def errors(self, jumps: bool, order: float) -> Array:
         """Return the errors (scene, step), root mean squares over phases if they jump.
@@ -211,11 +210,11 @@ class _Measured:
             )
         values = self.values if jumps else self.values[:, :, :1]
         off = np.linalg.norm(values - self.truth[:, None, None, :], axis=-1)
-        rms: Array = np.sqrt(_mean(off**2))
+        rms: Array = np.sqrt(mean_over_phases(off**2))
         return rms
 
 
-def _mean(values: Array) -> Array:
+def mean_over_phases(values: Array) -> Array:
     """Return the mean over the phases, axis 2, at which there is a value; NaN without one."""
     known = np.isfinite(values)
     with np.errstate(invalid="ignore"):

@@ -11,10 +11,9 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import stdtrit
 
-Array = NDArray[np.float64]
+from longball.model.arrays import Array
 
 # Two parameters, and three steps more to tell a line from a bend.
 FEWEST = 5

@@ -13,16 +13,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from longball.convergence.family import PHASES, Expected, Observed, observe, step_family
 from longball.convergence.report import ConvergenceReport, Lost
 from longball.model.quantities import numbers
 from longball.model.result import Result
 from longball.model.scene import Scene, ids_of
-
-Array = NDArray[np.float64]
-
 
 # --- a function of the step -----------------------------------------------------------------------
 

@@ -29,16 +29,15 @@ from typing import Any
 import numpy as np
 import scipy.linalg
 from mpmath import MPContext
-from numpy.typing import NDArray
 
 from longball.engines.arithmetic import ARRAYS, Dual
 from longball.engines.engine import OutOfRange
+from longball.model.arrays import Array
 from longball.model.law import Law, State
 from longball.model.numbers import Numbers
 from longball.model.trace import ZERO
 
 Mpf = Any  # a number of an mpmath context: mpmath brings no types
-Array = NDArray[np.float64]
 
 
 # --- the rule -------------------------------------------------------------------------------------

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any, Generic, Protocol
 
 from longball.engines.contact import BatSection
-from longball.engines.event import Event
+from longball.engines.event import Event, Events
 from longball.engines.path import Flight
 from longball.model.frame import Frame
 from longball.model.law import Law, State
@@ -111,7 +111,7 @@ class Engine(Protocol[N]):
         0 where the number carries its own error.
         """
 
-    def fly(self, law: Law[N], start: State[N], events: Sequence[Event[N]], limit: N) -> Flight[N]:
+    def fly(self, law: Law[N], start: State[N], events: Events[N], limit: N) -> Flight[N]:
         """Fly until the first of several events, or to the time limit, s since the launch.
 
         Raises
@@ -120,12 +120,7 @@ class Engine(Protocol[N]):
         """
 
     def touch(
-        self,
-        pitch: Flight[N],
-        law: Law[N],
-        bat: BatSection[N],
-        events: Sequence[Event[N]],
-        limit: N,
+        self, pitch: Flight[N], law: Law[N], bat: BatSection[N], events: Events[N], limit: N
     ) -> Touch[N]:
         """Find how a pitch that has reached the plate meets the bat.
 

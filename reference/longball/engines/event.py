@@ -45,6 +45,9 @@ class Event(NamedTuple, Generic[N]):
     slope: N | float = 1.0
 
 
+Events = Sequence[Event[N]]
+
+
 def ground(height: N, start: State[N], numbers: Numbers[N]) -> Event[N]:
     """Return the landing of a flight that starts in a state, at a height, m."""
     return Event(
@@ -215,11 +218,7 @@ class Met(NamedTuple, Generic[N]):
 
 
 def first_met(
-    pieces: Iterable[Piece[N]],
-    events: Sequence[Event[N]],
-    limit: N,
-    error: float,
-    numbers: Numbers[N],
+    pieces: Iterable[Piece[N]], events: Events[N], limit: N, error: float, numbers: Numbers[N]
 ) -> Met[N] | None:
     """Return the first of several events on a flight; None if none is met in time.
 
@@ -292,7 +291,7 @@ _ROUNDINGS = 4
 
 def _earliest(
     found: list[Met[N]],
-    events: Sequence[Event[N]],
+    events: Events[N],
     errors: dict[str, N],
     limit: N,
     error: float,

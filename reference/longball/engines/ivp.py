@@ -16,21 +16,20 @@ from typing import Any
 
 import numpy as np
 import scipy.integrate
-from numpy.typing import NDArray
 
 from longball.engines.contact import BatSection
 from longball.engines.engine import OutOfRange, TooLong
-from longball.engines.event import Event
+from longball.engines.event import Events
 from longball.engines.path import Flight
 from longball.engines.path_engine import PathEngine, View
 from longball.engines.polynomial import PolynomialPiece
 from longball.engines.taylor import Expander, Taylor, right_hand_side
+from longball.model.arrays import Array
 from longball.model.law import Law, State
 from longball.model.numbers import DOUBLES, Doubles
 
 METHODS = ("Taylor", "RK23", "RK45", "DOP853", "Radau", "BDF", "LSODA")
 
-Array = NDArray[np.float64]
 
 # A baseball's flight takes a dozen steps of Taylor's method and a hundred of others. Strong lift
 # can loop a ball a thousand times a second: the limit is some seconds of work.
@@ -115,7 +114,7 @@ class Ivp(PathEngine[float]):
         start: State[float],
         begin: float,
         limit: float,
-        events: Sequence[Event[float]],
+        events: Events[float],
     ) -> Iterator[PolynomialPiece]:
         """Yield the pieces of a flight; see `longball.engines.path_engine.PathEngine.steps`.
 
@@ -144,12 +143,7 @@ class Ivp(PathEngine[float]):
             events = ()  # whoever asks for more did not stop there
 
     def _integrate(
-        self,
-        law: Law[float],
-        time: float,
-        state: Array,
-        limit: float,
-        events: Sequence[Event[float]],
+        self, law: Law[float], time: float, state: Array, limit: float, events: Events[float]
     ) -> tuple[Any, Iterable[PolynomialPiece]]:
         """Return what solve_ivp returns, and the polynomials of its steps."""
         span, ends = (time, limit), _ends(events, law)
@@ -274,7 +268,7 @@ def _expanded(
             time, state = until, np.array(piece.at(piece.length))
 
 
-def _ends(events: Sequence[Event[float]], law: Law[float]) -> Callable[[float, Array], float]:
+def _ends(events: Events[float], law: Law[float]) -> Callable[[float, Array], float]:
     """Return the terminal event that ends an integration with the step that meets an event.
 
     Its value stays at zero from there, and so solve_ivp finds it at the end of that step. An

@@ -9,7 +9,7 @@ points of an event at once, so that none can hide between two steps.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -17,7 +17,7 @@ from mpmath import MPContext
 
 from longball.engines.collocation import Collocation, Mpf, Segment, gauss_legendre
 from longball.engines.engine import TooLong
-from longball.engines.event import Event
+from longball.engines.event import Events
 from longball.engines.path_engine import PathEngine
 from longball.model.law import Law, State
 from longball.model.numbers import Single, ratio
@@ -123,7 +123,7 @@ class Multiprecision(PathEngine[Mpf]):
         return 10.0 ** -(self.digits + _FLIGHT_GUARD)
 
     def steps(
-        self, law: Law[Mpf], start: State[Mpf], begin: Mpf, limit: Mpf, events: Sequence[Event[Mpf]]
+        self, law: Law[Mpf], start: State[Mpf], begin: Mpf, limit: Mpf, events: Events[Mpf]
     ) -> Iterator[Segment]:
         """Yield the pieces of a flight; see `longball.engines.path_engine.PathEngine.steps`.
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from bisect import bisect_left
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any, Generic, cast
 
-from longball.engines.event import Curve, Event, Met, Piece, first_met
+from longball.engines.event import Curve, Events, Met, Piece, first_met
 from longball.model.frame import Frame
 from longball.model.law import State
 from longball.model.numbers import N, Numbers, Vector
@@ -58,7 +58,7 @@ class Path(Generic[N]):
         return [self.at(time) for time in times]
 
     def first(
-        self, events: Sequence[Event[N]], limit: N, error: float, numbers: Numbers[N]
+        self, events: Events[N], limit: N, error: float, numbers: Numbers[N]
     ) -> Met[N] | None:
         """Return the first of several events; see `longball.engines.event.first_met`."""
         return first_met(self.pieces(), events, limit, error, numbers)

@@ -24,7 +24,7 @@ from longball.engines.contact import (
     margin_error,
 )
 from longball.engines.engine import CannotSolve, Engine, Touch
-from longball.engines.event import Event, Piece, first_fall, past
+from longball.engines.event import Event, Events, Piece, first_fall, past
 from longball.engines.path import Flight, Part, Path, Rest
 from longball.model.law import Law, State
 from longball.model.numbers import N, Numbers, absolute, doubt
@@ -36,7 +36,7 @@ class PathEngine(Engine[N], ABC):
 
     @abstractmethod
     def steps(
-        self, law: Law[N], start: State[N], begin: N, limit: N, events: Sequence[Event[N]]
+        self, law: Law[N], start: State[N], begin: N, limit: N, events: Events[N]
     ) -> Iterator[Piece[N]]:
         """Yield the pieces of a flight under a law that is smooth all the way, up to a time.
 
@@ -51,14 +51,12 @@ class PathEngine(Engine[N], ABC):
             go on when it is asked for more.
         """
 
-    def path(
-        self, law: Law[N], start: State[N], limit: N, events: Sequence[Event[N]] = ()
-    ) -> Path[N]:
+    def path(self, law: Law[N], start: State[N], limit: N, events: Events[N] = ()) -> Path[N]:
         """Return the flight from a launch, up to a time."""
         return Path(self._pieces(law, start, limit, events))
 
     def _pieces(
-        self, law: Law[N], start: State[N], limit: N, events: Sequence[Event[N]]
+        self, law: Law[N], start: State[N], limit: N, events: Events[N]
     ) -> Iterator[Piece[N]]:
         """Yield the pieces of a flight; where the law changes its form, one ends.
 
@@ -149,7 +147,7 @@ class PathEngine(Engine[N], ABC):
         return found
 
     def _smooth(
-        self, law: Law[N], start: State[N], begin: N, limit: N, events: Sequence[Event[N]]
+        self, law: Law[N], start: State[N], begin: N, limit: N, events: Events[N]
     ) -> Iterator[Piece[N]]:
         """Yield the pieces of a flight: one of a ball at rest, two of one that flies vertically.
 
@@ -188,7 +186,7 @@ class PathEngine(Engine[N], ABC):
                 return
         yield from self.steps(down, start, begin, limit, events)
 
-    def fly(self, law: Law[N], start: State[N], events: Sequence[Event[N]], limit: N) -> Flight[N]:
+    def fly(self, law: Law[N], start: State[N], events: Events[N], limit: N) -> Flight[N]:
         """Fly until the first of several events; see `Engine.fly`."""
         path = self.path(law, start, limit, events)
         met = path.first(events, limit, self.flight_error, self.numbers)
@@ -203,12 +201,7 @@ class PathEngine(Engine[N], ABC):
             yield View(piece, nothing, piece.length, nothing)
 
     def touch(
-        self,
-        pitch: Flight[N],
-        law: Law[N],
-        bat: BatSection[N],
-        events: Sequence[Event[N]],
-        limit: N,
+        self, pitch: Flight[N], law: Law[N], bat: BatSection[N], events: Events[N], limit: N
     ) -> Touch[N]:
         """Find how a pitch that has reached the plate meets the bat; see `Engine.touch`.
 
@@ -244,7 +237,7 @@ class PathEngine(Engine[N], ABC):
         pitch: Flight[N],
         law: Law[N],
         bat: BatSection[N],
-        events: Sequence[Event[N]],
+        events: Events[N],
         limit: N,
         touching: tuple[N, State[N]] | None,
     ) -> Iterator[_WayIn[N]]:

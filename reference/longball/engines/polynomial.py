@@ -9,15 +9,13 @@ from types import ModuleType
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longball.engines import coefficients
 from longball.engines.arithmetic import Arithmetic
 from longball.engines.coefficients import MOST_NEWTON_STEPS
 from longball.engines.compiled import Code
+from longball.model.arrays import Array
 from longball.model.law import State
-
-Array = NDArray[np.float64]
 
 # Of six digits and more that a single value would lose: a hop of a nanometre off the ground, or a
 # bat that is met a hundred kilometres up.

@@ -18,17 +18,16 @@ from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.integrate import DenseOutput, OdeSolver
 
 from longball.engines.compiled import BEYOND, Code
 from longball.engines.polynomial import advanced, values_at
 from longball.engines.series import recurrence, row_of
+from longball.model.arrays import Array
 from longball.model.law import Law
 from longball.model.numbers import DOUBLES
 from longball.model.trace import Program, squares
 
-Array = NDArray[np.float64]
 Rows = Any  # an array of shape (rows, order + 2); of lists where nothing is compiled
 
 # The reach of a series to 16 digits grows like the order, the work like its square. But all that

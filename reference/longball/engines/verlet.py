@@ -41,14 +41,14 @@ from pathlib import Path as File
 from typing import Any, NamedTuple, TypeVar, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longball.engines.arithmetic import ARRAYS, Dual
 from longball.engines.compiled import BEYOND, Code
 from longball.engines.contact import TURNS_VERTICAL, BatSection, inside_bat
 from longball.engines.engine import CannotSolve, Launch, OutOfRange, Stepped, TooLong, Touch
-from longball.engines.event import Event
+from longball.engines.event import Event, Events
 from longball.engines.path import Flight, Path
+from longball.model.arrays import Array
 from longball.model.frame import Frame, launch_frame
 from longball.model.law import Law, PlaneState, SpaceState, State
 from longball.model.numbers import DOUBLES, Vector, plus
@@ -57,7 +57,6 @@ from longball.model.trace import Names, Program, run_source
 from longball.model.wind import ROUGHNESS
 
 T = TypeVar("T")
-Array = NDArray[np.float64]
 Components = tuple[float, ...]
 
 # Numbers that do not stay finite are told in an error of the engine's.
@@ -167,7 +166,7 @@ class Verlet(Stepped[float]):
 
     @_QUIET
     def fly(
-        self, law: Law[float], start: State[float], events: Sequence[Event[float]], limit: float
+        self, law: Law[float], start: State[float], events: Events[float], limit: float
     ) -> Flight[float]:
         """Fly until the first of several events; see `longball.engines.engine.Engine.fly`.
 
@@ -186,7 +185,7 @@ class Verlet(Stepped[float]):
         return self._fly(law, start, events, limit)
 
     def _fly(
-        self, law: Law[float], start: State[float], events: Sequence[Event[float]], limit: float
+        self, law: Law[float], start: State[float], events: Events[float], limit: float
     ) -> Flight[float]:
         path = Path(self._chords(law, start, limit))
         for event in events:
@@ -208,7 +207,7 @@ class Verlet(Stepped[float]):
         return Flight(path, "time", count * self.dt, after)
 
     def stop_between(
-        self, count: int, before: State[float], after: State[float], events: Sequence[Event[float]]
+        self, count: int, before: State[float], after: State[float], events: Events[float]
     ) -> tuple[str, float, State[float]]:
         """Return which event is met first in step number `count`, when, and in what state."""
         ends = [(event, event.value(before), event.value(after)) for event in events]
@@ -225,7 +224,7 @@ class Verlet(Stepped[float]):
         pitch: Flight[float],
         law: Law[float],
         bat: BatSection[float],
-        events: Sequence[Event[float]],
+        events: Events[float],
         limit: float,
     ) -> Touch[float]:
         """Find the first step in the bat; see `longball.engines.engine.Engine.touch`.

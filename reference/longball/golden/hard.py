@@ -138,25 +138,15 @@ def bat_ends() -> Iterator[Draft]:
 
 def touching_at_release() -> Iterator[Draft]:
     """Released in touch with the bat, and one double to either side of it."""
-    released = [
-        (word, x, Pitch(speed=32.0, release=(x, 0.0, 1.0), aim=(0.0, 1.0)))
-        for word, x in beside(2.0**-4)
-    ]
-    for word, x, pitch in released:
-        scene = AtBatScene(
-            id=f"hard-release-{word}",
-            **_HALVES,
-            air=None,
-            gravity=0.0,
-            pitch=pitch,
-            swing=Swing(tilt=0.125),
-        )
-        comment = f"released at x = {x!r}; ball and bat touch at 0.0625 m"
-        yield draft(scene, comment, "at-release", *["refused"] * (x < 2.0**-4))
-    for word, x, pitch in released:
-        scene = AtBatScene(id=f"hard-release-in-air-{word}", **_HALVES, pitch=pitch)
-        comment = f"released at x = {x!r}, all but touching: z'_b is 1e-5 m below the release"
-        yield draft(scene, comment, "at-release")
+    touching = "; ball and bat touch at 0.0625 m"
+    all_but = ", all but touching: z'_b is 1e-5 m below the release"
+    vacuum: dict[str, Any] = {"air": None, "gravity": 0.0, "swing": Swing(tilt=0.125)}
+    for name, where, others in (("", touching, vacuum), ("in-air-", all_but, {})):
+        for word, x in beside(2.0**-4):
+            pitch = Pitch(speed=32.0, release=(x, 0.0, 1.0), aim=(0.0, 1.0))
+            scene = AtBatScene(id=f"hard-release-{name}{word}", pitch=pitch, **_HALVES, **others)
+            refused = ["refused"] * (where == touching and x < 2.0**-4)
+            yield draft(scene, f"released at x = {x!r}{where}", "at-release", *refused)
 
 
 def perpendicular() -> Iterator[Draft]:

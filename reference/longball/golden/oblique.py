@@ -33,11 +33,7 @@ def impact_oblique() -> Iterator[Draft]:
 
 def _touching(angle: float, y: float, velocity: Point, spin: Point) -> Incoming:
     reach = Ball().radius + Bat().radius
-    position = (
-        round(reach * math.cos(angle), 12),
-        y,
-        round(1.0 + reach * math.sin(angle), 12),
-    )
+    position = (round(reach * math.cos(angle), 12), y, round(1.0 + reach * math.sin(angle), 12))
     return Incoming(position=position, velocity=velocity, bat_height=1.0, spin=spin)
 
 

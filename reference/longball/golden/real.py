@@ -8,18 +8,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
+from functools import wraps
 from itertools import product
 from typing import Any
 
-from longball.golden.case_builder import (
-    Draft,
-    between,
-    draft,
-    five_digits,
-    flight,
-    shares,
-    towards,
-)
+from longball.golden.case_builder import Draft, between, draft, five_digits, flight, shares, towards
 from longball.model.air import (
     Air,
     ConstantLift,
@@ -65,164 +58,142 @@ def _direction(a: float, b: float, size: float) -> Point:
     )
 
 
-def _flights(
-    family: str,
-    comment: str,
-    blocks: Callable[[int, float, float, float], dict[str, Any]],
-    spinning: bool = True,
-) -> Iterator[Draft]:
-    """Yield batted balls with spins about all axes.
+Blocks = Callable[[int, float, float, float], dict[str, Any]]
 
-    `blocks` chooses air and reading by the number of the case and three others in [0, 1).
+
+def _lattice(comment: str, spinning: bool = True) -> Callable[[Blocks], Callable[[], Any]]:
+    """Make a family of batted balls, with spins about all axes, of what chooses air and reading.
+
+    That is a function of the number of the case and three others in [0, 1).
     """
-    for i in range(COUNT):
-        a, b, c, d, e, f, g, h, j, k = shares(i)
-        scene = FlightScene(
-            id=f"{family}-{i:04d}",
-            launch=Launch(
-                position=(0.6, 0.0, between(0.4, 1.4, d)),
-                velocity=towards(between(20.0, 52.0, a), between(2.0, 65.0, b), 360.0 * c),
-                spin=_direction(e, f, between(40.0, 330.0, g)) if spinning else None,
-            ),
-            **blocks(i, h, j, k),
-        )
-        yield draft(scene, comment)
+
+    def made(blocks: Blocks) -> Callable[[], Iterator[Draft]]:
+        @wraps(blocks)
+        def family() -> Iterator[Draft]:
+            for i in range(COUNT):
+                a, b, c, d, e, f, g, h, j, k = shares(i)
+                launch = Launch(
+                    position=(0.6, 0.0, between(0.4, 1.4, d)),
+                    velocity=towards(between(20.0, 52.0, a), between(2.0, 65.0, b), 360.0 * c),
+                    spin=_direction(e, f, between(40.0, 330.0, g)) if spinning else None,
+                )
+                name = f"{blocks.__name__.replace('_', '-')}-{i:04d}"
+                yield draft(FlightScene(id=name, launch=launch, **blocks(i, h, j, k)), comment)
+
+        return family
+
+    return made
 
 
-def flight_spin_lift() -> Iterator[Draft]:
+@_lattice("lift of a spin about any axis")
+def flight_spin_lift(i: int, a: float, b: float, c: float) -> dict[str, Any]:
     """Lift along ω × v, by every law of C_L and both readings of the spin parameter."""
-
-    def blocks(i: int, a: float, b: float, c: float) -> dict[str, Any]:
-        laws = (
-            RationalLift(
-                law="rational",
-                numerator=between(0.8, 1.3, a),
-                constant=between(0.3, 0.8, b),
-                slope=between(1.5, 2.6, c),
-            ),
-            LinearLift(law="linear", slope=between(0.3, 1.6, a)),
-            ConstantLift(law="constant", value=between(0.05, 0.3, a)),
-        )
-        return {
-            "air": Air(drag_coefficient=between(0.25, 0.5, b), lift_coefficient=laws[i % 3]),
-            "reading": Reading(spin_parameter=("transverse", "total")[i // 3 % 2]),
-        }
-
-    return _flights("flight-spin-lift", "lift of a spin about any axis", blocks)
+    laws = (
+        RationalLift(
+            law="rational",
+            numerator=between(0.8, 1.3, a),
+            constant=between(0.3, 0.8, b),
+            slope=between(1.5, 2.6, c),
+        ),
+        LinearLift(law="linear", slope=between(0.3, 1.6, a)),
+        ConstantLift(law="constant", value=between(0.05, 0.3, a)),
+    )
+    return {
+        "air": Air(drag_coefficient=between(0.25, 0.5, b), lift_coefficient=laws[i % 3]),
+        "reading": Reading(spin_parameter=("transverse", "total")[i // 3 % 2]),
+    }
 
 
-def flight_spin_drag() -> Iterator[Draft]:
+@_lattice("drag by speed and spin")
+def flight_spin_drag(i: int, a: float, b: float, c: float) -> dict[str, Any]:
     """Drag that depends on speed and spin, in both readings of the spin."""
-
-    def blocks(i: int, a: float, b: float, c: float) -> dict[str, Any]:
-        per_spin = between(1e-4, 5e-4, c)
-        laws = (
-            SpinDrag(law="spin", constant=between(0.25, 0.4, a), per_spin=per_spin),
-            CrisisDrag(
-                law="crisis",
-                high_speed=between(0.2, 0.35, a),
-                low_speed=between(0.4, 0.55, b),
-                speed=between(25.0, 40.0, c),
-                width=between(2.0, 6.0, a),
-                per_spin=per_spin if i % 4 == 1 else 0.0,
-            ),
-        )
-        return {
-            "air": Air(drag_coefficient=laws[i % 2], lift_coefficient=NATHAN_LIFT),
-            "reading": Reading(drag_spin=("transverse", "total")[i // 2 % 2]),
-        }
-
-    return _flights("flight-spin-drag", "drag by speed and spin", blocks)
+    per_spin = between(1e-4, 5e-4, c)
+    laws = (
+        SpinDrag(law="spin", constant=between(0.25, 0.4, a), per_spin=per_spin),
+        CrisisDrag(
+            law="crisis",
+            high_speed=between(0.2, 0.35, a),
+            low_speed=between(0.4, 0.55, b),
+            speed=between(25.0, 40.0, c),
+            width=between(2.0, 6.0, a),
+            per_spin=per_spin if i % 4 == 1 else 0.0,
+        ),
+    )
+    return {
+        "air": Air(drag_coefficient=laws[i % 2], lift_coefficient=NATHAN_LIFT),
+        "reading": Reading(drag_spin=("transverse", "total")[i // 2 % 2]),
+    }
 
 
 def flight_wind() -> Iterator[Draft]:
     """Wind from ahead, behind, below and aside, logarithmic; on drag and lift, or on drag alone."""
-    for i in range(COUNT):
+    for i in range(COUNT + PROFILES):
         a, b, c, d, e, *_ = shares(i)
-        vx, vy, vz = towards(between(20.0, 52.0, a), between(2.0, 65.0, b))
-        aside = between(-6.0, 6.0, d) if i % 8 == 7 else 0.0
-        upwards = between(-2.0, 2.0, e) if i % 3 == 0 else 0.0
+        speed, rise, blows = between(20.0, 52.0, a), between(2.0, 65.0, b), between(-9.0, 9.0, c)
+        wind: Point | WindProfile
+        if i < COUNT:
+            vx, vy, vz = towards(speed, rise)
+            velocity = (vx if i % 2 else -vx, vy, vz)
+            aside = between(-6.0, 6.0, d) if i % 8 == 7 else 0.0
+            wind = (blows, aside, between(-2.0, 2.0, e) if i % 3 == 0 else 0.0)
+            number, comment = i // 2, "in a wind"
+        else:
+            velocity = towards(speed, rise, 40.0 * e - 20.0)
+            wind = WindProfile(
+                velocity=(blows, between(-6.0, 6.0, e), 0.0),
+                height=between(2.0, 15.0, d),
+                roughness=between(0.01, 0.1, a),
+            )
+            number, comment = i, "in a logarithmic wind"
         scene = FlightScene(
             id=f"flight-wind-{i:04d}",
-            launch=Launch(
-                position=(0.6, 0.0, between(0.4, 1.4, d)),
-                velocity=(vx if i % 2 else -vx, vy, vz),
-            ),
-            air=Air(wind=(between(-9.0, 9.0, c), aside, upwards)),
-            reading=Reading(wind_acts_on=("both", "drag")[i // 2 % 2]),
+            launch=Launch(position=(0.6, 0.0, between(0.4, 1.4, d)), velocity=velocity),
+            air=Air(wind=wind),
+            reading=Reading(wind_acts_on=("both", "drag")[number % 2]),
         )
-        yield draft(scene, "in a wind")
-    for i in range(COUNT, COUNT + PROFILES):
-        a, b, c, d, e, *_ = shares(i)
-        profile = WindProfile(
-            velocity=(between(-9.0, 9.0, c), between(-6.0, 6.0, e), 0.0),
-            height=between(2.0, 15.0, d),
-            roughness=between(0.01, 0.1, a),
-        )
-        scene = FlightScene(
-            id=f"flight-wind-{i:04d}",
-            launch=Launch(
-                position=(0.6, 0.0, between(0.4, 1.4, d)),
-                velocity=towards(between(20.0, 52.0, a), between(2.0, 65.0, b), 40.0 * e - 20.0),
-            ),
-            air=Air(wind=profile),
-            reading=Reading(wind_acts_on=("both", "drag")[i % 2]),
-        )
-        yield draft(scene, "in a logarithmic wind")
+        yield draft(scene, comment)
 
 
-def flight_weather() -> Iterator[Draft]:
+@_lattice("density from the weather", spinning=False)
+def flight_weather(i: int, a: float, b: float, c: float) -> dict[str, Any]:
     """Air whose density follows from the weather, or falls with the height; the paper's lift."""
-
-    def blocks(i: int, a: float, b: float, c: float) -> dict[str, Any]:
-        weather = Weather(
-            temperature=between(265.0, 312.0, a),
-            pressure=between(97000.0, 104000.0, b),
-            humidity=between(0.0, 1.0, c),
-            elevation=between(0.0, 1700.0, (a + b) % 1.0),
-        )
-        return {
-            "air": Air(density=weather, density_scale_height=8000.0 if i % 2 else None),
-            "reading": Reading(pressure=("sea_level", "station")[i // 2 % 2]),
-        }
-
-    return _flights("flight-weather", "density from the weather", blocks, spinning=False)
+    weather = Weather(
+        temperature=between(265.0, 312.0, a),
+        pressure=between(97000.0, 104000.0, b),
+        humidity=between(0.0, 1.0, c),
+        elevation=between(0.0, 1700.0, (a + b) % 1.0),
+    )
+    return {
+        "air": Air(density=weather, density_scale_height=8000.0 if i % 2 else None),
+        "reading": Reading(pressure=("sea_level", "station")[i // 2 % 2]),
+    }
 
 
-def flight_spin_decay() -> Iterator[Draft]:
+@_lattice("spin decays on the way")
+def flight_spin_decay(i: int, a: float, b: float, c: float) -> dict[str, Any]:
     """Spin that decays along the path through the air, or as two other readings have it."""
-
-    def blocks(i: int, a: float, b: float, c: float) -> dict[str, Any]:
-        air = Air(
-            drag_coefficient=NATHAN_DRAG,
-            lift_coefficient=NATHAN_LIFT,
-            spin_decay_length=between(100.0, 3000.0, a),
-            wind=(between(-5.0, 5.0, b), 0.0, 0.0) if i % 4 == 0 else None,
-        )
-        return {
-            "air": air,
-            "reading": Reading(spin_decay=("path", "time", "path", "nathan")[i % 4]),
-        }
-
-    return _flights("flight-spin-decay", "spin decays on the way", blocks)
+    air = Air(
+        drag_coefficient=NATHAN_DRAG,
+        lift_coefficient=NATHAN_LIFT,
+        spin_decay_length=between(100.0, 3000.0, a),
+        wind=(between(-5.0, 5.0, b), 0.0, 0.0) if i % 4 == 0 else None,
+    )
+    return {"air": air, "reading": Reading(spin_decay=("path", "time", "path", "nathan")[i % 4])}
 
 
-def flight_real() -> Iterator[Draft]:
+@_lattice("all terms of the flight together")
+def flight_real(i: int, a: float, b: float, c: float) -> dict[str, Any]:
     """All terms together: spin that decays, weather, wind, the Earth's rotation."""
-
-    def blocks(i: int, a: float, b: float, c: float) -> dict[str, Any]:
-        air = Air(
-            density=Weather(temperature=between(275.0, 308.0, a), humidity=b),
-            density_scale_height=8217.0,
-            drag_coefficient=NATHAN_DRAG if i % 2 else CrisisDrag(law="crisis", per_spin=7.4e-5),
-            lift_coefficient=NATHAN_LIFT,
-            wind=(between(-6.0, 6.0, b), between(-6.0, 6.0, c), 0.0),
-            spin_decay_length=1341.0,
-        )
-        earth = Earth(latitude=between(-0.7, 0.9, a), azimuth=between(0.0, 6.28, b))
-        return {"air": air, "earth": earth}
-
-    return _flights("flight-real", "all terms of the flight together", blocks)
+    air = Air(
+        density=Weather(temperature=between(275.0, 308.0, a), humidity=b),
+        density_scale_height=8217.0,
+        drag_coefficient=NATHAN_DRAG if i % 2 else CrisisDrag(law="crisis", per_spin=7.4e-5),
+        lift_coefficient=NATHAN_LIFT,
+        wind=(between(-6.0, 6.0, b), between(-6.0, 6.0, c), 0.0),
+        spin_decay_length=1341.0,
+    )
+    earth = Earth(latitude=between(-0.7, 0.9, a), azimuth=between(0.0, 6.28, b))
+    return {"air": air, "earth": earth}
 
 
 def hard_real() -> Iterator[Draft]:

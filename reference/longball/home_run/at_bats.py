@@ -8,18 +8,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
+from longball.model.arrays import Array, Flags
 from longball.model.quantities import at, replaced
 from longball.model.readings import SamplingReading
 from longball.model.scene import AtBatScene
-
-Array = NDArray[np.float64]
 
 MIDDLE_CELL = 3.0  # of the five that the pitching zone is divided into (paper, Sec. II)
 BLOCK = 50  # samples drawn from one seed
@@ -109,8 +108,22 @@ def paper_at_bats(reading: SamplingReading) -> AtBats:
     )
 
 
+class Arrays:
+    """A base of dataclasses of arrays, whose elements of one number are a row."""
+
+    def chosen(self, which: NDArray[Any] | slice) -> Self:
+        """Return some of the rows."""
+        return type(self)(*(column[which] for column in vars(self).values()))
+
+    @classmethod
+    def joined(cls, parts: Sequence[Self]) -> Self:
+        """Return the rows of all parts, one after the other."""
+        columns = zip(*(vars(part).values() for part in parts), strict=True)
+        return cls(*map(np.concatenate, columns))
+
+
 @dataclass(frozen=True)
-class Samples:
+class Samples(Arrays):
     """Random inputs of at-bats, an array element each: m/s, m, m, rad."""
 
     speed: Array
@@ -122,22 +135,12 @@ class Samples:
         return len(self.speed)
 
     @property
-    def pitched(self) -> NDArray[np.bool_]:
+    def pitched(self) -> Flags:
         """Whether the speed is positive.
 
         The printed columns of Table II draw others, too: such a ball is never pitched.
         """
         return self.speed > 0
-
-    def chosen(self, which: NDArray[Any] | slice) -> Samples:
-        """Return some of them."""
-        return Samples(*(getattr(self, field.name)[which] for field in fields(self)))
-
-    @classmethod
-    def joined(cls, parts: Sequence[Samples]) -> Samples:
-        """Return the samples of all parts, one after the other."""
-        names = [field.name for field in fields(cls)]
-        return cls(*(np.concatenate([getattr(part, name) for part in parts]) for name in names))
 
     @property
     def columns(self) -> dict[str, Array]:

@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 
 from longball.home_run.at_bats import Samples
 from longball.home_run.simulation import HOME_RUN_DISTANCE
+from longball.model.arrays import Array, Flags
 from longball.model.readings import SampleSpace
 from longball.model.scene import AtBatScene
 
 if TYPE_CHECKING:
     from longball.engines.batch import Batch
 
-Array = NDArray[np.float64]
 Counted = Literal["home runs", "sample space"]
 
 # More than the ball's fall, while it passes the bat, adds to the window in which the two meet.
@@ -59,7 +59,7 @@ class Clearance:
         """Return clearances, an array of shape (n,)."""
         return self.with_unsolved(inputs)[0]
 
-    def with_unsolved(self, inputs: Samples) -> tuple[Array, NDArray[np.bool_]]:
+    def with_unsolved(self, inputs: Samples) -> tuple[Array, Flags]:
         """Return clearances, and which at-bats the engine could not decide: as if not batted."""
         table = self._solve(inputs)
         x, y = _column(table, "landing.position[0]"), _column(table, "landing.position[1]")

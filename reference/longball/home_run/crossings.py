@@ -11,12 +11,10 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Places = NDArray[np.int64]
-Flags = NDArray[np.bool_]
-Function = Callable[[Array, Places], Array]  # of places on lines, and the numbers of the lines
+from longball.model.arrays import Array, Flags, Integers
+
+Function = Callable[[Array, Integers], Array]  # of places on lines, and the numbers of the lines
 
 # m/s or m along a line, or m of the function: far below what an integral over lines is wanted to.
 _TOLERANCES = {"xatol": 1e-13, "xrtol": 1e-13, "fatol": 1e-10}
@@ -34,13 +32,13 @@ class Crossings(NamedTuple):
     `rises` tells whether the function is positive after the crossing, `jumps` whether it jumps.
     """
 
-    line: Places
+    line: Integers
     place: Array
     rises: Flags
     jumps: Flags
 
 
-def sampled(function: Callable[..., Any], grid: Array, lines: Places | None = None) -> Any:
+def sampled(function: Callable[..., Any], grid: Array, lines: Integers | None = None) -> Any:
     """Return a function at the places of a grid, an array (line, sample).
 
     The numbers of the lines are 0, 1, … if they are not given.
@@ -69,7 +67,7 @@ def probability(
 
 
 class _Brackets(NamedTuple):
-    line: Places
+    line: Integers
     low: Array
     high: Array
     rises: Flags
@@ -108,7 +106,7 @@ def crossings(function: Function, grid: Array, values: Array) -> Crossings:
     function
         Of places (array) and the numbers of the lines they are on.
     grid
-        Places, an array (line, sample), rising along a line.
+        Integers, an array (line, sample), rising along a line.
     values
         The function there.
 

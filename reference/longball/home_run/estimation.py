@@ -9,15 +9,14 @@ from statistics import NormalDist
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longball.home_run.simulation import HOME_RUN_DISTANCE, Struck
+from longball.model.arrays import Array
 from longball.model.readings import SampleSpace
 
 if TYPE_CHECKING:
     from longball.home_run.quadrature import Integral
 
-Array = NDArray[np.float64]
 
 RESTITUTIONS = (0.41, 0.42, 0.43, 0.44, 0.45)  # paper, Fig. 7
 

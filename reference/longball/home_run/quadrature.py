@@ -28,11 +28,10 @@ from numpy.typing import NDArray
 from longball.engines.parallel import in_parallel
 from longball.home_run.at_bats import AtBats, Mixture, Samples
 from longball.home_run.clearance import Clearance
-from longball.home_run.crossings import Crossings, Places, crossings, narrowed, probability, sampled
+from longball.home_run.crossings import Crossings, crossings, narrowed, probability, sampled
+from longball.model.arrays import Array, Flags, Integers
 from longball.model.readings import SampleSpace
 from longball.model.scene import AtBatScene
-
-Array = NDArray[np.float64]
 
 TOLERANCE = 1e-7
 
@@ -202,12 +201,12 @@ def _share(clearance: Clearance, at_bats: AtBats, tolerance: float, workers: int
 class _Ranges(NamedTuple):
     """Ranges of a variable, and the number of the line in the other variables that each is on."""
 
-    line: Places
+    line: Integers
     low: Array
     high: Array
 
     @classmethod
-    def between(cls, line: Places, edge: Array) -> _Ranges:
+    def between(cls, line: Integers, edge: Array) -> _Ranges:
         """Return the ranges between neighbouring edges on a line."""
         order = np.lexsort((edge, line))
         line, edge = line[order], edge[order]
@@ -223,7 +222,7 @@ class _Ranges(NamedTuple):
         line, low, high = (np.concatenate(pair) for pair in zip(self, others, strict=True))
         return _Ranges(line, low, high)
 
-    def cut(self, number: Places, place: Array) -> _Ranges:
+    def cut(self, number: Integers, place: Array) -> _Ranges:
         """Return them cut at some places, each within the range of that number."""
         every = np.arange(len(self.line))
         numbers = np.concatenate([every, every, number])
@@ -234,14 +233,14 @@ class _Ranges(NamedTuple):
 class _Nodes(NamedTuple):
     """Nodes of rules over ranges: the range of each, the place, and the kind of what is there."""
 
-    number: Places
+    number: Integers
     place: Array
-    kind: Places
+    kind: Integers
 
 
 def _without_kinks(
-    ranges: _Ranges, nodes: _Nodes, kind: Callable[[Array, Places], Places], times: int
-) -> tuple[NDArray[np.bool_], _Ranges]:
+    ranges: _Ranges, nodes: _Nodes, kind: Callable[[Array, Integers], Integers], times: int
+) -> tuple[Flags, _Ranges]:
     """Find, between nodes of different kinds, where the kind changes; the first place, if many.
 
     Parameters
@@ -283,7 +282,7 @@ def _over_speeds(
     density = at_bats.speed.distribution.pdf
     deviation = min(deviation for *_, deviation in at_bats.speed.parts)
 
-    def rule(ranges: _Ranges) -> tuple[Array, Array, Places]:
+    def rule(ranges: _Ranges) -> tuple[Array, Array, Integers]:
         """Return speeds, their weights and the ranges they are in."""
         counts = np.ceil(nodes.speed * (ranges.high - ranges.low) / deviation).astype(int)
         counts = np.maximum(counts, nodes.least or 1)
@@ -292,7 +291,7 @@ def _over_speeds(
         number = np.repeat(np.arange(len(counts)), counts)
         return speed, width * density(speed) * tilt_weight[ranges.line[number]], number
 
-    def in_blocks(function: Any, speed: Array, line: Places, *others: Array) -> list[Any]:
+    def in_blocks(function: Any, speed: Array, line: Integers, *others: Array) -> list[Any]:
         each = speed, tilt[line], *others
         calls = (
             (clearance, at_bats, *(x[first : first + _PAIRS] for x in each))
@@ -300,7 +299,7 @@ def _over_speeds(
         )
         return list(in_parallel(function, calls, workers, threads=True))
 
-    def pattern(speed: Array, line: Places) -> Places:
+    def pattern(speed: Array, line: Integers) -> Integers:
         return np.concatenate(in_blocks(_patterns, speed, line))
 
     low, high = _speeds(clearance, at_bats.speed)
@@ -322,7 +321,7 @@ def _over_speeds(
 def _speeds(clearance: Clearance, law: Mixture) -> tuple[Array, Array]:
     """Return the ends of ranges of speeds, m/s; a pitch too slow to arrive is left out."""
 
-    def arrives(speed: Array, line: Places) -> Array:
+    def arrives(speed: Array, line: Integers) -> Array:
         return np.where(clearance.window(speed) > 0.0, 1.0, -1.0)
 
     low, high = law.range(FARTHEST)
@@ -352,12 +351,12 @@ class _Lines:
     speed: Array
     tilt: Array
 
-    def intervals(self, offset: Array, line: Places) -> _Intervals:
+    def intervals(self, offset: Array, line: Integers) -> _Intervals:
         """Return the intervals of aims that are counted."""
         inputs = Samples(self.speed[line], np.zeros_like(offset), offset, self.tilt[line])
         return _Intervals.found(self.clearance, inputs)
 
-    def kinds(self, offset: Array, line: Places) -> Places:
+    def kinds(self, offset: Array, line: Integers) -> Integers:
         """Return of what kind they are."""
         return self.intervals(offset, line).kind
 
@@ -409,7 +408,7 @@ def share_over_offsets(
     return Share(*found)
 
 
-def _sine_rule(ranges: _Ranges) -> tuple[Array, Array, Places]:
+def _sine_rule(ranges: _Ranges) -> tuple[Array, Array, Integers]:
     """Return nodes, their weights and the ranges they are in: of Gauss-Legendre rules of an angle.
 
     Over a range, the variable is the sine of the angle.
@@ -421,7 +420,7 @@ def _sine_rule(ranges: _Ranges) -> tuple[Array, Array, Places]:
     return places.ravel(), weights.ravel(), np.repeat(np.arange(len(half)), _OFFSET_NODES)
 
 
-def _patterns(clearance: Clearance, at_bats: AtBats, speed: Array, tilt: Array) -> Places:
+def _patterns(clearance: Clearance, at_bats: AtBats, speed: Array, tilt: Array) -> Integers:
     """Return a number for each pair, which tells the kinds of intervals that follow each other."""
     ranges = _ranges(clearance, at_bats, speed, tilt)
     offset, _, number = _sine_rule(ranges)
@@ -441,7 +440,7 @@ def _ranges(clearance: Clearance, at_bats: AtBats, speed: Array, tilt: Array) ->
     lines, cuts = [pairs, pairs], [grid[:, 0], grid[:, -1]]
     for y in clearance.base.bat.length / 2 * (1.0 - _END) * np.array([-1.0, 0.0, 1.0]):
 
-        def touching(offset: Array, pair: Places, y: float = y) -> Array:
+        def touching(offset: Array, pair: Integers, y: float = y) -> Array:
             inputs = Samples(speed[pair], np.zeros_like(offset), offset, tilt[pair])
             return clearance(replace(inputs, aim=clearance.aim_to_touch(y, inputs)))
 
@@ -475,7 +474,7 @@ class _Intervals:
     grid: Array
     values: Array
     ends: Crossings
-    unsolved: NDArray[np.bool_]
+    unsolved: Flags
 
     @classmethod
     def found(cls, clearance: Clearance, inputs: Samples) -> _Intervals:
@@ -491,7 +490,7 @@ class _Intervals:
         return cls(clearance, inputs, grid, values, ends, some)
 
     @property
-    def kind(self) -> Places:
+    def kind(self) -> Integers:
         """A number a line, which tells how many ends there are, and how many of them are jumps.
 
         And whether the first end of the bat is in an interval.
@@ -536,7 +535,7 @@ class _Intervals:
         return (moved[0] - moved[1]) / (2 * _WIDER_STEP)
 
 
-def _along(clearance: Clearance, inputs: Samples) -> Callable[[Array, Places], Array]:
+def _along(clearance: Clearance, inputs: Samples) -> Callable[[Array, Integers], Array]:
     """Return the clearance as a function of aims on lines."""
     return lambda aim, line: clearance(replace(inputs.chosen(line), aim=aim))
 

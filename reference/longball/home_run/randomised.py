@@ -9,21 +9,19 @@ tells the error.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longball.engines.parallel import in_parallel
 from longball.home_run.at_bats import AtBats, Samples
 from longball.home_run.clearance import Clearance
-from longball.home_run.crossings import Places, crossings, probability, sampled
+from longball.home_run.crossings import crossings, probability, sampled
 from longball.home_run.quadrature import FARTHEST
+from longball.model.arrays import Array, Integers
 from longball.model.readings import SampleSpace
 from longball.model.scene import AtBatScene
-
-Array = NDArray[np.float64]
 
 SCRAMBLES = 16
 _LINES = 512  # that a thread takes at a time: some tenths of a second
@@ -47,13 +45,12 @@ def scrambled(
     *,
     sample_space: SampleSpace = "pitches",
     workers: int = 1,
-    progress: Callable[[int], None] = lambda done: None,
 ) -> list[Randomised]:
     """Return P(e) at each restitution, by the batch engine, from the same lines for all.
 
     Parameters
     ----------
-    base, at_bats, restitutions, sample_space, workers, progress
+    base, at_bats, restitutions, sample_space, workers
         As `longball.home_run.integrals` takes them.
     lines
         Lines along the offset in each of the scrambles: a power of 2.
@@ -64,7 +61,7 @@ def scrambled(
 
     everything = Samples.joined([_lines(base, at_bats, lines, seed, i) for i in range(SCRAMBLES)])
     estimates = []
-    for done, e in enumerate(restitutions, 1):
+    for e in restitutions:
         home_runs = Clearance(base, e, Batch(), sample_space)
         each = _means(home_runs, at_bats, everything, workers)
         if sample_space != "pitches":
@@ -73,7 +70,6 @@ def scrambled(
                 each = each / _means(space, at_bats, everything, workers)
         error = float(np.std(each, ddof=1)) / math.sqrt(SCRAMBLES)
         estimates.append(Randomised(e, float(np.mean(each)), error))
-        progress(done)
     return estimates
 
 
@@ -129,7 +125,7 @@ def _share_over_offsets(clearance: Clearance, at_bats: AtBats, lines: Samples) -
     lines = lines.chosen(pitched)
     grid = clearance.offsets(lines.speed, FARTHEST * at_bats.offset_deviation)
 
-    def on_lines(offset: Array, line: Places) -> Array:
+    def on_lines(offset: Array, line: Integers) -> Array:
         return clearance(replace(lines.chosen(line), offset=offset))
 
     values = sampled(on_lines, grid)

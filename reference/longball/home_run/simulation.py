@@ -11,20 +11,18 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longball.engines import create
 from longball.engines.chain import solve_with_restitutions
 from longball.engines.engine import Engine, ManyAtOnce
 from longball.engines.parallel import in_parallel
-from longball.home_run.at_bats import BLOCK, AtBats, Samples, draw, scenes
+from longball.home_run.at_bats import BLOCK, Arrays, AtBats, Samples, draw, scenes
+from longball.model.arrays import Array, Flags
 from longball.model.scene import AtBatScene
 
 if TYPE_CHECKING:
     from longball.engines.batch import Batch
 
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 # Where a ball that meets the fence stays, and where another one lands.
 _PLACES = "fence", "landing"
@@ -36,7 +34,7 @@ COLUMNS = 200 * BLOCK
 
 
 @dataclass(frozen=True)
-class Struck:
+class Struck(Arrays):
     """Landings of at-bats, one array element for each.
 
     Attributes

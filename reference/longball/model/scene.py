@@ -503,12 +503,10 @@ def _explain_fault(fault: dict[str, Any], model: type[BaseModel]) -> str:
             return f"{where}: is missing"
         case "float_type" if fault["input"] is None and isinstance(location[-1], int):
             return f"{where}: is missing, or null"  # in a vector, of which other numbers are given
-        case "too_long":
-            most, given = fault["ctx"]["max_length"], fault["ctx"]["actual_length"]
-            return f"{where}: takes at most {most} values, and has {given}"
-        case "too_short":
-            least, given = fault["ctx"]["min_length"], fault["ctx"]["actual_length"]
-            return f"{where}: takes at least {least} values, and has {given}"
+        case "too_long" | "too_short" as wrong:
+            bound, key = ("most", "max_length") if wrong == "too_long" else ("least", "min_length")
+            limit, given = fault["ctx"][key], fault["ctx"]["actual_length"]
+            return f"{where}: takes at {bound} {limit} values, and has {given}"
         case "tuple_type" | "list_type":
             return f"{where}: must be a list (got {_short(fault['input'])})"
         case "value_error":

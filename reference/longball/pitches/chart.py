@@ -20,14 +20,12 @@ from typing import TYPE_CHECKING, Literal, Self, TextIO
 import numpy as np
 from pydantic import Field, model_validator
 
+from longball.model.arrays import Array, Flags, Integers
 from longball.model.block import Strict
 from longball.model.readings import SamplingReading
 from longball.pitches.table import (
     LENGTH_UNITS,
     SPEED_UNITS,
-    Booleans,
-    Counts,
-    Floats,
     Omission,
     TableError,
     and_more,
@@ -135,14 +133,14 @@ class Pitches:
     rows_read: int
     left_out: tuple[Omission, ...]
     types: tuple[str, ...]
-    straight: Booleans
-    speed: Floats
-    across: Floats
-    height: Floats | None
+    straight: Flags
+    speed: Array
+    across: Array
+    height: Array | None
     columns: Columns
 
 
-def cell(place: Floats) -> Counts:
+def cell(place: Array) -> Integers:
     """Return the cell from 1 to 5 of a place measured in cells; the outer cells are open."""
     return np.clip(np.floor(place + 0.5), 1, 5).astype(np.int64)
 
@@ -215,7 +213,7 @@ def _needed(columns: Columns) -> tuple[str, ...]:
 # --- its columns, in the paper's terms ------------------------------------------------------------
 
 
-def _straight(names: tuple[str, ...], rows: Counts, types: PitchTypes, column: str) -> Booleans:
+def _straight(names: tuple[str, ...], rows: Integers, types: PitchTypes, column: str) -> Flags:
     if types.breaking is not None:
         known = {*types.straight, *types.breaking}
         strange = [row for row, name in zip(rows, names, strict=True) if name not in known]
@@ -233,7 +231,7 @@ def _straight(names: tuple[str, ...], rows: Counts, types: PitchTypes, column: s
     return straight
 
 
-def _speed(speed: Floats, rows: Counts, columns: Columns) -> Floats:
+def _speed(speed: Array, rows: Integers, columns: Columns) -> Array:
     metres_per_second = speed * SPEED_UNITS[columns.speed_unit]
     too_fast = f"faster in {columns.speed_unit} than any pitch: is it the right unit?"
     refuse_rows(speed <= 0.0, speed, rows, columns.speed, "a speed is positive")
@@ -241,7 +239,7 @@ def _speed(speed: Floats, rows: Counts, columns: Columns) -> Floats:
     return metres_per_second
 
 
-def _across(across: Floats, rows: Counts, columns: Columns) -> Floats:
+def _across(across: Array, rows: Integers, columns: Columns) -> Array:
     if columns.place_unit == "cell":
         _refuse_no_cell(across, rows, columns.across)
         from_middle = across - 3.0
@@ -251,7 +249,7 @@ def _across(across: Floats, rows: Counts, columns: Columns) -> Floats:
     return 3.0 + (from_middle if columns.view == "pitcher" else -from_middle)
 
 
-def _height(kept: dict[str, Floats], rows: Counts, columns: Columns) -> Floats | None:
+def _height(kept: dict[str, Array], rows: Integers, columns: Columns) -> Array | None:
     if columns.height is None:
         return None
     height = kept[columns.height]
@@ -263,5 +261,5 @@ def _height(kept: dict[str, Floats], rows: Counts, columns: Columns) -> Floats |
     return 1.5 + 3.0 * (height - bottom) / (top - bottom)
 
 
-def _refuse_no_cell(values: Floats, rows: Counts, column: str) -> None:
+def _refuse_no_cell(values: Array, rows: Integers, column: str) -> None:
     refuse_rows(~np.isin(values, range(1, 6)), values, rows, column, "a cell is 1, 2, 3, 4 or 5")

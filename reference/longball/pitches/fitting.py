@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, NamedTuple, TextIO, cast
 
 import numpy as np
 
+from longball.model.arrays import Array, Flags, Integers
 from longball.pitches.chart import Columns, Pitches, PitchTypes, cell, read_pitches
 from longball.pitches.fitted import (
     PEAK_GAIN,
@@ -34,14 +35,14 @@ from longball.pitches.fitted import (
     Speeds,
     Status,
 )
-from longball.pitches.table import SPEED_UNITS, Booleans, Counts, Floats, TableError
+from longball.pitches.table import SPEED_UNITS, TableError
 
 if TYPE_CHECKING:
     import pandas as pd
 
 Errors = Sequence[float | None]
 # From counts, and how they are fitted, to the errors of what is fitted.
-Bootstrap = Callable[[Counts, Callable[[Counts], tuple[float, ...]]], tuple[float, ...]]
+Bootstrap = Callable[[Integers, Callable[[Integers], tuple[float, ...]]], tuple[float, ...]]
 
 # Relative error of a standard error from so many replicates: 1/√(2 · 200) = 5 %.
 REPLICATES = 200
@@ -126,7 +127,7 @@ def fit_pitches(
     )
 
 
-def r_squared(observed: Floats, fitted: Floats) -> float | None:
+def r_squared(observed: Array, fitted: Array) -> float | None:
     """Return the coefficient of determination, 1 - Σ(o - f)² / Σ(o - ō)²; None if all o agree."""
     if np.ptp(observed) == 0.0:
         return None
@@ -157,19 +158,19 @@ def _enough(pitches: Pitches) -> None:
 INTEGRAL_AS_PRINTED = math.sqrt(0.5)
 
 
-def normal(v: Floats, mean: float, deviation: float, integral: float = 1.0) -> Floats:
+def normal(v: Array, mean: float, deviation: float, integral: float = 1.0) -> Array:
     """Return the density of a normal distribution, scaled to an integral."""
     z = (v - mean) / deviation
     return integral * np.exp(-z * z / 2.0) / (math.sqrt(2.0 * math.pi) * deviation)
 
 
 def _normal_through(
-    v: Floats, density: Floats, start: Sequence[float], integral: float
+    v: Array, density: Array, start: Sequence[float], integral: float
 ) -> tuple[float, float]:
     """Return mean and standard deviation of the curve nearest to a density, from a first guess."""
     from scipy.optimize import least_squares
 
-    def off(theta: Floats) -> Floats:
+    def off(theta: Array) -> Array:
         return normal(v, theta[0], theta[1], integral) - density
 
     mean, deviation = least_squares(off, start, method="lm", x_scale=(start[1], start[1])).x
@@ -196,7 +197,7 @@ def _fit_speeds(pitches: Pitches, bin_width: float, bootstrap: Bootstrap) -> Spe
     )
 
 
-def _bins(speed: Floats, bin_width: float, columns: Columns) -> Floats:
+def _bins(speed: Array, bin_width: float, columns: Columns) -> Array:
     """Return edges of equal bins, m/s, between the speeds that the table can write."""
     unit = SPEED_UNITS[columns.speed_unit]
     step = columns.speed_resolution * unit
@@ -216,7 +217,7 @@ def _bins(speed: Floats, bin_width: float, columns: Columns) -> Floats:
     return (np.arange(first, last + 1) * width + step / 2).astype(np.float64)
 
 
-def _likeliest_speeds(pitches: Pitches, edges: Floats, counts: Counts) -> SpeedFit:
+def _likeliest_speeds(pitches: Pitches, edges: Array, counts: Integers) -> SpeedFit:
     total = len(pitches.speed)
     share = float(np.mean(pitches.straight))
     rounding = _variance_of_rounding(pitches.columns)
@@ -231,7 +232,7 @@ def _variance_of_rounding(columns: Columns) -> float:
     return (columns.speed_resolution * SPEED_UNITS[columns.speed_unit]) ** 2 / 12.0
 
 
-def _likeliest_normal(speed: Floats, rounding: float) -> tuple[Estimate, Estimate]:
+def _likeliest_normal(speed: Array, rounding: float) -> tuple[Estimate, Estimate]:
     """Return mean and standard deviation, with errors that hold for other shapes too.
 
     The variance that `rounding` has added is taken off.
@@ -252,7 +253,7 @@ _NAMES = ("straight_mean", "straight_spread", "breaking_mean", "breaking_spread"
 
 
 def _speed_fit(
-    integral: float, edges: Floats, counts: Counts, estimates: Sequence[Estimate]
+    integral: float, edges: Array, counts: Integers, estimates: Sequence[Estimate]
 ) -> SpeedFit:
     """Return estimates, in the order of `SpeedValues`, with the R² of their mixture."""
     mean_1, spread_1, mean_2, spread_2, p = (estimate.value for estimate in estimates)
@@ -267,7 +268,7 @@ def _speed_fit(
 
 
 def _speeds_through(
-    integral: float, edges: Floats, counts: Counts, start: SpeedValues, bootstrap: Bootstrap
+    integral: float, edges: Array, counts: Integers, start: SpeedValues, bootstrap: Bootstrap
 ) -> SpeedFit:
     """Lay Eqs. 2 and 3 through the histograms of the classes, and of all pitches."""
     fitted = _least_squares_speeds(integral, edges, counts, start)
@@ -279,7 +280,7 @@ def _speeds_through(
 
 
 def _least_squares_speeds(
-    integral: float, edges: Floats, counts: Counts, start: SpeedValues
+    integral: float, edges: Array, counts: Integers, start: SpeedValues
 ) -> SpeedValues:
     v, width = _middles(edges)
     one, two = (
@@ -294,7 +295,7 @@ def _least_squares_speeds(
     return (*one, *two, weight)
 
 
-def _middles(edges: Floats) -> tuple[Floats, float]:
+def _middles(edges: Array) -> tuple[Array, float]:
     return (edges[1:] + edges[:-1]) / 2.0, float(edges[1] - edges[0])
 
 
@@ -327,16 +328,16 @@ class _Aim(NamedTuple):
     right: float
     spread: float
 
-    def density(self, y: Floats) -> Floats:
+    def density(self, y: Array) -> Array:
         left, right = (normal(y, mean, self.spread) for mean in self[1:3])
         return self.weight * left + (1.0 - self.weight) * right
 
-    def shares(self, edges: Floats) -> Floats:
+    def shares(self, edges: Array) -> Array:
         """Return the integral of the density over each cell."""
         from scipy.special import ndtr
 
         left, right = (np.diff(ndtr((edges - mean) / self.spread)) for mean in self[1:3])
-        mixed: Floats = self.weight * left + (1.0 - self.weight) * right
+        mixed: Array = self.weight * left + (1.0 - self.weight) * right
         return mixed
 
     def sorted(self) -> _Aim:
@@ -387,7 +388,7 @@ _RANGE_OF_ONE = _OnePeak(0.5, 1.0, 0.05), _OnePeak(5.5, 5.0, 5.0)
 _STARTS_OF_ONE = _OnePeak(3.0, 1.05, 1.0), _OnePeak(3.0, 1.6, 1.0)  # even, and uneven
 
 
-def _likeliest_aim(counts: Counts, edges: Floats) -> tuple[_Aim, float, float]:
+def _likeliest_aim(counts: Integers, edges: Array) -> tuple[_Aim, float, float]:
     """Fit Eq. 4 to counts in cells with these boundaries.
 
     Returns
@@ -399,13 +400,13 @@ def _likeliest_aim(counts: Counts, edges: Floats) -> tuple[_Aim, float, float]:
     total = int(counts.sum())
     shares = counts / total
 
-    def deviance_residuals(*aim: float) -> Floats:
+    def deviance_residuals(*aim: float) -> Array:
         # Far from every pitch a share underflows; there its logarithm only has to be very low.
         expected = np.maximum(_Aim(*aim).shares(edges), 1e-300)
         log_ratio = np.log(np.where(counts > 0, shares, 1.0) / expected) * (counts > 0)
         deviance = 2.0 * (shares * log_ratio - shares + expected)
         # Rounding can leave less than zero where a cell is met exactly.
-        residuals: Floats = np.sign(shares - expected) * np.sqrt(np.maximum(deviance, 0.0))
+        residuals: Array = np.sign(shares - expected) * np.sqrt(np.maximum(deviance, 0.0))
         return residuals
 
     def cost_beside(side: int) -> float:
@@ -426,7 +427,7 @@ def _likeliest_aim(counts: Counts, edges: Floats) -> tuple[_Aim, float, float]:
     return found, 2.0 * total * (cost_of_normal - cost), 2.0 * total * (cost_of_peak - cost)
 
 
-def _fisher_errors(aim: _Aim, edges: Floats, total: int) -> Errors:
+def _fisher_errors(aim: _Aim, edges: Array, total: int) -> Errors:
     """Return the errors by Fisher's information n Σ (∂P_j)(∂P_j)ᵀ / P_j.
 
     The derivatives are central differences; their error, 1e-10 or so, is far below any use of an
@@ -448,22 +449,24 @@ def _fisher_errors(aim: _Aim, edges: Floats, total: int) -> Errors:
     return [next(errors) if determined else None for determined in free]
 
 
-def _within(aim: _Aim) -> Booleans:
+def _within(aim: _Aim) -> Flags:
     """Tell which parameters ended inside the range of the search, not at its end."""
     theta, low, high = np.array([aim, *_RANGE])
     # The search stays inside; that near to an end it would have gone on.
     near = 1e-4 * (high - low)
-    inside: Booleans = (theta > low + near) & (theta < high - near)
+    inside: Flags = (theta > low + near) & (theta < high - near)
     return inside
 
 
-def _aim_through(counts: Counts, means: tuple[float, float] | None, bootstrap: Bootstrap) -> AimFit:
+def _aim_through(
+    counts: Integers, means: tuple[float, float] | None, bootstrap: Bootstrap
+) -> AimFit:
     """Lay the density of Eq. 4, at the number of each cell, through the cells' shares."""
     y = np.arange(1.0, 6.0)
     starts = _STARTS if means is None else (_Aim(0.5, *means, 0.8),)
     free = _EVERYTHING if means is None else _MEANS_HELD
 
-    def fit(drawn: Counts, starts: tuple[_Aim, ...]) -> _Aim:
+    def fit(drawn: Integers, starts: tuple[_Aim, ...]) -> _Aim:
         shares = drawn / drawn.sum()
         theta, _ = _nearest(lambda *aim: _Aim(*aim).density(y) - shares, starts, _RANGE, free)
         return _Aim(*theta).sorted()
@@ -474,7 +477,7 @@ def _aim_through(counts: Counts, means: tuple[float, float] | None, bootstrap: B
 
 
 def _nearest(
-    residuals: Callable[..., Floats],
+    residuals: Callable[..., Array],
     starts: Sequence[Sequence[float]],
     bounds: tuple[Sequence[float], Sequence[float]],
     free: Sequence[bool] = _EVERYTHING,
@@ -491,7 +494,7 @@ def _nearest(
     def search(start: Sequence[float]) -> tuple[list[float], float]:
         theta = np.array(start)
 
-        def residuals_of_part(part: Floats) -> Floats:
+        def residuals_of_part(part: Array) -> Array:
             theta[moving] = part
             return residuals(*theta.tolist())
 
@@ -512,7 +515,7 @@ def _nearest(
 
 
 def _aim_fit(
-    aim: _Aim, errors: Errors, counts: Counts, fitted: Floats, free: tuple[bool, ...] = _EVERYTHING
+    aim: _Aim, errors: Errors, counts: Integers, fitted: Array, free: tuple[bool, ...] = _EVERYTHING
 ) -> AimFit:
     statuses: list[Status] = [
         "held" if not moved else "fitted" if inside else "at_bound"
@@ -532,7 +535,7 @@ def _aim_fit(
 # --- height: Fig. 4 -------------------------------------------------------------------------------
 
 
-def _describe_heights(counts: Counts) -> Heights:
+def _describe_heights(counts: Integers) -> Heights:
     """Return the shares of the five cells, and whether the lower four of them are equal."""
     from scipy.stats import chisquare
 
@@ -551,7 +554,7 @@ def _describe_heights(counts: Counts) -> Heights:
     )
 
 
-def _count_cells(place: Floats) -> Counts:
+def _count_cells(place: Array) -> Integers:
     return np.bincount(cell(place), minlength=6)[1:]
 
 
@@ -574,8 +577,8 @@ def _estimates(
 def _bootstrap(
     replicates: int,
     generator: np.random.Generator,
-    counts: Counts,
-    fit: Callable[[Counts], tuple[float, ...]],
+    counts: Integers,
+    fit: Callable[[Integers], tuple[float, ...]],
 ) -> tuple[float, ...]:
     """Return the spread of what is fitted to counts that are drawn from the observed shares."""
     total = int(counts.sum())

@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
+from longball.model.arrays import Array
 from longball.model.scene import Ball
 from longball.pitches.statcast import RPM, MeasuredFlies, MeasuredPitches
-from longball.pitches.table import Floats
 
 Coefficient = float | Mapping[str, Any]
 
@@ -114,7 +114,7 @@ MODELS = {
 }  # fmt: skip
 
 
-def regression_spin(flies: MeasuredFlies, side_spin: bool = True) -> Floats:
+def regression_spin(flies: MeasuredFlies, side_spin: bool = True) -> Array:
     """Return the spin of batted balls that a published regression expects, rad/s, shape (n, 3).
 
     In rpm and degrees, with s = 1 for a right-handed batter and -1 for a left-handed one, and the
@@ -136,15 +136,13 @@ ACTIVE_SHARE = {
 }  # fmt: skip
 
 
-def expected_spin(
-    measured: MeasuredPitches | MeasuredFlies, active: Mapping[str, float] = ACTIVE_SHARE
-) -> Floats:
+def expected_spin(measured: MeasuredPitches | MeasuredFlies) -> Array:
     """Return the spin of measured balls, rad/s, shape (n, 3).
 
     That of batted balls is `regression_spin`. Of a pitch's, rate and axis are measured, and the
-    share that is active is `active` of its type; the mean of all types where it has none.
+    share that is active is that of its type in `ACTIVE_SHARE`, or the mean of all types.
     """
     if isinstance(measured, MeasuredFlies):
         return regression_spin(measured)
-    usual = float(np.mean(list(active.values())))
-    return measured.spin(np.array([active.get(kind, usual) for kind in measured.labels]))
+    usual = float(np.mean(list(ACTIVE_SHARE.values())))
+    return measured.spin(np.array([ACTIVE_SHARE.get(kind, usual) for kind in measured.labels]))

@@ -15,11 +15,12 @@ from longball import engines
 from longball.engines import chain
 from longball.engines.engine import Engine
 from longball.extras import naming_extras
+from longball.model.arrays import Array, Flags
 from longball.model.result import Result
 from longball.model.scene import InvalidScene, Scene, parse_scene
 from longball.pitches.models import FlightModel, expected_spin
 from longball.pitches.statcast import FOOT, MPH, MeasuredFlies, MeasuredPitches
-from longball.pitches.table import LENGTH_UNITS, Booleans, Floats, TableError
+from longball.pitches.table import LENGTH_UNITS, TableError
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -51,17 +52,17 @@ class Prediction:
     """
 
     measured: Measured
-    predicted: Floats
+    predicted: Array
     without: Mapping[str, int]
     failed: int
 
     @property
-    def error(self) -> Floats:
+    def error(self) -> Array:
         """Predicted minus measured, m."""
         return self.predicted - self.measured.measured
 
     @property
-    def solved(self) -> Booleans:
+    def solved(self) -> Flags:
         """Which rows have a prediction, shape (n,)."""
         return ~np.isnan(self.predicted[:, 0])
 
@@ -87,7 +88,7 @@ class Summary:
 
 
 def scenes(
-    measured: Measured, model: FlightModel | Sequence[FlightModel], spin: Floats | None = None
+    measured: Measured, model: FlightModel | Sequence[FlightModel], spin: Array | None = None
 ) -> Iterator[Scene]:
     """Yield the scene of each measured ball.
 
@@ -120,7 +121,7 @@ def scenes(
 def solve(
     measured: Measured,
     model: FlightModel | Sequence[FlightModel],
-    spin: Floats | None = None,
+    spin: Array | None = None,
     engine: Engine[Any] | None = None,
 ) -> list[Result]:
     """Return the result of each measured ball, by default of the batch engine; see `scenes`."""
@@ -131,7 +132,7 @@ def solve(
 def predict(
     measured: Measured,
     model: FlightModel | Sequence[FlightModel],
-    spin: Floats | None = None,
+    spin: Array | None = None,
     engine: Engine[Any] | None = None,
 ) -> Prediction:
     """Predict measured balls; arguments as of `solve`."""
@@ -163,7 +164,7 @@ def summaries(prediction: Prediction) -> list[Summary]:
     return [_summary(*group, prediction.error) for group in (*groups, every) if group[1].any()]
 
 
-def _groups(measured: Measured) -> Iterator[tuple[str, Booleans]]:
+def _groups(measured: Measured) -> Iterator[tuple[str, Flags]]:
     if isinstance(measured, MeasuredPitches):
         kinds, counts = np.unique(measured.labels, return_counts=True)
         for kind in kinds[np.argsort(-counts, kind="stable")]:
@@ -175,7 +176,7 @@ def _groups(measured: Measured) -> Iterator[tuple[str, Booleans]]:
         yield f"speed {low} to {high} mph", which
 
 
-def bands(values: Floats, bounds: Sequence[int]) -> Iterator[tuple[int, int, Booleans]]:
+def bands(values: Array, bounds: Sequence[int]) -> Iterator[tuple[int, int, Flags]]:
     """Yield the bounds of each band and which values are in it; the last one has its upper bound.
 
     Values come from whole numbers or tenths by a change of unit and back, which must not move one
@@ -187,7 +188,7 @@ def bands(values: Floats, bounds: Sequence[int]) -> Iterator[tuple[int, int, Boo
         yield low, high, (rounded >= low) & below
 
 
-def _summary(group: str, which: Booleans, error: Floats) -> Summary:
+def _summary(group: str, which: Flags, error: Array) -> Summary:
     chosen = error[which]
     rms = float(np.sqrt(np.mean(np.sum(chosen**2, axis=1))))
     return Summary(group, len(chosen), tuple(chosen.mean(axis=0).tolist()), rms)

@@ -25,13 +25,11 @@ from typing import TYPE_CHECKING, Any, Literal, Self, TextIO
 
 import numpy as np
 
+from longball.model.arrays import Array, Flags, Integers
 from longball.pitches.table import (
     DATA,
     LENGTH_UNITS,
     SPEED_UNITS,
-    Booleans,
-    Counts,
-    Floats,
     Omission,
     TableError,
     numbers,
@@ -94,17 +92,17 @@ class Rows:
     source: str
     rows_read: int
     left_out: tuple[Omission, ...]
-    rows: Counts
-    games: Counts
-    temperature: Floats
-    elevation: Floats
+    rows: Integers
+    games: Integers
+    temperature: Array
+    elevation: Array
     weather_unknown: int
 
     def __len__(self) -> int:
         """Return how many rows there are."""
         return len(self.rows)
 
-    def chosen(self, which: Booleans) -> Self:
+    def chosen(self, which: Flags) -> Self:
         """Return some of the rows."""
         parts = {each.name: getattr(self, each.name) for each in fields(self)}
         arrays = {k: v[which] for k, v in parts.items() if isinstance(v, np.ndarray)}
@@ -134,15 +132,15 @@ class MeasuredPitches(Rows):
     """
 
     labels: Any
-    release: Floats
-    velocity: Floats
-    acceleration: Floats
-    spin_rate: Floats
-    axis: Floats
-    hand: Floats
-    measured: Floats
+    release: Array
+    velocity: Array
+    acceleration: Array
+    spin_rate: Array
+    axis: Array
+    hand: Array
+    measured: Array
 
-    def spin(self, active: Floats) -> Floats:
+    def spin(self, active: Array) -> Array:
         """Return the spin, rad/s, of which a share `active` is across the velocity at release.
 
         The rest is along it. Its sign is that of a bullet's spin, which the fingers of a
@@ -150,7 +148,7 @@ class MeasuredPitches(Rows):
         """
         along = self.velocity / np.linalg.norm(self.velocity, axis=1, keepdims=True)
         gyro = (self.hand * np.sqrt(1.0 - active**2))[:, None] * along
-        spin: Floats = self.spin_rate[:, None] * (active[:, None] * self.axis + gyro)
+        spin: Array = self.spin_rate[:, None] * (active[:, None] * self.axis + gyro)
         return spin
 
     def scene(self, i: int) -> dict[str, Any]:
@@ -177,18 +175,18 @@ class MeasuredFlies(Rows):
         `hit_distance_sc`, m, shape (n, 1).
     """
 
-    speed: Floats
-    angle: Floats
-    bearing: Floats
-    side: Floats
-    measured: Floats
+    speed: Array
+    angle: Array
+    bearing: Array
+    side: Array
+    measured: Array
 
     @property
-    def velocity(self) -> Floats:
+    def velocity(self) -> Array:
         """At the launch, m/s, shape (n, 3)."""
         return self.speed[:, None] * directions(self.angle, self.bearing)
 
-    def spin(self, backspin: Floats, side_spin: Floats) -> Floats:
+    def spin(self, backspin: Array, side_spin: Array) -> Array:
         """Return the spin, rad/s, shape (n, 3), from its two parts across the velocity.
 
         Backspin turns about a horizontal axis and lifts; side spin about the axis across it, in
@@ -197,7 +195,7 @@ class MeasuredFlies(Rows):
         ahead = self.bearing
         lifts = np.stack([-np.sin(ahead), -np.cos(ahead), np.zeros_like(ahead)], axis=1)
         turns = directions(self.angle + np.pi / 2, ahead)
-        spin: Floats = backspin[:, None] * lifts + side_spin[:, None] * turns
+        spin: Array = backspin[:, None] * lifts + side_spin[:, None] * turns
         return spin
 
     def scene(self, i: int) -> dict[str, Any]:
@@ -206,7 +204,7 @@ class MeasuredFlies(Rows):
         return {"kind": "flight", "launch": launch}
 
 
-def directions(angle: Floats, bearing: Floats) -> Floats:
+def directions(angle: Array, bearing: Array) -> Array:
     """Return unit vectors at an angle above the horizontal and a bearing to the right, rad."""
     level = np.cos(angle)
     parts = [level * np.cos(bearing), -level * np.sin(bearing), np.sin(angle)]
@@ -261,7 +259,7 @@ def _pitches(table: Any, games: Any) -> MeasuredPitches:
     before = kept["release_pos_y"] * FOOT <= PLATE_FRONT
     refuse_rows(before, kept["release_pos_y"], rows, "release_pos_y", "behind the plate's front")
 
-    def vector(*names: str) -> Floats:
+    def vector(*names: str) -> Array:
         return np.stack([kept[name] for name in names], axis=1) * FOOT
 
     velocity, acceleration = vector("vx0", "vy0", "vz0"), vector("ax", "ay", "az")
@@ -283,26 +281,26 @@ def _pitches(table: Any, games: Any) -> MeasuredPitches:
     )
 
 
-def _in_our_frame(vectors: Floats) -> Floats:
+def _in_our_frame(vectors: Array) -> Array:
     x, y, z = vectors.T
     return np.stack([y, -x, z], axis=1)
 
 
-def time_of_plane(speed: Floats, acceleration: Floats, distance: Floats) -> Floats:
+def time_of_plane(speed: Array, acceleration: Array, distance: Array) -> Array:
     """Return when a ball of constant acceleration is at a distance along its way.
 
     The root nearest to 0 of speed · t + acceleration · t²/2 = distance, for a speed below 0.
     """
     root = np.sqrt(np.maximum(speed**2 + 2.0 * acceleration * distance, 0.0))
-    time: Floats = 2.0 * distance / (speed - root)
+    time: Array = 2.0 * distance / (speed - root)
     return time
 
 
-def _across(axis: Floats, velocity: Floats) -> Floats:
+def _across(axis: Array, velocity: Array) -> Array:
     """Return the unit vectors of what is across the velocity."""
     along = velocity / np.linalg.norm(velocity, axis=1, keepdims=True)
     across = axis - np.sum(axis * along, axis=1, keepdims=True) * along
-    unit: Floats = across / np.linalg.norm(across, axis=1, keepdims=True)
+    unit: Array = across / np.linalg.norm(across, axis=1, keepdims=True)
     return unit
 
 
@@ -337,7 +335,7 @@ def _flies(table: Any, games: Any) -> MeasuredFlies:
 # --- both -----------------------------------------------------------------------------------------
 
 
-def _side(column: pd.Series) -> Floats:
+def _side(column: pd.Series) -> Array:
     """Return 1 for R, -1 for L, NaN where there is neither.
 
     Raises
@@ -356,7 +354,7 @@ def _side(column: pd.Series) -> Floats:
 
 
 def _common(
-    source: str, frame: pd.DataFrame, left_out: tuple[Omission, ...], keep: Booleans, games: Any
+    source: str, frame: pd.DataFrame, left_out: tuple[Omission, ...], keep: Flags, games: Any
 ) -> dict[str, Any]:
     game = numbers(frame["game_pk"])[keep]
     temperature, elevation = (

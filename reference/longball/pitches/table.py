@@ -7,19 +7,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TextIO
 
 import numpy as np
-import numpy.typing as npt
 from pydantic import Field
 
 from longball.extras import naming_extras
+from longball.model.arrays import Array, Flags, Integers
 from longball.model.block import Strict
 from longball.model.csv_files import not_utf8, other_separators
 
 if TYPE_CHECKING:
     import pandas as pd
-
-Floats = npt.NDArray[np.float64]
-Booleans = npt.NDArray[np.bool_]
-Counts = npt.NDArray[np.int64]
 
 DATA = Path(__file__).parents[1] / "data"
 EXAMPLE = DATA / "statcast_2023-06-11.csv"
@@ -118,7 +114,7 @@ def texts(column: pd.Series) -> pd.Series:
     return column.astype("string").str.strip().replace("", None)
 
 
-def numbers(column: pd.Series) -> Floats:
+def numbers(column: pd.Series) -> Array:
     """Return the numbers of a column, NaN where there is none.
 
     Raises
@@ -143,8 +139,8 @@ def numbers(column: pd.Series) -> Floats:
 
 
 def select_rows(
-    lacks: Sequence[tuple[str, Booleans]], count: int
-) -> tuple[tuple[Omission, ...], Booleans]:
+    lacks: Sequence[tuple[str, Flags]], count: int
+) -> tuple[tuple[Omission, ...], Flags]:
     """List the rows that lack something, each under the first thing; and mark the others.
 
     Raises
@@ -166,7 +162,7 @@ def select_rows(
     return tuple(left_out), keep
 
 
-def refuse_rows(wrong: Booleans, values: Floats, rows: Counts, column: str, why: str) -> None:
+def refuse_rows(wrong: Flags, values: Array, rows: Integers, column: str, why: str) -> None:
     """Raise a `TableError` that names the first row where a value is wrong, if any is."""
     if wrong.any():
         first = int(np.argmax(wrong))

@@ -10,6 +10,7 @@ from analysis.paper.pitch_fits import (
     verdict,
     write,
 )
+from analysis.writing import Report
 from longball.pitches import EXAMPLE, fit_pitches
 
 WIDENED = Printed("spread", "cells", 0.77, "aim", "spread", 1.0, 1.0)
@@ -47,7 +48,7 @@ def written(tmp_path_factory):
 
     def section(*r_squared):
         found = Found([], coverage, [*r_squared, *aims], [], [])
-        return write(tmp_path_factory.mktemp("report"), example, example, found)
+        return write(Report(tmp_path_factory.mktemp("report")), example, example, found)
 
     return section
 

@@ -7,9 +7,6 @@ their ends, whose events `roots` finds on a step's polynomials, in code that `ji
 """
 
 from longball.engines.batch.engine import Batch
-from longball.engines.batch.many import (
-    solve_columns,
-    solve_columns_with_restitutions,
-)
+from longball.engines.batch.many import solve_columns, solve_columns_with_restitutions
 
 __all__ = ["Batch", "solve_columns", "solve_columns_with_restitutions"]

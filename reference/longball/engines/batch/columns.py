@@ -16,34 +16,20 @@ from types import SimpleNamespace
 from typing import Any, Protocol, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
-from longball.engines.batch import flights
+from longball.engines.batch import flights, records
 from longball.engines.batch.flights import Records
-from longball.engines.batch.records import (
-    STOPS,
-    Bat,
-    Start,
-    approach_is_clear,
-    general,
-    noted,
-    placed,
-    records_of,
-    starts_at_corner,
-    stops,
-)
+from longball.engines.batch.records import Start
 from longball.engines.chain import Cases, Model, OneCase, land
 from longball.engines.contact import BatSection, margin_error
 from longball.engines.engine import Touch
 from longball.engines.event import past
 from longball.engines.path import Flight, Path
+from longball.model.arrays import Array, Flags, Integers
 from longball.model.law import Law, State
 from longball.model.numbers import DOUBLES, ratio
 from longball.model.result import Outcome
 from longball.model.trace import Program
-
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 OUTCOMES: tuple[str, ...] = get_args(Outcome)
 UNSOLVED = -1  # stands in a column of outcomes where a scene has no answer
@@ -124,7 +110,7 @@ class Table:
         return self.rows.stop - self.rows.start
 
     @property
-    def outcome(self) -> NDArray[np.int64]:
+    def outcome(self) -> Integers:
         """The outcomes, as places in OUTCOMES."""
         return self.whole[self.rows]
 
@@ -195,7 +181,7 @@ class Flights(Flight[Any]):
 
     def stopped(self, name: str) -> Any:
         """Tell which flights an event of that name stopped."""
-        return self.stop == STOPS[name]  # type: ignore[comparison-overlap]
+        return self.stop == records.STOPS[name]  # type: ignore[comparison-overlap]
 
     def then(self, second: Flight[Any]) -> Flights:
         """Return these flights, going on as others where they ended."""
@@ -218,35 +204,39 @@ class Columns:
     def fly(self, law: Law[Any], start: State[Any], events: Any, limit: Any) -> Flights:
         """Fly to a stop; see `longball.engines.engine.Engine.fly`."""
         launch = Start(0.0, start)
-        records = records_of(law, launch, events, limit, self.flight_error)
-        ends = self.flyer.fly_all(records, general(law).program)
+        flown = records.records_of(law, launch, events, limit, self.flight_error)
+        ends = self.flyer.fly_all(flown, records.general(law).program)
         # Those are solved alone.
         ends["stop"][...] = np.where(
-            starts_at_corner(law, start), flights.OUT_OF_RANGE, ends["stop"]
+            records.starts_at_corner(law, start), flights.OUT_OF_RANGE, ends["stop"]
         )
         return Flights(
             Path(()),
-            stops(ends, events),
-            *placed(ends, law, events),
+            records.stops(ends, events),
+            *records.placed(ends, law, events),
             launch,
-            noted(ends, law, "mark_"),
+            records.noted(ends, law, "mark_"),
         )
 
     def touch(
         self, pitch: Flights, law: Law[Any], bat: BatSection[Any], events: Any, limit: Any
     ) -> Touch[Any]:
         """Find how pitches meet the bat; see `longball.engines.engine.Engine.touch`."""
-        clear = approach_is_clear(bat, pitch.state.z)
+        clear = records.approach_is_clear(bat, pitch.state.z)
         start = merged(clear, select(pitch.approach, clear), select(pitch.launch, ~clear))
         error = margin_error(bat, pitch.state.z, self.flight_error, NUMBERS)
         over = [past(bat.frame, bat.reach, NUMBERS), *events]
-        records = records_of(law, start, over, limit, self.flight_error, Bat(bat, error))
-        ends = self.flyer.search_all(records, general(law).program)
+        flown = records.records_of(
+            law, start, over, limit, self.flight_error, records.Bat(bat, error)
+        )
+        ends = self.flyer.search_all(flown, records.general(law).program)
         touched = ends["stop"] == flights.TOUCH
-        missed = np.isin(stops(ends, over), [STOPS[name] for name in ("past", "ground", "time")])
+        missed = np.isin(
+            records.stops(ends, over), [records.STOPS[name] for name in ("past", "ground", "time")]
+        )
         told = touched | missed | (ends["stop"] == flights.GRAZES_BAT)
         margin = np.where(told, ends["margin"], np.nan)[()]
-        time, state = noted(ends, law)
+        time, state = records.noted(ends, law)
         told_apart = np.where(touched, 1, np.where(missed, 0, -1))[()]
         return Touch(margin, told_apart, time, state)  # type: ignore[arg-type]
 
@@ -262,7 +252,7 @@ class ManyCases(Cases[Any]):
     engine: Any
     model: Model
     table: Table
-    rows: NDArray[np.int64]
+    rows: Integers
 
     @property
     def empty(self) -> bool:

@@ -9,23 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from longball.engines.batch import flights
+from longball.engines.batch import flights, records
 from longball.engines.batch.expansion import kernel
 from longball.engines.batch.flights import Records
 from longball.engines.batch.many import solve_as_data
-from longball.engines.batch.records import (
-    STOPS,
-    Bat,
-    Start,
-    approach_is_clear,
-    flies_in_lanes,
-    general,
-    noted,
-    placed,
-    records_of,
-    starts_at_corner,
-    stops,
-)
+from longball.engines.batch.records import Start
 from longball.engines.contact import (
     STARTS_INSIDE,
     TOUCHES,
@@ -35,7 +23,7 @@ from longball.engines.contact import (
     margin_error,
 )
 from longball.engines.engine import CannotSolve, ManyAtOnce, OutOfRange, TooLong, Touch
-from longball.engines.event import Event, Piece, past
+from longball.engines.event import Event, Events, Piece, past
 from longball.engines.ivp import Ivp
 from longball.engines.path import Flight, Path, Rest
 from longball.engines.polynomial import PolynomialPiece
@@ -116,22 +104,22 @@ class Batch(ManyAtOnce):
         return 20 * max(self.truncation, DOUBLES.rounding)
 
     def fly(
-        self, law: Law[float], start: State[float], events: Sequence[Event[float]], limit: float
+        self, law: Law[float], start: State[float], events: Events[float], limit: float
     ) -> Flight[float]:
         """Fly until the first of several events; see `longball.engines.engine.Engine.fly`."""
-        if not flies_in_lanes(law) or starts_at_corner(law, start):
+        if not records.flies_in_lanes(law) or records.starts_at_corner(law, start):
             return SCALAR.fly(law, start, events, limit)
         launch = Start(0.0, start)
-        flight = records_of(law, launch, events, limit, self.flight_error)
-        end = self.fly_all(flight, general(law).program)
+        flight = records.records_of(law, launch, events, limit, self.flight_error)
+        end = self.fly_all(flight, records.general(law).program)
         _require_answer(end, flight, events)
-        names = {number: name for name, number in STOPS.items()}
+        names = {number: name for name, number in records.STOPS.items()}
         return OneFlight(
-            Path(self._pieces(flight, general(law))),
-            names[stops(end, events).item()],
-            *_plain(placed(end, law, events)),
+            Path(self._pieces(flight, records.general(law))),
+            names[records.stops(end, events).item()],
+            *_plain(records.placed(end, law, events)),
             launch,
-            _plain(noted(end, law, "mark_")),
+            _plain(records.noted(end, law, "mark_")),
         )
 
     def touch(
@@ -139,25 +127,27 @@ class Batch(ManyAtOnce):
         pitch: Flight[float],
         law: Law[float],
         bat: BatSection[float],
-        events: Sequence[Event[float]],
+        events: Events[float],
         limit: float,
     ) -> Touch[float]:
         """Find how a pitch meets the bat; see `longball.engines.engine.Engine.touch`."""
         if not isinstance(pitch, OneFlight):
             return SCALAR.touch(pitch, law, bat, events, limit)
-        start = pitch.approach if approach_is_clear(bat, pitch.state.z) else pitch.launch
+        start = pitch.approach if records.approach_is_clear(bat, pitch.state.z) else pitch.launch
         error = margin_error(bat, pitch.state.z, self.flight_error, DOUBLES)
         ends = [past(bat.frame, bat.reach, DOUBLES), *events]
-        flight = records_of(law, start, ends, limit, self.flight_error, Bat(bat, error))
-        end = self.search_all(flight, general(law).program)
+        flight = records.records_of(
+            law, start, ends, limit, self.flight_error, records.Bat(bat, error)
+        )
+        end = self.search_all(flight, records.general(law).program)
         margin = end["margin"].item()
         match end["stop"].item():
             case flights.TOUCH:
-                return Touch(margin, True, *_plain(noted(end, law)))
+                return Touch(margin, True, *_plain(records.noted(end, law)))
             case flights.GRAZES_BAT:
                 return Touch(margin, None, doubt=doubt(margin, error, TOUCHES, DOUBLES))
         _require_answer(end, flight, ends)
-        if stops(end, ends).item() == STOPS["vertical"]:
+        if records.stops(end, ends).item() == records.STOPS["vertical"]:
             raise CannotSolve(TURNS_VERTICAL)
         return Touch(margin, False)
 
@@ -210,7 +200,7 @@ def _plain(start: Start) -> Start:
     return Start(start.time.item(), type(start.state)(*(x.item() for x in start.state)))
 
 
-def _require_answer(end: Records, flight: Records, events: Sequence[Event[Any]]) -> None:
+def _require_answer(end: Records, flight: Records, events: Events[Any]) -> None:
     """Raise why a flight has no answer, if it has none."""
     stop, value = end["stop"].item(), end["doubt"].item()
     if stop < len(events) or stop == flights.TIME_LIMIT:

@@ -21,13 +21,12 @@ from typing import Any
 
 import numpy as np
 from llvmlite import binding, ir
-from numpy.typing import NDArray
 
 from longball.engines.compiled import stored
 from longball.engines.series import recurrence, row_of
+from longball.model.arrays import Array
 from longball.model.trace import Node, Program, squares, variable
 
-Array = NDArray[np.float64]
 Value = Any  # of LLVM: a number in each lane
 Values = dict[Node, Value]
 

@@ -38,9 +38,9 @@ from longball.engines.batch.roots import (
     two_values,
 )
 from longball.engines.compiled import compiled
+from longball.model.arrays import Array, Integers
 from longball.model.trace import Program
 
-Array = NDArray[np.float64]
 Integer = int | np.int64
 Records = NDArray[Any]
 
@@ -283,10 +283,10 @@ def _fly_all(
     code: tuple[int, int, int, int],
     sizes: tuple[int, int, int, int, int, int],
     truncation: float,
-    records: tuple[Array, Array, NDArray[np.int64]],
+    records: tuple[Array, Array, Integers],
     record_sizes: tuple[int, int, int],
     memory: tuple[Array, Array, Array, Array, Array],
-    numbers: NDArray[np.int64],
+    numbers: Integers,
     steps: Array,
     recorded: int,
 ) -> None:

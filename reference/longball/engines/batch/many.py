@@ -28,11 +28,10 @@ from longball.engines.chain import BLOCKS, DISCRETE, MODEL, Model
 from longball.model import quantities
 from longball.model.air import BilinearLift, WindAbove
 from longball.model.air import Table as AirTable
+from longball.model.arrays import Array, Flags
 from longball.model.readings import Reading
 from longball.model.result import Outcome
 from longball.model.scene import AtBatScene, FlightScene, ImpactScene, Scene
-
-Array = NDArray[np.float64]
 
 # Scenes that a thread takes at a time: NumPy's calls on them then cost a tenth of the work.
 BLOCK = 16_384
@@ -342,8 +341,8 @@ def _rows(table: Table) -> Iterator[tuple[Outcome | None, dict[str, Any]]]:
         yield None if outcome == UNSOLVED else OUTCOMES[outcome], known
 
 
-def _known(column: NDArray[Any]) -> NDArray[np.bool_]:
-    found: NDArray[np.bool_] = np.isfinite(column) if column.dtype == float else column != ""
+def _known(column: NDArray[Any]) -> Flags:
+    found: Flags = np.isfinite(column) if column.dtype == float else column != ""
     return found
 
 

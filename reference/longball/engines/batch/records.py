@@ -5,7 +5,7 @@ A law, a state, an event hold a number of each flight, or one number for all.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from typing import Any, NamedTuple
@@ -16,7 +16,7 @@ from longball.engines.arithmetic import Arithmetic
 from longball.engines.batch import flights
 from longball.engines.batch.flights import Records, new_flights
 from longball.engines.contact import BatSection
-from longball.engines.event import Event
+from longball.engines.event import Events
 from longball.model.force import Term, cross
 from longball.model.law import FORCES, PAPER, Law, State, law_with
 
@@ -131,7 +131,7 @@ class Bat(NamedTuple):
 def records_of(
     law: Law[Any],
     start: Start,
-    events: Sequence[Event[Any]],
+    events: Events[Any],
     limit: Any,
     flight_error: float,
     bat: Bat | None = None,
@@ -193,7 +193,7 @@ def noted(end: Records, law: Law[Any], prefix: str = "") -> Start:
     return Start(time, law.state(*state))
 
 
-def placed(end: Records, law: Law[Any], events: Sequence[Event[Any]]) -> Start:
+def placed(end: Records, law: Law[Any], events: Events[Any]) -> Start:
     """Return when and where flights ended, those that an event stopped being put onto it."""
     time, state = noted(end, law)
     for i, event in enumerate(events):
@@ -203,7 +203,7 @@ def placed(end: Records, law: Law[Any], events: Sequence[Event[Any]]) -> Start:
     return Start(time, state)
 
 
-def stops(end: Records, events: Sequence[Event[Any]]) -> Any:
+def stops(end: Records, events: Events[Any]) -> Any:
     """Return what stopped flights: of `STOPS`, or why there is no answer."""
     numbers = np.array([STOPS[event.name] for event in events] or [0], np.int64)
     by_event = end["stop"] < len(events)

@@ -10,12 +10,8 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
 from longball.engines.batch.jit import fma, inner
-
-Array = NDArray[np.float64]
+from longball.model.arrays import Array
 
 NEVER = math.inf
 # A search takes three to six walks; near a double root each halves the rest of the way.

@@ -7,14 +7,7 @@ the ground or the fence (`landing`). Its parts, the forces and the collision, ar
 mistake is the same chain with another part. `single` makes results of scenes, one by one.
 """
 
-from longball.engines.chain.at_bat import (
-    CHAINS,
-    Approach,
-    Meeting,
-    finish,
-    meet_bat,
-    reach_plate,
-)
+from longball.engines.chain.at_bat import CHAINS, Approach, Meeting, finish, meet_bat, reach_plate
 from longball.engines.chain.cases import Cases
 from longball.engines.chain.collision import MODEL, Ball, ContactState, Model, collide, meet
 from longball.engines.chain.landing import land

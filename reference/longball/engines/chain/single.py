@@ -149,11 +149,9 @@ def solve_each(
     return in_parallel(solve, ((scene, engine) for scene in scenes), workers)
 
 
-def solve_with_path(
-    scene: Scene, engine: Engine[N], model: Model = MODEL
-) -> tuple[Result, Trajectory[N]]:
+def solve_with_path(scene: Scene, engine: Engine[N]) -> tuple[Result, Trajectory[N]]:
     """Return the result of a scene, and the way of its ball from the start of the scene on."""
-    case = OneCase(scene, engine, model)
+    case = OneCase(scene, engine, MODEL)
     result = _answer(case, CHAINS[scene.kind])
     return result, Trajectory(tuple(case.legs))
 
@@ -170,13 +168,13 @@ def solve_with_points(scene: Scene, engine: Engine[N], points: int) -> Result:
 
 
 def solve_with_restitutions(
-    scene: AtBatScene, restitutions: Sequence[float], engine: Engine[N], model: Model = MODEL
+    scene: AtBatScene, restitutions: Sequence[float], engine: Engine[N]
 ) -> list[Result]:
     """Return the results of an at-bat struck with balls that differ in restitution only.
 
     The pitch and its touching of the bat, which do not depend on it, are solved once.
     """
-    case = OneCase(scene, engine, model)
+    case = OneCase(scene, engine, MODEL)
     struck: list[tuple[Cases[N], Meeting[N] | None]] = []
     concluded = _follow(case, lambda: struck.append(meet_bat(case)))
     if concluded is not None:

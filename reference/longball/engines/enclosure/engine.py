@@ -17,7 +17,7 @@ from longball.engines.enclosure.curve import EnclosedPiece
 from longball.engines.enclosure.defect import Defect, leading
 from longball.engines.enclosure.system import Structure, System
 from longball.engines.engine import OutOfRange, TooLong
-from longball.engines.event import Event
+from longball.engines.event import Events
 from longball.engines.path_engine import PathEngine
 from longball.model.law import Law, State
 from longball.model.trace import Node, variable
@@ -316,7 +316,7 @@ class Enclosure(PathEngine[arb]):
         return 0.0
 
     def steps(
-        self, law: Law[arb], start: State[arb], begin: arb, limit: arb, events: Sequence[Event[Any]]
+        self, law: Law[arb], start: State[arb], begin: arb, limit: arb, events: Events[Any]
     ) -> Iterator[EnclosedPiece]:
         """Yield the pieces of a flight; see `PathEngine.steps`."""
         balls = self.numbers
