@@ -288,6 +288,19 @@ def test_outcomes_of_balls_that_fly_wrongly_are_one_line(gold: dict[str, Case]):
     assert "in 2 scenes" in outcome.sentence
 
 
+def test_dips_that_are_missed_are_no_other_ground(gold: dict[str, Case]):
+    dips = [case for name, case in gold.items() if name.startswith("hard-dip-phugoid-under")]
+    flights = [case for case in gold.values() if case.family == "flight-lift"][::6]
+
+    def answer(i: int, case: Case) -> dict[str, Any]:
+        return {"id": case.id, "outcome": "airborne"} if case in dips else result(case.scene)
+
+    assert any(case.scene.ground.height for case in flights)
+    (outcome,) = told([*dips, *flights], answer)
+    assert outcome.names == []
+    assert "at the steps only" in outcome.sentence
+
+
 def test_a_plate_by_a_straight_line_from_the_last_step_is_no_wrong_pitch():
     thrown = [
         PitchScene(id=f"pitch-{i}", pitch=Pitch(speed=30.0 + 1.3 * i, aim=(0.05 * i, 1.7 + i / 40)))

@@ -318,7 +318,11 @@ def _verdict(
     if len(there) == 0:
         return "not resolved", "no scene ends as it should at two steps"
     if (errors[there] <= bound[there]).all():
-        return "exact", f"no error above rounding, at most {errors[there].max():.1e} {unit}"
+        most = errors[there].max()
+        return (
+            "exact",
+            f"the typical error is no more than rounding makes, at most {most:.1e} {unit}",
+        )
     finest = there[-1]
     stuck = errors[finest] > bound[finest] and (
         errors[finest] > 3 * law.error(steps[finest])
@@ -332,7 +336,10 @@ def _verdict(
         )
     advice = ""
     if errors[finest] <= bound[finest]:
-        advice = "; the errors at the finest steps are rounding: try longer steps"
+        longer = f"{5 * steps[0]:.2g} to {steps[0] / 2:.2g} s"
+        advice = (
+            f"; the errors at the finest steps are rounding: try longer steps, such as {longer}"
+        )
     if law is None or wide is None:
         why = f"no {FEWEST} steps lie on one line: there is no asymptotic range"
         return "not resolved", why + advice

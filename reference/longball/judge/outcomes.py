@@ -28,6 +28,9 @@ NEAR = 1e-3
 # Of wrong outcomes, how many must follow from something for that to be said.
 MOST = 0.9
 
+# Outcomes that a dip below the ground makes of each other.
+DIPS = ({"landed", "airborne"}, {"grounded", "airborne"}, {"grounded", "crossed"})
+
 # Relative: with a value that is off by less, another outcome does not follow from it.
 FINE = 1e-12
 
@@ -126,7 +129,7 @@ def outcome_findings(
         sentence, remedy = f"says {obtained} where {expected} is right", None
         names: list[str] = []
         own = against = ""
-        made = _made(evenly(wrong, WRONG), held, base, known)
+        made = _made(evenly(wrong, WRONG), held, agreed, base, known)
         if limit := _limit(obtained, wrong, trials):
             own = sentence = f"{sentence}: {limit}"
         elif against := _against_itself(wrong):
@@ -152,6 +155,11 @@ def outcome_findings(
             remedy = (
                 "find the closest approach within the step, where d·v changes sign, and test there"
             )
+        elif {expected, obtained} in DIPS and all("dip" in t.case.flags for t in wrong):
+            own = "as one who looks for the ground at the steps only, or whose flight is off by "
+            own += "more than the ball dips below it"
+            sentence += f": {own}"
+            remedy = "find the lowest point within the step, where v_z changes sign, and test there"
         elif not flies:
             flown[f"{obtained} where {expected} is right"] = wrong
             continue
@@ -172,14 +180,21 @@ def outcome_findings(
 
 
 def _made(
-    wrong: Sequence[Trial], same: Sequence[Trial], base: Change, known: Sequence[Finding]
-) -> tuple[list[str], str] | None:
-    """Return the names and the sentence of what makes these outcomes, right ones included."""
+    wrong: Sequence[Trial], same: Sequence[Trial], agreed: Sequence[Trial], base: Change,
+    known: Sequence[Finding],
+) -> tuple[list[str], str] | None:  # fmt: skip
+    """Return the names and the sentence of what makes these outcomes, right ones included.
+
+    So it does others that `agreed`, if it is in their scenes.
+    """
     whole = [*wrong, *same]
 
     def makes(change: Change) -> bool:
         tells = [_explains(change, t) for t in whole]
-        return False not in tells and True in tells[: len(wrong)]
+        if False in tells or True not in tells[: len(wrong)]:
+            return False
+        concerned = [t for t in agreed if change.scene(t.scene) != t.scene]
+        return False not in [_explains(change, t) for t in evenly(concerned, RIGHT)]
 
     named = [name for f in known for name in f.names[:1] if f.stage != "outcome"]
     if named and base is not NONE and makes(base):
@@ -207,7 +222,7 @@ def _explains(change: Change, trial: Trial) -> bool | None:
     if result.outcome != (trial.outcome or trial.case.expected.outcome):
         return False
     said = trial.given.get("landing.position")
-    if said is None or result.landing is None or trial.right:
+    if said is None or result.landing is None:
         return True
     there = tuple(map(float, result.landing.position))
     return math.dist(there, said) <= NEAR * max(1.0, math.hypot(*there))
