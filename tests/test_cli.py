@@ -128,6 +128,7 @@ class TestSolve:
             ("kind;gravity\npitch;9,8", "head has semicolons where commas must"),
             ("kind\tgravity\npitch\t9.8", "head has tabs where commas must"),
             ("kind,id\npitch,\xe9", "not UTF-8 text: byte 15 is 0xe9"),
+            ("PK\x03\x04\xe9", "not text but a spreadsheet or a zip archive"),
         ],
     )
     def test_a_table_that_does_not_fit_its_head_is_refused(self, tmp_path, text, said):

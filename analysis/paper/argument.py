@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.stats import binned_statistic, norm
 
-from analysis.paper import combinations, printed
+from analysis.paper import balls, combinations, printed
 from analysis.paper.balls import Balls, Base, Space, strike
 from analysis.speed_error.work import launches
 from analysis.writing import STYLES, Report
@@ -19,8 +19,6 @@ from longball.engines.batch import solve_columns
 from longball.home_run import HOME_RUN_DISTANCE, RESTITUTIONS
 from longball.model.arrays import Array
 
-SAMPLES = 400_000
-SEED = 21
 E, STEP = 0.43, 0.01  # the middle of the paper's range, and the step of the differences
 WINDOW = (100.0, 200.0)  # m, "approximately D = 150 m"
 MIDDLE = RESTITUTIONS.index(E)
@@ -83,7 +81,7 @@ def contact(base: Base, struck: Sequence[Balls]) -> dict[str, float]:
     """Return what the scatter of the pitch's speed amounts to, m/s, for the balls hit upwards."""
     flies = struck[0].elevation > 0
     speeds = struck[0].pitch_speed[flies]
-    samples = base.drawn(SAMPLES // 10, SEED)
+    samples = base.drawn(balls.SAMPLES // 10)
     faster = replace(samples, speed=samples.speed * (1 + speeds.std() / speeds.mean()))
     usual, quick = (strike(base, one, [E])[0] for one in (samples, faster))
     return {
@@ -160,7 +158,7 @@ def shift(distance: float, struck: Sequence[Balls]) -> dict[str, float] | None:
 
 def tested(name: str, base: Base, space: Space) -> SimpleNamespace:
     """Try the argument on a reading."""
-    struck = strike(base, base.drawn(SAMPLES, SEED), RESTITUTIONS)
+    struck = strike(base, base.drawn(), RESTITUTIONS)
     shifts = {distance: shift(distance, struck) for distance in (75.0, 110.0, 150.0)}
     counts = np.histogram(space.distances(struck[MIDDLE]), np.arange(0.0, 301.0, 5.0))[0]
     return SimpleNamespace(

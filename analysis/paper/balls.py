@@ -20,6 +20,11 @@ from longball.model.quantities import number, numbers, replaced
 from longball.model.readings import SampleSpace, SamplingReading
 from longball.model.scene import AtBatScene
 
+# At-bats, and what they are drawn by: the same ones in all studies, so that what two of them give
+# is the same number.
+SAMPLES, SEED = 500_000, 1
+STEPPED_SAMPLES = 60_000  # the first of them, by the scheme; most pass the bat unseen
+
 
 class Base(NamedTuple):
     """An at-bat's constants, and the reading that its random inputs are drawn under."""
@@ -38,7 +43,7 @@ class Base(NamedTuple):
         fixed = {name: x for name, x in values.items() if name not in sampled}
         return Base(replaced(self.scene, fixed), replaced(self.sampling, sampled))
 
-    def drawn(self, count: int, seed: int) -> Samples:
+    def drawn(self, count: int = SAMPLES, seed: int = SEED) -> Samples:
         """Return random inputs: the same ones for every scene."""
         return home_run.draw(home_run.paper_at_bats(self.sampling), count, seed)
 
@@ -87,11 +92,10 @@ CHUNK = 500  # at-bats that a process takes at a time by the paper's scheme
 
 
 def strike_in_steps(
-    base: Base, count: int, seed: int, restitutions: Sequence[float], scheme: Verlet
+    base: Base, samples: Samples, restitutions: Sequence[float], scheme: Verlet
 ) -> list[Balls]:
     """Return what becomes of samples by the paper's scheme."""
-    samples = base.drawn(count, seed)
-    chosen = (samples.chosen(slice(i, i + CHUNK)) for i in range(0, count, CHUNK))
+    chosen = (samples.chosen(slice(i, i + CHUNK)) for i in range(0, len(samples), CHUNK))
     chunks = in_parallel(_chunk, ((base, x, restitutions, scheme) for x in chosen), workers=-1)
     return [Balls.joined(part) for part in zip(*chunks, strict=True)]
 

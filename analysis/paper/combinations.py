@@ -19,12 +19,10 @@ from longball.home_run import PAPER_CURVES, RESTITUTIONS, Estimate
 from longball.model.readings import Reading, SamplingReading
 from longball.model.scene import AtBatScene, Ball
 
-SAMPLES = 10_000  # a combination, at first; ten times the paper's
-CLOSER_SAMPLES = 50_000  # of those that come near
-CLOSEST_SAMPLES = 500_000  # of those that may be it
+FIRST_SAMPLES = 10_000  # a combination, at first; ten times the paper's
+CLOSER_SAMPLES = 50_000  # of those that come near; all of those that may be it
 WITHIN = 4 * distances.NEAR  # of Fig. 7 at first sight: worth a closer look
 FEWEST = 100  # balls that a sample space must have at first sight
-SEED = 1
 
 GRID = data(__file__)
 COLLISIONS, OFFSET_SPREADS = GRID["collisions"], GRID["offset_spreads"]
@@ -85,9 +83,9 @@ def trials(base: Base, spaces: Sequence[Space], count: int, closer: bool = True)
 
     The peaks of Fig. 6 are looked at only for who comes closer.
     """
-    struck = strike(base, base.drawn(count, SEED), RESTITUTIONS, threads=1)
+    struck = strike(base, base.drawn(count), RESTITUTIONS, threads=1)
     enough = (space for space in spaces if space.members(struck[0]).sum() >= FEWEST)
-    return [trial(base, space, struck, SEED if closer else None) for space in enough]
+    return [trial(base, space, struck, balls.SEED if closer else None) for space in enough]
 
 
 def trial(base: Base, space: Space, struck: Sequence[Balls], seed: int | None = None) -> Trial:
@@ -116,14 +114,14 @@ def study() -> SimpleNamespace:
     def look(calls: Iterable[tuple[Any, ...]]) -> list[list[Trial]]:
         return list(in_parallel(trials, calls, workers=-1, threads=True))
 
-    first = look((base, SPACES, SAMPLES, False) for base in bases())
+    first = look((base, SPACES, FIRST_SAMPLES, False) for base in bases())
     worth = [[one for one in some if one.to["caption"].squared <= WITHIN] for some in first]
     calls = [(some[0].base, [one.space for one in some], CLOSER_SAMPLES) for some in worth if some]
     near = list(chain(*look(calls)))
     closest = [one for one in near if one.both <= 2 * NEAR_BOTH]
-    again = chain(*look((one.base, [one.space], CLOSEST_SAMPLES) for one in closest))
+    again = chain(*look((one.base, [one.space], balls.SAMPLES) for one in closest))
     near = [*again, *(one for one in near if one not in closest)]
-    (default,) = trials(Base(AtBatScene(id="base")), SPACES[:1], CLOSEST_SAMPLES)
+    (default,) = trials(Base(AtBatScene(id="base")), SPACES[:1], balls.SAMPLES)
     near.sort(key=lambda one: one.both)
     return SimpleNamespace(first=list(chain(*first)), near=near, default=default)
 
@@ -138,7 +136,6 @@ def cases() -> Cases:
 
 
 STEP = 0.05  # s, as printed
-STEPPED_SAMPLES = 60_000  # most of them pass the bat unseen
 
 
 def section(report: Report) -> str:
@@ -147,13 +144,14 @@ def section(report: Report) -> str:
     draw_plane(report, found)
     as_printed = Base(found.default.base.scene, SamplingReading(speed_table="as_printed"))
     # The nearest by the paper's scheme with its step, and without them.
-    stepped = balls.strike_in_steps(best.base, STEPPED_SAMPLES, SEED, RESTITUTIONS, Verlet(STEP))
-    (exactly,) = strike(best.base, best.base.drawn(STEPPED_SAMPLES, SEED), RESTITUTIONS[:1])
+    samples = best.base.drawn(balls.STEPPED_SAMPLES)
+    stepped = balls.strike_in_steps(best.base, samples, RESTITUTIONS, Verlet(STEP))
+    (exactly,) = strike(best.base, samples, RESTITUTIONS[:1])
     rows = best.space.estimates(stepped)
     return report.render(
         "combinations", globals(),
         found=found, default=found.default, best=best, solved=len(list(bases())),
-        backwards=1 - as_printed.drawn(SAMPLES, SEED).pitched.mean(),
+        backwards=1 - as_printed.drawn(FIRST_SAMPLES).pitched.mean(),
         stepped=stepped, stepped_rows=rows, exactly=exactly,
         # At how many restitutions the interval of 95 % has P without the scheme inside.
         agreeing=sum(row.low <= best.p(row.e) <= row.high for row in rows),

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from scipy.stats import norm
 
-from analysis.paper import combinations, distances, printed
+from analysis.paper import balls, combinations, distances, printed
 from analysis.paper.balls import Balls, Space, strike
 from analysis.paper.combinations import Trial
 from analysis.paper.distances import BIN, covariance
@@ -19,8 +19,6 @@ from longball import home_run
 from longball.home_run import HOME_RUN_DISTANCE, PAPER_CURVES, RESTITUTIONS, Curve
 from longball.model.arrays import Array
 
-SAMPLES = 200_000
-SEED = 31
 UZR_E = 0.42  # the closest of the paper's to the season of the UZR data (its Sec. V)
 
 
@@ -49,9 +47,9 @@ def reproduced() -> list[Reproduced]:
     restitutions = sorted({*RESTITUTIONS, *(one.restitution for pair in PAIRS for one in pair)})
     found = []
     for name, (base, space) in combinations.cases().items():
-        at_all = strike(base, base.drawn(SAMPLES, SEED), restitutions)
+        at_all = strike(base, base.drawn(), restitutions)
         struck = dict(zip(restitutions, at_all, strict=True))
-        trial = combinations.trial(base, space, [struck[e] for e in RESTITUTIONS], SEED)
+        trial = combinations.trial(base, space, [struck[e] for e in RESTITUTIONS], balls.SEED)
         density = {e: distances.density(space.distances(struck[e])) for e in PEAKS}
         flown = space.distances(struck[UZR_E])
         uzr_share = float(np.mean((flown >= UZR_SPAN[0]) & (flown < UZR_SPAN[1])))

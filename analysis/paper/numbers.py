@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from matplotlib.axes import Axes
 
+from analysis.paper import balls
 from analysis.paper.balls import Base, Share, Space, strike
 from analysis.paper.combinations import Cases, Trial, trial
 from analysis.paper.distances import NEAR
@@ -16,9 +17,7 @@ from analysis.paper.printed import P_TEXT
 from analysis.writing import STYLES, Report, data
 from longball.home_run import PAPER_CURVES, RESTITUTIONS, Samples, paper_at_bats
 
-SAMPLES = 100_000
 CORNER_SAMPLES = 20_000
-SEED = 1
 E = P_TEXT[0]
 STEP = 0.02  # of a number's value: its third order is 1 % of P' where P goes like its tenth power
 
@@ -27,9 +26,9 @@ DATA = data(__file__)
 Problem = tuple[Base, Samples]
 
 
-def drawn(base: Base, count: int = SAMPLES) -> Problem:
+def drawn(base: Base, count: int = balls.SAMPLES) -> Problem:
     """Return an at-bat with its random numbers: the same ones for every reading."""
-    return base, base.drawn(count, SEED)
+    return base, base.drawn(count)
 
 
 def share(problem: Problem, space: Space) -> Share:

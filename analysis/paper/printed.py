@@ -4,6 +4,7 @@ What it prints about pitches stands in `analysis.paper.pitch_fits`, the numbers 
 `longball.home_run` and `longball.model.scene`.
 """
 
+import math
 from typing import Any, NamedTuple
 
 from longball.home_run import paper_at_bats
@@ -45,12 +46,12 @@ class Carry(NamedTuple):
 
     who: str
     slope: float  # dD/de, m
-    slope_error: float  # m, of half of the last digit of the change, or of both carries
+    slope_error: float  # m, standard error, of the rounding of the change or of both carries
 
 
 # The league's carries are 109.4 m and 110.4 m. The maker gives 20 cm for 0.001, for a pitch of
 # 144 km/h, a swing of 126 km/h and a launch at 27° (Mizuno, notice of 12 June 2013).
 CARRIES = (
-    Carry("the league", (110.4 - 109.4) / (0.417 - 0.4134), 0.1 / (0.417 - 0.4134)),
-    Carry("the maker of the ball", 0.20 / (0.417 - 0.416), 0.05 / (0.417 - 0.416)),
+    Carry("the league", (110.4 - 109.4) / (0.417 - 0.4134), 0.1 / math.sqrt(3) / (0.417 - 0.4134)),
+    Carry("the maker of the ball", 0.20 / (0.417 - 0.416), 0.05 / math.sqrt(3) / (0.417 - 0.416)),
 )

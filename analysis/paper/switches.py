@@ -18,9 +18,6 @@ from longball.engines.verlet import Verlet
 from longball.home_run import PAPER_CURVES, RESTITUTIONS
 from longball.model.readings import LEDGER, SCHEME_OPTIONS, readings_of
 
-SAMPLES = 100_000
-STEPPED_SAMPLES = 40_000
-SEED = 1
 E = P_TEXT[0]
 # Where the ledger has switches of what no at-bat of the paper has: spin, wind, friction, a fence.
 ELSEWHERE = ("extended model", "not in the paper")
@@ -63,7 +60,7 @@ def turn(base: Base, space: Space) -> tuple[Share, pd.DataFrame]:
     """
 
     def shares(base: Base, space: Space) -> list[Share]:
-        struck = strike(base, base.drawn(SAMPLES, SEED), RESTITUTIONS)
+        struck = strike(base, base.drawn(), RESTITUTIONS)
         return [space.share(one) for one in struck]
 
     at = RESTITUTIONS.index(E)
@@ -85,11 +82,12 @@ def turn_scheme(base: Base, space: Space) -> list[dict[str, Any]]:
     """
     turns = [("default", "")]
     turns += [(x.switch, o) for x in LEDGER if x.belongs == "scheme" for o in x.options[1:]]
+    samples = base.drawn(balls.STEPPED_SAMPLES)
     found, before = [], None
     for switch, option in turns:
         chosen: Any = {SCHEME_OPTIONS[switch]: option} if option else {}
         scheme = Verlet(dt=STEP, **chosen)
-        (struck,) = balls.strike_in_steps(base, STEPPED_SAMPLES, SEED, [E], scheme)
+        (struck,) = balls.strike_in_steps(base, samples, [E], scheme)
         share = space.share(struck)
         before = before or share
         row = {"switch": switch, "option": option, "batted": struck.batted.mean(), "share": share}

@@ -24,6 +24,11 @@ def by_component(k, v):
     return [-k * abs(c) * c for c in v]
 
 
+def by_component_in_plane(k, v):
+    level = math.hypot(*v[:2])
+    return [-k * level * v[0], -k * level * v[1], -k * abs(v[2]) * v[2]]
+
+
 def by_first_power(k, v):
     return scaled(v, -k)
 
@@ -593,6 +598,7 @@ MISTAKES = {
     "tilt-ignored": fixed("swing", "tilt", 0.0),
     # the law of motion
     "drag-per-component": {"drag": by_component},
+    "drag-per-component-in-plane": {"drag": by_component_in_plane},
     "drag-with-v": {"drag": by_first_power},
     "drag-with-v-cubed": {"drag": lambda k, v: scaled(v, -k * size(v) ** 2)},
     "unsigned-drag": {"drag": lambda k, v: [-k * c * c for c in v]},

@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -20,7 +21,7 @@ from longball.judge.diagnosis import FINE, diagnose
 from longball.judge.findings import Diagnosis, Finding
 from longball.judge.rules import rule
 from longball.judge.steps import common_step
-from tests.candidates.mistaken import MISTAKES, switches
+from tests.candidates.mistaken import MISTAKES, Switches, by_component_in_plane, switches
 from tests.candidates.mistaken import solve as simulate
 
 
@@ -35,7 +36,10 @@ def gold() -> list[Case]:
 
 
 def answers(cases: Sequence[Case], *names: str) -> dict[str, Answer]:
-    how = switches(*names)
+    return answers_by(cases, switches(*names))
+
+
+def answers_by(cases: Sequence[Case], how: Switches) -> dict[str, Answer]:
     collector = Collector([case.id for case in cases])
     for number, case in enumerate(cases, 1):
         result = simulate(json.loads(case.scene.line()), how)
@@ -64,6 +68,7 @@ EXPECTED = {
     "g-9.80665": ("pitch", "gravity=9.80665"),
     "mass-0.145": ("pitch", "ball.mass=0.145"),
     "drag-per-component": ("pitch", "drag-per-component"),
+    "drag-per-component-in-plane": ("pitch", "drag-per-component-in-plane"),
     "nathan": ("restitution", "nathan"),
     "other-end": ("bat velocity", "other-pivot"),
     "bat-at-rest": ("normal speed", "bat-at-rest"),
@@ -81,6 +86,17 @@ def test_a_mistake_is_found_where_it_is_made(gold: list[Case], mistake: str, sta
     assert (first.stage, first.kind) == (stage, "named"), first.sentence
     assert name in first.names
     assert first.share > 0.999
+
+
+def test_a_law_is_named_beside_errors_that_nothing_explains(gold: list[Case]):
+    def drag(k, v):
+        return by_component_in_plane(k * (1 + 1e-2 * math.sin(v[2])), v)
+
+    flights = [case for case in gold if case.scene.kind == "flight"]
+    first, *rest = found(diagnose(flights, answers_by(flights, Switches(drag=drag))))
+    assert first.names == ["drag-per-component-in-plane"]
+    assert 0.99 < first.share < 0.999
+    assert [(f.kind, f.names) for f in rest] == [("unexplained", [])]
 
 
 def test_two_mistakes_at_different_stages_are_both_found(gold: list[Case]):

@@ -84,31 +84,39 @@ def solve(
         ),
     ] = None,
     rtol: Annotated[
-        float | None, typer.Option(help="ivp: relative tolerance of solve_ivp's methods; 5e-14.")
+        float | None,
+        typer.Option(help="ivp: relative tolerance of solve_ivp's methods, by default 5e-14."),
     ] = None,
     atol: Annotated[
-        float | None, typer.Option(help="ivp: absolute tolerance of them, m and m/s; 5e-14.")
+        float | None,
+        typer.Option(help="ivp: their absolute tolerance, m and m/s, by default 5e-14."),
     ] = None,
     tolerance: Annotated[
         float | None,
-        typer.Option("--landing-error", help="batch: the error allowed at landing, m; 1e-13."),
+        typer.Option(
+            "--landing-error", help="batch: the error allowed at landing, m, by default 1e-13."
+        ),
     ] = None,
     digits: Annotated[
         int | None,
         typer.Option(
-            help="enclosure, multiprecision: digits of each number, up to 500 and 290; 30."
+            help="enclosure, multiprecision: digits of numbers, by default 30, up to 500 and 290."
         ),
     ] = None,
-    dt: Annotated[float | None, typer.Option(help="verlet: the step, s; 0.05.")] = None,
+    dt: Annotated[float | None, typer.Option(help="verlet: the step, s, by default 0.05.")] = None,
     forces: Annotated[
         VerletForces | None,
-        typer.Option(help="verlet: at which velocity drag and lift are taken; old_carried."),
+        typer.Option(
+            help="verlet: at which velocity drag and lift are taken, by default old_carried."
+        ),
     ] = None,
     landing: Annotated[
-        VerletLanding | None, typer.Option(help="verlet: where the ball lands; interpolated.")
+        VerletLanding | None,
+        typer.Option(help="verlet: where the ball lands, by default interpolated."),
     ] = None,
     root: Annotated[
-        AppendixBRoot | None, typer.Option(help="verlet: of Appendix B's quadratic; first.")
+        AppendixBRoot | None,
+        typer.Option(help="verlet: which root of Appendix B's quadratic, by default the first."),
     ] = None,
     path: Annotated[
         bool, typer.Option("--path", help="Add the path: [[t, x, y, z, vx, vy, vz], …].")
@@ -116,7 +124,7 @@ def solve(
     points: Annotated[
         int | None,
         typer.Option(
-            min=2, max=1_000_000, help="How many points the path has, evenly spaced in time; 201."
+            min=2, max=1_000_000, help="Points of the path, evenly spaced in time, by default 201."
         ),
     ] = None,
     certify: Annotated[

@@ -132,7 +132,7 @@ class PolynomialCurve(NamedTuple):
     def zero(self, a: float, b: float) -> float:
         """Return where the value is zero, given that from a to b it falls through zero."""
         p = self._from(a)
-        if not p[0] > 0:
+        if not (p[0] > 0 or self(a) > 0):
             return a  # where the piece before ended, to rounding
         t: float = self.run.zero(p, 0.0, (b - a) / self.unit) * self.unit
         # On to the zero of single values, which may be far where large coefficients cancel.

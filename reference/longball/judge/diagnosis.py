@@ -726,6 +726,8 @@ class _Search:
                 # What flies the pitch flies the batted ball.
                 self.stepless = not any(e.named for e in found)
             if not any(e.named for e in found):
+                found += fits.mostly(together or sought)
+            if not any(e.named for e in found):
                 single = list({e.name: e for e in reversed(found)}.values())[::-1]
                 found += fits.two(together or sought, single)
                 if together and not any(e.named for e in found):

@@ -294,7 +294,11 @@ class Sought:
     def some(self, count: int) -> Sought:
         """Return a few of the trials, the shortest flights first."""
         short = sorted(self.trials, key=lambda t: duration(t.case))
-        few = Sought(evenly(short[: 2 * count], count), (), self.stages, self.base, self.work)
+        return self.of(evenly(short[: 2 * count], count))
+
+    def of(self, trials: Sequence[Trial]) -> Sought:
+        """Return the same, sought in some of the trials."""
+        few = Sought(trials, (), self.stages, self.base, self.work)
         few._known = self._known
         return few
 

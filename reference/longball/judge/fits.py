@@ -28,6 +28,7 @@ from longball.judge.flight_mistakes import LAW, OWN, SINGLES, SPIN, with_density
 from longball.judge.mistakes import FENCE, IGNORED, IMPACT, READINGS, TOUCHING, TWO_STEP_PUSH
 from longball.judge.rubbing import RUBBING
 from longball.judge.stages import COLLISION, NONE, Change, Trial, with_values
+from longball.judge.steps import ITS_OWN, LIKE
 from longball.model.air import (
     ConstantDrag,
     ConstantLift,
@@ -571,6 +572,24 @@ def _tried(library: Iterable[Mistake], sought: Sought) -> Iterator[Explanation]:
             yield _explanation(mistake, left)
 
 
+# Of the larger half of errors, what a law may leave to an integrator; and their least size.
+MOSTLY, LARGE = 1e-2, 1e-3
+
+
+def mostly(sought: Sought) -> Iterator[Explanation]:
+    """Yield known laws, with what they leave of the larger errors: an integrator's may be in it.
+
+    In other scenes its errors may be as large as those of the law.
+    """
+    sized = zip(sought.sizes(NONE), sought.trials, strict=False)  # sizes of those beside follow
+    large = sorted((one for one in sized if one[0] > LARGE), key=lambda one: -one[0])
+    if len(large) < TRIED:
+        return
+    few = sought.of([t for _, t in large[: max(TRIED, len(large) // 2)]])
+    for e in _tried(LAW, few):
+        yield replace(e, allowed=MOSTLY)
+
+
 def singles(sought: Sought) -> list[Explanation]:
     """Return what the candidate may hold in single precision."""
     return list(_tried(SINGLES, sought))
@@ -812,6 +831,8 @@ def _joined(sought: Sought, a: Explanation | str, b: Explanation | str) -> Expla
     left = sought.left(own)
     if left is None or any(f.roundness >= ODD / 100 for f in fitted):
         return None
+    if left > ITS_OWN and any(x.sentence.startswith(LIKE) for x in fixed):
+        return None  # beside another mistake, any scheme errs like what is left
     both: list[Explanation | Fit] = [*fixed, *fitted]
     name, sentence = " and ".join(x.name for x in both), "; and ".join(x.sentence for x in both)
     return Explanation(name, sentence, None, left, 1.9, own)

@@ -215,6 +215,11 @@ def _of_two(x: Any, y: Any) -> Any:
     return trace.sqrt(x * x + y * y)
 
 
+def _drag_in_plane(motion: Motion, flow: Flow, p: Any) -> Vector[Any]:
+    (u, v, w), level = flow.velocity, _of_two(*flow.velocity[:2])
+    return -level * u, -level * v, -_size(w) * w
+
+
 def _right_axis(scene: Any, frame: Any) -> Vector[Any]:
     return frame.sin, -frame.cos, 0.0
 
@@ -348,6 +353,9 @@ _PAPERS_LAW: tuple[Mistake, ...] = (
     Mistake("drag-per-component", "drags each component by itself, with its own square",
             "the drag is -k V v: every component times the whole speed V",
             _by_component(lambda c: _size(c) * c)),
+    Mistake("drag-per-component-in-plane", "drags the horizontal and the vertical speed each by "
+            "itself, with its own square", "the drag is -k V v: each times the whole speed V",
+            _in_air(DRAG, _drag_in_plane)),
     Mistake("unsigned-drag-per-component", "drags each component by its own square without a "
             "sign, so that a falling ball is pulled down", _AGAINST,
             _by_component(lambda c: c * c)),

@@ -6,6 +6,8 @@ from collections.abc import Sequence
 
 # Spreadsheets write what a country's decimal comma leaves them.
 _OTHERS = {";": "semicolons", "\t": "tabs"}
+# How files begin that are given where text is expected.
+_BINARY = {b"PAR1": "Parquet", b"PK": "a spreadsheet or a zip archive", b"\x1f\x8b": "gzip"}
 
 
 def other_separators(head: Sequence[str]) -> str:
@@ -17,5 +19,8 @@ def other_separators(head: Sequence[str]) -> str:
 
 
 def not_utf8(error: UnicodeDecodeError) -> str:
-    """Say where a text is in another encoding."""
+    """Say where a text is in another encoding, or what it is instead."""
+    for beginning, kind in _BINARY.items():
+        if error.object.startswith(beginning):
+            return f"not text but {kind}"
     return f"not UTF-8 text: byte {error.start + 1} is 0x{error.object[error.start]:02x}"

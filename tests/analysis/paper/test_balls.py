@@ -74,8 +74,8 @@ def test_a_difference_of_the_same_at_bats_is_known_better(balls):
 
 
 def test_the_printed_scheme_sees_few_of_the_balls(balls):
-    (stepped,) = strike_in_steps(BASE, 1_000, 5, [0.42], Verlet(0.05))
-    (fine,) = strike_in_steps(BASE, 200, 5, [0.42], Verlet(2e-4))
+    (stepped,) = strike_in_steps(BASE, BASE.drawn(1_000, 5), [0.42], Verlet(0.05))
+    (fine,) = strike_in_steps(BASE, BASE.drawn(200, 5), [0.42], Verlet(2e-4))
     assert 0.0 < stepped.batted.mean() < 0.1
     exact = balls[0].batted[:200]
     # A ball passes 7 mm in a step: the thinnest grazes alone are overlooked.

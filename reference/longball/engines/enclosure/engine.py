@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from bisect import bisect_left
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -29,9 +30,10 @@ _TOLERANCE = 2.0**8
 _ORDER_PER_BIT = 0.35
 
 # A step that cannot be proven is tried again this much shorter: the error falls as the order's
-# power of it, to a twentieth. After some trials faster: each costs a hundredth of a step.
+# power of it, to a twentieth. After some trials a power of the other is bisected: each costs a
+# hundredth of a step, and where forces are strong the first may be too long by 22 decades.
 _SHORTER, _MUCH_SHORTER = 0.95, 0.8
-_FEW_TRIALS, _MOST_TRIALS = 20, 1000
+_FEW_TRIALS, _MOST_POWER = 20, 1000
 
 # Of a step: at its beginning the series is exact, and only uncertain parameters make a defect.
 _INSTANT = 2.0**-20
@@ -186,12 +188,23 @@ def _length(
     """
     size = lemmas.norm([p[0] for p in motion], weights)
     change = lemmas.norm([p[1] for p in motion], weights)
-    h = first
-    for trial in range(_MOST_TRIALS):
+
+    def little(h: arb) -> arb | None:
         missed = lemmas.norm(defect.bounds(h), weights)
-        if missed * h <= tolerance * (size + change * h) + floor * h:
+        return missed if missed * h <= tolerance * (size + change * h) + floor * h else None
+
+    h = first
+    for _ in range(_FEW_TRIALS):
+        if (missed := little(h)) is not None:
             return h, missed
-        h = (h * (_SHORTER if trial < _FEW_TRIALS else _MUCH_SHORTER)).mid()
+        h = (h * _SHORTER).mid()
+
+    def shorter(power: int) -> arb:
+        return (h * arb(_MUCH_SHORTER) ** power).mid()
+
+    power = bisect_left(range(_MOST_POWER), True, key=lambda n: little(shorter(n)) is not None)
+    if (missed := little(shorter(power))) is not None:
+        return shorter(power), missed
     raise OutOfRange(
         "no step can be proven: the forces are too strong; or the ball is all but at rest in the "
         "air, or its spin all but parallel to its velocity, so that lift or drag have a corner"
