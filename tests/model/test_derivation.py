@@ -6,6 +6,7 @@ import pytest
 import sympy as sp
 
 from analysis.derivation import run
+from analysis.writing import Report
 from longball.model import derivation
 from longball.model.derivation import (
     APPARENT_RESTITUTION,
@@ -351,7 +352,7 @@ def test_equations_can_be_printed():
 
 
 def test_the_report_says_what_each_equation_means(tmp_path):
-    section = run(tmp_path, full=False)
+    section = run(Report(tmp_path), full=False)
     steps = re.findall(r"^\d+\. \*\*(.+)\.\*\* .+\.\n\n   \$\$ (.+) \$\$$", section, re.MULTILINE)
     printed = {title: sp.latex(equation) for title, equation in derivation.equations().items()}
     assert steps == list(printed.items())

@@ -8,7 +8,7 @@ import os
 import stat
 import sys
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from functools import partial
 from importlib import import_module
@@ -19,9 +19,9 @@ import typer
 from pydantic import BaseModel, ValidationError
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
-from rich.table import Table
 
 from longball import engines
+from longball.engines.parallel import checked
 from longball.extras import naming_extras
 from longball.model.scene import explain
 from longball.pitches import EXAMPLE, TableError
@@ -33,8 +33,10 @@ errors, say = (Console(stderr=True, highlight=False, soft_wrap=True, emoji=False
 
 
 def _checked(workers: int) -> int:
-    if workers < 1 and workers != -1:
-        raise typer.BadParameter(f"{workers}: a positive number, or -1 for one per core")
+    try:
+        checked(workers)
+    except ValueError as error:
+        raise typer.BadParameter(str(error).removeprefix("workers = ")) from None
     if workers > 1:
         import_module("joblib")  # if it is missing, that is said before anything is computed
     return workers
@@ -209,20 +211,11 @@ def option_value(text: str) -> Any:
         return text
 
 
-def plain_table(*columns: str) -> Table:
-    """Return an empty table for standard output."""
-    table = Table(box=None, pad_edge=False, header_style="")
-    for column in columns:
-        table.add_column(column, no_wrap=True)
-    return table
+def show(head: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
+    """Print a table."""
+    from longball.convergence.report import aligned  # with it comes SciPy
 
-
-def show(table: Table) -> None:
-    """Print a table as wide as it is, whatever reads it."""
-    console = Console(highlight=False, width=200, color_system=None, emoji=False)
-    with console.capture() as printed:
-        console.print(table)
-    print("\n".join(line.rstrip() for line in printed.get().splitlines()))
+    print("\n".join(aligned([head, *rows])))
 
 
 @contextmanager

@@ -12,7 +12,6 @@ from longball.cli.common import (
     Quiet,
     Workers,
     note,
-    plain_table,
     progress_bar,
     refusing,
     show,
@@ -38,10 +37,10 @@ def list_(folder: Folder = None, as_json: Json = False, quiet: Quiet = False) ->
     if as_json:
         print(top.model_dump_json(include={"format", "licence", "families"}))
         return
-    table = plain_table("family", "cases", "what")
-    for name, family in top.families.items():
-        table.add_row(name, str(family.cases), family.about.partition("\n")[0])
-    show(table)
+    families = (
+        (name, str(x.cases), x.about.partition("\n")[0]) for name, x in top.families.items()
+    )
+    show(("family", "cases", "what"), families)
     note(f"format {top.format}, {top.licence}")
 
 

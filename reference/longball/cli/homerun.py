@@ -20,7 +20,6 @@ from longball.cli.common import (
     Workers,
     option_value,
     parsed,
-    plain_table,
     progress_bar,
     refusing,
     show,
@@ -304,12 +303,12 @@ def print_probability(
     sampled = isinstance(rows[0], Estimate)
     found = ("P(e)", "95 %", "home runs") if sampled else ("P(e)", "error", "dP/de", "error")
     beside = ("paper's caption", "text", "difference") if curves else ()
-    table = plain_table("e", *found, *beside)
+    table = []
     for row in rows:
         of_paper = [f"{curve(row.e):.4f}" for curve in curves.values()]
         off = [f"{row.p - curves[chosen](row.e):+.4f}"] if curves else []
-        table.add_row(f"{row.e:g}", *found_at(row), *of_paper, *off)
-    show(table)
+        table.append((f"{row.e:g}", *found_at(row), *of_paper, *off))
+    show(("e", *found, *beside), table)
     if not curves:
         return
     if fitted:

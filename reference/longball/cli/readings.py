@@ -14,7 +14,6 @@ from longball.cli.common import (
     Seed,
     Workers,
     option_value,
-    plain_table,
     progress_bar,
     show,
 )
@@ -51,15 +50,14 @@ def readings(
     if as_json:
         print(json.dumps(ledger_as_data(lines, effects), ensure_ascii=False))
         return
-    table = plain_table(
-        "switch", "belongs to", "option", *([f"P({e:g})", "95 %"] if samples else [])
-    )
+    table = []
     for entry, option in lines:
         row = effects.get(readings_with(entry, option))
-        numbers = [f"{row.p:.4f}", f"{row.low:.4f} to {row.high:.4f}"] if row else []
+        numbers = [f"{row.p:.4f}", f"{row.low:.4f} to {row.high:.4f}"] if row else ["", ""]
         default = " (default)" if option == entry.options[0] else ""
-        table.add_row(entry.switch, entry.belongs, option + default, *numbers)
-    show(table)
+        table.append((entry.switch, entry.belongs, option + default, *numbers))
+    effect = (f"P({e:g})", "95 %") if samples else ("", "")
+    show(("switch", "belongs to", "option", *effect), table)
     for entry in LEDGER:
         print(f"{entry.switch} ({entry.place}): {entry.why}")
 
