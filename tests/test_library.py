@@ -235,7 +235,7 @@ class TestPath:
         assert np.array_equal(path.at(2.0).position, state.position[1, 1])
         table = path.sample(50)
         assert list(table) == ["t", "x", "y", "z", "vx", "vy", "vz"]
-        assert (len(table), table.t.iloc[-1]) == (50, path.end)
+        assert (len(table), table.t.iloc[-1], table.z.iloc[-1]) == (50, path.end, 0.0)
         # dx/dt is vx: chords of a flight of constant acceleration a are off by a Δt²/24.
         flight = table[table.t > 1.0]
         slope = np.diff(flight.x) / np.diff(flight.t)
@@ -385,8 +385,12 @@ class TestSolveMany:
         (lambda: lb.solve_many([], workers="a"), "workers = 'a' is not a whole number"),
         (lambda: lb.solve_many([], workers=0), "workers = 0: a positive number, or -1"),
         (lambda: lb.home_run_probability(0.4, workers=2.5), "workers = 2.5 is not a whole"),
-        (lambda: lb.home_run_probability(0.4, samples=0), "samples = 0 is less than 1"),
-        (lambda: lb.home_run_probability(0.4, seed=-1), "seed = -1 is less than 0"),
+        (
+            lambda: lb.home_run_probability(0.4, "monte-carlo", samples=0),
+            "samples = 0 is less than 1",
+        ),
+        (lambda: lb.home_run_probability(0.4, "monte-carlo", seed=-1), "seed = -1 is less than 0"),
+        (lambda: lb.home_run_probability(0.4, samples=9), "samples: quadrature draws none"),
         (lambda: lb.home_run_probability([]), r"e = \[\]: one coefficient of restitution or more"),
         (lambda: lb.home_run_probability("a"), "e = a: one coefficient"),
         (lambda: lb.home_run_probability(0.4, reading="a"), "reading: a mapping from switches"),

@@ -427,8 +427,8 @@ def home_run_probability(
     e: float | Sequence[float] | Array,
     method: Literal["quadrature", "monte-carlo"] = "quadrature",
     *,
-    samples: int = 10_000,
-    seed: int = 1,
+    samples: int | None = None,
+    seed: int | None = None,
     reading: Mapping[str, object] | None = None,
     scene: object = None,
     workers: int = -1,
@@ -442,8 +442,8 @@ def home_run_probability(
     method
         ``"quadrature"`` integrates over the distributions; ``"monte-carlo"`` counts samples.
     samples, seed
-        Of Monte Carlo: how many at-bats are drawn, and the seed of the random numbers. Quadrature
-        draws none.
+        Of Monte Carlo: how many at-bats are drawn, 10,000 if left out, and the seed of the random
+        numbers, 1 if left out.
     reading
         Switches of the ledger (``longball readings``), of the scene and of the sampling.
     scene
@@ -462,8 +462,8 @@ def home_run_probability(
     ------
     ValueError
         If an e is not between 0 and 1 or there is none, a reading or the method is unknown, or
-        `scene` is no at-bat, or sets what is drawn at random; or if `samples`, `seed` or `workers`
-        is too small.
+        `scene` is no at-bat, or sets what is drawn at random; if `samples`, `seed` or `workers` is
+        too small, or one of the first two is given for quadrature, which draws none.
     TypeError
         If one of these three is not a whole number, or `reading` no mapping.
 
@@ -478,8 +478,11 @@ def home_run_probability(
     from longball import home_run
 
     restitutions = _restitutions(e)
-    samples = engines.whole_number("samples", samples, 1)
-    seed = engines.whole_number("seed", seed, 0)
+    drawn = {"samples": samples, "seed": seed}
+    if method == "quadrature" and (given := [name for name, x in drawn.items() if x is not None]):
+        raise ValueError(f"{given[0]}: quadrature draws none; method = 'monte-carlo' does")
+    count = engines.whole_number("samples", 10_000 if samples is None else samples, 1)
+    first = engines.whole_number("seed", 1 if seed is None else seed, 0)
     physics, sampling = _readings(reading or {})
     base = as_scene({"kind": "at-bat"} if scene is None else scene)
     if not isinstance(base, AtBatScene):
@@ -493,7 +496,7 @@ def home_run_probability(
         space = sampling.sample_space
         rows = home_run.integrals(*problem, sample_space=space, workers=workers)
     elif method == "monte-carlo":
-        struck = home_run.monte_carlo(*problem, samples, seed, workers=workers)
+        struck = home_run.monte_carlo(*problem, count, first, workers=workers)
         rows = [
             home_run.estimate(x, one, sampling.sample_space)
             for x, one in zip(restitutions, struck, strict=True)

@@ -191,10 +191,11 @@ class Trajectory(Generic[N]):
         if not begun:
             raise ValueError(f"the trajectory has no state at t = {float(cast(Any, time))} s")
         leg = begun[-1]
-        since = time - leg.begin
-        if since > leg.flight.time and not time > leg.begin + leg.flight.time:
-            since = leg.flight.time  # the end is a rounded sum
-        state = leg.flight.path.at(since)
+        since, flight = time - leg.begin, leg.flight
+        if since > flight.time and not time > leg.begin + flight.time:
+            since = flight.time  # the end is a rounded sum
+        at_end = cast(Any, since) == flight.time  # where the ball is put onto what stopped it
+        state = flight.state if at_end else flight.path.at(since)
         return leg.frame.position(state), leg.frame.velocity(state)
 
     def sample(self, times: Iterable[N]) -> list[tuple[N, ...]]:

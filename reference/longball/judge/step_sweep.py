@@ -9,6 +9,7 @@ from typing import Any
 
 from longball.convergence import ConvergenceReport, Sample, converge
 from longball.convergence.family import PHASES
+from longball.convergence.order import FEWEST
 from longball.judge.answers import Answer
 from longball.judge.candidate import Limits, run
 from longball.judge.cases import Case, decidable
@@ -47,6 +48,8 @@ def parse_steps(text: str) -> list[float]:
             raise ValueError
     except ValueError:
         raise ValueError(f"--steps {text}: FROM:TO:COUNT, in s and from coarse to fine") from None
+    if len(steps) < FEWEST:
+        raise ValueError(f"--steps {text}: an order takes at least {FEWEST} steps")
     return steps
 
 

@@ -83,8 +83,8 @@ def _errors(verdict: Verdict) -> Iterator[str]:
     yield from aligned(table, right=(2, 3, 4, 5, 7, 8, 9, 10))
     right = Counter(row.family for row in verdict.rows if failed and not row.failed)
     if right:
-        listed = ", ".join(f"{family} {count}" for family, count in right.items())
-        yield f"quantities right in every case, by family: {listed}"
+        listed = ", ".join(f"{count} of {family}" for family, count in right.items())
+        yield f"quantities that are right in every case: {listed}"
 
 
 ERRORS = (
@@ -199,7 +199,7 @@ def _failures(verdict: Verdict, shown: int) -> Iterator[str]:
         for fault in failure.faults[:2]:
             yield f"    {describe(fault)}"
         if len(failure.faults) > 2:
-            yield f"    and {len(failure.faults) - 2} quantities more"
+            yield f"    and {many(len(failure.faults) - 2, 'other fault')}"
 
 
 def flagged(name: str, flags: Sequence[str]) -> str:
