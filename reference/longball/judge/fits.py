@@ -394,7 +394,7 @@ def implied(
         change = base
         for name, value in zip(names, values.tolist(), strict=True):
             change = change.then(_in_law(name, partial(with_parameter, name=name, value=value)))
-        return sought.work.residuals(trial, change, sought.stages)
+        return sought.errors(trial, change)
 
     value = np.array(held, float)
     r = off(value)
