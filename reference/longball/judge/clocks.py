@@ -430,6 +430,9 @@ _TICK = 1e-3
 # step is along its acceleration, to this share, since that changes little in a step.
 _ALONG = 0.03
 
+# Of the acceleration, the share across the velocity with which its direction tells something.
+_ACROSS = 0.1
+
 # How many times as large it is in one scene as in another, by where in a step the end is: nine in
 # ten of them, and one in ten. Of laws and schemes it is the same, or goes with the time of flight.
 _SPREAD = 1.8
@@ -441,9 +444,12 @@ _MANY = 40
 def between_steps(stage: str, wrong: Sequence[Checked], base: Change) -> Iterator[Explanation]:
     """Yield that an event is off the true path by what the way from a step to it leaves out.
 
-    At "landing velocity", that the velocity there is so.
+    At "landing velocity", that the velocity there is so. On a way that is hardly bent across, any
+    error lies along what is left out, and tells nothing.
     """
-    places = [(t, p) for t, _ in evenly(wrong, _MANY) if (p := placed(t, base, stage))]
+    places = [
+        (t, p) for t, _ in evenly(wrong, _MANY) if (p := placed(t, base, stage)) and _is_bent(p)
+    ]
     if len(places) < ENOUGH:
         return
     times = np.array([p.time for _, p in places])
@@ -482,6 +488,13 @@ def between_steps(stage: str, wrong: Sequence[Checked], base: Change) -> Iterato
                 allowed=_ALONG, stage=event,
             )  # fmt: skip
             return
+
+
+def _is_bent(place: Placed) -> bool:
+    """Tell whether the acceleration at a place is not along the velocity."""
+    velocity, bend = place.velocity(place.time), _bend(place.way, place.time)
+    size = float(np.linalg.norm(velocity) * np.linalg.norm(bend))
+    return float(np.linalg.norm(np.cross(velocity, bend))) > _ACROSS * size
 
 
 def _bend(way: Callable[[float], Sequence[float]], time: float) -> Array:
