@@ -23,7 +23,7 @@ from longball.judge.fits import Fit
 from longball.judge.outcomes import _explains
 from longball.judge.rules import features, rule
 from longball.judge.stages import NONE, Change, placed, trial_of, with_values
-from longball.judge.steps import ITS_OWN, _Way
+from longball.judge.steps import ITS_OWN, FixedStep, _Way
 from longball.judge.text import stage_sentences
 from longball.model.readings import Reading
 from longball.model.scene import FlightScene, Launch, Pitch, PitchScene
@@ -162,6 +162,15 @@ def test_a_faster_ball_that_stays_up_is_no_mistake_about_the_time_limit(gold: di
     outcome = next(f for f in told([case], lambda i, c: right) if f.stage == "outcome")
     assert outcome.names == []
     assert "its own impact.velocity" in outcome.sentence
+
+
+def test_a_scheme_is_not_followed_far_beyond_the_time_limit(gold: dict[str, Case]):
+    case = gold["hard-dip-circle-under-1e-09"]
+    trial = trial_of(case, Answer(case.id, outcome="airborne"))
+    steps = Change(engine=FixedStep(dt=0.02, scheme="rk4", ends="step"))
+    longer = Change(partial(with_values, values={"time_limit": 1e5}))
+    assert _explains(steps, trial) is True
+    assert _explains(steps.then(longer), trial) is None
 
 
 def test_a_ball_struck_beyond_the_bat_is_told_from_its_own_contact(gold: dict[str, Case]):

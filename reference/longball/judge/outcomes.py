@@ -178,8 +178,12 @@ def _made(
     whole = [*wrong, *same]
 
     def makes(change: Change) -> bool:
-        tells = [_explains(change, t) for t in whole]
-        return False not in tells and True in tells[: len(wrong)]
+        tells = []
+        for t in whole:
+            if (one := _explains(change, t)) is False:
+                return False
+            tells.append(one)
+        return True in tells[: len(wrong)]
 
     named = [name for f in known for name in f.names[:1] if f.stage != "outcome"]
     if named and base is not NONE and makes(base):
@@ -193,11 +197,20 @@ def _made(
     return [m.name for m in ties], told_together([m.sentence for m in ties])
 
 
+# Of one flight by a scheme, to see how it ends.
+MOST_STEPS = 10_000
+
+
 def _explains(change: Change, trial: Trial) -> bool | None:
     """Tell whether a change makes a trial's outcome, and a landing near to the one that it has.
 
-    None where doubles cannot decide what it makes.
+    None where doubles cannot decide what it makes, or a scheme takes very many steps to it, as
+    beyond the time limit.
     """
+    scenes = trial.scene, change.scene(trial.scene)
+    own, changed = (getattr(scene, "time_limit", 0.0) for scene in scenes)
+    if own < changed > MOST_STEPS * getattr(change.engine, "dt", math.inf):
+        return None
     try:
         result = _solved(trial, change)
     except (ArithmeticError, ValueError):
