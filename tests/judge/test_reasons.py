@@ -166,7 +166,7 @@ def test_a_faster_ball_that_stays_up_is_no_mistake_about_the_time_limit(gold: di
 
 def test_a_scheme_is_not_followed_far_beyond_the_time_limit(gold: dict[str, Case]):
     case = gold["hard-dip-circle-under-1e-09"]
-    trial = trial_of(case, Answer(case.id, outcome="airborne"))
+    trial = trial_of(case, Answer(case.id, "airborne", {}))
     steps = Change(engine=FixedStep(dt=0.02, scheme="rk4", ends="step"))
     longer = Change(partial(with_values, values={"time_limit": 1e5}))
     assert _explains(steps, trial) is True
@@ -490,3 +490,26 @@ def test_what_a_few_scenes_make_of_few_digits_is_no_fault_of_theirs(gold: dict[s
     assert names(found.findings) == found.findings[0].names == ["few-decimals"]
     assert found.first is None
     assert "as far as its digits tell" in " ".join(stage_sentences(found))
+
+
+def test_the_axis_of_the_pitch_is_named_where_others_are_always_up():
+    """Straight pitches turn about +y, and a ball that is batted about it is pressed down."""
+    straight = [with_values(s, {"pitch.release[1]": 0.0, "pitch.aim[0]": 0.0}) for s in at_bats(10)]
+    up = Reading(lift_direction="always_up")
+    above = [s.model_copy(update={"id": f"{s.id}-up", "reading": up}) for s in straight]
+
+    def pressed(i: int, case: Case) -> dict[str, Any]:
+        scene, right = case.scene, result(case.scene)
+        if scene.reading == up or "impact" not in right:
+            return right
+        begin, away = right["contact"]["position"], right["impact"]["velocity"]
+        launch = Launch(position=tuple(begin), velocity=tuple(away))
+        air = scene.air.model_copy(update={"lift_coefficient": -scene.air.lift_coefficient})
+        flight = FlightScene(id=case.id, launch=launch, air=air)
+        landing = result(flight)["landing"]
+        landing["time"] += right["contact"]["time"]
+        return right | {"landing": landing}
+
+    found = told(solved([*straight, *above], Ivp()), pressed)
+    assert any("axis that the pitch had, but not where it is always up" in f.sentence
+               for f in found), found  # fmt: skip
