@@ -436,9 +436,7 @@ def test_a_velocity_wrong_at_the_end_only_counts_with_its_flight():
     heavier = case.scene.model_copy(update={"gravity": 9.9})
     right = result(heavier)
     right["landing"]["velocity"][0] += 0.01
-    collector = Collector([case.id])
-    collector.take_line(1, json.dumps(right).encode())
-    trial = trial_of(case, collector.answers[case.id])
+    trial = trial_of(case, answered(case, right))
     sought = Sought([trial], [], ("flight",), NONE, Work())
     (plain,) = sought.rows(NONE)
     (mended,) = sought.rows(Change(partial(with_values, values={"gravity": 9.9})))
@@ -513,3 +511,18 @@ def test_the_axis_of_the_pitch_is_named_where_others_are_always_up():
     found = told(solved([*straight, *above], Ivp()), pressed)
     assert any("axis that the pitch had, but not where it is always up" in f.sentence
                for f in found), found  # fmt: skip
+
+
+@pytest.mark.parametrize("late", [-0.01, 0.02])
+def test_a_velocity_of_another_time_is_named_with_that(late: float):
+    def odd(i: int, case: Case) -> dict[str, Any]:
+        right = result(case.scene)
+        trial = trial_of(case, answered(case, right))
+        place = placed(trial, NONE, "landing velocity")
+        assert place is not None
+        right["landing"]["velocity"] = list(place.velocity(place.time + late * (1 + 0.1 * (i % 3))))
+        return right
+
+    (only,) = told(solved([*flights(), *at_bats(6)], Ivp()), odd)
+    assert only.names == ["velocity-of-another-time"]
+    assert ("before" if late < 0 else "after") in only.sentence

@@ -388,6 +388,36 @@ def _rounded_to(times: Array, clock: Array) -> int:
     return decimals if near and 0 < decimals <= FEW_DECIMALS else 0
 
 
+# Of what a velocity is off, what may be left where it is that of another time.
+_SAME_PATH = 1e-3
+
+
+def velocities_of_another_time(wrong: Sequence[Checked], base: Change) -> Iterator[Explanation]:
+    """Yield by how much earlier, or later, the velocities at the landing are those of the path."""
+    places = [(t, placed(t, base, "landing velocity")) for t, _ in evenly(wrong, _MANY)]
+    known = [(t, place) for t, place in places if place and _is_bent(place)]
+    lates, lefts, wholes = [], [], []
+    for trial, place in known:
+        said, time = np.array(trial.given["landing.velocity"]), place.time
+        for _ in range(10):  # to the nearest velocity
+            bend = _bend(place.way, time)
+            time += float((said - place.velocity(time)) @ bend / (bend @ bend))
+        lates.append(time - place.time)
+        lefts.append(float(np.linalg.norm(said - place.velocity(time))))
+        wholes.append(float(np.linalg.norm(said - place.velocity(place.time))))
+    if len(lates) < ENOUGH or not np.isfinite([*lates, *lefts]).all():
+        return
+    side = "before" if max(lates) < 0 else "after" if min(lates) > 0 else "before or after"
+    size = np.abs(lates)
+    same = np.ptp(size) <= _SAME_PATH * size.max()
+    most = f"{size.max():.3g} s" if same else f"{size.min():.1e} to {size.max():.1e} s"
+    yield Explanation(
+        "velocity-of-another-time", f"landing.velocity is that of the true path {most} {side} the "
+        "landing, as at another step", "take velocity and place from the same time",
+        share_left(lefts, wholes), 2, quantity="landing.velocity",
+    )  # fmt: skip
+
+
 # --- events between two steps ---------------------------------------------------------------------
 
 

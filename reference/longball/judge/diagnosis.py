@@ -734,6 +734,7 @@ class _Search:
                 found += at_surface
         if stage == "landing velocity":
             found += clocks.between_steps(stage, wrong, self.base)
+            found += clocks.velocities_of_another_time(wrong, self.base)
         if stage == "fence":
             found += clocks.fences(wrong, self.base)
         if stage == "touching":
