@@ -18,10 +18,14 @@ from longball.judge.cases import Case, decidable, solved
 from longball.judge.diagnosis import _not_alone, diagnose
 from longball.judge.explanations import Explanation
 from longball.judge.findings import Finding, found
+from longball.judge.flight_mistakes import with_density
 from longball.judge.rules import features, rule
 from longball.judge.stages import with_values
 from longball.judge.steps import LIKE, _by_order, _Way
+from longball.model.air import Weather
+from longball.model.atmosphere import density
 from longball.model.force import Lift, Piecewise
+from longball.model.numbers import DOUBLES
 from longball.model.readings import Reading
 from tests.judge.material import at_bats, collected, flights, impacts, pitches
 
@@ -57,6 +61,19 @@ def test_a_factor_of_k_is_no_other_radius(factor: float, meant: str):
     assert not any("radius" in name or "mass" in name for name in only.names)
     assert "k = ρ A/(2 m)" in only.sentence
     assert meant in only.sentence
+
+
+def test_a_factor_of_the_weathers_density_is_no_factor_of_k():
+    """In scenes whose density is a number the flights are right."""
+
+    def denser(scene: Any) -> Any:
+        weather = isinstance(scene.air.density, Weather)
+        return with_density(scene, 1.00008 * density(scene, DOUBLES)) if weather else scene
+
+    only, *others = findings(gold("flight-weather", "flight-wind", every=3), denser)
+    assert not others
+    assert "the density that the weather gives" in only.sentence
+    assert only.share > 0.999
 
 
 def test_a_mass_of_few_digits_is_told_before_a_factor_of_k():

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import re
+import sys
 from collections.abc import Callable
 from html.parser import HTMLParser
 from xml.etree import ElementTree
@@ -436,3 +437,23 @@ def test_what_a_second_run_tells_comes_first_and_no_cause_beside_it():
     assert "nothing explains it" in once[-1]
     assert again[0] == "run twice: it differs"
     assert "nothing explains it" not in " ".join(again)
+
+
+NOISY = """
+import json, random, sys
+from longball.engines.chain import solve
+from longball.engines.ivp import Ivp
+from longball.model.scene import parse_scene
+for line in sys.stdin:
+    told = json.loads(solve(parse_scene(line), Ivp()).line())
+    told["landing"]["distance"] += float(sys.argv[1]) * random.uniform(-1, 1)
+    print(json.dumps(told), flush=True)
+"""
+
+
+@pytest.mark.parametrize(("noise", "told"), [("1e-9", False), ("1e-3", True)])
+def test_what_differs_from_run_to_run_is_judged_by_what_passes(noise: str, told: bool):
+    judge = Judge(solved(flights(), Ivp()), Converged(1e-6))
+    found = judge.evaluate_command([sys.executable, "-c", NOISY, noise]).verdict
+    assert ("not deterministic" in " ".join(found.reasons)) == told
+    assert (found.status == "PASSED") != told

@@ -14,7 +14,6 @@ from longball.cli.common import (
     Expected,
     Json,
     Quiet,
-    Seed,
     failing_unless,
     note,
     progress_bar,
@@ -58,7 +57,10 @@ def judge(
         int | None,
         typer.Option(min=1, metavar="N", help="Judge by N random scenes, drawn from --seed."),
     ] = None,
-    seed: Seed = 1,
+    seed: Annotated[
+        int | None,
+        typer.Option(min=0, help="Seed of the random scenes. Default: 1."),
+    ] = None,
     partial: Annotated[
         bool, typer.Option("--partial", help="Scenes and quantities may be left out.")
     ] = False,
@@ -145,6 +147,10 @@ def judge(
         )
     if column and not results:
         wrong_call("--column names the columns of --results FILE.csv")
+    if seed is not None and not random:
+        wrong_call("--seed is that of the scenes of --random N")
+    if knob and steps:
+        wrong_call("either --steps or --knob, not both: one of them takes its values in turn")
     if sum(map(bool, (golden, scenes, random))) > 1:
         wrong_call("either --golden, --scenes or --random, not two of them")
     if html:
@@ -200,7 +206,7 @@ def judge(
 
 
 def cases_of(
-    golden: Sequence[str] | None, scenes: str | None, random: int | None, seed: int
+    golden: Sequence[str] | None, scenes: str | None, random: int | None, seed: int | None
 ) -> tuple[list[Case], str]:
     """Return the cases to judge by, and where they are from."""
     from longball.cli.converge import read_scenes
@@ -210,6 +216,7 @@ def cases_of(
     if scenes:
         return list(proven(read_scenes(scenes))), f"proven values of {scenes}"
     if random:
+        seed = 1 if seed is None else seed
         asked = list(random_scenes(random, seed))
         with progress_bar("proving", random) as advance:
             cases = proven(asked, progress=advance)

@@ -388,6 +388,36 @@ def _rounded_to(times: Array, clock: Array) -> int:
     return decimals if near and 0 < decimals <= FEW_DECIMALS else 0
 
 
+# Of what a velocity is off, what may be left where it is that of another time.
+_SAME_PATH = 1e-3
+
+
+def velocities_of_another_time(wrong: Sequence[Checked], base: Change) -> Iterator[Explanation]:
+    """Yield by how much earlier, or later, the velocities at the landing are those of the path."""
+    places = [(t, placed(t, base, "landing velocity")) for t, _ in evenly(wrong, _MANY)]
+    known = [(t, place) for t, place in places if place and _is_bent(place)]
+    lates, lefts, wholes = [], [], []
+    for trial, place in known:
+        said, time = np.array(trial.given["landing.velocity"]), place.time
+        for _ in range(10):  # to the nearest velocity
+            bend = _bend(place.way, time)
+            time += float((said - place.velocity(time)) @ bend / (bend @ bend))
+        lates.append(time - place.time)
+        lefts.append(float(np.linalg.norm(said - place.velocity(time))))
+        wholes.append(float(np.linalg.norm(said - place.velocity(place.time))))
+    if len(lates) < ENOUGH or not np.isfinite([*lates, *lefts]).all():
+        return
+    side = "before" if max(lates) < 0 else "after" if min(lates) > 0 else "before or after"
+    size = np.abs(lates)
+    same = np.ptp(size) <= _SAME_PATH * size.max()
+    most = f"{size.max():.3g} s" if same else f"{size.min():.1e} to {size.max():.1e} s"
+    yield Explanation(
+        "velocity-of-another-time", f"landing.velocity is that of the true path {most} {side} the "
+        "landing, as at another step", "take velocity and place from the same time",
+        share_left(lefts, wholes), 2, quantity="landing.velocity",
+    )  # fmt: skip
+
+
 # --- events between two steps ---------------------------------------------------------------------
 
 
@@ -430,6 +460,9 @@ _TICK = 1e-3
 # step is along its acceleration, to this share, since that changes little in a step.
 _ALONG = 0.03
 
+# Of the acceleration, the share across the velocity with which its direction tells something.
+_ACROSS = 0.1
+
 # How many times as large it is in one scene as in another, by where in a step the end is: nine in
 # ten of them, and one in ten. Of laws and schemes it is the same, or goes with the time of flight.
 _SPREAD = 1.8
@@ -441,9 +474,12 @@ _MANY = 40
 def between_steps(stage: str, wrong: Sequence[Checked], base: Change) -> Iterator[Explanation]:
     """Yield that an event is off the true path by what the way from a step to it leaves out.
 
-    At "landing velocity", that the velocity there is so.
+    At "landing velocity", that the velocity there is so. On a way that is hardly bent across, any
+    error lies along what is left out, and tells nothing.
     """
-    places = [(t, p) for t, _ in evenly(wrong, _MANY) if (p := placed(t, base, stage))]
+    places = [
+        (t, p) for t, _ in evenly(wrong, _MANY) if (p := placed(t, base, stage)) and _is_bent(p)
+    ]
     if len(places) < ENOUGH:
         return
     times = np.array([p.time for _, p in places])
@@ -482,6 +518,13 @@ def between_steps(stage: str, wrong: Sequence[Checked], base: Change) -> Iterato
                 allowed=_ALONG, stage=event,
             )  # fmt: skip
             return
+
+
+def _is_bent(place: Placed) -> bool:
+    """Tell whether the acceleration at a place is not along the velocity."""
+    velocity, bend = place.velocity(place.time), _bend(place.way, place.time)
+    size = float(np.linalg.norm(velocity) * np.linalg.norm(bend))
+    return float(np.linalg.norm(np.cross(velocity, bend))) > _ACROSS * size
 
 
 def _bend(way: Callable[[float], Sequence[float]], time: float) -> Array:

@@ -70,6 +70,9 @@ OTHERS = 3
 # hardly decide: beside a cause that is named, so few are not worth a line.
 FEW_UNSEEN = 0.05
 
+# What is told of a stage whose errors are made elsewhere.
+RIGHT = {"wrong": 0, "worst": 0.0, "example": None}
+
 # Where a wrong flight ends is seen to be on the surface, and no more: not that it is there in time.
 ENDS_OF = {"plate": "pitch", "landing": "flight", "landing velocity": "flight"}
 
@@ -103,6 +106,8 @@ MAYBE_STEPS = (
     "; an error of this size may be in a number, or the integrator's (long steps, a loose "
     "tolerance): see whether shorter steps change it"
 )
+
+CUT_OFF = "; the few digits of the numbers before it may do that"
 
 OF_ORDER = (
     "; its runs with several time steps converge with order {}: look for what is of that order in "
@@ -165,8 +170,9 @@ def diagnose(
     unread = {name for name, answer in answers.items() if answer.unreadable}
     base = NONE if scheme is None else Change(engine=scheme, push=True)
     return _Search(
-        trials, dt, order, scheme, causes, single, unread, frozenset(wrong), base
-    ).diagnosis()
+        trials, dt, order, scheme, causes, single, unread, frozenset(wrong), base,
+        relations.few_digits(trials),
+    ).diagnosis()  # fmt: skip
 
 
 @dataclass
@@ -183,6 +189,8 @@ class _Search:
         Ids of answers with values that are no numbers.
     base
         The chain as far as it is explained.
+    coarse
+        That all numbers are written with few digits, if they are.
     excused
         Stages and quantities whose errors are explained.
     stepless
@@ -197,6 +205,8 @@ class _Search:
         Stages whose errors are explained by a mistake at another one, and that.
     thrown
         Scenes whose pitch does not follow.
+    amplified
+        Stages that are wrong in few scenes, which few digits may do.
     """
 
     trials: list[Trial]
@@ -208,6 +218,7 @@ class _Search:
     unread: Collection[str]
     wrong: Collection[str]
     base: Change
+    coarse: Finding | None
     findings: list[Finding] = field(default_factory=list)
     excused: set[str] = field(default_factory=set)
     stepless: bool = False
@@ -216,12 +227,13 @@ class _Search:
     begun: dict[str, float] = field(default_factory=dict)
     moved: dict[str, str] = field(default_factory=dict)
     thrown: set[str] = field(default_factory=set)
+    amplified: set[str] = field(default_factory=set)
     work: Work = field(default_factory=Work)
     _raw: dict[int, Checked] = field(default_factory=dict)  # under the base, by trial's identity
     _followed: list[Checked] | None = None
 
     def diagnosis(self) -> Diagnosis:
-        checks, coarse = self._follow(), relations.few_digits(self.trials)
+        checks = self._follow()
         rows = [row for stage in STAGES if (row := _row(stage, checks))]
         self.thrown = {
             t.case.id for t, cs in checks if any(c.stage == "pitch" and not c.follows for c in cs)
@@ -239,10 +251,12 @@ class _Search:
         facts = list(outcomes.told_findings(self.trials, self.base))
         self.findings += facts
         named = any(f.names for f in self.findings)
-        if unseen and named and unseen.wrong <= FEW_UNSEEN * len(self.wrong):
+        if unseen and named and (self.single or unseen.wrong <= FEW_UNSEEN * len(self.wrong)):
             unseen = None
-        if more := (coarse if self.causes and coarse else unseen):
-            self.findings.append(more)
+        if self.causes and (coarse := self.coarse):
+            self.findings.insert(sum(bool(f.names) for f in self.findings), coarse)
+        elif unseen:
+            self.findings.append(unseen)
         self.findings = _not_alone(self.findings)
         known = {f.stage for f in self.findings if f.names}
         # Little beside other errors is mostly the candidate's integrator's, unless it has a name.
@@ -257,7 +271,14 @@ class _Search:
         ]
         rows = self._without_inherited(rows)
         lead = next(
-            (r for r in rows if r.wrong and (r.worst >= MINOR * largest or r.stage in known)), None
+            (
+                r
+                for r in rows
+                if r.wrong
+                and r.stage not in self.amplified
+                and (r.worst >= MINOR * largest or r.stage in known)
+            ),
+            None,
         )
         return Diagnosis(
             sentence=self._sentence(lead, clean),
@@ -277,8 +298,7 @@ class _Search:
         if isinstance(self.base.engine, Verlet):  # of which only some scenes are followed
             return list(rows)
         told |= {c.stage for _, cs in self._follow() for c in cs if not c.follows}
-        right = {"wrong": 0, "worst": 0.0, "example": None}
-        return [r if r.stage in told else r.model_copy(update=right) for r in rows]
+        return [r if r.stage in told else r.model_copy(update=RIGHT) for r in rows]
 
     def _unseen(self, checks: Sequence[Checked]) -> Finding | None:
         """Return that answers are wrong in which every stage follows, as far as it is told."""
@@ -405,7 +425,9 @@ class _Search:
         few = len(wrong) < max(ENOUGH, (len(wrong) + len(good)) / ONE_IN)
         left = self.loose.keys() | self.thrown
         inherited = stage in INHERITING and few and all(t.case.id in left for t, _ in wrong)
-        searched = self.causes and not (little or stepped or inherited)
+        # Of digits that are cut off a few scenes make a thousand times as much, and more.
+        cut_off = self.coarse is not None and len(wrong) <= FEW_UNSEEN * (len(wrong) + len(good))
+        searched = self.causes and not (little or stepped or inherited or cut_off)
         if searched and scenes:
             failing = {id(t) for t, _ in wrong}
             some = [t for t in self.trials if id(t) in failing]
@@ -430,6 +452,9 @@ class _Search:
                 of_plain = self._found(stage, plain, _plain(good), checks, False)
                 causes = [e for e in of_plain if _is_telling(e)]
                 of_most = bool(causes)
+        if not causes and cut_off:
+            self.amplified.add(stage)
+            told = told.model_copy(update={"sentence": told.sentence + CUT_OFF})
         if not causes:
             if searched and stage in ("pitch", "flight"):
                 chosen = [t for t, _ in evenly(wrong, SOUGHT)]
@@ -448,6 +473,10 @@ class _Search:
             broken, same = self._least_harm(causes, stage, good)
         same = _without_others(same)
         best, alone = same[0], broken > 0 or of_most
+        if best is relations.SINGLE and any(best.name in f.names for f in self.findings):
+            self.excused.add(stage)
+            self._followed = None
+            return False
         if rounded and not alone:
             self._accept(best, stage, worst)
             self._followed = None
@@ -705,6 +734,7 @@ class _Search:
                 found += at_surface
         if stage == "landing velocity":
             found += clocks.between_steps(stage, wrong, self.base)
+            found += clocks.velocities_of_another_time(wrong, self.base)
         if stage == "fence":
             found += clocks.fences(wrong, self.base)
         if stage == "touching":
@@ -857,8 +887,7 @@ def _where_made(
         if row := by_stage.get(stage):
             by_stage[made] = row.model_copy(update={"stage": made})
             if stage not in known:
-                right = {"wrong": 0, "worst": 0.0, "example": None}
-                by_stage[stage] = row.model_copy(update=right)
+                by_stage[stage] = row.model_copy(update=RIGHT)
     for fact in facts:
         row = by_stage.get(fact.stage)
         if row is None and fact.stage in STAGES:

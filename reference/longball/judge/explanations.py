@@ -185,20 +185,12 @@ class Work:
         """Whether its flights have taken very many steps."""
         return EFFORT.steps - self._begun > MOST_EFFORT
 
-    def residuals(self, trial: Trial, change: Change, stages: Iterable[str]) -> Array:
-        """Return the relative errors that a change leaves in some stages."""
+    def checks(self, trial: Trial, change: Change, stages: Iterable[str]) -> list[Check]:
+        """Return what follows in some stages, and on the way to them, under a change."""
         wanted, step = frozenset(stages), getattr(change.engine, "dt", LONG_STEP)
         flown = duration(trial.case) * LONG_STEP / step
         self.done += 0.2 if wanted.isdisjoint(FLYING) else flown
-        errors = np.array(
-            [
-                (o - e) / check.scale
-                for check in follow(trial, change, wanted)
-                if check.stage in wanted
-                for e, o in zip(check.expected, check.obtained, strict=True)
-            ]
-        )
-        return np.where(np.isfinite(errors), errors, 1.0)
+        return follow(trial, change, wanted)
 
 
 # Flights of a search, so that a verdict is the same on every machine and comes within ten seconds;
@@ -235,15 +227,35 @@ class Sought:
         self.stages, self.base, self.work = stages, base, work
         self.stage = stages[0]
         self._known: dict[tuple[int, Change], Array] = {}
+        self._quantities: dict[int, frozenset[str]] = {}  # by the trial's identity
 
     def rows(self, change: Change) -> list[Array]:
         """Return the relative errors that a change leaves in each trial."""
         full = self.base if change is NONE else self.base.then(change)
         for trial in (*self.trials, *self.beside):
             if (id(trial), change) not in self._known:
-                found = self.work.residuals(trial, full, self.stages)
-                self._known[id(trial), change] = found
+                self._known[id(trial), change] = self.errors(trial, full)
         return [self._known[id(trial), change] for trial in (*self.trials, *self.beside)]
+
+    def errors(self, trial: Trial, full: Change) -> Array:
+        """Return the relative errors of a trial under a chain.
+
+        They are those of the quantities that are of the stages under the base: a velocity that
+        another chain leaves wrong at the end only is of another stage, and counts the same.
+        """
+        if id(trial) not in self._quantities:
+            known = follow(trial, self.base, self.stages)
+            here = frozenset(check.quantity for check in known if check.stage in self.stages)
+            self._quantities[id(trial)] = here
+        errors = np.array(
+            [
+                (o - e) / check.scale
+                for check in self.work.checks(trial, full, self.stages)
+                if check.quantity in self._quantities[id(trial)]
+                for e, o in zip(check.expected, check.obtained, strict=True)
+            ]
+        )
+        return np.where(np.isfinite(errors), errors, 1.0)
 
     def concerned(self, change: Change) -> bool:
         """Tell whether a change may do anything to the trials: what is done to scenes is cheap."""
@@ -299,7 +311,7 @@ class Sought:
     def of(self, trials: Sequence[Trial]) -> Sought:
         """Return the same, sought in some of the trials."""
         few = Sought(trials, (), self.stages, self.base, self.work)
-        few._known = self._known
+        few._known, few._quantities = self._known, self._quantities
         return few
 
     def residual(self, change: Change = NONE) -> Array | None:

@@ -120,8 +120,13 @@ def _leaves_out(scene: Any, name: str) -> bool:
     return name in _LEFT_OUT and at(scene, name) is None
 
 
+WEATHER = "weather"
+
+
 def law_of(scene: Any, name: str) -> str | None:
-    """Return the law that a number of a coefficient is in; None if it is in none."""
+    """Return the law that a number of a coefficient is in, or a density; None if it is in none."""
+    if name == "air.density":
+        return WEATHER if isinstance(at(scene, name), Weather) else None
     block, _, _ = name.rpartition(".")
     return getattr(at(scene, block), "law", None) if block.endswith("_coefficient") else None
 
@@ -212,6 +217,8 @@ class Fit:
         """How to mend it."""
         if self.parameter in OWN:
             return f"it is {OWN[self.parameter].usual:.7g}"
+        if self.of_weather:
+            return "see the formula that makes the density from the weather, and its constants"
         if self.is_strength:
             return "k = ρ A/(2 m) with A = π R²: see which of them it is"
         return f"take the scene's {self.parameter}"
@@ -219,7 +226,12 @@ class Fit:
     @property
     def is_strength(self) -> bool:
         """Whether it is a factor of drag and lift, of which no flight tells where it is from."""
-        return self.parameter == "air.density" and self.form == "factor"
+        return self.parameter == "air.density" and self.form == "factor" and not self.of_weather
+
+    @property
+    def of_weather(self) -> bool:
+        """Whether it is a density that the weather gives: another one is as the scene says."""
+        return self.laws == frozenset((WEATHER,))
 
     @property
     def roundness(self) -> float:
@@ -245,6 +257,8 @@ class Fit:
                 "1/m, which the flights do not tell apart"
             )
         parameter = OWN[self.parameter].words if self.parameter in OWN else self.parameter
+        if self.of_weather:
+            parameter = "the density that the weather gives"
         match self.form:
             case "fixed":
                 whatever = "whatever the scene says" if self.varies else f"and not {self.usual:.6g}"
@@ -395,7 +409,7 @@ def implied(
         change = base
         for name, value in zip(names, values.tolist(), strict=True):
             change = change.then(_in_law(name, partial(with_parameter, name=name, value=value)))
-        return sought.work.residuals(trial, change, sought.stages)
+        return sought.errors(trial, change)
 
     value = np.array(held, float)
     r = off(value)

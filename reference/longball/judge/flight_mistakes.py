@@ -348,6 +348,8 @@ _NO_MORE = "weight, drag and lift are all the forces that there are"
 _AGAINST = "the drag is -k V v: against the velocity, in every component"
 _ACROSS = "the lift is k_L V (ê × v), which is k_L V (-w, u) in the flight plane"
 _SCENE = "take the numbers of the scene"
+_HEADING = "the axis ê is horizontal and across the heading at launch: (sin φ, -cos φ, 0)"
+_ANEW = "the axis ê is fixed at the launch of each flight: at the impact anew"
 
 _PAPERS_LAW: tuple[Mistake, ...] = (
     Mistake("drag-per-component", "drags each component by itself, with its own square",
@@ -434,20 +436,17 @@ _PAPERS_LAW: tuple[Mistake, ...] = (
             _lift_rate(lambda m, flow: flow.speed * _rising(m)), True),
     Mistake("lift-sign-falling", "lifts a falling ball the wrong way", _ACROSS,
             _lift_rate(lambda m, flow: flow.speed * (2.0 * _rising(m) - 1.0)), True),
-    *(Mistake(name, sentence + where, "the axis ê is horizontal and across the heading at launch: "
-              "(sin φ, -cos φ, 0)", about(axis))
-      for name, sentence, axis in (
-          ("lift-about-minus-y", "lifts about -y, whatever the ball's heading",
+    *(Mistake(name, sentence + where, remedy, about(axis))
+      for name, sentence, remedy, axis in (
+          ("lift-about-minus-y", "lifts about -y, whatever the ball's heading", _HEADING,
            lambda scene, frame: (0.0, -1.0, 0.0)),
           ("lift-axis-sign", "has the lift's axis the other way round, (-sin φ, cos φ, 0)",
-           lambda scene, frame: (-frame.sin, frame.cos, 0.0)))
+           _HEADING, lambda scene, frame: (-frame.sin, frame.cos, 0.0)),
+          ("lift-about-axis-of-pitch", "lifts a batted ball about the axis that the pitch had",
+           _ANEW, _axis_of_pitch(straight=False)),
+          ("lift-about-plus-y", "lifts a batted ball about +y, the axis of a straight pitch",
+           _ANEW, _axis_of_pitch(straight=True)))
       for where, about in (("", _about), (", but not where it is always up", _about_if_fixed))),
-    Mistake("lift-about-axis-of-pitch", "lifts a batted ball about the axis that the pitch had",
-            "the axis ê is fixed at the launch of each flight: at the impact anew",
-            _about(_axis_of_pitch(straight=False))),
-    Mistake("lift-about-plus-y", "lifts a batted ball about +y, the axis of a straight pitch",
-            "the axis ê is fixed at the launch of each flight: at the impact anew",
-            _about(_axis_of_pitch(straight=True))),
     Mistake("heading-by-arctangent", "takes the heading for atan(v_y/v_x), which is the "
             "opposite one where v_x < 0: the lift then has the wrong sign", "take atan2(v_y, v_x), "
             "or divide the horizontal velocity by its size", _about(_axis_by_arctangent)),

@@ -190,11 +190,15 @@ def _made(
     whole = [*wrong, *same]
 
     def makes(change: Change) -> bool:
-        tells = [_explains(change, t) for t in whole]
-        if False in tells or True not in tells[: len(wrong)]:
-            return False
-        concerned = [t for t in agreed if change.scene(t.scene) != t.scene]
-        return False not in [_explains(change, t) for t in evenly(concerned, RIGHT)]
+        tells = []
+        for t in whole:
+            if (one := _explains(change, t)) is False:
+                return False
+            tells.append(one)
+        concerned = evenly([t for t in agreed if change.scene(t.scene) != t.scene], RIGHT)
+        return True in tells[: len(wrong)] and all(
+            _explains(change, t) is not False for t in concerned
+        )
 
     named = [name for f in known for name in f.names[:1] if f.stage != "outcome"]
     if named and base is not NONE and makes(base):
@@ -208,11 +212,20 @@ def _made(
     return [m.name for m in ties], told_together([m.sentence for m in ties])
 
 
+# Of one flight by a scheme, to see how it ends.
+MOST_STEPS = 10_000
+
+
 def _explains(change: Change, trial: Trial) -> bool | None:
     """Tell whether a change makes a trial's outcome, and a landing near to the one that it has.
 
-    None where doubles cannot decide what it makes.
+    None where doubles cannot decide what it makes, or a scheme takes very many steps to it, as
+    beyond the time limit.
     """
+    scenes = trial.scene, change.scene(trial.scene)
+    own, changed = (getattr(scene, "time_limit", 0.0) for scene in scenes)
+    if own < changed > MOST_STEPS * getattr(change.engine, "dt", math.inf):
+        return None
     try:
         result = _solved(trial, change)
     except (ArithmeticError, ValueError):

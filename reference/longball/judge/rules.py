@@ -155,8 +155,9 @@ _BLOCKS = {
 # the count of rules that are tried would be told by it.
 CHANCE = 100
 
-# Scenes that must have a value for it to be the usual one; fewer are no rule.
-FEWEST = 3
+# Scenes that must have a value for it to be the usual one; fewer, wrong or right, are no rule, as
+# those that are made for one question are alike in much else.
+FEWEST = 5
 
 # Conditions that are tried as the first of two: those that tell most scenes.
 HALVES = 8
@@ -292,13 +293,15 @@ def _conditions(wrong: Sequence[Features], right: Sequence[Features]) -> Iterato
         differs = Condition(name, f"{name} ≠ {_told(usual)}", partial(ne, usual))
         often = times >= FEWEST and 2 * times > len(others)
         number = isinstance(values[0], float)
-        if often and usual == 0.0:  # that there is any says more than how much it is
+        # That there is any says more than how much it is; to have another value than most have is
+        # nothing that scenes with a number have in common.
+        if often and usual == 0.0:
             yield differs
         if len(set(values)) == 1:
             is_some = number and values[0] != 0.0
             text = f"{name} = {_told(values[0])}"
             yield Condition(name, text, partial(eq, values[0]), measured=is_some)
-        if often and usual != 0.0:
+        if often and not number:
             yield differs
         if number and (below := [v for v in others if v < min(values)]):
             low = max(below) and _between(max(below), min(values))

@@ -156,7 +156,9 @@ def stage_sentences(diagnosis: Diagnosis) -> Iterator[str]:
                 f"({row.example})"
             )
     if diagnosis.clean:
-        yield f"  follows in every scene: {', '.join(diagnosis.clean)}"
+        coarse = any(f.stage == "all" and f.names for f in diagnosis.findings)
+        far = ", as far as its digits tell" if coarse else ""
+        yield f"  follows in every scene{far}: {', '.join(diagnosis.clean)}"
 
 
 # A sentence about the candidate begins with what it does: "flies", "takes", "acts".
