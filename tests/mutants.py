@@ -32,7 +32,8 @@ import sys
 import tempfile
 import time
 import traceback
-from collections.abc import Callable, Iterator
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator
 from copy import deepcopy
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -46,7 +47,7 @@ ROOT = Path(__file__).parent.parent
 PACKAGE = ROOT / "reference" / "longball"
 SPACE = ROOT / "build" / "mutants"
 TABLE = ROOT / "tests" / "mutants.csv"
-COLUMNS = ("module", "line", "change", "code", "reason")
+COLUMNS = ("module", "line", "where", "change", "code", "which", "reason")
 FOLDERS = ("model", "engines", "convergence")
 TESTS = (
     "tests/model",
@@ -104,20 +105,29 @@ SWAPS: dict[type[ast.AST], tuple[type[ast.AST], ...]] = {
 # --- mutants --------------------------------------------------------------------------------------
 
 
+Key = tuple[str, str, str, str, str]
+
+
 @dataclass(frozen=True)
 class Mutant:
-    """A change of a module: its path in the package, lines, what changes, and the new source."""
+    """A change of a module: its path in the package, lines, what changes, and the new source.
+
+    `where` and `which` tell it from those of the same words: the function or class that it is in,
+    and its number among those there.
+    """
 
     module: str
     lines: range
     change: str
     code: str
+    where: str
+    which: int
     source: str = field(repr=False)
 
     @property
-    def key(self) -> tuple[str, str, str]:
+    def key(self) -> Key:
         """What a reason belongs to; lines move."""
-        return self.module, self.change, self.code
+        return self.module, self.where, self.change, self.code, str(self.which)
 
     def __str__(self) -> str:
         return f"{self.module}:{self.lines.start}  {self.change}  {self.code}"
@@ -126,15 +136,15 @@ class Mutant:
 def mutants(module: str) -> Iterator[Mutant]:
     """Yield every mutant of a module."""
     source = (PACKAGE / module).read_text(encoding="utf-8")
-    tree, lines = ast.parse(source), source.splitlines()
-    passive = {id(node) for part in _passive(tree) for node in ast.walk(part)}
-    for node in ast.walk(tree):
-        if id(node) not in passive:
-            for change, changed in _changes(node):
-                assert isinstance(node, ast.expr)
-                reach = range(node.lineno, (node.end_lineno or node.lineno) + 1)
-                code = lines[node.lineno - 1].strip()
-                yield Mutant(module, reach, change, code, _replaced(source, node, changed))
+    lines, numbers = source.splitlines(), Counter[tuple[str, str, str]]()
+    for where, node in _visible(ast.parse(source)):
+        for change, changed in _changes(node):
+            assert isinstance(node, ast.expr)
+            reach = range(node.lineno, (node.end_lineno or node.lineno) + 1)
+            words = where, change, lines[node.lineno - 1].strip()
+            numbers[words] += 1
+            new = _replaced(source, node, changed)
+            yield Mutant(module, reach, change, words[2], where, numbers[words], new)
 
 
 def _replaced(source: str, node: ast.expr, other: ast.expr) -> str:
@@ -146,23 +156,25 @@ def _replaced(source: str, node: ast.expr, other: ast.expr) -> str:
     return (head + f"({ast.unparse(other)})".encode() + tail).decode()
 
 
-def _passive(tree: ast.Module) -> Iterator[ast.AST]:
-    """Yield the parts of a module that no test can see.
+def _visible(node: ast.AST, where: str = "") -> Iterator[tuple[str, ast.AST]]:
+    """Yield the parts of a module that a test can see, and the function or class that each is in.
 
-    They are annotations, what an error says, and what only states that the program is right.
+    Not annotations, nor what an error says, nor what only states that the program is right.
     """
-    for node in ast.walk(tree):
-        match node:
-            case ast.FunctionDef():
-                yield from filter(None, [node.returns])
-            case ast.arg() | ast.AnnAssign():
-                yield from filter(None, [node.annotation])
-            case ast.JoinedStr() | ast.Raise() | ast.Assert():
-                yield node
-            case ast.keyword(arg="frozen" | "strict" | "slots"):
-                yield node
-            case ast.If(test=ast.Name(id="TYPE_CHECKING")):
-                yield node
+    match node:
+        case ast.FunctionDef() | ast.ClassDef():
+            where = f"{where}.{node.name}".removeprefix(".")
+        case ast.JoinedStr() | ast.Raise() | ast.Assert():
+            return
+        case ast.keyword(arg="frozen" | "strict" | "slots"):
+            return
+        case ast.If(test=ast.Name(id="TYPE_CHECKING")):
+            return
+    yield where, node
+    for name, part in ast.iter_fields(node):
+        for child in part if isinstance(part, list) else [part]:
+            if isinstance(child, ast.AST) and name not in ("annotation", "returns"):
+                yield from _visible(child, where)
 
 
 def _changes(node: ast.AST) -> Iterator[tuple[str, ast.expr]]:
@@ -193,12 +205,12 @@ def _words(before: ast.AST, after: type[ast.AST]) -> str:
     return f"{type(before).__name__} -> {after.__name__}"
 
 
-def sample(only: str | None, seed: int) -> list[Mutant]:
-    """Return all mutants of the folders, or of one module, in an order as the head says."""
+def sample(seed: int) -> list[Mutant]:
+    """Return all mutants of the folders in an order as the head says."""
     generator, placed = random.Random(seed), []
     for folder in FOLDERS:
         names = (path.relative_to(PACKAGE).as_posix() for path in (PACKAGE / folder).rglob("*.py"))
-        chosen = [name for name in sorted(names) if name not in GENERATED and only in (None, name)]
+        chosen = sorted(set(names) - GENERATED)
         every = [mutant for name in chosen for mutant in mutants(name)]
         generator.shuffle(every)
         placed += [((i + generator.random()) / len(every), m) for i, m in enumerate(every)]
@@ -376,23 +388,28 @@ def _forked(run: Callable[[], int], seconds: float | None) -> int:
 # --- table ----------------------------------------------------------------------------------------
 
 
-def known_reasons() -> dict[tuple[str, str, str], str]:
+def known_reasons() -> dict[Key, str]:
     """Return the reasons in the table, by what they belong to."""
     if not TABLE.exists():
         return {}
     with TABLE.open(encoding="utf-8", newline="") as file:
-        return {(r["module"], r["change"], r["code"]): r["reason"] for r in csv.DictReader(file)}
+        return {
+            (r["module"], r["where"], r["change"], r["code"], r["which"]): r["reason"]
+            for r in csv.DictReader(file)
+        }
 
 
-def write(survivors: list[Mutant], tried: list[Mutant]) -> None:
-    """Write the table: the survivors, and earlier ones that were not tried again."""
-    reasons, again = known_reasons(), {mutant.key for mutant in tried}
-    rows = {m.key: (m.module, str(m.lines.start), m.change, m.code) for m in survivors}
-    rows |= {key: (key[0], "", *key[1:]) for key in reasons if key not in again}
+def write(every: Iterable[Mutant], survivors: list[Mutant], tried: list[Mutant]) -> None:
+    """Write the table: the survivors of all mutants, and earlier ones that were not tried again."""
+    reasons = known_reasons()
+    rows = {m.key for m in survivors} | (reasons.keys() - {m.key for m in tried})
     with TABLE.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(COLUMNS)
-        writer.writerows(sorted((*row, reasons.get(key, "")) for key, row in rows.items()))
+        for m in sorted(every, key=lambda m: (m.module, m.lines.start)):
+            if m.key in rows:
+                line, reason = m.lines.start, reasons.get(m.key, "")
+                writer.writerow((m.module, line, m.where, m.change, m.code, m.which, reason))
 
 
 def main() -> None:
@@ -417,25 +434,26 @@ def main() -> None:
     sys.dont_write_bytecode = True
     for name in WARM:
         importlib.import_module(name)
-    every, reasons = sample(options.only, options.seed), known_reasons()
+    every, reasons = sample(options.seed), known_reasons()
+    asked = [mutant for mutant in every if options.only in (None, mutant.module)]
     if options.again:
-        every = [mutant for mutant in every if reasons.get(mutant.key) == ""]
+        asked = [mutant for mutant in asked if reasons.get(mutant.key) == ""]
     fresh = SPACE / "map.json"
     if options.map is None:
         fresh.unlink(missing_ok=True)
     reach = record(options.map or fresh)
     tried, survivors = [], []
     with contextlib.suppress(KeyboardInterrupt):
-        for mutant in every[: options.sample]:
+        for mutant in asked[: options.sample]:
             start = time.monotonic()
             word = fate(mutant, reach)
             tried.append(mutant)
             survivors += [mutant] if word == "SURVIVED" else []
             print(f"{word:8} {time.monotonic() - start:5.1f} s  {mutant}", flush=True)
-    write(survivors, tried)
+    write(every, survivors, tried)
     equivalent = sum(bool(reasons.get(mutant.key)) for mutant in survivors)
     killed, count = len(tried) - len(survivors), len(tried) - equivalent
-    print(f"{len(tried)} of {len(every)} mutants, {equivalent} of them equivalent")
+    print(f"{len(tried)} of {len(asked)} mutants, {equivalent} of them equivalent")
     low, high = binomtest(killed, count).proportion_ci(method="wilson")
     print(f"{killed} of {count} killed: {killed / count:.1%} ({low:.1%} to {high:.1%})")
 

@@ -543,6 +543,35 @@ def test_the_first_fall_is_that_of_a_search_on_a_grid(
         assert abs(least) <= error
 
 
+@pytest.mark.parametrize("off", [-0.3, -0.05, 0.05, 0.3])
+@pytest.mark.parametrize(
+    ("turns", "lowest"),
+    [
+        ((1.0, 4.0), 4.0),  # it rises first
+        ((3.0,), 3.0),  # it falls first
+        ((0.0, 2.0), 2.0),  # it falls from a turning point
+        ((0.0, 1.0, 3.0), 3.0),  # it rises from one
+    ],
+)
+def test_a_fall_between_turning_points_is_told_doubtful_or_none(
+    turns: tuple[float, ...], lowest: float, off: float
+) -> None:
+    """Of a polynomial that turns at given times, and is `off` at its lowest."""
+    antiderivative = np.polynomial.Polynomial.fromroots(turns).integ()
+    p = (antiderivative - antiderivative(lowest) + off).coef
+    degree, error = len(p) - 1, 0.1
+    slope = np.polynomial.polynomial.polyder(p)
+    time, least = first_fall(p, slope, np.zeros(degree + 3), degree, lowest + 1.0, error)
+    if off > error:
+        assert time == NEVER
+    elif off > -error:
+        assert (time, least) == pytest.approx((lowest, off), abs=1e-9)
+    else:
+        roots = np.polynomial.polynomial.polyroots(p)
+        assert time == pytest.approx(roots[(abs(roots.imag) < 1e-9) & (roots.real > 0)].real.min())
+    assert math.isnan(least) or abs(off) < error
+
+
 def test_a_root_where_the_bound_on_the_curvature_vanishes() -> None:
     """Of ``1/10 - t + t²/2 - t³/6``, of which -p'' = t - 1 is at most 0 up to 1."""
     p = np.array([0.1, -1.0, 0.5, -1 / 6])

@@ -4,13 +4,16 @@ import contextlib
 import itertools
 import random
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from longball import golden
 from longball.engines.batch import Batch, solve_columns
-from longball.engines.chain import solve
+from longball.engines.batch.columns import ManyCases, Table
+from longball.engines.chain import MODEL, solve
+from longball.model.numbers import DOUBLES, Undecided
 from longball.model.quantities import numbers
 from longball.model.readings import LEDGER, Reading
 from longball.model.scene import AtBatScene, parse_scene
@@ -122,3 +125,18 @@ def test_columns_are_scenes(scenes):
             continue
         known = {n: c[i] for n, c in table.items() if n != "outcome" and c[i] == c[i]}
         assert known == dict(numbers(result))
+
+
+def test_what_is_exactly_its_error_is_not_decided():
+    """Unless that is nothing: as for one scene, of which only the last four are told."""
+    x, error = np.array([1.0, -1.0, 0.0, 0.0, 1.5, -1.5, 1.0]), np.array([1, 1, 1, 0, 1, 1, 0.0])
+    cases = ManyCases(None, None, MODEL, Table(len(x)), np.arange(len(x)))
+    positive, other = cases.decide(x, error, "")
+    assert positive.tolist() == [False, False, False, False, True, False, True]
+    assert other.tolist() == [False, False, False, True, False, True, False]
+    for i, told in enumerate(positive | other):
+        if told:
+            assert DOUBLES.positive(x[i], error[i], "") == positive[i]
+        else:
+            with pytest.raises(Undecided):
+                DOUBLES.positive(x[i], error[i], "")

@@ -496,6 +496,17 @@ def test_a_line_in_space_crosses_a_chord_at_a_share_of_it():
     assert over(Line(0.0, 0.0, 10.0, -5.0), [[30.0, 40.0, 2.0], [30.0, -10.0, 12.0]]) is None
 
 
+@pytest.mark.parametrize("y", [40.0, -16.0])
+def test_a_crossing_at_an_end_of_the_fence_is_a_break_and_past_it_is_none(y):
+    """At x = 32 after 4 s, and within and beyond the error of the place."""
+    fence = [[32.0, 40.0, 2.0], [32.0, -16.0, 12.0]]
+    out = math.copysign(1e-9, y)
+    for off in (0.0, out / 100, -out / 100):
+        met = over(Line(0.0, 0.0, 8.0, (y + off) / 4), fence, error=1e-11)
+        assert met.place.to_break == pytest.approx(0.0, abs=2e-11)
+    assert over(Line(0.0, 0.0, 8.0, (y + out) / 4), fence, error=1e-11) is None
+
+
 def test_a_chord_that_goes_on_has_no_break_there():
     park = [[30.0, 40.0, 2.0], [30.0, -10.0, 12.0], [0.0, -90.0, 12.0], [-9.0, -90.0, 4.0]]
     met = over(Line(0.0, 0.0, 10.0, 2.0), park)
@@ -551,6 +562,7 @@ def test_a_turn_within_the_error_of_a_state_is_doubtful(x, y, share, doubtful):
         ((9.0, -6.0, 1.0 + 1e-4), [(3.0, True)]),
         ((9.0, -6.0, 1.0 + 1e-1), []),
         ((5.0,), []),
+        ((0.018, -0.017, 0.0085), [(1.0, True)]),  # never below half of what it is first
     ],
 )
 def test_falls_of_a_value(coefficients, expected):

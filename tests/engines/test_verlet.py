@@ -520,7 +520,10 @@ def test_between_the_ends_is_asked_at_the_step_in_the_bat():
 
 
 def test_half_the_force_over_two_steps_from_the_step_gone_back_to():
-    """In free space r(t + 2Δt) = r + 2 v Δt + (J/m) Δt and v(t + 2Δt) = v + J/m."""
+    """In free space r(t + 2Δt) = r + 2 v Δt + (J/m) Δt and v(t + 2Δt) = v + J/m.
+
+    The ground is close below.
+    """
     scene = PLAIN.model_copy(update={"air": None, "gravity": 0.0, "time_limit": 1.0})
     speed, touching = scene.pitch.speed, (18.44 - 0.0696) / scene.pitch.speed
     engine = Verlet((touching + 0.001) / 7)
@@ -529,7 +532,7 @@ def test_half_the_force_over_two_steps_from_the_step_gone_back_to():
     before, velocity = np.array([18.44 - 6 * dt * speed, 0.0, 1.8]), np.array([-speed, 0.0, 0.0])
     kick = np.array([70.0, 0.0, 5.0])
     launch = engine.rebound(
-        meeting.pitch.frame, meeting.touch, tuple(kick), lambda _: NOTHING, ground()
+        meeting.pitch.frame, meeting.touch, tuple(kick), lambda _: NOTHING, ground(1.7)
     )
     assert meeting.touch.time == pytest.approx(touching, rel=1e-14)
     assert launch.position == pytest.approx(before + 2 * velocity * dt + kick * dt, rel=1e-13)

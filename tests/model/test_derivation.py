@@ -322,6 +322,11 @@ def test_the_threshold_of_a_solid_sphere_is_seven_halves():
     solid = found.subs(derivation.INERTIA_FACTOR, sp.Rational(2, 5))
     expected = sp.Rational(7, 2) * derivation.FRICTION * (1 + e) / (1 + e_t)
     assert sp.cancel(solid - expected) == 0
+    # As it is printed: of the slip across the bat to that along the normal.
+    printed = derivation.equations()["Threshold"].subs(
+        {derivation.SLIP[0]: -2, derivation.SLIP[2]: 6}
+    )
+    assert printed == sp.Eq(3, found)
 
 
 # ---- the derivation as one reads it --------------------------------------------------------------

@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 import sympy as sp
 
+from longball.model.aerodynamics import _across, spin_ratio
 from longball.model.air import WindProfile
+from longball.model.force import Flow
 from longball.model.frame import Frame, launch_frame
 from longball.model.law import (
     DRAG,
@@ -22,7 +24,7 @@ from longball.model.law import (
 )
 from longball.model.numbers import DOUBLES
 from longball.model.scene import Air, Ball, FlightScene, Launch
-from longball.model.trace import ZERO
+from longball.model.trace import ZERO, Program, parameter, variable
 
 K_D, K_L, G = sp.symbols("k_D k_L g", positive=True)
 U, V, W = sp.symbols("u v w", real=True)
@@ -201,3 +203,19 @@ def test_the_jacobian_is_that_of_finite_differences(straight):
 def test_the_jacobian_is_bounded_at_rest():
     found = law_with({"drag": 0.01, "lift": 0.1}).jacobian(DOUBLES)(0.0, 0.0, 0.0, 0.0)
     assert found[8:] == (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("spin", [(0.0, 200.0, 0.0), (30.0, -150.0, 80.0), (40.0, 0.0, 0.0)])
+def test_the_spin_ratio_is_of_all_the_spin_or_of_what_is_across_the_velocity(spin):
+    velocity = (30.0, -4.0, 12.0)
+    speed, whole = float(np.linalg.norm(velocity)), float(np.linalg.norm(spin))
+    across = float(np.linalg.norm(np.cross(spin, velocity))) / speed
+    strengths = dict(zip(("spin_s", "spin_y", "spin_z"), spin, strict=True)) | {"spin": whole}
+    named = SimpleNamespace(**{name: parameter(name) for name in strengths})
+    flow = Flow((variable("u"), variable("v"), variable("w")), variable("speed"))
+    for is_whole, size in ((True, whole), (False, across)):
+        nodes = (*spin_ratio(flow, named, is_whole), _across(flow, named, is_whole))
+        program = Program(("u", "v", "w", "speed"), tuple(strengths), nodes)
+        a, b, c = program.bind(strengths, DOUBLES.functions)(*velocity, speed)
+        assert b / a == pytest.approx(size / speed, rel=1e-14)
+        assert c == pytest.approx(size * speed, rel=1e-14)

@@ -57,6 +57,5 @@ def text(schema: dict[str, Any]) -> str:
 
 
 if __name__ == "__main__":
-    FOLDER.mkdir(exist_ok=True)
     for name, schema in schemas().items():
         (FOLDER / name).write_text(text(schema), encoding="utf-8")

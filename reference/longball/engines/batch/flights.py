@@ -49,9 +49,11 @@ Records = NDArray[Any]
 # How a flight ends: at an event, which is then the number of the event; at its time limit; touching
 # the bat; or without an answer. Undecided are whether it meets an event, or which of two is first,
 # or whether within the time limit.
-TIME_LIMIT, TOUCH = 100, 101
-UNDECIDED, UNDECIDED_FIRST, UNDECIDED_IN_TIME, GRAZES_BAT = 110, 111, 112, 113
-INSIDE_BAT, UNDECIDED_RELEASE, OUT_OF_RANGE, TOO_LONG = 120, 121, 122, 123
+(
+    TIME_LIMIT, TOUCH,
+    UNDECIDED, UNDECIDED_FIRST, UNDECIDED_IN_TIME, GRAZES_BAT,
+    INSIDE_BAT, UNDECIDED_RELEASE, OUT_OF_RANGE, TOO_LONG,
+) = range(100, 110)  # fmt: skip
 # While it flies: on its way, at its waypoint, or at rest for a moment, at the apex of a flight
 # straight up.
 _FLYING, _AT_WAYPOINT, _AT_REST = -1, -2, -3
@@ -73,7 +75,7 @@ def flight_dtype(program: Program, events: int) -> np.dtype[Any]:
         the margin, m; the two components of the distance.
     ``waypoint``, ``ahead``
         A step ends where this function falls through zero, and the state there is noted. The event
-        of that number lies beyond; -1 if none does.
+        of that number lies beyond; NaN if none does.
     ``events``
         The functions that end a flight where they fall through zero.
 
@@ -135,7 +137,7 @@ def new_flights(program: Program, shape: tuple[int, ...], events: int) -> Record
     """Return flights that have no waypoint, no bat, and events that never happen."""
     flights = np.zeros(shape, flight_dtype(program, events))
     constant = len(program.variables)
-    flights["ahead"] = -1.0
+    flights["ahead"] = math.nan
     flights["waypoint"][..., constant] = flights["events"][..., constant] = math.inf
     return flights
 
@@ -541,14 +543,14 @@ def _settle(s: _Setup, slot: _Slot, time: float, length: float) -> float:
         if searched < end:
             stop, end = _FLYING, searched
     doubt, doubtful = 0.0, _NONE
-    ahead = flight[_AHEAD] if math.isnan(arrival[_END + 1 + s.variables]) else -1.0
+    ahead = flight[_AHEAD] if math.isnan(arrival[_END + 1 + s.variables]) else math.nan
     # First what shortens the step, then the events.
     for number in range(-2, s.functions - 1):
         error = 0.0
         if number == -2:
             if not _put_speed(s):
                 continue
-        elif number >= 0 and number == ahead:
+        elif number == ahead:
             continue
         else:
             function = shifted(s.linear, (number + 1) * (s.variables + 2) * WIDTH + lane)
