@@ -107,6 +107,13 @@ MAYBE_STEPS = (
     "tolerance): see whether shorter steps change it"
 )
 
+IN_STEPS = (
+    "if it flies in steps, put {dt} where the COMMAND sets them: how errors fall with the step "
+    "tells an integrator's from those of a law"
+)
+
+MEND_FIRST = "mend what is named first: it may be the same"
+
 CUT_OFF = "; the few digits of the numbers before it may do that"
 
 OF_ORDER = (
@@ -256,7 +263,8 @@ class _Search:
         if self.causes and (coarse := self.coarse):
             self.findings.insert(sum(bool(f.names) for f in self.findings), coarse)
         elif unseen:
-            self.findings.append(unseen)
+            remedy = MEND_FIRST if named else None
+            self.findings.append(unseen.model_copy(update={"remedy": remedy}))
         self.findings = _not_alone(self.findings)
         known = {f.stage for f in self.findings if f.names}
         # Little beside other errors is mostly the candidate's integrator's, unless it has a name.
@@ -461,8 +469,9 @@ class _Search:
                 more = fits.scene_by_scene(Sought(chosen, (), (stage,), self.base, self.work))
                 if self.order is not None:
                     more += OF_ORDER.format(self.order)
-                elif not more and worst < 1e-4 and not scenes:
-                    more = MAYBE_STEPS
+                elif not more and not scenes:
+                    more = MAYBE_STEPS if worst < 1e-4 else ""
+                    told = told.model_copy(update={"remedy": None if self.dt else IN_STEPS})
                 told = told.model_copy(update={"sentence": told.sentence + more})
             self.findings.append(told)
             self._leave(stage, wrong)

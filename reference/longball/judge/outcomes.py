@@ -190,15 +190,13 @@ def _made(
     whole = [*wrong, *same]
 
     def makes(change: Change) -> bool:
+        concerned = [t for t in agreed if change.scene(t.scene) != t.scene]
         tells = []
-        for t in whole:
+        for t in (*whole, *evenly(concerned, RIGHT)):
             if (one := _explains(change, t)) is False:
                 return False
             tells.append(one)
-        concerned = evenly([t for t in agreed if change.scene(t.scene) != t.scene], RIGHT)
-        return True in tells[: len(wrong)] and all(
-            _explains(change, t) is not False for t in concerned
-        )
+        return True in tells[: len(wrong)]
 
     named = [name for f in known for name in f.names[:1] if f.stage != "outcome"]
     if named and base is not NONE and makes(base):
