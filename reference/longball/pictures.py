@@ -183,6 +183,8 @@ def save_paths(path: Path, scenes: Sequence[Drawn]) -> None:
             axes.set_ylabel(name)
         top.set_xlabel("x, from the plate towards the pitcher (m)")
         if len(scenes) <= _MOST_LABELS:
+            if any(len(scene.flights) > 1 for scene in scenes):
+                side.plot([], [], "--", color="0.4", label="pitch up to the bat")
             known = side.get_legend_handles_labels()
             figure.legend(*known, loc="outside upper left", fontsize="small", ncols=2)
 
