@@ -230,7 +230,7 @@ def test_state_kept_between_scenes_and_random_answers_are_told(tmp_path: Path):
         "    made = {'id': json.loads(line)['id'], 'plate': {'time': VALUE}}\n"
         "    print(json.dumps(made), flush=True)\n"
     )
-    judge = Judge(solved(pitches(), Ivp()), Converged(100.0), partial=True)
+    judge = Judge(solved(pitches(), Ivp()), Converged(1e-3), partial=True)
     for value, why in (("n / 100", "depends on the scenes before"), ("random.random()", "not det")):
         source.write_text(text.replace("VALUE", value), encoding="utf-8")
         verdict = judge.evaluate_command([sys.executable, str(source)]).verdict

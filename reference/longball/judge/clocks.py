@@ -401,7 +401,9 @@ def velocities_of_another_time(wrong: Sequence[Checked], base: Change) -> Iterat
         said, time = np.array(trial.given["landing.velocity"]), place.time
         for _ in range(10):  # to the nearest velocity
             bend = _bend(place.way, time)
-            time += float((said - place.velocity(time)) @ bend / (bend @ bend))
+            if not 0.0 < (square := float(bend @ bend)) < math.inf:
+                return
+            time += float((said - place.velocity(time)) @ bend) / square
         lates.append(time - place.time)
         lefts.append(float(np.linalg.norm(said - place.velocity(time))))
         wholes.append(float(np.linalg.norm(said - place.velocity(place.time))))

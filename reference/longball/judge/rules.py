@@ -155,9 +155,12 @@ _BLOCKS = {
 # the count of rules that are tried would be told by it.
 CHANCE = 100
 
-# Scenes that must have a value for it to be the usual one; fewer, wrong or right, are no rule, as
-# those that are made for one question are alike in much else.
+# Fewer scenes, wrong or right, are no rule: those that are made for one question are alike in much
+# else.
 FEWEST = 5
+
+# Scenes that must have a value for it to be the usual one.
+USUAL = 3
 
 # Conditions that are tried as the first of two: those that tell most scenes.
 HALVES = 8
@@ -291,7 +294,7 @@ def _conditions(wrong: Sequence[Features], right: Sequence[Features]) -> Iterato
             continue
         usual, times = Counter(others).most_common(1)[0] if others else (None, 0)
         differs = Condition(name, f"{name} ≠ {_told(usual)}", partial(ne, usual))
-        often = times >= FEWEST and 2 * times > len(others)
+        often = times >= USUAL and 2 * times > len(others)
         number = isinstance(values[0], float)
         # That there is any says more than how much it is; to have another value than most have is
         # nothing that scenes with a number have in common.
