@@ -396,7 +396,7 @@ def velocities_of_another_time(wrong: Sequence[Checked], base: Change) -> Iterat
     """Yield by how much earlier, or later, the velocities at the landing are those of the path."""
     places = [(t, placed(t, base, "landing velocity")) for t, _ in evenly(wrong, _MANY)]
     known = [(t, place) for t, place in places if place and _is_bent(place)]
-    lates, lefts, wholes = [], [], []
+    later, lefts, wholes = [], [], []
     for trial, place in known:
         said, time = np.array(trial.given["landing.velocity"]), place.time
         for _ in range(10):  # to the nearest velocity
@@ -404,13 +404,13 @@ def velocities_of_another_time(wrong: Sequence[Checked], base: Change) -> Iterat
             if not 0.0 < (square := float(bend @ bend)) < math.inf:
                 return
             time += float((said - place.velocity(time)) @ bend) / square
-        lates.append(time - place.time)
+        later.append(time - place.time)
         lefts.append(float(np.linalg.norm(said - place.velocity(time))))
         wholes.append(float(np.linalg.norm(said - place.velocity(place.time))))
-    if len(lates) < ENOUGH or not np.isfinite([*lates, *lefts]).all():
+    if len(later) < ENOUGH or not np.isfinite([*later, *lefts]).all():
         return
-    side = "before" if max(lates) < 0 else "after" if min(lates) > 0 else "before or after"
-    size = np.abs(lates)
+    side = "before" if max(later) < 0 else "after" if min(later) > 0 else "before or after"
+    size = np.abs(later)
     same = np.ptp(size) <= _SAME_PATH * size.max()
     most = f"{size.max():.3g} s" if same else f"{size.min():.1e} to {size.max():.1e} s"
     yield Explanation(
