@@ -102,6 +102,13 @@ def test_another_number_than_most_have_makes_no_rule(gold: dict[str, Case]):
     assert "≠ 32" not in (rule(others, same) or "")
 
 
+def test_another_number_than_the_default_makes_one(gold: dict[str, Case]):
+    flights = [case for case in gold.values() if case.scene.kind == "flight" and case.scene.air]
+    heavy = [case for case in flights if case.scene.ball.mass != 0.145]
+    told = rule(heavy, [case for case in flights if case not in heavy])
+    assert (told or "").startswith("ball.mass ≠ 0.145")
+
+
 # --- numbers --------------------------------------------------------------------------------------
 
 

@@ -21,7 +21,7 @@ from longball.model.frame import launch_frame
 from longball.model.numbers import DOUBLES
 from longball.model.quantities import numbers, replaced
 from longball.model.readings import Reading
-from longball.model.scene import KINDS, Scene
+from longball.model.scene import KINDS, AtBatScene, Scene
 
 Features = dict[str, Any]
 
@@ -158,6 +158,8 @@ CHANCE = 100
 # Fewer scenes, wrong or right, are no rule: those that are made for one question are alike in much
 # else.
 FEWEST = 5
+
+DEFAULTS = dict(numbers(AtBatScene()))
 
 # Scenes that must have a value for it to be the usual one.
 USUAL = 3
@@ -296,15 +298,15 @@ def _conditions(wrong: Sequence[Features], right: Sequence[Features]) -> Iterato
         differs = Condition(name, f"{name} ≠ {_told(usual)}", partial(ne, usual))
         often = times >= USUAL and 2 * times > len(others)
         number = isinstance(values[0], float)
-        # That there is any says more than how much it is; to have another value than most have is
-        # nothing that scenes with a number have in common.
+        # That there is any says more than how much it is; to have another number than most have is
+        # nothing that scenes have in common, unless it is the one that a program may have built in.
         if often and usual == 0.0:
             yield differs
         if len(set(values)) == 1:
             is_some = number and values[0] != 0.0
             text = f"{name} = {_told(values[0])}"
             yield Condition(name, text, partial(eq, values[0]), measured=is_some)
-        if often and not number:
+        if often and (not number or usual == DEFAULTS.get(name)):
             yield differs
         if number and (below := [v for v in others if v < min(values)]):
             low = max(below) and _between(max(below), min(values))
