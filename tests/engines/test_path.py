@@ -276,7 +276,7 @@ def test_a_trajectory_is_continuous_in_position():
 
 def test_legs_are_asked_in_their_own_frames():
     state = PlaneState(2.0, 1.0, 3.0, 4.0)
-    rest = Flight(Path([Rest(0.0, 9.0, state)]), "time", 5.0, state)
+    rest = Flight(Path([Rest(0.0, 9.0, state)]), "time", 5.0, None)
     turned = Frame(10.0, 20.0, 0.6, 0.8)
     way = Trajectory((Leg(0.0, Frame(0.0, 0.0, 1.0, 0.0), rest), Leg(2.0, turned, rest)))
     assert way.end == 7.0

@@ -194,7 +194,8 @@ class Trajectory(Generic[N]):
         since, flight = time - leg.begin, leg.flight
         if since > flight.time and not time > leg.begin + flight.time:
             since = flight.time  # the end is a rounded sum
-        at_end = cast(Any, since) == flight.time  # where the ball is put onto what stopped it
+        # Where an event stopped it, the ball is put onto that; else it may not have been flown yet.
+        at_end = flight.stop != "time" and cast(Any, since) == flight.time
         state = flight.state if at_end else flight.path.at(since)
         return leg.frame.position(state), leg.frame.velocity(state)
 
