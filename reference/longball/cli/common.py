@@ -25,6 +25,7 @@ from longball.engines.parallel import checked
 from longball.extras import naming_extras
 from longball.model.scene import explain
 from longball.pitches import EXAMPLE, TableError
+from longball.text_table import aligned
 
 M = TypeVar("M", bound=BaseModel)
 
@@ -213,8 +214,6 @@ def option_value(text: str) -> Any:
 
 def show(head: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
     """Print a table."""
-    from longball.convergence.report import aligned  # with it comes SciPy
-
     print("\n".join(aligned([head, *rows])))
 
 

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Collection, Sequence
 from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field
+
+from longball.text_table import aligned
 
 
 class Frozen(BaseModel):
@@ -138,15 +139,3 @@ def _row(order: Order) -> tuple[str, ...]:
         f"{max(fitted):.2g} to {min(fitted):.2g}",
         order.verdict,
     )
-
-
-def aligned(table: Sequence[Sequence[str]], right: Collection[int] = ()) -> list[str]:
-    """Return the rows of a table as lines; some columns end, and the others begin, together."""
-    widths = [max(map(len, column)) for column in zip(*table, strict=True)]
-    lines = []
-    for row in table:
-        cells = enumerate(zip(row, widths, strict=True))
-        lines.append("  ".join(
-            cell.rjust(width) if i in right else cell.ljust(width) for i, (cell, width) in cells
-        ).rstrip())  # fmt: skip
-    return lines

@@ -10,12 +10,12 @@ from collections.abc import Iterator, Sequence
 from contextlib import suppress
 
 from longball.convergence import ConvergenceReport
-from longball.convergence.report import aligned
 from longball.judge.answers import printable, quoted
 from longball.judge.findings import Diagnosis, Finding, many
 from longball.judge.quantities import OPTIONAL
 from longball.judge.sampling import Sampling
 from longball.judge.verdict import Fault, Row, Verdict
+from longball.text_table import aligned
 
 # How many of each list are printed; all are in the JSON.
 SHOWN = 5
