@@ -159,6 +159,7 @@ CHANCE = 100
 # else.
 FEWEST = 5
 
+# What a program may have built in.
 DEFAULTS = dict(numbers(AtBatScene()))
 
 # Scenes that must have a value for it to be the usual one.
@@ -306,7 +307,7 @@ def _conditions(wrong: Sequence[Features], right: Sequence[Features]) -> Iterato
             is_some = number and values[0] != 0.0
             text = f"{name} = {_told(values[0])}"
             yield Condition(name, text, partial(eq, values[0]), measured=is_some)
-        if often and (not number or usual == DEFAULTS.get(name)):
+        if often and usual != 0.0 and (not number or usual == DEFAULTS.get(name)):
             yield differs
         if number and (below := [v for v in others if v < min(values)]):
             low = max(below) and _between(max(below), min(values))
