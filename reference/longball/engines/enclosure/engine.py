@@ -40,8 +40,8 @@ _INSTANT = 2.0**-20
 
 # Work of a flight: steps, each of which costs as the square of its order, and as there are rows in
 # the recurrence of its law. A flight of a minute has a hundred steps; under drag and lift, which
-# take 5 rows, the limit is 3,600 of 30 digits, 700 of 90: at some 3 and 10 ms, ten seconds.
-_MOST_WORK = 60_000_000
+# take 5 rows, the limit is 2,400 of 30 digits, 470 of 90: at some 3 and 10 ms, under ten seconds.
+_MOST_WORK = 40_000_000
 
 # The work of a flight grows as the cube of its digits: an at-bat then takes some ten seconds.
 _MOST_DIGITS = 500
