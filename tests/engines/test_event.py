@@ -383,6 +383,17 @@ def falling_and_rising(depth, cuts):
         yield PolynomialPiece(begin, end - begin, PlaneState, rows)
 
 
+@pytest.mark.parametrize("cuts", [[], [0.4], [0.4, 0.5]])
+def test_what_is_met_after_the_limit_is_not_met(cuts):
+    """The height falls through zero at 0.9 s, on the piece on which the limit lies."""
+    floor = make("ground", (0.0,), PlaneState(0.0, 1.0, 0.0, 0.0), DOUBLES)
+    for limit, wanted in [(0.45, None), (0.8, None), (0.95, 0.9), (2.0, 0.9)]:
+        met = event.first_met(falling_and_rising(0.01, cuts), [floor], limit, 1e-14, DOUBLES)
+        assert (met and met.time) == (wanted and pytest.approx(wanted, abs=1e-14))
+    with pytest.raises(Undecided, match="in the time limit"):
+        event.first_met(falling_and_rising(0.01, cuts), [floor], 0.9, 1e-14, DOUBLES)
+
+
 @pytest.mark.parametrize("near", [0.0, 1e-15, 1e-12, 1e-9, 1e-7, 1e-6, 1e-3])
 def test_no_dip_is_lost_where_pieces_join(near):
     """Cut at the turning point, close to it, and where the value falls through zero."""

@@ -176,15 +176,25 @@ def at_stop(name: str, found: Stop[N], sense: int, numbers: Numbers[N]) -> Event
 
 @dataclass(frozen=True)
 class Crossing(Generic[N]):
-    """When, s since the launch, in what state and where a flight is first at the fence."""
+    """When, s since the launch, in what state and where a flight is first at the fence.
+
+    `doubtful` if it comes within the error of the fence, and need not reach it.
+    """
 
     time: N
     state: State[N]
     place: Place[N]
+    doubtful: bool
 
 
 def first_crossing(
-    fence: Any, frame: Frame[N], pieces: Iterator[Piece[N]], end: N, error: N, numbers: Numbers[N]
+    fence: Any,
+    frame: Frame[N],
+    pieces: Iterator[Piece[N]],
+    end: N,
+    late: N,
+    error: N,
+    numbers: Numbers[N],
 ) -> Crossing[N] | None:
     """Return where a flight in space first leaves the field; None if it does not before an end.
 
@@ -192,6 +202,8 @@ def first_crossing(
     ----------
     end
         s since the launch.
+    late
+        Error of the end, s.
     error
         Of a state, relative to its size.
     """
@@ -206,17 +218,25 @@ def first_crossing(
         ]
     for piece in pieces:
         left = end - piece.begin
-        last = piece.length if piece.length < left else left
+        goes_on = piece.length < left
+        until = piece.length if goes_on else left
+        moved = None if goes_on else late * _speed(piece.at(until), frame)
         found = [
             crossing
             for chord, value in lines
-            for crossing in _on_piece(piece, last, chord, value, frame, error, numbers)
+            for crossing in _on_piece(piece, until, moved, chord, value, frame, error, numbers)
         ]
         if found:
             return min(found, key=lambda crossing: crossing.time)
-        if not piece.length < left:
+        if not goes_on:
             return None
     return None
+
+
+def _speed(state: State[N], frame: Frame[N]) -> Any:
+    """Return the sum of the horizontal velocity's parts, m/s: no less than its magnitude."""
+    u, v, _ = frame.velocity(state)
+    return absolute(u) + absolute(v)
 
 
 def _square(position: Sequence[Any]) -> Any:
@@ -231,25 +251,33 @@ def _inside(chord: Chord[N], position: Sequence[Any]) -> Any:
 
 def _on_piece(
     piece: Piece[N],
-    last: N,
+    until: N,
+    moved: N | None,
     chord: Chord[N] | None,
     value: Any,
     frame: Frame[N],
     error: N,
     numbers: Numbers[N],
 ) -> Iterator[Crossing[N]]:
-    """Yield where a piece crosses a chord outwards, or a circle."""
+    """Yield where a piece crosses a chord outwards, or a circle.
+
+    On the last piece the ball is `moved`, m, in the time by which its end may be off.
+    """
     zero, far = numbers.exact(0.0), numbers.exact(_FAR)
     x, y, _ = frame.position(piece.at(zero))
     size = 1 + absolute(x) + absolute(y)
     if chord is None:
-        for t, _ in falls(piece.curve(value), last, 2 * error * size * size):
-            state = piece.at(t)
-            yield Crossing(piece.begin + t, state, Place(zero, 0, None, far, zero))
+        around = Place(zero, 0, None, far, zero)
+        off = 2 * error * size * size
+        at_end = None if moved is None else off + 2 * moved * size
+        for t, doubtful in falls(piece.curve(value), until, off, at_end):
+            yield Crossing(piece.begin + t, piece.at(t), around, doubtful)
         return
     (ax, ay, _), (bx, by, _) = chord.a, chord.b
     length = numbers.sqrt((bx - ax) * (bx - ax) + (by - ay) * (by - ay))
-    for t, doubtful in falls(piece.curve(value), last, error * size * length):
+    off = error * size * length
+    at_end = None if moved is None else off + moved * length
+    for t, doubtful in falls(piece.curve(value), until, off, at_end):
         state = piece.at(t)
         x, y, _ = frame.position(state)
         ahead = ((x - ax) * (bx - ax) + (y - ay) * (by - ay)) / length
@@ -258,21 +286,24 @@ def _on_piece(
             continue
         to_a = absolute(ahead) if chord.open_a else far
         to_b = absolute(length - ahead) if chord.open_b else far
-        to_break = zero if doubtful else to_b if to_b < to_a else to_a
+        to_break = to_b if to_b < to_a else to_a
         share, to_end = ahead / length, (length - ahead) / length
-        yield Crossing(piece.begin + t, state, chord.place(share, to_end, to_break, numbers))
+        place = chord.place(share, to_end, to_break, numbers)
+        yield Crossing(piece.begin + t, state, place, doubtful)
 
 
-def falls(curve: Curve[N], end: N, error: N) -> Iterator[tuple[N, bool]]:
+def falls(curve: Curve[N], end: N, error: N, at_end: N | None) -> Iterator[tuple[N, bool]]:
     """Yield when a value falls through zero on a piece, every time, and turns within its error.
+
+    Where a flight ends the piece is such a turn, within the error `at_end`; None if it goes on.
 
     Yields
     ------
     tuple of number and bool
-        s since the piece begins; whether it is a turning point that may not reach zero.
+        s since the piece begins; whether it is a turn that may not reach zero.
     """
     start = end * 0
-    if curve.positive(start, end) and curve(start) > 2 * error:
+    if at_end is None and curve.positive(start, end) and curve(start) > 2 * error:
         return
     for left, right in pairwise([start, *curve.turns(start, end), end]):
         before, after = curve(left), curve(right)
@@ -280,5 +311,8 @@ def falls(curve: Curve[N], end: N, error: N) -> Iterator[tuple[N, bool]]:
             continue
         if after < -error:
             yield curve.zero(left, right), False
-        elif not after > error and right is not end:
+        elif right is not end:
+            if not after > error:
+                yield right, True
+        elif at_end is not None and not after > at_end:
             yield right, True

@@ -96,6 +96,7 @@ def test_positive_is_certain_or_not():
     assert curve.positive(arb(0), arb(0.5))
     assert not curve.positive(arb(0), arb(1))
     assert not curve.positive(arb(0.5), arb(2))
+    assert not Curve(arb_poly([0])).positive(arb(0), arb(1))
 
 
 RADII = st.sampled_from((0.0, 2.0**-10, 0.25, 1.0))

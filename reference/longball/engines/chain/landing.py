@@ -271,15 +271,25 @@ def land_in_space(case: Cases[N], ball: Batted[N], outcome: Outcome) -> None:
     """Follow a flight that leaves its plane past the fence, of one scene; see `Cases`."""
     frame, numbers = ball.frame, case.numbers
     flight = fly(case, ball.law, frame, ball.start, to_ground)
-    fence, pieces, error = case.scene.fence, flight.path.pieces(), _flight_error(case)
-    met = first_crossing(fence, frame, pieces, flight.time, numbers.exact(error), numbers)
+    fence, pieces, error = (
+        case.scene.fence,
+        flight.path.pieces(),
+        numbers.exact(_flight_error(case)),
+    )
+    (x, y, z), w = frame.position(flight.state), frame.velocity(flight.state)[2]
+    off = error * (1 + absolute(x) + absolute(y) + absolute(z))
+    late = off / absolute(w) if flight.stop == "ground" else numbers.exact(0.0)
+    met = first_crossing(fence, frame, pieces, flight.time, late, error, numbers)
     if met is None:
         _come_down(case, ball, flight, outcome)
         return
     x, y, z = frame.position(met.state)
     above = z - numbers.exact(landing_height(case.scene))
     question = "whether the ball reaches the fence before it touches the ground"
-    off = numbers.exact(error) * (1 + absolute(x) + absolute(y) + absolute(z))
+    off = error * (1 + absolute(x) + absolute(y) + absolute(z))
     case.decide(above, off, question)
+    if met.doubtful:
+        reason = "it comes as close as a state's error"
+        case.refuse(Undecided(f"whether the ball reaches the fence cannot be decided: {reason}"))
     stopped = Flight(flight.path, "fence", met.time, met.state)
     _meet_fence(case, ball, stopped, met.place, outcome, flight)
