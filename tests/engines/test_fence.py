@@ -576,6 +576,13 @@ def test_a_turn_within_the_error_of_a_state_is_doubtful(x, y, share, doubtful):
         assert met.time == pytest.approx(2.0 + 4.0)
 
 
+@pytest.mark.parametrize(("away", "doubtful"), [(-0.2, False), (0.05, True), (0.2, None)])
+def test_a_turn_close_to_a_circle_may_not_reach_it(away, doubtful):
+    """It turns 81 m away after 4 s; states are off by a thousandth of 1 + |x| + |y|: 0.08 m."""
+    met = over(Line(0.0, 80.0, 0.0, 0.5, 0.0625), {"radius": 81.0 + away}, 1e-3)
+    assert (met and met.doubtful) is doubtful
+
+
 @pytest.mark.parametrize(
     ("coefficients", "expected"),
     [
