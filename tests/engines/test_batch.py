@@ -287,6 +287,25 @@ def test_lists_have_the_bits_of_scenes_solved_alone(odd_scenes: list[Scene]) -> 
     assert engine.solve_all(odd_scenes) == [solve(scene, engine) for scene in odd_scenes]
 
 
+def test_what_is_zero_in_some_scenes_of_a_list_changes_no_bit_of_others() -> None:
+    """Winds and spins with and without parts that are zero, and so are not computed."""
+    winds = ((0.0, 0.0, 0.0), (5.0, 0.0, 0.0), (0.0, 3.0, 0.0), (1.0, 1.0, 0.0))
+    scenes: list[Scene] = [
+        FlightScene(
+            id=str(i),
+            launch=Launch(
+                position=(0.0, 0.0, 1.0),
+                velocity=(40 + i / 50, i % 3 * 2.0, 25.0),
+                spin=(0.0, -spin, spin / 3),
+            ),
+            air=Air(drag_coefficient=0.35, lift_coefficient=0.2, wind=winds[i % 4]),
+        )
+        for i, spin in enumerate([0.0, 0.0, 0.0, 0.0, 150.0, 150.0, 150.0, 150.0] * 12)
+    ]
+    engine = Batch()
+    assert engine.solve_all(scenes) == [solve(scene, engine) for scene in scenes]
+
+
 def test_balls_that_share_their_pitch_have_the_bits_of_their_own() -> None:
     scene = AtBatScene(id="base")
     rng = np.random.default_rng(5)
