@@ -312,6 +312,14 @@ def test_the_path_is_the_line_through_the_steps():
     assert first.time == pytest.approx(arrival.time, abs=1e-14)
 
 
+@pytest.mark.parametrize("landing", ["interpolated", "first_below"])
+def test_a_ball_that_glides_on_the_ground_is_down(landing):
+    """Without gravity its height neither rises nor falls, nor begins to."""
+    glides = verlet(0.05, landing=landing)
+    flight = glides.fly(law_with({}, ()), PlaneState(1.0, 0.0, 5.0, 0.0), [ground()], 1.0)
+    assert (flight.stop, flight.time, flight.state.s) == ("ground", 0.0, 1.0)
+
+
 def test_the_first_point_below_is_a_step():
     engine = verlet(0.05, landing="first_below")
     arrival = fall(engine)
