@@ -323,6 +323,30 @@ class TestSolveMany:
         table = lb.solve_many(columns)
         assert (len(table), [*table]) == (0, ["outcome", "error", "code"])
 
+    @pytest.mark.parametrize("form", [dict, pd.DataFrame])
+    def test_a_text_is_no_number(self, form):
+        columns = {"kind": ["pitch"] * 3, "pitch.speed": [38.0, "40", "fast"]}
+        table = lb.solve_many(form(columns))
+        alone = lb.solve_many([{"kind": "pitch", "pitch": {"speed": "40"}}])[0]
+        assert table.outcome[0] == "crossed"
+        assert table.error[1] == alone.error == "pitch.speed: must be a valid number (got '40')"
+        assert "got 'fast'" in table.error[2]
+        said = r"pitch\.speed: must be a valid number \(got '39'\) \(row 0 of 2\)"
+        with pytest.raises(lb.InvalidScene, match=said):
+            lb.solve_many(form({"kind": "pitch", "pitch.speed": ["39", "40"]}))
+
+    def test_a_text_may_be_a_block(self):
+        columns = {"kind": "pitch", "air": ["null", '{"density": 1.2}']}
+        alone = [lb.solve({"kind": "pitch", "air": air}) for air in (None, {"density": 1.2})]
+        table = lb.solve_many(columns, "ivp")
+        assert table["plate.time"].tolist() == [result.plate.time for result in alone]
+
+    def test_no_air_for_all_scenes_is_no_air(self):
+        scene = {"kind": "pitch", "air": None}
+        table = lb.solve_many({**scene, "pitch.speed": [39.0, 40.0]}, "ivp")
+        alone = [lb.solve({**scene, "pitch": {"speed": speed}}) for speed in (39.0, 40.0)]
+        assert table["plate.time"].tolist() == [result.plate.time for result in alone]
+
     def test_rows_that_are_not_solved_say_why(self):
         table = lb.solve_many({"kind": "at-bat", "pitch.release[0]": [18.44, 0.01]})
         assert table.outcome[0] == "batted"
@@ -396,6 +420,7 @@ class TestSolveMany:
         (lambda: lb.home_run_probability(0.4, reading="a"), "reading: a mapping from switches"),
         (lambda: lb.solve(lb.Pitch()).path.sample(0), "points = 0 is less than 2"),
         (lambda: lb.solve(lb.Pitch()).path.sample(2.5), "points = 2.5 is not a whole number"),
+        (lambda: lb.solve(lb.Pitch()).path.sample([0.1, 0.2]), r"path\.at takes times"),
         (lambda: lb.golden.load("pitch")[0].attainable("foo"), "foo is not the name of a number"),
     ],
 )

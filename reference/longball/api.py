@@ -201,7 +201,8 @@ class Path:
         Parameters
         ----------
         points
-            How many, 2 at least: the first at the start, the last at the end.
+            How many, 2 at least: the first at the start, the last at the end. States at times of
+            your own come from `at`.
 
         Returns
         -------
@@ -215,6 +216,8 @@ class Path:
         """
         import pandas as pd
 
+        if np.ndim(points):
+            raise TypeError(f"points = {points!r}: how many is asked; path.at takes times")
         count = engines.whole_number("points", points, 2)
         time, position, velocity = self.at(np.linspace(self.start, self.end, count))
         table = np.column_stack([time, position, velocity])

@@ -13,7 +13,7 @@ import os
 import re
 import warnings
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from itertools import islice, product
 from pathlib import Path
@@ -78,7 +78,8 @@ def solve_many(
         Scenes as `solve` takes them; or columns: a mapping or a DataFrame from the names of
         numbers (``pitch.speed``, ``pitch.aim[0]``, ``swing.tilt``, …), and from ``kind``, to arrays
         of shape (n,) or to one value for all scenes. An empty cell, NaN or None, is a value left
-        out: it is the paper's.
+        out: it is the paper's. ``air=None`` for all scenes takes the air away, as in a scene. A
+        text is no number, but may be JSON, such as ``"null"`` for no air.
     engine, options
         As in `solve`, but that the default is the engine batch.
     certify
@@ -95,7 +96,8 @@ def solve_many(
         table with a row for each scene: ``outcome``, ``plate.time``, ``landing.distance``,
         ``landing.position[0]``, …, NaN where there is none; ``error`` and ``code`` say why a row
         has no outcome. ``id`` is there if the columns have it. The index is that of the DataFrame
-        that is given.
+        that is given. A quantity that no row has is no column: a table of no rows has ``outcome``,
+        ``error`` and ``code`` alone.
 
     Raises
     ------
@@ -190,11 +192,13 @@ def _solve_table(
         if frame is not None:
             return frame
     rows = [*_rows(fixed, varied)]
-    solved = [*_asked_and_results((_scene_of(row) for row in rows), solver, workers)]
+    scenes = (_scene_of(row, _json_alone) for row in rows)
+    solved = [*_asked_and_results(scenes, solver, workers)]
     errors = [asked for asked, _ in solved if isinstance(asked, InvalidScene)]
     if errors and len(errors) == len(rows):
         raise InvalidScene(
-            f"no row is a scene: {errors[0]}; the columns are {', '.join(map(str, columns))}"
+            f"no row is a scene: {errors[0]} (row 0 of {len(rows)}); "
+            f"the columns are {', '.join(map(str, columns))}"
         )
     frame = results_table(result.data() for _, result in solved)
     unasked = [name for name in ("engine", "id") if name not in columns]
@@ -223,9 +227,12 @@ def _split(columns: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, NDArra
         if isinstance(value, Mapping):
             fixed |= flat({name: value})
         elif isinstance(value, str | bytes) or np.ndim(value) == 0:
-            fixed[name] = value
+            # For all scenes it means what it means in one; in a cell it is a value left out.
+            fixed[name] = _NO_AIR if name == "air" and value is None else value
         else:
-            varied[name] = np.asarray(value)
+            column = np.asarray(value)
+            # NumPy makes texts of numbers that stand beside one.
+            varied[name] = np.asarray(value, object) if column.dtype.kind in "UT" else column
     shapes = {name: column.shape for name, column in varied.items()}
     if len({*shapes.values()}) > 1 or any(len(shape) != 1 for shape in shapes.values()):
         told = ", ".join(f"{name} {shape}" for name, shape in shapes.items())
@@ -253,7 +260,7 @@ def _all_valid(fixed: Mapping[str, Any], varied: Mapping[str, NDArray[Any]]) -> 
     ends = [{float(column.min()), float(column.max())} for column in columns.values()]
     corners = [dict(zip(columns, corner, strict=True)) for corner in product(*ends)]
     try:
-        base = as_scene(_scene_of({**fixed, **corners[0]}))
+        base = as_scene(_scene_of({**fixed, **corners[0]}, _json_alone))
         if isinstance(base, ImpactScene):
             return None
         for corner in corners[1:]:
@@ -270,9 +277,13 @@ def _rows(fixed: Mapping[str, Any], varied: Mapping[str, NDArray[Any]]) -> Itera
         yield dict(fixed)
 
 
-def _scene_of(row: Mapping[Any, Any]) -> dict[str, Any]:
-    """Return the scene of a row as plain data; without what is left out."""
-    given = {str(name): _cell(name, value) for name, value in row.items() if not _is_empty(value)}
+def _scene_of(row: Mapping[Any, Any], read: Callable[[str], Any]) -> dict[str, Any]:
+    """Return the scene of a row as plain data, its texts read; without what is left out."""
+    given = {
+        str(name): read(x) if isinstance(x, str) and name not in ("id", "kind") else x
+        for name, x in row.items()
+        if not _is_empty(x)
+    }
     return nested(given, _DEFAULTS.get(given.get("kind")))
 
 
@@ -280,13 +291,23 @@ def _is_empty(value: object) -> bool:
     return value is None or (isinstance(value, float) and value != value)
 
 
-def _cell(name: object, value: Any) -> Any:
-    """Return what a cell holds: a text may be JSON, as null is for no air, or a number, as .5."""
-    if isinstance(value, str) and name not in ("id", "kind"):
-        for read in (json.loads, float):
-            with suppress(ValueError):
-                return read(value)
-    return value
+def _json_or_number(text: str) -> Any:
+    """Return what a text of a file holds: JSON, as null is for no air, a number, as .5, or text."""
+    for read in (json.loads, float):
+        with suppress(ValueError):
+            return read(text)
+    return text
+
+
+def _json_alone(text: str) -> Any:
+    """Return what a text among Python's values holds: JSON, but a number is not written as text."""
+    with suppress(ValueError):
+        held = json.loads(text)
+        return text if isinstance(held, int | float) else held
+    return text
+
+
+_NO_AIR = "null"  # as JSON, since None is a value left out
 
 
 # Of kinds that need no block, to complete vectors from.
@@ -365,7 +386,7 @@ def scene_lines(path: Path) -> bytes:
     lines: list[bytes] = []
     for number, row in rows:
         lines += [b""] * (number - 1 - len(lines))  # the head, blank lines, the rest of a cell
-        lines.append(to_json(_scene_of(row)))
+        lines.append(to_json(_scene_of(row, _json_or_number)))
     return b"\n".join(lines)
 
 

@@ -200,6 +200,8 @@ def test_a_step_that_hangs_is_the_last_that_is_tried():
         (["--steps", "0.1:0.01:5", "--", "true"], "{dt}"),
         (["--steps", "0.1:0.01:5", "--knob", "n=1,2,3", "--", "true", "{n}"], "not both"),
         (["--seed", "2", "--", "true"], "--random"),
+        (["--kind", "flight", "--", "true"], "--random"),
+        (["--random", "3", "--kind", "fly", "--", "true"], "flight, pitch"),
         (["--steps", "0.01:0.1:5", "--", "true", "{dt}"], "from coarse to fine"),
         (["--", "/no/such/program"], "/no/such/program"),
         (["--", ""], "longball"),

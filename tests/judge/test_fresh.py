@@ -34,6 +34,12 @@ def test_random_scenes_are_the_same_for_the_same_seed_and_of_all_kinds():
     assert {scene.kind for scene in first} == {"flight", "pitch", "impact", "at-bat"}
 
 
+def test_random_scenes_of_some_kinds():
+    drawn = list(random_scenes(5, 3, ["flight", "pitch"]))
+    assert [scene.kind for scene in drawn] == ["flight", "pitch", "flight", "pitch", "flight"]
+    assert len({scene.id for scene in drawn}) == 5
+
+
 def test_fresh_scenes_are_proven_and_right():
     cases = proven(list(random_scenes(4, 1)))
     assert all(float(case.expected.contact.normal_speed.radius) < 1e-15

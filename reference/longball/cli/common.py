@@ -205,11 +205,11 @@ def split_assignment(option: str, text: str) -> tuple[str, str]:
 
 
 def option_value(text: str) -> Any:
-    """Return a JSON value where the text is one, and the text itself elsewhere."""
-    try:
-        return json.loads(text)
-    except ValueError:
-        return text
+    """Return a JSON value or a number, as .5, where the text is one; the text itself elsewhere."""
+    for read in (json.loads, float):
+        with suppress(ValueError):
+            return read(text)
+    return text
 
 
 def show(head: Sequence[str], rows: Iterable[Sequence[str]]) -> None:

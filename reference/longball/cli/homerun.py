@@ -195,14 +195,13 @@ def base_scene(
         scene["fence"] = fence_block(fence)
     for text in values:
         name, value = split_assignment("--set", text)
-        block, _, key = name.partition(".")
-        if key:
-            inner = scene.setdefault(block, {})
-            if not isinstance(inner, dict):
-                wrong_call(f"--set {name}: {block} is set to {inner} already")
-            inner[key] = option_value(value)
-        else:
-            scene[block] = option_value(value)
+        *way, key = name.split(".")
+        block = scene
+        for step in way:
+            block = block.setdefault(step, {})
+            if not isinstance(block, dict):
+                wrong_call(f"--set {name}: {step} is set to {block} already")
+        block[key] = option_value(value)
     with refusing():
         found = parse_scene(json.dumps(scene))
     assert isinstance(found, AtBatScene)

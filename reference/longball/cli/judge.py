@@ -61,6 +61,14 @@ def judge(
         int | None,
         typer.Option(min=0, help="Seed of the random scenes. Default: 1."),
     ] = None,
+    kind: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="KIND",
+            help="Draw random scenes of this kind only: flight, pitch, impact or at-bat. May be "
+            "given several times. Default: all kinds.",
+        ),
+    ] = None,
     partial: Annotated[
         bool, typer.Option("--partial", help="Scenes and quantities may be left out.")
     ] = False,
@@ -149,6 +157,8 @@ def judge(
         wrong_call("--column names the columns of --results FILE.csv")
     if seed is not None and not random:
         wrong_call("--seed is that of the scenes of --random N")
+    if kind and not random:
+        wrong_call("--kind is that of the scenes of --random N")
     if knob and steps:
         wrong_call("either --steps or --knob, not both: one of them takes its values in turn")
     if sum(map(bool, (golden, scenes, random))) > 1:
@@ -172,7 +182,9 @@ def judge(
         rule = profile_of(profile, tolerance, dt if profile == "paper" else None)
         if family and dt is None:
             dt = rule.dt if isinstance(rule, Paper) else min(family)
-        cases, truth = cases_of(golden, scenes, random, seed) if command or results else ([], "")
+        cases, truth = (
+            cases_of(golden, scenes, random, seed, kind) if command or results else ([], "")
+        )
         judge = Judge(cases, rule, truth=truth, partial=partial, dt=dt)
         if results:
             columns = dict(split_assignment("--column", text) for text in column or ())
@@ -206,21 +218,31 @@ def judge(
 
 
 def cases_of(
-    golden: Sequence[str] | None, scenes: str | None, random: int | None, seed: int | None
+    golden: Sequence[str] | None,
+    scenes: str | None,
+    random: int | None,
+    seed: int | None,
+    kinds: Sequence[str] | None,
 ) -> tuple[list[Case], str]:
     """Return the cases to judge by, and where they are from."""
     from longball.cli.converge import read_scenes
     from longball.golden import load
-    from longball.judge.fresh import USUAL, proven, random_scenes, usual_constants
+    from longball.judge.fresh import DRAWN, USUAL, proven, random_scenes, usual_constants
+    from longball.model.scene import KINDS
 
     if scenes:
         return list(proven(read_scenes(scenes))), f"proven values of {scenes}"
     if random:
         seed = 1 if seed is None else seed
-        asked = list(random_scenes(random, seed))
+        chosen = list(dict.fromkeys(kinds or ()))
+        for name in chosen:
+            if name not in KINDS:
+                wrong_call(f"--kind {name}: the kinds are {', '.join(KINDS)}")
+        asked = list(random_scenes(random, seed, chosen or DRAWN))
         with progress_bar("proving", random) as advance:
             cases = proven(asked, progress=advance)
-        return list(cases), f"proven values of {random} random scenes, seed {seed}"
+        drawn = " ".join([" and ".join(chosen), "scenes"]).strip()
+        return list(cases), f"proven values of {random} random {drawn}, seed {seed}"
     if not golden:
         return list(load()), "golden data"
     found: list[Case] = []

@@ -58,11 +58,14 @@ def usual_constants() -> list[Scene]:
     return scenes
 
 
-def random_scenes(count: int, seed: int) -> Iterator[Scene]:
-    """Yield scenes of all kinds with every number drawn, the same for the same seed."""
+DRAWN = ("at-bat", "flight", "pitch", "impact")  # kinds, in turn
+
+
+def random_scenes(count: int, seed: int, kinds: Sequence[str] = DRAWN) -> Iterator[Scene]:
+    """Yield scenes of some kinds in turn, every number drawn, the same for the same seed."""
     rng, made = np.random.default_rng(seed), 0
     while made < count:
-        kind = ("at-bat", "flight", "pitch", "impact")[made % 4]
+        kind = kinds[made % len(kinds)]
         try:
             scene = KINDS[kind].model_validate_json(
                 json.dumps({"id": f"random-{seed}-{made:04}", "kind": kind} | _drawn(kind, rng))
