@@ -41,7 +41,7 @@ from longball.judge.explanations import (
 )
 from longball.judge.findings import Diagnosis, Finding, StageRow, found, many
 from longball.judge.quantities import superfluous, untrue
-from longball.judge.rules import rule
+from longball.judge.rules import TURNED, rule
 from longball.judge.stages import (
     COLLISION,
     ENOUGH,
@@ -110,6 +110,11 @@ MAYBE_STEPS = (
 IN_STEPS = (
     "if it flies in steps, put {dt} where the COMMAND sets them: how errors fall with the step "
     "tells an integrator's from those of a law"
+)
+
+FIXED_AXIS = (
+    "the lift's axis is fixed at launch, so that the lift turns the ball on beyond the vertical: a "
+    "heading that is taken anew from the velocity flips there, and the lift with it"
 )
 
 MEND_FIRST = "mend what is named first: it may be the same"
@@ -467,6 +472,8 @@ class _Search:
             if searched and stage in ("pitch", "flight"):
                 chosen = [t for t, _ in evenly(wrong, SOUGHT)]
                 more = fits.scene_by_scene(Sought(chosen, (), (stage,), self.base, self.work))
+                if scenes == TURNED:
+                    told = told.model_copy(update={"remedy": FIXED_AXIS})
                 if self.order is not None:
                     more += OF_ORDER.format(self.order)
                 elif not more and not scenes:

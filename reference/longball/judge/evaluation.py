@@ -184,7 +184,7 @@ class Judge:
         def fails(scenes: Sequence[Any]) -> list[bool]:
             answers = asked(scenes)
             return [
-                not compare(case, answers.get(case.id), self.profile).passed
+                case.id in answers and not compare(case, answers[case.id], self.profile).passed
                 for case in solved(scenes, Ivp())
             ]
 

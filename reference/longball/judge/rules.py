@@ -7,11 +7,9 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
-from itertools import islice
+from itertools import accumulate, islice
 from operator import eq, gt, lt, ne
 from typing import Any
-
-from pydantic import ValidationError
 
 from longball.engines.chain import MODEL, OneCase
 from longball.engines.chain.flying import fly, to_ground
@@ -63,22 +61,31 @@ def features(case: Case) -> Features:
     if landing is not None:
         speeds = found.get("launch speed", 0.0), found["landing speed"]
         found["larger speed of launch and landing"] = max(speeds)
-        if (height := _highest(case)) is not None:
-            found["highest point in m"] = height
+        if (extremes := _extremes(case)) is not None:
+            found["highest point in m"], forward = extremes
+            if forward < -NOTHING:
+                found[TURNED] = True
     return found
 
 
-_HEIGHTS: dict[int, tuple[Case, float | None]] = {}  # by the case's identity
+# The horizontal velocity comes to be against the heading of the launch; only lift is seen to do so.
+TURNED = "a ball that turns past the vertical"
+
+# The highest point and the least forward velocity of a case's ball, by the case's identity.
+_EXTREMES: dict[int, tuple[Case, tuple[float, float] | None]] = {}
 
 
-def _highest(case: Case) -> float | None:
-    """Return the largest height of a ball that lands, m; None if that is not told."""
-    if id(case) not in _HEIGHTS:
-        _HEIGHTS[id(case)] = case, _height_of_path(case)
-    return _HEIGHTS[id(case)][1]
+def _extremes(case: Case) -> tuple[float, float] | None:
+    """Return the largest height of a ball that lands, m, and its least velocity forward, m/s.
+
+    Forward is the heading of the launch. None if that is not told.
+    """
+    if id(case) not in _EXTREMES:
+        _EXTREMES[id(case)] = case, _extremes_of_path(case)
+    return _EXTREMES[id(case)][1]
 
 
-def _height_of_path(case: Case) -> float | None:
+def _extremes_of_path(case: Case) -> tuple[float, float] | None:
     scene: Any = case.scene
     truth: Any = case.expected
     spin = None
@@ -90,10 +97,12 @@ def _height_of_path(case: Case) -> float | None:
         spin = truth.impact.spin and tuple(map(float, truth.impact.spin))
     else:
         return None
-    if velocity[2] <= 0.0:
-        return float(position[2])
     frame, start = launch_frame(position, velocity, DOUBLES, spin)
-    engine, tops = Ivp(), []
+    engine, tops, forward = Ivp(), [start.z], [start.u]
+    lifted = spin is None and scene.air is not None and scene.air.lift_coefficient != 0.0
+    if velocity[2] <= 0.0 and not lifted:
+        return start.z, start.u
+    looked_at = [(tops, _height), *([(forward, _forward)] if lifted else [])]
     held = OneCase(scene, engine, MODEL)
     law = held.law(frame)
     try:
@@ -102,11 +111,20 @@ def _height_of_path(case: Case) -> float | None:
         else:  # that takes a third of the time
             path = engine.path(law, law.state_of(start), float(truth.landing.hang_time))
         for piece in islice(path.pieces(), MOST_PIECES):
-            heights = piece.curve(lambda state: state.z)
-            tops += [heights(t) for t in (0.0, *heights.turns(0.0, piece.length), piece.length)]
+            for values, value in looked_at:
+                curve = piece.curve(value)
+                values += map(curve, (0.0, *curve.turns(0.0, piece.length), piece.length))
     except ArithmeticError:  # doubles do not decide it, or it takes too long
         return None
-    return float(max(tops))
+    return float(max(tops)), float(min(forward))
+
+
+def _height(state: Any) -> Any:
+    return state.z
+
+
+def _forward(state: Any) -> Any:
+    return state.u
 
 
 # Flags of what a program meets on the way, and no field of the scene or the result tells.
@@ -228,14 +246,14 @@ def _text(conditions: Iterable[Condition]) -> str:
     simple = [n for n in plain if n not in FORMS and not _law(n)]
     for names in (plain + zero, plain, simple, [] if plain or zero else list(whole)):
         if 0 < len(names) <= MOST_RULES:
-            told = sorted((whole[n] for n in names), key=lambda text: "flagged" in text)
+            told = sorted((whole[n] for n in names), key=lambda text: "the flag" in text)
             return "; or, which are the same scenes, ".join(told)
     return ""
 
 
 def _sorts(name: str) -> bool:
     """Tell whether a feature is one that scenes are sorted by: numbers may follow from those."""
-    by_name = (*FORMS, "kind", "outcome", "air", "impact.mode")
+    by_name = (*FORMS, "kind", "outcome", "air", "impact.mode", TURNED)
     return name in by_name or name.startswith(("reading.", "flag ")) or _law(name)
 
 
@@ -290,8 +308,8 @@ def _conditions(wrong: Sequence[Features], right: Sequence[Features]) -> Iterato
     """Yield what may tell the scenes."""
     for name in dict.fromkeys(name for f in (*wrong, *right) for name in f):
         values, others = _values(wrong, name), _values(right, name)
-        if name.startswith("flag "):
-            yield Condition(name, f"flagged {name[5:]}", bool)
+        if name == TURNED or name.startswith("flag "):
+            yield Condition(name, name if name == TURNED else f"the {name}", bool)
             continue
         if not values:
             continue
@@ -349,33 +367,34 @@ LARGEST_SHRINKS = 6
 NOTHING = 1e-9  # numbers below this are the rounding of a zero
 
 
-def simpler(scene: Scene) -> list[Any]:
-    """Return scenes with one block or number of a scene made plain, each with an id of its own."""
-    made: list[Any] = []
+# What makes a scene simpler.
+Simplification = Callable[[Any], Any]
+
+
+def simpler(scene: Scene) -> Iterator[Simplification]:
+    """Yield changes that make one block or number of a scene plain, or take its air away."""
     fields = type(scene).model_fields
-
-    def add(change: Callable[..., Any], *given: Any) -> None:
-        try:
-            new = change(*given)
-        except (ValidationError, ValueError):
-            return  # together with the rest it is no scene
-        if new.line() != scene.line():
-            made.append(new)
-
-    whole = scene.model_dump()
     if scene.reading != Reading():
-        add(type(scene).model_validate, whole | {"reading": {}})
+        yield lambda s: type(s).model_validate(s.model_dump() | {"reading": {}})
+    if getattr(scene, "air", None) is not None:
+        yield lambda s: type(s).model_validate(s.model_dump() | {"air": None})
     for block in ("air", "ball", "bat", "ground", "swing", "pitch", "gravity", "time_limit"):
         if block in fields and not fields[block].is_required():
-            rest = {key: held for key, held in whole.items() if key != block}
-            add(KINDS[scene.kind].model_validate, rest)
+            yield partial(_without, block)
     for name, value in numbers(scene):
         for short in (0.0, *(float(f"{value:.{digits}g}") for digits in (1, 2, 3))):
             if short != value and (short or abs(value) < NOTHING):
-                add(replaced, scene, {name: short})
+                yield partial(_with_number, name, short)
                 break
-    unique = {new.line(): new for new in made}
-    return [new.model_copy(update={"id": f"shrunk-{i}"}) for i, new in enumerate(unique.values())]
+
+
+def _without(block: str, scene: Any) -> Any:
+    rest = {key: held for key, held in scene.model_dump().items() if key != block}
+    return KINDS[scene.kind].model_validate(rest)
+
+
+def _with_number(name: str, value: float, scene: Any) -> Any:
+    return replaced(scene, {name: value})
 
 
 def shrunk(scene: Any, fails: Callable[[Sequence[Any]], Sequence[bool]]) -> Any:
@@ -386,18 +405,39 @@ def shrunk(scene: Any, fails: Callable[[Sequence[Any]], Sequence[bool]]) -> Any:
     fails
         Tells of scenes whether the candidate fails in them, all at once.
     """
+
+    def failing(scenes: Sequence[Any]) -> Sequence[bool]:
+        return fails([s.model_copy(update={"id": f"shrunk-{i}"}) for i, s in enumerate(scenes)])
+
     for _ in range(LARGEST_SHRINKS):
-        tried = simpler(scene)
-        if not tried:
+        changed = [(_simplified(scene, change), change) for change in simpler(scene)]
+        # The plainest come last: it is those that a program may break off at.
+        tried = sorted(
+            (pair for pair in changed if pair[0] is not scene),
+            key=lambda pair: _plainness(pair[0]),
+            reverse=True,
+        )
+        bad = failing([new for new, _ in tried]) if tried else []
+        good = [change for (_, change), fails_too in zip(tried, bad, strict=True) if fails_too]
+        if not good:
             break
-        failing = [s for s, bad in zip(tried, fails(tried), strict=True) if bad]
-        if not failing:
-            break
-        # The plainest, and whatever else is compatible comes in the next round.
-        scene = min(failing, key=lambda s: (len(_spoken(s)), len(s.line())))
+        # Most of them go together, one after the other on top of those before.
+        piled = [*accumulate(reversed(good), _simplified, initial=scene)][1:]
+        known = [True, *failing(piled[1:])] if piled[1:] else [True]
+        scene = [new for new, still in zip(piled, known, strict=True) if still][-1]
     return scene.model_copy(update={"id": "shrunk"})
 
 
-def _spoken(scene: Any) -> str:
-    """Return what a scene says besides the defaults."""
-    return str(scene.model_dump(exclude_defaults=True))
+def _simplified(scene: Any, change: Simplification) -> Any:
+    """Return a scene with a change; as it is if that is none, or no plainer."""
+    try:
+        new = change(scene)
+    except ValueError:  # a ValidationError, too
+        return scene
+    return new if _plainness(new) < _plainness(scene) else scene
+
+
+def _plainness(scene: Any) -> tuple[Any, ...]:
+    """Return what orders scenes: without air first, then by what they say besides the defaults."""
+    has_air = getattr(scene, "air", None) is not None
+    return has_air, len(str(scene.model_dump(exclude_defaults=True))), len(scene.line())

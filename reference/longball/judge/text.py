@@ -89,7 +89,7 @@ def _errors(verdict: Verdict) -> Iterator[str]:
 
 ERRORS = (
     "family", "quantity", "failed", "of", "worst error", "median", "", "worst ulps", "median",
-    "digits right", "of attainable", "worst case",
+    "digits right", "attainable at least", "worst case",
 )  # fmt: skip
 
 
