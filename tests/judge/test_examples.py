@@ -14,9 +14,11 @@ from pathlib import Path
 import pytest
 
 from longball.engines.ivp import Ivp
+from longball.golden import load
 from longball.judge.candidate import Limits
 from longball.judge.cases import Known, profile, solved
 from longball.judge.evaluation import Evaluation, Judge
+from longball.judge.rules import TURNED
 from longball.judge.text import render
 from tests.judge.material import at_bats, flights, impacts, pitches
 
@@ -167,6 +169,21 @@ def test_against_the_truth_its_mistakes_are_told_from_its_scheme(
         for name in finding.names[0].split(" and ")
     }
     assert mistakes <= named, verdict.diagnosis.sentence
+
+
+def test_a_heading_taken_anew_is_told_where_the_ball_turns(tmp_path: Path):
+    source, right = tmp_path / "candidate.py", "(c, s), (vx, vy, vz) = heading, velocity\n"
+    text = (FOLDER.parents[1] / "docs/candidate.py").read_text(encoding="utf-8")
+    assert right in text
+    wrong = "    now = math.hypot(vx, vy)\n    c, s = (vx / now, vy / now) if now else (c, s)\n"
+    source.write_text(text.replace(right, right + wrong), encoding="utf-8")
+    verdict = evaluate(
+        Judge(load("flight-both"), profile("converged", 1e-6)), command(source, tmp_path)
+    ).verdict
+    assert verdict.diagnosis is not None
+    told = next(f for f in verdict.diagnosis.findings if f.stage == "flight")
+    assert told.scenes == TURNED
+    assert "fixed at launch" in (told.remedy or "")
 
 
 def test_single_precision_is_named(cases: list[Known], tmp_path: Path):

@@ -19,10 +19,10 @@ from longball.judge.diagnosis import _not_alone, diagnose
 from longball.judge.explanations import Explanation
 from longball.judge.findings import Finding, found
 from longball.judge.flight_mistakes import with_density
-from longball.judge.rules import features, rule
+from longball.judge.rules import features, rule, shrunk
 from longball.judge.stages import with_values
 from longball.judge.steps import LIKE, _by_order, _Way
-from longball.model.air import Weather
+from longball.model.air import Air, Weather
 from longball.model.atmosphere import density
 from longball.model.force import Lift, Piecewise
 from longball.model.numbers import DOUBLES
@@ -326,6 +326,30 @@ def test_what_a_program_may_turn_on_is_a_rule(name: str, limit: float, told: str
     cases = [case for case in gold() if name in features(case)]
     above = [case for case in cases if features(case)[name] > limit]
     assert (rule(above, [case for case in cases if case not in above]) or "").startswith(told)
+
+
+@pytest.mark.parametrize(
+    ("fails", "left"),
+    [
+        (lambda s: s.ground.height != 0.0, {"air": None, "ground": {"height": -3.0}}),
+        (lambda s: s.air is not None, {}),
+    ],
+)
+def test_a_smallest_scene_has_no_block_that_does_nothing(fails, left):
+    (start,) = [case.scene for case in load("flight-both") if case.id == "flight-both-0006"]
+    scene = shrunk(start, lambda scenes: [*map(fails, scenes)])
+    found = scene.model_dump(mode="json", exclude_defaults=True)
+    assert {name: x for name, x in found.items() if name not in ("id", "kind", "launch")} == left
+
+
+def test_a_smallest_scene_is_one_that_is_answered():
+    (start,) = [case.scene for case in load("flight-both") if case.id == "flight-both-0006"]
+
+    def breaks_off_without_air(scenes):
+        known = next((i for i, s in enumerate(scenes) if s.air is None), len(scenes))
+        return [i < known for i in range(len(scenes))]
+
+    assert shrunk(start, breaks_off_without_air).air == Air()
 
 
 def test_fast_pitches_with_drag_are_a_rule():
