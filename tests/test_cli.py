@@ -230,6 +230,7 @@ class TestSolve:
             (["homerun", "--reading", "verlet_forces=implicit"], "--engine verlet --forces"),
             (["solve", "--engine", "verlet", "--root", "middle"], "'first', 'larger'"),
             (["homerun", "--set", "bat.mess=1"], "bat.mess"),
+            (["homerun", "--set", "air.density.temperature=27"], "air.density.temperature: must"),
             (["homerun", "--set", "pitch.speed=40"], "pitch.speed"),
             (["homerun", "--set", "air=null", "--set", "air.density=1"], "air"),
             (["homerun", "--e", "0.5:0.4:0.1"], "the last value is below the first"),
@@ -351,6 +352,16 @@ class TestPlot:
             assert run.stderr.decode() == f"longball: the picture is in {picture}\n"
         assert b"<svg" in pictures[0].read_bytes()
         assert pictures[1].read_bytes().startswith(b"\x89PNG")
+
+    @pytest.mark.parametrize("fence", [{"radius": 80}, {"polyline": [[70, 70, 2], [70, -70, 2]]}])
+    def test_fences_are_drawn(self, fence, tmp_path: Path):
+        scene = json.loads(FLIGHT) | {"kind": "flight"}
+        pictures = [tmp_path / name for name in ("with.svg", "without.svg")]
+        for picture, more in zip(pictures, ({"fence": fence}, {}), strict=True):
+            line = json.dumps(scene | more).encode()
+            assert longball("plot", "-o", str(picture), stdin=line).returncode == 0
+        lines = [picture.read_text(encoding="utf-8").count("#999999") for picture in pictures]
+        assert lines[0] > lines[1]
 
     def test_what_has_no_path_is_named(self, tmp_path: Path):
         picture = tmp_path / "p.png"

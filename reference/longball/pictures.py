@@ -15,6 +15,8 @@ from longball.engines.path import Trajectory
 from longball.extras import naming_extras
 from longball.home_run import PAPER_CURVES, Curve, Estimate, Fit, Integral
 from longball.model.arrays import Array
+from longball.model.result import Fence as Reached
+from longball.model.scene import Fence
 from longball.pitches.prediction import Prediction
 from longball.pitches.statcast import MeasuredPitches
 
@@ -138,10 +140,16 @@ class Drawn:
         Says which, and what became of it.
     flights
         Points of its flights, m; an array of shape (n, 3) for each, the pitch first.
+    fence
+        Its fence from above, m, an array of shape (n, 2); None without one.
+    passed
+        x and height of the fence where the ball comes to it, m; None if it does not.
     """
 
     label: str
     flights: tuple[Array, ...]
+    fence: Array | None = None
+    passed: tuple[float, float] | None = None
 
 
 # Colours that stay apart for the colour-blind (Okabe and Ito, 2008).
@@ -150,8 +158,17 @@ _MOST_LABELS = 12
 _LABEL = 1.4  # inches: a panel has room for the label of its axis
 
 
-def drawn(label: str, trajectory: Trajectory[float], points: int = 200) -> Drawn:
-    """Return the flights of a scene as points; a pitch up to where the bat meets it."""
+def drawn(
+    label: str,
+    trajectory: Trajectory[float],
+    points: int = 200,
+    fence: Fence | None = None,
+    reached: Reached | None = None,
+) -> Drawn:
+    """Return the flights of a scene as points, and its fence; a pitch up to where the bat meets it.
+
+    `reached` is what the result says of the fence.
+    """
     flights = []
     for i, leg in enumerate(trajectory.legs):
         end = leg.begin + leg.flight.time
@@ -159,13 +176,27 @@ def drawn(label: str, trajectory: Trajectory[float], points: int = 200) -> Drawn
             end = math.nextafter(trajectory.legs[i + 1].begin, 0.0)
         states = trajectory.sample(np.linspace(leg.begin, end, points).tolist())
         flights.append(np.array(states)[:, :3])
-    return Drawn(label, tuple(flights))
+    passed = None
+    if reached is not None:
+        x, _, z = map(float, reached.position)
+        passed = x, z - float(reached.clearance)
+    return Drawn(label, tuple(flights), None if fence is None else _from_above(fence), passed)
+
+
+def _from_above(fence: Fence) -> Array:
+    """Return the line of a fence, shape (n, 2), m."""
+    if fence.polyline is not None:
+        return np.array(fence.polyline)[:, :2]
+    assert fence.radius is not None
+    angle = np.linspace(0.0, 2 * np.pi, 361)
+    return fence.radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
 
 
 def save_paths(path: Path, scenes: Sequence[Drawn]) -> None:
     """Draw paths from the side and from above, both to scale, in the format of the file's ending.
 
-    Dashed before the contact, solid after it; a mark where a path ends.
+    Dashed before the contact, solid after it; a mark where a path ends. Fences are grey, as far as
+    they are near the paths: from above, and from the side where a ball comes to them.
     """
     every = np.vstack([points for scene in scenes for points in scene.flights])
     low, high = np.minimum(every.min(axis=0), 0.0), np.maximum(every.max(axis=0), 0.0)
@@ -177,6 +208,9 @@ def save_paths(path: Path, scenes: Sequence[Drawn]) -> None:
         for i, scene in enumerate(scenes):
             _draw_flights(side, top, scene, i, labelled=len(scenes) <= _MOST_LABELS)
         side.axhline(0.0, color="0.6", linewidth=0.8, zorder=0)
+        passed = [scene.passed for scene in scenes if scene.passed is not None]
+        _draw_fences(side, [np.array([(x, 0.0), (x, height)]) for x, height in passed])
+        _draw_fences(top, [scene.fence for scene in scenes if scene.fence is not None])
         for axes, name in ((side, "height z (m)"), (top, "y, to the left (m)")):
             axes.set_aspect("equal", adjustable="datalim")
             axes.plot(0.0, 0.0, marker="P", color="0.4", markersize=6, linestyle="none", zorder=0)
@@ -187,6 +221,14 @@ def save_paths(path: Path, scenes: Sequence[Drawn]) -> None:
                 side.plot([], [], "--", color="0.4", label="pitch up to the bat")
             known = side.get_legend_handles_labels()
             figure.legend(*known, loc="outside upper left", fontsize="small", ncols=2)
+
+
+def _draw_fences(axes: Axes, lines: Sequence[Array]) -> None:
+    """Draw lines that do not widen what is shown."""
+    from matplotlib.collections import LineCollection
+
+    drawn = LineCollection([*lines], colors="0.6", linewidths=2.5, zorder=0)
+    axes.add_collection(drawn, autolim=False)
 
 
 def _draw_flights(side: Axes, top: Axes, scene: Drawn, i: int, labelled: bool) -> None:

@@ -25,7 +25,7 @@ def plot(
 ) -> None:
     """Draw the paths of the balls.
 
-    Scenes are solved; the paths are to scale, from the side and from above.
+    Scenes are solved; the paths are to scale, from the side and from above, with fences in grey.
     """
     from longball.pictures import drawn, save_paths
 
@@ -43,7 +43,9 @@ def plot(
                 continue
             result, trajectory = solve_with_path(scene, solver)
             if result.error is None and trajectory.legs:
-                pictured.append(drawn(_label(scene.id or str(number), result), trajectory))
+                fence = getattr(scene, "fence", None)
+                label = _label(scene.id or str(number), result)
+                pictured.append(drawn(label, trajectory, fence=fence, reached=result.fence))
             else:
                 tell(f"line {number}: {result.error or 'nothing flies in an impact'}")
                 failed += 1
