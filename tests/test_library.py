@@ -253,6 +253,14 @@ class TestPath:
             _ = lb.solve(lb.Impact(incoming=touching)).path
 
 
+def test_a_scene_shows_what_was_written():
+    scene = lb.AtBat(**AT_BAT, gravity=9.81, air={"drag_coefficient": {"law": "crisis"}})
+    assert "crisis" in repr(scene)
+    assert "bat=" not in repr(scene)
+    assert eval(repr(scene), {"AtBat": lb.AtBat}) == scene
+    assert repr(lb.Pitch()) == "Pitch()"
+
+
 class TestSolveMany:
     def test_a_list_keeps_its_order_and_its_errors(self):
         scenes = [lb.AtBat(**AT_BAT), {"kind": "x", "id": "wrong"}, '{"kind": "pitch"}']

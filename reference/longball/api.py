@@ -63,6 +63,11 @@ class _Written:
             raise InvalidScene(f"kind: must be {kind!r} here, and is {blocks['kind']!r}")
         super().__init__(**dict(as_scene(blocks)))
 
+    def __repr_args__(self) -> Iterator[tuple[str, Any]]:
+        # What a caller need not write is not shown: a scene has some sixty numbers and switches.
+        said = self.model_dump(exclude_defaults=True)  # type: ignore[attr-defined]
+        yield from said.items()
+
 
 class Flight(_Written, models.FlightScene):
     """A ball from launch to landing.
