@@ -520,6 +520,7 @@ class TestFit:
 
     def test_a_table_that_is_none_is_no_traceback(self):
         run = longball("fit", "-", stdin=b"a,b\n1,2\n")
+        assert "--column NAME=VALUE names others" in run.stderr.decode()
         assert run.returncode == 1
         assert b"pitch_type" in run.stderr
         assert b"Traceback" not in run.stderr
@@ -537,6 +538,8 @@ class TestFit:
             mph = [float(row["release_speed"]) for row in csv.DictReader(file)]
         expected = 0.44704 * sum(mph) / len(mph)
         assert sum(speeds) / len(speeds) == pytest.approx(expected, abs=4 * 0.16)
+        table = lb.home_run_probability(0.42, "monte-carlo", samples=300, pitches=path)
+        assert f"0.42  {table.p[0]:.4f}" in run.stdout.decode()
 
 
 class TestReadings:

@@ -168,6 +168,8 @@ class TestSolve:
         assert f"landing.distance      {distance.value} ± {distance.radius} m" in repr(result)
         table = lb.solve_many({"kind": "pitch", "pitch.speed": [30.0, 40.0]}, certify=True)
         assert (table["plate.time.radius"].astype(float) < 1e-12).all()
+        head = [f"plate.{n}.{of}" for n in ("time", "position[0]") for of in ("value", "radius")]
+        assert [*table][1:5] == head
         with pytest.raises(lb.Undecided, match="proven to be"):
             lb.solve(scene, "verlet", certify=True, dt=0.05)
 
@@ -424,7 +426,10 @@ class TestSolveMany:
         (lambda: lb.home_run_probability(0.4, "monte-carlo", seed=-1), "seed = -1 is less than 0"),
         (lambda: lb.home_run_probability(0.4, samples=9), "samples: quadrature draws none"),
         (lambda: lb.home_run_probability([]), r"e = \[\]: one coefficient of restitution or more"),
-        (lambda: lb.home_run_probability("a"), "e = a: one coefficient"),
+        (lambda: lb.home_run_probability("a"), "e = 'a': a number or an array"),
+        (lambda: lb.home_run_probability(0.4, pitches="no.json"), "no.json: cannot be read"),
+        (lambda: lb.solve(lb.Pitch()).path.at("0.1"), "time = '0.1': a number or an array"),
+        (lambda: lb.solve(lb.Pitch()).path.at([True]), r"time = \[True\]: a number or an array"),
         (lambda: lb.home_run_probability(0.4, reading="a"), "reading: a mapping from switches"),
         (lambda: lb.solve(lb.Pitch()).path.sample(0), "points = 0 is less than 2"),
         (lambda: lb.solve(lb.Pitch()).path.sample(2.5), "points = 2.5 is not a whole number"),

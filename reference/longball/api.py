@@ -11,6 +11,7 @@ import json
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cached_property, partial
+from os import PathLike
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, cast, get_args
 
 import numpy as np
@@ -44,6 +45,8 @@ from longball.model.scene import AtBatScene, InvalidScene, Scene, parse_scene
 
 if TYPE_CHECKING:
     import pandas as pd
+
+    from longball.pitches import FittedPitches
 
 
 # --- scenes ---------------------------------------------------------------------------------------
@@ -187,8 +190,10 @@ class Path:
         ------
         ValueError
             If a time lies outside the path.
+        TypeError
+            If a time is no number.
         """
-        times = np.asarray(time, float)
+        times = _real("time", time)
         outside = times[~((times >= self.start) & (times <= self.end))]
         if outside.size:
             raise ValueError(
@@ -338,6 +343,14 @@ class Solution:
 _UNIT = re.compile(r"(s|m|m/s|rad/s|J|N s)(?=[,;]|$)")
 
 
+def _real(name: str, value: ArrayLike) -> Array:
+    """Return an array of numbers; texts that look like numbers are none."""
+    found = np.asarray(value)
+    if found.dtype.kind not in "iuf":
+        raise TypeError(f"{name} = {value!r}: a number or an array of numbers is needed")
+    return found.astype(float)
+
+
 def _shown(value: Any) -> str:
     if isinstance(value, tuple):
         return f"({', '.join(map(_shown, value))})"
@@ -432,13 +445,14 @@ _ERRORS: dict[ErrorCode, Callable[[str], Exception]] = {
 
 @naming_extras()
 def home_run_probability(
-    e: float | Sequence[float] | Array,
+    e: ArrayLike,
     method: Literal["quadrature", "monte-carlo"] = "quadrature",
     *,
     samples: int | None = None,
     seed: int | None = None,
     reading: Mapping[str, object] | None = None,
     scene: object = None,
+    pitches: FittedPitches | str | PathLike[str] | None = None,
     workers: int = -1,
 ) -> pd.DataFrame:
     """Compute the probability of a home run P(e) of the paper's at-bats.
@@ -457,6 +471,9 @@ def home_run_probability(
     scene
         An at-bat, as `solve` takes it, with all that is not drawn at random: speed and aim of the
         pitch, height and tilt of the swing and the restitution are. The paper's if left out.
+    pitches
+        What speed and aim are drawn from: the result of `longball.pitches.fit_pitches`, or the file
+        that ``longball fit --json`` wrote. The paper's distributions if left out.
     workers
         Threads; -1: one per core. The answer does not depend on it.
 
@@ -470,10 +487,10 @@ def home_run_probability(
     ------
     ValueError
         If an e is not between 0 and 1 or there is none, a reading or the method is unknown, or
-        `scene` is no at-bat, or sets what is drawn at random; if `samples`, `seed` or `workers` is
+        `scene` is no at-bat, or sets what is drawn at random; if `pitches` cannot be read; if `samples`, `seed` or `workers` is
         too small, or one of the first two is given for quadrature, which draws none.
     TypeError
-        If one of these three is not a whole number, or `reading` no mapping.
+        If one of these three is not a whole number, an e no number, or `reading` no mapping.
 
     Examples
     --------
@@ -498,7 +515,13 @@ def home_run_probability(
     home_run.refuse_drawn(base)
     if reading:
         base = base.model_copy(update={"reading": physics})
-    problem = base, home_run.paper_at_bats(sampling), restitutions
+    at_bats = home_run.paper_at_bats(sampling)
+    if pitches is not None:
+        from longball.pitches import FittedPitches, load_fitted
+
+        fitted = pitches if isinstance(pitches, FittedPitches) else load_fitted(pitches)
+        at_bats = fitted.drawn_in(at_bats)
+    problem = base, at_bats, restitutions
     rows: Sequence[home_run.Estimate | home_run.Integral]
     if method == "quadrature":
         space = sampling.sample_space
@@ -514,11 +537,8 @@ def home_run_probability(
     return pd.DataFrame([home_run.columns(row) for row in rows])
 
 
-def _restitutions(e: object) -> list[float]:
-    try:
-        values = np.atleast_1d(np.asarray(e, float))
-    except (TypeError, ValueError):
-        values = np.empty(0)
+def _restitutions(e: ArrayLike) -> list[float]:
+    values = np.atleast_1d(_real("e", e))
     if values.ndim != 1 or not values.size or not ((values >= 0) & (values <= 1)).all():
         raise ValueError(
             f"e = {e}: one coefficient of restitution or more is needed, each from 0 to 1"

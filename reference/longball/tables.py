@@ -345,7 +345,7 @@ def results_table(results: Iterable[Mapping[str, Any]]) -> pd.DataFrame:
     # Block by block: rows as dicts take ten times the memory of a table.
     blocks = [pd.DataFrame(block) for block in iter(lambda: [*islice(rows, _ROWS)], [])]
     frame = pd.concat(blocks) if blocks else pd.DataFrame()
-    names = sorted({*frame.columns, *_TEXTS}, key=_place)
+    names = sorted(dict.fromkeys([*frame.columns, *_TEXTS]), key=_place)
     return _typed(frame.reset_index(drop=True).reindex(columns=names))
 
 
@@ -360,11 +360,11 @@ def _typed(frame: pd.DataFrame) -> pd.DataFrame:
     return frame.astype({name: types[name] for name in frame.columns if name in types})
 
 
-def _place(name: str) -> tuple[int, int, str]:
-    """Return where a column of results stands among others."""
-    block, key, rest = re.split(r"\W", f"{name}..", maxsplit=2)
+def _place(name: str) -> tuple[int, int]:
+    """Return where a column of results stands; those of one vector are in their order already."""
+    block, key, _ = re.split(r"\W", f"{name}..", maxsplit=2)
     keys = [*BLOCKS[block].model_fields] if block in BLOCKS else [""]
-    return [*Result.model_fields].index(block), keys.index(key), rest
+    return [*Result.model_fields].index(block), keys.index(key)
 
 
 # --- files ----------------------------------------------------------------------------------------

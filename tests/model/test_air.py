@@ -119,7 +119,7 @@ LIMITS = [
     ("flight", "air.lift_coefficient", -1e30, 1e30),
     ("flight", "air.density.temperature", 150.0, 350.0),
     ("flight", "air.density.humidity", 0.0, 1.0),
-    ("flight", "air.density.pressure", 0.0, 1e30),
+    ("flight", "air.density.pressure", 1e4, 1e30),
     ("flight", "fence.radius", None, 1e30),
 ]
 
@@ -219,6 +219,8 @@ def test_other_contradictions_of_the_air() -> None:
             "cannot both be 0",
         ),
         ({"wind": {"velocity": [1, 0, 1], "height": 10}}, r"velocity\[2\] must be 0"),
+        ({"wind": {"velocity": [1, 0, 0]}}, r"must be \[x, y, z\]; or have velocity and above; or"),
+        ({"density": {"pressure": 1013}}, "10000 Pa; 1013 hPa are 101300 Pa"),
         ({"density": {"humidity": 50}}, "50.0 is not a fraction from 0 to 1; 50 % is written 0.5"),
     ):
         with pytest.raises(InvalidScene, match=message):

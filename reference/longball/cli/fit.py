@@ -16,9 +16,10 @@ from longball.cli.common import (
     reading_table,
     split_assignment,
 )
-from longball.pitches import Columns, PitchTypes, as_text, fit_pitches
+from longball.pitches import Columns, PitchTypes, TableError, as_text, fit_pitches
 from longball.pitches.fitted import Method
 from longball.pitches.fitting import BIN_WIDTH
+from longball.pitches.table import NoSuchColumn
 
 
 def fit(
@@ -63,7 +64,10 @@ def fit(
         classes["breaking"] = tuple(breaking.split(","))
     types = parsed(PitchTypes, classes)
     with reading_table():
-        fitted = fit_pitches(
-            table, columns, types, bin_width=bin_width, draw_from=draw_from, seed=seed
-        )
+        try:
+            fitted = fit_pitches(
+                table, columns, types, bin_width=bin_width, draw_from=draw_from, seed=seed
+            )
+        except NoSuchColumn as error:
+            raise TableError(f"{error}; --column NAME=VALUE names others, see --help") from None
     print(fitted.model_dump_json(indent=2) if as_json else as_text(fitted).rstrip())

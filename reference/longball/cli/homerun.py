@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Any, Literal, cast
 
@@ -110,7 +110,8 @@ def homerun(
     restitutions = parse_restitutions(e)
     at_bats = home_run.paper_at_bats(sampling)
     if pitches:
-        at_bats = with_pitches(at_bats, pitches)
+        with refusing():
+            at_bats = load_fitted(pitches).drawn_in(at_bats)
     if scenes_file:
         write_scenes(scenes_file, base, at_bats, restitutions, samples, seed)
     problem, space = (base, at_bats, restitutions), sampling.sample_space
@@ -223,13 +224,6 @@ def fence_block(text: str) -> Any:
             f"--fence {text}: neither a radius in m nor a file with the block of a fence in JSON, "
             'such as {"radius": 120}'
         )
-
-
-def with_pitches(at_bats: AtBats, path: Path) -> AtBats:
-    """Return at-bats whose pitches are drawn from fitted distributions instead of the paper's."""
-    with refusing():
-        speed, aim = load_fitted(path).distributions()
-    return replace(at_bats, speed=speed, aim=aim)
 
 
 def parse_restitutions(text: str) -> list[float]:

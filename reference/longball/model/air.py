@@ -130,7 +130,10 @@ class Weather(Block):
     """What the density of the air follows from; see `longball.model.atmosphere.density`."""
 
     temperature: float = Field(default=288.15, ge=150.0, le=350.0, description="K")
-    pressure: NotNegative = Field(default=101325.0, description="Pa, reduced to sea level")
+    # The sea-level pressure has never been measured below 870 hPa; at 10 kPa nobody could play.
+    pressure: float = Field(
+        default=101325.0, ge=1e4, le=1e30, description="Pa, reduced to sea level"
+    )
     humidity: NotNegative = Field(default=0.0, description="relative, from 0 to 1")
     elevation: Quantity = Field(default=0.0, description="m, above sea level")
 
@@ -163,19 +166,25 @@ class WindProfile(Block):
         return self
 
 
-def _wind_form(value: Any) -> str:
-    if isinstance(value, WindProfile) or (
-        isinstance(value, dict) and value.keys() & {"height", "roughness"}
-    ):
+def _wind_form(value: Any) -> str | None:
+    if not isinstance(value, dict | Block):
+        return "<vector>"
+    keys = value.keys() if isinstance(value, dict) else value.model_fields_set
+    if keys & {"height", "roughness"}:
         return "<profile>"
-    return "<above>" if isinstance(value, dict | WindAbove) else "<vector>"
+    return "<above>" if "above" in keys else None
 
 
 Wind = Annotated[
     Annotated[Point, Tag("<vector>")]
     | Annotated[WindAbove, Tag("<above>")]
     | Annotated[WindProfile, Tag("<profile>")],
-    Discriminator(_wind_form),
+    Discriminator(
+        _wind_form,
+        custom_error_type="wind_form",
+        custom_error_message="must be [x, y, z]; or have velocity and above; or velocity, height "
+        "and roughness",
+    ),
 ]
 Density = Annotated[
     Annotated[NotNegative, Tag("<number>")] | Annotated[Weather, Tag("<weather>")],

@@ -534,7 +534,11 @@ def in_our_words(message: str) -> str:
 
 
 # Of numbers that are likely to be in another unit if they are beyond their limits.
-_UNITS = {"temperature": " K; 20 °C is 293.15 K", "latitude": " rad; 45° is 0.7854 rad"}
+_UNITS = {
+    "temperature": " K; 20 °C is 293.15 K",
+    "pressure": " Pa; 1013 hPa are 101300 Pa",
+    "latitude": " rad; 45° is 0.7854 rad",
+}
 
 
 def _is_form(step: str | int) -> bool:

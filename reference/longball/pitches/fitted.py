@@ -10,12 +10,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
+from os import PathLike
 from pathlib import Path
 from typing import Annotated, Literal, TypeVar
 
 from pydantic import AfterValidator, Field, ValidationError
 
-from longball.home_run import MIDDLE_CELL, Mixture
+from longball.home_run import MIDDLE_CELL, AtBats, Mixture
 from longball.model.block import Strict
 from longball.model.csv_files import not_utf8
 from longball.model.scene import explain
@@ -189,8 +191,13 @@ class FittedPitches(Strict):
         aim: AimFit = getattr(self.aim, method)
         return speed.mixture(), aim.mixture(self.columns.cell_width)
 
+    def drawn_in(self, at_bats: AtBats) -> AtBats:
+        """Return at-bats that draw their pitches from these distributions."""
+        speed, aim = self.distributions()
+        return replace(at_bats, speed=speed, aim=aim)
 
-def load_fitted(path: str | Path) -> FittedPitches:
+
+def load_fitted(path: str | PathLike[str]) -> FittedPitches:
     """Read what `longball fit --json` wrote.
 
     Raises

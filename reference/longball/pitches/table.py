@@ -32,6 +32,10 @@ class TableError(ValueError):
     """A table that cannot be used; the message says in a sentence which column or row, and why."""
 
 
+class NoSuchColumn(TableError):
+    """A table that lacks a column."""
+
+
 class Omission(Strict):
     """Rows that were not used."""
 
@@ -74,7 +78,7 @@ def read_table(
     if missing := [name for name in columns if name not in names]:
         shown = ", ".join(names[:20]) + (", …" if len(names) > 20 else "")
         none = "no such column" if len(missing) == 1 else "no such columns"
-        raise TableError(
+        raise NoSuchColumn(
             f"{', '.join(missing)}: the table has {none}; its columns are {shown}"
             f"{other_separators(names)}"
         )
