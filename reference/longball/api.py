@@ -487,8 +487,9 @@ def home_run_probability(
     ------
     ValueError
         If an e is not between 0 and 1 or there is none, a reading or the method is unknown, or
-        `scene` is no at-bat, or sets what is drawn at random; if `pitches` cannot be read; if `samples`, `seed` or `workers` is
-        too small, or one of the first two is given for quadrature, which draws none.
+        `scene` is no at-bat, or sets what is drawn at random; if `pitches` cannot be read; if
+        `samples`, `seed` or `workers` is too small, or one of the first two is given for
+        quadrature, which draws none.
     TypeError
         If one of these three is not a whole number, an e no number, or `reading` no mapping.
 
@@ -538,12 +539,13 @@ def home_run_probability(
 
 
 def _restitutions(e: ArrayLike) -> list[float]:
-    values = np.atleast_1d(_real("e", e))
-    if values.ndim != 1 or not values.size or not ((values >= 0) & (values <= 1)).all():
+    given = _real("e", e)
+    if given.ndim > 1 or not given.size or not ((given >= 0) & (given <= 1)).all():
         raise ValueError(
-            f"e = {e}: one coefficient of restitution or more is needed, each from 0 to 1"
+            f"e = {given.tolist()}: one coefficient of restitution or more is needed, "
+            "each from 0 to 1"
         )
-    found: list[float] = values.tolist()
+    found: list[float] = given.reshape(-1).tolist()
     return found
 
 
