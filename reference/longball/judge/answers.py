@@ -34,8 +34,7 @@ from longball.model.result import Outcome, Result
 LONGEST_LINE = 1 << 24
 MOST_POINTS = 100_000
 
-# Issues of one kind beyond this many are counted, not kept.
-KEPT = 20
+KEPT = 20  # issues of one kind beyond this many are counted, not kept
 
 Kind = Literal[
     "rubbish",  # a line that is no result
@@ -62,32 +61,17 @@ class Issue(Frozen):
 
 @dataclass(frozen=True)
 class Answer:
-    """What a candidate says of one scene.
+    """What a candidate says of one scene."""
 
-    Attributes
-    ----------
-    id
-        The scene's.
-    outcome
-        None if it was left out, or is not one of the contract's.
-    values
-        The quantities given.
-    unreadable
-        Names of quantities given that are no finite numbers.
-    error
-        Why the candidate gives no answer, in its own words, if it refuses the scene.
-    path
-        Points ``t, x, y, z`` or ``t, x, y, z, vx, vy, vz``, a row each; None if none are given.
-    told
-        What is told and not measured, by name: ``landing.fair``, ``impact.mode``.
-    """
-
-    id: str
-    outcome: Outcome | None
-    values: Mapping[str, Value]
-    unreadable: frozenset[str] = frozenset()
+    id: str  # the scene's
+    outcome: Outcome | None  # None if it was left out, or is not one of the contract's
+    values: Mapping[str, Value]  # the quantities given
+    unreadable: frozenset[str] = frozenset()  # names of quantities given that are no finite numbers
+    # Why the candidate gives no answer, in its own words, if it refuses the scene.
     error: str | None = None
+    # Points ``t, x, y, z`` or ``t, x, y, z, vx, vy, vz``, a row each; None if none are given.
     path: NDArray[np.float64] | None = None
+    # What is told and not measured, by name: ``landing.fair``, ``impact.mode``.
     told: Mapping[str, object] = field(default_factory=dict)
 
 

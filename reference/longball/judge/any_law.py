@@ -31,15 +31,9 @@ Array = NDArray[np.float64]
 
 
 class Effort(threading.local):
-    """What flights of a thread have taken so far: so a verdict hangs on no other one's work.
+    """What flights of a thread have taken so far: so a verdict hangs on no other one's work."""
 
-    Attributes
-    ----------
-    steps
-        Of DOP853, of 0.2 ms or so; of what takes a part of that, the part.
-    """
-
-    steps = 0.0
+    steps = 0.0  # of DOP853, of 0.2 ms or so; of what takes a part of that, the part
 
 
 EFFORT = Effort()
@@ -52,8 +46,7 @@ TOLERANCE = 1e-11
 # s: a polynomial of degree five is off by 1e-9 m on such a step of a baseball's flight.
 LONGEST = 0.3
 
-# s: half of what a derivative is a difference over.
-_SHORT = 1e-4
+_SHORT = 1e-4  # s: half of what a derivative is a difference over
 
 # A baseball's flight takes twenty, and one that a wrong law drives faster and faster any number.
 MOST_STEPS = 500

@@ -25,50 +25,30 @@ from longball.judge.fresh import as_csv
 from longball.model.scene import Scene, ids_of
 
 CHUNK = 1 << 16  # bytes read or written at a time
-
 MOST_FAULTS = 10_000  # lines of output that are no answers
 
 
 @dataclass(frozen=True)
 class Limits:
-    """What a candidate may take.
+    """What a candidate may take."""
 
-    Attributes
-    ----------
-    scene_seconds
-        s that may pass without an answer to another scene; also what it may take to start, and
-        to end after its last answer.
-    total_seconds
-        s in all.
-    output_bytes
-        Of standard output in all. Five thousand bytes are a long result; the default is fifty
-        thousand of them.
-    error_bytes
-        Of standard error that are kept, the last ones.
-    """
-
+    # s that may pass without an answer to another scene; also what it may take to start, and to end
+    # after its last answer.
     scene_seconds: float = 10.0
-    total_seconds: float = 3600.0
+    total_seconds: float = 3600.0  # s in all
+    # Of standard output in all. Five thousand bytes are a long result; the default is fifty
+    # thousand of them.
     output_bytes: int = 1 << 28
-    error_bytes: int = 1 << 13
+    error_bytes: int = 1 << 13  # of standard error that are kept, the last ones
 
 
 @dataclass(frozen=True)
 class Run:
-    """How a candidate ran.
+    """How a candidate ran."""
 
-    Attributes
-    ----------
-    collected
-        Its answers, and what is wrong with them and with its conduct.
-    errors
-        The end of its standard error.
-    status
-        Its exit status; negative: the signal that ended it. None if it was stopped.
-    """
-
-    collected: Collector
-    errors: str
+    collected: Collector  # its answers, and what is wrong with them and with its conduct
+    errors: str  # the end of its standard error
+    # Its exit status; negative: the signal that ended it. None if it was stopped.
     status: int | None
 
 

@@ -106,11 +106,8 @@ FRAGILE = "fragile"
 # The flag of a ball that comes to the ground or a fence, or passes it, at a small angle.
 TANGENTIAL = "tangential"
 
-# The flag of a ball that passes a corner of the fence closely.
-VERTEX = "vertex"
-
-# Pieces of a flight that are looked at: a loop has some six.
-MOST_PIECES = 1000
+VERTEX = "vertex"  # the flag of a ball that passes a corner of the fence closely
+MOST_PIECES = 1000  # pieces of a flight that are looked at: a loop has some six
 
 
 def decidable(case: Case) -> bool:

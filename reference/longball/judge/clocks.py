@@ -63,11 +63,8 @@ _SURFACES: tuple[tuple[str, str, str, Callable[[Trial], float]], ...] = (
 )  # fmt: skip
 
 
-# Places beside the fence that are enough to tell what they have in common.
-FEWEST_PLACES = 3
-
-# Of landings, how many may be elsewhere for another reason.
-FEW_OTHERS = 0.05
+FEWEST_PLACES = 3  # places beside the fence that are enough to tell what they have in common
+FEW_OTHERS = 0.05  # of landings, how many may be elsewhere for another reason
 
 
 def _stays(trial: Trial) -> bool:
@@ -388,8 +385,7 @@ def _rounded_to(times: Array, clock: Array) -> int:
     return decimals if near and 0 < decimals <= FEW_DECIMALS else 0
 
 
-# Of what a velocity is off, what may be left where it is that of another time.
-_SAME_PATH = 1e-3
+_SAME_PATH = 1e-3  # of what a velocity is off, what may be left where it is that of another time
 
 
 def velocities_of_another_time(wrong: Sequence[Checked], base: Change) -> Iterator[Explanation]:
@@ -455,8 +451,7 @@ def _off_chord(dt: float, place: Placed) -> float:
     return math.dist([p + (q - p) * share for p, q in zip(a, b, strict=True)], place.point)
 
 
-# s: a second difference over this is an acceleration, to six digits.
-_TICK = 1e-3
+_TICK = 1e-3  # s: a second difference over this is an acceleration, to six digits
 
 # What a straight line, or a parabola in a vacuum, leaves of the way that the ball makes in the last
 # step is along its acceleration, to this share, since that changes little in a step.
@@ -469,8 +464,7 @@ _ACROSS = 0.1
 # ten of them, and one in ten. Of laws and schemes it is the same, or goes with the time of flight.
 _SPREAD = 1.8
 
-# Scenes that are enough to see that.
-_MANY = 40
+_MANY = 40  # scenes that are enough to see that
 
 
 def between_steps(stage: str, wrong: Sequence[Checked], base: Change) -> Iterator[Explanation]:

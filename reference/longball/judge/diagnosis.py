@@ -63,8 +63,7 @@ from longball.model.readings import Reading
 # Scenes that an explanation is sought in, failing and passing ones; it is then held against all.
 SOUGHT, BESIDE = 10, 4
 
-# Scenes of each kind in which it is seen what an explanation does to other stages.
-OTHERS = 3
+OTHERS = 3  # scenes of each kind in which it is seen what an explanation does to other stages
 
 # Of wrong answers, those in which no stage can be told to be wrong, such as grazes that doubles
 # hardly decide: beside a cause that is named, so few are not worth a line.
@@ -76,8 +75,7 @@ RIGHT = {"wrong": 0, "worst": 0.0, "example": None}
 # Where a wrong flight ends is seen to be on the surface, and no more: not that it is there in time.
 ENDS_OF = {"plate": "pitch", "landing": "flight", "landing velocity": "flight"}
 
-# What the impact tells besides numbers, which a change of it may change.
-MADE = ("impact.mode",)
+MADE = ("impact.mode",)  # what the impact tells besides numbers, which a change of it may change
 
 # Scenes with these flags magnify the errors of flights under laws other than longball's; where one
 # in so many of them is wrong with an explanation at hand, it is that explanation's own error.
@@ -93,11 +91,8 @@ MINOR = 1e-3
 # Of the errors, what a scheme leaves that is the candidate's own: the judge's steps are the same.
 DOUBT_OF_STEPS = 1e-6
 
-# Steps of all flights together that are followed with a scheme.
-MOST_STEPS = 15_000
-
-# What stands for a factor of k = ρ A/(2 m).
-STRENGTH = "air.density*"
+MOST_STEPS = 15_000  # steps of all flights together that are followed with a scheme
+STRENGTH = "air.density*"  # what stands for a factor of k = ρ A/(2 m)
 
 # Stages in which a graze makes errors of what comes before it a thousand times as large.
 INHERITING = ("touching", "normal speed", "velocity after")
@@ -182,63 +177,40 @@ def diagnose(
     unread = {name for name, answer in answers.items() if answer.unreadable}
     base = NONE if scheme is None else Change(engine=scheme, push=True)
     return _Search(
-        trials, dt, order, scheme, causes, single, unread, frozenset(wrong), base,
+        trials, dt, order, scheme, causes, frozenset(wrong), single, unread, base,
         relations.few_digits(trials),
     ).diagnosis()  # fmt: skip
 
 
 @dataclass
 class _Search:
-    """The search for what explains one candidate's errors.
-
-    Attributes
-    ----------
-    trials, dt, order, scheme, causes, wrong
-        See `diagnose`.
-    single
-        Whether the answers are in single precision.
-    unread
-        Ids of answers with values that are no numbers.
-    base
-        The chain as far as it is explained.
-    coarse
-        That all numbers are written with few digits, if they are.
-    excused
-        Stages and quantities whose errors are explained.
-    stepless
-        Whether no scheme in steps explains the flights.
-    jumps
-        Whether a law is found that jumps: what is left then is the candidate's step across.
-    loose
-        Relative errors that are left unexplained and handed on, by scene.
-    begun
-        Largest relative errors of the stages that something is found for, before that.
-    moved
-        Stages whose errors are explained by a mistake at another one, and that.
-    thrown
-        Scenes whose pitch does not follow.
-    amplified
-        Stages that are wrong in few scenes, which few digits may do.
-    """
+    """The search for what explains one candidate's errors."""
 
     trials: list[Trial]
+    # See `diagnose`.
     dt: float | None
     order: int | None
     scheme: Verlet | None
     causes: bool
-    single: bool
-    unread: Collection[str]
     wrong: Collection[str]
-    base: Change
-    coarse: Finding | None
+    single: bool  # whether the answers are in single precision
+    unread: Collection[str]  # ids of answers with values that are no numbers
+    base: Change  # the chain as far as it is explained
+    coarse: Finding | None  # that all numbers are written with few digits, if they are
     findings: list[Finding] = field(default_factory=list)
+    # Stages and quantities whose errors are explained.
     excused: set[str] = field(default_factory=set)
-    stepless: bool = False
+    stepless: bool = False  # whether no scheme in steps explains the flights
+    # Whether a law is found that jumps: what is left then is the candidate's step across.
     jumps: bool = False
+    # Relative errors that are left unexplained and handed on, by scene.
     loose: dict[str, float] = field(default_factory=dict)
+    # Largest relative errors of the stages that something is found for, before that.
     begun: dict[str, float] = field(default_factory=dict)
+    # Stages whose errors are explained by a mistake at another one, and that.
     moved: dict[str, str] = field(default_factory=dict)
-    thrown: set[str] = field(default_factory=set)
+    thrown: set[str] = field(default_factory=set)  # scenes whose pitch does not follow
+    # Stages that are wrong in few scenes, which few digits may do.
     amplified: set[str] = field(default_factory=set)
     work: Work = field(default_factory=Work)
     _raw: dict[int, Checked] = field(default_factory=dict)  # under the base, by trial's identity

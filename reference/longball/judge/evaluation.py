@@ -30,18 +30,10 @@ AGAIN = 12  # scenes that are run twice
 
 @dataclass(frozen=True)
 class Evaluation:
-    """A verdict and what it was made from.
+    """A verdict and what it was made from."""
 
-    Attributes
-    ----------
-    verdict
-        What is reported.
-    comparisons
-        Every case with its answer, for pictures and for JUnit.
-    """
-
-    verdict: Verdict
-    comparisons: Sequence[Comparison]
+    verdict: Verdict  # what is reported
+    comparisons: Sequence[Comparison]  # every case with its answer, for pictures and for JUnit
 
     def telling(self, **more: Any) -> Evaluation:
         """Return the same with more in its verdict."""
@@ -50,29 +42,15 @@ class Evaluation:
 
 @dataclass(frozen=True)
 class Judge:
-    """What candidates are judged by.
+    """What candidates are judged by."""
 
-    Attributes
-    ----------
-    cases
-        With their truth.
-    profile
-        The accuracy required.
-    truth
-        Where the cases are from, for the report.
-    partial
-        Whether scenes and quantities may be left out.
-    diagnose
-        Whether it is asked where errors come from, and some scenes are run twice.
-    dt
-        s, the candidate's time step, for the diagnosis; None if it is not known.
-    """
-
-    cases: Sequence[Case]
-    profile: Profile
-    truth: str = "golden data"
-    partial: bool = False
+    cases: Sequence[Case]  # with their truth
+    profile: Profile  # the accuracy required
+    truth: str = "golden data"  # where the cases are from, for the report
+    partial: bool = False  # whether scenes and quantities may be left out
+    # Whether it is asked where errors come from, and some scenes are run twice.
     diagnose: bool = True
+    # s, the candidate's time step, for the diagnosis; None if it is not known.
     dt: float | None = None
 
     def evaluate_command(

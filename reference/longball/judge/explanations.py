@@ -39,14 +39,12 @@ NAMED, IN_A_SCENE = 1e-3, 0.05
 # errs by some of what the jump does in that step, and a flight has a hundred steps.
 JUMPED = 1e-2
 
-# Of a quantity, what flights under laws with forces of any kind err by, mostly.
-OWN_ERROR = 3e-9
+OWN_ERROR = 3e-9  # of a quantity, what flights under laws with forces of any kind err by, mostly
 
 # Explanations that leave no more than the best one does, this many times, cannot be told apart.
 ALIKE = 3.0
 
-# What leaves more than this of one trial, or of a few, is not held against the others.
-SCREEN = 0.3
+SCREEN = 0.3  # what leaves more than this of one trial, or of a few, is not held against the others
 
 # A trial's relative errors with their checks.
 Checked = tuple[Trial, list[Check]]
@@ -54,43 +52,23 @@ Checked = tuple[Trial, list[Check]]
 
 @dataclass(frozen=True)
 class Explanation:
-    """A way to account for the errors of a stage.
-
-    Attributes
-    ----------
-    left
-        The share of the errors that it leaves; see `share_left`.
-    rank
-        Between equals the lower one is told first.
-    change
-        What becomes of the chain; None if it is in the quantity alone.
-    quantity, value
-        The quantity that it is in, and what that then is, of a trial.
-    mend
-        What makes a trial right again for all that follows, where neither of these does.
-    against
-        The error that it makes in scenes that pass, in the same unit as `left`.
-    step
-        s, of a scheme or a clock.
-    allowed
-        What it may leave to be named.
-    stage
-        Where the mistake is, if not at the stage whose errors it explains.
-    """
+    """A way to account for the errors of a stage."""
 
     name: str
     sentence: str
     remedy: str | None
-    left: float = 0.0
-    rank: float = 0.0
-    change: Change | None = None
+    left: float = 0.0  # the share of the errors that it leaves; see `share_left`
+    rank: float = 0.0  # between equals the lower one is told first
+    change: Change | None = None  # what becomes of the chain; None if it is in the quantity alone
+    # The quantity that it is in, and what that then is, of a trial.
     quantity: str | None = None
     value: Callable[[Trial], Numbers | None] | None = None
+    # What makes a trial right again for all that follows, where neither of these does.
     mend: Callable[[Trial], Trial] | None = None
-    against: float = 0.0
-    step: float | None = None
-    allowed: float = NAMED
-    stage: str | None = None
+    against: float = 0.0  # the error that it makes in scenes that pass, in the same unit as `left`
+    step: float | None = None  # s, of a scheme or a clock
+    allowed: float = NAMED  # what it may leave to be named
+    stage: str | None = None  # where the mistake is, if not at the stage whose errors it explains
 
     @property
     def named(self) -> bool:
@@ -162,15 +140,9 @@ def duration(case: Case) -> float:
 
 
 class Work:
-    """What a search has done: so many flights, or what takes as long.
+    """What a search has done: so many flights, or what takes as long."""
 
-    Attributes
-    ----------
-    done
-        Flights.
-    """
-
-    done = 0.0
+    done = 0.0  # flights
 
     def __init__(self) -> None:
         self._begun = EFFORT.steps
@@ -198,7 +170,6 @@ class Work:
 PATIENCE = 8_000.0
 
 MOST_EFFORT = 30_000  # steps of DOP853: a law that drives the ball on takes many
-
 LONG_STEP = 5e-3  # s: with such steps a second of flight takes as long as a flight under any law
 
 

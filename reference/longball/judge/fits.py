@@ -160,30 +160,19 @@ def _in_law(name: str, change: Callable[[Any], Any]) -> Change:
 
 @dataclass(frozen=True)
 class Fit:
-    """A parameter, what the candidate has in its place, and how far that is known.
-
-    Attributes
-    ----------
-    form
-        "fixed": the value whatever the scene says; "where": the value in scenes that say the usual
-        one; "factor": times the scene's; "offset": added; "default": the value where the scene
-        leaves it out.
-    value, doubt
-        Half the range of nine tenths of the scenes.
-    varies
-        Whether the scenes have different values, so that the forms can be told apart.
-    usual
-        The scene's value, where it is always the same.
-    laws
-        Those that it is known of, as another one may have a number of that name; None for all.
-    """
+    """A parameter, what the candidate has in its place, and how far that is known."""
 
     parameter: str
+    # "fixed": the value whatever the scene says; "where": the value in scenes that say the usual
+    # one; "factor": times the scene's; "offset": added; "default": the value where the scene leaves
+    # it out.
     form: str
+    # Half the range of nine tenths of the scenes.
     value: float
     doubt: float
-    varies: bool
-    usual: float = math.nan
+    varies: bool  # whether the scenes have different values, so that the forms can be told apart
+    usual: float = math.nan  # the scene's value, where it is always the same
+    # Those that it is known of, as another one may have a number of that name; None for all.
     laws: frozenset[str | None] | None = None
 
     @property
@@ -278,8 +267,7 @@ class Fit:
         return f"acts as if {parameter} were the scene's plus {number}{meant}"
 
 
-# A factor so near to 1 is told by what it differs.
-NEARLY = 1e-4
+NEARLY = 1e-4  # a factor so near to 1 is told by what it differs
 
 
 def told_factor(value: float) -> str:
@@ -335,8 +323,7 @@ def told(value: float, doubt: float) -> str:
     return f"{value:.{places}f} ± {doubt:.1g}"
 
 
-# Numbers of many digits that people choose all the same: m/s².
-STANDARD = (9.80665,)
+STANDARD = (9.80665,)  # numbers of many digits that people choose all the same: m/s²
 
 # What a factor is, if it is one of these.
 _FACTORS = (
@@ -377,8 +364,7 @@ ROUNDS = 8
 # Of a number, and of the scene's own, what a last step may move it by where it has come to its end.
 SETTLED, MOVED = 0.1, 1e-4
 
-# Digits of a number that one or two scenes are enough to believe.
-FEW_DIGITS = 3
+FEW_DIGITS = 3  # digits of a number that one or two scenes are enough to believe
 
 # The doubt of a fit beside what it differs from the scene: with more it explains nothing.
 UNSURE = 0.2
@@ -389,8 +375,7 @@ MISSED = 0.3
 # Of impacts, how many may be missed so: what comes of the others is held against all.
 MOST_MISSED = 0.2
 
-# With so many scenes a number is believed that has many digits.
-FIRST = 3
+FIRST = 3  # with so many scenes a number is believed that has many digits
 
 
 def implied(
@@ -528,11 +513,8 @@ def _difference(form: str, value: float, own: Array) -> float:
 
 # --- explanations ---------------------------------------------------------------------------------
 
-# A usual number may leave so much more than the fitted one.
-SNAP = 1e-4
-
-# Digits of a number that nobody chooses, of two that are fitted at once.
-ODD = 5
+SNAP = 1e-4  # a usual number may leave so much more than the fitted one
+ODD = 5  # digits of a number that nobody chooses, of two that are fitted at once
 
 
 # Of a number that may be taken in all scenes or in those that say the usual one, the first is told
@@ -654,8 +636,7 @@ STRENGTHS = (
     "air.density", "air.drag_coefficient", "air.lift_coefficient", "gravity", "spin", "wind",
 )  # fmt: skip
 
-# Of a scene's errors, what a number of its own may leave, besides the judge's own.
-WHOLLY = 1e-5
+WHOLLY = 1e-5  # of a scene's errors, what a number of its own may leave, besides the judge's own
 
 
 def scene_by_scene(sought: Sought) -> str:
@@ -757,14 +738,9 @@ def _left_by(
     return left
 
 
-# Changes that are taken for the first of two, one after the other.
-FIRSTS = 6
-
-# Of the errors, what the first must not leave.
-HELPS = 0.95
-
-# Trials that these are chosen by.
-TRIED = 4
+FIRSTS = 6  # changes that are taken for the first of two, one after the other
+HELPS = 0.95  # of the errors, what the first must not leave
+TRIED = 4  # trials that these are chosen by
 
 
 def one_after_another(sought: Sought, known: Sequence[Explanation]) -> Iterator[Explanation]:

@@ -762,8 +762,7 @@ def _profile(rise: Callable[[Any, Any], Any]) -> Change:
     return _terms(changed)
 
 
-# m: a height at which two forms of the wind go over into each other is so wide.
-_BLEND = 5e-3
+_BLEND = 5e-3  # m: a height at which two forms of the wind go over into each other is so wide
 
 
 def _larger(a: Any, b: Any) -> Any:
@@ -1190,8 +1189,7 @@ EXTENDED: tuple[Mistake, ...] = (
     *_exchanged(),
 )  # fmt: skip
 
-# The most decimals that a scene's numbers may be rounded to, where that shows.
-_MOST_DECIMALS = 6
+_MOST_DECIMALS = 6  # the most decimals that a scene's numbers may be rounded to, where that shows
 
 ROUNDED = tuple(
     Mistake(f"rounded:{place}:{decimals}",
@@ -1240,20 +1238,11 @@ LAW = (*_PAPERS_LAW, *EXTENDED, *ROUNDED)
 
 @dataclass(frozen=True)
 class Own:
-    """A number that the law has, and no scene: the 2 of V².
+    """A number that the law has, and no scene: the 2 of V²."""
 
-    Attributes
-    ----------
-    words
-        What it is.
-    usual
-        What it is in longball.
-    change
-        The chain with the number that a scene carries under the name, along with its own.
-    """
-
-    words: str
-    usual: float
+    words: str  # what it is
+    usual: float  # what it is in longball
+    # The chain with the number that a scene carries under the name, along with its own.
     change: Change
 
 

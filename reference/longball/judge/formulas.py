@@ -19,20 +19,12 @@ from longball.model.readings import Reading
 
 @dataclass(frozen=True)
 class View:
-    """A scene, and the values that a formula has before it, by the names of the quantities.
-
-    Attributes
-    ----------
-    before
-        The ball's velocity before the impact, m/s.
-    height
-        Of the bat's axis, m.
-    """
+    """A scene, and the values that a formula has before it, by the names of the quantities."""
 
     scene: Any
     values: Mapping[str, Numbers]
-    before: Numbers
-    height: float
+    before: Numbers  # the ball's velocity before the impact, m/s
+    height: float  # of the bat's axis, m
 
     def __getitem__(self, name: str) -> Numbers:
         return self.values[name]
@@ -94,23 +86,14 @@ Value = Callable[[View], Numbers]
 
 @dataclass(frozen=True)
 class Formula:
-    """A known mistake in one formula.
+    """A known mistake in one formula."""
 
-    Attributes
-    ----------
-    quantity
-        What it computes.
-    name, sentence, remedy
-        See `Mistake`.
-    value
-        What it then is.
-    """
-
-    quantity: str
+    quantity: str  # what it computes
+    # See `Mistake`.
     name: str
     sentence: str
     remedy: str
-    value: Callable[..., Numbers]
+    value: Callable[..., Numbers]  # what it then is
 
 
 @dataclass(frozen=True)
@@ -118,13 +101,9 @@ class Numbered(Formula):
     """A known mistake in one formula with a number in it that may be any.
 
     Its sentence has braces for the number, and its value takes it.
-
-    Attributes
-    ----------
-    number
-        What the number is, if the quantity is what a candidate says.
     """
 
+    # What the number is, if the quantity is what a candidate says.
     number: Callable[[View, Numbers], float]
 
     def of(self, number: float) -> Formula:

@@ -23,7 +23,6 @@ from longball.model.quantities import nested, numbers
 from longball.model.scene import KINDS, Scene
 
 DIGITS = 20  # of the truth: more than any double shows
-
 USUAL = "usual-constants"  # the name of the set
 GRAVITIES = (9.8, 9.80665, 9.81, 32.174 * 0.3048)  # m/s²
 DENSITIES = (1.2, 1.205, 1.225, 1.29)  # kg/m³

@@ -18,21 +18,18 @@ from longball.judge.stages import NONE, Change, Trial, stage_of
 from longball.model.result import Result
 from longball.model.scene import FlightScene
 
-# Wrong outcomes of a kind, and right ones, that an explanation is held against.
-WRONG, RIGHT = 8, 4
+WRONG, RIGHT = 8, 4  # wrong outcomes of a kind, and right ones, that an explanation is held against
 
 # How near a landing is to the one that an explanation makes, relative: an integrator's errors may
 # be left in it.
 NEAR = 1e-3
 
-# Of wrong outcomes, how many must follow from something for that to be said.
-MOST = 0.9
+MOST = 0.9  # of wrong outcomes, how many must follow from something for that to be said
 
 # Outcomes that a dip below the ground makes of each other.
 DIPS = ({"landed", "airborne"}, {"grounded", "airborne"}, {"grounded", "crossed"})
 
-# Relative: with a value that is off by less, another outcome does not follow from it.
-FINE = 1e-12
+FINE = 1e-12  # relative: with a value that is off by less, another outcome does not follow from it
 
 
 def _is_fair(place: Sequence[float]) -> bool:
@@ -210,8 +207,7 @@ def _made(
     return [m.name for m in ties], told_together([m.sentence for m in ties])
 
 
-# Of one flight by a scheme, to see how it ends.
-MOST_STEPS = 10_000
+MOST_STEPS = 10_000  # of one flight by a scheme, to see how it ends
 
 
 def _explains(change: Change, trial: Trial) -> bool | None:

@@ -113,8 +113,7 @@ def landed(scene: Any, answer: Answer) -> tuple[Answer, Mapping[str, float]]:
     return replace(answer, values=values, outcome=outcome), slack  # type: ignore[arg-type]
 
 
-# Decimals of places that are doubles: more than of places in nanometres.
-MANY = 10
+MANY = 10  # decimals of places that are doubles: more than of places in nanometres
 
 
 def as_written(scene: Any, answer: Answer) -> Answer:

@@ -25,21 +25,11 @@ ARITHMETIC = decimal.Context(prec=80)
 
 @dataclass(frozen=True)
 class QuantitySpec:
-    """What a quantity of a result is called, and what it consists of.
+    """What a quantity of a result is called, and what it consists of."""
 
-    Attributes
-    ----------
-    name
-        ``block.key``.
-    unit
-        SI; empty for a pure number.
-    size
-        1 for a number, 3 for a vector.
-    """
-
-    name: str
-    unit: str
-    size: int = 1
+    name: str  # ``block.key``
+    unit: str  # SI; empty for a pure number
+    size: int = 1  # 1 for a number, 3 for a vector
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -36,22 +36,14 @@ from longball.judge.stages import (
 Array = NDArray[np.float64]
 Image = Callable[[Array], Array]
 
-# The rank of relations: behind known mistakes that leave as little.
-RELATION = 0.5
-
-# The rank of formulas with a number that fits: behind those without one.
-NUMBER = 0.1
+RELATION = 0.5  # the rank of relations: behind known mistakes that leave as little
+NUMBER = 0.1  # the rank of formulas with a number that fits: behind those without one
 
 FEW_DECIMALS = 10
 
-# Of the number in a formula, how far it may differ from scene to scene.
-CERTAIN = 1e-3
-
-# A factor differs from 1 by more than this: less is rounding.
-NEAREST = 1e-11
-
-# A number below this is 0: what rounding leaves of one that is left out.
-NOTHING = 1e-6
+CERTAIN = 1e-3  # of the number in a formula, how far it may differ from scene to scene
+NEAREST = 1e-11  # a factor differs from 1 by more than this: less is rounding
+NOTHING = 1e-6  # a number below this is 0: what rounding leaves of one that is left out
 
 
 # --- relations to what follows --------------------------------------------------------------------

@@ -177,17 +177,10 @@ CHANCE = 100
 # else.
 FEWEST = 5
 
-# What a program may have built in.
-DEFAULTS = dict(numbers(AtBatScene()))
-
-# Scenes that must have a value for it to be the usual one.
-USUAL = 3
-
-# Conditions that are tried as the first of two: those that tell most scenes.
-HALVES = 8
-
-# Rules that tell the same scenes: with more of them, none says anything.
-MOST_RULES = 3
+DEFAULTS = dict(numbers(AtBatScene()))  # what a program may have built in
+USUAL = 3  # scenes that must have a value for it to be the usual one
+HALVES = 8  # conditions that are tried as the first of two: those that tell most scenes
+MOST_RULES = 3  # rules that tell the same scenes: with more of them, none says anything
 
 
 def rule(failing: Sequence[Case], passing: Sequence[Case], measured: bool = True) -> str | None:
@@ -269,21 +262,13 @@ FORMS = (
 
 @dataclass(frozen=True)
 class Condition:
-    """What may tell scenes: a feature, in words, and for which values of it it holds.
-
-    Attributes
-    ----------
-    without
-        Whether it holds for scenes that have no such feature.
-    measured
-        Whether it is one of how large a number is.
-    """
+    """What may tell scenes: a feature, in words, and for which values of it it holds."""
 
     name: str
     text: str
     of: Callable[[Any], bool]
-    without: bool = False
-    measured: bool = False
+    without: bool = False  # whether it holds for scenes that have no such feature
+    measured: bool = False  # whether it is one of how large a number is
 
     def holds(self, found: Features) -> bool:
         """Tell whether it holds for a scene with such features."""
@@ -341,8 +326,7 @@ def _told(value: Any) -> str:
     return f"{value:g}" if isinstance(value, float) else str(value)
 
 
-# Digits of a limit: one that needs more of them hardly parts the scenes.
-LIMIT_DIGITS = 4
+LIMIT_DIGITS = 4  # digits of a limit: one that needs more of them hardly parts the scenes
 
 
 def _is_short(limit: float) -> bool:

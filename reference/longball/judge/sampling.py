@@ -294,27 +294,13 @@ def _judge(quantity: str, values: Array) -> Drawn:
 
 @dataclass(frozen=True)
 class _Guess:
-    """A way to draw a quantity.
+    """A way to draw a quantity."""
 
-    Attributes
-    ----------
-    named
-        The mistakes in it.
-    mixture
-        What is drawn from.
-    scale
-        Times so much.
-    positive
-        Whether what is not positive is thrown away.
-    fitted
-        Whether the scale was fitted to the values.
-    """
-
-    named: tuple[str, ...]
-    mixture: Mixture
-    scale: float = 1.0
-    positive: bool = False
-    fitted: bool = False
+    named: tuple[str, ...]  # the mistakes in it
+    mixture: Mixture  # what is drawn from
+    scale: float = 1.0  # times so much
+    positive: bool = False  # whether what is not positive is thrown away
+    fitted: bool = False  # whether the scale was fitted to the values
 
     @property
     def doubt(self) -> float:

@@ -53,29 +53,18 @@ FLYING = STAGES[STAGES.index("flight") :]
 
 @dataclass(frozen=True)
 class Change:
-    """The one chain with something else in it: what a mistake is, or a fitted number.
+    """The one chain with something else in it: what a mistake is, or a fitted number."""
 
-    Attributes
-    ----------
-    scene
-        What is done to the scene before it is solved.
-    model
-        What is done to the forces and the collision.
-    engine
-        Who flies.
-    push
-        Whether the bat pushes for two steps of the paper's scheme, as Appendix B has it.
-    meeting
-        What is done to the scene where it is looked for when ball and bat meet, and nowhere else.
-    launch
-        What is done to the launch of a batted ball, with its scene.
-    """
-
+    # What is done to the scene before it is solved.
     scene: Callable[[Any], Any] = lambda scene: scene
+    # What is done to the forces and the collision.
     model: Callable[[Model], Model] = lambda model: model
-    engine: Engine[float] = ANY_LAW
+    engine: Engine[float] = ANY_LAW  # who flies
+    # Whether the bat pushes for two steps of the paper's scheme, as Appendix B has it.
     push: bool = False
+    # What is done to the scene where it is looked for when ball and bat meet, and nowhere else.
     meeting: Callable[[Any], Any] = lambda scene: scene
+    # What is done to the launch of a batted ball, with its scene.
     launch: Callable[[Any, Launch[float]], Launch[float]] = lambda scene, launch: launch
 
     def then(self, other: Change) -> Change:
@@ -95,33 +84,22 @@ NONE = Change()
 
 @dataclass(frozen=True)
 class Trial:
-    """A case, and what a candidate says of it, in doubles.
-
-    Attributes
-    ----------
-    given, expected
-        What it says, and what is true.
-    bounds
-        Of each quantity the size, and the error that double precision cannot avoid.
-    resolution, share
-        Half a unit in the last place written, if numbers are written with few decimals; the same
-        of numbers with few digits, relative to them.
-    right
-        Whether all that it says is true.
-    granted
-        The error of a quantity that counts as none, in its unit.
-    """
+    """A case, and what a candidate says of it, in doubles."""
 
     case: Case
+    # What it says, and what is true.
     given: Mapping[str, Numbers]
     expected: Mapping[str, Numbers]
+    # Of each quantity the size, and the error that double precision cannot avoid.
     bounds: Mapping[str, tuple[float, float]]
     outcome: str | None = None
+    # Half a unit in the last place written, if numbers are written with few decimals; the same of
+    # numbers with few digits, relative to them.
     resolution: float = 0.0
     share: float = 0.0
-    right: bool = False
+    right: bool = False  # whether all that it says is true
     told: Mapping[str, object] = field(default_factory=dict)
-    granted: float = 0.0
+    granted: float = 0.0  # the error of a quantity that counts as none, in its unit
 
     @property
     def scene(self) -> Any:
@@ -140,28 +118,15 @@ class Trial:
 
 @dataclass(frozen=True)
 class Check:
-    """A quantity that follows from earlier ones, or does not.
+    """A quantity that follows from earlier ones, or does not."""
 
-    Attributes
-    ----------
-    stage, quantity
-        Where, and what.
-    expected
-        What follows from the candidate's earlier values.
-    obtained
-        What it says.
-    tolerance
-        What rounding may do.
-    scale
-        The size that the error is relative to.
-    """
-
+    # Where, and what.
     stage: str
     quantity: str
-    expected: Numbers
-    obtained: Numbers
-    tolerance: float
-    scale: float
+    expected: Numbers  # what follows from the candidate's earlier values
+    obtained: Numbers  # what it says
+    tolerance: float  # what rounding may do
+    scale: float  # the size that the error is relative to
 
     @property
     def error(self) -> float:
@@ -205,14 +170,9 @@ def trial_of(case: Case, answer: Answer, granted: float = 0.0) -> Trial:
     return Trial(case, given, true, bounds, answer.outcome, *written, right, answer.told, granted)
 
 
-# Whoever writes so few digits leaves out more than single precision does.
-SHORT = 7
-
-# Numbers with more digits are doubles, or as good.
-MOST_DIGITS = 12
-
-# Fewer numbers than this may be short, or in single precision, by chance: 2.0 is.
-ENOUGH = 5
+SHORT = 7  # whoever writes so few digits leaves out more than single precision does
+MOST_DIGITS = 12  # numbers with more digits are doubles, or as good
+ENOUGH = 5  # fewer numbers than this may be short, or in single precision, by chance: 2.0 is
 
 
 def half_unit(digits: int) -> float:
@@ -249,11 +209,8 @@ def _resolution(answer: Answer) -> float:
 # away, and a change of energy is μ(Ṽ·n)², some 700 J, times one of ẽ.
 HANDED_ON = 1000.0
 
-# m: a place that is nearer to a flight than this is on it, for all that follows.
-CLOSE = 1e-6
-
-# Of a quantity: flights under any law err by a third of it at most.
-ANY_LAW_ERROR = 3e-8
+CLOSE = 1e-6  # m: a place that is nearer to a flight than this is on it, for all that follows
+ANY_LAW_ERROR = 3e-8  # of a quantity: flights under any law err by a third of it at most
 
 
 def follow(trial: Trial, change: Change = NONE, only: Iterable[str] = STAGES) -> list[Check]:
@@ -315,29 +272,14 @@ def followed(trial: Trial) -> list[Check]:
 
 @dataclass(frozen=True)
 class Placed:
-    """Where a point that a candidate gives lies beside the true path.
+    """Where a point that a candidate gives lies beside the true path."""
 
-    Attributes
-    ----------
-    off
-        Distance from the path, m.
-    clock
-        How much later its time is than that of the nearest point of the path, s.
-    moved
-        Distance from where the ball is at its time, m.
-    time
-        The candidate's, s since the flight begins.
-    point
-        The candidate's, m.
-    way, velocity
-        The true path: from the time to the place, and to the velocity.
-    """
-
-    off: float
-    clock: float
-    moved: float
-    time: float
-    point: Numbers
+    off: float  # distance from the path, m
+    clock: float  # how much later its time is than that of the nearest point of the path, s
+    moved: float  # distance from where the ball is at its time, m
+    time: float  # the candidate's, s since the flight begins
+    point: Numbers  # the candidate's, m
+    # The true path: from the time to the place, and to the velocity.
     way: Callable[[float], Numbers]
     velocity: Callable[[float], Numbers]
 

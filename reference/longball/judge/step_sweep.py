@@ -18,7 +18,6 @@ from longball.model.result import Result
 from longball.model.scene import Scene
 
 PLACE = "{dt}"  # in a command, where its time step goes
-
 SAMPLE = 12  # cases of each family: enough for a typical error
 FAMILIES = ("flight-both", "at-bat")  # of the golden data, where no other is asked for
 STEPS = "0.01:0.0001:9"  # s, evenly spaced in their logarithm
@@ -105,22 +104,15 @@ def sample(cases: Sequence[Case], families: Sequence[str] = ()) -> list[Case]:
 
 @dataclass(frozen=True)
 class StepSweep:
-    """Time steps that a candidate is run with, to see how it converges.
+    """Time steps that a candidate is run with, to see how it converges."""
 
-    Attributes
-    ----------
-    steps, expected, phases
-        See `longball.convergence.converge`.
-    knob, words
-        What else is varied than {dt}, and how its values are written; see `of_knob`.
-    progress
-        Called with the runs done, and how many there are.
-    """
-
+    # See `longball.convergence.converge`.
     steps: Sequence[float]
     expected: float | Mapping[str, float] | None = None
     phases: int = PHASES
+    # Called with the runs done, and how many there are.
     progress: Callable[[int, int], None] = lambda done, of: None
+    # What else is varied than {dt}, and how its values are written; see `of_knob`.
     knob: str = "dt"
     words: Sequence[str] = ()
 
@@ -191,8 +183,7 @@ class StepSweep:
         return converge(answers, scenes, self.steps, truth, self.expected, **options), issues
 
 
-# How near to a whole number an order is that is told as one.
-WHOLE = 0.1
+WHOLE = 0.1  # how near to a whole number an order is that is told as one
 
 
 def order_of(report: ConvergenceReport) -> int | None:

@@ -162,21 +162,12 @@ def _verlet(treatment: VerletForces) -> Step:
 
 @dataclass(frozen=True)
 class Scheme:
-    """A scheme in fixed steps.
-
-    Attributes
-    ----------
-    order
-        Of its errors.
-    words
-        How its author would call it.
-    treatment
-        Of the force, if it is velocity Verlet; `longball.engines.verlet` then flies by it, too.
-    """
+    """A scheme in fixed steps."""
 
     step: Step
-    order: int
-    words: str
+    order: int  # of its errors
+    words: str  # how its author would call it
+    # Of the force, if it is velocity Verlet; `longball.engines.verlet` then flies by it, too.
     treatment: VerletForces | None = None
 
 
@@ -246,18 +237,11 @@ STEP_EFFORT = 0.12  # of a step of DOP853, what one of RK4 takes here
 
 @dataclass(frozen=True)
 class FixedStep(Verlet):
-    """Flights in fixed steps of a scheme; ``chords`` is the true path, seen at the steps only.
+    """Flights in fixed steps of a scheme; ``chords`` is the true path, seen at the steps only."""
 
-    Attributes
-    ----------
-    scheme
-        A name of `SCHEMES`, or "chords".
-    ends
-        Whether a state between two steps lies on the line between them, or is reached by a shorter
-        step.
-    """
-
-    scheme: str = "explicit-euler"
+    scheme: str = "explicit-euler"  # a name of `SCHEMES`, or "chords"
+    # Whether a state between two steps lies on the line between them, or is reached by a shorter
+    # step.
     ends: Ends = "line"
     _last: list[Any] = field(default_factory=list, compare=False, repr=False)
 
@@ -430,7 +414,6 @@ ROUND_STEPS = tuple(
 )
 
 SHORTEST = 1e-4  # s: of steps that are tried
-
 SHORTEST_STEP, LONGEST_STEP = 2e-5, 0.2  # s: of clocks
 
 
@@ -463,18 +446,14 @@ FIRST, FINE_STEP, LONGEST = 0.01, 1e-3, 0.2
 # Trials that schemes are tried in, and schemes that are tried with the step that fits them best.
 FEW, BEST = 3, 6
 
-# Round steps are tried that differ from a fitted one by less than this factor.
-NEAR = 1.5
-
-# A round step may leave so many times what the one leaves that fits best.
-ALMOST = 1.1
+NEAR = 1.5  # round steps are tried that differ from a fitted one by less than this factor
+ALMOST = 1.1  # a round step may leave so many times what the one leaves that fits best
 
 # Of the errors, what the scheme that a candidate has leaves, whose steps are the judge's own: with
 # more it is another one of that order.
 ITS_OWN = 1e-5
 
-# Of a scheme that errs so, and is not the candidate's own.
-LIKE = "errs as one who"
+LIKE = "errs as one who"  # of a scheme that errs so, and is not the candidate's own
 
 # With steps longer than this, s, what a scheme leaves is seen in all trials, and not in a few.
 LONG = 2e-3

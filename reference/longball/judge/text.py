@@ -17,12 +17,8 @@ from longball.judge.sampling import Sampling
 from longball.judge.verdict import Fault, Row, Verdict
 from longball.text_table import aligned
 
-# How many of each list are printed; all are in the JSON.
-SHOWN = 5
-
-# A tolerance (m, s, m/s, J) by which nobody would judge says nothing.
-LOOSEST = 1.0
-
+SHOWN = 5  # how many of each list are printed; all are in the JSON
+LOOSEST = 1.0  # a tolerance (m, s, m/s, J) by which nobody would judge says nothing
 LONGEST_NAME = 120  # of a candidate: its command may hold a whole program
 
 

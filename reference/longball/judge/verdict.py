@@ -61,24 +61,17 @@ _ALL = QUANTITIES | PATH
 
 @dataclass(frozen=True)
 class Measured:
-    """One quantity of an answer beside the truth; lengths of vectors.
-
-    Attributes
-    ----------
-    error, tolerance, attainable
-        In the quantity's unit.
-    size
-        Of the expected value.
-    """
+    """One quantity of an answer beside the truth; lengths of vectors."""
 
     quantity: str
     expected: Value
     radius: Value
     obtained: Value
+    # In the quantity's unit.
     error: float
     tolerance: float
     attainable: float
-    size: float
+    size: float  # of the expected value
 
     @property
     def passed(self) -> bool:
@@ -109,8 +102,7 @@ class Measured:
         return _digits(self.attainable, self.size)
 
 
-# A double holds no more than this.
-_MOST_DIGITS = 17.0
+_MOST_DIGITS = 17.0  # a double holds no more than this
 
 
 def _digits(error: float, size: float) -> float | None:
@@ -123,40 +115,22 @@ def _digits(error: float, size: float) -> float | None:
 
 @dataclass(frozen=True)
 class Comparison:
-    """One answer beside the truth.
+    """One answer beside the truth."""
 
-    Attributes
-    ----------
-    case
-        What was asked.
-    answer
-        None if there was none.
-    judged
-        Whether there is a truth to judge by: the case has one, and not just in bits that double
-        precision does not have. A fragile case is judged if its outcome was hit; one whose
-        outcome hangs on errors that pass, if it was not refused.
-    outcome_wrong
-        Whether another outcome was given.
-    measured
-        Every quantity that both sides have.
-    missing
-        Quantities of the truth, or ``outcome``, that were left out; what need not be told, too.
-    unreadable
-        Quantities given that are no numbers.
-    superfluous
-        Blocks and quantities given that a scene with this outcome does not have.
-    untrue
-        What is told besides numbers, and is not so: its name, what is right, what was told.
-    """
-
-    case: Case
-    answer: Answer | None
+    case: Case  # what was asked
+    answer: Answer | None  # None if there was none
+    # Whether there is a truth to judge by: the case has one, and not just in bits that double
+    # precision does not have. A fragile case is judged if its outcome was hit; one whose outcome
+    # hangs on errors that pass, if it was not refused.
     judged: bool
-    outcome_wrong: bool = False
-    measured: tuple[Measured, ...] = ()
+    outcome_wrong: bool = False  # whether another outcome was given
+    measured: tuple[Measured, ...] = ()  # every quantity that both sides have
+    # Quantities of the truth, or ``outcome``, that were left out; what need not be told, too.
     missing: tuple[str, ...] = ()
-    unreadable: tuple[str, ...] = ()
+    unreadable: tuple[str, ...] = ()  # quantities given that are no numbers
+    # Blocks and quantities given that a scene with this outcome does not have.
     superfluous: tuple[str, ...] = ()
+    # What is told besides numbers, and is not so: its name, what is right, what was told.
     untrue: tuple[tuple[str, object, object], ...] = ()
 
     @property
@@ -408,27 +382,13 @@ def schema() -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class Submission:
-    """What is known of a candidate.
+    """What is known of a candidate."""
 
-    Attributes
-    ----------
-    candidate
-        What it is called.
-    collected
-        Its answers, and what is wrong with its output or conduct.
-    standard_error
-        Of its run, if it was run.
-    convergence
-        How it converges, if a family of steps was run.
-    sampling
-        How it draws at-bats, if it gave some.
-    """
-
-    candidate: str
-    collected: Collector
-    standard_error: str = ""
-    convergence: ConvergenceReport | None = None
-    sampling: Sampling | None = None
+    candidate: str  # what it is called
+    collected: Collector  # its answers, and what is wrong with its output or conduct
+    standard_error: str = ""  # of its run, if it was run
+    convergence: ConvergenceReport | None = None  # how it converges, if a family of steps was run
+    sampling: Sampling | None = None  # how it draws at-bats, if it gave some
 
 
 def verdict(
