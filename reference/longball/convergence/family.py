@@ -45,18 +45,12 @@ UNDECIDED = 0.4
 
 @dataclass(frozen=True)
 class Observed:
-    """One quantity of all scenes, at one step or as it should be.
+    """One quantity of all scenes, at one step or as it should be."""
 
-    Attributes
-    ----------
-    quantity, unit
-        What it is called.
-    values
-        (scene, component); NaN where a scene does not have it, or ended otherwise than it should.
-    """
-
+    # What it is called.
     quantity: str
     unit: str
+    # (scene, component); NaN where a scene does not have it, or ended otherwise than it should.
     values: Array
 
 
@@ -163,26 +157,14 @@ def observe(
 
 @dataclass(frozen=True)
 class _Measured:
-    """One quantity at all steps.
-
-    Attributes
-    ----------
-    steps
-        s, (step, phase).
-    values
-        (scene, step, phase, component); NaN where there is none.
-    truth
-        (scene, component), or None.
-    counts
-        Steps up to the last event, (step,).
-    """
+    """One quantity at all steps."""
 
     quantity: str
     unit: str
-    steps: Array
-    values: Array
-    truth: Array | None
-    counts: Array
+    steps: Array  # s, (step, phase)
+    values: Array  # (scene, step, phase, component); NaN where there is none
+    truth: Array | None  # (scene, component), or None
+    counts: Array  # steps up to the last event, (step,)
 
     @property
     def size(self) -> float:

@@ -33,22 +33,14 @@ FALLING = 0.5
 
 @dataclass(frozen=True)
 class PowerLaw:
-    """An error C h^p, over a range of steps.
+    """An error C h^p, over a range of steps."""
 
-    Attributes
-    ----------
-    order, low, high
-        p, and its interval of 95 % from the scatter about the line.
-    constant
-        C, in the error's unit over s^p.
-    first, last
-        Indices of the steps at the ends of the range, both inside it.
-    """
-
+    # p, and its interval of 95 % from the scatter about the line.
     order: float
     low: float
     high: float
-    constant: float
+    constant: float  # c, in the error's unit over s^p
+    # Indices of the steps at the ends of the range, both inside it.
     first: int
     last: int
 

@@ -20,12 +20,12 @@ from pathlib import Path
 from typing import Any, BinaryIO, Literal, cast, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
 from longball.convergence.report import Frozen
 from longball.engines.chain import BLOCKS as MODELS
 from longball.judge.quantities import BLOCKS, QUANTITIES, Value
+from longball.model.arrays import Array
 from longball.model.csv_files import not_utf8, other_separators
 from longball.model.quantities import nested
 from longball.model.result import Outcome, Result
@@ -70,7 +70,7 @@ class Answer:
     # Why the candidate gives no answer, in its own words, if it refuses the scene.
     error: str | None = None
     # Points ``t, x, y, z`` or ``t, x, y, z, vx, vy, vz``, a row each; None if none are given.
-    path: NDArray[np.float64] | None = None
+    path: Array | None = None
     # What is told and not measured, by name: ``landing.fair``, ``impact.mode``.
     told: Mapping[str, object] = field(default_factory=dict)
 
@@ -307,14 +307,8 @@ def _value(given: Any, size: int) -> Value | None:
     return tuple(numbers)
 
 
-def _points(given: Any) -> NDArray[np.float64]:
-    """Return points as an array.
-
-    Raises
-    ------
-    ValueError
-        If they are no path; the message says why.
-    """
+def _points(given: Any) -> Array:
+    """Return points as an array; a ValueError says why they are no path."""
     if not isinstance(given, list) or len(given) < 2:
         raise ValueError("two points or more must stand there, [t, x, y, z] or with vx, vy, vz")
     if len(given) > MOST_POINTS:
@@ -415,11 +409,7 @@ _TEXTS = ("id", "outcome", "error")
 
 
 def csv_columns() -> dict[str, tuple[str, int | None]]:
-    """Return what a column can hold: its name, the quantity, and which component.
-
-    ``id``, ``outcome``, ``error``; a number by its name, ``landing.distance``,
-    ``landing.position[0]``.
-    """
+    """Return the names that a column can have: of each the quantity, and which component."""
     columns: dict[str, tuple[str, int | None]] = {key: (key, None) for key in _TEXTS}
     for quantity in QUANTITIES.values():
         for component, name in enumerate(quantity.names):

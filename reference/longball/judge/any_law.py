@@ -13,7 +13,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.integrate import DOP853
 
 from longball.engines.contact import BatSection
@@ -24,10 +23,9 @@ from longball.engines.path import Flight, reaching
 from longball.engines.path_engine import PathEngine, View
 from longball.engines.polynomial import PolynomialPiece
 from longball.engines.taylor import right_hand_side
+from longball.model.arrays import Array
 from longball.model.law import PAPER, Law, State
 from longball.model.numbers import DOUBLES, Doubles
-
-Array = NDArray[np.float64]
 
 
 class Effort(threading.local):

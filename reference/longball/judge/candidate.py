@@ -89,11 +89,9 @@ def run(
 
 
 class _Session:
-    """A candidate's process, and what passes between it and us.
+    """A candidate's process, and what passes between it and us."""
 
-    A single thread waits for whichever of the three pipes is ready, so that neither side can
-    block the other, whatever is buffered where.
-    """
+    # A single thread waits for whichever of the three pipes is ready: neither side can block.
 
     def __init__(
         self,

@@ -11,7 +11,6 @@ from collections.abc import Callable, Iterator, Sequence
 from decimal import Decimal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longball.engines.fence import chords
 from longball.judge.explanations import (
@@ -40,10 +39,9 @@ from longball.judge.stages import (
     view_values,
 )
 from longball.judge.steps import ROUND_STEPS, SHORTEST, FixedStep, common_step
+from longball.model.arrays import Array
 from longball.model.numbers import DOUBLES
 from longball.model.scene import landing_height
-
-Array = NDArray[np.float64]
 
 # The heights at which a candidate may let the ball land instead: above the ground, m.
 _SURFACES: tuple[tuple[str, str, str, Callable[[Trial], float]], ...] = (
@@ -100,17 +98,8 @@ def _where(wrong: Sequence[Checked], right: Sequence[Trial]) -> str:
 def ends(
     stage: str, chosen: Sequence[Checked], trials: Sequence[Trial], dt: float | None
 ) -> Iterator[Explanation]:
-    """Yield where the ball is when the candidate says that a landing or a plate is reached.
-
-    Parameters
-    ----------
-    stage, chosen
-        "landing" or "plate"; trials in which it fails, with its checks.
-    trials
-        All of them.
-    dt
-        s, the candidate's step, if it is known.
-    """
+    """Yield where the ball is when a candidate says that it lands, or is at the "plate"."""
+    # `chosen` are those of `trials` in which that fails; `dt` is the step in s, if it is known.
     event = chosen[0][1][0].quantity
     offs = np.array([c.obtained[0] - c.expected[0] for _, cs in chosen for c in cs[:1]])
     if stage == "landing" and all(map(_stays, (t for t, _ in chosen))):
@@ -374,10 +363,8 @@ def clocks(stage: str, chosen: Sequence[Checked], base: Change) -> Iterator[Expl
 
 
 def _rounded_to(times: Array, clock: Array) -> int:
-    """Return how many decimals times are rounded to; 0 if what they are off by is not of that.
-
-    Times of steps that are never the nearest ones are cut off, and not rounded.
-    """
+    """Return how many decimals times are rounded to; 0 if they are not off by that."""
+    # Times of steps that are never the nearest ones are cut off, and not rounded.
     exponents = (Decimal(f"{time:.12g}").normalize().as_tuple().exponent for time in times)
     decimals = max(-int(exponent) for exponent in exponents)
     unit = 10.0**-decimals

@@ -274,11 +274,8 @@ class _Search:
         )
 
     def _without_inherited(self, rows: Sequence[StageRow]) -> list[StageRow]:
-        """Return the rows without errors of stages that follow with what is found at others.
-
-        So the touching does with the law of a wrong pitch, which goes on from the plate. A flight
-        has that law itself.
-        """
+        """Return the rows without errors of stages that follow with what is found at others."""
+        # So the touching does with the law of a wrong pitch. A flight has that law itself.
         told = {"flight", *self.excused, *(f.stage for f in self.findings)}
         if isinstance(self.base.engine, Verlet):  # of which only some scenes are followed
             return list(rows)
@@ -494,10 +491,7 @@ class _Search:
         return True
 
     def _is_own(self, wrong: Sequence[Checked], good: Sequence[Checked], failures: int) -> bool:
-        """Tell whether errors are those of flights with what is found so far in them.
-
-        `failures` tells in how many scenes there are some, minor ones too.
-        """
+        """Tell whether errors, in `failures` scenes, are those of flights with what is found."""
         seen = len(wrong) + len(good)
         few = ONE_IN * len(wrong) <= seen
         # A scene passes a jump where a flight is sensitive to it, or a scheme its own start.
@@ -574,10 +568,8 @@ class _Search:
     def _contradicted(
         self, change: Change, wrong: Sequence[Checked], good: Sequence[Checked]
     ) -> bool:
-        """Tell whether trials tell rightly, besides numbers, what a change would not make.
-
-        Most of those with errors, or of those without that are told the same.
-        """
+        """Tell whether trials tell rightly, besides numbers, what a change would not make."""
+        # Most of those with errors, or of those without that are told the same.
         full = self.base.then(change)
         alike: dict[str, list[tuple[Trial, dict[str, object]]]] = defaultdict(list)
         for t, checks in (*wrong, *good):
@@ -593,11 +585,7 @@ class _Search:
     def _least_harm(
         self, found: Sequence[Explanation], stage: str, good: Sequence[Checked]
     ) -> tuple[int, list[Explanation]]:
-        """Return those that are borne out best by the other stages, and how many checks they break.
-
-        With an explanation, others may no longer follow, or may begin to. So may scenes in which
-        this stage is right.
-        """
+        """Return those that the other stages bear out best, and how many checks they break."""
         others = [*self._elsewhere(stage), *evenly(good, SOUGHT)]
         effects = [self._effect(e, stage, others) for e in found[:6]]
         broken = min(b for b, _ in effects)
@@ -629,11 +617,8 @@ class _Search:
             yield from evenly(some, OTHERS)
 
     def _accept(self, best: Explanation, stage: str, worst: float) -> None:
-        """Make an explanation part of the chain, or mend the quantity that it is in.
-
-        What is computed wrongly is mostly used as it is; a number that is only written wrongly is
-        mended, which shows in more that follows.
-        """
+        """Make an explanation part of the chain, or mend the quantity that it is in."""
+        # What is computed wrongly is mostly used so; what is only written wrongly is mended.
         if best.mend is not None:
             self.trials = [best.mend(t) for t in self.trials]
         elif best.stage == "plate":
@@ -802,10 +787,7 @@ def _parameter(name: str) -> str:
 
 
 def _without_others(same: Sequence[Explanation]) -> list[Explanation]:
-    """Return explanations that come to the same, each name once, a factor of k as that first.
-
-    Mass and radius make one, too: whoever is told of the radius looks in the wrong place.
-    """
+    """Return explanations that come to the same, each name once, a factor of k as that first."""
     by_name: dict[str, Explanation] = {}
     for e in same:
         by_name.setdefault(e.name, e)
@@ -846,10 +828,8 @@ def _fine(sought: Iterable[Sought]) -> list[Explanation]:
 
 
 def _absent(trial: Trial) -> str | None:
-    """Return the stage of the first quantity that a trial leaves out; None if that is a landing.
-
-    No ball lands that the fence stops, or that stays in the air, whatever is wrong with that.
-    """
+    """Return the stage of the first quantity that a trial leaves out; None if it is a landing."""
+    # No ball lands that the fence stops, or that stays in the air, whatever is wrong with that.
     first = next((name for name in trial.expected if name not in trial.given), "landing")
     return None if first.startswith("landing") else stage_of(first)
 
@@ -858,18 +838,9 @@ def _where_made(
     rows: Iterable[StageRow], moved: Mapping[str, str], known: Collection[str],
     facts: Iterable[Finding],
 ) -> list[StageRow]:  # fmt: skip
-    """Return the rows of stages with the errors of each at the one where they are made.
-
-    A landing by a wrong clock is on the true path, and not where the ball is at that time. Wrong is
-    also a stage at which something is told, besides numbers, that is not so.
-
-    Parameters
-    ----------
-    moved
-        Stages whose errors are made at another one, and that.
-    known
-        Stages that something is found for.
-    """
+    """Return the rows of stages with the errors of each at the one where they are made."""
+    # A landing by a wrong clock is on the true path, and not where the ball is then: `moved` tells
+    # such stages, `known` those with a finding. Wrong is also one at which `facts` are.
     by_stage = {row.stage: row for row in rows}
     for stage, made in moved.items():
         if row := by_stage.get(stage):
@@ -903,10 +874,8 @@ def _plain(checked: Sequence[Checked]) -> list[Checked]:
 
 
 def _is_telling(e: Explanation) -> bool:
-    """Tell whether an explanation of some scenes says more than a number that any error makes.
-
-    Where these all have the same bat, there is a ratio, and a mass, for every mistake.
-    """
+    """Tell whether an explanation says more than a number that any error makes."""
+    # Where all scenes have the same bat, there is a ratio, and a mass, for every mistake.
     quantity, _, ratio = e.name.partition("*")
     any_ratio = quantity == e.quantity and fits.factor_meaning(float(ratio or "nan")) is None
     return not any_ratio and not fits.is_odd(e)
@@ -915,10 +884,7 @@ def _is_telling(e: Explanation) -> bool:
 def _unknown(
     stage: str, quantities: Collection[str], sizes: Sequence[float], minor: float, rest: bool
 ) -> str:
-    """Return what can be said where nothing explains errors of these sizes, in such scenes.
-
-    `quantities` are those that are wrong; a single one is named.
-    """
+    """Return what is said where nothing explains errors of these sizes in some quantities."""
     worst, wrong = max(sizes), sum(size > minor for size in sizes)
     sentence = f"{'what is left at ' if rest else ''}{stage}: "
     sentence += f"{' and '.join(quantities)} is " if len(quantities) == 1 else ""

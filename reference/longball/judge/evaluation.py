@@ -108,10 +108,8 @@ class Judge:
         asked: Callable[[Sequence[Scene]], Mapping[str, Answer]],
         answers: Mapping[str, Answer],
     ) -> list[str]:
-        """Run some scenes again, backwards; say whether the answers are the same.
-
-        They are if they differ by no more than passes: a sum by several threads may, in any run.
-        """
+        """Run some scenes again, backwards; say whether the answers are the same."""
+        # They may differ by what passes, as sums by several threads do.
         known = [case for case in self.cases if case.id in answers and decidable(case)]
         chosen = known[:: max(1, len(known) // AGAIN)][:AGAIN][::-1]
         if len(chosen) < 2:

@@ -15,7 +15,6 @@ from statistics import median
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longball.judge.any_law import EFFORT
 from longball.judge.cases import Case
@@ -29,8 +28,7 @@ from longball.judge.stages import (
     Trial,
     follow,
 )
-
-Array = NDArray[np.float64]
+from longball.model.arrays import Array
 
 # Of the errors, what a named explanation may leave in all, and in a scene.
 NAMED, IN_A_SCENE = 1e-3, 0.05
@@ -77,10 +75,8 @@ class Explanation:
 
 
 def share_left(lefts: Sequence[float], wholes: Sequence[float]) -> float:
-    """Return the share of errors that is left, scene by scene; at least that of scenes left.
-
-    A scene is explained if little of its error is left, or little beside the usual error.
-    """
+    """Return the share of errors that is left, scene by scene; at least that of scenes left."""
+    # A scene is explained if little of its error is left, or little beside the usual error.
     errors = [whole for whole in wholes if whole]
     if not errors:
         return 1.0
@@ -174,26 +170,14 @@ LONG_STEP = 5e-3  # s: with such steps a second of flight takes as long as a fli
 
 
 class Sought:
-    """Trials that an explanation is sought in, and what changes leave of their errors.
+    """Trials that an explanation is sought in, and what changes leave of their errors."""
 
-    Parameters
-    ----------
-    trials, beside
-        Those that fail, and some that do not: nothing may be explained that is not there.
-    stages
-        Whose errors are looked at; the first is the one that is to be explained.
-    base
-        The chain as far as it is explained.
-    """
-
+    # Trials that fail, and some that do not: nothing may be explained that is not there. Of the
+    # stages whose errors are looked at the first is the one to be explained.
     def __init__(
-        self,
-        trials: Sequence[Trial],
-        beside: Sequence[Trial],
-        stages: tuple[str, ...],
-        base: Change,
-        work: Work,
-    ) -> None:
+        self, trials: Sequence[Trial], beside: Sequence[Trial], stages: tuple[str, ...],
+        base: Change, work: Work,
+    ) -> None:  # fmt: skip
         self.trials, self.beside = list(trials), list(beside)
         self.stages, self.base, self.work = stages, base, work
         self.stage = stages[0]
@@ -209,11 +193,8 @@ class Sought:
         return [self._known[id(trial), change] for trial in (*self.trials, *self.beside)]
 
     def errors(self, trial: Trial, full: Change) -> Array:
-        """Return the relative errors of a trial under a chain.
-
-        They are those of the quantities that are of the stages under the base: a velocity that
-        another chain leaves wrong at the end only is of another stage, and counts the same.
-        """
+        """Return the relative errors of a trial under a chain."""
+        # Of the quantities that are of the stages under the base: another chain may move some.
         if id(trial) not in self._quantities:
             known = follow(trial, self.base, self.stages)
             here = frozenset(check.quantity for check in known if check.stage in self.stages)
@@ -247,10 +228,7 @@ class Sought:
         return rest
 
     def sizes(self, change: Change) -> list[float]:
-        """Return the errors that a change leaves in each trial, none counted for more than 1.
-
-        Behind those that fail come those beside them.
-        """
+        """Return the errors that a change leaves in each trial, at most 1, then in those beside."""
         return [
             float(np.minimum(np.abs(r), 1.0).sum()) if r.shape == f.shape else float(f.size)
             for r, f in zip(self.rows(change), self.rows(NONE), strict=True)

@@ -19,7 +19,6 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longball.engines.verlet import Verlet
 from longball.judge.changes import Mistake
@@ -39,12 +38,11 @@ from longball.model.air import (
     Table,
     Weather,
 )
+from longball.model.arrays import Array
 from longball.model.atmosphere import density
 from longball.model.bat import inertia_factor, tangential_restitution
 from longball.model.numbers import DOUBLES
 from longball.model.quantities import at
-
-Array = NDArray[np.float64]
 
 _FLIGHT = ("pitch", "flight")
 DRAGS = ConstantDrag, SpinDrag, CrisisDrag, Table
@@ -287,10 +285,8 @@ def digits_of(number: float) -> int:
 
 
 def roundest(value: float, doubt: float, size: float = 1.0) -> float:
-    """Return the number with the fewest digits that is as near as the doubt; people choose those.
-
-    A usual factor comes before it, and zero for what is nothing beside `size`.
-    """
+    """Return the number with the fewest digits within the doubt; people choose those."""
+    # A usual factor comes before it, and zero for what is nothing beside `size`.
     if abs(value) <= max(1e-9 * size, min(3 * doubt, 1e-6 * size)):
         return 0.0
     for usual in (*STANDARD, *(factor for factor, _ in _FACTORS)):
@@ -381,10 +377,8 @@ FIRST = 3  # with so many scenes a number is believed that has many digits
 def implied(
     trial: Trial, names: Sequence[str], sought: Sought, own: Change = NONE
 ) -> tuple[Array, float] | None:
-    """Return the values of parameters that explain a trial best, and the share they leave.
-
-    `own` is a change before it. None if the trial does not depend on all of the parameters.
-    """
+    """Return the values of parameters that explain a trial best, and the share they leave."""
+    # `own` is a change before it. None if the trial does not depend on all of the parameters.
     base = sought.base.then(own)
     held = [value_of(base.scene(trial.scene), name) for name in names]
     if None in held:
@@ -459,10 +453,7 @@ def fits(names: Sequence[str], sought: Sought, own: Change = NONE) -> list[list[
 
 
 def _forms(name: str, values: Array, own: Array, unsaid: bool) -> list[Fit]:
-    """Return the forms in which a parameter has some values, beside the scenes' own.
-
-    If all leave it out, it is what the candidate has in place of the usual one.
-    """
+    """Return the forms in which a parameter explains values; `unsaid`: all scenes leave it out."""
     varies = bool(np.ptp(own) > 1e-9 * np.abs(own).max(initial=0.0))
     some = own != 0  # a factor leaves the others as they are
     stay = some.any() and np.abs(values[~some]).max(initial=0.0) <= 1e-9 * np.abs(own).max()
@@ -573,10 +564,8 @@ MOSTLY, LARGE = 1e-2, 1e-3
 
 
 def mostly(sought: Sought) -> Iterator[Explanation]:
-    """Yield known laws, with what they leave of the larger errors: an integrator's may be in it.
-
-    In other scenes its errors may be as large as those of the law.
-    """
+    """Yield known laws, with what they leave of the larger errors."""
+    # The rest may be an integrator's; in other scenes that may be as large as a law's.
     sized = zip(sought.sizes(NONE), sought.trials, strict=False)  # sizes of those beside follow
     large = sorted((one for one in sized if one[0] > LARGE), key=lambda one: -one[0])
     if len(large) < TRIED:
@@ -670,10 +659,8 @@ def two(sought: Sought, known: Sequence[Explanation]) -> Iterator[Explanation]:
 
 
 def pairs(sought: Sought, known: Sequence[Explanation]) -> Iterator[Explanation]:
-    """Yield two of the known mistakes and fitted numbers together.
-
-    Small effects add up: which two it may be is seen in a few trials, from what each does alone.
-    """
+    """Yield two of the known mistakes and fitted numbers together."""
+    # Small effects add up: what each does alone, in a few trials, tells which two to try.
     few = sought.few
     base = few.rows(NONE)
     if not sum(map(len, base)) or sought.work.exhausted:
@@ -712,17 +699,8 @@ def pairs(sought: Sought, known: Sequence[Explanation]) -> Iterator[Explanation]
 def _left_by(
     rows: tuple[list[Array], list[Array], list[Array]], names: tuple[Any, Any], common: bool
 ) -> float:
-    """Return what is left of errors by two effects, of which those with a name may have any size.
-
-    Parameters
-    ----------
-    rows
-        The errors and the two effects in each trial.
-    names
-        Of the effects; explanations have their own size.
-    common
-        Whether the size is the same in all trials.
-    """
+    """Return what is left of errors by two effects, in each trial, or in all if `common`."""
+    # Explanations have their own size; numbers, told by a name alone, any.
     if common:
         rows = tuple([np.concatenate(one)] for one in rows)  # type: ignore[assignment]
     left = 0.0

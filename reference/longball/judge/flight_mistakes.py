@@ -57,10 +57,8 @@ from longball.model.wind import ROUGHNESS
 
 
 def _terms(change: Callable[[Term], Term | None], *carried: Term) -> Change:
-    """Return the change of each term that may act on a ball in flight; None leaves it out.
-
-    `carried` are terms behind them, whose parameters those changed may use.
-    """
+    """Return the change of each term that may act on a ball in flight; None leaves it out."""
+    # `carried` are terms behind them, whose parameters those changed may use.
     changed = cache(change)  # the same terms each time, so that their law is traced once
 
     def model(held: Model) -> Model:
@@ -84,10 +82,8 @@ def _forms(which: Callable[[Term], bool], change: Callable[[Any], Term]) -> Call
 def _strengths(
     changed: Callable[..., Any], which: Callable[[Term], bool] = lambda term: True
 ) -> Change:
-    """Return the change of strengths; `changed` takes a term's own before scene, frame, numbers.
-
-    Those of a term with branches are its branches.
-    """
+    """Return the change of strengths, or else branches, of terms of a kind."""
+    # `changed` takes a term's own before scene, frame and numbers.
 
     def change(term: Any) -> Any:
         branches = isinstance(term, Piecewise)
@@ -182,10 +178,7 @@ _AXES: More = (("cos", "sin"), lambda scene, frame: (frame.cos, frame.sin))  # o
 def _in_air(
     term: Term, form: Callable[[Motion, Flow, Any], Vector[Any]], more: More = ((), lambda *_: ())
 ) -> Change:
-    """Return the change of drag or lift to ρ k times a form: of the motion, the flow, parameters.
-
-    `more` are those that the form needs besides the term's own.
-    """
+    """Return the change of drag or lift to ρ k times a form; `more` are parameters it needs."""
     (strength,), given = term.parameters, _more(term, more)
 
     def acceleration(motion: Motion, p: Any) -> Vector[Any]:
@@ -235,10 +228,7 @@ def _about(axis: Callable[[Any, Any], Vector[Any]]) -> Change:
 
 
 def _about_if_fixed(axis: Callable[[Any, Any], Vector[Any]]) -> Change:
-    """Return the same change, but of lifts that are always up: their axis is computed elsewhere.
-
-    The lift stays, and one about the difference of the axes is added.
-    """
+    """Return the change that adds a lift about the difference of axes, where not always up."""
 
     def strengths(scene: Any, frame: Any, numbers: Any) -> tuple[Any, ...] | None:
         found = LIFT.strengths(scene, frame, numbers)
@@ -262,10 +252,7 @@ def _is_batted(scene: Any, frame: Any) -> bool:
 
 
 def _axis_of_pitch(straight: bool) -> Callable[[Any, Any], Vector[Any]]:
-    """Return the axis of the lift, of a batted ball that which the pitch has had.
-
-    Or that of a pitch which comes straight along the field.
-    """
+    """Return the axis of the lift: of a batted ball that of the pitch, or of a `straight` one."""
 
     def axis(scene: Any, frame: Any) -> Vector[Any]:
         if not _is_batted(scene, frame):
@@ -546,10 +533,8 @@ def _wind_not_in_lift_by_spin(scene: Any) -> Any:
 
 
 def with_density(scene: Any, value: float) -> Any:
-    """Return a scene with another density at height 0, kg/m³.
-
-    Where the weather gives it, it is linear in the pressure, on which nothing else hangs.
-    """
+    """Return a scene with another density at height 0, kg/m³."""
+    # That of the weather is linear in the pressure, on which nothing else hangs.
     if not isinstance(scene.air.density, Weather):
         return with_values(scene, {"air.density": value})
     nothing = _of_weather(scene, pressure=0.0)
@@ -694,10 +679,8 @@ def _by_whole_spin(f: Any) -> Any:
 
 
 def _of_total(scene: Any, frame: Any, numbers: Any) -> tuple[float]:
-    """Return 1 if the scene's lift is one by the whole spin, and else 0.
-
-    No None: a term of which no strength has a value does not act, and what it names is unknown.
-    """
+    """Return 1 if the scene's lift is one by the whole spin, and else 0."""
+    # No None: a term of which no strength has a value does not act.
     return (float(scene.reading.spin_parameter == "total"),)
 
 
@@ -743,10 +726,7 @@ def _of_diameter(given: Any, scene: Any, frame: Any, numbers: Any) -> Any:
 
 
 def _profile(rise: Callable[[Any, Any], Any]) -> Change:
-    """Return the change of the wind's growth with the height to a function of z and parameters.
-
-    Those are its `roughness` and its `wind_height`.
-    """
+    """Return the change of the wind's growth with height to a function of z and parameters."""
 
     def changed(f: Any) -> Any:
         if not (isinstance(f, Wind) and ROUGHNESS in f.parameters):
@@ -1255,10 +1235,8 @@ def _own(
     words: str, name: str, usual: float, which: Callable[[Term], bool],
     factor: Callable[[Motion, Any], Any], carried: Callable[[str], Term] | None = None,
 ) -> Own:  # fmt: skip
-    """Return a number that a factor of terms hangs on: of the motion and the number.
-
-    It is a parameter of a term that does nothing else; 0 on no branch yet.
-    """
+    """Return a number that a factor of terms hangs on: of the motion and the number."""
+    # It is a parameter of a term that does nothing else; 0 on no branch yet.
     constant = Term((name,), lambda scene, frame, numbers: (getattr(scene, name, usual),))
     change = _forms(which, lambda form: _multiplied(
         form, lambda m, p: factor(m, getattr(p, name, trace.ZERO))))  # fmt: skip

@@ -98,10 +98,7 @@ class Formula:
 
 @dataclass(frozen=True)
 class Numbered(Formula):
-    """A known mistake in one formula with a number in it that may be any.
-
-    Its sentence has braces for the number, and its value takes it.
-    """
+    """A known mistake with any number in it: braces in the sentence, an argument of `value`."""
 
     # What the number is, if the quantity is what a candidate says.
     number: Callable[[View, Numbers], float]

@@ -37,10 +37,8 @@ def _is_fair(place: Sequence[float]) -> bool:
 
 
 def _leaves(trial: Trial, fair: bool = True) -> bool:
-    """Tell whether a ball passes over the fence, by its own values, and passes it fair, or foul.
-
-    Over a fence that is a circle a ball goes fair wherever it does.
-    """
+    """Tell whether a ball passes over the fence, by its own values, fair or foul."""
+    # Over a fence that is a circle a ball goes fair wherever it does.
     place, above = trial.given.get("fence.position"), trial.given.get("fence.clearance")
     over = place is not None and above is not None and above[0] > 0
     return over and (_is_fair(place or ()) or trial.scene.fence.polyline is None) is fair
@@ -102,17 +100,7 @@ def _fair_otherwise(trials: Iterable[Trial]) -> tuple[list[str], str] | None:
 def outcome_findings(
     trials: Sequence[Trial], base: Change, known: Sequence[Finding]
 ) -> Iterator[Finding]:
-    """Yield what is behind the other outcomes of some trials.
-
-    Parameters
-    ----------
-    trials
-        All of them.
-    base
-        The chain as far as it is explained.
-    known
-        What is found already.
-    """
+    """Yield what is behind the other outcomes of some trials; `known` is what is found already."""
     kinds: dict[tuple[str, str], list[Trial]] = defaultdict(list)
     for t in trials:
         if t.confused:
@@ -180,10 +168,7 @@ def _made(
     wrong: Sequence[Trial], same: Sequence[Trial], agreed: Sequence[Trial], base: Change,
     known: Sequence[Finding],
 ) -> tuple[list[str], str] | None:  # fmt: skip
-    """Return the names and the sentence of what makes these outcomes, right ones included.
-
-    So it does others that `agreed`, if it is in their scenes.
-    """
+    """Return names and sentence of what makes these outcomes, and those `agreed` on."""
     whole = [*wrong, *same]
 
     def makes(change: Change) -> bool:
@@ -211,11 +196,8 @@ MOST_STEPS = 10_000  # of one flight by a scheme, to see how it ends
 
 
 def _explains(change: Change, trial: Trial) -> bool | None:
-    """Tell whether a change makes a trial's outcome, and a landing near to the one that it has.
-
-    None where doubles cannot decide what it makes, or a scheme takes very many steps to it, as
-    beyond the time limit.
-    """
+    """Tell whether a change makes a trial's outcome, and a landing near to its own."""
+    # None where doubles do not decide it, or a scheme takes very many steps to it.
     scenes = trial.scene, change.scene(trial.scene)
     own, changed = (getattr(scene, "time_limit", 0.0) for scene in scenes)
     if own < changed > MOST_STEPS * getattr(change.engine, "dt", math.inf):
@@ -264,10 +246,7 @@ LIMITED: dict[
 
 
 def _limit(obtained: str, wrong: Sequence[Trial], trials: Sequence[Trial]) -> str:
-    """Return between which of their own values the limit is that an outcome is told by.
-
-    Nothing if there is none, or if it may be the right one.
-    """
+    """Return between which of their own values an outcome's limit lies; nothing if it is right."""
     if obtained not in LIMITED:
         return ""
     name, right, value, rightly = LIMITED[obtained]

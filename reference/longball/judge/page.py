@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from jinja2 import Environment, Template
-from numpy.typing import NDArray
 
 from longball.convergence.figure import draw_convergence
 from longball.engines.chain import solve_with_path
@@ -31,13 +30,13 @@ from longball.judge.text import (
     silence,
 )
 from longball.judge.verdict import Comparison, Measured
+from longball.model.arrays import Array
 from longball.model.scene import ImpactScene
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-Array = NDArray[np.float64]
 
 SHOWN = 20  # failures and issues on the page
 NOTHING = 1e-17  # where a relative error of zero is drawn on a logarithmic axis
@@ -187,10 +186,8 @@ def worst_flight(comparisons: Sequence[Comparison]) -> Comparison | None:
 
 
 def draw_flight(figure: Figure, comparison: Comparison) -> None:
-    """Draw a true flight from the side and from above, and a candidate's points beside it.
-
-    Their errors have a panel: a centimetre is not seen beside a hundred metres.
-    """
+    """Draw a true flight from the side and from above, and a candidate's points beside it."""
+    # Their errors have a panel: a centimetre is not seen beside a hundred metres.
     assert comparison.answer is not None
     side, above, off = figure.subplots(3, 1, height_ratios=(3, 2, 2))
     above.sharex(side)

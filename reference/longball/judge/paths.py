@@ -18,7 +18,6 @@ from decimal import Decimal
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import KroghInterpolator
 from scipy.optimize import brentq
 
@@ -26,10 +25,10 @@ from longball.engines.chain import solve_with_path
 from longball.engines.ivp import Ivp
 from longball.judge.answers import Answer
 from longball.judge.quantities import Value
+from longball.model.arrays import Array
 from longball.model.result import Outcome
 from longball.model.scene import ImpactScene, landing_height
 
-Array = NDArray[np.float64]
 Met = dict[str, Array]
 
 # Numbers next to a crossing that a polynomial goes through: how far two of them are apart tells how
@@ -64,15 +63,8 @@ def worst_points(scene: Any, path: Array) -> dict[str, tuple[Value, Value]]:
 
 
 def landed(scene: Any, answer: Answer) -> tuple[Answer, Mapping[str, float]]:
-    """Return an answer with what its points say of the landing or the plate.
-
-    Returns
-    -------
-    answer
-        What it says itself stays as it is.
-    slack
-        How far interpolation may be off, by quantity, in its unit.
-    """
+    """Return an answer with what its points say of the landing or the plate, where it does not."""
+    # Also how far interpolation may be off, by quantity, in its unit.
     path = answer.path
     assert path is not None
     if isinstance(scene, ImpactScene):

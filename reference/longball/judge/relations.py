@@ -13,7 +13,6 @@ from dataclasses import replace
 from decimal import Decimal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longball.judge.answers import Answer
 from longball.judge.explanations import Checked, Explanation, off, share_by, size_of
@@ -32,8 +31,8 @@ from longball.judge.stages import (
     follow,
     view_values,
 )
+from longball.model.arrays import Array
 
-Array = NDArray[np.float64]
 Image = Callable[[Array], Array]
 
 RELATION = 0.5  # the rank of relations: behind known mistakes that leave as little
@@ -52,15 +51,8 @@ NOTHING = 1e-6  # a number below this is 0: what rounding leaves of one that is 
 def relations(
     chosen: Sequence[Checked], beside: Sequence[Checked], base: Change
 ) -> Iterator[Explanation]:
-    """Yield constant ratios and differences, exchanged axes and signs of the quantities.
-
-    Parameters
-    ----------
-    chosen, beside
-        Trials in which the stage fails, with its checks; trials in which it does not.
-    base
-        The chain as far as it is explained.
-    """
+    """Yield constant ratios and differences, exchanged axes and signs of the quantities."""
+    # The stage fails in the `chosen` trials, and not in those `beside`.
     for quantity in dict.fromkeys(c.quantity for _, cs in chosen for c in cs):
         pairs = [c for _, cs in chosen for c in cs if c.quantity == quantity and not c.follows]
         if ":" in quantity or len(pairs) < 2:
@@ -215,10 +207,8 @@ def formulas(
 
 
 def _settled(numbers: Sequence[float]) -> float | None:
-    """Return the number that all are; None if they are not the same, too few, or no round number.
-
-    Where all scenes have the same bat, another mistake may be like any number.
-    """
+    """Return the round number that all are; None if there is none, or too few tell it."""
+    # Where all scenes have the same bat, another mistake may be like any number.
     if len(numbers) < FIRST:
         return None
     middle, doubt = float(np.median(numbers)), float(np.ptp(numbers)) / 2
@@ -315,10 +305,8 @@ SINGLE_NOISE = 1e-2
 
 
 def in_single_precision(answers: Iterable[Answer]) -> bool:
-    """Tell whether most quantities hold only numbers of single precision, or such as are written.
-
-    Not all need to: a program in single precision may still take a square root in doubles.
-    """
+    """Tell whether most quantities hold only numbers of single precision."""
+    # Not all need to: a program in single precision may still take a square root in doubles.
     numbers: dict[str, set[Decimal]] = defaultdict(set)
     for answer in answers:
         for name, value in answer.values.items():
@@ -372,10 +360,7 @@ _OTHER_UNITS = {
 
 
 def conventions(trials: Sequence[Trial]) -> Explanation | None:
-    """Return axes or a unit that all of the output is written in, in place of the contract's.
-
-    That is, under which several quantities come right together.
-    """
+    """Return axes or a unit, not the contract's, under which several quantities come right."""
     known: dict[str, list[tuple[Array, Array]]] = defaultdict(list)
     for trial in trials:
         for name, true in trial.expected.items():

@@ -76,10 +76,7 @@ _EXTREMES: dict[int, tuple[Case, tuple[float, float] | None]] = {}
 
 
 def _extremes(case: Case) -> tuple[float, float] | None:
-    """Return the largest height of a ball that lands, m, and its least velocity forward, m/s.
-
-    Forward is the heading of the launch. None if that is not told.
-    """
+    """Return a landing ball's largest height, m, and least velocity along its launch, m/s."""
     if id(case) not in _EXTREMES:
         _EXTREMES[id(case)] = case, _extremes_of_path(case)
     return _EXTREMES[id(case)][1]
@@ -216,10 +213,7 @@ def _telling(
     right: Sequence[Features],
     tried: int,
 ) -> list[Condition]:
-    """Return those that tell the wrong scenes, and would hardly do so by chance.
-
-    `tried` is how many there might have been.
-    """
+    """Return those of `tried` conditions that tell the wrong scenes, hardly by chance."""
     return [
         one
         for one in conditions
@@ -275,10 +269,8 @@ class Condition:
         return self.of(found[self.name]) if self.name in found else self.without
 
     def choices(self, wrong: Sequence[Features], right: Sequence[Features]) -> int:
-        """Return how many choices of as many scenes there are.
-
-        Of as many values, where a number is measured: scenes that are alike in it fail together.
-        """
+        """Return how many choices of as many scenes there are."""
+        # Of as many values of a number: scenes that are alike in it fail together.
         if not self.measured:
             return math.comb(len(wrong) + len(right), len(wrong))
         values, others = _values(wrong, self.name), _values(right, self.name)
@@ -382,13 +374,7 @@ def _with_number(name: str, value: float, scene: Any) -> Any:
 
 
 def shrunk(scene: Any, fails: Callable[[Sequence[Any]], Sequence[bool]]) -> Any:
-    """Return a scene that fails still, with as little in it as a few rounds take out.
-
-    Parameters
-    ----------
-    fails
-        Tells of scenes whether the candidate fails in them, all at once.
-    """
+    """Return a scene with less in it that fails still; `fails` tells it of several at once."""
 
     def failing(scenes: Sequence[Any]) -> Sequence[bool]:
         return fails([s.model_copy(update={"id": f"shrunk-{i}"}) for i, s in enumerate(scenes)])

@@ -18,17 +18,15 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
 from longball.convergence.report import Frozen
 from longball.home_run import AtBats, Mixture, paper_at_bats
 from longball.judge.answers import quoted
+from longball.model.arrays import Array
 from longball.model.quantities import at
 from longball.model.readings import SamplingReading
 from longball.model.scene import AtBatScene
-
-Array = NDArray[np.float64]
 
 # Kolmogorov's statistic √n D exceeds this once in a hundred thousand samples of the right
 # distribution (2 exp(-2 x²) = 1e-5); four quantities are tested.

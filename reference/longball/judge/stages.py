@@ -214,17 +214,7 @@ ANY_LAW_ERROR = 3e-8  # of a quantity: flights under any law err by a third of i
 
 
 def follow(trial: Trial, change: Change = NONE, only: Iterable[str] = STAGES) -> list[Check]:
-    """Return what follows from a candidate's own earlier values, stage by stage.
-
-    Parameters
-    ----------
-    trial
-        What the candidate says.
-    change
-        What is done otherwise than in longball.
-    only
-        The stages to look at.
-    """
+    """Return what follows from a candidate's own earlier values under a change, stage by stage."""
     found: list[Check] = []
     with suppress(*_NO_STATE):  # beyond that nothing follows
         for check in _Following(trial, change).checks(frozenset(only)):
@@ -254,10 +244,8 @@ def stage_of(quantity: str) -> str:
 
 
 def followed(trial: Trial) -> list[Check]:
-    """Return what follows in a trial and what does not, to the last digits.
-
-    An answer that is right in all is not computed again: each of its quantities follows.
-    """
+    """Return what follows in a trial and what does not, to the last digits."""
+    # Of an answer that is right in all, each of its quantities follows.
     if trial.right:
         stages = [(stage_of(name), name) for name in trial.given]
         stages += [one for one in ENDS if one[1] in trial.given]
@@ -285,10 +273,7 @@ class Placed:
 
 
 def placed(trial: Trial, change: Change, stage: str) -> Placed | None:
-    """Place a landing, with "pitch" a plate, or with "touching" a contact on the true path.
-
-    None if it cannot be.
-    """
+    """Place a landing, a plate ("pitch") or a contact ("touching") on the true path, or None."""
     following = _Following(trial, change)
     try:
         if stage == "touching":
@@ -325,10 +310,7 @@ def placed(trial: Trial, change: Change, stage: str) -> Placed | None:
 def view_values(
     trial: Trial, change: Change, quantity: str
 ) -> tuple[Any, Mapping[str, Numbers], Numbers, float] | None:
-    """Return what the formula of a quantity is made of.
-
-    That is the scene, the values so far, the velocity before the impact and the bat's height.
-    """
+    """Return what formulas take: scene, values so far, velocity before the impact, bat's height."""
     following = _Following(trial, change)
     flies = stage_of(quantity) in FLYING
     with suppress(*_NO_STATE):  # what comes later may not follow, and is not needed
@@ -385,13 +367,7 @@ class _Following:
         return OneCase(scene or self.scene, self.change.engine, self.model)
 
     def has(self, name: str) -> Numbers:
-        """Return what the candidate says, or what longball computes in its place.
-
-        Raises
-        ------
-        KeyError
-            If there is neither.
-        """
+        """Return what the candidate says, or else longball's value, or raise a KeyError."""
         if name in ("contact.time", "contact.position") and name not in self.given:
             _ = self.met
         return self.given.get(name) or self.own[name]
@@ -521,10 +497,8 @@ class _Following:
         yield from self._impact(replace(contact, **said, lever_arm=arm, normal_speed=closing))
 
     def _take_normal(self, x: float, z: float) -> None:
-        """Take the normal divided by R + r_b, if the candidate's is nearer to that.
-
-        Where ball and bat do not touch it is no unit vector, and divided so it follows as well.
-        """
+        """Take the normal divided by R + r_b, if the candidate's is nearer to that."""
+        # Where ball and bat do not touch it is no unit vector, and divided so it follows as well.
         reach = self.scene.ball.radius + self.scene.bat.radius
         both = self.own["contact.normal"], (x / reach, 0.0, z / reach)
         said = self.given.get("contact.normal", both[0])
@@ -555,10 +529,8 @@ class _Following:
         yield from self._maybe("impact.energy_change", energy)
 
     def _energy(self, struck: Any, restitution: float, normal_speed: float) -> float:
-        """Return the change of energy by the true μ, or by that of the candidate's own impulse.
-
-        The latter's is -J/((1 + ẽ) Ṽ·n). Of the two the one that it comes nearer to counts.
-        """
+        """Return the change of energy by the true μ, or by that of the candidate's own impulse."""
+        # The latter's is -J/((1 + ẽ) Ṽ·n). Of the two the one that it comes nearer to counts.
         pushes = struck.impulse, *self.given.get("impact.impulse", ())
         follows = [
             energy_change(-push / ((1 + own) * normal_speed), restitution, normal_speed)
@@ -568,10 +540,8 @@ class _Following:
         return float(min(follows, key=lambda energy: abs(energy - said[0])))
 
     def _spun(self, contact: ContactState[float], spin: Numbers) -> Numbers:
-        """Return the spin after the impact, from the candidate's own velocity after it.
-
-        Whatever the friction is, ball's angular momentum about the point of contact stays.
-        """
+        """Return the spin after the impact, from the candidate's own velocity after it."""
+        # Whatever the friction is, angular momentum about the point of contact stays.
         after = self.given.get("impact.velocity")
         if after is None or contact.spin is None:
             return spin
@@ -656,10 +626,8 @@ class _Following:
     def _decay(
         self, case: OneCase[float], leg: Leg[float], flown: float, there: Check
     ) -> Iterable[Check]:
-        """Yield how the spin falls along the candidate's own path, or else till its own landing.
-
-        Where the landing does not follow, neither does the path: it may be as far off.
-        """
+        """Yield how the spin falls along the candidate's own path, or else till its own landing."""
+        # Where the landing does not follow, neither does the path: it may be as far off.
         if leg.frame.spin is None:
             return
         state: Any = leg.flight.path.at(max(flown, 0.0))
@@ -747,10 +715,7 @@ class _Following:
 
 
 def _at(leg: Leg[float], time: float) -> tuple[Numbers, Numbers]:
-    """Return position and velocity at a time, s since the leg begins, or a little before.
-
-    NaN where the flight has no such time.
-    """
+    """Return position and velocity at a time of a leg, s, or just before it; NaN beyond it."""
     path = leg.flight.path
     try:
         if time < 0:
@@ -767,10 +732,7 @@ NOWHERE = (math.nan, math.nan, math.nan)
 
 
 def _beside(chord: Chord[float], x: float, y: float) -> tuple[float, float, float]:
-    """Return a place's distance from a chord, m, the fence's height there, and the way to its end.
-
-    Far from a chord that it is not beside.
-    """
+    """Return the distance from a chord, m, the fence's height there, and the way to its end."""
     a, b = chord.a[2], chord.b[2]
     along, aside, length = along_chord(chord, x, y)
     beyond = max(0.0, -along, along - length)
@@ -804,10 +766,8 @@ def _three(values: Any) -> tuple[float, float, float]:
 
 
 def with_values(scene: Scene, values: Mapping[str, Any]) -> Any:
-    """Return a scene with other values, as they are: no one who errs validates them.
-
-    Names are those of `longball.model.quantities`; what the scene does not have stays out.
-    """
+    """Return a scene with other values, as they are: no one who errs validates them."""
+    # What the scene does not have stays out.
     changed: Any = scene
     for name, value in values.items():
         changed = _put(changed, re.findall(r"\w+", name), value)

@@ -34,13 +34,7 @@ def with_step(command: Sequence[str], step: float) -> list[str]:
 
 
 def parse_steps(text: str) -> list[float]:
-    """Return the steps of FROM:TO:COUNT, evenly spaced in their logarithm.
-
-    Raises
-    ------
-    ValueError
-        If it is none.
-    """
+    """Return the steps of FROM:TO:COUNT; a ValueError if it is none."""
     try:
         steps = _spread(text)
         if steps[0] <= steps[-1]:

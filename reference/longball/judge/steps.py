@@ -12,26 +12,24 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
+from itertools import pairwise
 from typing import Any, Literal, get_args
 
 import numpy as np
 from numpy.polynomial.polynomial import polyval
-from numpy.typing import NDArray
 
 from longball.engines.engine import Launch
-from longball.engines.event import Event
 from longball.engines.ivp import Ivp
-from longball.engines.path import Flight, Path
 from longball.engines.polynomial import PolynomialPiece
 from longball.engines.verlet import TREATMENTS, Chord, Components, Verlet, plain_step
 from longball.judge.any_law import EFFORT
 from longball.judge.explanations import ALIKE, Explanation, Sought
 from longball.judge.stages import Change
+from longball.model.arrays import Array
 from longball.model.law import Law, State
 from longball.model.numbers import plus
 from longball.model.readings import VerletForces
 
-Array = NDArray[np.float64]
 Rates = Callable[..., Components]
 
 # From the rates, a state, a step and what the step before has left, None at first: the next state
@@ -78,11 +76,8 @@ def _runge_kutta(
 
 
 def _with_speed_of_start(step: Step, lifts: bool) -> Step:
-    """Return a step whose drag takes V at the step's start, in still air; the lift too if `lifts`.
-
-    Of the force without gravity, which is that on a ball at rest, what lies along the velocity is
-    the drag.
-    """
+    """Return a step whose drag, and lift if `lifts`, takes V at the step's start, in still air."""
+    # Of the force without gravity, what lies along the velocity is the drag.
 
     def slowed(f: Rates, s: Components, h: float, left: Any) -> tuple[Components, Any]:
         n = len(s) // 2
@@ -250,14 +245,6 @@ class FixedStep(Verlet):
         """Scheme and step."""
         return f"{self.scheme} dt={self.dt!r}"
 
-    def fly(
-        self, law: Law[float], start: State[float], events: Sequence[Event[float]], limit: float
-    ) -> Flight[float]:
-        """Fly until the first of several events; see `longball.engines.engine.Engine.fly`."""
-        flight = super().fly(law, start, events, limit)
-        between = partial(self._chord, law, None if self.scheme == "chords" else self._step(law))
-        return replace(flight, path=_Stepped(self._states(law, start, limit), between, self.dt))
-
     def rebound(self, frame: Any, touch: Any, delta_v: Any, law_in: Any, ground: Any) -> Any:
         """Strike at once, where ball and bat touch."""
         position, before = frame.position(touch.state), frame.velocity(touch.state)
@@ -276,24 +263,22 @@ class FixedStep(Verlet):
                 done, length, rows = done + length, min(2 * length, 4096), rows[-1:]
         yield done, np.array(rows).T
 
-    def _chord(
-        self, law: Law[float], step: Callable[..., Any] | None, number: int, before: Any, after: Any
-    ) -> Chord:
-        """Return what lies between two states, each with what the step before it has left."""
-        (row, left), (new, _) = before, after
-        begin = number * self.dt
-        length = (number + 1) * self.dt - begin
-        if self.ends == "line" or step is None:
-            return Chord(begin, length, law.state(*row), law.state(*new))
-        return _Cut(begin, length, law.state(*row), law.state(*new), step, left)
+    def _chords(self, law: Law[float], start: State[float], limit: float) -> Iterator[Chord]:
+        step = None if self.scheme == "chords" else self._step(law)
+        states = self._states(law, start, limit)
+        for number, ((row, left), (new, _)) in enumerate(pairwise(states)):
+            begin = number * self.dt
+            ends = begin, (number + 1) * self.dt - begin, law.state(*row), law.state(*new)
+            if self.ends == "line" or step is None:
+                yield Chord(*ends)
+            else:
+                yield _Cut(*ends, step, left)
 
     def _states(
         self, law: Law[float], start: State[float], limit: float
     ) -> Iterator[tuple[Components, Any]]:
-        """Yield the states at the steps, each with what the step before has left.
-
-        A flight is looked at twice, for its end and for the way there: the last one is kept.
-        """
+        """Yield the states at the steps, each with what the step before has left."""
+        # A flight is looked at twice, for its end and for the way there: the last one is kept.
         if not self._last or self._last[0] is not law or self._last[1] != start:
             steps = self._stepping(law, start, limit)
             self._last[:] = [law, start, steps, []]
@@ -357,50 +342,6 @@ class _Cut(Chord):
         return state
 
 
-class _Stepped(Path[float]):
-    """A flight of very many pieces, of which few are asked for, and so few are made.
-
-    Parameters
-    ----------
-    states
-        At the steps, each with what the step before it has left.
-    between
-        From a number, the state there and the next one to the piece between them.
-    dt
-        s.
-    """
-
-    def __init__(self, states: Iterator[Any], between: Callable[..., Chord], dt: float) -> None:
-        super().__init__(iter(()))
-        self._states, self._between, self._dt = states, between, dt
-        self._rows: list[Any] = []
-
-    def _piece(self, number: int) -> Chord | None:
-        while len(self._rows) < number + 2:
-            row = next(self._states, None)
-            if row is None:
-                return None
-            self._rows.append(row)
-        return self._between(number, *self._rows[number : number + 2])
-
-    def pieces(self, number: int = 0) -> Iterator[Chord]:
-        """Yield the pieces; see `longball.engines.path.Path.pieces`."""
-        while piece := self._piece(number):
-            yield piece
-            number += 1
-
-    def at(self, time: float) -> State[float]:
-        """Return the state at a time; see `longball.engines.path.Path.at`."""
-        number = max(0, math.ceil(time / self._dt) - 1)
-        if time > (number + 1) * self._dt:  # for the rounding of the quotient
-            number += 1
-        piece = None if time < 0 else self._piece(number)
-        if piece is None:
-            raise ValueError(f"the flight has no state at t = {time} s")
-        state: State[float] = piece.at(time - piece.begin)
-        return state
-
-
 # --- clocks ---------------------------------------------------------------------------------------
 
 # Steps that people choose: round numbers, and the rates of screens and cameras.
@@ -418,10 +359,7 @@ SHORTEST_STEP, LONGEST_STEP = 2e-5, 0.2  # s: of clocks
 
 
 def common_step(times: Sequence[float]) -> float | None:
-    """Return the largest step of which all times are multiples, s; None if there is none.
-
-    A multiple is met to a millionth of a step.
-    """
+    """Return the largest step of which all times are multiples, s; None without one."""
     distinct = sorted({time for time in times if time > LONGEST_STEP})
     if len(distinct) < 5:
         return None
@@ -511,15 +449,8 @@ class _Way:
 
 
 def schemes(sought: Sought, known: float | None, order: int | None) -> Iterator[Explanation]:
-    """Yield schemes with the step that fits best.
-
-    Parameters
-    ----------
-    known
-        The candidate's step, s, if it is known.
-    order
-        Of its errors, if that was measured: no scheme of another one is its own.
-    """
+    """Yield schemes with the step that fits best."""
+    # `known` is the candidate's step, s, and `order` that of its errors, if that was measured.
     few = sought.some(FEW)
     base = few.residual()
     if base is None:
