@@ -37,10 +37,8 @@ JUMP = 0.15
 # Means over phases keep some noise; their differences are taken between steps so far apart that it
 # is not blown up.
 FAR = 4.0
-# An order is held to theory with this tolerance, besides its own interval.
-TOLERANCE = 0.1
-# An interval wider than this does not tell an order from the next.
-UNDECIDED = 0.4
+TOLERANCE = 0.1  # an order is held to theory with this tolerance, besides its own interval
+UNDECIDED = 0.4  # an interval wider than this does not tell an order from the next
 
 
 @dataclass(frozen=True)
@@ -55,13 +53,7 @@ class Observed:
 
 
 def step_family(steps: Sequence[float]) -> Array:
-    """Return different steps, the coarsest first.
-
-    Raises
-    ------
-    ValueError
-        If fewer than `FEWEST` of them differ, or one is not positive and finite.
-    """
+    """Return different steps, the coarsest first; a ValueError if they are too few or no steps."""
     family = np.array(sorted(set(steps), reverse=True), float)
     if len(family) < FEWEST or not (np.isfinite(family).all() and family[-1] > 0):
         raise ValueError(f"{len(family)} steps; {FEWEST} different positive ones are needed")
@@ -69,11 +61,8 @@ def step_family(steps: Sequence[float]) -> Array:
 
 
 def phase_step(step: float, clock: float, phase: int) -> float:
-    """Return a step a little shorter, so that an event at `clock` has another phase in it.
-
-    The phases are multiples of the golden ratio's: well spread, however many there are, and for
-    events at other times too.
-    """
+    """Return a step a little shorter, so that an event at `clock` has another phase in it."""
+    # Multiples of the golden ratio's are well spread, however many there are.
     share = phase * (math.sqrt(5) - 1) / 2 % 1.0
     return step / (1 + share * step / clock)
 
@@ -90,32 +79,10 @@ def observe(
     phases: int,
     progress: Callable[[int, int], None],
 ) -> tuple[tuple[Order, ...], tuple[Limit, ...]]:
-    """Evaluate quantities at a family of steps, and fit the order of each.
-
-    Parameters
-    ----------
-    evaluate
-        Returns the same quantities at every step.
-    family
-        s, descending.
-    truth
-        The quantities without an error, if they are known.
-    scenes
-        Ids.
-    expected
-        The order in theory: one for all, or one for each name of a quantity.
-    first, last
-        s, when the first and the last event of any scene happens.
-    phases
-        Of each step, for a quantity that jumps with them; 1 if none is to be looked for.
-    progress
-        Called with the evaluations done, and how many there are so far as is known.
-
-    Raises
-    ------
-    ValueError
-        If the expected order is none.
-    """
+    """Evaluate quantities at a family of descending steps, and fit the order of each."""
+    # `evaluate` returns the same quantities at every step; the first event of any scene happens at
+    # `first`, the last at `last`, s. Of each step there are `phases` for a quantity that jumps, if
+    # more than 1. `progress` takes the evaluations done, and how many there are as far as is known.
     wanted = expected.values() if isinstance(expected, Mapping) else [expected or 0.0]
     if not all(map(math.isfinite, wanted)):
         raise ValueError(f"expected = {expected}: an order is a finite number")
@@ -271,11 +238,8 @@ def _use(level: int, error: float, law: PowerLaw | None) -> Use:
 
 
 def _widened(law: PowerLaw, steps: Array, phases: int) -> PowerLaw:
-    """Return a law with an interval that allows for means over a few phases.
-
-    A root mean square of so many is off by 1/√(2 phases) of itself, and the scatter about the line
-    does not show it where neighbouring steps are off alike.
-    """
+    """Return a law with an interval that allows for means over a few phases."""
+    # Each is off by 1/√(2 phases) of itself; neighbouring steps may be off alike.
     x = np.log(steps[law.first : law.last + 1])
     noise = 1 / math.sqrt(2 * phases * float(((x - x.mean()) ** 2).sum()))
     half = math.hypot(law.half_width, 2 * noise)
@@ -290,10 +254,7 @@ def _verdict(
     wide: PowerLaw | None,
     expected: float | None,
 ) -> tuple[OrderVerdict, str]:
-    """Return the verdict on one quantity, and a sentence with its reason.
-
-    `wide` is the law with the interval that is reported.
-    """
+    """Return the verdict on one quantity, and why; `wide` is the law with the interval told."""
     unit = one.unit
     there = np.flatnonzero(np.isfinite(errors))
     bound = EPSILON * one.size * one.counts  # as many roundings, if all go the same way

@@ -15,18 +15,14 @@ from scipy.special import stdtrit
 
 from longball.model.arrays import Array
 
-# Two parameters, and three steps more to tell a line from a bend.
-FEWEST = 5
-# A range narrower than this factor in h would call any smooth curve a line.
-NARROWEST = 4.0
+FEWEST = 5  # two parameters, and three steps more to tell a line from a bend
+NARROWEST = 4.0  # a range narrower than this factor in h would call any smooth curve a line
 # Orders are held to 0.1; a range that is bent at an end moves the slope by about as much as it
 # widens the interval, so that a fifth of that is good enough, and the finest of such ranges is
 # nearest to the limit h -> 0.
 GOOD_ENOUGH = 0.02
-# The errors do not fall: a floor, of rounding or of a limit that is not the truth.
-FLAT = 0.2
-# Half of what orders are held to.
-HARMLESS = 0.05
+FLAT = 0.2  # the errors do not fall: a floor, of rounding or of a limit that is not the truth
+HARMLESS = 0.05  # half of what orders are held to
 # The errors fall: less than the lowest order of any scheme, more than a floor with its noise.
 FALLING = 0.5
 
@@ -39,7 +35,7 @@ class PowerLaw:
     order: float
     low: float
     high: float
-    constant: float  # c, in the error's unit over s^p
+    constant: float  # C, in the error's unit over s^p
     # Indices of the steps at the ends of the range, both inside it.
     first: int
     last: int
@@ -107,10 +103,8 @@ def fit_power_law(steps: Array, errors: Array) -> PowerLaw | None:
 
 
 def _is_bent(steps: Array, errors: Array) -> bool:
-    """Tell whether a parabola shows another slope at the finest step than the line does.
-
-    By more than `HARMLESS`, and by more than scatter explains in 19 of 20 cases.
-    """
+    """Tell whether a parabola shows another slope at the finest step than the line does."""
+    # By more than `HARMLESS`, and by more than scatter explains in 19 of 20 cases.
     x, y = np.log(steps), np.log(errors)
     x = x - x.mean()
     turn = float(x @ x**2 / (x @ x))
@@ -197,19 +191,8 @@ def errors_without_truth(steps: Array, values: Array, order: float, ratio: float
 
 
 def richardson(steps: Array, values: Array, order: float) -> tuple[Array, float] | None:
-    """Extrapolate to h = 0 from the finest steps, at a known order.
-
-    Parameters
-    ----------
-    steps, values, order
-        s, descending; (step, component), NaN where there is none; p.
-
-    Returns
-    -------
-    values, error
-        Extrapolated from the two finest steps; the error is the distance to what the two steps
-        before give. None with fewer than three steps.
-    """
+    """Extrapolate to h = 0 from the two finest steps, descending, at a known order."""
+    # The error is the distance to what the two before give. None with fewer than three steps.
     there = np.flatnonzero(np.isfinite(values).all(axis=1))
     if len(there) < 3:
         return None

@@ -123,7 +123,7 @@ class Sample:
     """What is said of a scene, or a part of it."""
 
     id: str | None
-    outcome: str | None  # none if it is not said: it is then taken to be as it should
+    outcome: str | None  # None if it is not said: it is then taken to be as it should
     # Quantities, each a sequence of its components, and those by names of their own.
     values: Answered
     engine: str | None = None

@@ -14,8 +14,8 @@ import numpy as np
 
 from longball.engines.fence import chords
 from longball.judge.explanations import (
-    Checked,
     Explanation,
+    Seen,
     Sought,
     evenly,
     share_by,
@@ -84,7 +84,7 @@ def _lands(trial: Trial) -> bool:
     return bool(abs(trial.given["landing.position"][2] - landing_height(trial.scene)) <= CLOSE)
 
 
-def _where(wrong: Sequence[Checked], right: Sequence[Trial]) -> str:
+def _where(wrong: Seen, right: Sequence[Trial]) -> str:
     """Return where flights end elsewhere, and not at the ground, by its height."""
     heights = [float(t.scene.ground.height) for t, _ in wrong]
     others = [float(t.scene.ground.height) for t in right]
@@ -96,7 +96,7 @@ def _where(wrong: Sequence[Checked], right: Sequence[Trial]) -> str:
 
 
 def ends(
-    stage: str, chosen: Sequence[Checked], trials: Sequence[Trial], dt: float | None
+    stage: str, chosen: Seen, trials: Sequence[Trial], dt: float | None
 ) -> Iterator[Explanation]:
     """Yield where the ball is when a candidate says that it lands, or is at the "plate"."""
     # `chosen` are those of `trials` in which that fails; `dt` is the step in s, if it is known.
@@ -153,7 +153,7 @@ _CONTACTS: tuple[tuple[str, str, str, Callable[[Sequence[float], float], float]]
 )  # fmt: skip
 
 
-def touchings(wrong: Sequence[Checked], base: Change) -> Iterator[Explanation]:
+def touchings(wrong: Seen, base: Change) -> Iterator[Explanation]:
     """Yield where else ball and bat touch, if that is so in every scene with such an error."""
     events = [c for _, cs in wrong for c in cs if c.quantity.endswith("event") and not c.follows]
     if len(events) < ENOUGH:
@@ -172,7 +172,7 @@ def touchings(wrong: Sequence[Checked], base: Change) -> Iterator[Explanation]:
             yield Explanation(name, sentence, remedy)
 
 
-def fences(wrong: Sequence[Checked], base: Change) -> Iterator[Explanation]:
+def fences(wrong: Seen, base: Change) -> Iterator[Explanation]:
     """Yield what is wrong with when or where a ball passes the fence."""
 
     def mend(trial: Trial) -> Trial:
@@ -206,9 +206,7 @@ def _beyond_chord(trial: Trial, place: Sequence[float]) -> bool:
     return False
 
 
-def _scaled_ground(
-    chosen: Sequence[Checked], trials: Sequence[Trial], event: str
-) -> Iterator[Explanation]:
+def _scaled_ground(chosen: Seen, trials: Sequence[Trial], event: str) -> Iterator[Explanation]:
     """Yield by what the height of the ground is multiplied, if that is so wherever a ball lands."""
     ratios = [_ground_told(t) / t.scene.ground.height for t, _ in chosen if t.scene.ground.height]
     if len(ratios) < len(chosen) or len(set(ratios)) < 2:
@@ -263,7 +261,7 @@ def _at_steps(
 _LOOSE = 1e-5
 
 
-def beside_surface(stage: str, wrong: Sequence[Checked]) -> Iterator[Explanation]:
+def beside_surface(stage: str, wrong: Seen) -> Iterator[Explanation]:
     """Yield by how much flights that follow go on behind the surface, or end before it."""
     axis, name = (2, "landing.velocity") if stage == "landing" else (0, "plate.velocity")
     offs, late = [], []
@@ -299,7 +297,7 @@ def grid(stage: str, trials: Sequence[Trial]) -> float | None:
 # --- clocks ---------------------------------------------------------------------------------------
 
 
-def clocks(stage: str, chosen: Sequence[Checked], base: Change) -> Iterator[Explanation]:
+def clocks(stage: str, chosen: Seen, base: Change) -> Iterator[Explanation]:
     """Yield what is wrong with times of points that lie on the true path."""
     places = [p for t, _ in chosen if (p := placed(t, base, stage))]
     if len(places) < 2 or sum(p.off for p in places) > 0.05 * sum(p.moved for p in places):
@@ -312,7 +310,7 @@ def clocks(stage: str, chosen: Sequence[Checked], base: Change) -> Iterator[Expl
 
     def told_of(
         name: str, sentence: str, right: Callable[[Trial, float, str], float], rank: float,
-        remedy: str | None = None, step: float | None = None,
+        remedy: str | None = None, step: float | None = None
     ) -> Explanation:  # fmt: skip
         def mend(trial: Trial) -> Trial:
             # The same clock tells when ball and bat touch.
@@ -375,7 +373,7 @@ def _rounded_to(times: Array, clock: Array) -> int:
 _SAME_PATH = 1e-3  # of what a velocity is off, what may be left where it is that of another time
 
 
-def velocities_of_another_time(wrong: Sequence[Checked], base: Change) -> Iterator[Explanation]:
+def velocities_of_another_time(wrong: Seen, base: Change) -> Iterator[Explanation]:
     """Yield by how much earlier, or later, the velocities at the landing are those of the path."""
     places = [(t, placed(t, base, "landing velocity")) for t, _ in evenly(wrong, _MANY)]
     known = [(t, place) for t, place in places if place and _is_bent(place)]
@@ -454,7 +452,7 @@ _SPREAD = 1.8
 _MANY = 40  # scenes that are enough to see that
 
 
-def between_steps(stage: str, wrong: Sequence[Checked], base: Change) -> Iterator[Explanation]:
+def between_steps(stage: str, wrong: Seen, base: Change) -> Iterator[Explanation]:
     """Yield that an event is off the true path by what the way from a step to it leaves out.
 
     At "landing velocity", that the velocity there is so. On a way that is hardly bent across, any

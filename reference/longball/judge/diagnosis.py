@@ -31,6 +31,7 @@ from longball.judge.explanations import (
     NAMED,
     Checked,
     Explanation,
+    Seen,
     Sought,
     Work,
     doubt_of,
@@ -282,7 +283,7 @@ class _Search:
         told |= {c.stage for _, cs in self._follow() for c in cs if not c.follows}
         return [r if r.stage in told else r.model_copy(update=RIGHT) for r in rows]
 
-    def _unseen(self, checks: Sequence[Checked]) -> Finding | None:
+    def _unseen(self, checks: Seen) -> Finding | None:
         """Return that answers are wrong in which every stage follows, as far as it is told."""
         small = [
             t
@@ -344,7 +345,7 @@ class _Search:
             return check
         return replace(check, tolerance=check.tolerance + 30 * left * max(check.scale, 0.1))
 
-    def _leave(self, stage: str, wrong: Sequence[Checked]) -> None:
+    def _leave(self, stage: str, wrong: Seen) -> None:
         """Let later stages allow for errors that stay unexplained, where they are handed on."""
         if stage in ("pitch", "plate", "touching"):
             for trial, checks in wrong:
@@ -371,7 +372,7 @@ class _Search:
         self.trials = [mended.get(id(t), t) for t in self.trials]
         self._followed = None
 
-    def _explain(self, stage: str, checks: Sequence[Checked]) -> bool:
+    def _explain(self, stage: str, checks: Seen) -> bool:
         """Explain what does not follow at a stage; tell whether there may be more."""
         seen = [(t, [c for c in cs if c.stage == stage]) for t, cs in checks]
         sizes = [
@@ -490,7 +491,7 @@ class _Search:
         self._followed = None
         return True
 
-    def _is_own(self, wrong: Sequence[Checked], good: Sequence[Checked], failures: int) -> bool:
+    def _is_own(self, wrong: Seen, good: Seen, failures: int) -> bool:
         """Tell whether errors, in `failures` scenes, are those of flights with what is found."""
         seen = len(wrong) + len(good)
         few = ONE_IN * len(wrong) <= seen
@@ -509,12 +510,7 @@ class _Search:
         return worst * worst < FAINT or ONE_IN * (len(wrong) - 1) <= keen
 
     def _found(
-        self,
-        stage: str,
-        wrong: Sequence[Checked],
-        good: Sequence[Checked],
-        checks: Sequence[Checked],
-        told_apart: bool,
+        self, stage: str, wrong: Seen, good: Seen, checks: Seen, told_apart: bool
     ) -> list[Explanation]:
         """Return the best of what explains a stage, and what does so as well."""
         # What explains errors must not be contradicted by scenes that pass, unless a rule tells
@@ -541,7 +537,7 @@ class _Search:
         return sorted(by_sentence.values(), key=lambda e: e.rank)
 
     def _told_from_ties(
-        self, ties: list[Explanation], stage: str, wrong: Sequence[Checked]
+        self, ties: list[Explanation], stage: str, wrong: Seen
     ) -> list[Explanation]:
         """Return those that are best where they make different scenes; all, if they nowhere do."""
         changes = [self.base.then(e.change) for e in ties if e.change is not None]
@@ -565,9 +561,7 @@ class _Search:
         best = min(lefts)
         return [e for e, left in zip(ties, lefts, strict=True) if left <= best + IN_A_SCENE]
 
-    def _contradicted(
-        self, change: Change, wrong: Sequence[Checked], good: Sequence[Checked]
-    ) -> bool:
+    def _contradicted(self, change: Change, wrong: Seen, good: Seen) -> bool:
         """Tell whether trials tell rightly, besides numbers, what a change would not make."""
         # Most of those with errors, or of those without that are told the same.
         full = self.base.then(change)
@@ -583,7 +577,7 @@ class _Search:
         )
 
     def _least_harm(
-        self, found: Sequence[Explanation], stage: str, good: Sequence[Checked]
+        self, found: Sequence[Explanation], stage: str, good: Seen
     ) -> tuple[int, list[Explanation]]:
         """Return those that the other stages bear out best, and how many checks they break."""
         others = [*self._elsewhere(stage), *evenly(good, SOUGHT)]
@@ -675,12 +669,7 @@ class _Search:
     # --- explanations ---------------------------------------------------------------------------
 
     def _explanations(
-        self,
-        stage: str,
-        wrong: Sequence[Checked],
-        good: Sequence[Checked],
-        beside: Sequence[Checked],
-        checks: Sequence[Checked],
+        self, stage: str, wrong: Seen, good: Seen, beside: Seen, checks: Seen
     ) -> list[Explanation]:
         """Return explanations, the cheap ones first, until some are named."""
         wrong = [one for one in wrong if all(map(_known, one[1])) and not _keen(one[0])] or wrong
@@ -743,9 +732,7 @@ class _Search:
             found += fits.one_after_another(sought, found)
         return found
 
-    def _with_flights(
-        self, wrong: Sequence[Checked], right: Sequence[Trial], checks: Sequence[Checked]
-    ) -> Sought | None:
+    def _with_flights(self, wrong: Seen, right: Sequence[Trial], checks: Seen) -> Sought | None:
         """Return pitches and batted balls, which fly by one law: one explanation for both."""
         flying = [
             one for one in checks if not _keen(one[0])
@@ -836,7 +823,7 @@ def _absent(trial: Trial) -> str | None:
 
 def _where_made(
     rows: Iterable[StageRow], moved: Mapping[str, str], known: Collection[str],
-    facts: Iterable[Finding],
+    facts: Iterable[Finding]
 ) -> list[StageRow]:  # fmt: skip
     """Return the rows of stages with the errors of each at the one where they are made."""
     # A landing by a wrong clock is on the true path, and not where the ball is then: `moved` tells
@@ -857,7 +844,7 @@ def _where_made(
     return [by_stage[stage] for stage in STAGES if stage in by_stage]
 
 
-def _told_apart(seen: Sequence[Checked], sizes: Sequence[float], minor: float) -> str | None:
+def _told_apart(seen: Seen, sizes: Sequence[float], minor: float) -> str | None:
     """Return a rule of the scenes with errors, or of those with errors that are not minor."""
     known = [(t.case, size) for (t, cs), size in zip(seen, sizes, strict=True) if cs]
     for least in (0.0, minor):
@@ -868,7 +855,7 @@ def _told_apart(seen: Sequence[Checked], sizes: Sequence[float], minor: float) -
     return None
 
 
-def _plain(checked: Sequence[Checked]) -> list[Checked]:
+def _plain(checked: Seen) -> list[Checked]:
     """Return those of scenes that leave the readings as they are."""
     return [one for one in checked if one[0].scene.reading == Reading()]
 
@@ -906,7 +893,7 @@ def _usual(sizes: Iterable[float]) -> float:
     return float(np.quantile(errors, 0.97, method="higher")) if errors else 0.0
 
 
-def _largest(checks: Sequence[Checked]) -> float:
+def _largest(checks: Seen) -> float:
     """Return the usual relative error of the stage that has the largest."""
     sizes: dict[str, list[float]] = defaultdict(list)
     for _, seen in checks:

@@ -169,11 +169,7 @@ class Judge:
         }
 
     def _converge(
-        self,
-        command: Sequence[str],
-        sweep: StepSweep,
-        collected: Collector,
-        limits: Limits | None,
+        self, command: Sequence[str], sweep: StepSweep, collected: Collector, limits: Limits | None
     ) -> ConvergenceReport:
         families = {case.family for case in self.cases}
         cases = sample(self.cases, FAMILIES if families > set(FAMILIES) else ())
@@ -198,10 +194,7 @@ class Judge:
         return found.telling(seconds=time.monotonic() - start)
 
     def evaluate_file(
-        self,
-        path: Path,
-        columns: Mapping[str, str] | None = None,
-        sampling: Sampling | None = None,
+        self, path: Path, columns: Mapping[str, str] | None = None, sampling: Sampling | None = None
     ) -> Evaluation:
         """Judge a file of results; see `longball.judge.answers.read_results`."""
         collected = read_results(path, [case.id for case in self.cases], columns)

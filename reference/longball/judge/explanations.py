@@ -46,6 +46,7 @@ SCREEN = 0.3  # what leaves more than this of one trial, or of a few, is not hel
 
 # A trial's relative errors with their checks.
 Checked = tuple[Trial, list[Check]]
+Seen = Sequence[Checked]
 
 
 @dataclass(frozen=True)
@@ -176,7 +177,7 @@ class Sought:
     # stages whose errors are looked at the first is the one to be explained.
     def __init__(
         self, trials: Sequence[Trial], beside: Sequence[Trial], stages: tuple[str, ...],
-        base: Change, work: Work,
+        base: Change, work: Work
     ) -> None:  # fmt: skip
         self.trials, self.beside = list(trials), list(beside)
         self.stages, self.base, self.work = stages, base, work

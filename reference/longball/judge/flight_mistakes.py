@@ -1233,7 +1233,7 @@ def _to_power(flow: Flow, more: Any) -> Any:
 
 def _own(
     words: str, name: str, usual: float, which: Callable[[Term], bool],
-    factor: Callable[[Motion, Any], Any], carried: Callable[[str], Term] | None = None,
+    factor: Callable[[Motion, Any], Any], carried: Callable[[str], Term] | None = None
 ) -> Own:  # fmt: skip
     """Return a number that a factor of terms hangs on: of the motion and the number."""
     # It is a parameter of a term that does nothing else; 0 on no branch yet.

@@ -166,7 +166,7 @@ def outcome_findings(
 
 def _made(
     wrong: Sequence[Trial], same: Sequence[Trial], agreed: Sequence[Trial], base: Change,
-    known: Sequence[Finding],
+    known: Sequence[Finding]
 ) -> tuple[list[str], str] | None:  # fmt: skip
     """Return names and sentence of what makes these outcomes, and those `agreed` on."""
     whole = [*wrong, *same]
@@ -396,7 +396,7 @@ def _blocks(names: Iterable[str]) -> set[str]:
 
 def _told(
     stage: str, quantity: str, names: list[str], sentence: str, wrong: Sequence[Trial],
-    same: Sequence[Trial],
+    same: Sequence[Trial]
 ) -> Finding:  # fmt: skip
     return found(
         stage, sentence, len(wrong), len(wrong) + len(same), names, quantity=quantity,

@@ -15,7 +15,7 @@ from decimal import Decimal
 import numpy as np
 
 from longball.judge.answers import Answer
-from longball.judge.explanations import Checked, Explanation, off, share_by, size_of
+from longball.judge.explanations import Explanation, Seen, off, share_by, size_of
 from longball.judge.findings import Finding, found, many
 from longball.judge.fits import FEW_DIGITS, FIRST, digits_of, factor_meaning, roundest, told_factor
 from longball.judge.formulas import FORMULAS, NUMBERED, View
@@ -48,9 +48,7 @@ NOTHING = 1e-6  # a number below this is 0: what rounding leaves of one that is 
 # --- relations to what follows --------------------------------------------------------------------
 
 
-def relations(
-    chosen: Sequence[Checked], beside: Sequence[Checked], base: Change
-) -> Iterator[Explanation]:
+def relations(chosen: Seen, beside: Seen, base: Change) -> Iterator[Explanation]:
     """Yield constant ratios and differences, exchanged axes and signs of the quantities."""
     # The stage fails in the `chosen` trials, and not in those `beside`.
     for quantity in dict.fromkeys(c.quantity for _, cs in chosen for c in cs):
@@ -75,8 +73,8 @@ def _row(check: Check) -> Array:
 
 
 def _held(
-    chosen: Sequence[Checked],
-    beside: Sequence[Checked],
+    chosen: Seen,
+    beside: Seen,
     quantity: str,
     value: Callable[[Trial, Check], Sequence[float] | Array | None],
 ) -> tuple[float, float]:
@@ -175,9 +173,7 @@ def _image_value(quantity: str, image: Image, base: Change) -> Callable[[Trial],
 # --- formulas -------------------------------------------------------------------------------------
 
 
-def formulas(
-    chosen: Sequence[Checked], beside: Sequence[Checked], base: Change
-) -> Iterator[Explanation]:
+def formulas(chosen: Seen, beside: Seen, base: Change) -> Iterator[Explanation]:
     """Yield the known mistakes in formulas; see `relations`."""
     failing = {c.quantity for _, cs in chosen for c in cs if not c.follows}
     wanted = [f for f in FORMULAS if f.quantity in failing]
@@ -233,7 +229,7 @@ def _value(value: Callable[[View], Numbers], view: View | None) -> Numbers | Non
 # --- digits ---------------------------------------------------------------------------------------
 
 
-def resolutions(chosen: Sequence[Checked]) -> Iterator[Explanation]:
+def resolutions(chosen: Seen) -> Iterator[Explanation]:
     """Yield the rounding of what is written, if numbers are written with few decimals."""
     failing = [c for _, cs in chosen for c in cs if not c.follows]
     numbers = {x for c in failing for x in c.obtained if x}
@@ -248,7 +244,7 @@ def resolutions(chosen: Sequence[Checked]) -> Iterator[Explanation]:
         )  # fmt: skip
 
 
-def singles(wrong: Sequence[Checked]) -> Iterator[Explanation]:
+def singles(wrong: Seen) -> Iterator[Explanation]:
     """Yield the one quantity of a stage that is computed or written in single precision."""
     failing = [c for _, cs in wrong for c in cs if not c.follows]
     for quantity in {c.quantity for c in failing}:
