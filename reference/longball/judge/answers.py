@@ -30,8 +30,7 @@ from longball.model.csv_files import not_utf8, other_separators
 from longball.model.quantities import nested
 from longball.model.result import Outcome, Result
 
-# A path of 100,000 points with velocities takes fourteen million bytes.
-LONGEST_LINE = 1 << 24
+LONGEST_LINE = 1 << 24  # bytes: a path of 100,000 points with velocities takes fourteen million
 MOST_POINTS = 100_000
 
 KEPT = 20  # issues of one kind beyond this many are counted, not kept

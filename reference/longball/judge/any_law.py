@@ -45,9 +45,7 @@ TOLERANCE = 1e-11
 LONGEST = 0.3
 
 _SHORT = 1e-4  # s: half of what a derivative is a difference over
-
-# A baseball's flight takes twenty, and one that a wrong law drives faster and faster any number.
-MOST_STEPS = 500
+MOST_STEPS = 500  # a baseball's flight takes twenty, and one that a wrong law drives on any number
 
 
 @dataclass(frozen=True)

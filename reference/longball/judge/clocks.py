@@ -257,8 +257,7 @@ def _at_steps(
     )  # fmt: skip
 
 
-# s: a flight that ends nearer to the surface than this does so by a root that is found no better.
-_LOOSE = 1e-5
+_LOOSE = 1e-5  # s: an end nearer to the surface than this is that of a root found no better
 
 
 def beside_surface(stage: str, wrong: Seen) -> Iterator[Explanation]:
@@ -442,8 +441,7 @@ _TICK = 1e-3  # s: a second difference over this is an acceleration, to six digi
 # step is along its acceleration, to this share, since that changes little in a step.
 _ALONG = 0.03
 
-# Of the acceleration, the share across the velocity with which its direction tells something.
-_ACROSS = 0.1
+_ACROSS = 0.1  # of the acceleration, the share across the velocity with which its direction tells
 
 # How many times as large it is in one scene as in another, by where in a step the end is: nine in
 # ten of them, and one in ten. Of laws and schemes it is the same, or goes with the time of flight.

@@ -61,17 +61,14 @@ from longball.judge.stages import (
 from longball.judge.steps import FixedStep, schemes
 from longball.model.readings import Reading
 
-# Scenes that an explanation is sought in, failing and passing ones; it is then held against all.
-SOUGHT, BESIDE = 10, 4
-
+SOUGHT, BESIDE = 10, 4  # failing and passing scenes that an explanation is sought in, before all
 OTHERS = 3  # scenes of each kind in which it is seen what an explanation does to other stages
 
 # Of wrong answers, those in which no stage can be told to be wrong, such as grazes that doubles
 # hardly decide: beside a cause that is named, so few are not worth a line.
 FEW_UNSEEN = 0.05
 
-# What is told of a stage whose errors are made elsewhere.
-RIGHT = {"wrong": 0, "worst": 0.0, "example": None}
+RIGHT = {"wrong": 0, "worst": 0.0, "example": None}  # of errors made elsewhere
 
 # Where a wrong flight ends is seen to be on the surface, and no more: not that it is there in time.
 ENDS_OF = {"plate": "pitch", "landing": "flight", "landing velocity": "flight"}
@@ -86,12 +83,8 @@ KEEN, ONE_IN = frozenset(("vertical", "grazing")), 5
 # behind them. Below the second one nothing is sought.
 FINE, FAINT = 1e-7, 1e-10
 
-# Of the largest relative error of any stage: a stage below it is not where the trouble begins.
-MINOR = 1e-3
-
-# Of the errors, what a scheme leaves that is the candidate's own: the judge's steps are the same.
-DOUBT_OF_STEPS = 1e-6
-
+MINOR = 1e-3  # of the largest relative error of any stage: below it is not where the trouble begins
+DOUBT_OF_STEPS = 1e-6  # of the errors, what a scheme leaves that is the candidate's own
 MOST_STEPS = 15_000  # steps of all flights together that are followed with a scheme
 STRENGTH = "air.density*"  # what stands for a factor of k = ρ A/(2 m)
 
@@ -122,8 +115,7 @@ OF_ORDER = (
     "a step"
 )
 
-# Explanations that are looked at as one at a stage, the second for what the first has left.
-ROUNDS = 3
+ROUNDS = 3  # explanations at one stage, each for what the one before has left
 
 
 def diagnose(

@@ -38,14 +38,9 @@ NAMED, IN_A_SCENE = 1e-3, 0.05
 JUMPED = 1e-2
 
 OWN_ERROR = 3e-9  # of a quantity, what flights under laws with forces of any kind err by, mostly
-
-# Explanations that leave no more than the best one does, this many times, cannot be told apart.
-ALIKE = 3.0
-
+ALIKE = 3.0  # explanations that leave no more than so many times the least cannot be told apart
 SCREEN = 0.3  # what leaves more than this of one trial, or of a few, is not held against the others
-
-# A trial's relative errors with their checks.
-Checked = tuple[Trial, list[Check]]
+Checked = tuple[Trial, list[Check]]  # a trial's relative errors with their checks
 Seen = Sequence[Checked]
 
 
@@ -162,10 +157,7 @@ class Work:
         return follow(trial, change, wanted)
 
 
-# Flights of a search, so that a verdict is the same on every machine and comes within ten seconds;
-# what has not been tried by then is not.
-PATIENCE = 8_000.0
-
+PATIENCE = 8_000.0  # flights of a search, which end within ten seconds: the same on every machine
 MOST_EFFORT = 30_000  # steps of DOP853: a law that drives the ball on takes many
 LONG_STEP = 5e-3  # s: with such steps a second of flight takes as long as a flight under any law
 

@@ -275,8 +275,7 @@ def told_factor(value: float) -> str:
     return f"1 {'+' if value > 1 else '-'} {abs(value - 1):.3g}"
 
 
-# People write 2/3 for what needs more digits than so many.
-LARGEST_DENOMINATOR, FRACTION_DIGITS = 12, 4
+LARGEST_DENOMINATOR, FRACTION_DIGITS = 12, 4  # people write 2/3 for what needs more digits
 
 
 def digits_of(number: float) -> int:
@@ -361,16 +360,9 @@ ROUNDS = 8
 SETTLED, MOVED = 0.1, 1e-4
 
 FEW_DIGITS = 3  # digits of a number that one or two scenes are enough to believe
-
-# The doubt of a fit beside what it differs from the scene: with more it explains nothing.
-UNSURE = 0.2
-
-# A parameter that leaves so much of a scene, whatever its value, does not explain that scene.
-MISSED = 0.3
-
-# Of impacts, how many may be missed so: what comes of the others is held against all.
-MOST_MISSED = 0.2
-
+UNSURE = 0.2  # the doubt of a fit beside what it differs from the scene: more explains nothing
+MISSED = 0.3  # a parameter that leaves so much of a scene, whatever its value, does not explain it
+MOST_MISSED = 0.2  # of impacts, how many may be missed so: the others' number is held against all
 FIRST = 3  # with so many scenes a number is believed that has many digits
 
 
@@ -508,9 +500,7 @@ SNAP = 1e-4  # a usual number may leave so much more than the fitted one
 ODD = 5  # digits of a number that nobody chooses, of two that are fitted at once
 
 
-# Of a number that may be taken in all scenes or in those that say the usual one, the first is told
-# where no scene tells which.
-BEHIND = 1e-3
+BEHIND = 1e-3  # the rank of a number in scenes with the usual one, behind that in all scenes
 
 
 def is_odd(e: Explanation) -> bool:

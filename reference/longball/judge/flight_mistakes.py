@@ -805,8 +805,7 @@ def _tables(change: Callable[..., Any], of: str = "") -> Change:
     return scene_change(values)
 
 
-# Relative: half the width of the line that stands for a jump in a table; it is left out again.
-_NARROW = 1e-15
+_NARROW = 1e-15  # relative: half the width of the line that stands for a jump in a table
 
 
 def _jumping(f: Any) -> Any:

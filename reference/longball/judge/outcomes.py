@@ -19,11 +19,7 @@ from longball.model.result import Result
 from longball.model.scene import FlightScene
 
 WRONG, RIGHT = 8, 4  # wrong outcomes of a kind, and right ones, that an explanation is held against
-
-# How near a landing is to the one that an explanation makes, relative: an integrator's errors may
-# be left in it.
-NEAR = 1e-3
-
+NEAR = 1e-3  # relative: how near a landing is to that of its explanation, by another integrator
 MOST = 0.9  # of wrong outcomes, how many must follow from something for that to be said
 
 # Outcomes that a dip below the ground makes of each other.

@@ -31,10 +31,7 @@ from longball.model.scene import ImpactScene, landing_height
 
 Met = dict[str, Array]
 
-# Numbers next to a crossing that a polynomial goes through: how far two of them are apart tells how
-# far off they are.
-POINTS = 8, 6
-
+POINTS = 8, 6  # numbers that a polynomial at a crossing goes through: their difference is the doubt
 MOST_JUDGED = 2_000  # points, evenly chosen
 
 

@@ -79,9 +79,7 @@ def values_of(result: Result) -> dict[str, Value]:
 
 
 AT_VERTEX = 1e-9  # m
-
-# What a program need not tell: that a bat which swings on would strike the ball again.
-OPTIONAL = ("impact.recontact",)
+OPTIONAL = ("impact.recontact",)  # that a bat which swings on would strike the ball again
 
 
 def told_by(result: Result) -> dict[str, object]:

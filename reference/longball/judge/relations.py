@@ -293,11 +293,8 @@ SINGLE = Explanation(
     "use doubles throughout, and write them with 17 digits",
 )  # fmt: skip
 
-# Of a number, what rounding it to single precision may do, in three components.
-SINGLE_ULPS = 1.1e-7
-
-# Single precision leaves 6e-8 a rounding; some hundred steps, amplified by bat and ball.
-SINGLE_NOISE = 1e-2
+SINGLE_ULPS = 1.1e-7  # of a number, what rounding to single precision may do, in three components
+SINGLE_NOISE = 1e-2  # 6e-8 a rounding, some hundred steps, amplified by bat and ball
 
 
 def in_single_precision(answers: Iterable[Answer]) -> bool:

@@ -170,10 +170,7 @@ _BLOCKS = {
 # the count of rules that are tried would be told by it.
 CHANCE = 100
 
-# Fewer scenes, wrong or right, are no rule: those that are made for one question are alike in much
-# else.
-FEWEST = 5
-
+FEWEST = 5  # fewer scenes, wrong or right, are no rule: those made for one question are alike
 DEFAULTS = dict(numbers(AtBatScene()))  # what a program may have built in
 USUAL = 3  # scenes that must have a value for it to be the usual one
 HALVES = 8  # conditions that are tried as the first of two: those that tell most scenes
@@ -343,8 +340,7 @@ LARGEST_SHRINKS = 6
 NOTHING = 1e-9  # numbers below this are the rounding of a zero
 
 
-# What makes a scene simpler.
-Simplification = Callable[[Any], Any]
+Simplification = Callable[[Any], Any]  # what makes a scene simpler
 
 
 def simpler(scene: Scene) -> Iterator[Simplification]:

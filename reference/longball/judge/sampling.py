@@ -45,9 +45,7 @@ FEWEST = 500
 # independent numbers, and forty are looked at.
 TOO_ALIKE = 5.7
 
-# A draw is there a few times if several restitutions are tried with it, and not so often.
-MANY_TIMES = 20
-
+MANY_TIMES = 20  # a draw is there a few times if several restitutions are tried with it
 LONGEST_SCENE = 1 << 16  # bytes
 
 DRAWN = ("pitch.speed", "pitch.aim[0]", "swing.height_offset", "swing.tilt")

@@ -234,8 +234,7 @@ STAGE_OF = {
 }  # fmt: skip
 
 
-# Where a flight ends is a stage of its own.
-ENDS = ("plate", "plate.position"), ("landing", "landing.position")
+ENDS = ("plate", "plate.position"), ("landing", "landing.position")  # stages of their own
 
 
 def stage_of(quantity: str) -> str:

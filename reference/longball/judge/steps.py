@@ -381,9 +381,7 @@ def common_step(times: Sequence[float]) -> float | None:
 # find the one that fits; what is shorter follows from the order.
 FIRST, FINE_STEP, LONGEST = 0.01, 1e-3, 0.2
 
-# Trials that schemes are tried in, and schemes that are tried with the step that fits them best.
-FEW, BEST = 3, 6
-
+FEW, BEST = 3, 6  # trials of all schemes, and schemes that are tried with the step that fits them
 NEAR = 1.5  # round steps are tried that differ from a fitted one by less than this factor
 ALMOST = 1.1  # a round step may leave so many times what the one leaves that fits best
 
@@ -392,9 +390,7 @@ ALMOST = 1.1  # a round step may leave so many times what the one leaves that fi
 ITS_OWN = 1e-5
 
 LIKE = "errs as one who"  # of a scheme that errs so, and is not the candidate's own
-
-# With steps longer than this, s, what a scheme leaves is seen in all trials, and not in a few.
-LONG = 2e-3
+LONG = 2e-3  # s: with longer steps what a scheme leaves is seen in all trials, and not in a few
 
 _SHORTER = "take shorter steps, or a method of higher order"
 _STAGES = (

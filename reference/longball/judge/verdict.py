@@ -497,8 +497,7 @@ def _would_pass_at(judged: Sequence[Comparison]) -> float | None:
     return float(f"{math.ceil(worst / place) * place:.2g}")
 
 
-# A ball that stays in the air was met if there is an impact.
-_MET = {"batted": True, "separating": True, "missed": False, "beyond_bat": False}
+_MET = {"batted": True, "separating": True, "missed": False, "beyond_bat": False}  # airborne: if struck
 
 
 def _met(comparison: Comparison) -> tuple[bool | None, bool | None]:
