@@ -33,6 +33,7 @@ from longball.judge.stages import (
     Check,
     Placed,
     Trial,
+    Trials,
     along_chord,
     follow,
     placed,
@@ -84,7 +85,7 @@ def _lands(trial: Trial) -> bool:
     return bool(abs(trial.given["landing.position"][2] - landing_height(trial.scene)) <= CLOSE)
 
 
-def _where(wrong: Seen, right: Sequence[Trial]) -> str:
+def _where(wrong: Seen, right: Trials) -> str:
     """Return where flights end elsewhere, and not at the ground, by its height."""
     heights = [float(t.scene.ground.height) for t, _ in wrong]
     others = [float(t.scene.ground.height) for t in right]
@@ -95,9 +96,7 @@ def _where(wrong: Seen, right: Sequence[Trial]) -> str:
     return "in some scenes"
 
 
-def ends(
-    stage: str, chosen: Seen, trials: Sequence[Trial], dt: float | None
-) -> Iterator[Explanation]:
+def ends(stage: str, chosen: Seen, trials: Trials, dt: float | None) -> Iterator[Explanation]:
     """Yield where the ball is when a candidate says that it lands, or is at the "plate"."""
     # `chosen` are those of `trials` in which that fails; `dt` is the step in s, if it is known.
     event = chosen[0][1][0].quantity
@@ -206,7 +205,7 @@ def _beyond_chord(trial: Trial, place: Sequence[float]) -> bool:
     return False
 
 
-def _scaled_ground(chosen: Seen, trials: Sequence[Trial], event: str) -> Iterator[Explanation]:
+def _scaled_ground(chosen: Seen, trials: Trials, event: str) -> Iterator[Explanation]:
     """Yield by what the height of the ground is multiplied, if that is so wherever a ball lands."""
     ratios = [_ground_told(t) / t.scene.ground.height for t, _ in chosen if t.scene.ground.height]
     if len(ratios) < len(chosen) or len(set(ratios)) < 2:
@@ -232,7 +231,7 @@ def _ground_told(trial: Trial) -> float:
 
 
 def _at_steps(
-    stage: str, trials: Sequence[Trial], offs: np.ndarray, dt: float | None
+    stage: str, trials: Trials, offs: np.ndarray, dt: float | None
 ) -> Iterator[Explanation]:
     """Yield that a flight ends at a step, if all ends are nearer to the surface than a step."""
     axis, velocity = (2, "landing.velocity") if stage == "landing" else (0, "plate.velocity")
@@ -282,7 +281,7 @@ def beside_surface(stage: str, wrong: Seen) -> Iterator[Explanation]:
     )  # fmt: skip
 
 
-def grid(stage: str, trials: Sequence[Trial]) -> float | None:
+def grid(stage: str, trials: Trials) -> float | None:
     """Return the step of which all times of a stage are multiples."""
     names = ("plate.time",) if stage in ("pitch", "plate") else (
         "landing.hang_time", "landing.time")  # fmt: skip

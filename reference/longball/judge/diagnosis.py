@@ -52,6 +52,7 @@ from longball.judge.stages import (
     Change,
     Check,
     Trial,
+    Trials,
     follow,
     followed,
     half_unit,
@@ -355,7 +356,7 @@ class _Search:
             checked = max((r.checked for r in rows if r.stage == stage), default=wrong)
             self._read(self.trials, meant, found(stage, "", wrong, checked))
 
-    def _read(self, some: Sequence[Trial], meant: Explanation, told: Finding) -> None:
+    def _read(self, some: Trials, meant: Explanation, told: Finding) -> None:
         """Read the output of some trials as it is meant."""
         assert meant.mend is not None
         self.findings.append(_with_name(told, meant, quantity=meant.quantity))
@@ -724,7 +725,7 @@ class _Search:
             found += fits.one_after_another(sought, found)
         return found
 
-    def _with_flights(self, wrong: Seen, right: Sequence[Trial], checks: Seen) -> Sought | None:
+    def _with_flights(self, wrong: Seen, right: Trials, checks: Seen) -> Sought | None:
         """Return pitches and batted balls, which fly by one law: one explanation for both."""
         flying = [
             one for one in checks if not _keen(one[0])

@@ -26,6 +26,7 @@ from longball.judge.stages import (
     Check,
     Numbers,
     Trial,
+    Trials,
     follow,
 )
 from longball.model.arrays import Array
@@ -168,7 +169,7 @@ class Sought:
     # Trials that fail, and some that do not: nothing may be explained that is not there. Of the
     # stages whose errors are looked at the first is the one to be explained.
     def __init__(
-        self, trials: Sequence[Trial], beside: Sequence[Trial], stages: tuple[str, ...],
+        self, trials: Trials, beside: Trials, stages: tuple[str, ...],
         base: Change, work: Work
     ) -> None:  # fmt: skip
         self.trials, self.beside = list(trials), list(beside)
@@ -250,7 +251,7 @@ class Sought:
         short = sorted(self.trials, key=lambda t: duration(t.case))
         return self.of(evenly(short[: 2 * count], count))
 
-    def of(self, trials: Sequence[Trial]) -> Sought:
+    def of(self, trials: Trials) -> Sought:
         """Return the same, sought in some of the trials."""
         few = Sought(trials, (), self.stages, self.base, self.work)
         few._known, few._quantities = self._known, self._quantities

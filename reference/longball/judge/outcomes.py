@@ -14,7 +14,7 @@ from longball.judge.findings import Finding, found, many
 from longball.judge.mistakes import FENCE, OUTCOMES, TIME_LIMIT_IGNORED
 from longball.judge.quantities import OPTIONAL, superfluous, told_by, untrue
 from longball.judge.rules import CHANCE, rule
-from longball.judge.stages import NONE, Change, Trial, stage_of
+from longball.judge.stages import NONE, Change, Trial, Trials, stage_of
 from longball.model.result import Result
 from longball.model.scene import FlightScene
 
@@ -93,9 +93,7 @@ def _fair_otherwise(trials: Iterable[Trial]) -> tuple[list[str], str] | None:
     return [name for name, *_ in ties], told_together([sentence for _, sentence, _ in ties])
 
 
-def outcome_findings(
-    trials: Sequence[Trial], base: Change, known: Sequence[Finding]
-) -> Iterator[Finding]:
+def outcome_findings(trials: Trials, base: Change, known: Sequence[Finding]) -> Iterator[Finding]:
     """Yield what is behind the other outcomes of some trials; `known` is what is found already."""
     kinds: dict[tuple[str, str], list[Trial]] = defaultdict(list)
     for t in trials:
@@ -161,7 +159,7 @@ def outcome_findings(
 
 
 def _made(
-    wrong: Sequence[Trial], same: Sequence[Trial], agreed: Sequence[Trial], base: Change,
+    wrong: Trials, same: Trials, agreed: Trials, base: Change,
     known: Sequence[Finding]
 ) -> tuple[list[str], str] | None:  # fmt: skip
     """Return names and sentence of what makes these outcomes, and those `agreed` on."""
@@ -241,7 +239,7 @@ LIMITED: dict[
 }  # fmt: skip
 
 
-def _limit(obtained: str, wrong: Sequence[Trial], trials: Sequence[Trial]) -> str:
+def _limit(obtained: str, wrong: Trials, trials: Trials) -> str:
     """Return between which of their own values an outcome's limit lies; nothing if it is right."""
     if obtained not in LIMITED:
         return ""
@@ -258,7 +256,7 @@ def _limit(obtained: str, wrong: Sequence[Trial], trials: Sequence[Trial]) -> st
     return f"its limit for {name} is between {low:.3g} and {high:.3g} m, where {right} is right"
 
 
-def _against_itself(trials: Sequence[Trial]) -> str:
+def _against_itself(trials: Trials) -> str:
     """Return which of their own values wrong outcomes contradict, with what it says; else ""."""
     for quantity, beyond, within, says in (
         ("fence.clearance", {"home_run"}, {"wall"}, "above the fence"),
@@ -283,7 +281,7 @@ def _beyond(trial: Trial) -> bool:
     return place is not None and 2 * abs(place[1]) > trial.scene.bat.length
 
 
-def _follows(trials: Sequence[Trial]) -> str:
+def _follows(trials: Trials) -> str:
     """Return from which of their own earlier values wrong outcomes follow, if most do; else ""."""
     both = {str(trials[0].outcome), str(trials[0].case.expected.outcome)}
     for quantity, outcomes, holds in (
@@ -327,7 +325,7 @@ def _flies_so(trial: Trial, velocity: Sequence[float]) -> bool:
 # --- besides numbers ------------------------------------------------------------------------------
 
 
-def told_findings(trials: Sequence[Trial], base: Change) -> Iterator[Finding]:
+def told_findings(trials: Trials, base: Change) -> Iterator[Finding]:
     """Yield what is told besides numbers, and is not so; and blocks that do not belong there."""
     right = [t for t in trials if not t.confused]
     wrong: dict[str, list[tuple[Trial, object, object]]] = defaultdict(list)
@@ -391,8 +389,8 @@ def _blocks(names: Iterable[str]) -> set[str]:
 
 
 def _told(
-    stage: str, quantity: str, names: list[str], sentence: str, wrong: Sequence[Trial],
-    same: Sequence[Trial]
+    stage: str, quantity: str, names: list[str], sentence: str, wrong: Trials,
+    same: Trials
 ) -> Finding:  # fmt: skip
     return found(
         stage, sentence, len(wrong), len(wrong) + len(same), names, quantity=quantity,

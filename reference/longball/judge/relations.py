@@ -27,6 +27,7 @@ from longball.judge.stages import (
     Check,
     Numbers,
     Trial,
+    Trials,
     digits,
     follow,
     view_values,
@@ -263,7 +264,7 @@ def singles(wrong: Seen) -> Iterator[Explanation]:
             )  # fmt: skip
 
 
-def few_digits(trials: Sequence[Trial]) -> Finding | None:
+def few_digits(trials: Trials) -> Finding | None:
     """Return that all numbers are written with few digits, or few behind the point, if they are."""
     told = [t for t in trials if any(x % 1 for value in t.given.values() for x in value)]
     if len(told) < ENOUGH:
@@ -320,7 +321,7 @@ def _is_single(x: Decimal) -> bool:
 # --- the whole output -----------------------------------------------------------------------------
 
 
-def shifted(trials: Sequence[Trial]) -> Finding | None:
+def shifted(trials: Trials) -> Finding | None:
     """Return that answers bear the id of the scene before or after, if most wrong ones do."""
     for order, whose in ((trials, "before"), (trials[::-1], "after")):
         wrong = [(t, other) for other, t in itertools.pairwise(order) if not t.right]
@@ -352,7 +353,7 @@ _OTHER_UNITS = {
 }  # fmt: skip
 
 
-def conventions(trials: Sequence[Trial]) -> Explanation | None:
+def conventions(trials: Trials) -> Explanation | None:
     """Return axes or a unit, not the contract's, under which several quantities come right."""
     known: dict[str, list[tuple[Array, Array]]] = defaultdict(list)
     for trial in trials:

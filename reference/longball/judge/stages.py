@@ -116,6 +116,9 @@ class Trial:
         return replace(self, given={**self.given, **values})
 
 
+Trials = Sequence[Trial]
+
+
 @dataclass(frozen=True)
 class Check:
     """A quantity that follows from earlier ones, or does not."""

@@ -497,7 +497,7 @@ def _would_pass_at(judged: Sequence[Comparison]) -> float | None:
     return float(f"{math.ceil(worst / place) * place:.2g}")
 
 
-_MET = {"batted": True, "separating": True, "missed": False, "beyond_bat": False}  # airborne: if struck
+_MET = {"batted": True, "separating": True, "missed": False, "beyond_bat": False}
 
 
 def _met(comparison: Comparison) -> tuple[bool | None, bool | None]:
