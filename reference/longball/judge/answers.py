@@ -121,24 +121,22 @@ class Collector:
         """Take a line; tell whether it answers a scene that had no answer."""
         if not line.strip():
             return False
+        kinds = ("parse_float", "parse_int", "parse_constant")
+        numbers: dict[str, Any] = dict.fromkeys(kinds, _decimal)
         try:
             text = line.decode("utf-8-sig")
             if self._table:
                 return self._take_row(number, text)
-            data = json.loads(
-                text, parse_float=_decimal, parse_int=_decimal, parse_constant=_decimal
-            )
+            return self.take(number, json.loads(text, **numbers))
         except UnicodeDecodeError as error:
-            self.report("rubbish", not_utf8(error), number)
+            why = not_utf8(error)
         except json.JSONDecodeError as error:
-            there = f"from character {error.pos + 1} on: {quoted(text[error.pos :])}"
-            self.report("rubbish", f"not JSON {there}", number)
+            why = f"not JSON from character {error.pos + 1} on: {quoted(text[error.pos :])}"
         except ValueError:
-            self.report("rubbish", f"not a row of CSV: {quoted(line.decode())}", number)
+            why = f"not a row of CSV: {quoted(line.decode())}"
         except RecursionError:
-            self.report("rubbish", "not a result: brackets nested too deeply", number)
-        else:
-            return self.take(number, data)
+            why = "not a result: brackets nested too deeply"
+        self.report("rubbish", why, number)
         return False
 
     def _take_row(self, number: int, text: str) -> bool:
@@ -162,35 +160,32 @@ class Collector:
 
     def take(self, number: int, data: Any) -> bool:
         """Take what a line held; tell whether it answers a scene that had no answer."""
+        scene_id = data.get("id") if isinstance(data, dict) else None
+        named = quoted(scene_id)
         if not isinstance(data, dict):
             self.report("rubbish", f"not a result, which is a JSON object: {quoted(data)}", number)
-            return False
-        scene_id = data.get("id")
-        if not isinstance(scene_id, str):
-            given = f"the id {quoted(scene_id)} is no text" if "id" in data else "it has no id"
+        elif not isinstance(scene_id, str):
+            given = f"the id {named} is no text" if "id" in data else "it has no id"
             self.report("rubbish", f"not a result: {given}", number)
-            return False
-        if scene_id not in self.asked:
-            self.report("unknown id", f"no scene has the id {quoted(scene_id)}", number)
-            return False
-        if scene_id in self.answers:
-            self.report(
-                "twice", f"{quoted(scene_id)} is answered again; the first answer counts", number
-            )
-            return False
-        self.answers[scene_id] = self._answer(number, scene_id, data)
-        return True
+        elif scene_id not in self.asked:
+            self.report("unknown id", f"no scene has the id {named}", number)
+        elif scene_id in self.answers:
+            self.report("twice", f"{named} is answered again; the first answer counts", number)
+        else:
+            self.answers[scene_id] = self._answer(number, scene_id, data)
+            return True
+        return False
 
     def _answer(self, number: int, scene_id: str, data: dict[str, Any]) -> Answer:
-        outcome, error = data.get("outcome"), data.get("error")
-        if outcome is not None and outcome not in get_args(Outcome):
-            near = _nearest(str(outcome), get_args(Outcome))
-            self.report(
-                "outcome",
-                f"{quoted(scene_id)}: {quoted(outcome)} is not an outcome{near}; "
-                f"the outcomes are {', '.join(get_args(Outcome))}",
-                number,
-            )
+        outcome, error, outcomes = data.get("outcome"), data.get("error"), get_args(Outcome)
+
+        def fault(kind: Kind, what: str) -> None:
+            self.report(kind, f"{quoted(scene_id)}: {what}", number)
+
+        if outcome is not None and outcome not in outcomes:
+            near = _nearest(str(outcome), outcomes)
+            known = f"the outcomes are {', '.join(outcomes)}"
+            fault("outcome", f"{quoted(outcome)} is not an outcome{near}; {known}")
             outcome = None
         for key in data:
             if key not in _TOP:
@@ -201,9 +196,7 @@ class Collector:
         for block in BLOCKS:
             held = data.get(block)
             if held is not None and not isinstance(held, dict):
-                self.report(
-                    "not a number", f"{quoted(scene_id)}: {block} is no JSON object", number
-                )
+                fault("not a number", f"{block} is no JSON object")
                 unreadable |= {name for name in QUANTITIES if name.startswith(f"{block}.")}
                 continue
             for key, given in (held or {}).items():
@@ -222,27 +215,17 @@ class Collector:
                     continue
                 unreadable.add(name)
                 needed = "a finite number" if QUANTITIES[name].size == 1 else "three finite numbers"
-                self.report(
-                    "not a number",
-                    f"{quoted(scene_id)}: {name} is {quoted(given)}; {needed} must stand there",
-                    number,
-                )
+                fault("not a number", f"{name} is {quoted(given)}; {needed} must stand there")
         path = None
         if (points := data.get("path")) is not None:
             try:
                 path = _points(points)
-            except ValueError as fault:
-                self.report("path", f"{quoted(scene_id)}: path: {fault}", number)
+            except ValueError as why:
+                fault("path", f"path: {why}")
                 unreadable.add("path.position")
-        return Answer(
-            scene_id,
-            cast(Outcome | None, outcome),
-            values,
-            frozenset(unreadable),
-            None if error is None else quoted(error, 200),
-            path,
-            told,
-        )
+        refused = None if error is None else quoted(error, 200)
+        outcome = cast(Outcome | None, outcome)
+        return Answer(scene_id, outcome, values, frozenset(unreadable), refused, path, told)
 
     def _report_key(self, number: int, key: str, known: Iterable[str], told: str = "{}") -> None:
         if key not in self._unknown and len(self._unknown) < KEPT:
@@ -322,9 +305,8 @@ def _points(given: Any) -> Array:
     back = np.flatnonzero(np.diff(points[:, 0]) <= 0)
     if back.size:
         i = int(back[0]) + 1
-        raise ValueError(
-            f"time does not go on at point {i}: {points[i - 1, 0]:g} s, then {points[i, 0]:g} s"
-        )
+        a, b = points[i - 1 : i + 1, 0]
+        raise ValueError(f"time does not go on at point {i}: {a:g} s, then {b:g} s")
     return points
 
 
@@ -352,15 +334,8 @@ def read_results(
 ) -> Collector:
     """Read a file of results: JSON Lines, or CSV if its name ends in .csv.
 
-    Parameters
-    ----------
-    path
-        The file.
-    asked
-        Ids of the scenes.
-    columns
-        CSV only: which quantity a column holds, where the column's name does not say so.
-        See `csv_columns`.
+    `asked` are ids of scenes; `columns` tells which quantity a column of CSV holds, see
+    `csv_columns`, where its name does not say so.
 
     Raises
     ------

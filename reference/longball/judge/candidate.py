@@ -59,25 +59,10 @@ def run(
     progress: Callable[[int], None] = lambda answered: None,
     table: bool = False,
 ) -> Run:
-    """Let a candidate answer scenes.
+    """Let a candidate answer scenes; an OSError if it cannot be started.
 
-    Parameters
-    ----------
-    command
-        Program and arguments; no shell reads them.
-    scenes
-        What it is asked, each with an id of its own.
-    limits
-        What it may take; `Limits()` if not given.
-    progress
-        Called with the number of scenes answered whenever that grows.
-    table
-        Whether scenes are written and results read as CSV, with a header.
-
-    Raises
-    ------
-    OSError
-        If the program cannot be started.
+    No shell reads the command. `progress` is called with the number of scenes answered whenever
+    that grows. A `table` is CSV with a header, of scenes and results.
     """
     session = _Session(command, scenes, limits or Limits(), progress, table)
     try:

@@ -129,26 +129,18 @@ def diagnose(
     granted: float = 0.0,
     order: int | None = None,
 ) -> Diagnosis:
-    """Return what is wrong with a candidate's answers.
+    """Return what is wrong with a candidate's answers to cases.
 
     Parameters
     ----------
-    cases
-        That it was judged by.
-    answers
-        By the scene's id.
-    dt
-        s, its time step, if it is known.
+    dt, order
+        s, its time step, if it is known; the order of its errors in it, if that was measured.
     scheme
         What counts as true, if that is the paper's scheme.
     causes
         Whether causes are sought; they are not in answers that change from run to run.
-    wrong
-        The ids of the answers that are wrong by the profile.
-    granted
-        The error of a quantity that the profile passes, in its unit.
-    order
-        With which its errors fall as its time step does, if that was measured.
+    wrong, granted
+        Ids of answers that are wrong by the profile; the error of a quantity that passes.
     """
     trials = [
         trial_of(case, answer, granted)

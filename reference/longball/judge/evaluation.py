@@ -17,7 +17,7 @@ from longball.judge.candidate import Limits, run
 from longball.judge.cases import Case, Profile, decidable, solved
 from longball.judge.diagnosis import diagnose
 from longball.judge.paths import as_written
-from longball.judge.quantities import difference, length, values_of
+from longball.judge.quantities import Value, difference, length, values_of
 from longball.judge.rules import shrunk
 from longball.judge.sampling import Sampling
 from longball.judge.step_sweep import FAMILIES, StepSweep, order_of, sample, with_step
@@ -64,26 +64,17 @@ class Judge:
     ) -> Evaluation:
         """Run a candidate and judge it; see `longball.judge.candidate.run`.
 
-        Parameters
-        ----------
-        command
-            The candidate's. If {dt} is in it, `dt` goes there.
-        limits, progress
-            Of this run; the sweep's runs together have the same limit of time in all.
-        sweep
-            Time steps to run it with again, to see how it converges to the golden truth, whatever
-            the profile. They are not tried with a candidate that does not end well.
-        sampling
-            How it draws at-bats, to be reported in the same verdict.
-        table
-            Whether scenes and results are CSV.
+        If {dt} is in the command, `dt` goes there. With the time steps of `sweep` it is run again,
+        if it ends well, to see how it converges to the golden truth, whatever the profile; these
+        runs together have the same limit of time. `sampling` tells how it draws at-bats, and
+        `table` whether scenes and results are CSV.
         """
         start = time.monotonic()
         filled = sweep.filled(command) if sweep else command
         filled = with_step(filled, self.dt) if self.dt else filled
         ran = run(filled, [case.scene for case in self.cases], limits, progress, table)
         well = not any(issue.kind == "process" for issue in ran.collected.issues)
-        report, conduct, smallest = None, [], None
+        report, conduct, smallest = None, list[str](), None
         if sweep and well:
             report = self._converge(command, sweep, ran.collected, limits)
         elif sweep:
@@ -98,9 +89,8 @@ class Judge:
         found = self.evaluate(submission, conduct)
         if well and self.diagnose and not conduct and self.profile.engine() is None:
             smallest = self._smallest(asked, found.verdict)
-        if smallest is not None and found.verdict.diagnosis is not None:
-            diagnosis = found.verdict.diagnosis.model_copy(update={"smallest": smallest})
-            found = found.telling(diagnosis=diagnosis)
+        if smallest and (known := found.verdict.diagnosis):
+            found = found.telling(diagnosis=known.model_copy(update={"smallest": smallest}))
         return found.telling(seconds=time.monotonic() - start)
 
     def _again(
@@ -122,14 +112,11 @@ class Judge:
         if not (differ := differing(answers, backwards)):
             return []
         if random := differing(backwards, asked([case.scene for case in chosen])):
-            return [
-                f"it is not deterministic: the same scenes in the same order give other numbers, "
-                f"{random[0]} for one"
-            ]
-        return [
-            f"its answer depends on the scenes before it: {len(differ)} of {len(chosen)} scenes "
-            f"give other numbers in another order, {differ[0]} for one; state is kept between them"
-        ]
+            return ["it is not deterministic: the same scenes in the same order give other "
+                    f"numbers, {random[0]} for one"]  # fmt: skip
+        return [f"its answer depends on the scenes before it: {len(differ)} of {len(chosen)} "
+                f"scenes give other numbers in another order, {differ[0]} for one; state is kept "
+                "between them"]  # fmt: skip
 
     def _differ(self, case: Case, a: Answer | None, b: Answer | None) -> bool:
         """Tell whether two answers differ by more than the profile passes."""
@@ -138,13 +125,13 @@ class Judge:
         if a.outcome != b.outcome or set(a.values) != set(b.values):
             return True
         expected = values_of(case.expected)
-        for name, value in a.values.items():
-            known = name in expected
-            passes = self.profile.tolerance(case, name, expected[name]) if known else (
-                self.profile.allowed(length(value)))  # fmt: skip
-            if not difference(value, b.values[name]) <= passes:
-                return True
-        return False
+
+        def passes(name: str, value: Value) -> float:
+            if name in expected:
+                return self.profile.tolerance(case, name, expected[name])
+            return self.profile.allowed(length(value))
+
+        return any(not difference(x, b.values[n]) <= passes(n, x) for n, x in a.values.items())
 
     def _smallest(
         self, asked: Callable[[Sequence[Scene]], Mapping[str, Answer]], found: Verdict
@@ -154,8 +141,8 @@ class Judge:
         failing = [case.scene for case in self.cases if case.id in wrong]
         if not failing:
             return None
-        order = {"flight": 0, "impact": 1, "pitch": 2, "at-bat": 3}
-        start = min(failing, key=lambda s: (order[s.kind], len(str(s.model_dump()))))
+        order = ("flight", "impact", "pitch", "at-bat")
+        start = min(failing, key=lambda s: (order.index(s.kind), len(str(s.model_dump()))))
 
         def fails(scenes: Sequence[Any]) -> list[bool]:
             answers = asked(scenes)
@@ -164,9 +151,8 @@ class Judge:
                 for case in solved(scenes, Ivp())
             ]
 
-        return dict(shrunk(start, fails).model_dump(mode="json", exclude_defaults=True)) | {
-            "kind": start.kind
-        }
+        smallest = shrunk(start, fails).model_dump(mode="json", exclude_defaults=True)
+        return {**smallest, "kind": start.kind}
 
     def _converge(
         self, command: Sequence[str], sweep: StepSweep, collected: Collector, limits: Limits | None
@@ -213,17 +199,12 @@ class Judge:
         engine = self.profile.engine()
         wrong = any(not c.passed for c in comparisons)
         if self.diagnose and (conduct or wrong):
-            whole = {
-                case.id: as_written(case.scene, answer)
-                for case in self.cases
-                if (answer := answers.get(case.id))
-            }
+            whole = {c.id: as_written(c.scene, a) for c in self.cases if (a := answers.get(c.id))}
             scheme = engine if isinstance(engine, Verlet) else None
             failed = [c.case.id for c in comparisons if c.judged and not c.passed]
-            granted = self.profile.error
             report = submission.convergence if self.dt else None
             order = order_of(report) if report else None
-            known = scheme, not conduct, failed, granted, order
+            known = scheme, not conduct, failed, self.profile.error, order
             diagnosis = diagnose(truths, whole, self.dt, *known)
             diagnosis = diagnosis.model_copy(update={"conduct": list(conduct)})
             if not diagnosis.findings:

@@ -14,6 +14,7 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -175,16 +176,11 @@ def _number(scene: Mapping[str, Any], path: str) -> float | None:
 
 
 def judge_samples(scenes: Iterable[Mapping[str, Any]], source: str = "given") -> Sampling:
-    """Return what is right and wrong in the at-bats that a candidate draws.
+    """Return what is right and wrong in the at-bats that a candidate draws, of some source.
 
-    Parameters
-    ----------
-    scenes
-        As a candidate draws them from the paper's distributions, JSON objects, at least `FEWEST`.
-        A draw that is there more than once, such as for several restitutions, counts once; what
-        the scenes leave out is not judged.
-    source
-        Where they are from, for the report.
+    They are JSON objects, at least `FEWEST`, drawn from the paper's distributions. A draw that is
+    there more than once, such as for several restitutions, counts once; what the scenes leave out
+    is not judged.
 
     Raises
     ------
@@ -206,10 +202,8 @@ def judge_samples(scenes: Iterable[Mapping[str, Any]], source: str = "given") ->
         except BadSamples as error:
             raise BadSamples(f"{source}: at-bat {number}: {error}") from None
     columns = dict(zip(DRAWN, zip(*draws, strict=True), strict=True)) if draws else {}
-    given = {
-        name: np.array([value for value in column if value is not None])
-        for name, column in columns.items()
-    }
+    known = {name: [x for x in column if x is not None] for name, column in columns.items()}
+    given = {name: np.array(column) for name, column in known.items()}
     most = max(map(len, given.values()), default=0)
     total = sum(draws.values())
     repeats = 0 < most < FEWEST <= total and total > MANY_TIMES * len(draws)
@@ -223,15 +217,12 @@ def judge_samples(scenes: Iterable[Mapping[str, Any]], source: str = "given") ->
         statistic=total / max(len(draws), 1),
         sentence=f"at-bats: the stream repeats itself: {len(draws)} different ones in {total}",
     )
+    others = (_constant(name, value, list(constants[name])) for name, value in printed.items())
     return Sampling(
         source=source,
         at_bats=len(draws),
         drawn=[_judge(name, values) for name, values in given.items() if len(values) >= FEWEST],
-        constants=[
-            found
-            for name, value in printed.items()
-            if (found := _constant(name, value, list(constants[name]))) is not None
-        ],
+        constants=[found for found in others if found is not None],
         dependences=[repeating] if repeats else list(_dependences(columns)),
         sees=min(1.0, CRITICAL / math.sqrt(max(most, 1))),
     )
@@ -255,17 +246,13 @@ def _dependences(columns: Mapping[str, Sequence[float | None]]) -> Iterator[Depe
     for a, b, x, y in pairs:
         n = len(x)
         folded = [np.abs(r - (n + 1) / 2) for r in (x, y)]
-        sizes = [
-            abs(float(np.corrcoef(u, v)[0, 1])) * math.sqrt(n)
-            for u, v in itertools.product((x, folded[0]), (y, folded[1]))
-        ]
-        if max(sizes) > TOO_ALIKE:
+        both = itertools.product((x, folded[0]), (y, folded[1]))
+        size = max(abs(float(np.corrcoef(u, v)[0, 1])) * math.sqrt(n) for u, v in both)
+        if size > TOO_ALIKE:
+            sentence = f"{a} hangs on {b}: the correlation of their ranks is "
+            sentence += f"{size / math.sqrt(n):.2f}; draw a random number of its own for each"
             yield Dependence(
-                quantity=f"{a} and {b}",
-                named=["dependence"],
-                statistic=max(sizes),
-                sentence=f"{a} hangs on {b}: the correlation of their ranks is "
-                f"{max(sizes) / math.sqrt(n):.2f}; draw a random number of its own for each",
+                quantity=f"{a} and {b}", named=["dependence"], statistic=size, sentence=sentence
             )
 
 
@@ -389,20 +376,12 @@ _SENTENCES = {
 
 def _drawn(quantity: str, named: tuple[str, ...], statistic: float, note: str = "") -> Drawn:
     fits = statistic < CRITICAL
-    if not fits:
-        sentence = "drawn from none of the known distributions"
-        named = ()
-    elif named:
-        sentence = "; ".join(_SENTENCES[name] for name in named)
+    if fits:
+        said = "; ".join(_SENTENCES[n] for n in named) or f"drawn as the paper means it{note}"
     else:
-        sentence = f"drawn as the paper means it{note}"
-    return Drawn(
-        quantity=quantity,
-        named=list(named),
-        fits=fits,
-        statistic=statistic,
-        sentence=f"{quantity}: {sentence}",
-    )
+        named, said = (), "drawn from none of the known distributions"
+    sentence, names = f"{quantity}: {said}", list(named)
+    return Drawn(quantity=quantity, named=names, fits=fits, statistic=statistic, sentence=sentence)
 
 
 # --- what is not random ---------------------------------------------------------------------------
@@ -424,18 +403,11 @@ _SLIPS = {
 
 
 def _constant(quantity: str, paper: float, met: Sequence[float]) -> Constant | None:
-    others = [value for value in met if not math.isclose(value, paper, rel_tol=1e-9)]
+    same = partial(math.isclose, rel_tol=1e-9)
+    others = [value for value in met if not same(value, paper)]
     if not others:
         return None
-    named = [
-        name
-        for name, values in _SLIPS.get(quantity, ())
-        if any(math.isclose(others[0], value, rel_tol=1e-9) for value in values)
-    ]
-    return Constant(
-        quantity=quantity,
-        paper=paper,
-        given=others,
-        named=named,
-        sentence=f"{quantity}: {others[0]:g}, where the paper has {paper:g}",
-    )
+    slips = _SLIPS.get(quantity, ())
+    named = [name for name, values in slips if any(same(others[0], value) for value in values)]
+    sentence = f"{quantity}: {others[0]:g}, where the paper has {paper:g}"
+    return Constant(quantity=quantity, paper=paper, given=others, named=named, sentence=sentence)

@@ -56,16 +56,10 @@ def _spread(text: str) -> list[float]:
 
 
 def parse_knob(text: str) -> tuple[str, list[str]]:
-    """Return the name and the values of NAME=VALUES, the coarsest first.
+    """Return the name and the values of NAME=VALUES, the coarsest first; a ValueError if not so.
 
     VALUES are FROM:TO:COUNT, evenly spaced in their logarithm, or a list with commas, whose words
-    stand in the command as they are. They fall, as steps and tolerances do, or rise, as numbers of
-    steps and multipliers do.
-
-    Raises
-    ------
-    ValueError
-        If it is none.
+    stand in the command as they are. They fall, as steps do, or rise, as numbers of steps do.
     """
     name, _, values = text.partition("=")
     try:

@@ -106,10 +106,8 @@ _MOST_DIGITS = 17.0  # a double holds no more than this
 
 
 def _digits(error: float, size: float) -> float | None:
-    if size == 0.0:
-        return None
-    if error == 0.0:
-        return _MOST_DIGITS
+    if not (size and error):
+        return _MOST_DIGITS if size else None
     return max(0.0, min(_MOST_DIGITS, math.log10(size) - math.log10(error)))
 
 
@@ -399,20 +397,9 @@ def verdict(
     partial: bool = False,
     diagnosis: Diagnosis | None = None,
 ) -> Verdict:
-    """Return the verdict on a candidate.
+    """Return the verdict on a candidate, whose answers were held against `truth` by a `profile`.
 
-    Parameters
-    ----------
-    comparisons
-        From `compare`.
-    submission
-        What was compared, and what else is known of the candidate.
-    profile, truth
-        By which rule it was compared, and with what.
-    partial
-        Whether scenes and quantities may be left out.
-    diagnosis
-        From `longball.judge.diagnosis`.
+    If `partial`, scenes and quantities may be left out.
     """
     judged = [c for c in comparisons if c.judged and c.answer and not (c.refused or c.empty)]
     failures = sorted((failure(c) for c in judged if not c.passed), key=lambda f: -f.excess)
@@ -423,7 +410,15 @@ def verdict(
     ]
     collected = submission.collected
     convergence, sampling = submission.convergence, submission.sampling
-    reasons = _reasons(comparisons, judged, failures, collected)
+    reasons = []
+    if comparisons and not judged:
+        empty = any(c.empty for c in comparisons)
+        what = "the answers hold nothing that could" if empty else "no answer could"
+        reasons.append(f"{what} be judged")
+    if failures:
+        reasons.append(f"{len(failures)} of {len(judged)} answers are wrong")
+    if collected.faults:
+        reasons.append(f"{many(collected.faults, 'issue')} with its output or conduct")
     if convergence:
         reasons += [f"convergence: {fault}" for fault in convergence.faults]
     if sampling:
@@ -468,24 +463,6 @@ def verdict(
         convergence=convergence,
         sampling=sampling,
     )
-
-
-def _reasons(
-    comparisons: Sequence[Comparison],
-    judged: Sequence[Comparison],
-    failures: Sequence[Failure],
-    collected: Collector,
-) -> list[str]:
-    reasons = []
-    if comparisons and not judged:
-        empty = any(c.empty for c in comparisons)
-        what = "the answers hold nothing that could" if empty else "no answer could"
-        reasons.append(f"{what} be judged")
-    if failures:
-        reasons.append(f"{len(failures)} of {len(judged)} answers are wrong")
-    if collected.faults:
-        reasons.append(f"{many(collected.faults, 'issue')} with its output or conduct")
-    return reasons
 
 
 def _would_pass_at(judged: Sequence[Comparison]) -> float | None:
@@ -536,8 +513,7 @@ def _rows(judged: Iterable[Comparison]) -> Iterable[Row]:
     for comparison in judged:
         for measured in comparison.measured:
             groups[comparison.case.family, measured.quantity].append((comparison, measured))
-    families = dict.fromkeys(family for family, _ in groups)
-    for family in families:
+    for family in dict.fromkeys(family for family, _ in groups):
         for name, quantity in _ALL.items():
             if group := groups.get((family, name)):
                 yield _row(family, name, quantity.unit, group)
@@ -547,11 +523,8 @@ def _row(family: str, name: str, unit: str, group: list[tuple[Comparison, Measur
     measured = [m for _, m in group]
     worst = max(group, key=lambda pair: pair[1].error)
     ulps = [m.ulps for m in measured if m.ulps is not None]
-    lost = [
-        (m.digits_attainable - m.digits, m.digits, m.digits_attainable)
-        for m in measured
-        if m.digits is not None and m.digits_attainable is not None
-    ]
+    both = [(m.digits, m.digits_attainable) for m in measured]
+    lost = [(b - a, a, b) for a, b in both if a is not None and b is not None]
     _, digits_right, digits_attainable = max(lost, default=(None, None, None))
     return Row(
         family=family,
