@@ -205,10 +205,8 @@ class _Search:
     def diagnosis(self) -> Diagnosis:
         checks = self._follow()
         rows = [row for stage in STAGES if (row := _row(stage, checks))]
-        self.thrown = {
-            t.case.id for t, cs in checks if any(c.stage == "pitch" and not c.follows for c in cs)
-        }
-        unseen = self._unseen(checks)
+        wrong = [(t.case.id, c.stage) for t, cs in checks for c in cs if not c.follows]
+        self.thrown, unseen = {name for name, at in wrong if at == "pitch"}, self._unseen(checks)
         largest = _largest(checks)
         first = next((r.stage for r in rows if r.wrong and r.worst >= MINOR * largest), None)
         if self.causes and self.scheme is None:
@@ -218,8 +216,7 @@ class _Search:
                 if not self._explain(stage, self._follow()):
                     break
         self.findings += outcomes.outcome_findings(self.trials, self.base, self.findings)
-        facts = list(outcomes.told_findings(self.trials, self.base))
-        self.findings += facts
+        self.findings += (facts := list(outcomes.told_findings(self.trials, self.base)))
         named = any(f.names for f in self.findings)
         if unseen and named and (self.single or unseen.wrong <= FEW_UNSEEN * len(self.wrong)):
             unseen = None
@@ -234,30 +231,16 @@ class _Search:
         self.findings.sort(key=lambda f: not f.names and f.worst < MINOR * largest)
         rows = _where_made(rows, self.moved, {f.stage for f in self.findings}, facts)
         absent = {_absent(t) for t, cs in checks if t.confused and all(c.follows for c in cs)}
-        known_wrong = {r.stage for r in rows if r.wrong}
-        clean = [
-            r.stage
-            for r in rows
-            if r.stage not in known_wrong | absent and ENDS_OF.get(r.stage) not in known_wrong
-        ]
+        bad = {r.stage for r in rows if r.wrong}
+        right = [r.stage for r in rows if r.stage not in bad | absent]
+        clean = [stage for stage in right if ENDS_OF.get(stage) not in bad]
         rows = self._without_inherited(rows)
-        lead = next(
-            (
-                r
-                for r in rows
-                if r.wrong
-                and r.stage not in self.amplified
-                and (r.worst >= MINOR * largest or r.stage in known)
-            ),
-            None,
-        )
+        leading = [r for r in rows if r.wrong and (r.worst >= MINOR * largest or r.stage in known)]
+        lead = next((r for r in leading if r.stage not in self.amplified), None)
         return Diagnosis(
-            sentence=self._sentence(lead, clean),
-            first=lead and lead.stage,
-            stages=rows,
-            clean=clean,
-            findings=self.findings,
-        )
+            sentence=self._sentence(lead, clean), first=lead and lead.stage, stages=rows,
+            clean=clean, findings=self.findings,
+        )  # fmt: skip
 
     def _without_inherited(self, rows: Sequence[StageRow]) -> list[StageRow]:
         """Return the rows without errors of stages that follow with what is found at others."""
@@ -302,9 +285,8 @@ class _Search:
         parts = [unread] if unread else []
         if first is not None:
             where = "all" if first.wrong == first.checked else f"{first.wrong} of {first.checked}"
-            parts.append(
-                f"the first stage that does not follow is {first.stage}: wrong in {where} scenes"
-            )
+            said = f"the first stage that does not follow is {first.stage}"
+            parts.append(f"{said}: wrong in {where} scenes")
         large = MINOR * min(lead.worst, 1.0)
         parts += [f.sentence for f in self.findings if f.worst >= large][:3]
         return "; ".join(parts)
@@ -343,10 +325,9 @@ class _Search:
     def _rewrite(self, first: str | None, rows: Sequence[StageRow]) -> None:
         """Read the output as it is meant, if all of it is written otherwise."""
         if meant := relations.conventions(self.trials):
-            stage = first or stage_of(meant.quantity or "landing")
-            wrong = max((r.wrong for r in rows if r.stage == stage), default=len(self.trials))
-            checked = max((r.checked for r in rows if r.stage == stage), default=wrong)
-            self._read(self.trials, meant, found(stage, "", wrong, checked))
+            stage, every = first or stage_of(meant.quantity or "landing"), len(self.trials)
+            counts = [(r.wrong, r.checked) for r in rows if r.stage == stage] or [(every, every)]
+            self._read(self.trials, meant, found(stage, "", *counts[0]))
 
     def _read(self, some: Trials, meant: Explanation, told: Finding) -> None:
         """Read the output of some trials as it is meant."""
@@ -360,9 +341,8 @@ class _Search:
     def _explain(self, stage: str, checks: Seen) -> bool:
         """Explain what does not follow at a stage; tell whether there may be more."""
         seen = [(t, [c for c in cs if c.stage == stage]) for t, cs in checks]
-        sizes = [
-            max((c.error / c.scale for c in cs if not c.follows), default=0.0) for _, cs in seen
-        ]
+        failing = ([c.error / c.scale for c in cs if not c.follows] for _, cs in seen)
+        sizes = [max(errors, default=0.0) for errors in failing]
         worst = max(sizes, default=0.0)
         if not worst:
             return False
@@ -377,33 +357,30 @@ class _Search:
         if _usual(sizes) < rest or self._is_own(wrong, good, failures):
             self._leave(stage, wrong)
             return False
-        right = [t for t, _ in good]
+        every = len(wrong) + len(good)
         quantity = max((c for _, cs in wrong for c in cs), key=lambda c: c.error / c.scale).quantity
         scenes = _told_apart(seen, sizes, minor)
         wrong_ones = {c.quantity for _, cs in wrong for c in cs if not c.follows}
-        told = found(
-            stage, _unknown(stage, wrong_ones, sizes, minor, before > 0), len(wrong),
-            len(wrong) + len(right), quantity=quantity.partition(":")[0], worst=worst,
-            scenes=scenes,
-        )  # fmt: skip
+        said = _unknown(stage, wrong_ones, sizes, minor, before > 0)
+        told = found(stage, said, len(wrong), every, quantity=quantity.partition(":")[0],
+                     worst=worst, scenes=scenes)  # fmt: skip
         causes: list[Explanation] = []
         little = worst < MINOR * min(before, 1.0)
         stepped = before and (isinstance(self.base.engine, Verlet) or self.jumps)
         # Large in a graze is what an earlier stage has left there, or had wrong from the beginning.
-        few = len(wrong) < max(ENOUGH, (len(wrong) + len(good)) / ONE_IN)
+        few = len(wrong) < max(ENOUGH, every / ONE_IN)
         left = self.loose.keys() | self.thrown
         inherited = stage in INHERITING and few and all(t.case.id in left for t, _ in wrong)
         # Of digits that are cut off a few scenes make a thousand times as much, and more.
-        cut_off = self.coarse is not None and len(wrong) <= FEW_UNSEEN * (len(wrong) + len(good))
+        cut_off = self.coarse is not None and len(wrong) <= FEW_UNSEEN * every
         searched = self.causes and not (little or stepped or inherited or cut_off)
         if searched and scenes:
-            failing = {id(t) for t, _ in wrong}
-            some = [t for t in self.trials if id(t) in failing]
+            ids = {id(t) for t, _ in wrong}
+            some = [t for t in self.trials if id(t) in ids]
             if (meant := relations.conventions(some)) and meant.named:
                 self._read(some, meant, told)
                 return True
-        plain = _plain(wrong)
-        of_most = rounded = False
+        plain, of_most, rounded = _plain(wrong), False, False
         if searched and self.single and worst < relations.SINGLE_NOISE:
             causes = [relations.SINGLE]
         elif searched and worst > FAINT:
@@ -420,22 +397,21 @@ class _Search:
                 of_plain = self._found(stage, plain, _plain(good), checks, False)
                 causes = [e for e in of_plain if _is_telling(e)]
                 of_most = bool(causes)
-        if not causes and cut_off:
-            self.amplified.add(stage)
-            told = told.model_copy(update={"sentence": told.sentence + CUT_OFF})
         if not causes:
+            more, remedy = CUT_OFF if cut_off else "", None
+            if cut_off:
+                self.amplified.add(stage)
             if searched and stage in ("pitch", "flight"):
                 chosen = [t for t, _ in evenly(wrong, SOUGHT)]
                 more = fits.scene_by_scene(Sought(chosen, (), (stage,), self.base, self.work))
-                if scenes == TURNED:
-                    told = told.model_copy(update={"remedy": FIXED_AXIS})
+                remedy = FIXED_AXIS if scenes == TURNED else None
                 if self.order is not None:
                     more += OF_ORDER.format(self.order)
                 elif not more and not scenes:
                     more = MAYBE_STEPS if worst < 1e-4 else ""
-                    told = told.model_copy(update={"remedy": None if self.dt else IN_STEPS})
-                told = told.model_copy(update={"sentence": told.sentence + more})
-            self.findings.append(told)
+                    remedy = None if self.dt else IN_STEPS
+            added = {"sentence": told.sentence + more, "remedy": remedy}
+            self.findings.append(told.model_copy(update=added))
             self._leave(stage, wrong)
             return False
         if worst < FINE:  # so little neither breaks a stage nor mends one
@@ -461,10 +437,9 @@ class _Search:
         elif alone:
             where = f", where {told.scenes}" if told.scenes else ""
             sentence = f"{stage} alone{where}: {sentence}"
-        said = {"names": list(dict.fromkeys(e.name for e in same)), "sentence": sentence}
-        self.findings.append(
-            _with_name(told, best, **said, step=best.step, stage=best.stage or stage)
-        )
+        names = list(dict.fromkeys(e.name for e in same))
+        self.findings.append(_with_name(told, best, names=names, sentence=sentence, step=best.step,
+                                        stage=best.stage or stage))  # fmt: skip
         self.begun.setdefault(stage, worst)
         if best.stage:
             self.moved[stage] = best.stage
@@ -502,14 +477,10 @@ class _Search:
         # these from the others.
         good = [] if told_apart else good
         beside = evenly(_plain(good), SOUGHT)
-        found = [
-            replace(e, left=e.left + e.against)
-            for e in self._explanations(stage, wrong, good, beside, checks)
-        ]
-        named = sorted((e for e in found if e.named), key=lambda e: (e.left, e.rank))
-        named = [
-            e for e in named if e.change is None or not self._contradicted(e.change, wrong, good)
-        ]
+        some = self._explanations(stage, wrong, good, beside, checks)
+        found = [e for one in some if (e := replace(one, left=one.left + one.against)).named]
+        named = [e for e in sorted(found, key=lambda e: (e.left, e.rank))
+                 if e.change is None or not self._contradicted(e.change, wrong, good)]  # fmt: skip
         if not named:
             return []
         alike, doubt = ALIKE * named[0].left, doubt_of(wrong)
@@ -533,16 +504,10 @@ class _Search:
             first, *others = (change.scene(t.scene) for change in changes)
             if any(scene != first for scene in others):
                 differ.append(t)
-        some = evenly(differ, OTHERS)
-        lefts = [
-            sum(
-                size_of(c)
-                for t in some
-                for c in follow(t, change, (stage,))
-                if c.stage == stage and not c.follows
-            )
-            for change in changes
-        ]
+        some, lefts = evenly(differ, OTHERS), list[float]()
+        for change in changes:
+            checks = [c for t in some for c in follow(t, change, (stage,)) if c.stage == stage]
+            lefts.append(sum(size_of(c) for c in checks if not c.follows))
         best = min(lefts)
         return [e for e, left in zip(ties, lefts, strict=True) if left <= best + IN_A_SCENE]
 
@@ -646,10 +611,9 @@ class _Search:
     def _failing(self) -> int:
         """Return how many checks fail."""
         # Values from which nothing can be computed fail in everything.
-        return sum(
-            sum(not c.follows and c.error > FINE * c.scale for c in cs) if cs else len(STAGES)
-            for _, cs in self._follow()
-        )
+        checks = [cs for _, cs in self._follow()]
+        failing = sum(not c.follows and c.error > FINE * c.scale for cs in checks for c in cs)
+        return failing + len(STAGES) * sum(not cs for cs in checks)
 
     # --- explanations ---------------------------------------------------------------------------
 
@@ -719,10 +683,11 @@ class _Search:
 
     def _with_flights(self, wrong: Seen, right: Trials, checks: Seen) -> Sought | None:
         """Return pitches and batted balls, which fly by one law: one explanation for both."""
-        flying = [
-            one for one in checks if not _keen(one[0])
-            and any(c.stage == "flight" and not c.follows and _known(c) for c in one[1])
-        ]  # fmt: skip
+
+        def wrongly(c: Check) -> bool:
+            return c.stage == "flight" and not c.follows and _known(c)
+
+        flying = [(t, cs) for t, cs in checks if not _keen(t) and any(map(wrongly, cs))]
         if not flying:
             return None
         some = evenly(wrong, SOUGHT // 2) + evenly(flying, SOUGHT // 2)
@@ -769,12 +734,9 @@ def _without_others(same: Sequence[Explanation]) -> list[Explanation]:
         return ranked
     # Nobody chooses a mass that is nearly the right one; a rounder factor may be the mistake.
     nearly = abs(float(strength.name.removeprefix(STRENGTH)) - 1) < fits.NEARLY
+    least = -math.inf if nearly else strength.rank
     others = (e for e in ranked if e is not strength and not fits.is_odd(e))
-    kept = [
-        e
-        for e in others
-        if not e.name.startswith("ball.") or (not nearly and e.rank < strength.rank)
-    ]
+    kept = [e for e in others if not e.name.startswith("ball.") or e.rank < least]
     return sorted([strength, *kept], key=lambda e: "=" not in e.name)  # numbers before factors
 
 
@@ -859,7 +821,7 @@ def _unknown(
     """Return what is said where nothing explains errors of these sizes in some quantities."""
     worst, wrong = max(sizes), sum(size > minor for size in sizes)
     sentence = f"{'what is left at ' if rest else ''}{stage}: "
-    sentence += f"{' and '.join(quantities)} is " if len(quantities) == 1 else ""
+    sentence += f"{next(iter(quantities))} is " if len(quantities) == 1 else ""
     sentence += f"wrong by up to {worst:.1e} of the quantity in {many(wrong, 'scene')}"
     if smaller := sum(0 < size <= minor for size in sizes):
         sentence += f" (in {smaller} more by less than {minor:.0e})"
@@ -889,15 +851,10 @@ def _largest(checks: Seen) -> float:
 
 
 def _row(stage: str, checks: Iterable[Checked]) -> StageRow | None:
-    seen = [(t, c) for t, cs in checks for c in cs if c.stage == stage]
+    seen = [(t.case.id, c) for t, cs in checks for c in cs if c.stage == stage]
     if not seen:
         return None
-    bad = [(t, c) for t, c in seen if not c.follows]
-    worst = max(bad, key=lambda one: one[1].error / one[1].scale, default=None)
-    return StageRow(
-        stage=stage,
-        checked=len({t.case.id for t, _ in seen}),
-        wrong=len({t.case.id for t, _ in bad}),
-        worst=worst[1].error / worst[1].scale if worst else 0.0,
-        example=worst[0].case.id if worst else None,
-    )
+    bad = [(c.error / c.scale, name) for name, c in seen if not c.follows]
+    worst, example = max(bad, key=lambda one: one[0], default=(0.0, None))
+    counts = {"checked": len({name for name, _ in seen}), "wrong": len({name for _, name in bad})}
+    return StageRow(stage=stage, **counts, worst=worst, example=example)
