@@ -140,15 +140,14 @@ def value_of(scene: Any, name: str) -> float | None:
 def with_parameter(scene: Any, name: str, value: float) -> Any:
     """Return a scene with another value of a parameter."""
     place, found = _held(scene, name)
-    new: Any = value
     if name in OWN:
         return scene.model_copy(update={name: value})
-    if place == "air.density" and isinstance(scene.air.density, Weather):
+    if place == "air.density":
         return with_density(scene, value)
     if isinstance(found, tuple):
-        size = math.hypot(*found)
-        new = tuple(value / size * x for x in found) if size else found
-    return with_values(scene, {place: new})
+        share = value / (math.hypot(*found) or 1.0)
+        return with_values(scene, {place: tuple(share * x for x in found)})
+    return with_values(scene, {place: value})
 
 
 def _in_law(name: str, change: Callable[[Any], Any]) -> Change:
@@ -179,13 +178,13 @@ class Fit:
 
         def change(scene: Any) -> Any:
             own = value_of(scene, self.parameter)
-            if own is None or (own == 0.0 and self.form == "factor"):
-                return scene
-            if self.form == "default" and not _leaves_out(scene, self.parameter):
-                return scene
-            if self.form == "where" and own != self.usual:
-                return scene
-            if self.laws is not None and law_of(scene, self.parameter) not in self.laws:
+            if (
+                own is None
+                or (own == 0.0 and self.form == "factor")
+                or (self.form == "default" and not _leaves_out(scene, self.parameter))
+                or (self.form == "where" and own != self.usual)
+                or (self.laws is not None and law_of(scene, self.parameter) not in self.laws)
+            ):
                 return scene
             new = {"factor": own * self.value, "offset": own + self.value}
             return with_parameter(scene, self.parameter, new.get(self.form, self.value))
@@ -243,26 +242,21 @@ class Fit:
                 f"acts as if k = ρ A/(2 m) were {number} times as large{meant}: density, π, R² or "
                 "1/m, which the flights do not tell apart"
             )
-        parameter = OWN[self.parameter].words if self.parameter in OWN else self.parameter
-        if self.of_weather:
-            parameter = "the density that the weather gives"
+        words = OWN[self.parameter].words if self.parameter in OWN else self.parameter
+        words = "the density that the weather gives" if self.of_weather else words
+        acts, usual = f"acts as if {words}", f"{self.usual:.6g}"
         match self.form:
             case "fixed":
-                whatever = "whatever the scene says" if self.varies else f"and not {self.usual:.6g}"
-                return f"acts as if {parameter} = {number}{meant}, {whatever}"
+                whatever = "whatever the scene says" if self.varies else f"and not {usual}"
+                return f"{acts} = {number}{meant}, {whatever}"
             case "where":
-                return f"acts as if {parameter} = {number}{meant} where the scene says " + (
-                    f"{self.usual:.6g}"
-                )
+                return f"{acts} = {number}{meant} where the scene says {usual}"
             case "default":
-                where = f"and not {self.usual:.6g}, where the scene leaves it out"
-                return f"acts as if {parameter} = {number}, {where}"
+                return f"{acts} = {number}, and not {usual}, where the scene leaves it out"
             case "factor":
-                factor = f"acts as if {parameter} were {number} times the scene's{meant}"
-                if not self.varies:
-                    factor += f": {self.value * self.usual:.6g} for {self.usual:.6g}"
-                return factor
-        return f"acts as if {parameter} were the scene's plus {number}{meant}"
+                there = "" if self.varies else f": {self.value * self.usual:.6g} for {usual}"
+                return f"{acts} were {number} times the scene's{meant}{there}"
+        return f"{acts} were the scene's plus {number}{meant}"
 
 
 NEARLY = 1e-4  # a factor so near to 1 is told by what it differs
@@ -270,9 +264,8 @@ NEARLY = 1e-4  # a factor so near to 1 is told by what it differs
 
 def told_factor(value: float) -> str:
     """Return a factor that is nearly 1 by what it differs; nothing if it is not."""
-    if not 0 < abs(value - 1) < NEARLY:
-        return ""
-    return f"1 {'+' if value > 1 else '-'} {abs(value - 1):.3g}"
+    nearly = 0 < abs(value - 1) < NEARLY
+    return f"1 {'+' if value > 1 else '-'} {abs(value - 1):.3g}" if nearly else ""
 
 
 LARGEST_DENOMINATOR, FRACTION_DIGITS = 12, 4  # people write 2/3 for what needs more digits
@@ -449,15 +442,9 @@ def _forms(name: str, values: Array, own: Array, unsaid: bool) -> list[Fit]:
     varies = bool(np.ptp(own) > 1e-9 * np.abs(own).max(initial=0.0))
     some = own != 0  # a factor leaves the others as they are
     stay = some.any() and np.abs(values[~some]).max(initial=0.0) <= 1e-9 * np.abs(own).max()
-    forms: list[tuple[str, Callable[[], Array]]] = [
-        ("fixed", lambda: values),
-        ("factor", lambda: values[some] / own[some]),
-        ("offset", lambda: values - own),
-    ]
-    if unsaid:
-        forms = [("default", lambda: values)]
+    forms = {"fixed": values, "factor": values[some] / own[some], "offset": values - own}
     result = []
-    for form, make in forms:
+    for form, spread in ({"default": values} if unsaid else forms).items():
         if form == "factor" and not stay:
             continue
         if form == "fixed" and not varies and own[0] and factor_meaning(float(values[0] / own[0])):
@@ -470,7 +457,6 @@ def _forms(name: str, values: Array, own: Array, unsaid: bool) -> list[Fit]:
             continue  # nobody chooses such a density: the factor may be elsewhere
         if form == "offset" and not varies and not name.endswith("height"):
             continue
-        spread = make()
         low, middle, high = np.quantile(spread, (0.05, 0.5, 0.95))
         doubt = float(high - low) / 2
         size = 1.0 if form == "factor" else float(np.abs(own).max())
@@ -523,28 +509,23 @@ def parts(sought: Sought) -> list[Explanation]:
 
 def _library(stage: str) -> list[Mistake]:
     """Return the known mistakes that may show at a stage."""
-    library: list[Mistake] = []
-    if stage in ("pitch", "flight", "spin decay"):
-        library += LAW
-    if stage in ("touching", "normal"):
-        library += TOUCHING
-    if stage == "fence":
-        library += FENCE
-    if stage in ("restitution", "impulse", "velocity after", "spin after", "energy"):
-        library += (*IMPACT, *RUBBING, *SPIN)
-    if stage not in ("pitch", "plate", "touching", "normal", "bat velocity"):
-        library += READINGS
-    library += (*IGNORED, *SINGLES)
-    return library
+    struck = stage in ("restitution", "impulse", "velocity after", "spin after", "energy")
+    before = stage in ("pitch", "plate", "touching", "normal", "bat velocity")
+    return [
+        *(LAW if stage in ("pitch", "flight", "spin decay") else ()),
+        *(TOUCHING if stage in ("touching", "normal") else ()),
+        *(FENCE if stage == "fence" else ()),
+        *((*IMPACT, *RUBBING, *SPIN) if struck else ()),
+        *(() if before else READINGS),
+        *(*IGNORED, *SINGLES),
+    ]
 
 
 def _tried(library: Iterable[Mistake], sought: Sought) -> Iterator[Explanation]:
     for mistake in library:
         if sought.work.exhausted:
             return
-        if not sought.concerned(mistake.change):
-            continue
-        left = sought.screened(mistake.change)
+        left = sought.screened(mistake.change) if sought.concerned(mistake.change) else None
         if left is not None:
             yield _explanation(mistake, left)
 
@@ -595,9 +576,9 @@ def fitted(sought: Sought) -> Iterator[Explanation]:
         if (sought.stage not in stages and not whole_chain) or sought.work.exhausted:
             continue
         (forms,) = fits([name], sought)
-        alike = [f for f in forms
-                 if f.form == "fixed" and not f.varies and f.roundness < ODD / 100]  # fmt: skip
-        for fit in (*forms, *(replace(fit, form="where") for fit in alike)):
+        same = (f for f in forms if f.form == "fixed" and not f.varies)
+        alike = [replace(f, form="where") for f in same if f.roundness < ODD / 100]
+        for fit in (*forms, *alike):
             left = sought.screened(fit.change)
             if left is None or fit.doubt > 1e-2 * max(abs(fit.value), 1e-6):
                 continue
@@ -674,8 +655,8 @@ def pairs(sought: Sought, known: Sequence[Explanation]) -> Iterator[Explanation]
             ranked[count, common].append((left, a, b))
     # What is free fits more, and takes longer.
     tried: list[tuple[Any, Any]] = []
-    for key, most in (((0, False), 3), ((1, False), 4), ((1, True), 3), ((2, True), 2),
-                      ((2, False), 2)):  # fmt: skip
+    most_of = {(0, False): 3, (1, False): 4, (1, True): 3, (2, True): 2, (2, False): 2}
+    for key, most in most_of.items():
         for _, a, b in sorted(ranked[key], key=lambda one: one[0])[:most]:
             if (a, b) in tried or sought.work.exhausted:
                 continue
@@ -776,12 +757,9 @@ def _joined(sought: Sought, a: Explanation | str, b: Explanation | str) -> Expla
         own = own.then(x.change)
     fitted: list[Fit] = []
     if free:
-        forms = fits(free, sought, own)
-        tried = [
-            (left, some)
-            for some in itertools.product(*forms)
-            if (left := sought.left(_together(own, some))) is not None
-        ]
+        joint = [(sought.left(_together(own, some)), some)
+                 for some in itertools.product(*fits(free, sought, own))]  # fmt: skip
+        tried = [(left, some) for left, some in joint if left is not None]
         if not tried:
             return None
         fitted = list(min(tried, key=lambda one: one[0])[1])

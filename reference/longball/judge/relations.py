@@ -61,16 +61,16 @@ def relations(chosen: Seen, beside: Seen, base: Change) -> Iterator[Explanation]
         if not np.isfinite(expected).all():
             continue
         for number, (name, sentence, image) in enumerate(_images(quantity, expected, obtained)):
-            left, against = _held(chosen, beside, quantity, lambda t, c, f=image: f(_row(c)))  # type: ignore[misc]
+
+            def value(trial: Trial, check: Check, image: Image = image) -> Array:
+                return image(np.array(check.expected))
+
+            left, against = _held(chosen, beside, quantity, value)
             yield Explanation(
                 name, sentence, None, left, RELATION + number / 100, quantity=quantity,
                 value=_image_value(quantity, image, base), against=against,
                 stage="landing" if quantity == "landing.position" else None,
             )  # fmt: skip
-
-
-def _row(check: Check) -> Array:
-    return np.array(check.expected)
 
 
 def _held(
@@ -117,11 +117,8 @@ def _images(quantity: str, expected: Array, obtained: Array) -> Iterator[tuple[s
         yield name, f"{quantity}: {text}", lambda x: ratio * x
     if expected.shape[1] == 3:
         for shown, image in TURNS:
-            yield (
-                f"{quantity}:{shown}",
-                f"{quantity}: {shown} stands where (x, y, z) belongs",
-                image,
-            )
+            sentence = f"{quantity}: {shown} stands where (x, y, z) belongs"
+            yield f"{quantity}:{shown}", sentence, image
         yield from _flat(quantity, expected, obtained)
         return
     shift = obtained - expected
@@ -165,8 +162,8 @@ TURNS = tuple(sorted(_turns(), key=lambda turn: turn[0].count("-")))
 
 def _image_value(quantity: str, image: Image, base: Change) -> Callable[[Trial], Numbers | None]:
     def value(trial: Trial) -> Numbers | None:
-        rows = (_row(check) for check in follow(trial, base) if check.quantity == quantity)
-        return next((tuple(image(row).tolist()) for row in rows), None)
+        rows = (c.expected for c in follow(trial, base) if c.quantity == quantity)
+        return next((tuple(image(np.array(row)).tolist()) for row in rows), None)
 
     return value
 
@@ -252,12 +249,8 @@ def singles(wrong: Seen) -> Iterator[Explanation]:
         some = [c for c in failing if c.quantity == quantity]
         numbers = {Decimal(x) for c in some for x in c.obtained if x}
         near = all(c.error <= SINGLE_ULPS * max(map(abs, c.obtained)) for c in some)
-        if (
-            len(some) == len(failing)
-            and near
-            and len(numbers) >= ENOUGH
-            and all(map(_is_single, numbers))
-        ):
+        whole = len(some) == len(failing) and len(numbers) >= ENOUGH
+        if whole and near and all(map(_is_single, numbers)):
             yield Explanation(
                 f"single-precision:{quantity}", f"{quantity} holds numbers of single precision",
                 SINGLE.remedy, quantity=quantity,
@@ -408,7 +401,7 @@ def _errors(expected: Array, obtained: Array) -> float:
 
 def _rewritten(names: Sequence[str], back: Image) -> Callable[[Trial], Trial]:
     def mend(trial: Trial) -> Trial:
-        said = {name: trial.given[name] for name in names if name in trial.given}
-        return trial.saying({n: tuple(back(np.array(x)).tolist()) for n, x in said.items()})
+        said = {n: np.array(trial.given[n]) for n in names if n in trial.given}
+        return trial.saying({n: tuple(back(x).tolist()) for n, x in said.items()})
 
     return mend

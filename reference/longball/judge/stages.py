@@ -197,15 +197,9 @@ def digits(x: Decimal) -> int:
 
 def _resolution(answer: Answer) -> float:
     """Return half a unit in the last place written, if numbers are written with few decimals."""
-    places = [
-        -int(x.as_tuple().exponent)
-        for value in answer.values.values()
-        for x in value
-        if x != x.to_integral_value()
-    ]
-    if not places or max(places) > 12:
-        return 0.0
-    return 0.5 * 10.0 ** -max(places)
+    broken = [x for value in answer.values.values() for x in value if x != x.to_integral_value()]
+    places = max((-int(x.as_tuple().exponent) for x in broken), default=MOST_DIGITS + 1)
+    return 0.5 * 10.0**-places if places <= MOST_DIGITS else 0.0
 
 
 # What the rounding of the numbers handed on does to the next stage: a ball lands a hundred metres
@@ -220,8 +214,7 @@ def follow(trial: Trial, change: Change = NONE, only: Iterable[str] = STAGES) ->
     """Return what follows from a candidate's own earlier values under a change, stage by stage."""
     found: list[Check] = []
     with suppress(*_NO_STATE):  # beyond that nothing follows
-        for check in _Following(trial, change).checks(frozenset(only)):
-            found.append(check)
+        found.extend(_Following(trial, change).checks(frozenset(only)))
     return found
 
 
@@ -249,12 +242,10 @@ def followed(trial: Trial) -> list[Check]:
     """Return what follows in a trial and what does not, to the last digits."""
     # Of an answer that is right in all, each of its quantities follows.
     if trial.right:
-        stages = [(stage_of(name), name) for name in trial.given]
-        stages += [one for one in ENDS if one[1] in trial.given]
-        return [
-            Check(stage, name, trial.expected[name], trial.given[name], math.inf, 1.0)
-            for stage, name in stages
-        ]
+        true, given = trial.expected, trial.given
+        stages = [(stage_of(name), name) for name in given]
+        stages += [one for one in ENDS if one[1] in given]
+        return [Check(at, name, true[name], given[name], math.inf, 1.0) for at, name in stages]
     checks = follow(trial)
     # What is right to within the errors of flights under any law may be wrong beyond them.
     return checks if any(not c.follows for c in checks) else follow(trial, Change(engine=Ivp()))
@@ -304,9 +295,8 @@ def placed(trial: Trial, change: Change, stage: str) -> Placed | None:
     off, moved = math.dist(nearest, point), math.dist(there, point)
     if not math.isfinite(off + moved):
         return None
-    return Placed(
-        off, flown - time, moved, flown, point, lambda t: _at(leg, t)[0], lambda t: _at(leg, t)[1]
-    )
+    way = (lambda t: _at(leg, t)[0]), (lambda t: _at(leg, t)[1])
+    return Placed(off, flown - time, moved, flown, point, *way)
 
 
 def view_values(
@@ -521,10 +511,9 @@ class _Following:
         if struck.friction_margin is not None:
             yield from self._maybe("impact.friction_margin", struck.friction_margin)
         if struck.spin is not None:
-            spun = self._spun(contact, struck.spin)
-            self.own["impact.spin"] = spun
+            self.own["impact.spin"] = self._spun(contact, struck.spin)
             self.own["contact.spin"] = contact.spin or (0.0, 0.0, 0.0)
-            yield from self._maybe("impact.spin", spun)
+            yield from self._maybe("impact.spin", self.own["impact.spin"])
         energy = struck.energy_change
         if self.scene.bat.friction is None:
             energy = self._energy(struck, e, contact.normal_speed)
@@ -533,11 +522,10 @@ class _Following:
     def _energy(self, struck: Any, restitution: float, normal_speed: float) -> float:
         """Return the change of energy by the true μ, or by that of the candidate's own impulse."""
         # The latter's is -J/((1 + ẽ) Ṽ·n). Of the two the one that it comes nearer to counts.
-        pushes = struck.impulse, *self.given.get("impact.impulse", ())
-        follows = [
-            energy_change(-push / ((1 + own) * normal_speed), restitution, normal_speed)
-            for push, own in zip(pushes, (struck.restitution, restitution), strict=False)
-        ]
+        pushes = [(struck.impulse, struck.restitution)]
+        pushes += [(push, restitution) for push in self.given.get("impact.impulse", ())]
+        masses = (-push / ((1 + e) * normal_speed) for push, e in pushes)
+        follows = [energy_change(mass, restitution, normal_speed) for mass in masses]
         said = self.given.get("impact.energy_change", follows[:1])
         return float(min(follows, key=lambda energy: abs(energy - said[0])))
 
@@ -658,19 +646,17 @@ class _Following:
         yield from self._maybe("fence.velocity", velocity)
         x, y, z = position
         if fence.polyline is None:
-            off, top, margin = math.hypot(x, y) - fence.radius, 0.0, None
+            off, top, margin = math.hypot(x, y) - fence.radius, 0.0, list[float]()
         else:
-            off, top, margin = min(
-                (_beside(chord, x, y) for chord in chords(fence.polyline, DOUBLES)),
-                key=lambda found: abs(found[0]),
-            )
+            sides = (_beside(chord, x, y) for chord in chords(fence.polyline, DOUBLES))
+            off, top, *margin = min(sides, key=lambda found: abs(found[0]))
         yield self._event("fence", "fence.position", 0.0, off)
         above = z - top
         if self.scene.reading.fence_clearance == "surface":
             above -= self.scene.ball.radius
         yield from self._maybe("fence.clearance", above)
-        if margin is not None:
-            yield from self._maybe("fence.margin", margin)
+        for end in margin:
+            yield from self._maybe("fence.margin", end)
 
     def _pushed(self, case: OneCase[float], launch: Launch[float]) -> Launch[float]:
         """Return where the ball is set free, if the bat pushes for two steps."""
@@ -681,10 +667,8 @@ class _Following:
         if self.meeting is None:
             return launch
         pitch, touch = self.meeting.approach.pitch, self.meeting.approach.touch
-        delta_v = plus(launch.velocity, -1.0, self.before)
-        return engine.rebound(
-            pitch.frame, touch, _three(delta_v), case.law, case.ground(pitch.start)
-        )
+        delta_v, ground = plus(launch.velocity, -1.0, self.before), case.ground(pitch.start)
+        return engine.rebound(pitch.frame, touch, _three(delta_v), case.law, ground)
 
     # --- checks ---------------------------------------------------------------------------------
 

@@ -88,8 +88,7 @@ def _with_speed_of_start(step: Step, lifts: bool) -> Step:
             velocity, found = now[n : 2 * n], f(*now)
             force, square, along = found[n : 2 * n], 0.0, 0.0
             for v, a, g in zip(velocity, force, weight, strict=True):
-                square += v * v
-                along += v * (a - g)
+                square, along = square + v * v, along + v * (a - g)
             more = begun / math.sqrt(square) - 1
             if lifts:
                 changed = plus(force, more, plus(force, -1.0, weight))
@@ -345,14 +344,10 @@ class _Cut(Chord):
 # --- clocks ---------------------------------------------------------------------------------------
 
 # Steps that people choose: round numbers, and the rates of screens and cameras.
-ROUND_STEPS = tuple(
-    sorted(
-        {float(f"{m}e{k}") for m in (1, 1.25, 1.5, 2, 2.5, 3, 4, 5, 6, 8) for k in (-4, -3, -2)}
-        | {0.1, 0.2}
-        | {1 / n for n in (24, 25, 30, 50, 60, 90, 120, 144, 240, 480, 960)},
-        reverse=True,
-    )
-)
+_DECADE = (1, 1.25, 1.5, 2, 2.5, 3, 4, 5, 6, 8)
+_RATES = (24, 25, 30, 50, 60, 90, 120, 144, 240, 480, 960)
+_ROUND = {0.1, 0.2, *(float(f"{m}e{k}") for m in _DECADE for k in (-4, -3, -2))}
+ROUND_STEPS = tuple(sorted(_ROUND | {1 / n for n in _RATES}, reverse=True))
 
 SHORTEST = 1e-4  # s: of steps that are tried
 SHORTEST_STEP, LONGEST_STEP = 2e-5, 0.2  # s: of clocks
@@ -366,9 +361,8 @@ def common_step(times: Sequence[float]) -> float | None:
     known = np.array(distinct[:12])
     counts = np.arange(math.ceil(known[0] / LONGEST_STEP), math.floor(known[0] / SHORTEST_STEP) + 1)
     multiples = known[1:, None] * counts / known[0]
-    fits = np.abs(multiples - np.round(multiples)).max(axis=0) < 1e-6 * np.maximum(
-        1.0, multiples.max(axis=0) / 1e4
-    )
+    near = 1e-6 * np.maximum(1.0, multiples.max(axis=0) / 1e4)
+    fits = np.abs(multiples - np.round(multiples)).max(axis=0) < near
     return float(known[0] / counts[np.argmax(fits)]) if fits.any() else None
 
 
@@ -493,11 +487,8 @@ def _by_order(found: list[Explanation]) -> list[Explanation]:
     if len(names) < 2:
         return found
     orders = sorted({SCHEMES[name].order for name in names})
-    order = " or ".join(map(str, orders))
-    return [replace(
-        best, name=f"order-{orders[0]}", sentence=f"errs as a method of order {order} does",
-        remedy=_ORDER, step=None,
-    )]  # fmt: skip
+    sentence = f"errs as a method of order {' or '.join(map(str, orders))} does"
+    return [replace(best, name=f"order-{orders[0]}", sentence=sentence, remedy=_ORDER, step=None)]
 
 
 def _chosen(dt: float, known: float | None) -> bool:
