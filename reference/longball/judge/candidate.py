@@ -18,7 +18,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import IO, cast
+from typing import IO, Any, cast
 
 from longball.judge.answers import LONGEST_LINE, Collector, quoted
 from longball.judge.fresh import as_csv
@@ -70,7 +70,8 @@ def run(
         session.finish()
     finally:
         session.clear()
-    return session.result()
+    errors = session.errors.decode("utf-8", errors="replace")
+    return Run(session.collected, errors, session.status)
 
 
 class _Session:
@@ -101,14 +102,10 @@ class _Session:
         self.status: int | None = None
         self.stopped = False
         self.mark = uuid.uuid4().hex
+        pipes: dict[str, Any] = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.PIPE)
+        environment = os.environ | {MARK: self.mark}
         self.process = subprocess.Popen(
-            command,
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            bufsize=0,
-            start_new_session=True,
-            env=os.environ | {MARK: self.mark},
+            command, **pipes, bufsize=0, start_new_session=True, env=environment
         )
         self.started = self.latest = time.monotonic()
         self.stdin = cast(IO[bytes], self.process.stdin)
@@ -137,9 +134,8 @@ class _Session:
             elif self._missing():
                 self._stop(f"no answer came for {limits.scene_seconds:g} s")
             else:
-                self._stop(
-                    f"it did not end within {limits.scene_seconds:g} s after its last answer"
-                )
+                patient = f"{limits.scene_seconds:g} s after its last answer"
+                self._stop(f"it did not end within {patient}")
         for line in self.splitter.rest():
             self._take(line)
 
@@ -158,9 +154,8 @@ class _Session:
                 self._wait(min(left, 0.05))
         self.status = self.process.poll()
         if self.status is None:
-            self._stop(
-                f"it closed its output, but did not end within {self.limits.scene_seconds:g} s"
-            )
+            patience = f"{self.limits.scene_seconds:g} s"
+            self._stop(f"it closed its output, but did not end within {patience}")
         elif self.status < 0:
             names = {s.value: s.name for s in signal.Signals}
             self._report(f"it was ended by signal {names.get(-self.status, -self.status)}")
@@ -179,11 +174,6 @@ class _Session:
         for pipe in (self.stdin, self.stdout, self.stderr):
             self._close(pipe)
         self.selector.close()
-
-    def result(self) -> Run:
-        """Return how it ran."""
-        errors = self.errors.decode("utf-8", errors="replace")
-        return Run(self.collected, errors, self.status)
 
     # --- the three pipes --------------------------------------------------------------------------
 

@@ -208,11 +208,6 @@ def _of_two(x: Any, y: Any) -> Any:
     return trace.sqrt(x * x + y * y)
 
 
-def _drag_in_plane(motion: Motion, flow: Flow, p: Any) -> Vector[Any]:
-    (u, v, w), level = flow.velocity, _of_two(*flow.velocity[:2])
-    return -level * u, -level * v, -_size(w) * w
-
-
 def _right_axis(scene: Any, frame: Any) -> Vector[Any]:
     return frame.sin, -frame.cos, 0.0
 
@@ -262,12 +257,6 @@ def _axis_of_pitch(straight: bool) -> Callable[[Any, Any], Vector[Any]]:
         return y / size, -x / size, 0.0
 
     return axis
-
-
-def _axis_by_arctangent(scene: Any, frame: Any) -> Vector[Any]:
-    """Return the axis of a heading atan(v_y/v_x), which is that of the other half of the circle."""
-    sign = -1.0 if frame.cos < 0 else 1.0
-    return sign * frame.sin, -sign * frame.cos, 0.0
 
 
 def _drag(factor: Callable[[Motion, Any], Any], more: More = ((), lambda *_: ())) -> Change:
@@ -344,7 +333,9 @@ _PAPERS_LAW: tuple[Mistake, ...] = (
             _by_component(lambda c: _size(c) * c)),
     Mistake("drag-per-component-in-plane", "drags the horizontal and the vertical speed each by "
             "itself, with its own square", "the drag is -k V v: each times the whole speed V",
-            _in_air(DRAG, _drag_in_plane)),
+            _in_air(DRAG, lambda m, flow, p: (
+                *scaled(-_of_two(*flow.velocity[:2]), flow.velocity)[:2],
+                -_size(flow.velocity[2]) * flow.velocity[2]))),
     Mistake("unsigned-drag-per-component", "drags each component by its own square without a "
             "sign, so that a falling ball is pulled down", _AGAINST,
             _by_component(lambda c: c * c)),
@@ -436,7 +427,8 @@ _PAPERS_LAW: tuple[Mistake, ...] = (
       for where, about in (("", _about), (", but not where it is always up", _about_if_fixed))),
     Mistake("heading-by-arctangent", "takes the heading for atan(v_y/v_x), which is the "
             "opposite one where v_x < 0: the lift then has the wrong sign", "take atan2(v_y, v_x), "
-            "or divide the horizontal velocity by its size", _about(_axis_by_arctangent)),
+            "or divide the horizontal velocity by its size", _about(lambda scene, frame: scaled(
+                -1.0 if frame.cos < 0 else 1.0, _right_axis(scene, frame)))),
     Mistake("lift-sideways", "lifts the ball sideways",
             "the spin axis is horizontal: the lift lies in the vertical plane of the launch",
             _lift(lambda u, w, speed: (trace.ZERO, speed * u, trace.ZERO))),
@@ -527,9 +519,8 @@ def _winds(change: Callable[[Numbers], Numbers]) -> Change:
 def _wind_not_in_lift_by_spin(scene: Any) -> Any:
     """Return a scene whose wind acts on drag alone, if its ball is launched with a spin."""
     launch = getattr(scene, "launch", None) or getattr(scene, "pitch", None)
-    if launch is None or launch.spin is None:
-        return scene
-    return reading_change(wind_acts_on="drag").scene(scene)
+    spins = launch is not None and launch.spin is not None
+    return reading_change(wind_acts_on="drag").scene(scene) if spins else scene
 
 
 def with_density(scene: Any, value: float) -> Any:
@@ -604,13 +595,10 @@ _VAPOURS: tuple[tuple[str, tuple[float, ...], float, float], ...] = (
 
 # Where the density that falls by e in H is 1, as a height of the scene; that of the scale is 0.
 _LEVELS: tuple[tuple[str, str, Callable[[Any], float]], ...] = (
-    (
-        "launch",
-        "from the launch",
-        lambda s: (s.launch.position if s.kind == "flight" else s.pitch.release)[2],
-    ),
+    ("launch", "from the launch",
+     lambda s: (s.launch.position if s.kind == "flight" else s.pitch.release)[2]),
     ("ground", "from the ground", lambda s: s.ground.height),
-)
+)  # fmt: skip
 
 
 def _denser(factor: Callable[[Any, float], float], other: float | None = 0.0) -> Change:
@@ -897,40 +885,30 @@ _WEATHER = (
 _WIND = "the wind is subtracted from the ball's velocity, in drag and lift alike: u = v - W"
 
 EXTENDED: tuple[Mistake, ...] = (
-    Mistake("spin-in-rpm", "takes the spin for rpm", _UNIT,
-            _spins(_times(math.pi / 30))),
-    Mistake("spin-to-rpm", "turns the spin into rpm", _UNIT,
-            _spins(_times(30 / math.pi))),
-    Mistake("spin-in-revolutions", "takes the spin for revolutions per second", _UNIT,
-            _spins(_times(2 * math.pi))),
-    Mistake("spin-sign", "takes the spin with the other sign", _DIRECTION,
-            _spins(_times(-1.0))),
-    Mistake("spin-sign-of-pitches", "takes the spin of a ball that flies to the plate with the "
-            "other sign", _DIRECTION, _spins(_times(-1.0), "pitch", "incoming")),
-    Mistake("spin-sign-of-flights", "takes the spin of a ball that flies away from the plate with "
-            "the other sign", _DIRECTION, _spins(_times(-1.0), "launch")),
-    Mistake("spin-in-degrees", "takes the spin for degrees per second", _UNIT,
-            _spins(_times(math.pi / 180))),
-    Mistake("spin-side-sign", "has the spin's y the other way round", _DIRECTION,
-            _spins(_arranged("x -y z"))),
-    Mistake("spin-y-only", "takes the spin's y only", _DIRECTION,
-            _spins(_arranged("0 y 0"))),
-    Mistake("spin-x-left-out", "leaves the spin's x out", _DIRECTION,
-            _spins(_arranged("0 y z"))),
-    Mistake("spin-y-left-out", "leaves the spin's y out", _DIRECTION,
-            _spins(_arranged("x 0 z"))),
-    Mistake("spin-z-left-out", "leaves the spin's z out", _DIRECTION,
-            _spins(_arranged("x y 0"))),
-    Mistake("spin-x-sign", "has the spin's x the other way round", _DIRECTION,
-            _spins(_arranged("-x y z"))),
-    Mistake("spin-z-sign", "has the spin's z the other way round", _DIRECTION,
-            _spins(_arranged("x y -z"))),
-    Mistake("spin-xy-exchanged", "exchanges the spin's x and y", _DIRECTION,
-            _spins(_arranged("y x z"))),
-    Mistake("spin-xz-exchanged", "exchanges the spin's x and z", _DIRECTION,
-            _spins(_arranged("z y x"))),
-    Mistake("spin-yz-exchanged", "exchanges the spin's y and z", _DIRECTION,
-            _spins(_arranged("x z y"))),
+    *(Mistake(f"spin-{name}", sentence, remedy, _spins(change, *places))
+      for remedy, known in (
+          (_UNIT, (
+              ("in-rpm", "takes the spin for rpm", _times(math.pi / 30)),
+              ("to-rpm", "turns the spin into rpm", _times(30 / math.pi)),
+              ("in-revolutions", "takes the spin for revolutions per second", _times(2 * math.pi)),
+              ("in-degrees", "takes the spin for degrees per second", _times(math.pi / 180)))),
+          (_DIRECTION, (
+              ("sign", "takes the spin with the other sign", _times(-1.0)),
+              ("sign-of-pitches", "takes the spin of a ball that flies to the plate with the other "
+               "sign", _times(-1.0), "pitch", "incoming"),
+              ("sign-of-flights", "takes the spin of a ball that flies away from the plate with "
+               "the other sign", _times(-1.0), "launch"),
+              ("side-sign", "has the spin's y the other way round", _arranged("x -y z")),
+              ("y-only", "takes the spin's y only", _arranged("0 y 0")),
+              ("x-left-out", "leaves the spin's x out", _arranged("0 y z")),
+              ("y-left-out", "leaves the spin's y out", _arranged("x 0 z")),
+              ("z-left-out", "leaves the spin's z out", _arranged("x y 0")),
+              ("x-sign", "has the spin's x the other way round", _arranged("-x y z")),
+              ("z-sign", "has the spin's z the other way round", _arranged("x y -z")),
+              ("xy-exchanged", "exchanges the spin's x and y", _arranged("y x z")),
+              ("xz-exchanged", "exchanges the spin's x and z", _arranged("z y x")),
+              ("yz-exchanged", "exchanges the spin's y and z", _arranged("x z y")))))
+      for name, sentence, change, *places in known),
     Mistake("spin-of-pitch-kept", "lets the batted ball fly with the spin of the pitch",
             "the batted ball has the spin that the impact gives it",
             _batted_spin(_spin_at_bat)),
@@ -1133,10 +1111,8 @@ EXTENDED: tuple[Mistake, ...] = (
             _earth("azimuth", lambda angle: math.pi / 2 - angle)),
     Mistake("latitude-sign", "takes southern latitudes for northern ones", _EARTH,
             _earth("latitude", abs)),
-    Mistake("latitude-in-degrees", "takes the latitude for degrees", "earth.latitude is in radians",
-            _earth("latitude", math.radians)),
-    Mistake("azimuth-in-degrees", "takes the azimuth for degrees", "earth.azimuth is in radians",
-            _earth("azimuth", math.radians)),
+    *(Mistake(f"{key}-in-degrees", f"takes the {key} for degrees", f"earth.{key} is in radians",
+              _earth(key, math.radians)) for key in ("latitude", "azimuth")),
     Mistake("latitude-reversed", "takes northern latitudes for southern ones, and the other way "
             "round", _EARTH, _earth("latitude", operator.neg)),
     Mistake("earth-in-degrees", "takes latitude and azimuth for degrees",
@@ -1146,18 +1122,16 @@ EXTENDED: tuple[Mistake, ...] = (
             "earth.azimuth is that of +x, clockwise from north", _earth("azimuth", operator.neg)),
     Mistake("azimuth-ignored", "takes +x for north", "earth.azimuth is that of +x",
             _earth("azimuth", lambda angle: 0.0)),
-    Mistake("table-in-steps", "takes a table's value at the node below", _LINEAR,
-            _stepped(lambda nodes: nodes[1:]), True),
-    Mistake("table-of-next", "takes a table's value at the node above", _LINEAR,
-            _stepped(lambda nodes: nodes[:-1]), True),
-    Mistake("table-of-nearest", "takes a table's value at the nearest node", _LINEAR,
-            _stepped(lambda nodes: [(a + b) / 2 for a, b in pairwise(nodes)]), True),
-    Mistake("table-extrapolated", "goes on along the first and last line outside a table", _LINEAR,
-            _tables(lambda at, values: _extrapolated(at, values))),
-    Mistake("table-extrapolated-below", "goes on along the first line below a table", _LINEAR,
-            _tables(lambda at, values: _extrapolated(at, values, above=False))),
-    Mistake("table-extrapolated-above", "goes on along the last line above a table", _LINEAR,
-            _tables(lambda at, values: _extrapolated(at, values, below=False))),
+    *(Mistake(f"table-{name}", f"takes a table's value at the {words}", _LINEAR,
+              _stepped(jumps), True)
+      for name, words, jumps in (
+          ("in-steps", "node below", lambda nodes: nodes[1:]),
+          ("of-next", "node above", lambda nodes: nodes[:-1]),
+          ("of-nearest", "nearest node", lambda nodes: [(a + b) / 2 for a, b in pairwise(nodes)]))),
+    *(Mistake(f"table-extrapolated{name}", f"goes on along the {words} a table", _LINEAR,
+              _tables(partial(_extrapolated, below=name != "-above", above=name != "-below")))
+      for name, words in (("", "first and last line outside"), ("-below", "first line below"),
+                          ("-above", "last line above"))),
     *(Mistake(f"table-in-{unit}", f"takes a table of the airspeed for one in {unit}",
               "the nodes of a table of the airspeed are in m/s", _tables(
                   lambda at, values, f=factor: ([x * f for x in at], values), "speed"))

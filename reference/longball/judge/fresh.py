@@ -65,10 +65,9 @@ def random_scenes(count: int, seed: int, kinds: Sequence[str] = DRAWN) -> Iterat
     rng, made = np.random.default_rng(seed), 0
     while made < count:
         kind = kinds[made % len(kinds)]
+        drawn = {"id": f"random-{seed}-{made:04}", "kind": kind, **_drawn(kind, rng)}
         try:
-            scene = KINDS[kind].model_validate_json(
-                json.dumps({"id": f"random-{seed}-{made:04}", "kind": kind} | _drawn(kind, rng))
-            )
+            scene = KINDS[kind].model_validate_json(json.dumps(drawn))
         except ValidationError:
             continue  # underground, for one
         made += 1

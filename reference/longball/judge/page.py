@@ -53,14 +53,8 @@ def _template() -> Template:
 def page(evaluation: Evaluation) -> str:
     """Return an evaluation as HTML that needs no other file."""
     v = evaluation.verdict
-    failures = [
-        (
-            flagged(failure.id, failure.flags),
-            [describe(fault) for fault in failure.faults],
-            str(failure.scene),
-        )
-        for failure in v.failures[:SHOWN]
-    ]
+    failures = [(flagged(f.id, f.flags), [*map(describe, f.faults)], str(f.scene))
+                for f in v.failures[:SHOWN]]  # fmt: skip
     complaints = [f"issue: {quoted(str(c), 500)}" for c in v.complaints[:SHOWN]]
     html: str = _template().render(
         v=v,
@@ -169,18 +163,13 @@ def _draw_attainable(axes: Axes, attainable: Sequence[float]) -> None:
 
 def worst_flight(comparisons: Sequence[Comparison]) -> Comparison | None:
     """Return the failed comparison of a ball in flight that is farthest off; None if none is."""
-    found = [
-        c
-        for c in comparisons
-        if not c.passed and c.answer and not isinstance(c.case.scene, ImpactScene)
-    ]  # fmt: skip
+    wrong = (c for c in comparisons if not c.passed and c.answer)
+    found = [c for c in wrong if not isinstance(c.case.scene, ImpactScene)]
 
     def off(comparison: Comparison) -> tuple[float, float]:
         errors = {m.quantity: m.error for m in comparison.measured}
-        return (
-            errors.get("landing.position", -1.0),
-            max((e for n, e in errors.items() if n.endswith(".position")), default=0.0),
-        )
+        places = [e for n, e in errors.items() if n.endswith(".position")]
+        return errors.get("landing.position", -1.0), max(places, default=0.0)
 
     return max(found, key=off, default=None)
 

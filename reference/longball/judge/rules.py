@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from itertools import accumulate, islice
-from operator import eq, gt, lt, ne
+from operator import attrgetter, eq, gt, lt, ne
 from typing import Any
 
 from longball.engines.chain import MODEL, OneCase
@@ -99,7 +99,7 @@ def _extremes_of_path(case: Case) -> tuple[float, float] | None:
     lifted = spin is None and scene.air is not None and scene.air.lift_coefficient != 0.0
     if velocity[2] <= 0.0 and not lifted:
         return start.z, start.u
-    looked_at = [(tops, _height), *([(forward, _forward)] if lifted else [])]
+    looked_at = [(tops, attrgetter("z")), (forward, attrgetter("u"))][: 1 + lifted]
     held = OneCase(scene, engine, MODEL)
     law = held.law(frame)
     try:
@@ -114,14 +114,6 @@ def _extremes_of_path(case: Case) -> tuple[float, float] | None:
     except ArithmeticError:  # doubles do not decide it, or it takes too long
         return None
     return float(max(tops)), float(min(forward))
-
-
-def _height(state: Any) -> Any:
-    return state.z
-
-
-def _forward(state: Any) -> Any:
-    return state.u
 
 
 # Flags of what a program meets on the way, and no field of the scene or the result tells.
@@ -193,12 +185,9 @@ def rule(failing: Sequence[Case], passing: Sequence[Case], measured: bool = True
     cuts = [(one, [*filter(one.holds, right)]) for one in known if all(map(one.holds, wrong))]
     for one, left in sorted(cuts, key=lambda cut: len(cut[1]))[:HALVES]:
         others = [two for two in _conditions(wrong, left) if measured or not two.measured]
-        tried = len(known) * len(others)
-        both = [
-            other
-            for other in _telling(others, wrong, left, len(others))
-            if one.choices(wrong, [*filter(other.holds, right)]) >= CHANCE * tried
-        ]
+        tried, telling = len(known) * len(others), _telling(others, wrong, left, len(others))
+        both = [other for other in telling
+                if one.choices(wrong, [*filter(other.holds, right)]) >= CHANCE * tried]  # fmt: skip
         if text := _text(both):
             return f"{one.text} and {text}"
     return None
@@ -211,13 +200,9 @@ def _telling(
     tried: int,
 ) -> list[Condition]:
     """Return those of `tried` conditions that tell the wrong scenes, hardly by chance."""
-    return [
-        one
-        for one in conditions
-        if one.choices(wrong, right) >= CHANCE * tried
-        and all(map(one.holds, wrong))
-        and not any(map(one.holds, right))
-    ]
+    likely = (one for one in conditions if one.choices(wrong, right) >= CHANCE * tried)
+    telling = (one for one in likely if all(map(one.holds, wrong)))
+    return [one for one in telling if not any(map(one.holds, right))]
 
 
 def _text(conditions: Iterable[Condition]) -> str:
@@ -356,17 +341,13 @@ def simpler(scene: Scene) -> Iterator[Simplification]:
     for name, value in numbers(scene):
         for short in (0.0, *(float(f"{value:.{digits}g}") for digits in (1, 2, 3))):
             if short != value and (short or abs(value) < NOTHING):
-                yield partial(_with_number, name, short)
+                yield partial(replaced, values={name: short})
                 break
 
 
 def _without(block: str, scene: Any) -> Any:
     rest = {key: held for key, held in scene.model_dump().items() if key != block}
     return KINDS[scene.kind].model_validate(rest)
-
-
-def _with_number(name: str, value: float, scene: Any) -> Any:
-    return replaced(scene, {name: value})
 
 
 def shrunk(scene: Any, fails: Callable[[Sequence[Any]], Sequence[bool]]) -> Any:
@@ -377,12 +358,9 @@ def shrunk(scene: Any, fails: Callable[[Sequence[Any]], Sequence[bool]]) -> Any:
 
     for _ in range(LARGEST_SHRINKS):
         changed = [(_simplified(scene, change), change) for change in simpler(scene)]
+        tried = [pair for pair in changed if pair[0] is not scene]
         # The plainest come last: it is those that a program may break off at.
-        tried = sorted(
-            (pair for pair in changed if pair[0] is not scene),
-            key=lambda pair: _plainness(pair[0]),
-            reverse=True,
-        )
+        tried.sort(key=lambda pair: _plainness(pair[0]), reverse=True)
         bad = failing([new for new, _ in tried]) if tried else []
         good = [change for (_, change), fails_too in zip(tried, bad, strict=True) if fails_too]
         if not good:

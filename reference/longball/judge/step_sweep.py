@@ -83,11 +83,8 @@ def sample(cases: Sequence[Case], families: Sequence[str] = ()) -> list[Case]:
     """Return the first few cases of some families, or of all, under the default reading."""
     plain = [case for case in cases if case.scene.reading == Reading() and decidable(case)]
     chosen = dict.fromkeys(families or (case.family for case in plain))
-    return [
-        case
-        for family in chosen
-        for case in [case for case in plain if case.family == family][:SAMPLE]
-    ]
+    found = ([case for case in plain if case.family == family] for family in chosen)
+    return [case for some in found for case in some[:SAMPLE]]
 
 
 @dataclass(frozen=True)
@@ -139,13 +136,9 @@ class StepSweep:
     ) -> tuple[ConvergenceReport, list[str]]:
         """Run a command with every step; see `longball.convergence.converge`.
 
-        The limit of time in all is that of all runs together; after a run that had to be stopped,
-        no other is begun.
-
-        Returns
-        -------
-        report, issues
-            How it converges, and what is wrong with its conduct, each with its time step.
+        Beside how it converges, what is wrong with its conduct is returned, with the time steps.
+        The limit of time in all is that of all runs together; none is begun after one that had to
+        be stopped.
         """
         issues: list[str] = []
         limits = limits or Limits()
@@ -159,11 +152,8 @@ class StepSweep:
             left = replace(limits, total_seconds=max(0.0, until - time.monotonic()))
             ran = run(self._with(command, step), scenes, left)
             stopped = ran.status is None
-            issues.extend(
-                f"{self.knob} = {step:g}: {issue}"
-                for issue in ran.collected.issues
-                if issue.kind != "unknown key"
-            )
+            told = (issue for issue in ran.collected.issues if issue.kind != "unknown key")
+            issues.extend(f"{self.knob} = {step:g}: {issue}" for issue in told)
             by_id = {scene.id: scene for scene in scenes}
             return [_sample(answer, by_id[i]) for i, answer in ran.collected.answers.items()]
 
@@ -177,10 +167,9 @@ WHOLE = 0.1  # how near to a whole number an order is that is told as one
 def order_of(report: ConvergenceReport) -> int | None:
     """Return the order of a candidate's errors, if all have the same, and fall to nothing."""
     orders = [o.order for o in report.orders if o.order is not None]
-    settled = all(abs(x - round(x)) < WHOLE for x in orders) and not any(
-        o.verdict == "wrong limit" for o in report.orders
-    )
+    stuck = any(o.verdict == "wrong limit" for o in report.orders)
     whole = {round(x) for x in orders}
+    settled = all(abs(x - round(x)) < WHOLE for x in orders) and not stuck
     return whole.pop() if settled and len(whole) == 1 else None
 
 

@@ -119,10 +119,8 @@ def _contacts(verdict: Verdict) -> Iterator[str]:
         table = [("outcome expected", "obtained", "scenes")]
         table += [(c.expected, c.obtained, str(c.cases)) for c in confused]
         yield from aligned(table, right=(2,))
-    for ids, what in (
-        (verdict.contacts_missed, "missed"),
-        (verdict.contacts_invented, "invented"),
-    ):
+    contacts = {"missed": verdict.contacts_missed, "invented": verdict.contacts_invented}
+    for what, ids in contacts.items():
         if ids:
             yield f"contacts {what}: {len(ids)} ({_some(ids, 5)})"
 
@@ -144,13 +142,10 @@ def _diagnosis(diagnosis: Diagnosis) -> Iterator[str]:
 
 def stage_sentences(diagnosis: Diagnosis) -> Iterator[str]:
     """Yield what follows from the candidate's own earlier values, and what does not."""
-    for row in diagnosis.stages:
-        if row.wrong:
-            yield (
-                f"  {row.stage} does not follow from what comes before it in {row.wrong} of "
-                f"{many(row.checked, 'scene')}, by up to {row.worst:.1e} of the quantity "
-                f"({row.example})"
-            )
+    for row in (row for row in diagnosis.stages if row.wrong):
+        where = f"in {row.wrong} of {many(row.checked, 'scene')}, by up to {row.worst:.1e}"
+        yield (f"  {row.stage} does not follow from what comes before it {where} of the quantity "
+               f"({row.example})")  # fmt: skip
     if diagnosis.clean:
         coarse = any(f.stage == "all" and f.names for f in diagnosis.findings)
         far = ", as far as its digits tell" if coarse else ""
