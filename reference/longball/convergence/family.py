@@ -96,14 +96,13 @@ def observe(
             if key not in done:
                 done[key] = evaluate(float(steps[key]))
                 progress(len(done), len(planned))
-        return [
-            _Measured(
-                one.quantity, one.unit, steps, np.array([done[key][i].values for key in planned])
-                .reshape(*steps.shape, *one.values.shape).transpose(2, 0, 1, 3).copy(),
-                truth[i].values if truth else None, last / family,
-            )
-            for i, one in enumerate(done[0, 0])
-        ]  # fmt: skip
+        every = []
+        for i, one in enumerate(done[0, 0]):
+            flat = np.array([done[key][i].values for key in planned])
+            values = flat.reshape(*steps.shape, *one.values.shape).transpose(2, 0, 1, 3).copy()
+            true = truth[i].values if truth else None
+            every.append(_Measured(one.quantity, one.unit, steps, values, true, last / family))
+        return every
 
     found = measured(min(2, phases))
     jumps = [_jump(one) if phases > 1 else 0.0 for one in found]
@@ -202,30 +201,19 @@ def _assess(one: _Measured, jump: float, expected: float | None) -> tuple[Order,
     verdict, why = _verdict(one, errors, steps, law, wide, expected)
     if jumps:
         why += f"; it jumps with the phase of the step, by {100 * jump:.0f} % of the error"
-    known = np.isfinite(one.errors(jumps, order))
+    scenes = np.isfinite(one.errors(jumps, order)).sum(axis=0).tolist()
+    phases = one.steps.shape[1] if jumps else 1
+    pairs = zip(steps.tolist(), errors.tolist(), scenes, strict=True)
+    rungs = tuple(
+        Level(step=step, error=None if math.isnan(error) else error, scenes=count, phases=phases,
+              use=_use(level, error, law))
+        for level, (step, error, count) in enumerate(pairs)
+    )  # fmt: skip
     report = Order(
-        quantity=one.quantity,
-        unit=one.unit,
-        order=law and law.order,
-        low=wide and wide.low,
-        high=wide and wide.high,
-        constant=law and law.constant,
-        expected=expected,
-        jump=jump,
-        jumps=jumps,
-        rungs=tuple(
-            Level(
-                step=float(step),
-                error=None if math.isnan(error) else float(error),
-                scenes=int(known[:, level].sum()),
-                phases=one.steps.shape[1] if jumps else 1,
-                use=_use(level, error, law),
-            )
-            for level, (step, error) in enumerate(zip(steps, errors, strict=True))
-        ),
-        verdict=verdict,
-        why=why,
-    )
+        quantity=one.quantity, unit=one.unit, order=law and law.order, low=wide and wide.low,
+        high=wide and wide.high, constant=law and law.constant, expected=expected, jump=jump,
+        jumps=jumps, rungs=rungs, verdict=verdict, why=why,
+    )  # fmt: skip
     return report, law
 
 
@@ -261,11 +249,8 @@ def _verdict(
     if len(there) == 0:
         return "not resolved", "no scene ends as it should at two steps"
     if (errors[there] <= bound[there]).all():
-        most = errors[there].max()
-        return (
-            "exact",
-            f"the typical error is no more than rounding makes, at most {most:.1e} {unit}",
-        )
+        most = f"{errors[there].max():.1e} {unit}"
+        return "exact", f"the typical error is no more than rounding makes, at most {most}"
     finest = there[-1]
     stuck = errors[finest] > bound[finest] and (
         errors[finest] > 3 * law.error(steps[finest])
@@ -279,10 +264,8 @@ def _verdict(
         )
     advice = ""
     if errors[finest] <= bound[finest]:
-        longer = f"{5 * steps[0]:.2g} to {steps[0] / 2:.2g} s"
-        advice = (
-            f"; the errors at the finest steps are rounding: try longer steps, such as {longer}"
-        )
+        advice = "; the errors at the finest steps are rounding: try longer steps, such as "
+        advice += f"{5 * steps[0]:.2g} to {steps[0] / 2:.2g} s"
     if law is None or wide is None:
         why = f"no {FEWEST} steps lie on one line: there is no asymptotic range"
         return "not resolved", why + advice

@@ -193,14 +193,10 @@ class Sought:
             known = follow(trial, self.base, self.stages)
             here = frozenset(check.quantity for check in known if check.stage in self.stages)
             self._quantities[id(trial)] = here
-        errors = np.array(
-            [
-                (o - e) / check.scale
-                for check in self.work.checks(trial, full, self.stages)
-                if check.quantity in self._quantities[id(trial)]
-                for e, o in zip(check.expected, check.obtained, strict=True)
-            ]
-        )
+        checks = self.work.checks(trial, full, self.stages)
+        here = self._quantities[id(trial)]
+        errors = np.array([(o - e) / c.scale for c in checks if c.quantity in here
+                           for e, o in zip(c.expected, c.obtained, strict=True)])  # fmt: skip
         return np.where(np.isfinite(errors), errors, 1.0)
 
     def concerned(self, change: Change) -> bool:

@@ -41,16 +41,14 @@ def _leaves(trial: Trial, fair: bool = True) -> bool:
 
 
 def _beyond_limit(trial: Trial) -> bool:
-    hang = trial.given.get("landing.hang_time")
-    still = trial.case.expected.outcome == "airborne" and hang is not None
-    return bool(still and hang and hang[0] > trial.scene.time_limit)
+    (hang,) = trial.given.get("landing.hang_time", (0.0,))
+    return trial.case.expected.outcome == "airborne" and bool(hang > trial.scene.time_limit)
 
 
 def _limited_together(trial: Trial) -> bool:
-    times = [trial.expected.get(f"landing.{name}") for name in ("hang_time", "time")]
-    if trial.outcome != "airborne" or None in times:
+    if trial.outcome != "airborne" or "landing.time" not in trial.expected:
         return False
-    hang, whole = (time[0] for time in times if time)
+    (hang,), (whole,) = trial.expected["landing.hang_time"], trial.expected["landing.time"]
     return bool(hang <= trial.scene.time_limit < whole)
 
 
@@ -106,8 +104,7 @@ def outcome_findings(trials: Trials, base: Change, known: Sequence[Finding]) -> 
         same = [t for t in agreed if t.case.expected.outcome == expected]
         held = [*evenly(same, RIGHT), *evenly([t for t in agreed if not t.right], RIGHT)]
         sentence, remedy = f"says {obtained} where {expected} is right", None
-        names: list[str] = []
-        own = against = ""
+        names, own, against = list[str](), "", ""
         made = _made(evenly(wrong, WRONG), held, agreed, base, known)
         if limit := _limit(obtained, wrong, trials):
             own = sentence = f"{sentence}: {limit}"
@@ -131,9 +128,8 @@ def outcome_findings(trials: Trials, base: Change, known: Sequence[Finding]) -> 
             and not {f.stage for f in known} & {"pitch", "plate", "touching"}
         ):
             sentence += ": as one who looks for the bat at the steps only"
-            remedy = (
-                "find the closest approach within the step, where d·v changes sign, and test there"
-            )
+            remedy = "find the closest approach within the step, where d·v changes sign, and test "
+            remedy += "there"
         elif {expected, obtained} in DIPS and all("dip" in t.case.flags for t in wrong):
             own = "as one who looks for the ground at the steps only, or whose flight is off by "
             own += "more than the ball dips below it"
@@ -143,19 +139,17 @@ def outcome_findings(trials: Trials, base: Change, known: Sequence[Finding]) -> 
             flown[f"{obtained} where {expected} is right"] = wrong
             continue
         one = _told("outcome", "outcome", names, sentence, wrong, same)
-        is_known = names or own or against
-        more = {"kind": "probably", "share": 1.0, "scenes": None} if is_known else {
-            "kind": "unexplained"}  # fmt: skip
-        yield one.model_copy(update={**more, "remedy": remedy, "example": None})
+        more: dict[str, Any] = {"kind": "unexplained", "remedy": remedy, "example": None}
+        if names or own or against:
+            more |= {"kind": "probably", "share": 1.0, "scenes": None}
+        yield one.model_copy(update=more)
     if flown:
         whole = [t for wrong in flown.values() for t in wrong]
-        sentence = (
-            f"says {', '.join(flown)}, in {many(len(whole), 'scene')}: its ball flies wrongly"
-        )
-        one = _told("outcome", "outcome", [], sentence, whole, [])
-        remedy = "see whether this is so still when the flight is right"
-        yield one.model_copy(update={"kind": "probably", "remedy": remedy, "scenes": None,
-                                     "example": None})  # fmt: skip
+        said = f"says {', '.join(flown)}, in {many(len(whole), 'scene')}: its ball flies wrongly"
+        one = _told("outcome", "outcome", [], said, whole, [])
+        more = {"remedy": "see whether this is so still when the flight is right"}
+        more |= {"kind": "probably", "scenes": None, "example": None}
+        yield one.model_copy(update=more)
 
 
 def _made(
@@ -265,11 +259,10 @@ def _against_itself(trials: Trials) -> str:
         given = [(t, t.given[quantity][0] > 0) for t in trials if quantity in t.given]
         if given and all(t.outcome in (within if above else beyond) for t, above in given):
             return f"its own {quantity}: positive is {says}"
-    speeds = [
-        t.given["contact.normal_speed"][0] for t in trials if "contact.normal_speed" in t.given
-    ]
+    name = "contact.normal_speed"
+    speeds = [t.given[name][0] for t in trials if name in t.given]
     if speeds and min(speeds) >= 0 and all(t.outcome in ("struck", "batted") for t in trials):
-        return "its own contact.normal_speed: where it is not negative, ball and bat separate"
+        return f"its own {name}: where it is not negative, ball and bat separate"
     if all(_beyond(t) and t.outcome != "beyond_bat" for t in trials):
         return "its own contact.position: beyond the ends of the bat"
     return ""
@@ -355,14 +348,11 @@ def told_findings(trials: Trials, base: Change) -> Iterator[Finding]:
         same = [t for t in right if t not in more]
         what = name if "." in name else f"the block {name}"
         sentence = f"gives {what} with the outcome {' or '.join(outcomes)}"
-        others = sum(t.case.expected.outcome in outcomes for t in same)
-        names = [] if others else [f"{name}-given"]
-        none = (
-            f" where the truth has none; in {others} more the truth has one, too"
-            if others
-            else ", which has none"
-        )
-        yield _told("outcome", name, names, sentence + none, more, same)
+        if others := sum(t.case.expected.outcome in outcomes for t in same):
+            sentence += f" where the truth has none; in {others} more the truth has one, too"
+        else:
+            sentence += ", which has none"
+        yield _told("outcome", name, [] if others else [f"{name}-given"], sentence, more, same)
 
 
 def _struck_rightly(trial: Trial) -> bool:

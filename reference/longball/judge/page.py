@@ -135,9 +135,8 @@ def draw_errors(figure: Figure, measured: Sequence[tuple[Comparison, Measured]])
     left.set_xscale("log")
     left.set_yticks(range(len(families)), families)
     left.invert_yaxis()
-    left.set_xlabel(
-        f"error, relative to the quantity\n(none: at {NOTHING:g}; larger than it: at 1)"
-    )
+    none = f"(none: at {NOTHING:g}; larger than it: at 1)"
+    left.set_xlabel(f"error, relative to the quantity\n{none}")
     figure.legend(loc="outside upper left", ncols=2, frameon=False, fontsize="small")
     _draw_attainable(right, [_relative(m.attainable, m) for _, m in measured if m.attainable > 0])
 
@@ -155,9 +154,8 @@ def _draw_attainable(axes: Axes, attainable: Sequence[float]) -> None:
         ends = np.array([min(attainable) / 2, max(attainable) * 2])
         axes.plot(ends, ends, "k-", linewidth=0.8, label="as good as doubles can be")
         axes.legend(fontsize="small", frameon=False, loc="center right")
-    axes.set_xlabel(
-        "difficulty: error that double precision\ncannot avoid, relative to the quantity"
-    )
+    difficulty = "difficulty: error that double precision\ncannot avoid, relative to the quantity"
+    axes.set_xlabel(difficulty)
     axes.set_ylabel("error, relative to the quantity")
 
 
@@ -198,16 +196,15 @@ def draw_flight(figure: Figure, comparison: Comparison) -> None:
             rows.append((block, [float(a - b) for a, b in zip(given, expected, strict=True)]))
     for i, (_, errors) in enumerate(rows):
         for j, error in enumerate(errors):
-            off.barh(i + 0.25 * (1 - j), error, height=0.22, color=f"C{j}",
-                     label="xyz"[j] if i == 0 else None)  # fmt: skip
+            axis = "xyz"[j] if i == 0 else None
+            off.barh(i + 0.25 * (1 - j), error, height=0.22, color=f"C{j}", label=axis)
     if rows:
         off.set_yticks(range(len(rows)), [name for name, _ in rows])
         off.legend(fontsize="small", frameon=False, ncols=3)
     off.set_xlabel("candidate - truth, m")
     outcome = comparison.answer.outcome or "no outcome"
-    side.set_title(
-        f"expected {comparison.case.expected.outcome}, candidate: {outcome}", fontsize="medium"
-    )
+    title = f"expected {comparison.case.expected.outcome}, candidate: {outcome}"
+    side.set_title(title, fontsize="medium")
     side.set_ylabel("height z, m")
     above.set_ylabel("aside y, m")
     above.set_xlabel("x, m: from the plate (0) towards the pitcher")

@@ -370,17 +370,16 @@ def conventions(trials: Trials) -> Explanation | None:
             )  # fmt: skip
     likely = []
     for name, said, image, back, names in ways:
-        right = []
+        right = {}
         for n in names:
             before, after = _errors(*pairs[n]), _errors(image(pairs[n][0]), pairs[n][1])
             if before > MOVED and after < NAMED_IN_ALL * before:
-                right.append((n, after / before))
+                right[n] = after / before
         if len(right) > 1:
-            sentence = f"{said}: in {', '.join(n for n, _ in right)}"
-            left = sum(share for _, share in right) / len(right)
+            sentence, left = f"{said}: in {', '.join(right)}", sum(right.values()) / len(right)
             one = Explanation(
-                name, sentence, "see the contract's axes and units", left, quantity=right[0][0],
-                mend=_rewritten([n for n, _ in right], back),
+                name, sentence, "see the contract's axes and units", left,
+                quantity=next(iter(right)), mend=_rewritten([*right], back),
             )  # fmt: skip
             likely.append((-len(right), left, one))
     return min(likely, key=lambda one: one[:2])[2] if likely else None

@@ -30,8 +30,7 @@ def features(case: Case) -> Features:
     found: Features = {name: float(value) for name, value in numbers(scene)}
     found |= {f"reading.{name}": value for name, value in scene.reading}
     found |= {f"flag {flag}": True for flag in case.flags if flag in TOLD_BY_NO_FIELD}
-    found |= {"kind": scene.kind, "outcome": case.expected.outcome}
-    found |= _forms(scene)
+    found |= {"kind": scene.kind, "outcome": case.expected.outcome} | _forms(scene)
     landing, contact, impact = case.expected.landing, case.expected.contact, case.expected.impact
     if landing is not None:
         found["direction at landing"] = "+x" if float(landing.velocity[0]) > 0 else "-x"
@@ -139,10 +138,8 @@ def _forms(scene: Any) -> Features:
     for block in ("launch", "pitch", "incoming"):
         if (held := getattr(scene, block, None)) is not None:
             found[f"{block}.spin"] = _form(held.spin)
-    for block in ("fence", "earth"):
-        if hasattr(scene, block):
-            found[block] = _form(getattr(scene, block))
-    return found
+    blocks = (block for block in ("fence", "earth") if hasattr(scene, block))
+    return found | {block: _form(getattr(scene, block)) for block in blocks}
 
 
 def _form(held: Any) -> str:
@@ -311,11 +308,9 @@ def _between(a: float, b: float) -> float:
     """Return a short number that is above a, and below b or b itself; 0 if it may be that."""
     if a < 0.0 < b:
         return 0.0
-    for digits in range(1, 17):
-        short = float(f"{(a + b) / 2:.{digits}g}")
-        if a < short < b:
-            return short
-    return (a + b) / 2
+    middle = (a + b) / 2
+    shorter = (float(f"{middle:.{digits}g}") for digits in range(1, 17))
+    return next((short for short in shorter if a < short < b), middle)
 
 
 # --- the smallest scene ---------------------------------------------------------------------------

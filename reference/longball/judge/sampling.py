@@ -262,8 +262,8 @@ def _judge(quantity: str, values: Array) -> Drawn:
         sizes = {name: _kolmogorov(values / top, "uniform") for name, top in largest.items()}
         name = "" if sizes[""] < CRITICAL else min(sizes, key=lambda n: sizes[n])
         return _drawn(quantity, (name,) if name else (), sizes[name])
-    ways = {"pitch.speed": _speeds, "swing.height_offset": _offsets}
-    guesses = _aims(values) if quantity == "pitch.aim[0]" else ways[quantity]()
+    ways = {"pitch.speed": _speeds, "swing.height_offset": _offsets, "pitch.aim[0]": _aims}
+    guesses = ways[quantity](values)
     best = max(guesses, key=lambda guess: guess.log_likelihood(values) - guess.doubt)
     note = ""
     if best.fitted:
@@ -314,16 +314,12 @@ def _paper(**switches: object) -> AtBats:
     return paper_at_bats(SamplingReading.model_validate(switches))
 
 
-def _speeds() -> Iterator[_Guess]:
+def _speeds(values: Array) -> Iterator[_Guess]:
     for table, spread, unit in itertools.product(
         ("columns_swapped", "as_printed"), ("standard_deviation", "as_printed"), (1.0, 3.6)
     ):
-        wrong = {
-            "table-columns": table == "as_printed",
-            "missing-2": spread == "as_printed",
-            "speed-in-km/h": unit == 3.6,
-        }
-        named = tuple(name for name, made in wrong.items() if made)
+        made = {"table-columns": table, "missing-2": spread, "speed-in-km/h": unit}
+        named = tuple(name for name, how in made.items() if how in ("as_printed", 3.6))
         mixture = _paper(speed_table=table, speed_spread=spread).speed
         yield _Guess(named, mixture, unit)
         if table == "as_printed":  # half of which are below zero, and no pitches
@@ -340,14 +336,14 @@ def _aims(values: Array) -> Iterator[_Guess]:
     yield _Guess(("cells-from-the-edge",), middle, cell)
     yield _Guess(("left-for-right",), Mixture(1 - aim.weight, aim.means, aim.deviations))
     # The paper does not say how wide a cell is: any width will do, the one that fits best.
-    expected = aim.weight * aim.means[0] ** 2 + (1 - aim.weight) * aim.means[1] ** 2
-    expected += aim.deviations[0] ** 2
+    (left, right), deviation = aim.means, aim.deviations[0]
+    expected = aim.weight * left**2 + (1 - aim.weight) * right**2 + deviation**2
     scale = math.sqrt(float(np.mean(values**2)) / expected)
     if scale > 0:
         yield _Guess((), aim, scale, fitted=True)
 
 
-def _offsets() -> Iterator[_Guess]:
+def _offsets(values: Array) -> Iterator[_Guess]:
     right = _paper().offset_deviation
     wrong = {"radius-or-diameter": 2 * right, "missing-2": right * math.sqrt(0.5)}
     for name, deviation in {"": right, **wrong}.items():

@@ -37,9 +37,7 @@ Rates = Callable[..., Components]
 Step = Callable[[Rates, Components, float, Any], tuple[Components, Any]]
 
 
-# Where in a step the velocity is that moves the position, if it is one of the step's ends or their
-# mean.
-_AHEAD = {"old": 0.0, "mean": 0.5, "new": 1.0}
+_AHEAD = {"old": 0.0, "mean": 0.5, "new": 1.0}  # where in a step the velocity is that moves a ball
 
 
 def _runge_kutta(
@@ -48,11 +46,9 @@ def _runge_kutta(
     whose: str = "own",
     begun: Sequence[int] = (0, 1, 2),
 ) -> Step:
-    """Return an explicit Runge-Kutta method, each of whose stages begins with one before.
+    """Return an explicit Runge-Kutta method, each of whose stages begins with one before: `begun`.
 
-    RK4, if nothing else is said. `begun` tells which one a stage begins with; that is the last one,
-    mostly. `whose` velocity moves the position: its "own", the "old" or the "new" one of the step,
-    or the "mean" of these two.
+    `whose` velocity moves the position: its "own", the step's "old" or "new" one, or their "mean".
     """
     total = sum(weights)
 
@@ -371,18 +367,13 @@ def common_step(times: Sequence[float]) -> float | None:
 # The errors of a scheme of order p go with the p-th power of its step, so that one trial of each
 # tells which step fits best and how well; the best few are then tried with theirs.
 
-# s: the step of the first trial of each scheme, and the shortest one that is tried with others to
-# find the one that fits; what is shorter follows from the order.
-FIRST, FINE_STEP, LONGEST = 0.01, 1e-3, 0.2
-
+FIRST = 0.01  # s: the step of the first trial of each scheme
+FINE_STEP, LONGEST = 1e-3, 0.2  # s: of those that are tried; what is shorter follows from the order
 FEW, BEST = 3, 6  # trials of all schemes, and schemes that are tried with the step that fits them
 NEAR = 1.5  # round steps are tried that differ from a fitted one by less than this factor
 ALMOST = 1.1  # a round step may leave so many times what the one leaves that fits best
 
-# Of the errors, what the scheme that a candidate has leaves, whose steps are the judge's own: with
-# more it is another one of that order.
-ITS_OWN = 1e-5
-
+ITS_OWN = 1e-5  # of the errors, what the candidate's own scheme leaves; others of its order more
 LIKE = "errs as one who"  # of a scheme that errs so, and is not the candidate's own
 LONG = 2e-3  # s: with longer steps what a scheme leaves is seen in all trials, and not in a few
 
@@ -516,7 +507,7 @@ def _fitted(few: Sought, base: Array, way: _Way, dt: float) -> float:
         if new is None or new < FINE_STEP:
             break
         steps.append(new)
-        if _far(new, steps[-2]) < 1e-4:
+        if _far(*steps[-2:]) < 1e-4:
             break
     steps += [step for step in _round(steps[-1], 4) if step >= FINE_STEP]
 

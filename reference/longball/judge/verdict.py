@@ -218,18 +218,13 @@ def compare(case: Case, answer: Answer | None, profile: Profile) -> Comparison:
 
 def _may_be_refused(case: Case, profile: Profile) -> bool:
     """Tell whether errors that pass leave open what happens: nobody need answer then."""
-    if (
-        FRAGILE in case.flags
-        or (TANGENTIAL in case.flags and touches_within_errors(case))
-        or (VERTEX in case.flags and passes_corner_within_errors(case))
-    ):
+    if FRAGILE in case.flags or (TANGENTIAL in case.flags and touches_within_errors(case)):
         return True
-    expected = values_of(case.expected)
-    return any(
-        length(expected[name]) <= profile.tolerance(case, name, expected[name])
-        for name in ("contact.margin", "fence.clearance")
-        if name in expected
-    )
+    if VERTEX in case.flags and passes_corner_within_errors(case):
+        return True
+    near = ("contact.margin", "fence.clearance")
+    known = {name: x for name, x in values_of(case.expected).items() if name in near}
+    return any(length(x) <= profile.tolerance(case, name, x) for name, x in known.items())
 
 
 # --- the verdict, as JSON has it ------------------------------------------------------------------
@@ -403,11 +398,8 @@ def verdict(
     """
     judged = [c for c in comparisons if c.judged and c.answer and not (c.refused or c.empty)]
     failures = sorted((failure(c) for c in judged if not c.passed), key=lambda f: -f.excess)
-    refused = [
-        Unsolved(id=c.case.id, reason=c.answer.error)
-        for c in comparisons
-        if c.judged and c.answer is not None and c.answer.error is not None
-    ]
+    errors = [(c.case.id, c.answer.error) for c in comparisons if c.judged and c.answer]
+    refused = [Unsolved(id=name, reason=error) for name, error in errors if error is not None]
     collected = submission.collected
     convergence, sampling = submission.convergence, submission.sampling
     reasons = []
@@ -429,10 +421,8 @@ def verdict(
     complete = sum(c.complete for c in whole)
     status: Literal["PASSED", "PARTIAL", "FAILED"] = "FAILED" if reasons else "PASSED"
     if complete < len(whole) and not partial:
-        reasons.append(
-            f"{complete} of {len(whole)} scenes are answered with all their quantities; --partial "
-            "judges what there is"
-        )
+        reasons.append(f"{complete} of {len(whole)} scenes are answered with all their quantities; "
+                       "--partial judges what there is")  # fmt: skip
         status = "PARTIAL" if status == "PASSED" else status
     return Verdict(
         status=status,
@@ -497,15 +487,9 @@ def _missing(comparisons: Iterable[Comparison]) -> list[Missing]:
 
 
 def _confusions(judged: Iterable[Comparison]) -> list[Confusion]:
-    pairs = Counter(
-        (str(c.case.expected.outcome), c.answer.outcome)
-        for c in judged
-        if c.answer is not None and c.answer.outcome is not None
-    )
-    return [
-        Confusion(expected=expected, obtained=obtained, cases=cases)
-        for (expected, obtained), cases in sorted(pairs.items())
-    ]
+    told = ((str(c.case.expected.outcome), c.answer and c.answer.outcome) for c in judged)
+    pairs = Counter((expected, obtained) for expected, obtained in told if obtained is not None)
+    return [Confusion(expected=a, obtained=b, cases=n) for (a, b), n in sorted(pairs.items())]
 
 
 def _rows(judged: Iterable[Comparison]) -> Iterable[Row]:
@@ -547,39 +531,26 @@ def failure(comparison: Comparison) -> Failure:
     case, answer = comparison.case, comparison.answer
     expected = values_of(case.expected)
     outcome = case.expected.outcome
+    none = [f"nothing: a {outcome} scene has none"]
     faults = []
     if comparison.outcome_wrong:
-        faults.append(_fault("outcome", [outcome], (), [answer.outcome if answer else None]))
+        faults.append(_fault("outcome", [outcome], [answer.outcome if answer else None]))
+    faults += [_fault(n, expected.get(n, ()), ["not a number"]) for n in comparison.unreadable]
+    faults += [_fault(name, [true], [told]) for name, true, told in comparison.untrue]
+    faults += [_fault(name, none, ["numbers"]) for name in comparison.superfluous]
     faults += [
-        _fault(name, expected.get(name, ()), (), ["not a number"]) for name in comparison.unreadable
-    ]
-    faults += [_fault(name, [true], (), [told]) for name, true, told in comparison.untrue]
-    faults += [
-        _fault(name, [f"nothing: a {outcome} scene has none"], (), ["numbers"])
-        for name in comparison.superfluous
-    ]
-    faults += [
-        _fault(m.quantity, m.expected, m.radius, m.obtained, m.error, m.tolerance)
+        _fault(m.quantity, m.expected, m.obtained, m.radius, m.error, m.tolerance)
         for m in sorted(comparison.measured, key=lambda m: -m.excess)
         if not m.passed
     ]
-    return Failure(
-        id=case.id,
-        family=case.family,
-        flags=list(case.flags),
-        scene=json.loads(case.scene.line()),
-        faults=faults,
-    )
+    scene: dict[str, Any] = json.loads(case.scene.line())
+    return Failure(id=case.id, family=case.family, flags=[*case.flags], scene=scene, faults=faults)
 
 
 def _fault(
-    what: str,
-    expected: Iterable[object],
-    radius: Iterable[object],
-    obtained: Iterable[object],
-    error: float | None = None,
-    tolerance: float | None = None,
-) -> Fault:
+    what: str, expected: Iterable[object], obtained: Iterable[object],
+    radius: Iterable[object] = (), error: float | None = None, tolerance: float | None = None,
+) -> Fault:  # fmt: skip
     numbers = {"expected": expected, "radius": radius, "obtained": obtained}
     texts = {name: [str(x) for x in held] for name, held in numbers.items()}
     return Fault(what=what, **texts, error=error, tolerance=tolerance)
