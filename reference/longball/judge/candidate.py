@@ -220,8 +220,6 @@ class _Session:
                 self.selector.unregister(pipe)
             pipe.close()
 
-    # --- what is made of it -----------------------------------------------------------------------
-
     def _take(self, line: Line) -> None:
         if line.text is None:
             self.collected.report("rubbish", f"longer than {LONGEST_LINE} bytes", line.number)
@@ -245,9 +243,6 @@ class _Session:
     def _stop(self, why: str) -> None:
         self.stopped = True
         self._report(f"{why}, and was stopped")
-
-
-# --- lines ----------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)

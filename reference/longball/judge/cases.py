@@ -158,9 +158,6 @@ def passes_corner_within_errors(case: Case) -> bool:
     return found.place.to_break <= error * abs(found.s)
 
 
-# --- the accuracy required ------------------------------------------------------------------------
-
-
 class Profile(ABC):
     """A named rule of how near a candidate must come to pass."""
 

@@ -287,9 +287,6 @@ def grid(stage: str, trials: Trials) -> float | None:
     return next((step for step in steps if step is not None), None)
 
 
-# --- clocks ---------------------------------------------------------------------------------------
-
-
 def clocks(stage: str, chosen: Seen, base: Change) -> Iterator[Explanation]:
     """Yield what is wrong with times of points that lie on the true path."""
     places = [p for t, _ in chosen if (p := placed(t, base, stage))]

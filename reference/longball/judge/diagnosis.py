@@ -291,8 +291,6 @@ class _Search:
         parts += [f.sentence for f in self.findings if f.worst >= large][:3]
         return "; ".join(parts)
 
-    # --- following ------------------------------------------------------------------------------
-
     def _follow(self) -> list[Checked]:
         """Return what follows in every trial under the chain as far as it is explained."""
         if self._followed is None:
@@ -319,8 +317,6 @@ class _Search:
                 left = max(c.error / c.scale for c in checks)
                 self.loose[trial.case.id] = max(self.loose.get(trial.case.id, 0.0), left)
             self._followed = None
-
-    # --- one stage --------------------------------------------------------------------------------
 
     def _rewrite(self, first: str | None, rows: Sequence[StageRow]) -> None:
         """Read the output as it is meant, if all of it is written otherwise."""

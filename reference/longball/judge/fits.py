@@ -480,8 +480,6 @@ def _difference(form: str, value: float, own: Array) -> float:
     return float(np.abs(value - own).max())
 
 
-# --- explanations ---------------------------------------------------------------------------------
-
 SNAP = 1e-4  # a usual number may leave so much more than the fitted one
 ODD = 5  # digits of a number that nobody chooses, of two that are fitted at once
 

@@ -497,21 +497,15 @@ def _arranged(axes: str) -> Callable[..., Numbers]:
 
 def _backspin(spin: Numbers, scene: Any) -> Numbers:
     """Return a backspin of that size."""
-    if scene.kind == "flight":
-        x, y, _ = scene.launch.velocity
-    else:
-        x, y = -1.0, 0.0
-    across = math.hypot(x, y)
-    size = math.hypot(*spin)
+    x, y, _ = scene.launch.velocity if scene.kind == "flight" else (-1.0, 0.0, 0.0)
+    across, size = math.hypot(x, y), math.hypot(*spin)
     return (size * y / across, -size * x / across, 0.0) if across else spin
 
 
 def _winds(change: Callable[[Numbers], Numbers]) -> Change:
     def values(scene: Any) -> Mapping[str, Any]:
-        wind = scene.air.wind
-        if isinstance(wind, tuple):
-            return {"air.wind": change(wind)}
-        return {"air.wind.velocity": change(wind.velocity)}
+        place = "air.wind" if isinstance(scene.air.wind, tuple) else "air.wind.velocity"
+        return {place: change(at(scene, place))}
 
     return scene_change(values)
 
@@ -617,16 +611,11 @@ def _denser(factor: Callable[[Any, float], float], other: float | None = 0.0) ->
 def _sound(formula: Callable[[float], float]) -> Change:
     """Return the change of the speed of sound to a formula of T in K."""
 
-    def values(scene: Any) -> Mapping[str, Any]:
-        found: dict[str, Any] = {}
-        for name in ("air.drag_coefficient", "air.lift_coefficient"):
-            table = at(scene, name)
-            if getattr(table, "of", "") == "mach":
-                share = formula(scene.air.density.temperature) / speed_of_sound(scene, DOUBLES)
-                found[f"{name}.at"] = tuple(float(x * share) for x in table.at)
-        return found
+    def heard(nodes: Any, values: Any, scene: Any) -> tuple[Any, Any]:
+        share = formula(scene.air.density.temperature) / speed_of_sound(scene, DOUBLES)
+        return [float(x * share) for x in nodes], values
 
-    return scene_change(values)
+    return _tables(heard, "mach")
 
 
 def _at_launch(scene: Any) -> Mapping[str, Any]:
@@ -638,7 +627,7 @@ def _at_launch(scene: Any) -> Mapping[str, Any]:
         high, low = law.high_speed, law.low_speed
         value = high + (low - high) / (1 + math.exp((speed - law.speed) / law.width))
         found = {f"air.drag_coefficient.{key}_speed": value for key in ("high", "low")}
-    for name in ("air.drag_coefficient", "air.lift_coefficient"):
+    for name in _COEFFICIENTS:
         table = at(scene, name)
         if getattr(table, "of", "") in ("speed", "mach"):
             x = speed if table.of == "speed" else speed / float(speed_of_sound(scene, DOUBLES))
@@ -655,21 +644,16 @@ def _lift_times(share: Callable[[Flow, Any], Any]) -> Callable[[Any], Any]:
     )
 
 
-_TOTAL = "of_total"
-_BY_SPIN = {"linear_lift", "rational_lift"}
+# 1 if the scene's lift is one by the whole spin, and else 0: None would keep the term from acting.
+_TOTAL = Term(("of_total",), lambda scene, frame, numbers: (
+    float(scene.reading.spin_parameter == "total"),))  # fmt: skip
 
 
 def _by_whole_spin(f: Any) -> Any:
     """Return a lift whose size goes with the whole spin, where it goes with spin at all."""
-    by_spin = not _BY_SPIN.isdisjoint(f.parameters)
-    return _lift_times(lambda flow, p: 1.0 + (1.0 if by_spin else getattr(p, _TOTAL)) * (
+    by_spin = not {"linear_lift", "rational_lift"}.isdisjoint(f.parameters)
+    return _lift_times(lambda flow, p: 1.0 + (1.0 if by_spin else p.of_total) * (
         1.0 / _active(flow, p) - 1.0))(f)  # fmt: skip
-
-
-def _of_total(scene: Any, frame: Any, numbers: Any) -> tuple[float]:
-    """Return 1 if the scene's lift is one by the whole spin, and else 0."""
-    # No None: a term of which no strength has a value does not act.
-    return (float(scene.reading.spin_parameter == "total"),)
 
 
 def _active(flow: Flow, p: Any) -> Any:
@@ -778,15 +762,18 @@ def _coriolis(changed: Callable[[Vector[Any]], Vector[Any]]) -> Change:
     return _instead(CORIOLIS, lambda m, p: changed(CORIOLIS.acceleration(m, p)))
 
 
+_COEFFICIENTS = "air.drag_coefficient", "air.lift_coefficient"
+
+
 def _tables(change: Callable[..., Any], of: str = "") -> Change:
     """Return the change of nodes and values of a scene's tables, or of those over one thing."""
 
     def values(scene: Any) -> Mapping[str, Any]:
         found: dict[str, Any] = {}
-        for name in ("air.drag_coefficient", "air.lift_coefficient"):
+        for name in _COEFFICIENTS:
             table = at(scene, name)
             if isinstance(table, Table) and of in ("", table.of):
-                nodes, there = change(table.at, table.values)
+                nodes, there = change(table.at, table.values, scene)
                 found |= {f"{name}.at": tuple(nodes), f"{name}.values": tuple(there)}
         return found
 
@@ -814,7 +801,7 @@ def _jumping(f: Any) -> Any:
 def _stepped(jumps: Callable[[Sequence[float]], Sequence[float]]) -> Change:
     """Return the change of tables to steps that jump at some places, from the nodes."""
 
-    def steps(nodes: Sequence[float], values: Sequence[float]) -> tuple[Any, Any]:
+    def steps(nodes: Sequence[float], values: Sequence[float], scene: Any) -> tuple[Any, Any]:
         pairs = [one for one in zip(jumps(nodes), pairwise(values), strict=True) if one[0]]
         at = [x for jump, _ in pairs for x in (jump * (1 - _NARROW), jump * (1 + _NARROW))]
         return at, [value for _, pair in pairs for value in pair]
@@ -823,7 +810,7 @@ def _stepped(jumps: Callable[[Sequence[float]], Sequence[float]]) -> Change:
 
 
 def _extrapolated(
-    nodes: Sequence[float], values: Sequence[float], below: bool = True, above: bool = True
+    nodes: Sequence[float], values: Sequence[float], scene: Any, below: bool, above: bool
 ) -> tuple[list[float], list[float]]:
     """Return a table that goes on below its first node to 0, or far above its last one."""
 
@@ -931,7 +918,7 @@ EXTENDED: tuple[Mistake, ...] = (
                 _terms(_lift_times(lambda flow, p: 1.0 / _active(flow, p))))),
     Mistake("lift-by-whole-spin", "multiplies by the whole spin, gyro spin included, in the "
             "lift's size", "S = R ω_T/U with ω_T = |ω × u|/U",
-            _terms(_by_whole_spin, Term((_TOTAL,), _of_total))),
+            _terms(_by_whole_spin, _TOTAL)),
     Mistake("lift-not-along-unit", "divides ω × u by ωU, and not by its length, in the "
             "direction of the lift", "the lift is along ω × u/|ω × u|",
             _terms(_lift_times(_active))),
@@ -1134,7 +1121,7 @@ EXTENDED: tuple[Mistake, ...] = (
                           ("-above", "last line above"))),
     *(Mistake(f"table-in-{unit}", f"takes a table of the airspeed for one in {unit}",
               "the nodes of a table of the airspeed are in m/s", _tables(
-                  lambda at, values, f=factor: ([x * f for x in at], values), "speed"))
+                  lambda at, values, scene, f=factor: ([x * f for x in at], values), "speed"))
       for unit, factor in (("km/h", 1 / 3.6), ("mph", 0.44704), ("ft/s", 0.3048))),
     Mistake("crisis-without-width", "leaves the width out of the drag crisis: e^(U - U_c)",
             "C_D = a + (b - a)/(1 + e^((U - U_c)/δ))",
@@ -1232,12 +1219,6 @@ def _while_rising(rises: bool) -> Callable[[str], Term]:
     return carried
 
 
-def _faster_sound(scene: Any) -> Any:
-    """Return a scene with the nodes of its tables of the Mach number as the speed of sound."""
-    share = getattr(scene, "sound", 1.0)
-    return _tables(lambda nodes, values: ([x * share for x in nodes], values), "mach").scene(scene)
-
-
 OWN: dict[str, Own] = {
     "drag_exponent": _own("the exponent of V in the drag", "drag_exponent", 2.0, _drags,
                           lambda m, n: _to_power(m.air, n - 2.0)),
@@ -1250,6 +1231,7 @@ OWN: dict[str, Own] = {
     },
     "rotation": _own("the Earth's rotation in rad/s", "rotation", ROTATION,
                      lambda term: term is CORIOLIS, lambda m, n: n / ROTATION),
-    "sound": Own("the share of the speed of sound", 1.0, Change(_faster_sound)),
+    "sound": Own("the share of the speed of sound", 1.0, _tables(lambda nodes, values, scene: (
+        [x * getattr(scene, "sound", 1.0) for x in nodes], values), "mach")),
 }  # fmt: skip
 SPIN = tuple(mistake for mistake in EXTENDED if mistake.name.startswith("spin-"))

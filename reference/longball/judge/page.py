@@ -83,9 +83,6 @@ def page(evaluation: Evaluation) -> str:
     return html
 
 
-# --- pictures -------------------------------------------------------------------------------------
-
-
 def _pictures(evaluation: Evaluation) -> Iterator[tuple[str, str]]:
     report = evaluation.verdict.convergence
     worst = worst_flight(evaluation.comparisons)

@@ -122,9 +122,6 @@ class Sampling(Frozen):
         return [found for found in self.found if not found.right]
 
 
-# --- reading --------------------------------------------------------------------------------------
-
-
 def read_samples(path: Path) -> Iterator[dict[str, Any]]:
     """Yield the scenes of a file of JSON Lines, as they stand there.
 
@@ -170,9 +167,6 @@ def _number(scene: Mapping[str, Any], path: str) -> float | None:
     if not math.isfinite(number):
         raise BadSamples(f"{path} is {quoted(held)}; a finite number must stand there")
     return number
-
-
-# --- judging --------------------------------------------------------------------------------------
 
 
 def judge_samples(scenes: Iterable[Mapping[str, Any]], source: str = "given") -> Sampling:

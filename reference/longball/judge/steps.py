@@ -337,8 +337,6 @@ class _Cut(Chord):
         return state
 
 
-# --- clocks ---------------------------------------------------------------------------------------
-
 # Steps that people choose: round numbers, and the rates of screens and cameras.
 _DECADE = (1, 1.25, 1.5, 2, 2.5, 3, 4, 5, 6, 8)
 _RATES = (24, 25, 30, 50, 60, 90, 120, 144, 240, 480, 960)

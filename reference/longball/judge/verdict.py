@@ -56,9 +56,6 @@ from longball.model.schema import FOLDER, published, text
 _ALL = QUANTITIES | PATH
 
 
-# --- one answer -----------------------------------------------------------------------------------
-
-
 @dataclass(frozen=True)
 class Measured:
     """One quantity of an answer beside the truth; lengths of vectors."""
