@@ -83,16 +83,13 @@ def fit_power_law(steps: Array, errors: Array) -> PowerLaw | None:
     """
     there = np.flatnonzero(np.isfinite(errors) & (errors > 0))
     h, e = steps[there], errors[there]
+    ends = ((a, b) for a in range(len(there)) for b in range(a + FEWEST - 1, len(there)))
+    wide = (fit_line(h, e, a, b) for a, b in ends if h[a] >= NARROWEST * h[b])
     laws = [
-        law
-        for first in range(len(there))
-        for last in range(first + FEWEST - 1, len(there))
-        if h[first] >= NARROWEST * h[last]
-        and (law := fit_line(h, e, first, last)).order - FLAT > 0
-        and law.half_width < law.order
-        and not _is_bent(h[first : last + 1], e[first : last + 1])
-        and not _falls_on(h[last + 1 :], e[last + 1 :])
-    ]
+        law for law in wide if law.order - FLAT > 0 and law.half_width < law.order
+        and not _is_bent(h[law.first : law.last + 1], e[law.first : law.last + 1])
+        and not _falls_on(h[law.last + 1 :], e[law.last + 1 :])
+    ]  # fmt: skip
     if not laws:
         return None
     allowed = max(GOOD_ENOUGH, 1.5 * min(law.half_width for law in laws))
@@ -162,23 +159,11 @@ def typical(errors: Array) -> Array:
 def errors_without_truth(steps: Array, values: Array, order: float, ratio: float = 1.0) -> Array:
     """Return |q(h) - q(0)| as the differences from finer steps tell it.
 
-    If q(h) = q(0) + C h^p, then q(h_k) - q(h_l) = C h_k^p (1 - (h_l/h_k)^p).
-
-    Parameters
-    ----------
-    steps, values
-        s, descending; (step, component), NaN where there is none.
-    order
-        A guess of p. It is exact for a constant ratio of the steps, and improved by repeating with
-        what is found.
-    ratio
-        A step is held against the next one that is finer by more than this factor. Noise in the
-        values counts (1 + (h_l/h_k)^p) / (1 - (h_l/h_k)^p) times.
-
-    Returns
-    -------
-    errors
-        NaN for the finest steps, which have no finer one.
+    If q(h) = q(0) + C h^p, then q(h_k) - q(h_l) = C h_k^p (1 - (h_l/h_k)^p). Steps, s, descend;
+    values are (step, component), NaN where there is none. A guess of the order p is exact for a
+    constant ratio of the steps, and improved by repeating. A step is held against the next one that
+    is finer by more than `ratio`: noise counts (1 + (h_l/h_k)^p) / (1 - (h_l/h_k)^p) times. NaN is
+    returned for steps that have no finer one.
     """
     errors = np.full(len(steps), np.nan)
     there = np.flatnonzero(np.isfinite(values).all(axis=1))

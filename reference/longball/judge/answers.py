@@ -335,14 +335,7 @@ def read_results(
     """Read a file of results: JSON Lines, or CSV if its name ends in .csv.
 
     `asked` are ids of scenes; `columns` tells which quantity a column of CSV holds, see
-    `csv_columns`, where its name does not say so.
-
-    Raises
-    ------
-    OSError
-        If the file cannot be read.
-    BadTable
-        If it is a CSV file without an id column, or if `columns` does not fit.
+    `csv_columns`, where its name does not say so. A `BadTable` has no id column, or not those.
     """
     collector = Collector(asked)
     with open(path, "rb") as file:

@@ -18,7 +18,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import IO, Any, cast
+from typing import IO, Any, NamedTuple, cast
 
 from longball.judge.answers import LONGEST_LINE, Collector, quoted
 from longball.judge.fresh import as_csv
@@ -108,9 +108,8 @@ class _Session:
             command, **pipes, bufsize=0, start_new_session=True, env=environment
         )
         self.started = self.latest = time.monotonic()
-        self.stdin = cast(IO[bytes], self.process.stdin)
-        self.stdout = cast(IO[bytes], self.process.stdout)
-        self.stderr = cast(IO[bytes], self.process.stderr)
+        streams = self.process.stdin, self.process.stdout, self.process.stderr
+        self.stdin, self.stdout, self.stderr = (cast(IO[bytes], stream) for stream in streams)
         self.selector = selectors.DefaultSelector()
         for pipe, ready, handle in (
             (self.stdin, selectors.EVENT_WRITE, self._write),
@@ -235,9 +234,9 @@ class _Session:
     def _report(self, what: str) -> None:
         answered, asked = len(self.collected.answers), len(self.collected.asked)
         sentence = f"the candidate: {what}; it answered {answered} of {asked} scenes"
-        silent = [scene_id for scene_id in self.ids if scene_id not in self.collected.answers]
-        if silent:
-            sentence += f", and {quoted(silent[0])} is the first without an answer"
+        silent = next((name for name in self.ids if name not in self.collected.answers), None)
+        if silent is not None:
+            sentence += f", and {quoted(silent)} is the first without an answer"
         self.collected.report("process", sentence)
 
     def _stop(self, why: str) -> None:
@@ -245,8 +244,7 @@ class _Session:
         self._report(f"{why}, and was stopped")
 
 
-@dataclass(frozen=True)
-class Line:
+class Line(NamedTuple):
     """A line of output and its number, from 1; `text` is None if it is too long to keep."""
 
     number: int
@@ -284,8 +282,7 @@ class Splitter:
     def _line(self) -> Line:
         self._number += 1
         line = Line(self._number, None if self._overflowed else bytes(self._held))
-        self._overflowed = False
-        self._held.clear()
+        self._overflowed, self._held = False, bytearray()
         return line
 
 

@@ -75,9 +75,8 @@ def _stays(trial: Trial) -> bool:
 
 
 def _launch_height(trial: Trial) -> float:
-    if trial.scene.kind == "flight":
-        return float(trial.scene.launch.position[2])
-    return trial.given["contact.position"][2]
+    flight = trial.scene.kind == "flight"
+    return float((trial.scene.launch.position if flight else trial.given["contact.position"])[2])
 
 
 def _lands(trial: Trial) -> bool:
@@ -106,19 +105,20 @@ def ends(stage: str, chosen: Seen, trials: Trials, dt: float | None) -> Iterator
     # `chosen` are those of `trials` in which that fails; `dt` is the step in s, if it is known.
     event, wrong = chosen[0][1][0].quantity, [t for t, _ in chosen]
     offs = np.array([c.obtained[0] - c.expected[0] for _, cs in chosen for c in cs[:1]])
-    if stage != "landing":
-        pass
-    elif all(map(_stays, wrong)):
+    landing = stage == "landing"
+    if landing and all(map(_stays, wrong)):
         yield Explanation(
             "landing-is-launch", "gives the launch as the landing", "look for the ground behind "
             "the launch, and say airborne where it is not reached", quantity=event,
         )  # fmt: skip
-    elif all(t.given.get("fence.position") == t.given["landing.position"] for t in wrong):
+    elif landing and all(
+        t.given.get("fence.position") == t.given["landing.position"] for t in wrong
+    ):
         yield Explanation(
             "landing-at-fence", "gives the place where the ball crosses the fence for the landing",
             "let the ball fly on to the ground", quantity=event,
         )  # fmt: skip
-    else:
+    elif landing:
         grounded = [t for t in trials if "landing.position" in t.given and _lands(t)]
         for name, sentence, remedy, above in _SURFACES:
             try:

@@ -142,14 +142,11 @@ def diagnose(
     wrong, granted
         Ids of answers that are wrong by the profile; the error of a quantity that passes.
     """
-    trials = [
+    known = [(c, a) for c in cases if decidable(c) and (a := answers.get(c.id)) and a.error is None]
+    trials = [  # either outcome of a fragile case may be right
         trial_of(case, answer, granted)
-        for case in cases
-        if decidable(case)
-        and (answer := answers.get(case.id))
-        and answer.error is None
-        # Either outcome of a fragile case may be right.
-        and (FRAGILE not in case.flags or answer.outcome in (None, case.expected.outcome))
+        for case, answer in known
+        if FRAGILE not in case.flags or answer.outcome in (None, case.expected.outcome)
     ]
     if other := relations.shifted(trials):
         return Diagnosis(sentence=other.sentence, first=None, stages=[], clean=[], findings=[other])
@@ -253,16 +250,10 @@ class _Search:
 
     def _unseen(self, checks: Seen) -> Finding | None:
         """Return that answers are wrong in which every stage follows, as far as it is told."""
-        small = [
-            t
-            for t, cs in checks
-            if t.case.id in self.wrong
-            and t.case.id not in self.unread
-            and not t.confused
-            and not untrue(t.case.expected, t.told)
-            and not superfluous(t.case.expected.outcome, t.expected, t.given)
-            and all(c.follows for c in cs)
-        ]
+        sound = [t for t, cs in checks if not t.confused and all(c.follows for c in cs)]
+        numbers = [t for t in sound if not untrue(t.case.expected, t.told)
+                   and not superfluous(t.case.expected.outcome, t.expected, t.given)]  # fmt: skip
+        small = [t for t in numbers if t.case.id in self.wrong and t.case.id not in self.unread]
         if not small:
             return None
         return found(

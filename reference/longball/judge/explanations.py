@@ -10,7 +10,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from statistics import median
 from typing import Any
 
@@ -226,21 +225,11 @@ class Sought:
 
     def screened(self, change: Change) -> float | None:
         """Return what a change leaves; of a few trials only, if it leaves much of them."""
-        for some in (self.one, self.few, self):
+        for some in (self.some(1), self.some(3), self):
             left = some.left(change)
             if left is None or left > SCREEN:
                 break
         return left
-
-    @cached_property
-    def one(self) -> Sought:
-        """One of the trials."""
-        return self.some(1)
-
-    @cached_property
-    def few(self) -> Sought:
-        """Three of the trials."""
-        return self.some(3)
 
     def some(self, count: int) -> Sought:
         """Return a few of the trials, the shortest flights first."""

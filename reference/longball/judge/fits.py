@@ -630,7 +630,7 @@ def two(sought: Sought, known: Sequence[Explanation]) -> Iterator[Explanation]:
 def pairs(sought: Sought, known: Sequence[Explanation]) -> Iterator[Explanation]:
     """Yield two of the known mistakes and fitted numbers together."""
     # Small effects add up: what each does alone, in a few trials, tells which two to try.
-    few = sought.few
+    few = sought.some(3)
     base = few.rows(NONE)
     if not sum(map(len, base)) or sought.work.exhausted:
         return

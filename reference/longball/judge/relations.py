@@ -150,11 +150,11 @@ def _turned(order: Sequence[int], signs: Sequence[float]) -> Image:
 
 def _turns() -> Iterator[tuple[str, Image]]:
     """Yield the other orders of three axes, with all signs."""
-    for order in itertools.permutations(range(3)):
-        for signs in itertools.product((1.0, -1.0), repeat=3):
-            if order != (0, 1, 2) or min(signs) < 0:
-                letters = ["xyz"[i] if s > 0 else f"-{'xyz'[i]}" for i, s in zip(order, signs)]  # noqa: B905
-                yield f"({', '.join(letters)})", _turned(order, signs)
+    signed = itertools.product((1.0, -1.0), repeat=3)
+    for order, signs in itertools.product(itertools.permutations(range(3)), signed):
+        if order != (0, 1, 2) or min(signs) < 0:
+            letters = [("" if s > 0 else "-") + "xyz"[i] for i, s in zip(order, signs, strict=True)]
+            yield f"({', '.join(letters)})", _turned(order, signs)
 
 
 TURNS = tuple(sorted(_turns(), key=lambda turn: turn[0].count("-")))

@@ -98,7 +98,7 @@ def _extremes_of_path(case: Case) -> tuple[float, float] | None:
     lifted = spin is None and scene.air is not None and scene.air.lift_coefficient != 0.0
     if velocity[2] <= 0.0 and not lifted:
         return start.z, start.u
-    looked_at = [(tops, attrgetter("z")), (forward, attrgetter("u"))][: 1 + lifted]
+    looked_at = [(tops, attrgetter("z")), *([(forward, attrgetter("u"))] if lifted else [])]
     held = OneCase(scene, engine, MODEL)
     law = held.law(frame)
     try:
@@ -297,11 +297,8 @@ def _told(value: Any) -> str:
     return f"{value:g}" if isinstance(value, float) else str(value)
 
 
-LIMIT_DIGITS = 4  # digits of a limit: one that needs more of them hardly parts the scenes
-
-
 def _is_short(limit: float) -> bool:
-    return float(f"{limit:.{LIMIT_DIGITS}g}") == limit
+    return float(f"{limit:.4g}") == limit  # one that needs more digits hardly parts the scenes
 
 
 def _between(a: float, b: float) -> float:

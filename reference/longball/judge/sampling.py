@@ -126,14 +126,7 @@ def read_samples(path: Path) -> Iterator[dict[str, Any]]:
     """Yield the scenes of a file of JSON Lines, as they stand there.
 
     They are not held against the contract: what makes a scene impossible, such as a speed below
-    zero, is what shows how it was drawn.
-
-    Raises
-    ------
-    OSError
-        If the file cannot be read.
-    BadSamples
-        If a line is no JSON object.
+    zero, is what shows how it was drawn. A line that is no JSON object raises `BadSamples`.
     """
     with open(path, "rb") as file:
         for number, line in enumerate(iter(lambda: file.readline(LONGEST_SCENE + 1), b""), 1):
@@ -174,12 +167,7 @@ def judge_samples(scenes: Iterable[Mapping[str, Any]], source: str = "given") ->
 
     They are JSON objects, at least `FEWEST`, drawn from the paper's distributions. A draw that is
     there more than once, such as for several restitutions, counts once; what the scenes leave out
-    is not judged.
-
-    Raises
-    ------
-    BadSamples
-        If there are too few, or something else than numbers in them.
+    is not judged. `BadSamples` are too few, or hold something else than numbers.
     """
     draws: dict[tuple[float | None, ...], int] = {}
     paper = json.loads(AtBatScene(id="paper").line())

@@ -25,15 +25,11 @@ LONGEST_NAME = 120  # of a candidate: its command may hold a whole program
 def render(verdict: Verdict, shown: int = SHOWN) -> str:
     """Return a verdict as text of at most `shown` failed cases, issues and so on."""
     sections = [
-        _head(verdict),
-        _errors(verdict),
-        _contacts(verdict),
+        *(_head(verdict), _errors(verdict), _contacts(verdict)),
         _diagnosis(verdict.diagnosis) if verdict.diagnosis else (),
         _convergence(verdict.convergence) if verdict.convergence else (),
         _sampling(verdict.sampling) if verdict.sampling else (),
-        _failures(verdict, shown),
-        silence(verdict, shown),
-        _issues(verdict, shown),
+        *(_failures(verdict, shown), silence(verdict, shown), _issues(verdict, shown)),
     ]
     return "\n\n".join("\n".join(lines) for s in sections if (lines := list(s))) + "\n"
 
@@ -91,26 +87,13 @@ ERRORS = (
 
 def error_cells(row: Row) -> tuple[str, ...]:
     """Return a row's texts under the head `ERRORS`."""
-    return (
-        row.family,
-        row.quantity,
-        str(row.failed or "-"),
-        str(row.cases),
-        f"{row.worst_error:.1e}",
-        f"{row.median_error:.1e}",
-        row.unit,
-        _short(row.worst_ulps),
-        _short(row.median_ulps),
-        "" if row.digits_right is None else f"{row.digits_right:.1f}",
-        "" if row.digits_attainable is None else f"{row.digits_attainable:.1f}",
-        row.worst_case,
-    )
-
-
-def _short(ulps: float | None) -> str:
-    if ulps is None:
-        return ""
-    return f"{ulps:.0f}" if ulps < 1e5 else f"{ulps:.0e}"
+    ulps = ["" if x is None else f"{x:.0f}" if x < 1e5 else f"{x:.0e}"
+            for x in (row.worst_ulps, row.median_ulps)]  # fmt: skip
+    known = row.digits_right, row.digits_attainable
+    digits = ["" if x is None else f"{x:.1f}" for x in known]
+    errors = f"{row.worst_error:.1e}", f"{row.median_error:.1e}", row.unit
+    counts = str(row.failed or "-"), str(row.cases)
+    return (row.family, row.quantity, *counts, *errors, *ulps, *digits, row.worst_case)
 
 
 def _contacts(verdict: Verdict) -> Iterator[str]:

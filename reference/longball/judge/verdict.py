@@ -136,13 +136,8 @@ class Comparison:
     @property
     def passed(self) -> bool:
         """Whether nothing is wrong; what is missing is not wrong."""
-        return not (
-            self.outcome_wrong
-            or self.unreadable
-            or self.superfluous
-            or self.untrue
-            or any(not m.passed for m in self.measured)
-        )
+        told = self.outcome_wrong or self.unreadable or self.superfluous or self.untrue
+        return not told and all(m.passed for m in self.measured)
 
     @property
     def empty(self) -> bool:
@@ -422,34 +417,20 @@ def verdict(
                        "--partial judges what there is")  # fmt: skip
         status = "PARTIAL" if status == "PASSED" else status
     return Verdict(
-        status=status,
-        passed=not reasons,
-        reasons=reasons,
-        candidate=submission.candidate,
-        profile=profile,
-        truth=truth,
-        would_pass_at=_would_pass_at(judged) if failures else None,
-        cases=len(comparisons),
-        complete=complete,
-        judged=len(judged),
-        right=len(judged) - len(failures),
-        rows=list(_rows(judged)),
-        outcomes=_confusions(judged),
+        status=status, passed=not reasons, reasons=reasons, candidate=submission.candidate,
+        profile=profile, truth=truth, would_pass_at=_would_pass_at(judged) if failures else None,
+        cases=len(comparisons), complete=complete, judged=len(judged),
+        right=len(judged) - len(failures), rows=list(_rows(judged)), outcomes=_confusions(judged),
         contacts_missed=[c.case.id for c in judged if _met(c) == (True, False)],
         contacts_invented=[c.case.id for c in judged if _met(c) == (False, True)],
-        failures=failures,
-        missing=_missing(comparisons),
-        unanswered=[c.case.id for c in comparisons if c.answer is None],
-        refused=refused,
+        failures=failures, missing=_missing(comparisons),
+        unanswered=[c.case.id for c in comparisons if c.answer is None], refused=refused,
         undecidable=[c.case.id for c in comparisons if not c.judged],
         complaints=sorted(collected.issues, key=lambda issue: issue.kind != "process"),
-        complaints_left_out=dict(collected.left_out),
-        standard_error=submission.standard_error,
+        complaints_left_out=dict(collected.left_out), standard_error=submission.standard_error,
         seconds=None,  # nobody knows before the last run
-        diagnosis=diagnosis,
-        convergence=convergence,
-        sampling=sampling,
-    )
+        diagnosis=diagnosis, convergence=convergence, sampling=sampling,
+    )  # fmt: skip
 
 
 def _would_pass_at(judged: Sequence[Comparison]) -> float | None:
@@ -508,19 +489,12 @@ def _row(family: str, name: str, unit: str, group: list[tuple[Comparison, Measur
     lost = [(b - a, a, b) for a, b in both if a is not None and b is not None]
     _, digits_right, digits_attainable = max(lost, default=(None, None, None))
     return Row(
-        family=family,
-        quantity=name,
-        unit=unit,
-        cases=len(group),
-        failed=sum(not m.passed for m in measured),
-        worst_error=worst[1].error,
-        median_error=median(m.error for m in measured),
-        worst_ulps=max(ulps, default=None),
-        median_ulps=median(ulps) if ulps else None,
-        digits_right=digits_right,
-        digits_attainable=digits_attainable,
-        worst_case=worst[0].case.id,
-    )
+        family=family, quantity=name, unit=unit, cases=len(group),
+        failed=sum(not m.passed for m in measured), worst_error=worst[1].error,
+        median_error=median(m.error for m in measured), worst_ulps=max(ulps, default=None),
+        median_ulps=median(ulps) if ulps else None, digits_right=digits_right,
+        digits_attainable=digits_attainable, worst_case=worst[0].case.id,
+    )  # fmt: skip
 
 
 def failure(comparison: Comparison) -> Failure:
