@@ -127,7 +127,7 @@ class Collector:
             text = line.decode("utf-8-sig")
             if self._table:
                 return self._take_row(number, text)
-            return self.take(number, json.loads(text, **numbers))
+            data = json.loads(text, **numbers)
         except UnicodeDecodeError as error:
             why = not_utf8(error)
         except json.JSONDecodeError as error:
@@ -136,6 +136,8 @@ class Collector:
             why = f"not a row of CSV: {quoted(line.decode())}"
         except RecursionError:
             why = "not a result: brackets nested too deeply"
+        else:
+            return self.take(number, data)
         self.report("rubbish", why, number)
         return False
 
