@@ -12,7 +12,6 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
-from itertools import pairwise
 from typing import Any, Literal, get_args
 
 import numpy as np
@@ -261,13 +260,16 @@ class FixedStep(Verlet):
     def _chords(self, law: Law[float], start: State[float], limit: float) -> Iterator[Chord]:
         step = None if self.scheme == "chords" else self._step(law)
         states = self._states(law, start, limit)
-        for number, ((row, left), (new, _)) in enumerate(pairwise(states)):
-            begin = number * self.dt
-            ends = begin, (number + 1) * self.dt - begin, law.state(*row), law.state(*new)
+        row, left = next(states)
+        before = law.state(*row)
+        for number, (row, after_left) in enumerate(states):
+            begin, after = number * self.dt, law.state(*row)
+            ends = begin, (number + 1) * self.dt - begin, before, after
             if self.ends == "line" or step is None:
                 yield Chord(*ends)
             else:
                 yield _Cut(*ends, step, left)
+            before, left = after, after_left
 
     def _states(
         self, law: Law[float], start: State[float], limit: float
