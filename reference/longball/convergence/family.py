@@ -37,37 +37,23 @@ JUMP = 0.15
 # Means over phases keep some noise; their differences are taken between steps so far apart that it
 # is not blown up.
 FAR = 4.0
-# An order is held to theory with this tolerance, besides its own interval.
-TOLERANCE = 0.1
-# An interval wider than this does not tell an order from the next.
-UNDECIDED = 0.4
+TOLERANCE = 0.1  # an order is held to theory with this tolerance, besides its own interval
+UNDECIDED = 0.4  # an interval wider than this does not tell an order from the next
 
 
 @dataclass(frozen=True)
 class Observed:
-    """One quantity of all scenes, at one step or as it should be.
+    """One quantity of all scenes, at one step or as it should be."""
 
-    Attributes
-    ----------
-    quantity, unit
-        What it is called.
-    values
-        (scene, component); NaN where a scene does not have it, or ended otherwise than it should.
-    """
-
+    # What it is called.
     quantity: str
     unit: str
+    # (scene, component); NaN where a scene does not have it, or ended otherwise than it should.
     values: Array
 
 
 def step_family(steps: Sequence[float]) -> Array:
-    """Return different steps, the coarsest first.
-
-    Raises
-    ------
-    ValueError
-        If fewer than `FEWEST` of them differ, or one is not positive and finite.
-    """
+    """Return different steps, the coarsest first; a ValueError if they are too few or no steps."""
     family = np.array(sorted(set(steps), reverse=True), float)
     if len(family) < FEWEST or not (np.isfinite(family).all() and family[-1] > 0):
         raise ValueError(f"{len(family)} steps; {FEWEST} different positive ones are needed")
@@ -75,11 +61,8 @@ def step_family(steps: Sequence[float]) -> Array:
 
 
 def phase_step(step: float, clock: float, phase: int) -> float:
-    """Return a step a little shorter, so that an event at `clock` has another phase in it.
-
-    The phases are multiples of the golden ratio's: well spread, however many there are, and for
-    events at other times too.
-    """
+    """Return a step a little shorter, so that an event at `clock` has another phase in it."""
+    # Multiples of the golden ratio's are well spread, however many there are.
     share = phase * (math.sqrt(5) - 1) / 2 % 1.0
     return step / (1 + share * step / clock)
 
@@ -96,32 +79,10 @@ def observe(
     phases: int,
     progress: Callable[[int, int], None],
 ) -> tuple[tuple[Order, ...], tuple[Limit, ...]]:
-    """Evaluate quantities at a family of steps, and fit the order of each.
-
-    Parameters
-    ----------
-    evaluate
-        Returns the same quantities at every step.
-    family
-        s, descending.
-    truth
-        The quantities without an error, if they are known.
-    scenes
-        Ids.
-    expected
-        The order in theory: one for all, or one for each name of a quantity.
-    first, last
-        s, when the first and the last event of any scene happens.
-    phases
-        Of each step, for a quantity that jumps with them; 1 if none is to be looked for.
-    progress
-        Called with the evaluations done, and how many there are so far as is known.
-
-    Raises
-    ------
-    ValueError
-        If the expected order is none.
-    """
+    """Evaluate quantities at a family of descending steps, and fit the order of each."""
+    # `evaluate` returns the same quantities at every step; the first event of any scene happens at
+    # `first`, the last at `last`, s. Of each step there are `phases` for a quantity that jumps, if
+    # more than 1. `progress` takes the evaluations done, and how many there are as far as is known.
     wanted = expected.values() if isinstance(expected, Mapping) else [expected or 0.0]
     if not all(map(math.isfinite, wanted)):
         raise ValueError(f"expected = {expected}: an order is a finite number")
@@ -135,14 +96,13 @@ def observe(
             if key not in done:
                 done[key] = evaluate(float(steps[key]))
                 progress(len(done), len(planned))
-        return [
-            _Measured(
-                one.quantity, one.unit, steps, np.array([done[key][i].values for key in planned])
-                .reshape(*steps.shape, *one.values.shape).transpose(2, 0, 1, 3).copy(),
-                truth[i].values if truth else None, last / family,
-            )
-            for i, one in enumerate(done[0, 0])
-        ]  # fmt: skip
+        every = []
+        for i, one in enumerate(done[0, 0]):
+            flat = np.array([done[key][i].values for key in planned])
+            values = flat.reshape(*steps.shape, *one.values.shape).transpose(2, 0, 1, 3).copy()
+            true = truth[i].values if truth else None
+            every.append(_Measured(one.quantity, one.unit, steps, values, true, last / family))
+        return every
 
     found = measured(min(2, phases))
     jumps = [_jump(one) if phases > 1 else 0.0 for one in found]
@@ -163,26 +123,14 @@ def observe(
 
 @dataclass(frozen=True)
 class _Measured:
-    """One quantity at all steps.
-
-    Attributes
-    ----------
-    steps
-        s, (step, phase).
-    values
-        (scene, step, phase, component); NaN where there is none.
-    truth
-        (scene, component), or None.
-    counts
-        Steps up to the last event, (step,).
-    """
+    """One quantity at all steps."""
 
     quantity: str
     unit: str
-    steps: Array
-    values: Array
-    truth: Array | None
-    counts: Array
+    steps: Array  # s, (step, phase)
+    values: Array  # (scene, step, phase, component); NaN where there is none
+    truth: Array | None  # (scene, component), or None
+    counts: Array  # steps up to the last event, (step,)
 
     @property
     def size(self) -> float:
@@ -253,30 +201,19 @@ def _assess(one: _Measured, jump: float, expected: float | None) -> tuple[Order,
     verdict, why = _verdict(one, errors, steps, law, wide, expected)
     if jumps:
         why += f"; it jumps with the phase of the step, by {100 * jump:.0f} % of the error"
-    known = np.isfinite(one.errors(jumps, order))
+    scenes = np.isfinite(one.errors(jumps, order)).sum(axis=0).tolist()
+    phases = one.steps.shape[1] if jumps else 1
+    pairs = zip(steps.tolist(), errors.tolist(), scenes, strict=True)
+    rungs = tuple(
+        Level(step=step, error=None if math.isnan(error) else error, scenes=count, phases=phases,
+              use=_use(level, error, law))
+        for level, (step, error, count) in enumerate(pairs)
+    )  # fmt: skip
     report = Order(
-        quantity=one.quantity,
-        unit=one.unit,
-        order=law and law.order,
-        low=wide and wide.low,
-        high=wide and wide.high,
-        constant=law and law.constant,
-        expected=expected,
-        jump=jump,
-        jumps=jumps,
-        rungs=tuple(
-            Level(
-                step=float(step),
-                error=None if math.isnan(error) else float(error),
-                scenes=int(known[:, level].sum()),
-                phases=one.steps.shape[1] if jumps else 1,
-                use=_use(level, error, law),
-            )
-            for level, (step, error) in enumerate(zip(steps, errors, strict=True))
-        ),
-        verdict=verdict,
-        why=why,
-    )
+        quantity=one.quantity, unit=one.unit, order=law and law.order, low=wide and wide.low,
+        high=wide and wide.high, constant=law and law.constant, expected=expected, jump=jump,
+        jumps=jumps, rungs=rungs, verdict=verdict, why=why,
+    )  # fmt: skip
     return report, law
 
 
@@ -289,11 +226,8 @@ def _use(level: int, error: float, law: PowerLaw | None) -> Use:
 
 
 def _widened(law: PowerLaw, steps: Array, phases: int) -> PowerLaw:
-    """Return a law with an interval that allows for means over a few phases.
-
-    A root mean square of so many is off by 1/√(2 phases) of itself, and the scatter about the line
-    does not show it where neighbouring steps are off alike.
-    """
+    """Return a law with an interval that allows for means over a few phases."""
+    # Each is off by 1/√(2 phases) of itself; neighbouring steps may be off alike.
     x = np.log(steps[law.first : law.last + 1])
     noise = 1 / math.sqrt(2 * phases * float(((x - x.mean()) ** 2).sum()))
     half = math.hypot(law.half_width, 2 * noise)
@@ -308,21 +242,15 @@ def _verdict(
     wide: PowerLaw | None,
     expected: float | None,
 ) -> tuple[OrderVerdict, str]:
-    """Return the verdict on one quantity, and a sentence with its reason.
-
-    `wide` is the law with the interval that is reported.
-    """
+    """Return the verdict on one quantity, and why; `wide` is the law with the interval told."""
     unit = one.unit
     there = np.flatnonzero(np.isfinite(errors))
     bound = EPSILON * one.size * one.counts  # as many roundings, if all go the same way
     if len(there) == 0:
         return "not resolved", "no scene ends as it should at two steps"
     if (errors[there] <= bound[there]).all():
-        most = errors[there].max()
-        return (
-            "exact",
-            f"the typical error is no more than rounding makes, at most {most:.1e} {unit}",
-        )
+        most = f"{errors[there].max():.1e} {unit}"
+        return "exact", f"the typical error is no more than rounding makes, at most {most}"
     finest = there[-1]
     stuck = errors[finest] > bound[finest] and (
         errors[finest] > 3 * law.error(steps[finest])
@@ -336,10 +264,8 @@ def _verdict(
         )
     advice = ""
     if errors[finest] <= bound[finest]:
-        longer = f"{5 * steps[0]:.2g} to {steps[0] / 2:.2g} s"
-        advice = (
-            f"; the errors at the finest steps are rounding: try longer steps, such as {longer}"
-        )
+        advice = "; the errors at the finest steps are rounding: try longer steps, such as "
+        advice += f"{5 * steps[0]:.2g} to {steps[0] / 2:.2g} s"
     if law is None or wide is None:
         why = f"no {FEWEST} steps lie on one line: there is no asymptotic range"
         return "not resolved", why + advice

@@ -15,40 +15,28 @@ from scipy.special import stdtrit
 
 from longball.model.arrays import Array
 
-# Two parameters, and three steps more to tell a line from a bend.
-FEWEST = 5
-# A range narrower than this factor in h would call any smooth curve a line.
-NARROWEST = 4.0
+FEWEST = 5  # two parameters, and three steps more to tell a line from a bend
+NARROWEST = 4.0  # a range narrower than this factor in h would call any smooth curve a line
 # Orders are held to 0.1; a range that is bent at an end moves the slope by about as much as it
 # widens the interval, so that a fifth of that is good enough, and the finest of such ranges is
 # nearest to the limit h -> 0.
 GOOD_ENOUGH = 0.02
-# The errors do not fall: a floor, of rounding or of a limit that is not the truth.
-FLAT = 0.2
-# Half of what orders are held to.
-HARMLESS = 0.05
+FLAT = 0.2  # the errors do not fall: a floor, of rounding or of a limit that is not the truth
+HARMLESS = 0.05  # half of what orders are held to
 # The errors fall: less than the lowest order of any scheme, more than a floor with its noise.
 FALLING = 0.5
 
 
 @dataclass(frozen=True)
 class PowerLaw:
-    """An error C h^p, over a range of steps.
+    """An error C h^p, over a range of steps."""
 
-    Attributes
-    ----------
-    order, low, high
-        p, and its interval of 95 % from the scatter about the line.
-    constant
-        C, in the error's unit over s^p.
-    first, last
-        Indices of the steps at the ends of the range, both inside it.
-    """
-
+    # p, and its interval of 95 % from the scatter about the line.
     order: float
     low: float
     high: float
-    constant: float
+    constant: float  # C, in the error's unit over s^p
+    # Indices of the steps at the ends of the range, both inside it.
     first: int
     last: int
 
@@ -95,16 +83,13 @@ def fit_power_law(steps: Array, errors: Array) -> PowerLaw | None:
     """
     there = np.flatnonzero(np.isfinite(errors) & (errors > 0))
     h, e = steps[there], errors[there]
+    ends = ((a, b) for a in range(len(there)) for b in range(a + FEWEST - 1, len(there)))
+    wide = (fit_line(h, e, a, b) for a, b in ends if h[a] >= NARROWEST * h[b])
     laws = [
-        law
-        for first in range(len(there))
-        for last in range(first + FEWEST - 1, len(there))
-        if h[first] >= NARROWEST * h[last]
-        and (law := fit_line(h, e, first, last)).order - FLAT > 0
-        and law.half_width < law.order
-        and not _is_bent(h[first : last + 1], e[first : last + 1])
-        and not _falls_on(h[last + 1 :], e[last + 1 :])
-    ]
+        law for law in wide if law.order - FLAT > 0 and law.half_width < law.order
+        and not _is_bent(h[law.first : law.last + 1], e[law.first : law.last + 1])
+        and not _falls_on(h[law.last + 1 :], e[law.last + 1 :])
+    ]  # fmt: skip
     if not laws:
         return None
     allowed = max(GOOD_ENOUGH, 1.5 * min(law.half_width for law in laws))
@@ -115,10 +100,8 @@ def fit_power_law(steps: Array, errors: Array) -> PowerLaw | None:
 
 
 def _is_bent(steps: Array, errors: Array) -> bool:
-    """Tell whether a parabola shows another slope at the finest step than the line does.
-
-    By more than `HARMLESS`, and by more than scatter explains in 19 of 20 cases.
-    """
+    """Tell whether a parabola shows another slope at the finest step than the line does."""
+    # By more than `HARMLESS`, and by more than scatter explains in 19 of 20 cases.
     x, y = np.log(steps), np.log(errors)
     x = x - x.mean()
     turn = float(x @ x**2 / (x @ x))
@@ -176,23 +159,11 @@ def typical(errors: Array) -> Array:
 def errors_without_truth(steps: Array, values: Array, order: float, ratio: float = 1.0) -> Array:
     """Return |q(h) - q(0)| as the differences from finer steps tell it.
 
-    If q(h) = q(0) + C h^p, then q(h_k) - q(h_l) = C h_k^p (1 - (h_l/h_k)^p).
-
-    Parameters
-    ----------
-    steps, values
-        s, descending; (step, component), NaN where there is none.
-    order
-        A guess of p. It is exact for a constant ratio of the steps, and improved by repeating with
-        what is found.
-    ratio
-        A step is held against the next one that is finer by more than this factor. Noise in the
-        values counts (1 + (h_l/h_k)^p) / (1 - (h_l/h_k)^p) times.
-
-    Returns
-    -------
-    errors
-        NaN for the finest steps, which have no finer one.
+    If q(h) = q(0) + C h^p, then q(h_k) - q(h_l) = C h_k^p (1 - (h_l/h_k)^p). Steps, s, descend;
+    values are (step, component), NaN where there is none. A guess of the order p is exact for a
+    constant ratio of the steps, and improved by repeating. A step is held against the next one that
+    is finer by more than `ratio`: noise counts (1 + (h_l/h_k)^p) / (1 - (h_l/h_k)^p) times. NaN is
+    returned for steps that have no finer one.
     """
     errors = np.full(len(steps), np.nan)
     there = np.flatnonzero(np.isfinite(values).all(axis=1))
@@ -205,19 +176,8 @@ def errors_without_truth(steps: Array, values: Array, order: float, ratio: float
 
 
 def richardson(steps: Array, values: Array, order: float) -> tuple[Array, float] | None:
-    """Extrapolate to h = 0 from the finest steps, at a known order.
-
-    Parameters
-    ----------
-    steps, values, order
-        s, descending; (step, component), NaN where there is none; p.
-
-    Returns
-    -------
-    values, error
-        Extrapolated from the two finest steps; the error is the distance to what the two steps
-        before give. None with fewer than three steps.
-    """
+    """Extrapolate to h = 0 from the two finest steps, descending, at a known order."""
+    # The error is the distance to what the two before give. None with fewer than three steps.
     there = np.flatnonzero(np.isfinite(values).all(axis=1))
     if len(there) < 3:
         return None

@@ -105,11 +105,8 @@ class ConvergenceReport(Frozen):
         head = ("quantity", "order", "95 %", "expected", "C", "steps fitted, s", "verdict")
         lines = aligned([head, *(_row(order) for order in self.orders)])
         lines += ["", *(f"{order.quantity}: {order.why}" for order in self.orders)]
-        lines += [
-            f"step {row.step:.3g} s: {row.lost} of {row.of} scenes end otherwise than they should"
-            for row in self.lost
-            if row.lost
-        ]
+        lost = [(row.step, f"{row.lost} of {row.of} scenes") for row in self.lost if row.lost]
+        lines += [f"step {h:.3g} s: {some} end otherwise than they should" for h, some in lost]
         return "\n".join(lines) + "\n"
 
     def csv(self) -> str:
@@ -130,12 +127,7 @@ def _row(order: Order) -> tuple[str, ...]:
     if order.order is None or order.constant is None:
         return (order.quantity, "", "", expected, "", "", order.verdict)
     fitted = [step for step, _, use in order.errors if use == "fitted"]
-    return (
-        order.quantity,
-        f"{order.order:.3f}",
-        f"{order.low:.3f} to {order.high:.3f}",
-        expected,
-        f"{order.constant:.3g} {order.unit}/s^{order.order:.2f}",
-        f"{max(fitted):.2g} to {min(fitted):.2g}",
-        order.verdict,
-    )
+    constant = f"{order.constant:.3g} {order.unit}/s^{order.order:.2f}"
+    interval = f"{order.low:.3f} to {order.high:.3f}"
+    steps = f"{max(fitted):.2g} to {min(fitted):.2g}"
+    return order.quantity, f"{order.order:.3f}", interval, expected, constant, steps, order.verdict

@@ -88,13 +88,9 @@ def study(
         lambda step: observed(function_of_dt(step), f"at dt = {step:g}"),
         step_family(steps),
         None if truth is None else observed(truth, "in truth"),
-        scenes=[""],
-        expected=expected,
-        first=duration,
-        last=duration,
-        phases=phases,
+        scenes=[""], expected=expected, first=duration, last=duration, phases=phases,
         progress=lambda done, of: None,
-    )
+    )  # fmt: skip
     return ConvergenceReport(
         engine=None, against_truth=truth is not None, orders=orders, limits=limits, lost=()
     )
@@ -120,18 +116,11 @@ OBSERVABLES = (
 
 @dataclass(frozen=True)
 class Sample:
-    """What is said of a scene, or a part of it.
-
-    Attributes
-    ----------
-    outcome
-        None if it is not said: it is then taken to be as it should.
-    values
-        Quantities, each a sequence of its components, and those by names of their own.
-    """
+    """What is said of a scene, or a part of it."""
 
     id: str | None
-    outcome: str | None
+    outcome: str | None  # None if it is not said: it is then taken to be as it should
+    # Quantities, each a sequence of its components, and those by names of their own.
     values: Answered
     engine: str | None = None
     error: str | None = None
@@ -191,24 +180,16 @@ def converge(
         return _observed(results, should)
 
     first, last = _first_and_last_event(should)
+    true = None if truth is None else _observed(should, should)
     orders, limits = observe(
-        evaluate,
-        family,
-        None if truth is None else _observed(should, should),
-        scenes=ids,
-        expected=expected,
-        first=first,
-        last=last,
-        phases=phases,
-        progress=progress,
-    )
+        evaluate, family, true, scenes=ids, expected=expected, first=first, last=last,
+        phases=phases, progress=progress,
+    )  # fmt: skip
+    missing = tuple(Lost(step=h, lost=lost[h], of=len(ids)) for h in family.tolist())
     return ConvergenceReport(
-        engine=finest[0].engine,
-        against_truth=truth is not None,
-        orders=orders,
-        limits=limits,
-        lost=tuple(Lost(step=h, lost=lost[h], of=len(ids)) for h in map(float, family)),
-    )
+        engine=finest[0].engine, against_truth=truth is not None, orders=orders, limits=limits,
+        lost=missing,
+    )  # fmt: skip
 
 
 def _observed(results: Sequence[Sample], should: Sequence[Sample]) -> list[Observed]:

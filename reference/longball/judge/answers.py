@@ -20,22 +20,20 @@ from pathlib import Path
 from typing import Any, BinaryIO, Literal, cast, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
 from longball.convergence.report import Frozen
 from longball.engines.chain import BLOCKS as MODELS
 from longball.judge.quantities import BLOCKS, QUANTITIES, Value
+from longball.model.arrays import Array
 from longball.model.csv_files import not_utf8, other_separators
 from longball.model.quantities import nested
 from longball.model.result import Outcome, Result
 
-# A path of 100,000 points with velocities takes fourteen million bytes.
-LONGEST_LINE = 1 << 24
+LONGEST_LINE = 1 << 24  # bytes: a path of 100,000 points with velocities takes fourteen million
 MOST_POINTS = 100_000
 
-# Issues of one kind beyond this many are counted, not kept.
-KEPT = 20
+KEPT = 20  # issues of one kind beyond this many are counted, not kept
 
 Kind = Literal[
     "rubbish",  # a line that is no result
@@ -62,32 +60,17 @@ class Issue(Frozen):
 
 @dataclass(frozen=True)
 class Answer:
-    """What a candidate says of one scene.
+    """What a candidate says of one scene."""
 
-    Attributes
-    ----------
-    id
-        The scene's.
-    outcome
-        None if it was left out, or is not one of the contract's.
-    values
-        The quantities given.
-    unreadable
-        Names of quantities given that are no finite numbers.
-    error
-        Why the candidate gives no answer, in its own words, if it refuses the scene.
-    path
-        Points ``t, x, y, z`` or ``t, x, y, z, vx, vy, vz``, a row each; None if none are given.
-    told
-        What is told and not measured, by name: ``landing.fair``, ``impact.mode``.
-    """
-
-    id: str
-    outcome: Outcome | None
-    values: Mapping[str, Value]
-    unreadable: frozenset[str] = frozenset()
+    id: str  # the scene's
+    outcome: Outcome | None  # None if it was left out, or is not one of the contract's
+    values: Mapping[str, Value]  # the quantities given
+    unreadable: frozenset[str] = frozenset()  # names of quantities given that are no finite numbers
+    # Why the candidate gives no answer, in its own words, if it refuses the scene.
     error: str | None = None
-    path: NDArray[np.float64] | None = None
+    # Points ``t, x, y, z`` or ``t, x, y, z, vx, vy, vz``, a row each; None if none are given.
+    path: Array | None = None
+    # What is told and not measured, by name: ``landing.fair``, ``impact.mode``.
     told: Mapping[str, object] = field(default_factory=dict)
 
 
@@ -138,24 +121,24 @@ class Collector:
         """Take a line; tell whether it answers a scene that had no answer."""
         if not line.strip():
             return False
+        kinds = ("parse_float", "parse_int", "parse_constant")
+        numbers: dict[str, Any] = dict.fromkeys(kinds, _decimal)
         try:
             text = line.decode("utf-8-sig")
             if self._table:
                 return self._take_row(number, text)
-            data = json.loads(
-                text, parse_float=_decimal, parse_int=_decimal, parse_constant=_decimal
-            )
+            data = json.loads(text, **numbers)
         except UnicodeDecodeError as error:
-            self.report("rubbish", not_utf8(error), number)
+            why = not_utf8(error)
         except json.JSONDecodeError as error:
-            there = f"from character {error.pos + 1} on: {quoted(text[error.pos :])}"
-            self.report("rubbish", f"not JSON {there}", number)
+            why = f"not JSON from character {error.pos + 1} on: {quoted(text[error.pos :])}"
         except ValueError:
-            self.report("rubbish", f"not a row of CSV: {quoted(line.decode())}", number)
+            why = f"not a row of CSV: {quoted(line.decode())}"
         except RecursionError:
-            self.report("rubbish", "not a result: brackets nested too deeply", number)
+            why = "not a result: brackets nested too deeply"
         else:
             return self.take(number, data)
+        self.report("rubbish", why, number)
         return False
 
     def _take_row(self, number: int, text: str) -> bool:
@@ -179,35 +162,32 @@ class Collector:
 
     def take(self, number: int, data: Any) -> bool:
         """Take what a line held; tell whether it answers a scene that had no answer."""
+        scene_id = data.get("id") if isinstance(data, dict) else None
+        named = quoted(scene_id)
         if not isinstance(data, dict):
             self.report("rubbish", f"not a result, which is a JSON object: {quoted(data)}", number)
-            return False
-        scene_id = data.get("id")
-        if not isinstance(scene_id, str):
-            given = f"the id {quoted(scene_id)} is no text" if "id" in data else "it has no id"
+        elif not isinstance(scene_id, str):
+            given = f"the id {named} is no text" if "id" in data else "it has no id"
             self.report("rubbish", f"not a result: {given}", number)
-            return False
-        if scene_id not in self.asked:
-            self.report("unknown id", f"no scene has the id {quoted(scene_id)}", number)
-            return False
-        if scene_id in self.answers:
-            self.report(
-                "twice", f"{quoted(scene_id)} is answered again; the first answer counts", number
-            )
-            return False
-        self.answers[scene_id] = self._answer(number, scene_id, data)
-        return True
+        elif scene_id not in self.asked:
+            self.report("unknown id", f"no scene has the id {named}", number)
+        elif scene_id in self.answers:
+            self.report("twice", f"{named} is answered again; the first answer counts", number)
+        else:
+            self.answers[scene_id] = self._answer(number, scene_id, data)
+            return True
+        return False
 
     def _answer(self, number: int, scene_id: str, data: dict[str, Any]) -> Answer:
-        outcome, error = data.get("outcome"), data.get("error")
-        if outcome is not None and outcome not in get_args(Outcome):
-            near = _nearest(str(outcome), get_args(Outcome))
-            self.report(
-                "outcome",
-                f"{quoted(scene_id)}: {quoted(outcome)} is not an outcome{near}; "
-                f"the outcomes are {', '.join(get_args(Outcome))}",
-                number,
-            )
+        outcome, error, outcomes = data.get("outcome"), data.get("error"), get_args(Outcome)
+
+        def fault(kind: Kind, what: str) -> None:
+            self.report(kind, f"{quoted(scene_id)}: {what}", number)
+
+        if outcome is not None and outcome not in outcomes:
+            near = _nearest(str(outcome), outcomes)
+            known = f"the outcomes are {', '.join(outcomes)}"
+            fault("outcome", f"{quoted(outcome)} is not an outcome{near}; {known}")
             outcome = None
         for key in data:
             if key not in _TOP:
@@ -218,9 +198,7 @@ class Collector:
         for block in BLOCKS:
             held = data.get(block)
             if held is not None and not isinstance(held, dict):
-                self.report(
-                    "not a number", f"{quoted(scene_id)}: {block} is no JSON object", number
-                )
+                fault("not a number", f"{block} is no JSON object")
                 unreadable |= {name for name in QUANTITIES if name.startswith(f"{block}.")}
                 continue
             for key, given in (held or {}).items():
@@ -239,27 +217,17 @@ class Collector:
                     continue
                 unreadable.add(name)
                 needed = "a finite number" if QUANTITIES[name].size == 1 else "three finite numbers"
-                self.report(
-                    "not a number",
-                    f"{quoted(scene_id)}: {name} is {quoted(given)}; {needed} must stand there",
-                    number,
-                )
+                fault("not a number", f"{name} is {quoted(given)}; {needed} must stand there")
         path = None
         if (points := data.get("path")) is not None:
             try:
                 path = _points(points)
-            except ValueError as fault:
-                self.report("path", f"{quoted(scene_id)}: path: {fault}", number)
+            except ValueError as why:
+                fault("path", f"path: {why}")
                 unreadable.add("path.position")
-        return Answer(
-            scene_id,
-            cast(Outcome | None, outcome),
-            values,
-            frozenset(unreadable),
-            None if error is None else quoted(error, 200),
-            path,
-            told,
-        )
+        refused = None if error is None else quoted(error, 200)
+        outcome = cast(Outcome | None, outcome)
+        return Answer(scene_id, outcome, values, frozenset(unreadable), refused, path, told)
 
     def _report_key(self, number: int, key: str, known: Iterable[str], told: str = "{}") -> None:
         if key not in self._unknown and len(self._unknown) < KEPT:
@@ -323,14 +291,8 @@ def _value(given: Any, size: int) -> Value | None:
     return tuple(numbers)
 
 
-def _points(given: Any) -> NDArray[np.float64]:
-    """Return points as an array.
-
-    Raises
-    ------
-    ValueError
-        If they are no path; the message says why.
-    """
+def _points(given: Any) -> Array:
+    """Return points as an array; a ValueError says why they are no path."""
     if not isinstance(given, list) or len(given) < 2:
         raise ValueError("two points or more must stand there, [t, x, y, z] or with vx, vy, vz")
     if len(given) > MOST_POINTS:
@@ -345,9 +307,8 @@ def _points(given: Any) -> NDArray[np.float64]:
     back = np.flatnonzero(np.diff(points[:, 0]) <= 0)
     if back.size:
         i = int(back[0]) + 1
-        raise ValueError(
-            f"time does not go on at point {i}: {points[i - 1, 0]:g} s, then {points[i, 0]:g} s"
-        )
+        a, b = points[i - 1 : i + 1, 0]
+        raise ValueError(f"time does not go on at point {i}: {a:g} s, then {b:g} s")
     return points
 
 
@@ -375,22 +336,8 @@ def read_results(
 ) -> Collector:
     """Read a file of results: JSON Lines, or CSV if its name ends in .csv.
 
-    Parameters
-    ----------
-    path
-        The file.
-    asked
-        Ids of the scenes.
-    columns
-        CSV only: which quantity a column holds, where the column's name does not say so.
-        See `csv_columns`.
-
-    Raises
-    ------
-    OSError
-        If the file cannot be read.
-    BadTable
-        If it is a CSV file without an id column, or if `columns` does not fit.
+    `asked` are ids of scenes; `columns` tells which quantity a column of CSV holds, see
+    `csv_columns`, where its name does not say so. A `BadTable` has no id column, or not those.
     """
     collector = Collector(asked)
     with open(path, "rb") as file:
@@ -431,11 +378,7 @@ _TEXTS = ("id", "outcome", "error")
 
 
 def csv_columns() -> dict[str, tuple[str, int | None]]:
-    """Return what a column can hold: its name, the quantity, and which component.
-
-    ``id``, ``outcome``, ``error``; a number by its name, ``landing.distance``,
-    ``landing.position[0]``.
-    """
+    """Return the names that a column can have: of each the quantity, and which component."""
     columns: dict[str, tuple[str, int | None]] = {key: (key, None) for key in _TEXTS}
     for quantity in QUANTITIES.values():
         for component, name in enumerate(quantity.names):

@@ -13,7 +13,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.integrate import DOP853
 
 from longball.engines.contact import BatSection
@@ -24,22 +23,15 @@ from longball.engines.path import Flight, reaching
 from longball.engines.path_engine import PathEngine, View
 from longball.engines.polynomial import PolynomialPiece
 from longball.engines.taylor import right_hand_side
+from longball.model.arrays import Array
 from longball.model.law import PAPER, Law, State
 from longball.model.numbers import DOUBLES, Doubles
 
-Array = NDArray[np.float64]
-
 
 class Effort(threading.local):
-    """What flights of a thread have taken so far: so a verdict hangs on no other one's work.
+    """What flights of a thread have taken so far: so a verdict hangs on no other one's work."""
 
-    Attributes
-    ----------
-    steps
-        Of DOP853, of 0.2 ms or so; of what takes a part of that, the part.
-    """
-
-    steps = 0.0
+    steps = 0.0  # of DOP853, of 0.2 ms or so; of what takes a part of that, the part
 
 
 EFFORT = Effort()
@@ -52,11 +44,8 @@ TOLERANCE = 1e-11
 # s: a polynomial of degree five is off by 1e-9 m on such a step of a baseball's flight.
 LONGEST = 0.3
 
-# s: half of what a derivative is a difference over.
-_SHORT = 1e-4
-
-# A baseball's flight takes twenty, and one that a wrong law drives faster and faster any number.
-MOST_STEPS = 500
+_SHORT = 1e-4  # s: half of what a derivative is a difference over
+MOST_STEPS = 500  # a baseball's flight takes twenty, and one that a wrong law drives on any number
 
 
 @dataclass(frozen=True)

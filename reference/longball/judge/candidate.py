@@ -18,57 +18,37 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import IO, cast
+from typing import IO, Any, NamedTuple, cast
 
 from longball.judge.answers import LONGEST_LINE, Collector, quoted
 from longball.judge.fresh import as_csv
 from longball.model.scene import Scene, ids_of
 
 CHUNK = 1 << 16  # bytes read or written at a time
-
 MOST_FAULTS = 10_000  # lines of output that are no answers
 
 
 @dataclass(frozen=True)
 class Limits:
-    """What a candidate may take.
+    """What a candidate may take."""
 
-    Attributes
-    ----------
-    scene_seconds
-        s that may pass without an answer to another scene; also what it may take to start, and
-        to end after its last answer.
-    total_seconds
-        s in all.
-    output_bytes
-        Of standard output in all. Five thousand bytes are a long result; the default is fifty
-        thousand of them.
-    error_bytes
-        Of standard error that are kept, the last ones.
-    """
-
+    # s that may pass without an answer to another scene; also what it may take to start, and to end
+    # after its last answer.
     scene_seconds: float = 10.0
-    total_seconds: float = 3600.0
+    total_seconds: float = 3600.0  # s in all
+    # Of standard output in all. Five thousand bytes are a long result; the default is fifty
+    # thousand of them.
     output_bytes: int = 1 << 28
-    error_bytes: int = 1 << 13
+    error_bytes: int = 1 << 13  # of standard error that are kept, the last ones
 
 
 @dataclass(frozen=True)
 class Run:
-    """How a candidate ran.
+    """How a candidate ran."""
 
-    Attributes
-    ----------
-    collected
-        Its answers, and what is wrong with them and with its conduct.
-    errors
-        The end of its standard error.
-    status
-        Its exit status; negative: the signal that ended it. None if it was stopped.
-    """
-
-    collected: Collector
-    errors: str
+    collected: Collector  # its answers, and what is wrong with them and with its conduct
+    errors: str  # the end of its standard error
+    # Its exit status; negative: the signal that ended it. None if it was stopped.
     status: int | None
 
 
@@ -79,25 +59,10 @@ def run(
     progress: Callable[[int], None] = lambda answered: None,
     table: bool = False,
 ) -> Run:
-    """Let a candidate answer scenes.
+    """Let a candidate answer scenes; an OSError if it cannot be started.
 
-    Parameters
-    ----------
-    command
-        Program and arguments; no shell reads them.
-    scenes
-        What it is asked, each with an id of its own.
-    limits
-        What it may take; `Limits()` if not given.
-    progress
-        Called with the number of scenes answered whenever that grows.
-    table
-        Whether scenes are written and results read as CSV, with a header.
-
-    Raises
-    ------
-    OSError
-        If the program cannot be started.
+    No shell reads the command. `progress` is called with the number of scenes answered whenever
+    that grows. A `table` is CSV with a header, of scenes and results.
     """
     session = _Session(command, scenes, limits or Limits(), progress, table)
     try:
@@ -105,15 +70,14 @@ def run(
         session.finish()
     finally:
         session.clear()
-    return session.result()
+    errors = session.errors.decode("utf-8", errors="replace")
+    return Run(session.collected, errors, session.status)
 
 
 class _Session:
-    """A candidate's process, and what passes between it and us.
+    """A candidate's process, and what passes between it and us."""
 
-    A single thread waits for whichever of the three pipes is ready, so that neither side can
-    block the other, whatever is buffered where.
-    """
+    # A single thread waits for whichever of the three pipes is ready: neither side can block.
 
     def __init__(
         self,
@@ -138,19 +102,14 @@ class _Session:
         self.status: int | None = None
         self.stopped = False
         self.mark = uuid.uuid4().hex
+        pipes: dict[str, Any] = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.PIPE)
+        environment = os.environ | {MARK: self.mark}
         self.process = subprocess.Popen(
-            command,
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            bufsize=0,
-            start_new_session=True,
-            env=os.environ | {MARK: self.mark},
+            command, **pipes, bufsize=0, start_new_session=True, env=environment
         )
         self.started = self.latest = time.monotonic()
-        self.stdin = cast(IO[bytes], self.process.stdin)
-        self.stdout = cast(IO[bytes], self.process.stdout)
-        self.stderr = cast(IO[bytes], self.process.stderr)
+        streams = self.process.stdin, self.process.stdout, self.process.stderr
+        self.stdin, self.stdout, self.stderr = (cast(IO[bytes], stream) for stream in streams)
         self.selector = selectors.DefaultSelector()
         for pipe, ready, handle in (
             (self.stdin, selectors.EVENT_WRITE, self._write),
@@ -174,9 +133,8 @@ class _Session:
             elif self._missing():
                 self._stop(f"no answer came for {limits.scene_seconds:g} s")
             else:
-                self._stop(
-                    f"it did not end within {limits.scene_seconds:g} s after its last answer"
-                )
+                patient = f"{limits.scene_seconds:g} s after its last answer"
+                self._stop(f"it did not end within {patient}")
         for line in self.splitter.rest():
             self._take(line)
 
@@ -195,9 +153,8 @@ class _Session:
                 self._wait(min(left, 0.05))
         self.status = self.process.poll()
         if self.status is None:
-            self._stop(
-                f"it closed its output, but did not end within {self.limits.scene_seconds:g} s"
-            )
+            patience = f"{self.limits.scene_seconds:g} s"
+            self._stop(f"it closed its output, but did not end within {patience}")
         elif self.status < 0:
             names = {s.value: s.name for s in signal.Signals}
             self._report(f"it was ended by signal {names.get(-self.status, -self.status)}")
@@ -216,11 +173,6 @@ class _Session:
         for pipe in (self.stdin, self.stdout, self.stderr):
             self._close(pipe)
         self.selector.close()
-
-    def result(self) -> Run:
-        """Return how it ran."""
-        errors = self.errors.decode("utf-8", errors="replace")
-        return Run(self.collected, errors, self.status)
 
     # --- the three pipes --------------------------------------------------------------------------
 
@@ -267,8 +219,6 @@ class _Session:
                 self.selector.unregister(pipe)
             pipe.close()
 
-    # --- what is made of it -----------------------------------------------------------------------
-
     def _take(self, line: Line) -> None:
         if line.text is None:
             self.collected.report("rubbish", f"longer than {LONGEST_LINE} bytes", line.number)
@@ -284,9 +234,9 @@ class _Session:
     def _report(self, what: str) -> None:
         answered, asked = len(self.collected.answers), len(self.collected.asked)
         sentence = f"the candidate: {what}; it answered {answered} of {asked} scenes"
-        silent = [scene_id for scene_id in self.ids if scene_id not in self.collected.answers]
-        if silent:
-            sentence += f", and {quoted(silent[0])} is the first without an answer"
+        silent = next((name for name in self.ids if name not in self.collected.answers), None)
+        if silent is not None:
+            sentence += f", and {quoted(silent)} is the first without an answer"
         self.collected.report("process", sentence)
 
     def _stop(self, why: str) -> None:
@@ -294,11 +244,7 @@ class _Session:
         self._report(f"{why}, and was stopped")
 
 
-# --- lines ----------------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class Line:
+class Line(NamedTuple):
     """A line of output and its number, from 1; `text` is None if it is too long to keep."""
 
     number: int
@@ -336,8 +282,7 @@ class Splitter:
     def _line(self) -> Line:
         self._number += 1
         line = Line(self._number, None if self._overflowed else bytes(self._held))
-        self._overflowed = False
-        self._held.clear()
+        self._overflowed, self._held = False, bytearray()
         return line
 
 

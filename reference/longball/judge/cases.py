@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice
 from typing import Protocol
@@ -99,18 +99,11 @@ def attainable(case: Case, quantity: str) -> float:
     return error
 
 
-# The golden data's flag of an outcome that a few ulps of an input decide: whoever answers with
-# another one, in double precision, need not be wrong (header.json).
-FRAGILE = "fragile"
-
-# The flag of a ball that comes to the ground or a fence, or passes it, at a small angle.
-TANGENTIAL = "tangential"
-
-# The flag of a ball that passes a corner of the fence closely.
-VERTEX = "vertex"
-
-# Pieces of a flight that are looked at: a loop has some six.
-MOST_PIECES = 1000
+# Flags of the golden data (header.json): of an outcome that a few ulps of an input decide, so that
+# another one need not be wrong; of a ball that meets the ground or a fence at a small angle.
+FRAGILE, TANGENTIAL = "fragile", "tangential"
+VERTEX = "vertex"  # the flag of a ball that passes a corner of the fence closely
+MOST_PIECES = 1000  # pieces of a flight that are looked at: a loop has some six
 
 
 def decidable(case: Case) -> bool:
@@ -163,9 +156,6 @@ def passes_corner_within_errors(case: Case) -> bool:
     error = SLACK * 2.0**-53
     found = stop_at(scene.fence, frame, start.s, 1, error, DOUBLES)
     return found.place.to_break <= error * abs(found.s)
-
-
-# --- the accuracy required ------------------------------------------------------------------------
 
 
 class Profile(ABC):
@@ -288,10 +278,7 @@ class Paper(Profile):
     def truths(self, cases: Sequence[Case]) -> Sequence[Case]:
         """Return the cases as the scheme answers them."""
         engine = self.engine()
-        return [
-            Known(case.scene, solve(case.scene, engine), case.family, tuple(case.flags))
-            for case in cases
-        ]
+        return [Known(c.scene, solve(c.scene, engine), c.family, tuple(c.flags)) for c in cases]
 
     def tolerance(self, case: Case, quantity: str, expected: Value) -> float:
         """Return the largest error that passes; see `Profile.tolerance`."""
@@ -308,19 +295,12 @@ def as_profile(given: Profile | str | None) -> Profile:
 
 
 def profile(name: str, tolerance: float | None = None, dt: float | None = None) -> Profile:
-    """Return a profile by name.
-
-    Raises
-    ------
-    ValueError
-        If there is none of that name, or if it does not take what is given.
-    """
+    """Return a profile by name; a ValueError if there is none, or it takes no such number."""
     if tolerance is not None and name != "converged":
         raise ValueError(f"profile {name} takes no tolerance; only converged does")
     if dt is not None and name != "paper":
         raise ValueError(f"profile {name} takes no time step; only paper does")
-    kinds: dict[str, Callable[..., Profile]]
-    kinds = {"exact": Exact, "converged": Converged, "paper": Paper}
+    kinds: dict[str, type[Profile]] = {"exact": Exact, "converged": Converged, "paper": Paper}
     if name not in kinds:
         raise ValueError(f"there is no profile {name!r}; the profiles are {', '.join(kinds)}")
     return kinds[name](*(x for x in (tolerance, dt) if x is not None))

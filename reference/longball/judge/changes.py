@@ -14,29 +14,15 @@ from longball.model.readings import Reading
 
 @dataclass(frozen=True)
 class Mistake:
-    """A known mistake in the parts of the chain.
+    """A known mistake in the parts of the chain."""
 
-    Attributes
-    ----------
-    name
-        For programs.
-    sentence
-        What the candidate does, said to its author.
-    remedy
-        How to mend it.
-    change
-        The chain with the mistake in it.
-    switches
-        Whether the law jumps somewhere, so that a candidate's own step across may leave much.
-    scaled
-        The parameter that a number of the candidate's own then goes into, if there may be one.
-    """
-
-    name: str
-    sentence: str
-    remedy: str
-    change: Change
+    name: str  # for programs
+    sentence: str  # what the candidate does, said to its author
+    remedy: str  # how to mend it
+    change: Change  # the chain with the mistake in it
+    # Whether the law jumps somewhere, so that a candidate's own step across may leave much.
     switches: bool = False
+    # The parameter that a number of the candidate's own then goes into, if there may be one.
     scaled: str | None = None
 
 

@@ -11,12 +11,11 @@ from collections.abc import Callable, Iterator, Sequence
 from decimal import Decimal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longball.engines.fence import chords
 from longball.judge.explanations import (
-    Checked,
     Explanation,
+    Seen,
     Sought,
     evenly,
     share_by,
@@ -34,16 +33,16 @@ from longball.judge.stages import (
     Check,
     Placed,
     Trial,
+    Trials,
     along_chord,
     follow,
     placed,
     view_values,
 )
 from longball.judge.steps import ROUND_STEPS, SHORTEST, FixedStep, common_step
+from longball.model.arrays import Array
 from longball.model.numbers import DOUBLES
 from longball.model.scene import landing_height
-
-Array = NDArray[np.float64]
 
 # The heights at which a candidate may let the ball land instead: above the ground, m.
 _SURFACES: tuple[tuple[str, str, str, Callable[[Trial], float]], ...] = (
@@ -63,11 +62,8 @@ _SURFACES: tuple[tuple[str, str, str, Callable[[Trial], float]], ...] = (
 )  # fmt: skip
 
 
-# Places beside the fence that are enough to tell what they have in common.
-FEWEST_PLACES = 3
-
-# Of landings, how many may be elsewhere for another reason.
-FEW_OTHERS = 0.05
+FEWEST_PLACES = 3  # places beside the fence that are enough to tell what they have in common
+FEW_OTHERS = 0.05  # of landings, how many may be elsewhere for another reason
 
 
 def _stays(trial: Trial) -> bool:
@@ -79,9 +75,8 @@ def _stays(trial: Trial) -> bool:
 
 
 def _launch_height(trial: Trial) -> float:
-    if trial.scene.kind == "flight":
-        return float(trial.scene.launch.position[2])
-    return trial.given["contact.position"][2]
+    flight = trial.scene.kind == "flight"
+    return float((trial.scene.launch.position if flight else trial.given["contact.position"])[2])
 
 
 def _lands(trial: Trial) -> bool:
@@ -89,68 +84,60 @@ def _lands(trial: Trial) -> bool:
     return bool(abs(trial.given["landing.position"][2] - landing_height(trial.scene)) <= CLOSE)
 
 
-def _where(wrong: Sequence[Checked], right: Sequence[Trial]) -> str:
+def _where(wrong: Trials, right: Trials) -> str:
     """Return where flights end elsewhere, and not at the ground, by its height."""
-    heights = [float(t.scene.ground.height) for t, _ in wrong]
-    others = [float(t.scene.ground.height) for t in right]
-    if max(heights) < min(0.0, *others):
+    heights = [float(t.scene.ground.height) for t in (*wrong, *right)]
+    there, others = heights[: len(wrong)], (0.0, *heights[len(wrong) :])
+    if max(there) < min(others):
         return "where ground.height is negative"
-    if min(heights) > max(0.0, *others):
-        return "where ground.height is positive"
-    return "in some scenes"
+    return "where ground.height is positive" if min(there) > max(others) else "in some scenes"
 
 
-def ends(
-    stage: str, chosen: Sequence[Checked], trials: Sequence[Trial], dt: float | None
-) -> Iterator[Explanation]:
-    """Yield where the ball is when the candidate says that a landing or a plate is reached.
+# Of a flight's end: the axis across the surface, the velocity there, and what the surface is.
+_ENDS = {
+    "landing": (2, "landing.velocity", "the ground"),
+    "plate": (0, "plate.velocity", "the plate"),
+}
 
-    Parameters
-    ----------
-    stage, chosen
-        "landing" or "plate"; trials in which it fails, with its checks.
-    trials
-        All of them.
-    dt
-        s, the candidate's step, if it is known.
-    """
-    event = chosen[0][1][0].quantity
+
+def ends(stage: str, chosen: Seen, trials: Trials, dt: float | None) -> Iterator[Explanation]:
+    """Yield where the ball is when a candidate says that it lands, or is at the "plate"."""
+    # `chosen` are those of `trials` in which that fails; `dt` is the step in s, if it is known.
+    event, wrong = chosen[0][1][0].quantity, [t for t, _ in chosen]
     offs = np.array([c.obtained[0] - c.expected[0] for _, cs in chosen for c in cs[:1]])
-    if stage == "landing" and all(map(_stays, (t for t, _ in chosen))):
+    landing = stage == "landing"
+    if landing and all(map(_stays, wrong)):
         yield Explanation(
             "landing-is-launch", "gives the launch as the landing", "look for the ground behind "
             "the launch, and say airborne where it is not reached", quantity=event,
         )  # fmt: skip
-    elif stage == "landing" and all(
-        t.given.get("fence.position") == t.given["landing.position"] for t, _ in chosen
+    elif landing and all(
+        t.given.get("fence.position") == t.given["landing.position"] for t in wrong
     ):
         yield Explanation(
             "landing-at-fence", "gives the place where the ball crosses the fence for the landing",
             "let the ball fly on to the ground", quantity=event,
         )  # fmt: skip
-    elif stage == "landing":
+    elif landing:
         grounded = [t for t in trials if "landing.position" in t.given and _lands(t)]
         for name, sentence, remedy, above in _SURFACES:
             try:
-                heights = np.array([above(t) for t, _ in chosen])
+                heights = np.array([*map(above, wrong)])
                 right = [t for t in grounded if above(t)]
             except KeyError:
                 continue
             if heights.any() and np.allclose(offs, heights, rtol=1e-6, atol=1e-9):
                 if right:  # it is not always so
-                    sentence = f"{sentence.partition(', whatever')[0]}, {_where(chosen, right)}"
+                    sentence = f"{sentence.partition(', whatever')[0]}, {_where(wrong, right)}"
                 yield Explanation(name, sentence, remedy, quantity=event)
-        yield from _scaled_ground(chosen, trials, event)
+        yield from _scaled_ground(wrong, trials, event)
     low, high = float(offs.min()), float(offs.max())
-    surface = "the ground" if stage == "landing" else "the plate"
     if high - low <= 1e-6 * max(abs(low), abs(high)):
         size = told(float(offs.mean()), (high - low) / 2)
-        yield Explanation(
-            f"{stage}-offset", f"ends the flight {size} m off {surface}, always", None, 0.0, 1,
-            quantity=event,
-        )  # fmt: skip
+        sentence = f"ends the flight {size} m off {_ENDS[stage][2]}, always"
+        yield Explanation(f"{stage}-offset", sentence, None, 0.0, 1, quantity=event)
     else:
-        yield from _at_steps(stage, [t for t, _ in chosen], offs, dt or grid(stage, trials))
+        yield from _at_steps(stage, wrong, offs, dt or grid(stage, trials))
 
 
 # What is zero where a candidate may let ball and bat touch instead: from the place of the ball
@@ -167,7 +154,7 @@ _CONTACTS: tuple[tuple[str, str, str, Callable[[Sequence[float], float], float]]
 )  # fmt: skip
 
 
-def touchings(wrong: Sequence[Checked], base: Change) -> Iterator[Explanation]:
+def touchings(wrong: Seen, base: Change) -> Iterator[Explanation]:
     """Yield where else ball and bat touch, if that is so in every scene with such an error."""
     events = [c for _, cs in wrong for c in cs if c.quantity.endswith("event") and not c.follows]
     if len(events) < ENOUGH:
@@ -186,7 +173,7 @@ def touchings(wrong: Sequence[Checked], base: Change) -> Iterator[Explanation]:
             yield Explanation(name, sentence, remedy)
 
 
-def fences(wrong: Sequence[Checked], base: Change) -> Iterator[Explanation]:
+def fences(wrong: Seen, base: Change) -> Iterator[Explanation]:
     """Yield what is wrong with when or where a ball passes the fence."""
 
     def mend(trial: Trial) -> Trial:
@@ -213,19 +200,14 @@ def fences(wrong: Sequence[Checked], base: Change) -> Iterator[Explanation]:
 def _beyond_chord(trial: Trial, place: Sequence[float]) -> bool:
     """Tell whether a place is on the line of a chord of the fence, and beyond its ends."""
     x, y, _ = place
-    for chord in chords(trial.scene.fence.polyline or (), DOUBLES):
-        along, aside, length = along_chord(chord, x, y)
-        if abs(aside) < CLOSE and not 0 <= along <= length:
-            return True
-    return False
+    beside = (along_chord(c, x, y) for c in chords(trial.scene.fence.polyline or (), DOUBLES))
+    return any(abs(aside) < CLOSE and not 0 <= along <= end for along, aside, end in beside)
 
 
-def _scaled_ground(
-    chosen: Sequence[Checked], trials: Sequence[Trial], event: str
-) -> Iterator[Explanation]:
+def _scaled_ground(wrong: Trials, trials: Trials, event: str) -> Iterator[Explanation]:
     """Yield by what the height of the ground is multiplied, if that is so wherever a ball lands."""
-    ratios = [_ground_told(t) / t.scene.ground.height for t, _ in chosen if t.scene.ground.height]
-    if len(ratios) < len(chosen) or len(set(ratios)) < 2:
+    ratios = [_ground_told(t) / t.scene.ground.height for t in wrong if t.scene.ground.height]
+    if len(ratios) < len(wrong) or len(set(ratios)) < 2:
         return
     doubt = float(np.ptp(ratios)) / 2
     factor = roundest(float(np.median(ratios)), max(doubt, 1e-9))
@@ -248,10 +230,10 @@ def _ground_told(trial: Trial) -> float:
 
 
 def _at_steps(
-    stage: str, trials: Sequence[Trial], offs: np.ndarray, dt: float | None
+    stage: str, trials: Trials, offs: np.ndarray, dt: float | None
 ) -> Iterator[Explanation]:
     """Yield that a flight ends at a step, if all ends are nearer to the surface than a step."""
-    axis, velocity = (2, "landing.velocity") if stage == "landing" else (0, "plate.velocity")
+    axis, velocity, _ = _ENDS[stage]
     speeds = [abs(t.given[velocity][axis]) if velocity in t.given else math.inf for t in trials]
     side = 1 if offs.min() >= 0 else -1 if offs.max() <= 0 else 0
     share = 1.1 if side else 0.6  # of a step, how far its end may be
@@ -273,13 +255,12 @@ def _at_steps(
     )  # fmt: skip
 
 
-# s: a flight that ends nearer to the surface than this does so by a root that is found no better.
-_LOOSE = 1e-5
+_LOOSE = 1e-5  # s: an end nearer to the surface than this is that of a root found no better
 
 
-def beside_surface(stage: str, wrong: Sequence[Checked]) -> Iterator[Explanation]:
+def beside_surface(stage: str, wrong: Seen) -> Iterator[Explanation]:
     """Yield by how much flights that follow go on behind the surface, or end before it."""
-    axis, name = (2, "landing.velocity") if stage == "landing" else (0, "plate.velocity")
+    axis, name, where = _ENDS[stage]
     offs, late = [], []
     for trial, (check, *_) in wrong:
         speed = abs(trial.given.get(name, (0.0, 0.0, 0.0))[axis])
@@ -287,7 +268,6 @@ def beside_surface(stage: str, wrong: Sequence[Checked]) -> Iterator[Explanation
         late.append(-offs[-1] / speed if speed else math.inf)
     if len(late) < ENOUGH or not all(map(math.isfinite, late)):
         return
-    where = "the ground" if stage == "landing" else "the plate"
     side = "behind" if min(late) > 0 else "before" if max(late) < 0 else "before or behind"
     most = max(map(abs, late))
     loose = "; a root is found no better" if most < _LOOSE else ""
@@ -299,21 +279,15 @@ def beside_surface(stage: str, wrong: Sequence[Checked]) -> Iterator[Explanation
     )  # fmt: skip
 
 
-def grid(stage: str, trials: Sequence[Trial]) -> float | None:
+def grid(stage: str, trials: Trials) -> float | None:
     """Return the step of which all times of a stage are multiples."""
-    names = ("plate.time",) if stage in ("pitch", "plate") else (
-        "landing.hang_time", "landing.time")  # fmt: skip
-    for name in names:
-        times = [t.given[name][0] for t in trials if name in t.given]
-        if (step := common_step(times)) is not None:
-            return step
-    return None
+    landing = ("landing.hang_time", "landing.time")
+    names = ("plate.time",) if stage in ("pitch", "plate") else landing
+    steps = (common_step([t.given[n][0] for t in trials if n in t.given]) for n in names)
+    return next((step for step in steps if step is not None), None)
 
 
-# --- clocks ---------------------------------------------------------------------------------------
-
-
-def clocks(stage: str, chosen: Sequence[Checked], base: Change) -> Iterator[Explanation]:
+def clocks(stage: str, chosen: Seen, base: Change) -> Iterator[Explanation]:
     """Yield what is wrong with times of points that lie on the true path."""
     places = [p for t, _ in chosen if (p := placed(t, base, stage))]
     if len(places) < 2 or sum(p.off for p in places) > 0.05 * sum(p.moved for p in places):
@@ -321,66 +295,53 @@ def clocks(stage: str, chosen: Sequence[Checked], base: Change) -> Iterator[Expl
     clock, times = np.array([p.clock for p in places]), np.array([p.time for p in places])
     middle, doubt = float(np.median(clock)), float(np.ptp(clock)) / 2
     ratios = times / np.maximum(times - clock, 1e-12)
-    ratio = float(np.median(ratios))
-    on_path = f"the points lie on the true path, within {max(p.off for p in places):.1e} m; "
-
-    def told_of(
-        name: str, sentence: str, right: Callable[[Trial, float, str], float], rank: float,
-        remedy: str | None = None, step: float | None = None,
-    ) -> Explanation:  # fmt: skip
-        def mend(trial: Trial) -> Trial:
-            # The same clock tells when ball and bat touch.
-            timed = {"plate.time": stage, "contact.time": "touching"} if stage == "pitch" else {
-                "landing.time": stage, "landing.hang_time": stage}  # fmt: skip
-            given = trial.given
-            mended = {name: right(trial, given[name][0], which)
-                      for name, which in timed.items() if name in given}  # fmt: skip
-            if "contact.time" in mended:  # since when the batted ball flies
-                by = mended["contact.time"] - given["contact.time"][0]
-                later = (name for name in ("fence.time", "landing.time") if name in given)
-                mended |= {name: given[name][0] + by for name in later}
-            return trial.saying({name: (time,) for name, time in mended.items()})
-
-        def left(trial: Trial, checks: Sequence[Check]) -> float:
-            known = {c.quantity for c in checks}
-            mended = follow(mend(trial), base, (stage,))
-            return sum(size_of(c) for c in mended if c.quantity in known)
-
-        return Explanation(
-            name, on_path + sentence, remedy, share_by(chosen, left), rank, mend=mend, step=step,
-            stage="time",
-        )  # fmt: skip
-
+    ratio, rank, step = float(np.median(ratios)), 0, None
+    remedy: str | None = None
     if doubt < 1e-3 * abs(middle):
-        yield told_of(
-            "clock-offset",
-            f"the clock is {'ahead' if middle > 0 else 'behind'} by {told(abs(middle), doubt)} s "
-            f"in all, as if a step were counted {'twice' if middle > 0 else 'too late'}",
-            lambda trial, time, which: time - middle, 0,
-            "let the time of a state be that of the same step", abs(middle),
-        )  # fmt: skip
+        name, step = "clock-offset", abs(middle)
+        sentence = f"the clock is {'ahead' if middle > 0 else 'behind'} by {told(step, doubt)} s "
+        sentence += f"in all, as if a step were counted {'twice' if middle > 0 else 'too late'}"
+        remedy = "let the time of a state be that of the same step"
     elif np.ptp(ratios) < 1e-3 * abs(ratio - 1):
-        yield told_of("clock-rate", f"the clock runs {told(ratio, 0)} times as fast",
-                      lambda trial, time, which: time / ratio, 0)  # fmt: skip
+        name, sentence = "clock-rate", f"the clock runs {told(ratio, 0)} times as fast"
+    elif decimals := _rounded_to(times, clock):
+        name, rank, remedy = "times-rounded", 3, ALL_DIGITS
+        sentence = f"its times are rounded to {many(decimals, 'decimal')}"
     else:
-        name, remedy = "clock", "look at how the time of the event is counted"
+        name, rank, remedy = "clock", 3, "look at how the time of the event is counted"
         sentence = f"its times are off by {clock.min():.3g} to {clock.max():.3g} s"
-        if decimals := _rounded_to(times, clock):
-            name, remedy = "times-rounded", ALL_DIGITS
-            sentence = f"its times are rounded to {many(decimals, 'decimal')}"
-        yield told_of(
-            name, sentence,
-            lambda trial, time, which: (
-                time - (q.clock if (q := placed(trial, base, which)) else 0.0)), 3,
-            remedy,
-        )  # fmt: skip
+
+    def right(trial: Trial, time: float, which: str) -> float:
+        if rank == 0:
+            return time / ratio if step is None else time - middle
+        return time - (place.clock if (place := placed(trial, base, which)) else 0.0)
+
+    def mend(trial: Trial) -> Trial:
+        # The same clock tells when ball and bat touch.
+        timed = {"plate.time": stage, "contact.time": "touching"} if stage == "pitch" else {
+            "landing.time": stage, "landing.hang_time": stage}  # fmt: skip
+        given = trial.given
+        mended = {n: right(trial, given[n][0], which) for n, which in timed.items() if n in given}
+        if "contact.time" in mended:  # since when the batted ball flies
+            by = mended["contact.time"] - given["contact.time"][0]
+            later = (name for name in ("fence.time", "landing.time") if name in given)
+            mended |= {name: given[name][0] + by for name in later}
+        return trial.saying({name: (time,) for name, time in mended.items()})
+
+    def left(trial: Trial, checks: Sequence[Check]) -> float:
+        known = {c.quantity for c in checks}
+        mended = follow(mend(trial), base, (stage,))
+        return sum(size_of(c) for c in mended if c.quantity in known)
+
+    yield Explanation(
+        name, f"the points lie on the true path, within {max(p.off for p in places):.1e} m; "
+        f"{sentence}", remedy, share_by(chosen, left), rank, mend=mend, step=step, stage="time",
+    )  # fmt: skip
 
 
 def _rounded_to(times: Array, clock: Array) -> int:
-    """Return how many decimals times are rounded to; 0 if what they are off by is not of that.
-
-    Times of steps that are never the nearest ones are cut off, and not rounded.
-    """
+    """Return how many decimals times are rounded to; 0 if they are not off by that."""
+    # Times of steps that are never the nearest ones are cut off, and not rounded.
     exponents = (Decimal(f"{time:.12g}").normalize().as_tuple().exponent for time in times)
     decimals = max(-int(exponent) for exponent in exponents)
     unit = 10.0**-decimals
@@ -388,11 +349,10 @@ def _rounded_to(times: Array, clock: Array) -> int:
     return decimals if near and 0 < decimals <= FEW_DECIMALS else 0
 
 
-# Of what a velocity is off, what may be left where it is that of another time.
-_SAME_PATH = 1e-3
+_SAME_PATH = 1e-3  # of what a velocity is off, what may be left where it is that of another time
 
 
-def velocities_of_another_time(wrong: Sequence[Checked], base: Change) -> Iterator[Explanation]:
+def velocities_of_another_time(wrong: Seen, base: Change) -> Iterator[Explanation]:
     """Yield by how much earlier, or later, the velocities at the landing are those of the path."""
     places = [(t, placed(t, base, "landing velocity")) for t, _ in evenly(wrong, _MANY)]
     known = [(t, place) for t, place in places if place and _is_bent(place)]
@@ -455,41 +415,37 @@ def _off_chord(dt: float, place: Placed) -> float:
     return math.dist([p + (q - p) * share for p, q in zip(a, b, strict=True)], place.point)
 
 
-# s: a second difference over this is an acceleration, to six digits.
-_TICK = 1e-3
+_TICK = 1e-3  # s: a second difference over this is an acceleration, to six digits
 
 # What a straight line, or a parabola in a vacuum, leaves of the way that the ball makes in the last
 # step is along its acceleration, to this share, since that changes little in a step.
 _ALONG = 0.03
 
-# Of the acceleration, the share across the velocity with which its direction tells something.
-_ACROSS = 0.1
+_ACROSS = 0.1  # of the acceleration, the share across the velocity with which its direction tells
 
 # How many times as large it is in one scene as in another, by where in a step the end is: nine in
 # ten of them, and one in ten. Of laws and schemes it is the same, or goes with the time of flight.
 _SPREAD = 1.8
 
-# Scenes that are enough to see that.
-_MANY = 40
+_MANY = 40  # scenes that are enough to see that
 
 
-def between_steps(stage: str, wrong: Sequence[Checked], base: Change) -> Iterator[Explanation]:
+def between_steps(stage: str, wrong: Seen, base: Change) -> Iterator[Explanation]:
     """Yield that an event is off the true path by what the way from a step to it leaves out.
 
     At "landing velocity", that the velocity there is so. On a way that is hardly bent across, any
     error lies along what is left out, and tells nothing.
     """
-    places = [
-        (t, p) for t, _ in evenly(wrong, _MANY) if (p := placed(t, base, stage)) and _is_bent(p)
-    ]
+    known = ((t, placed(t, base, stage)) for t, _ in evenly(wrong, _MANY))
+    places = [(t, p) for t, p in known if p and _is_bent(p)]
     if len(places) < ENOUGH:
         return
     times = np.array([p.time for _, p in places])
-    event, where = ("plate", "the plate") if stage == "pitch" else ("landing", "the ground")
+    event = "plate" if stage == "pitch" else "landing"
+    where = _ENDS[event][2]
     if stage == "landing velocity":
-        by = np.array(
-            [np.subtract(t.given["landing.velocity"], p.velocity(p.time)) for t, p in places]
-        )
+        said = ((t.given["landing.velocity"], p) for t, p in places)
+        by = np.array([np.subtract(velocity, p.velocity(p.time)) for velocity, p in said])
         event, what, unit = stage, "landing.velocity is off that of the true path", "m/s"
         ways = [("on a straight line", np.array([_bend(p.velocity, p.time) for _, p in places]))]
     else:
@@ -497,10 +453,8 @@ def between_steps(stage: str, wrong: Sequence[Checked], base: Change) -> Iterato
         what, unit = "the end is off the true path", "m"
         bent = np.array([_bend(p.way, p.time) for _, p in places])
         weight = np.array([(0.0, 0.0, -float(t.scene.gravity)) for t, _ in places])
-        ways = [
-            ("on a straight line, or stays on that to the next step", bent),
-            ("by a parabola without the air", bent - weight),
-        ]
+        ways = [("on a straight line, or stays on that to the next step", bent),
+                ("by a parabola without the air", bent - weight)]  # fmt: skip
     for way, missing in ways:
         squares = (missing**2).sum(axis=1)
         if not (np.isfinite(by).all() and np.isfinite(squares).all() and squares.all()):

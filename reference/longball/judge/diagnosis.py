@@ -31,6 +31,7 @@ from longball.judge.explanations import (
     NAMED,
     Checked,
     Explanation,
+    Seen,
     Sought,
     Work,
     doubt_of,
@@ -51,6 +52,7 @@ from longball.judge.stages import (
     Change,
     Check,
     Trial,
+    Trials,
     follow,
     followed,
     half_unit,
@@ -60,24 +62,19 @@ from longball.judge.stages import (
 from longball.judge.steps import FixedStep, schemes
 from longball.model.readings import Reading
 
-# Scenes that an explanation is sought in, failing and passing ones; it is then held against all.
-SOUGHT, BESIDE = 10, 4
-
-# Scenes of each kind in which it is seen what an explanation does to other stages.
-OTHERS = 3
+SOUGHT, BESIDE = 10, 4  # failing and passing scenes that an explanation is sought in, before all
+OTHERS = 3  # scenes of each kind in which it is seen what an explanation does to other stages
 
 # Of wrong answers, those in which no stage can be told to be wrong, such as grazes that doubles
 # hardly decide: beside a cause that is named, so few are not worth a line.
 FEW_UNSEEN = 0.05
 
-# What is told of a stage whose errors are made elsewhere.
-RIGHT = {"wrong": 0, "worst": 0.0, "example": None}
+RIGHT = {"wrong": 0, "worst": 0.0, "example": None}  # of errors made elsewhere
 
 # Where a wrong flight ends is seen to be on the surface, and no more: not that it is there in time.
 ENDS_OF = {"plate": "pitch", "landing": "flight", "landing velocity": "flight"}
 
-# What the impact tells besides numbers, which a change of it may change.
-MADE = ("impact.mode",)
+MADE = ("impact.mode",)  # what the impact tells besides numbers, which a change of it may change
 
 # Scenes with these flags magnify the errors of flights under laws other than longball's; where one
 # in so many of them is wrong with an explanation at hand, it is that explanation's own error.
@@ -87,17 +84,10 @@ KEEN, ONE_IN = frozenset(("vertical", "grazing")), 5
 # behind them. Below the second one nothing is sought.
 FINE, FAINT = 1e-7, 1e-10
 
-# Of the largest relative error of any stage: a stage below it is not where the trouble begins.
-MINOR = 1e-3
-
-# Of the errors, what a scheme leaves that is the candidate's own: the judge's steps are the same.
-DOUBT_OF_STEPS = 1e-6
-
-# Steps of all flights together that are followed with a scheme.
-MOST_STEPS = 15_000
-
-# What stands for a factor of k = ρ A/(2 m).
-STRENGTH = "air.density*"
+MINOR = 1e-3  # of the largest relative error of any stage: below it is not where the trouble begins
+DOUBT_OF_STEPS = 1e-6  # of the errors, what a scheme leaves that is the candidate's own
+MOST_STEPS = 15_000  # steps of all flights together that are followed with a scheme
+STRENGTH = "air.density*"  # what stands for a factor of k = ρ A/(2 m)
 
 # Stages in which a graze makes errors of what comes before it a thousand times as large.
 INHERITING = ("touching", "normal speed", "velocity after")
@@ -126,8 +116,7 @@ OF_ORDER = (
     "a step"
 )
 
-# Explanations that are looked at as one at a stage, the second for what the first has left.
-ROUNDS = 3
+ROUNDS = 3  # explanations at one stage, each for what the one before has left
 
 
 def diagnose(
@@ -140,35 +129,24 @@ def diagnose(
     granted: float = 0.0,
     order: int | None = None,
 ) -> Diagnosis:
-    """Return what is wrong with a candidate's answers.
+    """Return what is wrong with a candidate's answers to cases.
 
     Parameters
     ----------
-    cases
-        That it was judged by.
-    answers
-        By the scene's id.
-    dt
-        s, its time step, if it is known.
+    dt, order
+        s, its time step, if it is known; the order of its errors in it, if that was measured.
     scheme
         What counts as true, if that is the paper's scheme.
     causes
         Whether causes are sought; they are not in answers that change from run to run.
-    wrong
-        The ids of the answers that are wrong by the profile.
-    granted
-        The error of a quantity that the profile passes, in its unit.
-    order
-        With which its errors fall as its time step does, if that was measured.
+    wrong, granted
+        Ids of answers that are wrong by the profile; the error of a quantity that passes.
     """
-    trials = [
+    known = [(c, a) for c in cases if decidable(c) and (a := answers.get(c.id)) and a.error is None]
+    trials = [  # either outcome of a fragile case may be right
         trial_of(case, answer, granted)
-        for case in cases
-        if decidable(case)
-        and (answer := answers.get(case.id))
-        and answer.error is None
-        # Either outcome of a fragile case may be right.
-        and (FRAGILE not in case.flags or answer.outcome in (None, case.expected.outcome))
+        for case, answer in known
+        if FRAGILE not in case.flags or answer.outcome in (None, case.expected.outcome)
     ]
     if other := relations.shifted(trials):
         return Diagnosis(sentence=other.sentence, first=None, stages=[], clean=[], findings=[other])
@@ -182,63 +160,40 @@ def diagnose(
     unread = {name for name, answer in answers.items() if answer.unreadable}
     base = NONE if scheme is None else Change(engine=scheme, push=True)
     return _Search(
-        trials, dt, order, scheme, causes, single, unread, frozenset(wrong), base,
+        trials, dt, order, scheme, causes, frozenset(wrong), single, unread, base,
         relations.few_digits(trials),
     ).diagnosis()  # fmt: skip
 
 
 @dataclass
 class _Search:
-    """The search for what explains one candidate's errors.
-
-    Attributes
-    ----------
-    trials, dt, order, scheme, causes, wrong
-        See `diagnose`.
-    single
-        Whether the answers are in single precision.
-    unread
-        Ids of answers with values that are no numbers.
-    base
-        The chain as far as it is explained.
-    coarse
-        That all numbers are written with few digits, if they are.
-    excused
-        Stages and quantities whose errors are explained.
-    stepless
-        Whether no scheme in steps explains the flights.
-    jumps
-        Whether a law is found that jumps: what is left then is the candidate's step across.
-    loose
-        Relative errors that are left unexplained and handed on, by scene.
-    begun
-        Largest relative errors of the stages that something is found for, before that.
-    moved
-        Stages whose errors are explained by a mistake at another one, and that.
-    thrown
-        Scenes whose pitch does not follow.
-    amplified
-        Stages that are wrong in few scenes, which few digits may do.
-    """
+    """The search for what explains one candidate's errors."""
 
     trials: list[Trial]
+    # See `diagnose`.
     dt: float | None
     order: int | None
     scheme: Verlet | None
     causes: bool
-    single: bool
-    unread: Collection[str]
     wrong: Collection[str]
-    base: Change
-    coarse: Finding | None
+    single: bool  # whether the answers are in single precision
+    unread: Collection[str]  # ids of answers with values that are no numbers
+    base: Change  # the chain as far as it is explained
+    coarse: Finding | None  # that all numbers are written with few digits, if they are
     findings: list[Finding] = field(default_factory=list)
+    # Stages and quantities whose errors are explained.
     excused: set[str] = field(default_factory=set)
-    stepless: bool = False
+    stepless: bool = False  # whether no scheme in steps explains the flights
+    # Whether a law is found that jumps: what is left then is the candidate's step across.
     jumps: bool = False
+    # Relative errors that are left unexplained and handed on, by scene.
     loose: dict[str, float] = field(default_factory=dict)
+    # Largest relative errors of the stages that something is found for, before that.
     begun: dict[str, float] = field(default_factory=dict)
+    # Stages whose errors are explained by a mistake at another one, and that.
     moved: dict[str, str] = field(default_factory=dict)
-    thrown: set[str] = field(default_factory=set)
+    thrown: set[str] = field(default_factory=set)  # scenes whose pitch does not follow
+    # Stages that are wrong in few scenes, which few digits may do.
     amplified: set[str] = field(default_factory=set)
     work: Work = field(default_factory=Work)
     _raw: dict[int, Checked] = field(default_factory=dict)  # under the base, by trial's identity
@@ -247,10 +202,8 @@ class _Search:
     def diagnosis(self) -> Diagnosis:
         checks = self._follow()
         rows = [row for stage in STAGES if (row := _row(stage, checks))]
-        self.thrown = {
-            t.case.id for t, cs in checks if any(c.stage == "pitch" and not c.follows for c in cs)
-        }
-        unseen = self._unseen(checks)
+        wrong = [(t.case.id, c.stage) for t, cs in checks for c in cs if not c.follows]
+        self.thrown, unseen = {name for name, at in wrong if at == "pitch"}, self._unseen(checks)
         largest = _largest(checks)
         first = next((r.stage for r in rows if r.wrong and r.worst >= MINOR * largest), None)
         if self.causes and self.scheme is None:
@@ -260,8 +213,7 @@ class _Search:
                 if not self._explain(stage, self._follow()):
                     break
         self.findings += outcomes.outcome_findings(self.trials, self.base, self.findings)
-        facts = list(outcomes.told_findings(self.trials, self.base))
-        self.findings += facts
+        self.findings += (facts := list(outcomes.told_findings(self.trials, self.base)))
         named = any(f.names for f in self.findings)
         if unseen and named and (self.single or unseen.wrong <= FEW_UNSEEN * len(self.wrong)):
             unseen = None
@@ -276,55 +228,32 @@ class _Search:
         self.findings.sort(key=lambda f: not f.names and f.worst < MINOR * largest)
         rows = _where_made(rows, self.moved, {f.stage for f in self.findings}, facts)
         absent = {_absent(t) for t, cs in checks if t.confused and all(c.follows for c in cs)}
-        known_wrong = {r.stage for r in rows if r.wrong}
-        clean = [
-            r.stage
-            for r in rows
-            if r.stage not in known_wrong | absent and ENDS_OF.get(r.stage) not in known_wrong
-        ]
+        bad = {r.stage for r in rows if r.wrong}
+        right = [r.stage for r in rows if r.stage not in bad | absent]
+        clean = [stage for stage in right if ENDS_OF.get(stage) not in bad]
         rows = self._without_inherited(rows)
-        lead = next(
-            (
-                r
-                for r in rows
-                if r.wrong
-                and r.stage not in self.amplified
-                and (r.worst >= MINOR * largest or r.stage in known)
-            ),
-            None,
-        )
+        leading = [r for r in rows if r.wrong and (r.worst >= MINOR * largest or r.stage in known)]
+        lead = next((r for r in leading if r.stage not in self.amplified), None)
         return Diagnosis(
-            sentence=self._sentence(lead, clean),
-            first=lead and lead.stage,
-            stages=rows,
-            clean=clean,
-            findings=self.findings,
-        )
+            sentence=self._sentence(lead, clean), first=lead and lead.stage, stages=rows,
+            clean=clean, findings=self.findings,
+        )  # fmt: skip
 
     def _without_inherited(self, rows: Sequence[StageRow]) -> list[StageRow]:
-        """Return the rows without errors of stages that follow with what is found at others.
-
-        So the touching does with the law of a wrong pitch, which goes on from the plate. A flight
-        has that law itself.
-        """
+        """Return the rows without errors of stages that follow with what is found at others."""
+        # So the touching does with the law of a wrong pitch. A flight has that law itself.
         told = {"flight", *self.excused, *(f.stage for f in self.findings)}
         if isinstance(self.base.engine, Verlet):  # of which only some scenes are followed
             return list(rows)
         told |= {c.stage for _, cs in self._follow() for c in cs if not c.follows}
         return [r if r.stage in told else r.model_copy(update=RIGHT) for r in rows]
 
-    def _unseen(self, checks: Sequence[Checked]) -> Finding | None:
+    def _unseen(self, checks: Seen) -> Finding | None:
         """Return that answers are wrong in which every stage follows, as far as it is told."""
-        small = [
-            t
-            for t, cs in checks
-            if t.case.id in self.wrong
-            and t.case.id not in self.unread
-            and not t.confused
-            and not untrue(t.case.expected, t.told)
-            and not superfluous(t.case.expected.outcome, t.expected, t.given)
-            and all(c.follows for c in cs)
-        ]
+        sound = [t for t, cs in checks if not t.confused and all(c.follows for c in cs)]
+        numbers = [t for t in sound if not untrue(t.case.expected, t.told)
+                   and not superfluous(t.case.expected.outcome, t.expected, t.given)]  # fmt: skip
+        small = [t for t in numbers if t.case.id in self.wrong and t.case.id not in self.unread]
         if not small:
             return None
         return found(
@@ -347,14 +276,11 @@ class _Search:
         parts = [unread] if unread else []
         if first is not None:
             where = "all" if first.wrong == first.checked else f"{first.wrong} of {first.checked}"
-            parts.append(
-                f"the first stage that does not follow is {first.stage}: wrong in {where} scenes"
-            )
+            said = f"the first stage that does not follow is {first.stage}"
+            parts.append(f"{said}: wrong in {where} scenes")
         large = MINOR * min(lead.worst, 1.0)
         parts += [f.sentence for f in self.findings if f.worst >= large][:3]
         return "; ".join(parts)
-
-    # --- following ------------------------------------------------------------------------------
 
     def _follow(self) -> list[Checked]:
         """Return what follows in every trial under the chain as far as it is explained."""
@@ -375,7 +301,7 @@ class _Search:
             return check
         return replace(check, tolerance=check.tolerance + 30 * left * max(check.scale, 0.1))
 
-    def _leave(self, stage: str, wrong: Sequence[Checked]) -> None:
+    def _leave(self, stage: str, wrong: Seen) -> None:
         """Let later stages allow for errors that stay unexplained, where they are handed on."""
         if stage in ("pitch", "plate", "touching"):
             for trial, checks in wrong:
@@ -383,17 +309,14 @@ class _Search:
                 self.loose[trial.case.id] = max(self.loose.get(trial.case.id, 0.0), left)
             self._followed = None
 
-    # --- one stage --------------------------------------------------------------------------------
-
     def _rewrite(self, first: str | None, rows: Sequence[StageRow]) -> None:
         """Read the output as it is meant, if all of it is written otherwise."""
         if meant := relations.conventions(self.trials):
-            stage = first or stage_of(meant.quantity or "landing")
-            wrong = max((r.wrong for r in rows if r.stage == stage), default=len(self.trials))
-            checked = max((r.checked for r in rows if r.stage == stage), default=wrong)
-            self._read(self.trials, meant, found(stage, "", wrong, checked))
+            stage, every = first or stage_of(meant.quantity or "landing"), len(self.trials)
+            counts = [(r.wrong, r.checked) for r in rows if r.stage == stage] or [(every, every)]
+            self._read(self.trials, meant, found(stage, "", *counts[0]))
 
-    def _read(self, some: Sequence[Trial], meant: Explanation, told: Finding) -> None:
+    def _read(self, some: Trials, meant: Explanation, told: Finding) -> None:
         """Read the output of some trials as it is meant."""
         assert meant.mend is not None
         self.findings.append(_with_name(told, meant, quantity=meant.quantity))
@@ -402,12 +325,11 @@ class _Search:
         self.trials = [mended.get(id(t), t) for t in self.trials]
         self._followed = None
 
-    def _explain(self, stage: str, checks: Sequence[Checked]) -> bool:
+    def _explain(self, stage: str, checks: Seen) -> bool:
         """Explain what does not follow at a stage; tell whether there may be more."""
         seen = [(t, [c for c in cs if c.stage == stage]) for t, cs in checks]
-        sizes = [
-            max((c.error / c.scale for c in cs if not c.follows), default=0.0) for _, cs in seen
-        ]
+        failing = ([c.error / c.scale for c in cs if not c.follows] for _, cs in seen)
+        sizes = [max(errors, default=0.0) for errors in failing]
         worst = max(sizes, default=0.0)
         if not worst:
             return False
@@ -422,33 +344,30 @@ class _Search:
         if _usual(sizes) < rest or self._is_own(wrong, good, failures):
             self._leave(stage, wrong)
             return False
-        right = [t for t, _ in good]
+        every = len(wrong) + len(good)
         quantity = max((c for _, cs in wrong for c in cs), key=lambda c: c.error / c.scale).quantity
         scenes = _told_apart(seen, sizes, minor)
         wrong_ones = {c.quantity for _, cs in wrong for c in cs if not c.follows}
-        told = found(
-            stage, _unknown(stage, wrong_ones, sizes, minor, before > 0), len(wrong),
-            len(wrong) + len(right), quantity=quantity.partition(":")[0], worst=worst,
-            scenes=scenes,
-        )  # fmt: skip
+        said = _unknown(stage, wrong_ones, sizes, minor, before > 0)
+        told = found(stage, said, len(wrong), every, quantity=quantity.partition(":")[0],
+                     worst=worst, scenes=scenes)  # fmt: skip
         causes: list[Explanation] = []
         little = worst < MINOR * min(before, 1.0)
         stepped = before and (isinstance(self.base.engine, Verlet) or self.jumps)
         # Large in a graze is what an earlier stage has left there, or had wrong from the beginning.
-        few = len(wrong) < max(ENOUGH, (len(wrong) + len(good)) / ONE_IN)
+        few = len(wrong) < max(ENOUGH, every / ONE_IN)
         left = self.loose.keys() | self.thrown
         inherited = stage in INHERITING and few and all(t.case.id in left for t, _ in wrong)
         # Of digits that are cut off a few scenes make a thousand times as much, and more.
-        cut_off = self.coarse is not None and len(wrong) <= FEW_UNSEEN * (len(wrong) + len(good))
+        cut_off = self.coarse is not None and len(wrong) <= FEW_UNSEEN * every
         searched = self.causes and not (little or stepped or inherited or cut_off)
         if searched and scenes:
-            failing = {id(t) for t, _ in wrong}
-            some = [t for t in self.trials if id(t) in failing]
+            ids = {id(t) for t, _ in wrong}
+            some = [t for t in self.trials if id(t) in ids]
             if (meant := relations.conventions(some)) and meant.named:
                 self._read(some, meant, told)
                 return True
-        plain = _plain(wrong)
-        of_most = rounded = False
+        plain, of_most, rounded = _plain(wrong), False, False
         if searched and self.single and worst < relations.SINGLE_NOISE:
             causes = [relations.SINGLE]
         elif searched and worst > FAINT:
@@ -465,22 +384,21 @@ class _Search:
                 of_plain = self._found(stage, plain, _plain(good), checks, False)
                 causes = [e for e in of_plain if _is_telling(e)]
                 of_most = bool(causes)
-        if not causes and cut_off:
-            self.amplified.add(stage)
-            told = told.model_copy(update={"sentence": told.sentence + CUT_OFF})
         if not causes:
+            more, remedy = CUT_OFF if cut_off else "", None
+            if cut_off:
+                self.amplified.add(stage)
             if searched and stage in ("pitch", "flight"):
                 chosen = [t for t, _ in evenly(wrong, SOUGHT)]
                 more = fits.scene_by_scene(Sought(chosen, (), (stage,), self.base, self.work))
-                if scenes == TURNED:
-                    told = told.model_copy(update={"remedy": FIXED_AXIS})
+                remedy = FIXED_AXIS if scenes == TURNED else None
                 if self.order is not None:
                     more += OF_ORDER.format(self.order)
                 elif not more and not scenes:
                     more = MAYBE_STEPS if worst < 1e-4 else ""
-                    told = told.model_copy(update={"remedy": None if self.dt else IN_STEPS})
-                told = told.model_copy(update={"sentence": told.sentence + more})
-            self.findings.append(told)
+                    remedy = None if self.dt else IN_STEPS
+            added = {"sentence": told.sentence + more, "remedy": remedy}
+            self.findings.append(told.model_copy(update=added))
             self._leave(stage, wrong)
             return False
         if worst < FINE:  # so little neither breaks a stage nor mends one
@@ -506,10 +424,9 @@ class _Search:
         elif alone:
             where = f", where {told.scenes}" if told.scenes else ""
             sentence = f"{stage} alone{where}: {sentence}"
-        said = {"names": list(dict.fromkeys(e.name for e in same)), "sentence": sentence}
-        self.findings.append(
-            _with_name(told, best, **said, step=best.step, stage=best.stage or stage)
-        )
+        names = list(dict.fromkeys(e.name for e in same))
+        self.findings.append(_with_name(told, best, names=names, sentence=sentence, step=best.step,
+                                        stage=best.stage or stage))  # fmt: skip
         self.begun.setdefault(stage, worst)
         if best.stage:
             self.moved[stage] = best.stage
@@ -521,11 +438,8 @@ class _Search:
         self._followed = None
         return True
 
-    def _is_own(self, wrong: Sequence[Checked], good: Sequence[Checked], failures: int) -> bool:
-        """Tell whether errors are those of flights with what is found so far in them.
-
-        `failures` tells in how many scenes there are some, minor ones too.
-        """
+    def _is_own(self, wrong: Seen, good: Seen, failures: int) -> bool:
+        """Tell whether errors, in `failures` scenes, are those of flights with what is found."""
         seen = len(wrong) + len(good)
         few = ONE_IN * len(wrong) <= seen
         # A scene passes a jump where a flight is sensitive to it, or a scheme its own start.
@@ -543,26 +457,17 @@ class _Search:
         return worst * worst < FAINT or ONE_IN * (len(wrong) - 1) <= keen
 
     def _found(
-        self,
-        stage: str,
-        wrong: Sequence[Checked],
-        good: Sequence[Checked],
-        checks: Sequence[Checked],
-        told_apart: bool,
+        self, stage: str, wrong: Seen, good: Seen, checks: Seen, told_apart: bool
     ) -> list[Explanation]:
         """Return the best of what explains a stage, and what does so as well."""
         # What explains errors must not be contradicted by scenes that pass, unless a rule tells
         # these from the others.
         good = [] if told_apart else good
         beside = evenly(_plain(good), SOUGHT)
-        found = [
-            replace(e, left=e.left + e.against)
-            for e in self._explanations(stage, wrong, good, beside, checks)
-        ]
-        named = sorted((e for e in found if e.named), key=lambda e: (e.left, e.rank))
-        named = [
-            e for e in named if e.change is None or not self._contradicted(e.change, wrong, good)
-        ]
+        some = self._explanations(stage, wrong, good, beside, checks)
+        found = [e for one in some if (e := replace(one, left=one.left + one.against)).named]
+        named = [e for e in sorted(found, key=lambda e: (e.left, e.rank))
+                 if e.change is None or not self._contradicted(e.change, wrong, good)]  # fmt: skip
         if not named:
             return []
         alike, doubt = ALIKE * named[0].left, doubt_of(wrong)
@@ -575,7 +480,7 @@ class _Search:
         return sorted(by_sentence.values(), key=lambda e: e.rank)
 
     def _told_from_ties(
-        self, ties: list[Explanation], stage: str, wrong: Sequence[Checked]
+        self, ties: list[Explanation], stage: str, wrong: Seen
     ) -> list[Explanation]:
         """Return those that are best where they make different scenes; all, if they nowhere do."""
         changes = [self.base.then(e.change) for e in ties if e.change is not None]
@@ -586,26 +491,16 @@ class _Search:
             first, *others = (change.scene(t.scene) for change in changes)
             if any(scene != first for scene in others):
                 differ.append(t)
-        some = evenly(differ, OTHERS)
-        lefts = [
-            sum(
-                size_of(c)
-                for t in some
-                for c in follow(t, change, (stage,))
-                if c.stage == stage and not c.follows
-            )
-            for change in changes
-        ]
+        some, lefts = evenly(differ, OTHERS), list[float]()
+        for change in changes:
+            checks = [c for t in some for c in follow(t, change, (stage,)) if c.stage == stage]
+            lefts.append(sum(size_of(c) for c in checks if not c.follows))
         best = min(lefts)
         return [e for e, left in zip(ties, lefts, strict=True) if left <= best + IN_A_SCENE]
 
-    def _contradicted(
-        self, change: Change, wrong: Sequence[Checked], good: Sequence[Checked]
-    ) -> bool:
-        """Tell whether trials tell rightly, besides numbers, what a change would not make.
-
-        Most of those with errors, or of those without that are told the same.
-        """
+    def _contradicted(self, change: Change, wrong: Seen, good: Seen) -> bool:
+        """Tell whether trials tell rightly, besides numbers, what a change would not make."""
+        # Most of those with errors, or of those without that are told the same.
         full = self.base.then(change)
         alike: dict[str, list[tuple[Trial, dict[str, object]]]] = defaultdict(list)
         for t, checks in (*wrong, *good):
@@ -619,13 +514,9 @@ class _Search:
         )
 
     def _least_harm(
-        self, found: Sequence[Explanation], stage: str, good: Sequence[Checked]
+        self, found: Sequence[Explanation], stage: str, good: Seen
     ) -> tuple[int, list[Explanation]]:
-        """Return those that are borne out best by the other stages, and how many checks they break.
-
-        With an explanation, others may no longer follow, or may begin to. So may scenes in which
-        this stage is right.
-        """
+        """Return those that the other stages bear out best, and how many checks they break."""
         others = [*self._elsewhere(stage), *evenly(good, SOUGHT)]
         effects = [self._effect(e, stage, others) for e in found[:6]]
         broken = min(b for b, _ in effects)
@@ -657,11 +548,8 @@ class _Search:
             yield from evenly(some, OTHERS)
 
     def _accept(self, best: Explanation, stage: str, worst: float) -> None:
-        """Make an explanation part of the chain, or mend the quantity that it is in.
-
-        What is computed wrongly is mostly used as it is; a number that is only written wrongly is
-        mended, which shows in more that follows.
-        """
+        """Make an explanation part of the chain, or mend the quantity that it is in."""
+        # What is computed wrongly is mostly used so; what is only written wrongly is mended.
         if best.mend is not None:
             self.trials = [best.mend(t) for t in self.trials]
         elif best.stage == "plate":
@@ -710,20 +598,14 @@ class _Search:
     def _failing(self) -> int:
         """Return how many checks fail."""
         # Values from which nothing can be computed fail in everything.
-        return sum(
-            sum(not c.follows and c.error > FINE * c.scale for c in cs) if cs else len(STAGES)
-            for _, cs in self._follow()
-        )
+        checks = [cs for _, cs in self._follow()]
+        failing = sum(not c.follows and c.error > FINE * c.scale for cs in checks for c in cs)
+        return failing + len(STAGES) * sum(not cs for cs in checks)
 
     # --- explanations ---------------------------------------------------------------------------
 
     def _explanations(
-        self,
-        stage: str,
-        wrong: Sequence[Checked],
-        good: Sequence[Checked],
-        beside: Sequence[Checked],
-        checks: Sequence[Checked],
+        self, stage: str, wrong: Seen, good: Seen, beside: Seen, checks: Seen
     ) -> list[Explanation]:
         """Return explanations, the cheap ones first, until some are named."""
         wrong = [one for one in wrong if all(map(_known, one[1])) and not _keen(one[0])] or wrong
@@ -786,14 +668,13 @@ class _Search:
             found += fits.one_after_another(sought, found)
         return found
 
-    def _with_flights(
-        self, wrong: Sequence[Checked], right: Sequence[Trial], checks: Sequence[Checked]
-    ) -> Sought | None:
+    def _with_flights(self, wrong: Seen, right: Trials, checks: Seen) -> Sought | None:
         """Return pitches and batted balls, which fly by one law: one explanation for both."""
-        flying = [
-            one for one in checks if not _keen(one[0])
-            and any(c.stage == "flight" and not c.follows and _known(c) for c in one[1])
-        ]  # fmt: skip
+
+        def wrongly(c: Check) -> bool:
+            return c.stage == "flight" and not c.follows and _known(c)
+
+        flying = [(t, cs) for t, cs in checks if not _keen(t) and any(map(wrongly, cs))]
         if not flying:
             return None
         some = evenly(wrong, SOUGHT // 2) + evenly(flying, SOUGHT // 2)
@@ -830,10 +711,7 @@ def _parameter(name: str) -> str:
 
 
 def _without_others(same: Sequence[Explanation]) -> list[Explanation]:
-    """Return explanations that come to the same, each name once, a factor of k as that first.
-
-    Mass and radius make one, too: whoever is told of the radius looks in the wrong place.
-    """
+    """Return explanations that come to the same, each name once, a factor of k as that first."""
     by_name: dict[str, Explanation] = {}
     for e in same:
         by_name.setdefault(e.name, e)
@@ -843,12 +721,9 @@ def _without_others(same: Sequence[Explanation]) -> list[Explanation]:
         return ranked
     # Nobody chooses a mass that is nearly the right one; a rounder factor may be the mistake.
     nearly = abs(float(strength.name.removeprefix(STRENGTH)) - 1) < fits.NEARLY
+    least = -math.inf if nearly else strength.rank
     others = (e for e in ranked if e is not strength and not fits.is_odd(e))
-    kept = [
-        e
-        for e in others
-        if not e.name.startswith("ball.") or (not nearly and e.rank < strength.rank)
-    ]
+    kept = [e for e in others if not e.name.startswith("ball.") or e.rank < least]
     return sorted([strength, *kept], key=lambda e: "=" not in e.name)  # numbers before factors
 
 
@@ -874,30 +749,19 @@ def _fine(sought: Iterable[Sought]) -> list[Explanation]:
 
 
 def _absent(trial: Trial) -> str | None:
-    """Return the stage of the first quantity that a trial leaves out; None if that is a landing.
-
-    No ball lands that the fence stops, or that stays in the air, whatever is wrong with that.
-    """
+    """Return the stage of the first quantity that a trial leaves out; None if it is a landing."""
+    # No ball lands that the fence stops, or that stays in the air, whatever is wrong with that.
     first = next((name for name in trial.expected if name not in trial.given), "landing")
     return None if first.startswith("landing") else stage_of(first)
 
 
 def _where_made(
     rows: Iterable[StageRow], moved: Mapping[str, str], known: Collection[str],
-    facts: Iterable[Finding],
+    facts: Iterable[Finding]
 ) -> list[StageRow]:  # fmt: skip
-    """Return the rows of stages with the errors of each at the one where they are made.
-
-    A landing by a wrong clock is on the true path, and not where the ball is at that time. Wrong is
-    also a stage at which something is told, besides numbers, that is not so.
-
-    Parameters
-    ----------
-    moved
-        Stages whose errors are made at another one, and that.
-    known
-        Stages that something is found for.
-    """
+    """Return the rows of stages with the errors of each at the one where they are made."""
+    # A landing by a wrong clock is on the true path, and not where the ball is then: `moved` tells
+    # such stages, `known` those with a finding. Wrong is also one at which `facts` are.
     by_stage = {row.stage: row for row in rows}
     for stage, made in moved.items():
         if row := by_stage.get(stage):
@@ -914,7 +778,7 @@ def _where_made(
     return [by_stage[stage] for stage in STAGES if stage in by_stage]
 
 
-def _told_apart(seen: Sequence[Checked], sizes: Sequence[float], minor: float) -> str | None:
+def _told_apart(seen: Seen, sizes: Sequence[float], minor: float) -> str | None:
     """Return a rule of the scenes with errors, or of those with errors that are not minor."""
     known = [(t.case, size) for (t, cs), size in zip(seen, sizes, strict=True) if cs]
     for least in (0.0, minor):
@@ -925,16 +789,14 @@ def _told_apart(seen: Sequence[Checked], sizes: Sequence[float], minor: float) -
     return None
 
 
-def _plain(checked: Sequence[Checked]) -> list[Checked]:
+def _plain(checked: Seen) -> list[Checked]:
     """Return those of scenes that leave the readings as they are."""
     return [one for one in checked if one[0].scene.reading == Reading()]
 
 
 def _is_telling(e: Explanation) -> bool:
-    """Tell whether an explanation of some scenes says more than a number that any error makes.
-
-    Where these all have the same bat, there is a ratio, and a mass, for every mistake.
-    """
+    """Tell whether an explanation says more than a number that any error makes."""
+    # Where all scenes have the same bat, there is a ratio, and a mass, for every mistake.
     quantity, _, ratio = e.name.partition("*")
     any_ratio = quantity == e.quantity and fits.factor_meaning(float(ratio or "nan")) is None
     return not any_ratio and not fits.is_odd(e)
@@ -943,13 +805,10 @@ def _is_telling(e: Explanation) -> bool:
 def _unknown(
     stage: str, quantities: Collection[str], sizes: Sequence[float], minor: float, rest: bool
 ) -> str:
-    """Return what can be said where nothing explains errors of these sizes, in such scenes.
-
-    `quantities` are those that are wrong; a single one is named.
-    """
+    """Return what is said where nothing explains errors of these sizes in some quantities."""
     worst, wrong = max(sizes), sum(size > minor for size in sizes)
     sentence = f"{'what is left at ' if rest else ''}{stage}: "
-    sentence += f"{' and '.join(quantities)} is " if len(quantities) == 1 else ""
+    sentence += f"{next(iter(quantities))} is " if len(quantities) == 1 else ""
     sentence += f"wrong by up to {worst:.1e} of the quantity in {many(wrong, 'scene')}"
     if smaller := sum(0 < size <= minor for size in sizes):
         sentence += f" (in {smaller} more by less than {minor:.0e})"
@@ -968,7 +827,7 @@ def _usual(sizes: Iterable[float]) -> float:
     return float(np.quantile(errors, 0.97, method="higher")) if errors else 0.0
 
 
-def _largest(checks: Sequence[Checked]) -> float:
+def _largest(checks: Seen) -> float:
     """Return the usual relative error of the stage that has the largest."""
     sizes: dict[str, list[float]] = defaultdict(list)
     for _, seen in checks:
@@ -979,15 +838,10 @@ def _largest(checks: Sequence[Checked]) -> float:
 
 
 def _row(stage: str, checks: Iterable[Checked]) -> StageRow | None:
-    seen = [(t, c) for t, cs in checks for c in cs if c.stage == stage]
+    seen = [(t.case.id, c) for t, cs in checks for c in cs if c.stage == stage]
     if not seen:
         return None
-    bad = [(t, c) for t, c in seen if not c.follows]
-    worst = max(bad, key=lambda one: one[1].error / one[1].scale, default=None)
-    return StageRow(
-        stage=stage,
-        checked=len({t.case.id for t, _ in seen}),
-        wrong=len({t.case.id for t, _ in bad}),
-        worst=worst[1].error / worst[1].scale if worst else 0.0,
-        example=worst[0].case.id if worst else None,
-    )
+    bad = [(c.error / c.scale, name) for name, c in seen if not c.follows]
+    worst, example = max(bad, key=lambda one: one[0], default=(0.0, None))
+    counts = {"checked": len({name for name, _ in seen}), "wrong": len({name for _, name in bad})}
+    return StageRow(stage=stage, **counts, worst=worst, example=example)

@@ -17,7 +17,7 @@ from longball.judge.candidate import Limits, run
 from longball.judge.cases import Case, Profile, decidable, solved
 from longball.judge.diagnosis import diagnose
 from longball.judge.paths import as_written
-from longball.judge.quantities import difference, length, values_of
+from longball.judge.quantities import Value, difference, length, values_of
 from longball.judge.rules import shrunk
 from longball.judge.sampling import Sampling
 from longball.judge.step_sweep import FAMILIES, StepSweep, order_of, sample, with_step
@@ -30,18 +30,10 @@ AGAIN = 12  # scenes that are run twice
 
 @dataclass(frozen=True)
 class Evaluation:
-    """A verdict and what it was made from.
+    """A verdict and what it was made from."""
 
-    Attributes
-    ----------
-    verdict
-        What is reported.
-    comparisons
-        Every case with its answer, for pictures and for JUnit.
-    """
-
-    verdict: Verdict
-    comparisons: Sequence[Comparison]
+    verdict: Verdict  # what is reported
+    comparisons: Sequence[Comparison]  # every case with its answer, for pictures and for JUnit
 
     def telling(self, **more: Any) -> Evaluation:
         """Return the same with more in its verdict."""
@@ -50,29 +42,15 @@ class Evaluation:
 
 @dataclass(frozen=True)
 class Judge:
-    """What candidates are judged by.
+    """What candidates are judged by."""
 
-    Attributes
-    ----------
-    cases
-        With their truth.
-    profile
-        The accuracy required.
-    truth
-        Where the cases are from, for the report.
-    partial
-        Whether scenes and quantities may be left out.
-    diagnose
-        Whether it is asked where errors come from, and some scenes are run twice.
-    dt
-        s, the candidate's time step, for the diagnosis; None if it is not known.
-    """
-
-    cases: Sequence[Case]
-    profile: Profile
-    truth: str = "golden data"
-    partial: bool = False
+    cases: Sequence[Case]  # with their truth
+    profile: Profile  # the accuracy required
+    truth: str = "golden data"  # where the cases are from, for the report
+    partial: bool = False  # whether scenes and quantities may be left out
+    # Whether it is asked where errors come from, and some scenes are run twice.
     diagnose: bool = True
+    # s, the candidate's time step, for the diagnosis; None if it is not known.
     dt: float | None = None
 
     def evaluate_command(
@@ -86,26 +64,17 @@ class Judge:
     ) -> Evaluation:
         """Run a candidate and judge it; see `longball.judge.candidate.run`.
 
-        Parameters
-        ----------
-        command
-            The candidate's. If {dt} is in it, `dt` goes there.
-        limits, progress
-            Of this run; the sweep's runs together have the same limit of time in all.
-        sweep
-            Time steps to run it with again, to see how it converges to the golden truth, whatever
-            the profile. They are not tried with a candidate that does not end well.
-        sampling
-            How it draws at-bats, to be reported in the same verdict.
-        table
-            Whether scenes and results are CSV.
+        If {dt} is in the command, `dt` goes there. With the time steps of `sweep` it is run again,
+        if it ends well, to see how it converges to the golden truth, whatever the profile; these
+        runs together have the same limit of time. `sampling` tells how it draws at-bats, and
+        `table` whether scenes and results are CSV.
         """
         start = time.monotonic()
         filled = sweep.filled(command) if sweep else command
         filled = with_step(filled, self.dt) if self.dt else filled
         ran = run(filled, [case.scene for case in self.cases], limits, progress, table)
         well = not any(issue.kind == "process" for issue in ran.collected.issues)
-        report, conduct, smallest = None, [], None
+        report, conduct, smallest = None, list[str](), None
         if sweep and well:
             report = self._converge(command, sweep, ran.collected, limits)
         elif sweep:
@@ -120,9 +89,8 @@ class Judge:
         found = self.evaluate(submission, conduct)
         if well and self.diagnose and not conduct and self.profile.engine() is None:
             smallest = self._smallest(asked, found.verdict)
-        if smallest is not None and found.verdict.diagnosis is not None:
-            diagnosis = found.verdict.diagnosis.model_copy(update={"smallest": smallest})
-            found = found.telling(diagnosis=diagnosis)
+        if smallest and (known := found.verdict.diagnosis):
+            found = found.telling(diagnosis=known.model_copy(update={"smallest": smallest}))
         return found.telling(seconds=time.monotonic() - start)
 
     def _again(
@@ -130,10 +98,8 @@ class Judge:
         asked: Callable[[Sequence[Scene]], Mapping[str, Answer]],
         answers: Mapping[str, Answer],
     ) -> list[str]:
-        """Run some scenes again, backwards; say whether the answers are the same.
-
-        They are if they differ by no more than passes: a sum by several threads may, in any run.
-        """
+        """Run some scenes again, backwards; say whether the answers are the same."""
+        # They may differ by what passes, as sums by several threads do.
         known = [case for case in self.cases if case.id in answers and decidable(case)]
         chosen = known[:: max(1, len(known) // AGAIN)][:AGAIN][::-1]
         if len(chosen) < 2:
@@ -146,14 +112,11 @@ class Judge:
         if not (differ := differing(answers, backwards)):
             return []
         if random := differing(backwards, asked([case.scene for case in chosen])):
-            return [
-                f"it is not deterministic: the same scenes in the same order give other numbers, "
-                f"{random[0]} for one"
-            ]
-        return [
-            f"its answer depends on the scenes before it: {len(differ)} of {len(chosen)} scenes "
-            f"give other numbers in another order, {differ[0]} for one; state is kept between them"
-        ]
+            return ["it is not deterministic: the same scenes in the same order give other "
+                    f"numbers, {random[0]} for one"]  # fmt: skip
+        return [f"its answer depends on the scenes before it: {len(differ)} of {len(chosen)} "
+                f"scenes give other numbers in another order, {differ[0]} for one; state is kept "
+                "between them"]  # fmt: skip
 
     def _differ(self, case: Case, a: Answer | None, b: Answer | None) -> bool:
         """Tell whether two answers differ by more than the profile passes."""
@@ -162,13 +125,13 @@ class Judge:
         if a.outcome != b.outcome or set(a.values) != set(b.values):
             return True
         expected = values_of(case.expected)
-        for name, value in a.values.items():
-            known = name in expected
-            passes = self.profile.tolerance(case, name, expected[name]) if known else (
-                self.profile.allowed(length(value)))  # fmt: skip
-            if not difference(value, b.values[name]) <= passes:
-                return True
-        return False
+
+        def passes(name: str, value: Value) -> float:
+            if name in expected:
+                return self.profile.tolerance(case, name, expected[name])
+            return self.profile.allowed(length(value))
+
+        return any(not difference(x, b.values[n]) <= passes(n, x) for n, x in a.values.items())
 
     def _smallest(
         self, asked: Callable[[Sequence[Scene]], Mapping[str, Answer]], found: Verdict
@@ -178,8 +141,8 @@ class Judge:
         failing = [case.scene for case in self.cases if case.id in wrong]
         if not failing:
             return None
-        order = {"flight": 0, "impact": 1, "pitch": 2, "at-bat": 3}
-        start = min(failing, key=lambda s: (order[s.kind], len(str(s.model_dump()))))
+        order = ("flight", "impact", "pitch", "at-bat")
+        start = min(failing, key=lambda s: (order.index(s.kind), len(str(s.model_dump()))))
 
         def fails(scenes: Sequence[Any]) -> list[bool]:
             answers = asked(scenes)
@@ -188,16 +151,11 @@ class Judge:
                 for case in solved(scenes, Ivp())
             ]
 
-        return dict(shrunk(start, fails).model_dump(mode="json", exclude_defaults=True)) | {
-            "kind": start.kind
-        }
+        smallest = shrunk(start, fails).model_dump(mode="json", exclude_defaults=True)
+        return {**smallest, "kind": start.kind}
 
     def _converge(
-        self,
-        command: Sequence[str],
-        sweep: StepSweep,
-        collected: Collector,
-        limits: Limits | None,
+        self, command: Sequence[str], sweep: StepSweep, collected: Collector, limits: Limits | None
     ) -> ConvergenceReport:
         families = {case.family for case in self.cases}
         cases = sample(self.cases, FAMILIES if families > set(FAMILIES) else ())
@@ -222,10 +180,7 @@ class Judge:
         return found.telling(seconds=time.monotonic() - start)
 
     def evaluate_file(
-        self,
-        path: Path,
-        columns: Mapping[str, str] | None = None,
-        sampling: Sampling | None = None,
+        self, path: Path, columns: Mapping[str, str] | None = None, sampling: Sampling | None = None
     ) -> Evaluation:
         """Judge a file of results; see `longball.judge.answers.read_results`."""
         collected = read_results(path, [case.id for case in self.cases], columns)
@@ -244,17 +199,12 @@ class Judge:
         engine = self.profile.engine()
         wrong = any(not c.passed for c in comparisons)
         if self.diagnose and (conduct or wrong):
-            whole = {
-                case.id: as_written(case.scene, answer)
-                for case in self.cases
-                if (answer := answers.get(case.id))
-            }
+            whole = {c.id: as_written(c.scene, a) for c in self.cases if (a := answers.get(c.id))}
             scheme = engine if isinstance(engine, Verlet) else None
             failed = [c.case.id for c in comparisons if c.judged and not c.passed]
-            granted = self.profile.error
             report = submission.convergence if self.dt else None
             order = order_of(report) if report else None
-            known = scheme, not conduct, failed, granted, order
+            known = scheme, not conduct, failed, self.profile.error, order
             diagnosis = diagnose(truths, whole, self.dt, *known)
             diagnosis = diagnosis.model_copy(update={"conduct": list(conduct)})
             if not diagnosis.findings:

@@ -10,12 +10,10 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from statistics import median
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longball.judge.any_law import EFFORT
 from longball.judge.cases import Case
@@ -27,10 +25,10 @@ from longball.judge.stages import (
     Check,
     Numbers,
     Trial,
+    Trials,
     follow,
 )
-
-Array = NDArray[np.float64]
+from longball.model.arrays import Array
 
 # Of the errors, what a named explanation may leave in all, and in a scene.
 NAMED, IN_A_SCENE = 1e-3, 0.05
@@ -39,58 +37,32 @@ NAMED, IN_A_SCENE = 1e-3, 0.05
 # errs by some of what the jump does in that step, and a flight has a hundred steps.
 JUMPED = 1e-2
 
-# Of a quantity, what flights under laws with forces of any kind err by, mostly.
-OWN_ERROR = 3e-9
-
-# Explanations that leave no more than the best one does, this many times, cannot be told apart.
-ALIKE = 3.0
-
-# What leaves more than this of one trial, or of a few, is not held against the others.
-SCREEN = 0.3
-
-# A trial's relative errors with their checks.
-Checked = tuple[Trial, list[Check]]
+OWN_ERROR = 3e-9  # of a quantity, what flights under laws with forces of any kind err by, mostly
+ALIKE = 3.0  # explanations that leave no more than so many times the least cannot be told apart
+SCREEN = 0.3  # what leaves more than this of one trial, or of a few, is not held against the others
+Checked = tuple[Trial, list[Check]]  # a trial's relative errors with their checks
+Seen = Sequence[Checked]
 
 
 @dataclass(frozen=True)
 class Explanation:
-    """A way to account for the errors of a stage.
-
-    Attributes
-    ----------
-    left
-        The share of the errors that it leaves; see `share_left`.
-    rank
-        Between equals the lower one is told first.
-    change
-        What becomes of the chain; None if it is in the quantity alone.
-    quantity, value
-        The quantity that it is in, and what that then is, of a trial.
-    mend
-        What makes a trial right again for all that follows, where neither of these does.
-    against
-        The error that it makes in scenes that pass, in the same unit as `left`.
-    step
-        s, of a scheme or a clock.
-    allowed
-        What it may leave to be named.
-    stage
-        Where the mistake is, if not at the stage whose errors it explains.
-    """
+    """A way to account for the errors of a stage."""
 
     name: str
     sentence: str
     remedy: str | None
-    left: float = 0.0
-    rank: float = 0.0
-    change: Change | None = None
+    left: float = 0.0  # the share of the errors that it leaves; see `share_left`
+    rank: float = 0.0  # between equals the lower one is told first
+    change: Change | None = None  # what becomes of the chain; None if it is in the quantity alone
+    # The quantity that it is in, and what that then is, of a trial.
     quantity: str | None = None
     value: Callable[[Trial], Numbers | None] | None = None
+    # What makes a trial right again for all that follows, where neither of these does.
     mend: Callable[[Trial], Trial] | None = None
-    against: float = 0.0
-    step: float | None = None
-    allowed: float = NAMED
-    stage: str | None = None
+    against: float = 0.0  # the error that it makes in scenes that pass, in the same unit as `left`
+    step: float | None = None  # s, of a scheme or a clock
+    allowed: float = NAMED  # what it may leave to be named
+    stage: str | None = None  # where the mistake is, if not at the stage whose errors it explains
 
     @property
     def named(self) -> bool:
@@ -99,10 +71,8 @@ class Explanation:
 
 
 def share_left(lefts: Sequence[float], wholes: Sequence[float]) -> float:
-    """Return the share of errors that is left, scene by scene; at least that of scenes left.
-
-    A scene is explained if little of its error is left, or little beside the usual error.
-    """
+    """Return the share of errors that is left, scene by scene; at least that of scenes left."""
+    # A scene is explained if little of its error is left, or little beside the usual error.
     errors = [whole for whole in wholes if whole]
     if not errors:
         return 1.0
@@ -162,15 +132,9 @@ def duration(case: Case) -> float:
 
 
 class Work:
-    """What a search has done: so many flights, or what takes as long.
+    """What a search has done: so many flights, or what takes as long."""
 
-    Attributes
-    ----------
-    done
-        Flights.
-    """
-
-    done = 0.0
+    done = 0.0  # flights
 
     def __init__(self) -> None:
         self._begun = EFFORT.steps
@@ -193,36 +157,20 @@ class Work:
         return follow(trial, change, wanted)
 
 
-# Flights of a search, so that a verdict is the same on every machine and comes within ten seconds;
-# what has not been tried by then is not.
-PATIENCE = 8_000.0
-
+PATIENCE = 8_000.0  # flights of a search, which end within ten seconds: the same on every machine
 MOST_EFFORT = 30_000  # steps of DOP853: a law that drives the ball on takes many
-
 LONG_STEP = 5e-3  # s: with such steps a second of flight takes as long as a flight under any law
 
 
 class Sought:
-    """Trials that an explanation is sought in, and what changes leave of their errors.
+    """Trials that an explanation is sought in, and what changes leave of their errors."""
 
-    Parameters
-    ----------
-    trials, beside
-        Those that fail, and some that do not: nothing may be explained that is not there.
-    stages
-        Whose errors are looked at; the first is the one that is to be explained.
-    base
-        The chain as far as it is explained.
-    """
-
+    # Trials that fail, and some that do not: nothing may be explained that is not there. Of the
+    # stages whose errors are looked at the first is the one to be explained.
     def __init__(
-        self,
-        trials: Sequence[Trial],
-        beside: Sequence[Trial],
-        stages: tuple[str, ...],
-        base: Change,
-        work: Work,
-    ) -> None:
+        self, trials: Trials, beside: Trials, stages: tuple[str, ...],
+        base: Change, work: Work
+    ) -> None:  # fmt: skip
         self.trials, self.beside = list(trials), list(beside)
         self.stages, self.base, self.work = stages, base, work
         self.stage = stages[0]
@@ -238,23 +186,16 @@ class Sought:
         return [self._known[id(trial), change] for trial in (*self.trials, *self.beside)]
 
     def errors(self, trial: Trial, full: Change) -> Array:
-        """Return the relative errors of a trial under a chain.
-
-        They are those of the quantities that are of the stages under the base: a velocity that
-        another chain leaves wrong at the end only is of another stage, and counts the same.
-        """
+        """Return the relative errors of a trial under a chain."""
+        # Of the quantities that are of the stages under the base: another chain may move some.
         if id(trial) not in self._quantities:
             known = follow(trial, self.base, self.stages)
             here = frozenset(check.quantity for check in known if check.stage in self.stages)
             self._quantities[id(trial)] = here
-        errors = np.array(
-            [
-                (o - e) / check.scale
-                for check in self.work.checks(trial, full, self.stages)
-                if check.quantity in self._quantities[id(trial)]
-                for e, o in zip(check.expected, check.obtained, strict=True)
-            ]
-        )
+        checks = self.work.checks(trial, full, self.stages)
+        here = self._quantities[id(trial)]
+        errors = np.array([(o - e) / c.scale for c in checks if c.quantity in here
+                           for e, o in zip(c.expected, c.obtained, strict=True)])  # fmt: skip
         return np.where(np.isfinite(errors), errors, 1.0)
 
     def concerned(self, change: Change) -> bool:
@@ -276,10 +217,7 @@ class Sought:
         return rest
 
     def sizes(self, change: Change) -> list[float]:
-        """Return the errors that a change leaves in each trial, none counted for more than 1.
-
-        Behind those that fail come those beside them.
-        """
+        """Return the errors that a change leaves in each trial, at most 1, then in those beside."""
         return [
             float(np.minimum(np.abs(r), 1.0).sum()) if r.shape == f.shape else float(f.size)
             for r, f in zip(self.rows(change), self.rows(NONE), strict=True)
@@ -287,28 +225,18 @@ class Sought:
 
     def screened(self, change: Change) -> float | None:
         """Return what a change leaves; of a few trials only, if it leaves much of them."""
-        for some in (self.one, self.few, self):
+        for some in (self.some(1), self.some(3), self):
             left = some.left(change)
             if left is None or left > SCREEN:
                 break
         return left
-
-    @cached_property
-    def one(self) -> Sought:
-        """One of the trials."""
-        return self.some(1)
-
-    @cached_property
-    def few(self) -> Sought:
-        """Three of the trials."""
-        return self.some(3)
 
     def some(self, count: int) -> Sought:
         """Return a few of the trials, the shortest flights first."""
         short = sorted(self.trials, key=lambda t: duration(t.case))
         return self.of(evenly(short[: 2 * count], count))
 
-    def of(self, trials: Sequence[Trial]) -> Sought:
+    def of(self, trials: Trials) -> Sought:
         """Return the same, sought in some of the trials."""
         few = Sought(trials, (), self.stages, self.base, self.work)
         few._known, few._quantities = self._known, self._quantities

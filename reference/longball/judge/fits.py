@@ -19,7 +19,6 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longball.engines.verlet import Verlet
 from longball.judge.changes import Mistake
@@ -39,12 +38,11 @@ from longball.model.air import (
     Table,
     Weather,
 )
+from longball.model.arrays import Array
 from longball.model.atmosphere import density
 from longball.model.bat import inertia_factor, tangential_restitution
 from longball.model.numbers import DOUBLES
 from longball.model.quantities import at
-
-Array = NDArray[np.float64]
 
 _FLIGHT = ("pitch", "flight")
 DRAGS = ConstantDrag, SpinDrag, CrisisDrag, Table
@@ -142,15 +140,14 @@ def value_of(scene: Any, name: str) -> float | None:
 def with_parameter(scene: Any, name: str, value: float) -> Any:
     """Return a scene with another value of a parameter."""
     place, found = _held(scene, name)
-    new: Any = value
     if name in OWN:
         return scene.model_copy(update={name: value})
-    if place == "air.density" and isinstance(scene.air.density, Weather):
+    if place == "air.density":
         return with_density(scene, value)
     if isinstance(found, tuple):
-        size = math.hypot(*found)
-        new = tuple(value / size * x for x in found) if size else found
-    return with_values(scene, {place: new})
+        share = value / (math.hypot(*found) or 1.0)
+        return with_values(scene, {place: tuple(share * x for x in found)})
+    return with_values(scene, {place: value})
 
 
 def _in_law(name: str, change: Callable[[Any], Any]) -> Change:
@@ -160,30 +157,19 @@ def _in_law(name: str, change: Callable[[Any], Any]) -> Change:
 
 @dataclass(frozen=True)
 class Fit:
-    """A parameter, what the candidate has in its place, and how far that is known.
-
-    Attributes
-    ----------
-    form
-        "fixed": the value whatever the scene says; "where": the value in scenes that say the usual
-        one; "factor": times the scene's; "offset": added; "default": the value where the scene
-        leaves it out.
-    value, doubt
-        Half the range of nine tenths of the scenes.
-    varies
-        Whether the scenes have different values, so that the forms can be told apart.
-    usual
-        The scene's value, where it is always the same.
-    laws
-        Those that it is known of, as another one may have a number of that name; None for all.
-    """
+    """A parameter, what the candidate has in its place, and how far that is known."""
 
     parameter: str
+    # "fixed": the value whatever the scene says; "where": the value in scenes that say the usual
+    # one; "factor": times the scene's; "offset": added; "default": the value where the scene leaves
+    # it out.
     form: str
+    # Half the range of nine tenths of the scenes.
     value: float
     doubt: float
-    varies: bool
-    usual: float = math.nan
+    varies: bool  # whether the scenes have different values, so that the forms can be told apart
+    usual: float = math.nan  # the scene's value, where it is always the same
+    # Those that it is known of, as another one may have a number of that name; None for all.
     laws: frozenset[str | None] | None = None
 
     @property
@@ -192,13 +178,13 @@ class Fit:
 
         def change(scene: Any) -> Any:
             own = value_of(scene, self.parameter)
-            if own is None or (own == 0.0 and self.form == "factor"):
-                return scene
-            if self.form == "default" and not _leaves_out(scene, self.parameter):
-                return scene
-            if self.form == "where" and own != self.usual:
-                return scene
-            if self.laws is not None and law_of(scene, self.parameter) not in self.laws:
+            if (
+                own is None
+                or (own == 0.0 and self.form == "factor")
+                or (self.form == "default" and not _leaves_out(scene, self.parameter))
+                or (self.form == "where" and own != self.usual)
+                or (self.laws is not None and law_of(scene, self.parameter) not in self.laws)
+            ):
                 return scene
             new = {"factor": own * self.value, "offset": own + self.value}
             return with_parameter(scene, self.parameter, new.get(self.form, self.value))
@@ -256,41 +242,33 @@ class Fit:
                 f"acts as if k = ρ A/(2 m) were {number} times as large{meant}: density, π, R² or "
                 "1/m, which the flights do not tell apart"
             )
-        parameter = OWN[self.parameter].words if self.parameter in OWN else self.parameter
-        if self.of_weather:
-            parameter = "the density that the weather gives"
+        words = OWN[self.parameter].words if self.parameter in OWN else self.parameter
+        words = "the density that the weather gives" if self.of_weather else words
+        acts, usual = f"acts as if {words}", f"{self.usual:.6g}"
         match self.form:
             case "fixed":
-                whatever = "whatever the scene says" if self.varies else f"and not {self.usual:.6g}"
-                return f"acts as if {parameter} = {number}{meant}, {whatever}"
+                whatever = "whatever the scene says" if self.varies else f"and not {usual}"
+                return f"{acts} = {number}{meant}, {whatever}"
             case "where":
-                return f"acts as if {parameter} = {number}{meant} where the scene says " + (
-                    f"{self.usual:.6g}"
-                )
+                return f"{acts} = {number}{meant} where the scene says {usual}"
             case "default":
-                where = f"and not {self.usual:.6g}, where the scene leaves it out"
-                return f"acts as if {parameter} = {number}, {where}"
+                return f"{acts} = {number}, and not {usual}, where the scene leaves it out"
             case "factor":
-                factor = f"acts as if {parameter} were {number} times the scene's{meant}"
-                if not self.varies:
-                    factor += f": {self.value * self.usual:.6g} for {self.usual:.6g}"
-                return factor
-        return f"acts as if {parameter} were the scene's plus {number}{meant}"
+                there = "" if self.varies else f": {self.value * self.usual:.6g} for {usual}"
+                return f"{acts} were {number} times the scene's{meant}{there}"
+        return f"{acts} were the scene's plus {number}{meant}"
 
 
-# A factor so near to 1 is told by what it differs.
-NEARLY = 1e-4
+NEARLY = 1e-4  # a factor so near to 1 is told by what it differs
 
 
 def told_factor(value: float) -> str:
     """Return a factor that is nearly 1 by what it differs; nothing if it is not."""
-    if not 0 < abs(value - 1) < NEARLY:
-        return ""
-    return f"1 {'+' if value > 1 else '-'} {abs(value - 1):.3g}"
+    nearly = 0 < abs(value - 1) < NEARLY
+    return f"1 {'+' if value > 1 else '-'} {abs(value - 1):.3g}" if nearly else ""
 
 
-# People write 2/3 for what needs more digits than so many.
-LARGEST_DENOMINATOR, FRACTION_DIGITS = 12, 4
+LARGEST_DENOMINATOR, FRACTION_DIGITS = 12, 4  # people write 2/3 for what needs more digits
 
 
 def digits_of(number: float) -> int:
@@ -299,10 +277,8 @@ def digits_of(number: float) -> int:
 
 
 def roundest(value: float, doubt: float, size: float = 1.0) -> float:
-    """Return the number with the fewest digits that is as near as the doubt; people choose those.
-
-    A usual factor comes before it, and zero for what is nothing beside `size`.
-    """
+    """Return the number with the fewest digits within the doubt; people choose those."""
+    # A usual factor comes before it, and zero for what is nothing beside `size`.
     if abs(value) <= max(1e-9 * size, min(3 * doubt, 1e-6 * size)):
         return 0.0
     for usual in (*STANDARD, *(factor for factor, _ in _FACTORS)):
@@ -335,8 +311,7 @@ def told(value: float, doubt: float) -> str:
     return f"{value:.{places}f} ± {doubt:.1g}"
 
 
-# Numbers of many digits that people choose all the same: m/s².
-STANDARD = (9.80665,)
+STANDARD = (9.80665,)  # numbers of many digits that people choose all the same: m/s²
 
 # What a factor is, if it is one of these.
 _FACTORS = (
@@ -377,29 +352,18 @@ ROUNDS = 8
 # Of a number, and of the scene's own, what a last step may move it by where it has come to its end.
 SETTLED, MOVED = 0.1, 1e-4
 
-# Digits of a number that one or two scenes are enough to believe.
-FEW_DIGITS = 3
-
-# The doubt of a fit beside what it differs from the scene: with more it explains nothing.
-UNSURE = 0.2
-
-# A parameter that leaves so much of a scene, whatever its value, does not explain that scene.
-MISSED = 0.3
-
-# Of impacts, how many may be missed so: what comes of the others is held against all.
-MOST_MISSED = 0.2
-
-# With so many scenes a number is believed that has many digits.
-FIRST = 3
+FEW_DIGITS = 3  # digits of a number that one or two scenes are enough to believe
+UNSURE = 0.2  # the doubt of a fit beside what it differs from the scene: more explains nothing
+MISSED = 0.3  # a parameter that leaves so much of a scene, whatever its value, does not explain it
+MOST_MISSED = 0.2  # of impacts, how many may be missed so: the others' number is held against all
+FIRST = 3  # with so many scenes a number is believed that has many digits
 
 
 def implied(
     trial: Trial, names: Sequence[str], sought: Sought, own: Change = NONE
 ) -> tuple[Array, float] | None:
-    """Return the values of parameters that explain a trial best, and the share they leave.
-
-    `own` is a change before it. None if the trial does not depend on all of the parameters.
-    """
+    """Return the values of parameters that explain a trial best, and the share they leave."""
+    # `own` is a change before it. None if the trial does not depend on all of the parameters.
     base = sought.base.then(own)
     held = [value_of(base.scene(trial.scene), name) for name in names]
     if None in held:
@@ -474,22 +438,13 @@ def fits(names: Sequence[str], sought: Sought, own: Change = NONE) -> list[list[
 
 
 def _forms(name: str, values: Array, own: Array, unsaid: bool) -> list[Fit]:
-    """Return the forms in which a parameter has some values, beside the scenes' own.
-
-    If all leave it out, it is what the candidate has in place of the usual one.
-    """
+    """Return the forms in which a parameter explains values; `unsaid`: all scenes leave it out."""
     varies = bool(np.ptp(own) > 1e-9 * np.abs(own).max(initial=0.0))
     some = own != 0  # a factor leaves the others as they are
     stay = some.any() and np.abs(values[~some]).max(initial=0.0) <= 1e-9 * np.abs(own).max()
-    forms: list[tuple[str, Callable[[], Array]]] = [
-        ("fixed", lambda: values),
-        ("factor", lambda: values[some] / own[some]),
-        ("offset", lambda: values - own),
-    ]
-    if unsaid:
-        forms = [("default", lambda: values)]
+    forms = {"fixed": values, "factor": values[some] / own[some], "offset": values - own}
     result = []
-    for form, make in forms:
+    for form, spread in ({"default": values} if unsaid else forms).items():
         if form == "factor" and not stay:
             continue
         if form == "fixed" and not varies and own[0] and factor_meaning(float(values[0] / own[0])):
@@ -502,7 +457,6 @@ def _forms(name: str, values: Array, own: Array, unsaid: bool) -> list[Fit]:
             continue  # nobody chooses such a density: the factor may be elsewhere
         if form == "offset" and not varies and not name.endswith("height"):
             continue
-        spread = make()
         low, middle, high = np.quantile(spread, (0.05, 0.5, 0.95))
         doubt = float(high - low) / 2
         size = 1.0 if form == "factor" else float(np.abs(own).max())
@@ -526,18 +480,11 @@ def _difference(form: str, value: float, own: Array) -> float:
     return float(np.abs(value - own).max())
 
 
-# --- explanations ---------------------------------------------------------------------------------
-
-# A usual number may leave so much more than the fitted one.
-SNAP = 1e-4
-
-# Digits of a number that nobody chooses, of two that are fitted at once.
-ODD = 5
+SNAP = 1e-4  # a usual number may leave so much more than the fitted one
+ODD = 5  # digits of a number that nobody chooses, of two that are fitted at once
 
 
-# Of a number that may be taken in all scenes or in those that say the usual one, the first is told
-# where no scene tells which.
-BEHIND = 1e-3
+BEHIND = 1e-3  # the rank of a number in scenes with the usual one, behind that in all scenes
 
 
 def is_odd(e: Explanation) -> bool:
@@ -560,28 +507,23 @@ def parts(sought: Sought) -> list[Explanation]:
 
 def _library(stage: str) -> list[Mistake]:
     """Return the known mistakes that may show at a stage."""
-    library: list[Mistake] = []
-    if stage in ("pitch", "flight", "spin decay"):
-        library += LAW
-    if stage in ("touching", "normal"):
-        library += TOUCHING
-    if stage == "fence":
-        library += FENCE
-    if stage in ("restitution", "impulse", "velocity after", "spin after", "energy"):
-        library += (*IMPACT, *RUBBING, *SPIN)
-    if stage not in ("pitch", "plate", "touching", "normal", "bat velocity"):
-        library += READINGS
-    library += (*IGNORED, *SINGLES)
-    return library
+    struck = stage in ("restitution", "impulse", "velocity after", "spin after", "energy")
+    before = stage in ("pitch", "plate", "touching", "normal", "bat velocity")
+    return [
+        *(LAW if stage in ("pitch", "flight", "spin decay") else ()),
+        *(TOUCHING if stage in ("touching", "normal") else ()),
+        *(FENCE if stage == "fence" else ()),
+        *((*IMPACT, *RUBBING, *SPIN) if struck else ()),
+        *(() if before else READINGS),
+        *(*IGNORED, *SINGLES),
+    ]
 
 
 def _tried(library: Iterable[Mistake], sought: Sought) -> Iterator[Explanation]:
     for mistake in library:
         if sought.work.exhausted:
             return
-        if not sought.concerned(mistake.change):
-            continue
-        left = sought.screened(mistake.change)
+        left = sought.screened(mistake.change) if sought.concerned(mistake.change) else None
         if left is not None:
             yield _explanation(mistake, left)
 
@@ -591,10 +533,8 @@ MOSTLY, LARGE = 1e-2, 1e-3
 
 
 def mostly(sought: Sought) -> Iterator[Explanation]:
-    """Yield known laws, with what they leave of the larger errors: an integrator's may be in it.
-
-    In other scenes its errors may be as large as those of the law.
-    """
+    """Yield known laws, with what they leave of the larger errors."""
+    # The rest may be an integrator's; in other scenes that may be as large as a law's.
     sized = zip(sought.sizes(NONE), sought.trials, strict=False)  # sizes of those beside follow
     large = sorted((one for one in sized if one[0] > LARGE), key=lambda one: -one[0])
     if len(large) < TRIED:
@@ -634,9 +574,9 @@ def fitted(sought: Sought) -> Iterator[Explanation]:
         if (sought.stage not in stages and not whole_chain) or sought.work.exhausted:
             continue
         (forms,) = fits([name], sought)
-        alike = [f for f in forms
-                 if f.form == "fixed" and not f.varies and f.roundness < ODD / 100]  # fmt: skip
-        for fit in (*forms, *(replace(fit, form="where") for fit in alike)):
+        same = (f for f in forms if f.form == "fixed" and not f.varies)
+        alike = [replace(f, form="where") for f in same if f.roundness < ODD / 100]
+        for fit in (*forms, *alike):
             left = sought.screened(fit.change)
             if left is None or fit.doubt > 1e-2 * max(abs(fit.value), 1e-6):
                 continue
@@ -654,8 +594,7 @@ STRENGTHS = (
     "air.density", "air.drag_coefficient", "air.lift_coefficient", "gravity", "spin", "wind",
 )  # fmt: skip
 
-# Of a scene's errors, what a number of its own may leave, besides the judge's own.
-WHOLLY = 1e-5
+WHOLLY = 1e-5  # of a scene's errors, what a number of its own may leave, besides the judge's own
 
 
 def scene_by_scene(sought: Sought) -> str:
@@ -689,11 +628,9 @@ def two(sought: Sought, known: Sequence[Explanation]) -> Iterator[Explanation]:
 
 
 def pairs(sought: Sought, known: Sequence[Explanation]) -> Iterator[Explanation]:
-    """Yield two of the known mistakes and fitted numbers together.
-
-    Small effects add up: which two it may be is seen in a few trials, from what each does alone.
-    """
-    few = sought.few
+    """Yield two of the known mistakes and fitted numbers together."""
+    # Small effects add up: what each does alone, in a few trials, tells which two to try.
+    few = sought.some(3)
     base = few.rows(NONE)
     if not sum(map(len, base)) or sought.work.exhausted:
         return
@@ -716,8 +653,8 @@ def pairs(sought: Sought, known: Sequence[Explanation]) -> Iterator[Explanation]
             ranked[count, common].append((left, a, b))
     # What is free fits more, and takes longer.
     tried: list[tuple[Any, Any]] = []
-    for key, most in (((0, False), 3), ((1, False), 4), ((1, True), 3), ((2, True), 2),
-                      ((2, False), 2)):  # fmt: skip
+    most_of = {(0, False): 3, (1, False): 4, (1, True): 3, (2, True): 2, (2, False): 2}
+    for key, most in most_of.items():
         for _, a, b in sorted(ranked[key], key=lambda one: one[0])[:most]:
             if (a, b) in tried or sought.work.exhausted:
                 continue
@@ -731,17 +668,8 @@ def pairs(sought: Sought, known: Sequence[Explanation]) -> Iterator[Explanation]
 def _left_by(
     rows: tuple[list[Array], list[Array], list[Array]], names: tuple[Any, Any], common: bool
 ) -> float:
-    """Return what is left of errors by two effects, of which those with a name may have any size.
-
-    Parameters
-    ----------
-    rows
-        The errors and the two effects in each trial.
-    names
-        Of the effects; explanations have their own size.
-    common
-        Whether the size is the same in all trials.
-    """
+    """Return what is left of errors by two effects, in each trial, or in all if `common`."""
+    # Explanations have their own size; numbers, told by a name alone, any.
     if common:
         rows = tuple([np.concatenate(one)] for one in rows)  # type: ignore[assignment]
     left = 0.0
@@ -757,14 +685,9 @@ def _left_by(
     return left
 
 
-# Changes that are taken for the first of two, one after the other.
-FIRSTS = 6
-
-# Of the errors, what the first must not leave.
-HELPS = 0.95
-
-# Trials that these are chosen by.
-TRIED = 4
+FIRSTS = 6  # changes that are taken for the first of two, one after the other
+HELPS = 0.95  # of the errors, what the first must not leave
+TRIED = 4  # trials that these are chosen by
 
 
 def one_after_another(sought: Sought, known: Sequence[Explanation]) -> Iterator[Explanation]:
@@ -832,12 +755,9 @@ def _joined(sought: Sought, a: Explanation | str, b: Explanation | str) -> Expla
         own = own.then(x.change)
     fitted: list[Fit] = []
     if free:
-        forms = fits(free, sought, own)
-        tried = [
-            (left, some)
-            for some in itertools.product(*forms)
-            if (left := sought.left(_together(own, some))) is not None
-        ]
+        joint = [(sought.left(_together(own, some)), some)
+                 for some in itertools.product(*fits(free, sought, own))]  # fmt: skip
+        tried = [(left, some) for left, some in joint if left is not None]
         if not tried:
             return None
         fitted = list(min(tried, key=lambda one: one[0])[1])

@@ -57,10 +57,8 @@ from longball.model.wind import ROUGHNESS
 
 
 def _terms(change: Callable[[Term], Term | None], *carried: Term) -> Change:
-    """Return the change of each term that may act on a ball in flight; None leaves it out.
-
-    `carried` are terms behind them, whose parameters those changed may use.
-    """
+    """Return the change of each term that may act on a ball in flight; None leaves it out."""
+    # `carried` are terms behind them, whose parameters those changed may use.
     changed = cache(change)  # the same terms each time, so that their law is traced once
 
     def model(held: Model) -> Model:
@@ -84,10 +82,8 @@ def _forms(which: Callable[[Term], bool], change: Callable[[Any], Term]) -> Call
 def _strengths(
     changed: Callable[..., Any], which: Callable[[Term], bool] = lambda term: True
 ) -> Change:
-    """Return the change of strengths; `changed` takes a term's own before scene, frame, numbers.
-
-    Those of a term with branches are its branches.
-    """
+    """Return the change of strengths, or else branches, of terms of a kind."""
+    # `changed` takes a term's own before scene, frame and numbers.
 
     def change(term: Any) -> Any:
         branches = isinstance(term, Piecewise)
@@ -182,10 +178,7 @@ _AXES: More = (("cos", "sin"), lambda scene, frame: (frame.cos, frame.sin))  # o
 def _in_air(
     term: Term, form: Callable[[Motion, Flow, Any], Vector[Any]], more: More = ((), lambda *_: ())
 ) -> Change:
-    """Return the change of drag or lift to ρ k times a form: of the motion, the flow, parameters.
-
-    `more` are those that the form needs besides the term's own.
-    """
+    """Return the change of drag or lift to ρ k times a form; `more` are parameters it needs."""
     (strength,), given = term.parameters, _more(term, more)
 
     def acceleration(motion: Motion, p: Any) -> Vector[Any]:
@@ -215,11 +208,6 @@ def _of_two(x: Any, y: Any) -> Any:
     return trace.sqrt(x * x + y * y)
 
 
-def _drag_in_plane(motion: Motion, flow: Flow, p: Any) -> Vector[Any]:
-    (u, v, w), level = flow.velocity, _of_two(*flow.velocity[:2])
-    return -level * u, -level * v, -_size(w) * w
-
-
 def _right_axis(scene: Any, frame: Any) -> Vector[Any]:
     return frame.sin, -frame.cos, 0.0
 
@@ -235,10 +223,7 @@ def _about(axis: Callable[[Any, Any], Vector[Any]]) -> Change:
 
 
 def _about_if_fixed(axis: Callable[[Any, Any], Vector[Any]]) -> Change:
-    """Return the same change, but of lifts that are always up: their axis is computed elsewhere.
-
-    The lift stays, and one about the difference of the axes is added.
-    """
+    """Return the change that adds a lift about the difference of axes, where not always up."""
 
     def strengths(scene: Any, frame: Any, numbers: Any) -> tuple[Any, ...] | None:
         found = LIFT.strengths(scene, frame, numbers)
@@ -262,10 +247,7 @@ def _is_batted(scene: Any, frame: Any) -> bool:
 
 
 def _axis_of_pitch(straight: bool) -> Callable[[Any, Any], Vector[Any]]:
-    """Return the axis of the lift, of a batted ball that which the pitch has had.
-
-    Or that of a pitch which comes straight along the field.
-    """
+    """Return the axis of the lift: of a batted ball that of the pitch, or of a `straight` one."""
 
     def axis(scene: Any, frame: Any) -> Vector[Any]:
         if not _is_batted(scene, frame):
@@ -275,12 +257,6 @@ def _axis_of_pitch(straight: bool) -> Callable[[Any, Any], Vector[Any]]:
         return y / size, -x / size, 0.0
 
     return axis
-
-
-def _axis_by_arctangent(scene: Any, frame: Any) -> Vector[Any]:
-    """Return the axis of a heading atan(v_y/v_x), which is that of the other half of the circle."""
-    sign = -1.0 if frame.cos < 0 else 1.0
-    return sign * frame.sin, -sign * frame.cos, 0.0
 
 
 def _drag(factor: Callable[[Motion, Any], Any], more: More = ((), lambda *_: ())) -> Change:
@@ -357,7 +333,9 @@ _PAPERS_LAW: tuple[Mistake, ...] = (
             _by_component(lambda c: _size(c) * c)),
     Mistake("drag-per-component-in-plane", "drags the horizontal and the vertical speed each by "
             "itself, with its own square", "the drag is -k V v: each times the whole speed V",
-            _in_air(DRAG, _drag_in_plane)),
+            _in_air(DRAG, lambda m, flow, p: (
+                *scaled(-_of_two(*flow.velocity[:2]), flow.velocity)[:2],
+                -_size(flow.velocity[2]) * flow.velocity[2]))),
     Mistake("unsigned-drag-per-component", "drags each component by its own square without a "
             "sign, so that a falling ball is pulled down", _AGAINST,
             _by_component(lambda c: c * c)),
@@ -449,7 +427,8 @@ _PAPERS_LAW: tuple[Mistake, ...] = (
       for where, about in (("", _about), (", but not where it is always up", _about_if_fixed))),
     Mistake("heading-by-arctangent", "takes the heading for atan(v_y/v_x), which is the "
             "opposite one where v_x < 0: the lift then has the wrong sign", "take atan2(v_y, v_x), "
-            "or divide the horizontal velocity by its size", _about(_axis_by_arctangent)),
+            "or divide the horizontal velocity by its size", _about(lambda scene, frame: scaled(
+                -1.0 if frame.cos < 0 else 1.0, _right_axis(scene, frame)))),
     Mistake("lift-sideways", "lifts the ball sideways",
             "the spin axis is horizontal: the lift lies in the vertical plane of the launch",
             _lift(lambda u, w, speed: (trace.ZERO, speed * u, trace.ZERO))),
@@ -518,21 +497,15 @@ def _arranged(axes: str) -> Callable[..., Numbers]:
 
 def _backspin(spin: Numbers, scene: Any) -> Numbers:
     """Return a backspin of that size."""
-    if scene.kind == "flight":
-        x, y, _ = scene.launch.velocity
-    else:
-        x, y = -1.0, 0.0
-    across = math.hypot(x, y)
-    size = math.hypot(*spin)
+    x, y, _ = scene.launch.velocity if scene.kind == "flight" else (-1.0, 0.0, 0.0)
+    across, size = math.hypot(x, y), math.hypot(*spin)
     return (size * y / across, -size * x / across, 0.0) if across else spin
 
 
 def _winds(change: Callable[[Numbers], Numbers]) -> Change:
     def values(scene: Any) -> Mapping[str, Any]:
-        wind = scene.air.wind
-        if isinstance(wind, tuple):
-            return {"air.wind": change(wind)}
-        return {"air.wind.velocity": change(wind.velocity)}
+        place = "air.wind" if isinstance(scene.air.wind, tuple) else "air.wind.velocity"
+        return {place: change(at(scene, place))}
 
     return scene_change(values)
 
@@ -540,16 +513,13 @@ def _winds(change: Callable[[Numbers], Numbers]) -> Change:
 def _wind_not_in_lift_by_spin(scene: Any) -> Any:
     """Return a scene whose wind acts on drag alone, if its ball is launched with a spin."""
     launch = getattr(scene, "launch", None) or getattr(scene, "pitch", None)
-    if launch is None or launch.spin is None:
-        return scene
-    return reading_change(wind_acts_on="drag").scene(scene)
+    spins = launch is not None and launch.spin is not None
+    return reading_change(wind_acts_on="drag").scene(scene) if spins else scene
 
 
 def with_density(scene: Any, value: float) -> Any:
-    """Return a scene with another density at height 0, kg/m³.
-
-    Where the weather gives it, it is linear in the pressure, on which nothing else hangs.
-    """
+    """Return a scene with another density at height 0, kg/m³."""
+    # That of the weather is linear in the pressure, on which nothing else hangs.
     if not isinstance(scene.air.density, Weather):
         return with_values(scene, {"air.density": value})
     nothing = _of_weather(scene, pressure=0.0)
@@ -619,13 +589,10 @@ _VAPOURS: tuple[tuple[str, tuple[float, ...], float, float], ...] = (
 
 # Where the density that falls by e in H is 1, as a height of the scene; that of the scale is 0.
 _LEVELS: tuple[tuple[str, str, Callable[[Any], float]], ...] = (
-    (
-        "launch",
-        "from the launch",
-        lambda s: (s.launch.position if s.kind == "flight" else s.pitch.release)[2],
-    ),
+    ("launch", "from the launch",
+     lambda s: (s.launch.position if s.kind == "flight" else s.pitch.release)[2]),
     ("ground", "from the ground", lambda s: s.ground.height),
-)
+)  # fmt: skip
 
 
 def _denser(factor: Callable[[Any, float], float], other: float | None = 0.0) -> Change:
@@ -644,16 +611,11 @@ def _denser(factor: Callable[[Any, float], float], other: float | None = 0.0) ->
 def _sound(formula: Callable[[float], float]) -> Change:
     """Return the change of the speed of sound to a formula of T in K."""
 
-    def values(scene: Any) -> Mapping[str, Any]:
-        found: dict[str, Any] = {}
-        for name in ("air.drag_coefficient", "air.lift_coefficient"):
-            table = at(scene, name)
-            if getattr(table, "of", "") == "mach":
-                share = formula(scene.air.density.temperature) / speed_of_sound(scene, DOUBLES)
-                found[f"{name}.at"] = tuple(float(x * share) for x in table.at)
-        return found
+    def heard(nodes: Any, values: Any, scene: Any) -> tuple[Any, Any]:
+        share = formula(scene.air.density.temperature) / speed_of_sound(scene, DOUBLES)
+        return [float(x * share) for x in nodes], values
 
-    return scene_change(values)
+    return _tables(heard, "mach")
 
 
 def _at_launch(scene: Any) -> Mapping[str, Any]:
@@ -665,7 +627,7 @@ def _at_launch(scene: Any) -> Mapping[str, Any]:
         high, low = law.high_speed, law.low_speed
         value = high + (low - high) / (1 + math.exp((speed - law.speed) / law.width))
         found = {f"air.drag_coefficient.{key}_speed": value for key in ("high", "low")}
-    for name in ("air.drag_coefficient", "air.lift_coefficient"):
+    for name in _COEFFICIENTS:
         table = at(scene, name)
         if getattr(table, "of", "") in ("speed", "mach"):
             x = speed if table.of == "speed" else speed / float(speed_of_sound(scene, DOUBLES))
@@ -682,23 +644,16 @@ def _lift_times(share: Callable[[Flow, Any], Any]) -> Callable[[Any], Any]:
     )
 
 
-_TOTAL = "of_total"
-_BY_SPIN = {"linear_lift", "rational_lift"}
+# 1 if the scene's lift is one by the whole spin, and else 0: None would keep the term from acting.
+_TOTAL = Term(("of_total",), lambda scene, frame, numbers: (
+    float(scene.reading.spin_parameter == "total"),))  # fmt: skip
 
 
 def _by_whole_spin(f: Any) -> Any:
     """Return a lift whose size goes with the whole spin, where it goes with spin at all."""
-    by_spin = not _BY_SPIN.isdisjoint(f.parameters)
-    return _lift_times(lambda flow, p: 1.0 + (1.0 if by_spin else getattr(p, _TOTAL)) * (
+    by_spin = not {"linear_lift", "rational_lift"}.isdisjoint(f.parameters)
+    return _lift_times(lambda flow, p: 1.0 + (1.0 if by_spin else p.of_total) * (
         1.0 / _active(flow, p) - 1.0))(f)  # fmt: skip
-
-
-def _of_total(scene: Any, frame: Any, numbers: Any) -> tuple[float]:
-    """Return 1 if the scene's lift is one by the whole spin, and else 0.
-
-    No None: a term of which no strength has a value does not act, and what it names is unknown.
-    """
-    return (float(scene.reading.spin_parameter == "total"),)
 
 
 def _active(flow: Flow, p: Any) -> Any:
@@ -743,10 +698,7 @@ def _of_diameter(given: Any, scene: Any, frame: Any, numbers: Any) -> Any:
 
 
 def _profile(rise: Callable[[Any, Any], Any]) -> Change:
-    """Return the change of the wind's growth with the height to a function of z and parameters.
-
-    Those are its `roughness` and its `wind_height`.
-    """
+    """Return the change of the wind's growth with height to a function of z and parameters."""
 
     def changed(f: Any) -> Any:
         if not (isinstance(f, Wind) and ROUGHNESS in f.parameters):
@@ -762,8 +714,7 @@ def _profile(rise: Callable[[Any, Any], Any]) -> Change:
     return _terms(changed)
 
 
-# m: a height at which two forms of the wind go over into each other is so wide.
-_BLEND = 5e-3
+_BLEND = 5e-3  # m: a height at which two forms of the wind go over into each other is so wide
 
 
 def _larger(a: Any, b: Any) -> Any:
@@ -811,23 +762,25 @@ def _coriolis(changed: Callable[[Vector[Any]], Vector[Any]]) -> Change:
     return _instead(CORIOLIS, lambda m, p: changed(CORIOLIS.acceleration(m, p)))
 
 
+_COEFFICIENTS = "air.drag_coefficient", "air.lift_coefficient"
+
+
 def _tables(change: Callable[..., Any], of: str = "") -> Change:
     """Return the change of nodes and values of a scene's tables, or of those over one thing."""
 
     def values(scene: Any) -> Mapping[str, Any]:
         found: dict[str, Any] = {}
-        for name in ("air.drag_coefficient", "air.lift_coefficient"):
+        for name in _COEFFICIENTS:
             table = at(scene, name)
             if isinstance(table, Table) and of in ("", table.of):
-                nodes, there = change(table.at, table.values)
+                nodes, there = change(table.at, table.values, scene)
                 found |= {f"{name}.at": tuple(nodes), f"{name}.values": tuple(there)}
         return found
 
     return scene_change(values)
 
 
-# Relative: half the width of the line that stands for a jump in a table; it is left out again.
-_NARROW = 1e-15
+_NARROW = 1e-15  # relative: half the width of the line that stands for a jump in a table
 
 
 def _jumping(f: Any) -> Any:
@@ -848,7 +801,7 @@ def _jumping(f: Any) -> Any:
 def _stepped(jumps: Callable[[Sequence[float]], Sequence[float]]) -> Change:
     """Return the change of tables to steps that jump at some places, from the nodes."""
 
-    def steps(nodes: Sequence[float], values: Sequence[float]) -> tuple[Any, Any]:
+    def steps(nodes: Sequence[float], values: Sequence[float], scene: Any) -> tuple[Any, Any]:
         pairs = [one for one in zip(jumps(nodes), pairwise(values), strict=True) if one[0]]
         at = [x for jump, _ in pairs for x in (jump * (1 - _NARROW), jump * (1 + _NARROW))]
         return at, [value for _, pair in pairs for value in pair]
@@ -857,7 +810,7 @@ def _stepped(jumps: Callable[[Sequence[float]], Sequence[float]]) -> Change:
 
 
 def _extrapolated(
-    nodes: Sequence[float], values: Sequence[float], below: bool = True, above: bool = True
+    nodes: Sequence[float], values: Sequence[float], scene: Any, below: bool, above: bool
 ) -> tuple[list[float], list[float]]:
     """Return a table that goes on below its first node to 0, or far above its last one."""
 
@@ -919,40 +872,30 @@ _WEATHER = (
 _WIND = "the wind is subtracted from the ball's velocity, in drag and lift alike: u = v - W"
 
 EXTENDED: tuple[Mistake, ...] = (
-    Mistake("spin-in-rpm", "takes the spin for rpm", _UNIT,
-            _spins(_times(math.pi / 30))),
-    Mistake("spin-to-rpm", "turns the spin into rpm", _UNIT,
-            _spins(_times(30 / math.pi))),
-    Mistake("spin-in-revolutions", "takes the spin for revolutions per second", _UNIT,
-            _spins(_times(2 * math.pi))),
-    Mistake("spin-sign", "takes the spin with the other sign", _DIRECTION,
-            _spins(_times(-1.0))),
-    Mistake("spin-sign-of-pitches", "takes the spin of a ball that flies to the plate with the "
-            "other sign", _DIRECTION, _spins(_times(-1.0), "pitch", "incoming")),
-    Mistake("spin-sign-of-flights", "takes the spin of a ball that flies away from the plate with "
-            "the other sign", _DIRECTION, _spins(_times(-1.0), "launch")),
-    Mistake("spin-in-degrees", "takes the spin for degrees per second", _UNIT,
-            _spins(_times(math.pi / 180))),
-    Mistake("spin-side-sign", "has the spin's y the other way round", _DIRECTION,
-            _spins(_arranged("x -y z"))),
-    Mistake("spin-y-only", "takes the spin's y only", _DIRECTION,
-            _spins(_arranged("0 y 0"))),
-    Mistake("spin-x-left-out", "leaves the spin's x out", _DIRECTION,
-            _spins(_arranged("0 y z"))),
-    Mistake("spin-y-left-out", "leaves the spin's y out", _DIRECTION,
-            _spins(_arranged("x 0 z"))),
-    Mistake("spin-z-left-out", "leaves the spin's z out", _DIRECTION,
-            _spins(_arranged("x y 0"))),
-    Mistake("spin-x-sign", "has the spin's x the other way round", _DIRECTION,
-            _spins(_arranged("-x y z"))),
-    Mistake("spin-z-sign", "has the spin's z the other way round", _DIRECTION,
-            _spins(_arranged("x y -z"))),
-    Mistake("spin-xy-exchanged", "exchanges the spin's x and y", _DIRECTION,
-            _spins(_arranged("y x z"))),
-    Mistake("spin-xz-exchanged", "exchanges the spin's x and z", _DIRECTION,
-            _spins(_arranged("z y x"))),
-    Mistake("spin-yz-exchanged", "exchanges the spin's y and z", _DIRECTION,
-            _spins(_arranged("x z y"))),
+    *(Mistake(f"spin-{name}", sentence, remedy, _spins(change, *places))
+      for remedy, known in (
+          (_UNIT, (
+              ("in-rpm", "takes the spin for rpm", _times(math.pi / 30)),
+              ("to-rpm", "turns the spin into rpm", _times(30 / math.pi)),
+              ("in-revolutions", "takes the spin for revolutions per second", _times(2 * math.pi)),
+              ("in-degrees", "takes the spin for degrees per second", _times(math.pi / 180)))),
+          (_DIRECTION, (
+              ("sign", "takes the spin with the other sign", _times(-1.0)),
+              ("sign-of-pitches", "takes the spin of a ball that flies to the plate with the other "
+               "sign", _times(-1.0), "pitch", "incoming"),
+              ("sign-of-flights", "takes the spin of a ball that flies away from the plate with "
+               "the other sign", _times(-1.0), "launch"),
+              ("side-sign", "has the spin's y the other way round", _arranged("x -y z")),
+              ("y-only", "takes the spin's y only", _arranged("0 y 0")),
+              ("x-left-out", "leaves the spin's x out", _arranged("0 y z")),
+              ("y-left-out", "leaves the spin's y out", _arranged("x 0 z")),
+              ("z-left-out", "leaves the spin's z out", _arranged("x y 0")),
+              ("x-sign", "has the spin's x the other way round", _arranged("-x y z")),
+              ("z-sign", "has the spin's z the other way round", _arranged("x y -z")),
+              ("xy-exchanged", "exchanges the spin's x and y", _arranged("y x z")),
+              ("xz-exchanged", "exchanges the spin's x and z", _arranged("z y x")),
+              ("yz-exchanged", "exchanges the spin's y and z", _arranged("x z y")))))
+      for name, sentence, change, *places in known),
     Mistake("spin-of-pitch-kept", "lets the batted ball fly with the spin of the pitch",
             "the batted ball has the spin that the impact gives it",
             _batted_spin(_spin_at_bat)),
@@ -975,7 +918,7 @@ EXTENDED: tuple[Mistake, ...] = (
                 _terms(_lift_times(lambda flow, p: 1.0 / _active(flow, p))))),
     Mistake("lift-by-whole-spin", "multiplies by the whole spin, gyro spin included, in the "
             "lift's size", "S = R ω_T/U with ω_T = |ω × u|/U",
-            _terms(_by_whole_spin, Term((_TOTAL,), _of_total))),
+            _terms(_by_whole_spin, _TOTAL)),
     Mistake("lift-not-along-unit", "divides ω × u by ωU, and not by its length, in the "
             "direction of the lift", "the lift is along ω × u/|ω × u|",
             _terms(_lift_times(_active))),
@@ -1155,10 +1098,8 @@ EXTENDED: tuple[Mistake, ...] = (
             _earth("azimuth", lambda angle: math.pi / 2 - angle)),
     Mistake("latitude-sign", "takes southern latitudes for northern ones", _EARTH,
             _earth("latitude", abs)),
-    Mistake("latitude-in-degrees", "takes the latitude for degrees", "earth.latitude is in radians",
-            _earth("latitude", math.radians)),
-    Mistake("azimuth-in-degrees", "takes the azimuth for degrees", "earth.azimuth is in radians",
-            _earth("azimuth", math.radians)),
+    *(Mistake(f"{key}-in-degrees", f"takes the {key} for degrees", f"earth.{key} is in radians",
+              _earth(key, math.radians)) for key in ("latitude", "azimuth")),
     Mistake("latitude-reversed", "takes northern latitudes for southern ones, and the other way "
             "round", _EARTH, _earth("latitude", operator.neg)),
     Mistake("earth-in-degrees", "takes latitude and azimuth for degrees",
@@ -1168,21 +1109,19 @@ EXTENDED: tuple[Mistake, ...] = (
             "earth.azimuth is that of +x, clockwise from north", _earth("azimuth", operator.neg)),
     Mistake("azimuth-ignored", "takes +x for north", "earth.azimuth is that of +x",
             _earth("azimuth", lambda angle: 0.0)),
-    Mistake("table-in-steps", "takes a table's value at the node below", _LINEAR,
-            _stepped(lambda nodes: nodes[1:]), True),
-    Mistake("table-of-next", "takes a table's value at the node above", _LINEAR,
-            _stepped(lambda nodes: nodes[:-1]), True),
-    Mistake("table-of-nearest", "takes a table's value at the nearest node", _LINEAR,
-            _stepped(lambda nodes: [(a + b) / 2 for a, b in pairwise(nodes)]), True),
-    Mistake("table-extrapolated", "goes on along the first and last line outside a table", _LINEAR,
-            _tables(lambda at, values: _extrapolated(at, values))),
-    Mistake("table-extrapolated-below", "goes on along the first line below a table", _LINEAR,
-            _tables(lambda at, values: _extrapolated(at, values, above=False))),
-    Mistake("table-extrapolated-above", "goes on along the last line above a table", _LINEAR,
-            _tables(lambda at, values: _extrapolated(at, values, below=False))),
+    *(Mistake(f"table-{name}", f"takes a table's value at the {words}", _LINEAR,
+              _stepped(jumps), True)
+      for name, words, jumps in (
+          ("in-steps", "node below", lambda nodes: nodes[1:]),
+          ("of-next", "node above", lambda nodes: nodes[:-1]),
+          ("of-nearest", "nearest node", lambda nodes: [(a + b) / 2 for a, b in pairwise(nodes)]))),
+    *(Mistake(f"table-extrapolated{name}", f"goes on along the {words} a table", _LINEAR,
+              _tables(partial(_extrapolated, below=name != "-above", above=name != "-below")))
+      for name, words in (("", "first and last line outside"), ("-below", "first line below"),
+                          ("-above", "last line above"))),
     *(Mistake(f"table-in-{unit}", f"takes a table of the airspeed for one in {unit}",
               "the nodes of a table of the airspeed are in m/s", _tables(
-                  lambda at, values, f=factor: ([x * f for x in at], values), "speed"))
+                  lambda at, values, scene, f=factor: ([x * f for x in at], values), "speed"))
       for unit, factor in (("km/h", 1 / 3.6), ("mph", 0.44704), ("ft/s", 0.3048))),
     Mistake("crisis-without-width", "leaves the width out of the drag crisis: e^(U - U_c)",
             "C_D = a + (b - a)/(1 + e^((U - U_c)/δ))",
@@ -1190,8 +1129,7 @@ EXTENDED: tuple[Mistake, ...] = (
     *_exchanged(),
 )  # fmt: skip
 
-# The most decimals that a scene's numbers may be rounded to, where that shows.
-_MOST_DECIMALS = 6
+_MOST_DECIMALS = 6  # the most decimals that a scene's numbers may be rounded to, where that shows
 
 ROUNDED = tuple(
     Mistake(f"rounded:{place}:{decimals}",
@@ -1240,20 +1178,11 @@ LAW = (*_PAPERS_LAW, *EXTENDED, *ROUNDED)
 
 @dataclass(frozen=True)
 class Own:
-    """A number that the law has, and no scene: the 2 of V².
+    """A number that the law has, and no scene: the 2 of V²."""
 
-    Attributes
-    ----------
-    words
-        What it is.
-    usual
-        What it is in longball.
-    change
-        The chain with the number that a scene carries under the name, along with its own.
-    """
-
-    words: str
-    usual: float
+    words: str  # what it is
+    usual: float  # what it is in longball
+    # The chain with the number that a scene carries under the name, along with its own.
     change: Change
 
 
@@ -1264,12 +1193,10 @@ def _to_power(flow: Flow, more: Any) -> Any:
 
 def _own(
     words: str, name: str, usual: float, which: Callable[[Term], bool],
-    factor: Callable[[Motion, Any], Any], carried: Callable[[str], Term] | None = None,
+    factor: Callable[[Motion, Any], Any], carried: Callable[[str], Term] | None = None
 ) -> Own:  # fmt: skip
-    """Return a number that a factor of terms hangs on: of the motion and the number.
-
-    It is a parameter of a term that does nothing else; 0 on no branch yet.
-    """
+    """Return a number that a factor of terms hangs on: of the motion and the number."""
+    # It is a parameter of a term that does nothing else; 0 on no branch yet.
     constant = Term((name,), lambda scene, frame, numbers: (getattr(scene, name, usual),))
     change = _forms(which, lambda form: _multiplied(
         form, lambda m, p: factor(m, getattr(p, name, trace.ZERO))))  # fmt: skip
@@ -1292,12 +1219,6 @@ def _while_rising(rises: bool) -> Callable[[str], Term]:
     return carried
 
 
-def _faster_sound(scene: Any) -> Any:
-    """Return a scene with the nodes of its tables of the Mach number as the speed of sound."""
-    share = getattr(scene, "sound", 1.0)
-    return _tables(lambda nodes, values: ([x * share for x in nodes], values), "mach").scene(scene)
-
-
 OWN: dict[str, Own] = {
     "drag_exponent": _own("the exponent of V in the drag", "drag_exponent", 2.0, _drags,
                           lambda m, n: _to_power(m.air, n - 2.0)),
@@ -1310,6 +1231,7 @@ OWN: dict[str, Own] = {
     },
     "rotation": _own("the Earth's rotation in rad/s", "rotation", ROTATION,
                      lambda term: term is CORIOLIS, lambda m, n: n / ROTATION),
-    "sound": Own("the share of the speed of sound", 1.0, Change(_faster_sound)),
+    "sound": Own("the share of the speed of sound", 1.0, _tables(lambda nodes, values, scene: (
+        [x * getattr(scene, "sound", 1.0) for x in nodes], values), "mach")),
 }  # fmt: skip
 SPIN = tuple(mistake for mistake in EXTENDED if mistake.name.startswith("spin-"))

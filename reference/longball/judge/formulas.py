@@ -14,25 +14,15 @@ from longball.model.force import cross
 from longball.model.numbers import DOUBLES, dot, plus
 from longball.model.readings import Reading
 
-# --- the collision --------------------------------------------------------------------------------
-
 
 @dataclass(frozen=True)
 class View:
-    """A scene, and the values that a formula has before it, by the names of the quantities.
-
-    Attributes
-    ----------
-    before
-        The ball's velocity before the impact, m/s.
-    height
-        Of the bat's axis, m.
-    """
+    """A scene, and the values that a formula has before it, by the names of the quantities."""
 
     scene: Any
     values: Mapping[str, Numbers]
-    before: Numbers
-    height: float
+    before: Numbers  # the ball's velocity before the impact, m/s
+    height: float  # of the bat's axis, m
 
     def __getitem__(self, name: str) -> Numbers:
         return self.values[name]
@@ -50,14 +40,7 @@ class View:
     @property
     def axis(self) -> Numbers:
         """From the bat's axis to the ball, m."""
-        x, _, z = self.position
-        return x, 0.0, z - self.height
-
-    @property
-    def start(self) -> Numbers:
-        """Where the batted ball's flight begins, m."""
-        launch = getattr(self.scene, "launch", None)
-        return self.position if launch is None else tuple(launch.position)
+        return self.position[0], 0.0, self.position[2] - self.height
 
     def collision(self, **switches: str) -> CollisionParameters[float]:
         """Return ẽ and μ, with some switches of the reading set otherwise."""
@@ -77,15 +60,10 @@ class View:
     restitution = property(lambda self: self.number("impact.restitution"))  # ẽ
     relative = property(lambda self: plus(self.before, -1.0, self["contact.bat_velocity"]))  # Ṽ
 
-    @property
-    def inertia(self) -> float:
-        """The bat's, kg m²."""
-        return float(moment_of_inertia(self.scene.bat, self.scene.reading, DOUBLES))
-
-    @property
-    def kick(self) -> Numbers:
-        """J n, N s."""
-        return tuple(self.number("impact.impulse") * n for n in self["contact.normal"])
+    inertia = property(lambda self: float(  # the bat's, kg m²
+        moment_of_inertia(self.scene.bat, self.scene.reading, DOUBLES)))  # fmt: skip
+    kick = property(lambda self: tuple(  # J n, N s
+        self.number("impact.impulse") * n for n in self["contact.normal"]))  # fmt: skip
 
 
 Number = Callable[[View], float]
@@ -94,37 +72,21 @@ Value = Callable[[View], Numbers]
 
 @dataclass(frozen=True)
 class Formula:
-    """A known mistake in one formula.
+    """A known mistake in one formula."""
 
-    Attributes
-    ----------
-    quantity
-        What it computes.
-    name, sentence, remedy
-        See `Mistake`.
-    value
-        What it then is.
-    """
-
-    quantity: str
+    quantity: str  # what it computes
+    # See `Mistake`.
     name: str
     sentence: str
     remedy: str
-    value: Callable[..., Numbers]
+    value: Callable[..., Numbers]  # what it then is
 
 
 @dataclass(frozen=True)
 class Numbered(Formula):
-    """A known mistake in one formula with a number in it that may be any.
+    """A known mistake with any number in it: braces in the sentence, an argument of `value`."""
 
-    Its sentence has braces for the number, and its value takes it.
-
-    Attributes
-    ----------
-    number
-        What the number is, if the quantity is what a candidate says.
-    """
-
+    # What the number is, if the quantity is what a candidate says.
     number: Callable[[View, Numbers], float]
 
     def of(self, number: float) -> Formula:
@@ -458,7 +420,8 @@ FORMULAS: tuple[Formula, ...] = (
     *_wrong("landing.distance", _D,
         ("distance-from-start", "measures the distance from the launch, or from where the ball was "
          "met, and not from the plate",
-         lambda v: (math.dist(v["landing.position"][:2], v.start[:2]),)),
+         lambda v: (math.dist(v["landing.position"][:2], (
+             v.scene.launch.position if v.scene.kind == "flight" else v.position)[:2]),)),
         ("distance-in-space", "measures the distance in space, height too", _distance(math.hypot)),
         ("distance-of-x-and-z", "takes z for y in the distance",
          _distance(lambda x, y, z: math.hypot(x, z))),

@@ -23,7 +23,6 @@ from longball.model.quantities import nested, numbers
 from longball.model.scene import KINDS, Scene
 
 DIGITS = 20  # of the truth: more than any double shows
-
 USUAL = "usual-constants"  # the name of the set
 GRAVITIES = (9.8, 9.80665, 9.81, 32.174 * 0.3048)  # m/s²
 DENSITIES = (1.2, 1.205, 1.225, 1.29)  # kg/m³
@@ -66,10 +65,9 @@ def random_scenes(count: int, seed: int, kinds: Sequence[str] = DRAWN) -> Iterat
     rng, made = np.random.default_rng(seed), 0
     while made < count:
         kind = kinds[made % len(kinds)]
+        drawn = {"id": f"random-{seed}-{made:04}", "kind": kind, **_drawn(kind, rng)}
         try:
-            scene = KINDS[kind].model_validate_json(
-                json.dumps({"id": f"random-{seed}-{made:04}", "kind": kind} | _drawn(kind, rng))
-            )
+            scene = KINDS[kind].model_validate_json(json.dumps(drawn))
         except ValidationError:
             continue  # underground, for one
         made += 1

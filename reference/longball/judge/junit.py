@@ -23,10 +23,9 @@ def junit(evaluation: Evaluation) -> str:
         _suite(root, family, [_case(comparison, failures) for comparison in comparisons])
     conduct = ElementTree.Element("testcase", classname="conduct", name="verdict")
     if verdict.reasons:
-        failure = ElementTree.SubElement(
-            conduct, "failure", message=printable("; ".join(verdict.reasons))
-        )
-        failure.text = printable("\n".join(c.sentence for c in verdict.complaints))
+        reasons = printable("; ".join(verdict.reasons))
+        told = printable("\n".join(c.sentence for c in verdict.complaints))
+        ElementTree.SubElement(conduct, "failure", message=reasons).text = told
     _suite(root, "conduct", [conduct])
     ElementTree.indent(root)
     return ElementTree.tostring(root, encoding="unicode", xml_declaration=True) + "\n"

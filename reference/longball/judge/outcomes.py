@@ -14,25 +14,18 @@ from longball.judge.findings import Finding, found, many
 from longball.judge.mistakes import FENCE, OUTCOMES, TIME_LIMIT_IGNORED
 from longball.judge.quantities import OPTIONAL, superfluous, told_by, untrue
 from longball.judge.rules import CHANCE, rule
-from longball.judge.stages import NONE, Change, Trial, stage_of
+from longball.judge.stages import NONE, Change, Trial, Trials, stage_of
 from longball.model.result import Result
 from longball.model.scene import FlightScene
 
-# Wrong outcomes of a kind, and right ones, that an explanation is held against.
-WRONG, RIGHT = 8, 4
-
-# How near a landing is to the one that an explanation makes, relative: an integrator's errors may
-# be left in it.
-NEAR = 1e-3
-
-# Of wrong outcomes, how many must follow from something for that to be said.
-MOST = 0.9
+WRONG, RIGHT = 8, 4  # wrong outcomes of a kind, and right ones, that an explanation is held against
+NEAR = 1e-3  # relative: how near a landing is to that of its explanation, by another integrator
+MOST = 0.9  # of wrong outcomes, how many must follow from something for that to be said
 
 # Outcomes that a dip below the ground makes of each other.
 DIPS = ({"landed", "airborne"}, {"grounded", "airborne"}, {"grounded", "crossed"})
 
-# Relative: with a value that is off by less, another outcome does not follow from it.
-FINE = 1e-12
+FINE = 1e-12  # relative: with a value that is off by less, another outcome does not follow from it
 
 
 def _is_fair(place: Sequence[float]) -> bool:
@@ -40,26 +33,22 @@ def _is_fair(place: Sequence[float]) -> bool:
 
 
 def _leaves(trial: Trial, fair: bool = True) -> bool:
-    """Tell whether a ball passes over the fence, by its own values, and passes it fair, or foul.
-
-    Over a fence that is a circle a ball goes fair wherever it does.
-    """
+    """Tell whether a ball passes over the fence, by its own values, fair or foul."""
+    # Over a fence that is a circle a ball goes fair wherever it does.
     place, above = trial.given.get("fence.position"), trial.given.get("fence.clearance")
     over = place is not None and above is not None and above[0] > 0
     return over and (_is_fair(place or ()) or trial.scene.fence.polyline is None) is fair
 
 
 def _beyond_limit(trial: Trial) -> bool:
-    hang = trial.given.get("landing.hang_time")
-    still = trial.case.expected.outcome == "airborne" and hang is not None
-    return bool(still and hang and hang[0] > trial.scene.time_limit)
+    (hang,) = trial.given.get("landing.hang_time", (0.0,))
+    return trial.case.expected.outcome == "airborne" and bool(hang > trial.scene.time_limit)
 
 
 def _limited_together(trial: Trial) -> bool:
-    times = [trial.expected.get(f"landing.{name}") for name in ("hang_time", "time")]
-    if trial.outcome != "airborne" or None in times:
+    if trial.outcome != "airborne" or "landing.time" not in trial.expected:
         return False
-    hang, whole = (time[0] for time in times if time)
+    (hang,), (whole,) = trial.expected["landing.hang_time"], trial.expected["landing.time"]
     return bool(hang <= trial.scene.time_limit < whole)
 
 
@@ -102,20 +91,8 @@ def _fair_otherwise(trials: Iterable[Trial]) -> tuple[list[str], str] | None:
     return [name for name, *_ in ties], told_together([sentence for _, sentence, _ in ties])
 
 
-def outcome_findings(
-    trials: Sequence[Trial], base: Change, known: Sequence[Finding]
-) -> Iterator[Finding]:
-    """Yield what is behind the other outcomes of some trials.
-
-    Parameters
-    ----------
-    trials
-        All of them.
-    base
-        The chain as far as it is explained.
-    known
-        What is found already.
-    """
+def outcome_findings(trials: Trials, base: Change, known: Sequence[Finding]) -> Iterator[Finding]:
+    """Yield what is behind the other outcomes of some trials; `known` is what is found already."""
     kinds: dict[tuple[str, str], list[Trial]] = defaultdict(list)
     for t in trials:
         if t.confused:
@@ -127,8 +104,7 @@ def outcome_findings(
         same = [t for t in agreed if t.case.expected.outcome == expected]
         held = [*evenly(same, RIGHT), *evenly([t for t in agreed if not t.right], RIGHT)]
         sentence, remedy = f"says {obtained} where {expected} is right", None
-        names: list[str] = []
-        own = against = ""
+        names, own, against = list[str](), "", ""
         made = _made(evenly(wrong, WRONG), held, agreed, base, known)
         if limit := _limit(obtained, wrong, trials):
             own = sentence = f"{sentence}: {limit}"
@@ -152,9 +128,8 @@ def outcome_findings(
             and not {f.stage for f in known} & {"pitch", "plate", "touching"}
         ):
             sentence += ": as one who looks for the bat at the steps only"
-            remedy = (
-                "find the closest approach within the step, where d·v changes sign, and test there"
-            )
+            remedy = "find the closest approach within the step, where d·v changes sign, and test "
+            remedy += "there"
         elif {expected, obtained} in DIPS and all("dip" in t.case.flags for t in wrong):
             own = "as one who looks for the ground at the steps only, or whose flight is off by "
             own += "more than the ball dips below it"
@@ -164,29 +139,24 @@ def outcome_findings(
             flown[f"{obtained} where {expected} is right"] = wrong
             continue
         one = _told("outcome", "outcome", names, sentence, wrong, same)
-        is_known = names or own or against
-        more = {"kind": "probably", "share": 1.0, "scenes": None} if is_known else {
-            "kind": "unexplained"}  # fmt: skip
-        yield one.model_copy(update={**more, "remedy": remedy, "example": None})
+        more: dict[str, Any] = {"kind": "unexplained", "remedy": remedy, "example": None}
+        if names or own or against:
+            more |= {"kind": "probably", "share": 1.0, "scenes": None}
+        yield one.model_copy(update=more)
     if flown:
         whole = [t for wrong in flown.values() for t in wrong]
-        sentence = (
-            f"says {', '.join(flown)}, in {many(len(whole), 'scene')}: its ball flies wrongly"
-        )
-        one = _told("outcome", "outcome", [], sentence, whole, [])
-        remedy = "see whether this is so still when the flight is right"
-        yield one.model_copy(update={"kind": "probably", "remedy": remedy, "scenes": None,
-                                     "example": None})  # fmt: skip
+        said = f"says {', '.join(flown)}, in {many(len(whole), 'scene')}: its ball flies wrongly"
+        one = _told("outcome", "outcome", [], said, whole, [])
+        more = {"remedy": "see whether this is so still when the flight is right"}
+        more |= {"kind": "probably", "scenes": None, "example": None}
+        yield one.model_copy(update=more)
 
 
 def _made(
-    wrong: Sequence[Trial], same: Sequence[Trial], agreed: Sequence[Trial], base: Change,
-    known: Sequence[Finding],
+    wrong: Trials, same: Trials, agreed: Trials, base: Change,
+    known: Sequence[Finding]
 ) -> tuple[list[str], str] | None:  # fmt: skip
-    """Return the names and the sentence of what makes these outcomes, right ones included.
-
-    So it does others that `agreed`, if it is in their scenes.
-    """
+    """Return names and sentence of what makes these outcomes, and those `agreed` on."""
     whole = [*wrong, *same]
 
     def makes(change: Change) -> bool:
@@ -210,16 +180,12 @@ def _made(
     return [m.name for m in ties], told_together([m.sentence for m in ties])
 
 
-# Of one flight by a scheme, to see how it ends.
-MOST_STEPS = 10_000
+MOST_STEPS = 10_000  # of one flight by a scheme, to see how it ends
 
 
 def _explains(change: Change, trial: Trial) -> bool | None:
-    """Tell whether a change makes a trial's outcome, and a landing near to the one that it has.
-
-    None where doubles cannot decide what it makes, or a scheme takes very many steps to it, as
-    beyond the time limit.
-    """
+    """Tell whether a change makes a trial's outcome, and a landing near to its own."""
+    # None where doubles do not decide it, or a scheme takes very many steps to it.
     scenes = trial.scene, change.scene(trial.scene)
     own, changed = (getattr(scene, "time_limit", 0.0) for scene in scenes)
     if own < changed > MOST_STEPS * getattr(change.engine, "dt", math.inf):
@@ -267,11 +233,8 @@ LIMITED: dict[
 }  # fmt: skip
 
 
-def _limit(obtained: str, wrong: Sequence[Trial], trials: Sequence[Trial]) -> str:
-    """Return between which of their own values the limit is that an outcome is told by.
-
-    Nothing if there is none, or if it may be the right one.
-    """
+def _limit(obtained: str, wrong: Trials, trials: Trials) -> str:
+    """Return between which of their own values an outcome's limit lies; nothing if it is right."""
     if obtained not in LIMITED:
         return ""
     name, right, value, rightly = LIMITED[obtained]
@@ -287,7 +250,7 @@ def _limit(obtained: str, wrong: Sequence[Trial], trials: Sequence[Trial]) -> st
     return f"its limit for {name} is between {low:.3g} and {high:.3g} m, where {right} is right"
 
 
-def _against_itself(trials: Sequence[Trial]) -> str:
+def _against_itself(trials: Trials) -> str:
     """Return which of their own values wrong outcomes contradict, with what it says; else ""."""
     for quantity, beyond, within, says in (
         ("fence.clearance", {"home_run"}, {"wall"}, "above the fence"),
@@ -296,11 +259,10 @@ def _against_itself(trials: Sequence[Trial]) -> str:
         given = [(t, t.given[quantity][0] > 0) for t in trials if quantity in t.given]
         if given and all(t.outcome in (within if above else beyond) for t, above in given):
             return f"its own {quantity}: positive is {says}"
-    speeds = [
-        t.given["contact.normal_speed"][0] for t in trials if "contact.normal_speed" in t.given
-    ]
+    name = "contact.normal_speed"
+    speeds = [t.given[name][0] for t in trials if name in t.given]
     if speeds and min(speeds) >= 0 and all(t.outcome in ("struck", "batted") for t in trials):
-        return "its own contact.normal_speed: where it is not negative, ball and bat separate"
+        return f"its own {name}: where it is not negative, ball and bat separate"
     if all(_beyond(t) and t.outcome != "beyond_bat" for t in trials):
         return "its own contact.position: beyond the ends of the bat"
     return ""
@@ -312,7 +274,7 @@ def _beyond(trial: Trial) -> bool:
     return place is not None and 2 * abs(place[1]) > trial.scene.bat.length
 
 
-def _follows(trials: Sequence[Trial]) -> str:
+def _follows(trials: Trials) -> str:
     """Return from which of their own earlier values wrong outcomes follow, if most do; else ""."""
     both = {str(trials[0].outcome), str(trials[0].case.expected.outcome)}
     for quantity, outcomes, holds in (
@@ -356,7 +318,7 @@ def _flies_so(trial: Trial, velocity: Sequence[float]) -> bool:
 # --- besides numbers ------------------------------------------------------------------------------
 
 
-def told_findings(trials: Sequence[Trial], base: Change) -> Iterator[Finding]:
+def told_findings(trials: Trials, base: Change) -> Iterator[Finding]:
     """Yield what is told besides numbers, and is not so; and blocks that do not belong there."""
     right = [t for t in trials if not t.confused]
     wrong: dict[str, list[tuple[Trial, object, object]]] = defaultdict(list)
@@ -386,14 +348,11 @@ def told_findings(trials: Sequence[Trial], base: Change) -> Iterator[Finding]:
         same = [t for t in right if t not in more]
         what = name if "." in name else f"the block {name}"
         sentence = f"gives {what} with the outcome {' or '.join(outcomes)}"
-        others = sum(t.case.expected.outcome in outcomes for t in same)
-        names = [] if others else [f"{name}-given"]
-        none = (
-            f" where the truth has none; in {others} more the truth has one, too"
-            if others
-            else ", which has none"
-        )
-        yield _told("outcome", name, names, sentence + none, more, same)
+        if others := sum(t.case.expected.outcome in outcomes for t in same):
+            sentence += f" where the truth has none; in {others} more the truth has one, too"
+        else:
+            sentence += ", which has none"
+        yield _told("outcome", name, [] if others else [f"{name}-given"], sentence, more, same)
 
 
 def _struck_rightly(trial: Trial) -> bool:
@@ -420,8 +379,8 @@ def _blocks(names: Iterable[str]) -> set[str]:
 
 
 def _told(
-    stage: str, quantity: str, names: list[str], sentence: str, wrong: Sequence[Trial],
-    same: Sequence[Trial],
+    stage: str, quantity: str, names: list[str], sentence: str, wrong: Trials,
+    same: Trials
 ) -> Finding:  # fmt: skip
     return found(
         stage, sentence, len(wrong), len(wrong) + len(same), names, quantity=quantity,

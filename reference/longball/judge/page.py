@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from jinja2 import Environment, Template
-from numpy.typing import NDArray
 
 from longball.convergence.figure import draw_convergence
 from longball.engines.chain import solve_with_path
@@ -31,13 +30,13 @@ from longball.judge.text import (
     silence,
 )
 from longball.judge.verdict import Comparison, Measured
+from longball.model.arrays import Array
 from longball.model.scene import ImpactScene
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-Array = NDArray[np.float64]
 
 SHOWN = 20  # failures and issues on the page
 NOTHING = 1e-17  # where a relative error of zero is drawn on a logarithmic axis
@@ -54,14 +53,8 @@ def _template() -> Template:
 def page(evaluation: Evaluation) -> str:
     """Return an evaluation as HTML that needs no other file."""
     v = evaluation.verdict
-    failures = [
-        (
-            flagged(failure.id, failure.flags),
-            [describe(fault) for fault in failure.faults],
-            str(failure.scene),
-        )
-        for failure in v.failures[:SHOWN]
-    ]
+    failures = [(flagged(f.id, f.flags), [*map(describe, f.faults)], str(f.scene))
+                for f in v.failures[:SHOWN]]  # fmt: skip
     complaints = [f"issue: {quoted(str(c), 500)}" for c in v.complaints[:SHOWN]]
     html: str = _template().render(
         v=v,
@@ -88,9 +81,6 @@ def page(evaluation: Evaluation) -> str:
         errors_end=printable(v.standard_error) if v.complaints else "",
     )  # fmt: skip
     return html
-
-
-# --- pictures -------------------------------------------------------------------------------------
 
 
 def _pictures(evaluation: Evaluation) -> Iterator[tuple[str, str]]:
@@ -142,9 +132,8 @@ def draw_errors(figure: Figure, measured: Sequence[tuple[Comparison, Measured]])
     left.set_xscale("log")
     left.set_yticks(range(len(families)), families)
     left.invert_yaxis()
-    left.set_xlabel(
-        f"error, relative to the quantity\n(none: at {NOTHING:g}; larger than it: at 1)"
-    )
+    none = f"(none: at {NOTHING:g}; larger than it: at 1)"
+    left.set_xlabel(f"error, relative to the quantity\n{none}")
     figure.legend(loc="outside upper left", ncols=2, frameon=False, fontsize="small")
     _draw_attainable(right, [_relative(m.attainable, m) for _, m in measured if m.attainable > 0])
 
@@ -162,35 +151,27 @@ def _draw_attainable(axes: Axes, attainable: Sequence[float]) -> None:
         ends = np.array([min(attainable) / 2, max(attainable) * 2])
         axes.plot(ends, ends, "k-", linewidth=0.8, label="as good as doubles can be")
         axes.legend(fontsize="small", frameon=False, loc="center right")
-    axes.set_xlabel(
-        "difficulty: error that double precision\ncannot avoid, relative to the quantity"
-    )
+    difficulty = "difficulty: error that double precision\ncannot avoid, relative to the quantity"
+    axes.set_xlabel(difficulty)
     axes.set_ylabel("error, relative to the quantity")
 
 
 def worst_flight(comparisons: Sequence[Comparison]) -> Comparison | None:
     """Return the failed comparison of a ball in flight that is farthest off; None if none is."""
-    found = [
-        c
-        for c in comparisons
-        if not c.passed and c.answer and not isinstance(c.case.scene, ImpactScene)
-    ]  # fmt: skip
+    wrong = (c for c in comparisons if not c.passed and c.answer)
+    found = [c for c in wrong if not isinstance(c.case.scene, ImpactScene)]
 
     def off(comparison: Comparison) -> tuple[float, float]:
         errors = {m.quantity: m.error for m in comparison.measured}
-        return (
-            errors.get("landing.position", -1.0),
-            max((e for n, e in errors.items() if n.endswith(".position")), default=0.0),
-        )
+        places = [e for n, e in errors.items() if n.endswith(".position")]
+        return errors.get("landing.position", -1.0), max(places, default=0.0)
 
     return max(found, key=off, default=None)
 
 
 def draw_flight(figure: Figure, comparison: Comparison) -> None:
-    """Draw a true flight from the side and from above, and a candidate's points beside it.
-
-    Their errors have a panel: a centimetre is not seen beside a hundred metres.
-    """
+    """Draw a true flight from the side and from above, and a candidate's points beside it."""
+    # Their errors have a panel: a centimetre is not seen beside a hundred metres.
     assert comparison.answer is not None
     side, above, off = figure.subplots(3, 1, height_ratios=(3, 2, 2))
     above.sharex(side)
@@ -212,16 +193,15 @@ def draw_flight(figure: Figure, comparison: Comparison) -> None:
             rows.append((block, [float(a - b) for a, b in zip(given, expected, strict=True)]))
     for i, (_, errors) in enumerate(rows):
         for j, error in enumerate(errors):
-            off.barh(i + 0.25 * (1 - j), error, height=0.22, color=f"C{j}",
-                     label="xyz"[j] if i == 0 else None)  # fmt: skip
+            axis = "xyz"[j] if i == 0 else None
+            off.barh(i + 0.25 * (1 - j), error, height=0.22, color=f"C{j}", label=axis)
     if rows:
         off.set_yticks(range(len(rows)), [name for name, _ in rows])
         off.legend(fontsize="small", frameon=False, ncols=3)
     off.set_xlabel("candidate - truth, m")
     outcome = comparison.answer.outcome or "no outcome"
-    side.set_title(
-        f"expected {comparison.case.expected.outcome}, candidate: {outcome}", fontsize="medium"
-    )
+    title = f"expected {comparison.case.expected.outcome}, candidate: {outcome}"
+    side.set_title(title, fontsize="medium")
     side.set_ylabel("height z, m")
     above.set_ylabel("aside y, m")
     above.set_xlabel("x, m: from the plate (0) towards the pitcher")

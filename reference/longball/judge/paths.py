@@ -18,7 +18,6 @@ from decimal import Decimal
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import KroghInterpolator
 from scipy.optimize import brentq
 
@@ -26,16 +25,13 @@ from longball.engines.chain import solve_with_path
 from longball.engines.ivp import Ivp
 from longball.judge.answers import Answer
 from longball.judge.quantities import Value
+from longball.model.arrays import Array
 from longball.model.result import Outcome
 from longball.model.scene import ImpactScene, landing_height
 
-Array = NDArray[np.float64]
 Met = dict[str, Array]
 
-# Numbers next to a crossing that a polynomial goes through: how far two of them are apart tells how
-# far off they are.
-POINTS = 8, 6
-
+POINTS = 8, 6  # numbers that a polynomial at a crossing goes through: their difference is the doubt
 MOST_JUDGED = 2_000  # points, evenly chosen
 
 
@@ -53,10 +49,8 @@ def worst_points(scene: Any, path: Array) -> dict[str, tuple[Value, Value]]:
         return {}
     true = np.array(truth.sample(inside[:, 0].tolist()))
     found = {}
-    for name, given, right in (
-        ("path.position", inside[:, 1:4], true[:, :3]),
-        ("path.velocity", inside[:, 4:7], true[:, 3:]),
-    ):
+    for name, at in (("path.position", 0), ("path.velocity", 3)):
+        given, right = inside[:, 1 + at : 4 + at], true[:, at : 3 + at]
         if given.shape[1] == 3:
             worst = int(np.linalg.norm(given - right, axis=1).argmax())
             found[name] = _value(right[worst]), _value(given[worst])
@@ -64,15 +58,8 @@ def worst_points(scene: Any, path: Array) -> dict[str, tuple[Value, Value]]:
 
 
 def landed(scene: Any, answer: Answer) -> tuple[Answer, Mapping[str, float]]:
-    """Return an answer with what its points say of the landing or the plate.
-
-    Returns
-    -------
-    answer
-        What it says itself stays as it is.
-    slack
-        How far interpolation may be off, by quantity, in its unit.
-    """
+    """Return an answer with what its points say of the landing or the plate, where it does not."""
+    # Also how far interpolation may be off, by quantity, in its unit.
     path = answer.path
     assert path is not None
     if isinstance(scene, ImpactScene):
@@ -107,14 +94,11 @@ def landed(scene: Any, answer: Answer) -> tuple[Answer, Mapping[str, float]]:
         found["landing.hang_time"] = found["landing.time"] - begin
     slack = {name: float(np.linalg.norm(fine[name] - coarse[name])) for name in fine}
     values = {name: _value(x) for name, x in fine.items()} | dict(answer.values)
-    outcome = answer.outcome or {"flight": "landed", "pitch": "crossed", "at-bat": "batted"}[
-        scene.kind
-    ]  # fmt: skip
-    return replace(answer, values=values, outcome=outcome), slack  # type: ignore[arg-type]
+    outcomes: dict[str, Outcome] = {"flight": "landed", "pitch": "crossed", "at-bat": "batted"}
+    return _ended(replace(answer, values=values), outcomes[scene.kind]), slack
 
 
-# Decimals of places that are doubles: more than of places in nanometres.
-MANY = 10
+MANY = 10  # decimals of places that are doubles: more than of places in nanometres
 
 
 def as_written(scene: Any, answer: Answer) -> Answer:
@@ -180,14 +164,11 @@ def _met(
     time = brentq(height, before, after, xtol=1e-15)
     position, velocity = curve(time), velocity_at(time)
     position[axis] = level
-    found = {
-        f"{block}.time": np.array([start + time]),
-        f"{block}.position": position,
-        f"{block}.velocity": velocity,
-    }
+    time_at = np.array([start + time])
+    found = {"time": time_at, "position": position, "velocity": velocity}
     if block == "landing":
-        found["landing.distance"] = np.array([math.hypot(position[0], position[1])])
-    return found
+        found["distance"] = np.array([math.hypot(position[0], position[1])])
+    return {f"{block}.{name}": x for name, x in found.items()}
 
 
 def _value(numbers: Array) -> Value:

@@ -25,28 +25,17 @@ ARITHMETIC = decimal.Context(prec=80)
 
 @dataclass(frozen=True)
 class QuantitySpec:
-    """What a quantity of a result is called, and what it consists of.
+    """What a quantity of a result is called, and what it consists of."""
 
-    Attributes
-    ----------
-    name
-        ``block.key``.
-    unit
-        SI; empty for a pure number.
-    size
-        1 for a number, 3 for a vector.
-    """
-
-    name: str
-    unit: str
-    size: int = 1
+    name: str  # ``block.key``
+    unit: str  # SI; empty for a pure number
+    size: int = 1  # 1 for a number, 3 for a vector
 
     @property
     def names(self) -> tuple[str, ...]:
         """The names of its numbers."""
-        if self.size == 1:
-            return (self.name,)
-        return tuple(f"{self.name}[{i}]" for i in range(self.size))
+        many = tuple(f"{self.name}[{i}]" for i in range(self.size))
+        return many if self.size > 1 else (self.name,)
 
 
 _UNITS = ("s", "m", "m/s", "N s", "J", "rad/s", "rad")
@@ -54,12 +43,10 @@ _UNITS = ("s", "m", "m/s", "N s", "J", "rad/s", "rad")
 
 def _specs() -> dict[str, QuantitySpec]:
     """Return the numbers and vectors of the blocks; a field's description begins with its unit."""
+    keys = [(block, *key) for block, model in MODELS.items() for key in model.model_fields.items()]
     found = {}
-    for block, model in MODELS.items():
-        for key, field in model.model_fields.items():
-            held = str(field.annotation)
-            if "Bounded" not in held:
-                continue  # a text or a flag
+    for block, key, field in keys:
+        if "Bounded" in (held := str(field.annotation)):  # and no text or flag
             unit = (field.description or "").partition(",")[0].partition(";")[0]
             size = 3 if "tuple" in held else 1
             name = f"{block}.{key}"
@@ -89,9 +76,7 @@ def values_of(result: Result) -> dict[str, Value]:
 
 
 AT_VERTEX = 1e-9  # m
-
-# What a program need not tell: that a bat which swings on would strike the ball again.
-OPTIONAL = ("impact.recontact",)
+OPTIONAL = ("impact.recontact",)  # that a bat which swings on would strike the ball again
 
 
 def told_by(result: Result) -> dict[str, object]:
@@ -108,16 +93,10 @@ def told_by(result: Result) -> dict[str, object]:
 
 
 def untrue(result: Result, told: Mapping[str, object]) -> list[tuple[str, object, object]]:
-    """Return what is told besides numbers and is not so: its name, what is right, what was told.
-
-    What the result does not have is not judged, but that ball and bat meet again.
-    """
-    right = told_by(result)
-    return [
-        (name, right.get(name), given)
-        for name, given in told.items()
-        if given != right.get(name) and (name in right or name in OPTIONAL)
-    ]
+    """Return what is told besides numbers and is not so: its name, what is right, what was told."""
+    right = told_by(result)  # of what is not there only that ball and bat meet again is judged
+    known = {name: given for name, given in told.items() if name in right or name in OPTIONAL}
+    return [(n, right.get(n), given) for n, given in known.items() if given != right.get(n)]
 
 
 # What a contact has only if the ball meets the bat, and only if it meets it between its ends.
@@ -129,11 +108,9 @@ WITHOUT = {"missed": (*MET, *STRUCK), "beyond_bat": STRUCK}
 def superfluous(outcome: str | None, expected: Iterable[str], given: Iterable[str]) -> list[str]:
     """Return the blocks given that the truth has not, and quantities that no such outcome has."""
     blocks = {name.partition(".")[0] for name in expected}
-    named = dict.fromkeys(
-        block if (block := name.partition(".")[0]) not in blocks else name
-        for name in given
-        if name.partition(".")[0] not in blocks or name in WITHOUT.get(outcome or "", ())
-    )
+    own = {name: name.partition(".")[0] for name in given}
+    named = {block for block in own.values() if block not in blocks}
+    named |= {*WITHOUT.get(outcome or "", ())} & {n for n, block in own.items() if block in blocks}
     return [name for name in (*BLOCKS, *QUANTITIES) if name in named]
 
 

@@ -13,10 +13,9 @@ from dataclasses import replace
 from decimal import Decimal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longball.judge.answers import Answer
-from longball.judge.explanations import Checked, Explanation, off, share_by, size_of
+from longball.judge.explanations import Explanation, Seen, off, share_by, size_of
 from longball.judge.findings import Finding, found, many
 from longball.judge.fits import FEW_DIGITS, FIRST, digits_of, factor_meaning, roundest, told_factor
 from longball.judge.formulas import FORMULAS, NUMBERED, View
@@ -28,47 +27,31 @@ from longball.judge.stages import (
     Check,
     Numbers,
     Trial,
+    Trials,
     digits,
     follow,
     view_values,
 )
+from longball.model.arrays import Array
 
-Array = NDArray[np.float64]
 Image = Callable[[Array], Array]
 
-# The rank of relations: behind known mistakes that leave as little.
-RELATION = 0.5
-
-# The rank of formulas with a number that fits: behind those without one.
-NUMBER = 0.1
+RELATION = 0.5  # the rank of relations: behind known mistakes that leave as little
+NUMBER = 0.1  # the rank of formulas with a number that fits: behind those without one
 
 FEW_DECIMALS = 10
 
-# Of the number in a formula, how far it may differ from scene to scene.
-CERTAIN = 1e-3
-
-# A factor differs from 1 by more than this: less is rounding.
-NEAREST = 1e-11
-
-# A number below this is 0: what rounding leaves of one that is left out.
-NOTHING = 1e-6
+CERTAIN = 1e-3  # of the number in a formula, how far it may differ from scene to scene
+NEAREST = 1e-11  # a factor differs from 1 by more than this: less is rounding
+NOTHING = 1e-6  # a number below this is 0: what rounding leaves of one that is left out
 
 
 # --- relations to what follows --------------------------------------------------------------------
 
 
-def relations(
-    chosen: Sequence[Checked], beside: Sequence[Checked], base: Change
-) -> Iterator[Explanation]:
-    """Yield constant ratios and differences, exchanged axes and signs of the quantities.
-
-    Parameters
-    ----------
-    chosen, beside
-        Trials in which the stage fails, with its checks; trials in which it does not.
-    base
-        The chain as far as it is explained.
-    """
+def relations(chosen: Seen, beside: Seen, base: Change) -> Iterator[Explanation]:
+    """Yield constant ratios and differences, exchanged axes and signs of the quantities."""
+    # The stage fails in the `chosen` trials, and not in those `beside`.
     for quantity in dict.fromkeys(c.quantity for _, cs in chosen for c in cs):
         pairs = [c for _, cs in chosen for c in cs if c.quantity == quantity and not c.follows]
         if ":" in quantity or len(pairs) < 2:
@@ -78,7 +61,11 @@ def relations(
         if not np.isfinite(expected).all():
             continue
         for number, (name, sentence, image) in enumerate(_images(quantity, expected, obtained)):
-            left, against = _held(chosen, beside, quantity, lambda t, c, f=image: f(_row(c)))  # type: ignore[misc]
+
+            def value(trial: Trial, check: Check, image: Image = image) -> Array:
+                return image(np.array(check.expected))
+
+            left, against = _held(chosen, beside, quantity, value)
             yield Explanation(
                 name, sentence, None, left, RELATION + number / 100, quantity=quantity,
                 value=_image_value(quantity, image, base), against=against,
@@ -86,13 +73,9 @@ def relations(
             )  # fmt: skip
 
 
-def _row(check: Check) -> Array:
-    return np.array(check.expected)
-
-
 def _held(
-    chosen: Sequence[Checked],
-    beside: Sequence[Checked],
+    chosen: Seen,
+    beside: Seen,
     quantity: str,
     value: Callable[[Trial, Check], Sequence[float] | Array | None],
 ) -> tuple[float, float]:
@@ -134,11 +117,8 @@ def _images(quantity: str, expected: Array, obtained: Array) -> Iterator[tuple[s
         yield name, f"{quantity}: {text}", lambda x: ratio * x
     if expected.shape[1] == 3:
         for shown, image in TURNS:
-            yield (
-                f"{quantity}:{shown}",
-                f"{quantity}: {shown} stands where (x, y, z) belongs",
-                image,
-            )
+            sentence = f"{quantity}: {shown} stands where (x, y, z) belongs"
+            yield f"{quantity}:{shown}", sentence, image
         yield from _flat(quantity, expected, obtained)
         return
     shift = obtained - expected
@@ -170,11 +150,11 @@ def _turned(order: Sequence[int], signs: Sequence[float]) -> Image:
 
 def _turns() -> Iterator[tuple[str, Image]]:
     """Yield the other orders of three axes, with all signs."""
-    for order in itertools.permutations(range(3)):
-        for signs in itertools.product((1.0, -1.0), repeat=3):
-            if order != (0, 1, 2) or min(signs) < 0:
-                letters = ["xyz"[i] if s > 0 else f"-{'xyz'[i]}" for i, s in zip(order, signs)]  # noqa: B905
-                yield f"({', '.join(letters)})", _turned(order, signs)
+    signed = itertools.product((1.0, -1.0), repeat=3)
+    for order, signs in itertools.product(itertools.permutations(range(3)), signed):
+        if order != (0, 1, 2) or min(signs) < 0:
+            letters = [("" if s > 0 else "-") + "xyz"[i] for i, s in zip(order, signs, strict=True)]
+            yield f"({', '.join(letters)})", _turned(order, signs)
 
 
 TURNS = tuple(sorted(_turns(), key=lambda turn: turn[0].count("-")))
@@ -182,8 +162,8 @@ TURNS = tuple(sorted(_turns(), key=lambda turn: turn[0].count("-")))
 
 def _image_value(quantity: str, image: Image, base: Change) -> Callable[[Trial], Numbers | None]:
     def value(trial: Trial) -> Numbers | None:
-        rows = (_row(check) for check in follow(trial, base) if check.quantity == quantity)
-        return next((tuple(image(row).tolist()) for row in rows), None)
+        rows = (c.expected for c in follow(trial, base) if c.quantity == quantity)
+        return next((tuple(image(np.array(row)).tolist()) for row in rows), None)
 
     return value
 
@@ -191,9 +171,7 @@ def _image_value(quantity: str, image: Image, base: Change) -> Callable[[Trial],
 # --- formulas -------------------------------------------------------------------------------------
 
 
-def formulas(
-    chosen: Sequence[Checked], beside: Sequence[Checked], base: Change
-) -> Iterator[Explanation]:
+def formulas(chosen: Seen, beside: Seen, base: Change) -> Iterator[Explanation]:
     """Yield the known mistakes in formulas; see `relations`."""
     failing = {c.quantity for _, cs in chosen for c in cs if not c.follows}
     wanted = [f for f in FORMULAS if f.quantity in failing]
@@ -223,10 +201,8 @@ def formulas(
 
 
 def _settled(numbers: Sequence[float]) -> float | None:
-    """Return the number that all are; None if they are not the same, too few, or no round number.
-
-    Where all scenes have the same bat, another mistake may be like any number.
-    """
+    """Return the round number that all are; None if there is none, or too few tell it."""
+    # Where all scenes have the same bat, another mistake may be like any number.
     if len(numbers) < FIRST:
         return None
     middle, doubt = float(np.median(numbers)), float(np.ptp(numbers)) / 2
@@ -251,7 +227,7 @@ def _value(value: Callable[[View], Numbers], view: View | None) -> Numbers | Non
 # --- digits ---------------------------------------------------------------------------------------
 
 
-def resolutions(chosen: Sequence[Checked]) -> Iterator[Explanation]:
+def resolutions(chosen: Seen) -> Iterator[Explanation]:
     """Yield the rounding of what is written, if numbers are written with few decimals."""
     failing = [c for _, cs in chosen for c in cs if not c.follows]
     numbers = {x for c in failing for x in c.obtained if x}
@@ -266,26 +242,22 @@ def resolutions(chosen: Sequence[Checked]) -> Iterator[Explanation]:
         )  # fmt: skip
 
 
-def singles(wrong: Sequence[Checked]) -> Iterator[Explanation]:
+def singles(wrong: Seen) -> Iterator[Explanation]:
     """Yield the one quantity of a stage that is computed or written in single precision."""
     failing = [c for _, cs in wrong for c in cs if not c.follows]
     for quantity in {c.quantity for c in failing}:
         some = [c for c in failing if c.quantity == quantity]
         numbers = {Decimal(x) for c in some for x in c.obtained if x}
         near = all(c.error <= SINGLE_ULPS * max(map(abs, c.obtained)) for c in some)
-        if (
-            len(some) == len(failing)
-            and near
-            and len(numbers) >= ENOUGH
-            and all(map(_is_single, numbers))
-        ):
+        whole = len(some) == len(failing) and len(numbers) >= ENOUGH
+        if whole and near and all(map(_is_single, numbers)):
             yield Explanation(
                 f"single-precision:{quantity}", f"{quantity} holds numbers of single precision",
                 SINGLE.remedy, quantity=quantity,
             )  # fmt: skip
 
 
-def few_digits(trials: Sequence[Trial]) -> Finding | None:
+def few_digits(trials: Trials) -> Finding | None:
     """Return that all numbers are written with few digits, or few behind the point, if they are."""
     told = [t for t in trials if any(x % 1 for value in t.given.values() for x in value)]
     if len(told) < ENOUGH:
@@ -315,18 +287,13 @@ SINGLE = Explanation(
     "use doubles throughout, and write them with 17 digits",
 )  # fmt: skip
 
-# Of a number, what rounding it to single precision may do, in three components.
-SINGLE_ULPS = 1.1e-7
-
-# Single precision leaves 6e-8 a rounding; some hundred steps, amplified by bat and ball.
-SINGLE_NOISE = 1e-2
+SINGLE_ULPS = 1.1e-7  # of a number, what rounding to single precision may do, in three components
+SINGLE_NOISE = 1e-2  # 6e-8 a rounding, some hundred steps, amplified by bat and ball
 
 
 def in_single_precision(answers: Iterable[Answer]) -> bool:
-    """Tell whether most quantities hold only numbers of single precision, or such as are written.
-
-    Not all need to: a program in single precision may still take a square root in doubles.
-    """
+    """Tell whether most quantities hold only numbers of single precision."""
+    # Not all need to: a program in single precision may still take a square root in doubles.
     numbers: dict[str, set[Decimal]] = defaultdict(set)
     for answer in answers:
         for name, value in answer.values.items():
@@ -347,7 +314,7 @@ def _is_single(x: Decimal) -> bool:
 # --- the whole output -----------------------------------------------------------------------------
 
 
-def shifted(trials: Sequence[Trial]) -> Finding | None:
+def shifted(trials: Trials) -> Finding | None:
     """Return that answers bear the id of the scene before or after, if most wrong ones do."""
     for order, whose in ((trials, "before"), (trials[::-1], "after")):
         wrong = [(t, other) for other, t in itertools.pairwise(order) if not t.right]
@@ -379,11 +346,8 @@ _OTHER_UNITS = {
 }  # fmt: skip
 
 
-def conventions(trials: Sequence[Trial]) -> Explanation | None:
-    """Return axes or a unit that all of the output is written in, in place of the contract's.
-
-    That is, under which several quantities come right together.
-    """
+def conventions(trials: Trials) -> Explanation | None:
+    """Return axes or a unit, not the contract's, under which several quantities come right."""
     known: dict[str, list[tuple[Array, Array]]] = defaultdict(list)
     for trial in trials:
         for name, true in trial.expected.items():
@@ -406,17 +370,16 @@ def conventions(trials: Sequence[Trial]) -> Explanation | None:
             )  # fmt: skip
     likely = []
     for name, said, image, back, names in ways:
-        right = []
+        right = {}
         for n in names:
             before, after = _errors(*pairs[n]), _errors(image(pairs[n][0]), pairs[n][1])
             if before > MOVED and after < NAMED_IN_ALL * before:
-                right.append((n, after / before))
+                right[n] = after / before
         if len(right) > 1:
-            sentence = f"{said}: in {', '.join(n for n, _ in right)}"
-            left = sum(share for _, share in right) / len(right)
+            sentence, left = f"{said}: in {', '.join(right)}", sum(right.values()) / len(right)
             one = Explanation(
-                name, sentence, "see the contract's axes and units", left, quantity=right[0][0],
-                mend=_rewritten([n for n, _ in right], back),
+                name, sentence, "see the contract's axes and units", left,
+                quantity=next(iter(right)), mend=_rewritten([*right], back),
             )  # fmt: skip
             likely.append((-len(right), left, one))
     return min(likely, key=lambda one: one[:2])[2] if likely else None
@@ -437,7 +400,7 @@ def _errors(expected: Array, obtained: Array) -> float:
 
 def _rewritten(names: Sequence[str], back: Image) -> Callable[[Trial], Trial]:
     def mend(trial: Trial) -> Trial:
-        said = {name: trial.given[name] for name in names if name in trial.given}
-        return trial.saying({n: tuple(back(np.array(x)).tolist()) for n, x in said.items()})
+        said = {n: np.array(trial.given[n]) for n in names if n in trial.given}
+        return trial.saying({n: tuple(back(x).tolist()) for n, x in said.items()})
 
     return mend

@@ -33,31 +33,21 @@ STILL = (0.0, 0.0, 0.0)
 
 @dataclass(frozen=True)
 class Parts:
-    """What the impulse is put together from; a mistake has another part.
+    """What the impulse is put together from; a mistake has another part."""
 
-    Attributes
-    ----------
-    spin, rotation
-        Of ball and bat as they go into the slip, rad/s: from the contact and the scene.
-    radii
-        Of ball and bat as they go into the slip, m, from the scene.
-    arguments
-        Those of `inverse_mass` that are others, from the scene and the right ones.
-    matrix
-        K, 1/kg, from what it is and from its own K_nn, which 1/μ stands for.
-    grips
-        Whether the ball grips, from whether it should.
-    sliding
-        The impulse of a ball that slides, N s: from the right one, the gripping one, and the
-        frictionless one along the normal.
-    """
-
+    # Of ball and bat as they go into the slip, rad/s: from the contact and the scene.
     spin: Callable[[ContactState[float]], Floats] = lambda contact: contact.spin or STILL
     rotation: Callable[[Any], Floats] = lambda scene: bat_rotation(scene.swing, DOUBLES)
+    # Of ball and bat as they go into the slip, m, from the scene.
     radii: Callable[[Any], tuple[float, float]] = lambda s: (s.ball.radius, s.bat.radius)
+    # Those of `inverse_mass` that are others, from the scene and the right ones.
     arguments: Callable[[Any, Mapping[str, float]], Mapping[str, float]] = lambda scene, given: {}
+    # K, 1/kg, from what it is and from its own K_nn, which 1/μ stands for.
     matrix: Callable[[Matrix, float], Matrix] = lambda k, own: k
+    # Whether the ball grips, from whether it should.
     grips: Callable[[bool], bool] = lambda grips: grips
+    # The impulse of a ball that slides, N s: from the right one, the gripping one, and the
+    # frictionless one along the normal.
     sliding: Callable[[Floats, Floats, float], Floats] = lambda slid, gripped, plain: slid
 
 

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from itertools import accumulate, islice
-from operator import eq, gt, lt, ne
+from operator import attrgetter, eq, gt, lt, ne
 from typing import Any
 
 from longball.engines.chain import MODEL, OneCase
@@ -30,8 +30,7 @@ def features(case: Case) -> Features:
     found: Features = {name: float(value) for name, value in numbers(scene)}
     found |= {f"reading.{name}": value for name, value in scene.reading}
     found |= {f"flag {flag}": True for flag in case.flags if flag in TOLD_BY_NO_FIELD}
-    found |= {"kind": scene.kind, "outcome": case.expected.outcome}
-    found |= _forms(scene)
+    found |= {"kind": scene.kind, "outcome": case.expected.outcome} | _forms(scene)
     landing, contact, impact = case.expected.landing, case.expected.contact, case.expected.impact
     if landing is not None:
         found["direction at landing"] = "+x" if float(landing.velocity[0]) > 0 else "-x"
@@ -76,10 +75,7 @@ _EXTREMES: dict[int, tuple[Case, tuple[float, float] | None]] = {}
 
 
 def _extremes(case: Case) -> tuple[float, float] | None:
-    """Return the largest height of a ball that lands, m, and its least velocity forward, m/s.
-
-    Forward is the heading of the launch. None if that is not told.
-    """
+    """Return a landing ball's largest height, m, and least velocity along its launch, m/s."""
     if id(case) not in _EXTREMES:
         _EXTREMES[id(case)] = case, _extremes_of_path(case)
     return _EXTREMES[id(case)][1]
@@ -102,7 +98,7 @@ def _extremes_of_path(case: Case) -> tuple[float, float] | None:
     lifted = spin is None and scene.air is not None and scene.air.lift_coefficient != 0.0
     if velocity[2] <= 0.0 and not lifted:
         return start.z, start.u
-    looked_at = [(tops, _height), *([(forward, _forward)] if lifted else [])]
+    looked_at = [(tops, attrgetter("z")), *([(forward, attrgetter("u"))] if lifted else [])]
     held = OneCase(scene, engine, MODEL)
     law = held.law(frame)
     try:
@@ -117,14 +113,6 @@ def _extremes_of_path(case: Case) -> tuple[float, float] | None:
     except ArithmeticError:  # doubles do not decide it, or it takes too long
         return None
     return float(max(tops)), float(min(forward))
-
-
-def _height(state: Any) -> Any:
-    return state.z
-
-
-def _forward(state: Any) -> Any:
-    return state.u
 
 
 # Flags of what a program meets on the way, and no field of the scene or the result tells.
@@ -150,10 +138,8 @@ def _forms(scene: Any) -> Features:
     for block in ("launch", "pitch", "incoming"):
         if (held := getattr(scene, block, None)) is not None:
             found[f"{block}.spin"] = _form(held.spin)
-    for block in ("fence", "earth"):
-        if hasattr(scene, block):
-            found[block] = _form(getattr(scene, block))
-    return found
+    blocks = (block for block in ("fence", "earth") if hasattr(scene, block))
+    return found | {block: _form(getattr(scene, block)) for block in blocks}
 
 
 def _form(held: Any) -> str:
@@ -173,21 +159,11 @@ _BLOCKS = {
 # the count of rules that are tried would be told by it.
 CHANCE = 100
 
-# Fewer scenes, wrong or right, are no rule: those that are made for one question are alike in much
-# else.
-FEWEST = 5
-
-# What a program may have built in.
-DEFAULTS = dict(numbers(AtBatScene()))
-
-# Scenes that must have a value for it to be the usual one.
-USUAL = 3
-
-# Conditions that are tried as the first of two: those that tell most scenes.
-HALVES = 8
-
-# Rules that tell the same scenes: with more of them, none says anything.
-MOST_RULES = 3
+FEWEST = 5  # fewer scenes, wrong or right, are no rule: those made for one question are alike
+DEFAULTS = dict(numbers(AtBatScene()))  # what a program may have built in
+USUAL = 3  # scenes that must have a value for it to be the usual one
+HALVES = 8  # conditions that are tried as the first of two: those that tell most scenes
+MOST_RULES = 3  # rules that tell the same scenes: with more of them, none says anything
 
 
 def rule(failing: Sequence[Case], passing: Sequence[Case], measured: bool = True) -> str | None:
@@ -206,12 +182,9 @@ def rule(failing: Sequence[Case], passing: Sequence[Case], measured: bool = True
     cuts = [(one, [*filter(one.holds, right)]) for one in known if all(map(one.holds, wrong))]
     for one, left in sorted(cuts, key=lambda cut: len(cut[1]))[:HALVES]:
         others = [two for two in _conditions(wrong, left) if measured or not two.measured]
-        tried = len(known) * len(others)
-        both = [
-            other
-            for other in _telling(others, wrong, left, len(others))
-            if one.choices(wrong, [*filter(other.holds, right)]) >= CHANCE * tried
-        ]
+        tried, telling = len(known) * len(others), _telling(others, wrong, left, len(others))
+        both = [other for other in telling
+                if one.choices(wrong, [*filter(other.holds, right)]) >= CHANCE * tried]  # fmt: skip
         if text := _text(both):
             return f"{one.text} and {text}"
     return None
@@ -223,17 +196,10 @@ def _telling(
     right: Sequence[Features],
     tried: int,
 ) -> list[Condition]:
-    """Return those that tell the wrong scenes, and would hardly do so by chance.
-
-    `tried` is how many there might have been.
-    """
-    return [
-        one
-        for one in conditions
-        if one.choices(wrong, right) >= CHANCE * tried
-        and all(map(one.holds, wrong))
-        and not any(map(one.holds, right))
-    ]
+    """Return those of `tried` conditions that tell the wrong scenes, hardly by chance."""
+    likely = (one for one in conditions if one.choices(wrong, right) >= CHANCE * tried)
+    telling = (one for one in likely if all(map(one.holds, wrong)))
+    return [one for one in telling if not any(map(one.holds, right))]
 
 
 def _text(conditions: Iterable[Condition]) -> str:
@@ -269,31 +235,21 @@ FORMS = (
 
 @dataclass(frozen=True)
 class Condition:
-    """What may tell scenes: a feature, in words, and for which values of it it holds.
-
-    Attributes
-    ----------
-    without
-        Whether it holds for scenes that have no such feature.
-    measured
-        Whether it is one of how large a number is.
-    """
+    """What may tell scenes: a feature, in words, and for which values of it it holds."""
 
     name: str
     text: str
     of: Callable[[Any], bool]
-    without: bool = False
-    measured: bool = False
+    without: bool = False  # whether it holds for scenes that have no such feature
+    measured: bool = False  # whether it is one of how large a number is
 
     def holds(self, found: Features) -> bool:
         """Tell whether it holds for a scene with such features."""
         return self.of(found[self.name]) if self.name in found else self.without
 
     def choices(self, wrong: Sequence[Features], right: Sequence[Features]) -> int:
-        """Return how many choices of as many scenes there are.
-
-        Of as many values, where a number is measured: scenes that are alike in it fail together.
-        """
+        """Return how many choices of as many scenes there are."""
+        # Of as many values of a number: scenes that are alike in it fail together.
         if not self.measured:
             return math.comb(len(wrong) + len(right), len(wrong))
         values, others = _values(wrong, self.name), _values(right, self.name)
@@ -341,23 +297,17 @@ def _told(value: Any) -> str:
     return f"{value:g}" if isinstance(value, float) else str(value)
 
 
-# Digits of a limit: one that needs more of them hardly parts the scenes.
-LIMIT_DIGITS = 4
-
-
 def _is_short(limit: float) -> bool:
-    return float(f"{limit:.{LIMIT_DIGITS}g}") == limit
+    return float(f"{limit:.4g}") == limit  # one that needs more digits hardly parts the scenes
 
 
 def _between(a: float, b: float) -> float:
     """Return a short number that is above a, and below b or b itself; 0 if it may be that."""
     if a < 0.0 < b:
         return 0.0
-    for digits in range(1, 17):
-        short = float(f"{(a + b) / 2:.{digits}g}")
-        if a < short < b:
-            return short
-    return (a + b) / 2
+    middle = (a + b) / 2
+    shorter = (float(f"{middle:.{digits}g}") for digits in range(1, 17))
+    return next((short for short in shorter if a < short < b), middle)
 
 
 # --- the smallest scene ---------------------------------------------------------------------------
@@ -367,8 +317,7 @@ LARGEST_SHRINKS = 6
 NOTHING = 1e-9  # numbers below this are the rounding of a zero
 
 
-# What makes a scene simpler.
-Simplification = Callable[[Any], Any]
+Simplification = Callable[[Any], Any]  # what makes a scene simpler
 
 
 def simpler(scene: Scene) -> Iterator[Simplification]:
@@ -384,7 +333,7 @@ def simpler(scene: Scene) -> Iterator[Simplification]:
     for name, value in numbers(scene):
         for short in (0.0, *(float(f"{value:.{digits}g}") for digits in (1, 2, 3))):
             if short != value and (short or abs(value) < NOTHING):
-                yield partial(_with_number, name, short)
+                yield partial(replaced, values={name: short})
                 break
 
 
@@ -393,30 +342,17 @@ def _without(block: str, scene: Any) -> Any:
     return KINDS[scene.kind].model_validate(rest)
 
 
-def _with_number(name: str, value: float, scene: Any) -> Any:
-    return replaced(scene, {name: value})
-
-
 def shrunk(scene: Any, fails: Callable[[Sequence[Any]], Sequence[bool]]) -> Any:
-    """Return a scene that fails still, with as little in it as a few rounds take out.
-
-    Parameters
-    ----------
-    fails
-        Tells of scenes whether the candidate fails in them, all at once.
-    """
+    """Return a scene with less in it that fails still; `fails` tells it of several at once."""
 
     def failing(scenes: Sequence[Any]) -> Sequence[bool]:
         return fails([s.model_copy(update={"id": f"shrunk-{i}"}) for i, s in enumerate(scenes)])
 
     for _ in range(LARGEST_SHRINKS):
         changed = [(_simplified(scene, change), change) for change in simpler(scene)]
+        tried = [pair for pair in changed if pair[0] is not scene]
         # The plainest come last: it is those that a program may break off at.
-        tried = sorted(
-            (pair for pair in changed if pair[0] is not scene),
-            key=lambda pair: _plainness(pair[0]),
-            reverse=True,
-        )
+        tried.sort(key=lambda pair: _plainness(pair[0]), reverse=True)
         bad = failing([new for new, _ in tried]) if tried else []
         good = [change for (_, change), fails_too in zip(tried, bad, strict=True) if fails_too]
         if not good:

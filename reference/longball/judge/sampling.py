@@ -14,21 +14,20 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
 from longball.convergence.report import Frozen
 from longball.home_run import AtBats, Mixture, paper_at_bats
 from longball.judge.answers import quoted
+from longball.model.arrays import Array
 from longball.model.quantities import at
 from longball.model.readings import SamplingReading
 from longball.model.scene import AtBatScene
-
-Array = NDArray[np.float64]
 
 # Kolmogorov's statistic √n D exceeds this once in a hundred thousand samples of the right
 # distribution (2 exp(-2 x²) = 1e-5); four quantities are tested.
@@ -47,9 +46,7 @@ FEWEST = 500
 # independent numbers, and forty are looked at.
 TOO_ALIKE = 5.7
 
-# A draw is there a few times if several restitutions are tried with it, and not so often.
-MANY_TIMES = 20
-
+MANY_TIMES = 20  # a draw is there a few times if several restitutions are tried with it
 LONGEST_SCENE = 1 << 16  # bytes
 
 DRAWN = ("pitch.speed", "pitch.aim[0]", "swing.height_offset", "swing.tilt")
@@ -125,21 +122,11 @@ class Sampling(Frozen):
         return [found for found in self.found if not found.right]
 
 
-# --- reading --------------------------------------------------------------------------------------
-
-
 def read_samples(path: Path) -> Iterator[dict[str, Any]]:
     """Yield the scenes of a file of JSON Lines, as they stand there.
 
     They are not held against the contract: what makes a scene impossible, such as a speed below
-    zero, is what shows how it was drawn.
-
-    Raises
-    ------
-    OSError
-        If the file cannot be read.
-    BadSamples
-        If a line is no JSON object.
+    zero, is what shows how it was drawn. A line that is no JSON object raises `BadSamples`.
     """
     with open(path, "rb") as file:
         for number, line in enumerate(iter(lambda: file.readline(LONGEST_SCENE + 1), b""), 1):
@@ -175,25 +162,12 @@ def _number(scene: Mapping[str, Any], path: str) -> float | None:
     return number
 
 
-# --- judging --------------------------------------------------------------------------------------
-
-
 def judge_samples(scenes: Iterable[Mapping[str, Any]], source: str = "given") -> Sampling:
-    """Return what is right and wrong in the at-bats that a candidate draws.
+    """Return what is right and wrong in the at-bats that a candidate draws, of some source.
 
-    Parameters
-    ----------
-    scenes
-        As a candidate draws them from the paper's distributions, JSON objects, at least `FEWEST`.
-        A draw that is there more than once, such as for several restitutions, counts once; what
-        the scenes leave out is not judged.
-    source
-        Where they are from, for the report.
-
-    Raises
-    ------
-    BadSamples
-        If there are too few, or something else than numbers in them.
+    They are JSON objects, at least `FEWEST`, drawn from the paper's distributions. A draw that is
+    there more than once, such as for several restitutions, counts once; what the scenes leave out
+    is not judged. `BadSamples` are too few, or hold something else than numbers.
     """
     draws: dict[tuple[float | None, ...], int] = {}
     paper = json.loads(AtBatScene(id="paper").line())
@@ -210,10 +184,8 @@ def judge_samples(scenes: Iterable[Mapping[str, Any]], source: str = "given") ->
         except BadSamples as error:
             raise BadSamples(f"{source}: at-bat {number}: {error}") from None
     columns = dict(zip(DRAWN, zip(*draws, strict=True), strict=True)) if draws else {}
-    given = {
-        name: np.array([value for value in column if value is not None])
-        for name, column in columns.items()
-    }
+    known = {name: [x for x in column if x is not None] for name, column in columns.items()}
+    given = {name: np.array(column) for name, column in known.items()}
     most = max(map(len, given.values()), default=0)
     total = sum(draws.values())
     repeats = 0 < most < FEWEST <= total and total > MANY_TIMES * len(draws)
@@ -227,15 +199,12 @@ def judge_samples(scenes: Iterable[Mapping[str, Any]], source: str = "given") ->
         statistic=total / max(len(draws), 1),
         sentence=f"at-bats: the stream repeats itself: {len(draws)} different ones in {total}",
     )
+    others = (_constant(name, value, list(constants[name])) for name, value in printed.items())
     return Sampling(
         source=source,
         at_bats=len(draws),
         drawn=[_judge(name, values) for name, values in given.items() if len(values) >= FEWEST],
-        constants=[
-            found
-            for name, value in printed.items()
-            if (found := _constant(name, value, list(constants[name]))) is not None
-        ],
+        constants=[found for found in others if found is not None],
         dependences=[repeating] if repeats else list(_dependences(columns)),
         sees=min(1.0, CRITICAL / math.sqrt(max(most, 1))),
     )
@@ -259,17 +228,13 @@ def _dependences(columns: Mapping[str, Sequence[float | None]]) -> Iterator[Depe
     for a, b, x, y in pairs:
         n = len(x)
         folded = [np.abs(r - (n + 1) / 2) for r in (x, y)]
-        sizes = [
-            abs(float(np.corrcoef(u, v)[0, 1])) * math.sqrt(n)
-            for u, v in itertools.product((x, folded[0]), (y, folded[1]))
-        ]
-        if max(sizes) > TOO_ALIKE:
+        both = itertools.product((x, folded[0]), (y, folded[1]))
+        size = max(abs(float(np.corrcoef(u, v)[0, 1])) * math.sqrt(n) for u, v in both)
+        if size > TOO_ALIKE:
+            sentence = f"{a} hangs on {b}: the correlation of their ranks is "
+            sentence += f"{size / math.sqrt(n):.2f}; draw a random number of its own for each"
             yield Dependence(
-                quantity=f"{a} and {b}",
-                named=["dependence"],
-                statistic=max(sizes),
-                sentence=f"{a} hangs on {b}: the correlation of their ranks is "
-                f"{max(sizes) / math.sqrt(n):.2f}; draw a random number of its own for each",
+                quantity=f"{a} and {b}", named=["dependence"], statistic=size, sentence=sentence
             )
 
 
@@ -279,8 +244,8 @@ def _judge(quantity: str, values: Array) -> Drawn:
         sizes = {name: _kolmogorov(values / top, "uniform") for name, top in largest.items()}
         name = "" if sizes[""] < CRITICAL else min(sizes, key=lambda n: sizes[n])
         return _drawn(quantity, (name,) if name else (), sizes[name])
-    ways = {"pitch.speed": _speeds, "swing.height_offset": _offsets}
-    guesses = _aims(values) if quantity == "pitch.aim[0]" else ways[quantity]()
+    ways = {"pitch.speed": _speeds, "swing.height_offset": _offsets, "pitch.aim[0]": _aims}
+    guesses = ways[quantity](values)
     best = max(guesses, key=lambda guess: guess.log_likelihood(values) - guess.doubt)
     note = ""
     if best.fitted:
@@ -294,27 +259,13 @@ def _judge(quantity: str, values: Array) -> Drawn:
 
 @dataclass(frozen=True)
 class _Guess:
-    """A way to draw a quantity.
+    """A way to draw a quantity."""
 
-    Attributes
-    ----------
-    named
-        The mistakes in it.
-    mixture
-        What is drawn from.
-    scale
-        Times so much.
-    positive
-        Whether what is not positive is thrown away.
-    fitted
-        Whether the scale was fitted to the values.
-    """
-
-    named: tuple[str, ...]
-    mixture: Mixture
-    scale: float = 1.0
-    positive: bool = False
-    fitted: bool = False
+    named: tuple[str, ...]  # the mistakes in it
+    mixture: Mixture  # what is drawn from
+    scale: float = 1.0  # times so much
+    positive: bool = False  # whether what is not positive is thrown away
+    fitted: bool = False  # whether the scale was fitted to the values
 
     @property
     def doubt(self) -> float:
@@ -345,16 +296,12 @@ def _paper(**switches: object) -> AtBats:
     return paper_at_bats(SamplingReading.model_validate(switches))
 
 
-def _speeds() -> Iterator[_Guess]:
+def _speeds(values: Array) -> Iterator[_Guess]:
     for table, spread, unit in itertools.product(
         ("columns_swapped", "as_printed"), ("standard_deviation", "as_printed"), (1.0, 3.6)
     ):
-        wrong = {
-            "table-columns": table == "as_printed",
-            "missing-2": spread == "as_printed",
-            "speed-in-km/h": unit == 3.6,
-        }
-        named = tuple(name for name, made in wrong.items() if made)
+        made = {"table-columns": table, "missing-2": spread, "speed-in-km/h": unit}
+        named = tuple(name for name, how in made.items() if how in ("as_printed", 3.6))
         mixture = _paper(speed_table=table, speed_spread=spread).speed
         yield _Guess(named, mixture, unit)
         if table == "as_printed":  # half of which are below zero, and no pitches
@@ -371,14 +318,14 @@ def _aims(values: Array) -> Iterator[_Guess]:
     yield _Guess(("cells-from-the-edge",), middle, cell)
     yield _Guess(("left-for-right",), Mixture(1 - aim.weight, aim.means, aim.deviations))
     # The paper does not say how wide a cell is: any width will do, the one that fits best.
-    expected = aim.weight * aim.means[0] ** 2 + (1 - aim.weight) * aim.means[1] ** 2
-    expected += aim.deviations[0] ** 2
+    (left, right), deviation = aim.means, aim.deviations[0]
+    expected = aim.weight * left**2 + (1 - aim.weight) * right**2 + deviation**2
     scale = math.sqrt(float(np.mean(values**2)) / expected)
     if scale > 0:
         yield _Guess((), aim, scale, fitted=True)
 
 
-def _offsets() -> Iterator[_Guess]:
+def _offsets(values: Array) -> Iterator[_Guess]:
     right = _paper().offset_deviation
     wrong = {"radius-or-diameter": 2 * right, "missing-2": right * math.sqrt(0.5)}
     for name, deviation in {"": right, **wrong}.items():
@@ -407,20 +354,12 @@ _SENTENCES = {
 
 def _drawn(quantity: str, named: tuple[str, ...], statistic: float, note: str = "") -> Drawn:
     fits = statistic < CRITICAL
-    if not fits:
-        sentence = "drawn from none of the known distributions"
-        named = ()
-    elif named:
-        sentence = "; ".join(_SENTENCES[name] for name in named)
+    if fits:
+        said = "; ".join(_SENTENCES[n] for n in named) or f"drawn as the paper means it{note}"
     else:
-        sentence = f"drawn as the paper means it{note}"
-    return Drawn(
-        quantity=quantity,
-        named=list(named),
-        fits=fits,
-        statistic=statistic,
-        sentence=f"{quantity}: {sentence}",
-    )
+        named, said = (), "drawn from none of the known distributions"
+    sentence, names = f"{quantity}: {said}", list(named)
+    return Drawn(quantity=quantity, named=names, fits=fits, statistic=statistic, sentence=sentence)
 
 
 # --- what is not random ---------------------------------------------------------------------------
@@ -442,18 +381,11 @@ _SLIPS = {
 
 
 def _constant(quantity: str, paper: float, met: Sequence[float]) -> Constant | None:
-    others = [value for value in met if not math.isclose(value, paper, rel_tol=1e-9)]
+    same = partial(math.isclose, rel_tol=1e-9)
+    others = [value for value in met if not same(value, paper)]
     if not others:
         return None
-    named = [
-        name
-        for name, values in _SLIPS.get(quantity, ())
-        if any(math.isclose(others[0], value, rel_tol=1e-9) for value in values)
-    ]
-    return Constant(
-        quantity=quantity,
-        paper=paper,
-        given=others,
-        named=named,
-        sentence=f"{quantity}: {others[0]:g}, where the paper has {paper:g}",
-    )
+    slips = _SLIPS.get(quantity, ())
+    named = [name for name, values in slips if any(same(others[0], value) for value in values)]
+    sentence = f"{quantity}: {others[0]:g}, where the paper has {paper:g}"
+    return Constant(quantity=quantity, paper=paper, given=others, named=named, sentence=sentence)

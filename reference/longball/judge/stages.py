@@ -53,29 +53,18 @@ FLYING = STAGES[STAGES.index("flight") :]
 
 @dataclass(frozen=True)
 class Change:
-    """The one chain with something else in it: what a mistake is, or a fitted number.
+    """The one chain with something else in it: what a mistake is, or a fitted number."""
 
-    Attributes
-    ----------
-    scene
-        What is done to the scene before it is solved.
-    model
-        What is done to the forces and the collision.
-    engine
-        Who flies.
-    push
-        Whether the bat pushes for two steps of the paper's scheme, as Appendix B has it.
-    meeting
-        What is done to the scene where it is looked for when ball and bat meet, and nowhere else.
-    launch
-        What is done to the launch of a batted ball, with its scene.
-    """
-
+    # What is done to the scene before it is solved.
     scene: Callable[[Any], Any] = lambda scene: scene
+    # What is done to the forces and the collision.
     model: Callable[[Model], Model] = lambda model: model
-    engine: Engine[float] = ANY_LAW
+    engine: Engine[float] = ANY_LAW  # who flies
+    # Whether the bat pushes for two steps of the paper's scheme, as Appendix B has it.
     push: bool = False
+    # What is done to the scene where it is looked for when ball and bat meet, and nowhere else.
     meeting: Callable[[Any], Any] = lambda scene: scene
+    # What is done to the launch of a batted ball, with its scene.
     launch: Callable[[Any, Launch[float]], Launch[float]] = lambda scene, launch: launch
 
     def then(self, other: Change) -> Change:
@@ -95,33 +84,22 @@ NONE = Change()
 
 @dataclass(frozen=True)
 class Trial:
-    """A case, and what a candidate says of it, in doubles.
-
-    Attributes
-    ----------
-    given, expected
-        What it says, and what is true.
-    bounds
-        Of each quantity the size, and the error that double precision cannot avoid.
-    resolution, share
-        Half a unit in the last place written, if numbers are written with few decimals; the same
-        of numbers with few digits, relative to them.
-    right
-        Whether all that it says is true.
-    granted
-        The error of a quantity that counts as none, in its unit.
-    """
+    """A case, and what a candidate says of it, in doubles."""
 
     case: Case
+    # What it says, and what is true.
     given: Mapping[str, Numbers]
     expected: Mapping[str, Numbers]
+    # Of each quantity the size, and the error that double precision cannot avoid.
     bounds: Mapping[str, tuple[float, float]]
     outcome: str | None = None
+    # Half a unit in the last place written, if numbers are written with few decimals; the same of
+    # numbers with few digits, relative to them.
     resolution: float = 0.0
     share: float = 0.0
-    right: bool = False
+    right: bool = False  # whether all that it says is true
     told: Mapping[str, object] = field(default_factory=dict)
-    granted: float = 0.0
+    granted: float = 0.0  # the error of a quantity that counts as none, in its unit
 
     @property
     def scene(self) -> Any:
@@ -138,30 +116,20 @@ class Trial:
         return replace(self, given={**self.given, **values})
 
 
+Trials = Sequence[Trial]
+
+
 @dataclass(frozen=True)
 class Check:
-    """A quantity that follows from earlier ones, or does not.
+    """A quantity that follows from earlier ones, or does not."""
 
-    Attributes
-    ----------
-    stage, quantity
-        Where, and what.
-    expected
-        What follows from the candidate's earlier values.
-    obtained
-        What it says.
-    tolerance
-        What rounding may do.
-    scale
-        The size that the error is relative to.
-    """
-
+    # Where, and what.
     stage: str
     quantity: str
-    expected: Numbers
-    obtained: Numbers
-    tolerance: float
-    scale: float
+    expected: Numbers  # what follows from the candidate's earlier values
+    obtained: Numbers  # what it says
+    tolerance: float  # what rounding may do
+    scale: float  # the size that the error is relative to
 
     @property
     def error(self) -> float:
@@ -205,14 +173,9 @@ def trial_of(case: Case, answer: Answer, granted: float = 0.0) -> Trial:
     return Trial(case, given, true, bounds, answer.outcome, *written, right, answer.told, granted)
 
 
-# Whoever writes so few digits leaves out more than single precision does.
-SHORT = 7
-
-# Numbers with more digits are doubles, or as good.
-MOST_DIGITS = 12
-
-# Fewer numbers than this may be short, or in single precision, by chance: 2.0 is.
-ENOUGH = 5
+SHORT = 7  # whoever writes so few digits leaves out more than single precision does
+MOST_DIGITS = 12  # numbers with more digits are doubles, or as good
+ENOUGH = 5  # fewer numbers than this may be short, or in single precision, by chance: 2.0 is
 
 
 def half_unit(digits: int) -> float:
@@ -234,44 +197,24 @@ def digits(x: Decimal) -> int:
 
 def _resolution(answer: Answer) -> float:
     """Return half a unit in the last place written, if numbers are written with few decimals."""
-    places = [
-        -int(x.as_tuple().exponent)
-        for value in answer.values.values()
-        for x in value
-        if x != x.to_integral_value()
-    ]
-    if not places or max(places) > 12:
-        return 0.0
-    return 0.5 * 10.0 ** -max(places)
+    broken = [x for value in answer.values.values() for x in value if x != x.to_integral_value()]
+    places = max((-int(x.as_tuple().exponent) for x in broken), default=MOST_DIGITS + 1)
+    return 0.5 * 10.0**-places if places <= MOST_DIGITS else 0.0
 
 
 # What the rounding of the numbers handed on does to the next stage: a ball lands a hundred metres
 # away, and a change of energy is μ(Ṽ·n)², some 700 J, times one of ẽ.
 HANDED_ON = 1000.0
 
-# m: a place that is nearer to a flight than this is on it, for all that follows.
-CLOSE = 1e-6
-
-# Of a quantity: flights under any law err by a third of it at most.
-ANY_LAW_ERROR = 3e-8
+CLOSE = 1e-6  # m: a place that is nearer to a flight than this is on it, for all that follows
+ANY_LAW_ERROR = 3e-8  # of a quantity: flights under any law err by a third of it at most
 
 
 def follow(trial: Trial, change: Change = NONE, only: Iterable[str] = STAGES) -> list[Check]:
-    """Return what follows from a candidate's own earlier values, stage by stage.
-
-    Parameters
-    ----------
-    trial
-        What the candidate says.
-    change
-        What is done otherwise than in longball.
-    only
-        The stages to look at.
-    """
+    """Return what follows from a candidate's own earlier values under a change, stage by stage."""
     found: list[Check] = []
     with suppress(*_NO_STATE):  # beyond that nothing follows
-        for check in _Following(trial, change).checks(frozenset(only)):
-            found.append(check)
+        found.extend(_Following(trial, change).checks(frozenset(only)))
     return found
 
 
@@ -287,8 +230,7 @@ STAGE_OF = {
 }  # fmt: skip
 
 
-# Where a flight ends is a stage of its own.
-ENDS = ("plate", "plate.position"), ("landing", "landing.position")
+ENDS = ("plate", "plate.position"), ("landing", "landing.position")  # stages of their own
 
 
 def stage_of(quantity: str) -> str:
@@ -297,17 +239,13 @@ def stage_of(quantity: str) -> str:
 
 
 def followed(trial: Trial) -> list[Check]:
-    """Return what follows in a trial and what does not, to the last digits.
-
-    An answer that is right in all is not computed again: each of its quantities follows.
-    """
+    """Return what follows in a trial and what does not, to the last digits."""
+    # Of an answer that is right in all, each of its quantities follows.
     if trial.right:
-        stages = [(stage_of(name), name) for name in trial.given]
-        stages += [one for one in ENDS if one[1] in trial.given]
-        return [
-            Check(stage, name, trial.expected[name], trial.given[name], math.inf, 1.0)
-            for stage, name in stages
-        ]
+        true, given = trial.expected, trial.given
+        stages = [(stage_of(name), name) for name in given]
+        stages += [one for one in ENDS if one[1] in given]
+        return [Check(at, name, true[name], given[name], math.inf, 1.0) for at, name in stages]
     checks = follow(trial)
     # What is right to within the errors of flights under any law may be wrong beyond them.
     return checks if any(not c.follows for c in checks) else follow(trial, Change(engine=Ivp()))
@@ -315,38 +253,20 @@ def followed(trial: Trial) -> list[Check]:
 
 @dataclass(frozen=True)
 class Placed:
-    """Where a point that a candidate gives lies beside the true path.
+    """Where a point that a candidate gives lies beside the true path."""
 
-    Attributes
-    ----------
-    off
-        Distance from the path, m.
-    clock
-        How much later its time is than that of the nearest point of the path, s.
-    moved
-        Distance from where the ball is at its time, m.
-    time
-        The candidate's, s since the flight begins.
-    point
-        The candidate's, m.
-    way, velocity
-        The true path: from the time to the place, and to the velocity.
-    """
-
-    off: float
-    clock: float
-    moved: float
-    time: float
-    point: Numbers
+    off: float  # distance from the path, m
+    clock: float  # how much later its time is than that of the nearest point of the path, s
+    moved: float  # distance from where the ball is at its time, m
+    time: float  # the candidate's, s since the flight begins
+    point: Numbers  # the candidate's, m
+    # The true path: from the time to the place, and to the velocity.
     way: Callable[[float], Numbers]
     velocity: Callable[[float], Numbers]
 
 
 def placed(trial: Trial, change: Change, stage: str) -> Placed | None:
-    """Place a landing, with "pitch" a plate, or with "touching" a contact on the true path.
-
-    None if it cannot be.
-    """
+    """Place a landing, a plate ("pitch") or a contact ("touching") on the true path, or None."""
     following = _Following(trial, change)
     try:
         if stage == "touching":
@@ -375,18 +295,14 @@ def placed(trial: Trial, change: Change, stage: str) -> Placed | None:
     off, moved = math.dist(nearest, point), math.dist(there, point)
     if not math.isfinite(off + moved):
         return None
-    return Placed(
-        off, flown - time, moved, flown, point, lambda t: _at(leg, t)[0], lambda t: _at(leg, t)[1]
-    )
+    way = (lambda t: _at(leg, t)[0]), (lambda t: _at(leg, t)[1])
+    return Placed(off, flown - time, moved, flown, point, *way)
 
 
 def view_values(
     trial: Trial, change: Change, quantity: str
 ) -> tuple[Any, Mapping[str, Numbers], Numbers, float] | None:
-    """Return what the formula of a quantity is made of.
-
-    That is the scene, the values so far, the velocity before the impact and the bat's height.
-    """
+    """Return what formulas take: scene, values so far, velocity before the impact, bat's height."""
     following = _Following(trial, change)
     flies = stage_of(quantity) in FLYING
     with suppress(*_NO_STATE):  # what comes later may not follow, and is not needed
@@ -443,13 +359,7 @@ class _Following:
         return OneCase(scene or self.scene, self.change.engine, self.model)
 
     def has(self, name: str) -> Numbers:
-        """Return what the candidate says, or what longball computes in its place.
-
-        Raises
-        ------
-        KeyError
-            If there is neither.
-        """
+        """Return what the candidate says, or else longball's value, or raise a KeyError."""
         if name in ("contact.time", "contact.position") and name not in self.given:
             _ = self.met
         return self.given.get(name) or self.own[name]
@@ -579,10 +489,8 @@ class _Following:
         yield from self._impact(replace(contact, **said, lever_arm=arm, normal_speed=closing))
 
     def _take_normal(self, x: float, z: float) -> None:
-        """Take the normal divided by R + r_b, if the candidate's is nearer to that.
-
-        Where ball and bat do not touch it is no unit vector, and divided so it follows as well.
-        """
+        """Take the normal divided by R + r_b, if the candidate's is nearer to that."""
+        # Where ball and bat do not touch it is no unit vector, and divided so it follows as well.
         reach = self.scene.ball.radius + self.scene.bat.radius
         both = self.own["contact.normal"], (x / reach, 0.0, z / reach)
         said = self.given.get("contact.normal", both[0])
@@ -603,33 +511,27 @@ class _Following:
         if struck.friction_margin is not None:
             yield from self._maybe("impact.friction_margin", struck.friction_margin)
         if struck.spin is not None:
-            spun = self._spun(contact, struck.spin)
-            self.own["impact.spin"] = spun
+            self.own["impact.spin"] = self._spun(contact, struck.spin)
             self.own["contact.spin"] = contact.spin or (0.0, 0.0, 0.0)
-            yield from self._maybe("impact.spin", spun)
+            yield from self._maybe("impact.spin", self.own["impact.spin"])
         energy = struck.energy_change
         if self.scene.bat.friction is None:
             energy = self._energy(struck, e, contact.normal_speed)
         yield from self._maybe("impact.energy_change", energy)
 
     def _energy(self, struck: Any, restitution: float, normal_speed: float) -> float:
-        """Return the change of energy by the true μ, or by that of the candidate's own impulse.
-
-        The latter's is -J/((1 + ẽ) Ṽ·n). Of the two the one that it comes nearer to counts.
-        """
-        pushes = struck.impulse, *self.given.get("impact.impulse", ())
-        follows = [
-            energy_change(-push / ((1 + own) * normal_speed), restitution, normal_speed)
-            for push, own in zip(pushes, (struck.restitution, restitution), strict=False)
-        ]
+        """Return the change of energy by the true μ, or by that of the candidate's own impulse."""
+        # The latter's is -J/((1 + ẽ) Ṽ·n). Of the two the one that it comes nearer to counts.
+        pushes = [(struck.impulse, struck.restitution)]
+        pushes += [(push, restitution) for push in self.given.get("impact.impulse", ())]
+        masses = (-push / ((1 + e) * normal_speed) for push, e in pushes)
+        follows = [energy_change(mass, restitution, normal_speed) for mass in masses]
         said = self.given.get("impact.energy_change", follows[:1])
         return float(min(follows, key=lambda energy: abs(energy - said[0])))
 
     def _spun(self, contact: ContactState[float], spin: Numbers) -> Numbers:
-        """Return the spin after the impact, from the candidate's own velocity after it.
-
-        Whatever the friction is, ball's angular momentum about the point of contact stays.
-        """
+        """Return the spin after the impact, from the candidate's own velocity after it."""
+        # Whatever the friction is, angular momentum about the point of contact stays.
         after = self.given.get("impact.velocity")
         if after is None or contact.spin is None:
             return spin
@@ -714,10 +616,8 @@ class _Following:
     def _decay(
         self, case: OneCase[float], leg: Leg[float], flown: float, there: Check
     ) -> Iterable[Check]:
-        """Yield how the spin falls along the candidate's own path, or else till its own landing.
-
-        Where the landing does not follow, neither does the path: it may be as far off.
-        """
+        """Yield how the spin falls along the candidate's own path, or else till its own landing."""
+        # Where the landing does not follow, neither does the path: it may be as far off.
         if leg.frame.spin is None:
             return
         state: Any = leg.flight.path.at(max(flown, 0.0))
@@ -746,19 +646,17 @@ class _Following:
         yield from self._maybe("fence.velocity", velocity)
         x, y, z = position
         if fence.polyline is None:
-            off, top, margin = math.hypot(x, y) - fence.radius, 0.0, None
+            off, top, margin = math.hypot(x, y) - fence.radius, 0.0, list[float]()
         else:
-            off, top, margin = min(
-                (_beside(chord, x, y) for chord in chords(fence.polyline, DOUBLES)),
-                key=lambda found: abs(found[0]),
-            )
+            sides = (_beside(chord, x, y) for chord in chords(fence.polyline, DOUBLES))
+            off, top, *margin = min(sides, key=lambda found: abs(found[0]))
         yield self._event("fence", "fence.position", 0.0, off)
         above = z - top
         if self.scene.reading.fence_clearance == "surface":
             above -= self.scene.ball.radius
         yield from self._maybe("fence.clearance", above)
-        if margin is not None:
-            yield from self._maybe("fence.margin", margin)
+        for end in margin:
+            yield from self._maybe("fence.margin", end)
 
     def _pushed(self, case: OneCase[float], launch: Launch[float]) -> Launch[float]:
         """Return where the ball is set free, if the bat pushes for two steps."""
@@ -769,10 +667,8 @@ class _Following:
         if self.meeting is None:
             return launch
         pitch, touch = self.meeting.approach.pitch, self.meeting.approach.touch
-        delta_v = plus(launch.velocity, -1.0, self.before)
-        return engine.rebound(
-            pitch.frame, touch, _three(delta_v), case.law, case.ground(pitch.start)
-        )
+        delta_v, ground = plus(launch.velocity, -1.0, self.before), case.ground(pitch.start)
+        return engine.rebound(pitch.frame, touch, _three(delta_v), case.law, ground)
 
     # --- checks ---------------------------------------------------------------------------------
 
@@ -805,10 +701,7 @@ class _Following:
 
 
 def _at(leg: Leg[float], time: float) -> tuple[Numbers, Numbers]:
-    """Return position and velocity at a time, s since the leg begins, or a little before.
-
-    NaN where the flight has no such time.
-    """
+    """Return position and velocity at a time of a leg, s, or just before it; NaN beyond it."""
     path = leg.flight.path
     try:
         if time < 0:
@@ -825,10 +718,7 @@ NOWHERE = (math.nan, math.nan, math.nan)
 
 
 def _beside(chord: Chord[float], x: float, y: float) -> tuple[float, float, float]:
-    """Return a place's distance from a chord, m, the fence's height there, and the way to its end.
-
-    Far from a chord that it is not beside.
-    """
+    """Return the distance from a chord, m, the fence's height there, and the way to its end."""
     a, b = chord.a[2], chord.b[2]
     along, aside, length = along_chord(chord, x, y)
     beyond = max(0.0, -along, along - length)
@@ -862,10 +752,8 @@ def _three(values: Any) -> tuple[float, float, float]:
 
 
 def with_values(scene: Scene, values: Mapping[str, Any]) -> Any:
-    """Return a scene with other values, as they are: no one who errs validates them.
-
-    Names are those of `longball.model.quantities`; what the scene does not have stays out.
-    """
+    """Return a scene with other values, as they are: no one who errs validates them."""
+    # What the scene does not have stays out.
     changed: Any = scene
     for name, value in values.items():
         changed = _put(changed, re.findall(r"\w+", name), value)

@@ -18,7 +18,6 @@ from longball.model.result import Result
 from longball.model.scene import Scene
 
 PLACE = "{dt}"  # in a command, where its time step goes
-
 SAMPLE = 12  # cases of each family: enough for a typical error
 FAMILIES = ("flight-both", "at-bat")  # of the golden data, where no other is asked for
 STEPS = "0.01:0.0001:9"  # s, evenly spaced in their logarithm
@@ -35,13 +34,7 @@ def with_step(command: Sequence[str], step: float) -> list[str]:
 
 
 def parse_steps(text: str) -> list[float]:
-    """Return the steps of FROM:TO:COUNT, evenly spaced in their logarithm.
-
-    Raises
-    ------
-    ValueError
-        If it is none.
-    """
+    """Return the steps of FROM:TO:COUNT; a ValueError if it is none."""
     try:
         steps = _spread(text)
         if steps[0] <= steps[-1]:
@@ -63,16 +56,10 @@ def _spread(text: str) -> list[float]:
 
 
 def parse_knob(text: str) -> tuple[str, list[str]]:
-    """Return the name and the values of NAME=VALUES, the coarsest first.
+    """Return the name and the values of NAME=VALUES, the coarsest first; a ValueError if not so.
 
     VALUES are FROM:TO:COUNT, evenly spaced in their logarithm, or a list with commas, whose words
-    stand in the command as they are. They fall, as steps and tolerances do, or rise, as numbers of
-    steps and multipliers do.
-
-    Raises
-    ------
-    ValueError
-        If it is none.
+    stand in the command as they are. They fall, as steps do, or rise, as numbers of steps do.
     """
     name, _, values = text.partition("=")
     try:
@@ -96,31 +83,21 @@ def sample(cases: Sequence[Case], families: Sequence[str] = ()) -> list[Case]:
     """Return the first few cases of some families, or of all, under the default reading."""
     plain = [case for case in cases if case.scene.reading == Reading() and decidable(case)]
     chosen = dict.fromkeys(families or (case.family for case in plain))
-    return [
-        case
-        for family in chosen
-        for case in [case for case in plain if case.family == family][:SAMPLE]
-    ]
+    found = ([case for case in plain if case.family == family] for family in chosen)
+    return [case for some in found for case in some[:SAMPLE]]
 
 
 @dataclass(frozen=True)
 class StepSweep:
-    """Time steps that a candidate is run with, to see how it converges.
+    """Time steps that a candidate is run with, to see how it converges."""
 
-    Attributes
-    ----------
-    steps, expected, phases
-        See `longball.convergence.converge`.
-    knob, words
-        What else is varied than {dt}, and how its values are written; see `of_knob`.
-    progress
-        Called with the runs done, and how many there are.
-    """
-
+    # See `longball.convergence.converge`.
     steps: Sequence[float]
     expected: float | Mapping[str, float] | None = None
     phases: int = PHASES
+    # Called with the runs done, and how many there are.
     progress: Callable[[int, int], None] = lambda done, of: None
+    # What else is varied than {dt}, and how its values are written; see `of_knob`.
     knob: str = "dt"
     words: Sequence[str] = ()
 
@@ -159,13 +136,9 @@ class StepSweep:
     ) -> tuple[ConvergenceReport, list[str]]:
         """Run a command with every step; see `longball.convergence.converge`.
 
-        The limit of time in all is that of all runs together; after a run that had to be stopped,
-        no other is begun.
-
-        Returns
-        -------
-        report, issues
-            How it converges, and what is wrong with its conduct, each with its time step.
+        Beside how it converges, what is wrong with its conduct is returned, with the time steps.
+        The limit of time in all is that of all runs together; none is begun after one that had to
+        be stopped.
         """
         issues: list[str] = []
         limits = limits or Limits()
@@ -179,11 +152,8 @@ class StepSweep:
             left = replace(limits, total_seconds=max(0.0, until - time.monotonic()))
             ran = run(self._with(command, step), scenes, left)
             stopped = ran.status is None
-            issues.extend(
-                f"{self.knob} = {step:g}: {issue}"
-                for issue in ran.collected.issues
-                if issue.kind != "unknown key"
-            )
+            told = (issue for issue in ran.collected.issues if issue.kind != "unknown key")
+            issues.extend(f"{self.knob} = {step:g}: {issue}" for issue in told)
             by_id = {scene.id: scene for scene in scenes}
             return [_sample(answer, by_id[i]) for i, answer in ran.collected.answers.items()]
 
@@ -191,17 +161,15 @@ class StepSweep:
         return converge(answers, scenes, self.steps, truth, self.expected, **options), issues
 
 
-# How near to a whole number an order is that is told as one.
-WHOLE = 0.1
+WHOLE = 0.1  # how near to a whole number an order is that is told as one
 
 
 def order_of(report: ConvergenceReport) -> int | None:
     """Return the order of a candidate's errors, if all have the same, and fall to nothing."""
     orders = [o.order for o in report.orders if o.order is not None]
-    settled = all(abs(x - round(x)) < WHOLE for x in orders) and not any(
-        o.verdict == "wrong limit" for o in report.orders
-    )
+    stuck = any(o.verdict == "wrong limit" for o in report.orders)
     whole = {round(x) for x in orders}
+    settled = all(abs(x - round(x)) < WHOLE for x in orders) and not stuck
     return whole.pop() if settled and len(whole) == 1 else None
 
 

@@ -16,22 +16,19 @@ from typing import Any, Literal, get_args
 
 import numpy as np
 from numpy.polynomial.polynomial import polyval
-from numpy.typing import NDArray
 
 from longball.engines.engine import Launch
-from longball.engines.event import Event
 from longball.engines.ivp import Ivp
-from longball.engines.path import Flight, Path
 from longball.engines.polynomial import PolynomialPiece
 from longball.engines.verlet import TREATMENTS, Chord, Components, Verlet, plain_step
 from longball.judge.any_law import EFFORT
 from longball.judge.explanations import ALIKE, Explanation, Sought
 from longball.judge.stages import Change
+from longball.model.arrays import Array
 from longball.model.law import Law, State
 from longball.model.numbers import plus
 from longball.model.readings import VerletForces
 
-Array = NDArray[np.float64]
 Rates = Callable[..., Components]
 
 # From the rates, a state, a step and what the step before has left, None at first: the next state
@@ -39,9 +36,7 @@ Rates = Callable[..., Components]
 Step = Callable[[Rates, Components, float, Any], tuple[Components, Any]]
 
 
-# Where in a step the velocity is that moves the position, if it is one of the step's ends or their
-# mean.
-_AHEAD = {"old": 0.0, "mean": 0.5, "new": 1.0}
+_AHEAD = {"old": 0.0, "mean": 0.5, "new": 1.0}  # where in a step the velocity is that moves a ball
 
 
 def _runge_kutta(
@@ -50,11 +45,9 @@ def _runge_kutta(
     whose: str = "own",
     begun: Sequence[int] = (0, 1, 2),
 ) -> Step:
-    """Return an explicit Runge-Kutta method, each of whose stages begins with one before.
+    """Return an explicit Runge-Kutta method, each of whose stages begins with one before: `begun`.
 
-    RK4, if nothing else is said. `begun` tells which one a stage begins with; that is the last one,
-    mostly. `whose` velocity moves the position: its "own", the "old" or the "new" one of the step,
-    or the "mean" of these two.
+    `whose` velocity moves the position: its "own", the step's "old" or "new" one, or their "mean".
     """
     total = sum(weights)
 
@@ -78,11 +71,8 @@ def _runge_kutta(
 
 
 def _with_speed_of_start(step: Step, lifts: bool) -> Step:
-    """Return a step whose drag takes V at the step's start, in still air; the lift too if `lifts`.
-
-    Of the force without gravity, which is that on a ball at rest, what lies along the velocity is
-    the drag.
-    """
+    """Return a step whose drag, and lift if `lifts`, takes V at the step's start, in still air."""
+    # Of the force without gravity, what lies along the velocity is the drag.
 
     def slowed(f: Rates, s: Components, h: float, left: Any) -> tuple[Components, Any]:
         n = len(s) // 2
@@ -93,8 +83,7 @@ def _with_speed_of_start(step: Step, lifts: bool) -> Step:
             velocity, found = now[n : 2 * n], f(*now)
             force, square, along = found[n : 2 * n], 0.0, 0.0
             for v, a, g in zip(velocity, force, weight, strict=True):
-                square += v * v
-                along += v * (a - g)
+                square, along = square + v * v, along + v * (a - g)
             more = begun / math.sqrt(square) - 1
             if lifts:
                 changed = plus(force, more, plus(force, -1.0, weight))
@@ -162,21 +151,12 @@ def _verlet(treatment: VerletForces) -> Step:
 
 @dataclass(frozen=True)
 class Scheme:
-    """A scheme in fixed steps.
-
-    Attributes
-    ----------
-    order
-        Of its errors.
-    words
-        How its author would call it.
-    treatment
-        Of the force, if it is velocity Verlet; `longball.engines.verlet` then flies by it, too.
-    """
+    """A scheme in fixed steps."""
 
     step: Step
-    order: int
-    words: str
+    order: int  # of its errors
+    words: str  # how its author would call it
+    # Of the force, if it is velocity Verlet; `longball.engines.verlet` then flies by it, too.
     treatment: VerletForces | None = None
 
 
@@ -246,18 +226,11 @@ STEP_EFFORT = 0.12  # of a step of DOP853, what one of RK4 takes here
 
 @dataclass(frozen=True)
 class FixedStep(Verlet):
-    """Flights in fixed steps of a scheme; ``chords`` is the true path, seen at the steps only.
+    """Flights in fixed steps of a scheme; ``chords`` is the true path, seen at the steps only."""
 
-    Attributes
-    ----------
-    scheme
-        A name of `SCHEMES`, or "chords".
-    ends
-        Whether a state between two steps lies on the line between them, or is reached by a shorter
-        step.
-    """
-
-    scheme: str = "explicit-euler"
+    scheme: str = "explicit-euler"  # a name of `SCHEMES`, or "chords"
+    # Whether a state between two steps lies on the line between them, or is reached by a shorter
+    # step.
     ends: Ends = "line"
     _last: list[Any] = field(default_factory=list, compare=False, repr=False)
 
@@ -265,14 +238,6 @@ class FixedStep(Verlet):
     def description(self) -> str:
         """Scheme and step."""
         return f"{self.scheme} dt={self.dt!r}"
-
-    def fly(
-        self, law: Law[float], start: State[float], events: Sequence[Event[float]], limit: float
-    ) -> Flight[float]:
-        """Fly until the first of several events; see `longball.engines.engine.Engine.fly`."""
-        flight = super().fly(law, start, events, limit)
-        between = partial(self._chord, law, None if self.scheme == "chords" else self._step(law))
-        return replace(flight, path=_Stepped(self._states(law, start, limit), between, self.dt))
 
     def rebound(self, frame: Any, touch: Any, delta_v: Any, law_in: Any, ground: Any) -> Any:
         """Strike at once, where ball and bat touch."""
@@ -292,24 +257,25 @@ class FixedStep(Verlet):
                 done, length, rows = done + length, min(2 * length, 4096), rows[-1:]
         yield done, np.array(rows).T
 
-    def _chord(
-        self, law: Law[float], step: Callable[..., Any] | None, number: int, before: Any, after: Any
-    ) -> Chord:
-        """Return what lies between two states, each with what the step before it has left."""
-        (row, left), (new, _) = before, after
-        begin = number * self.dt
-        length = (number + 1) * self.dt - begin
-        if self.ends == "line" or step is None:
-            return Chord(begin, length, law.state(*row), law.state(*new))
-        return _Cut(begin, length, law.state(*row), law.state(*new), step, left)
+    def _chords(self, law: Law[float], start: State[float], limit: float) -> Iterator[Chord]:
+        step = None if self.scheme == "chords" else self._step(law)
+        states = self._states(law, start, limit)
+        row, left = next(states)
+        before = law.state(*row)
+        for number, (row, after_left) in enumerate(states):
+            begin, after = number * self.dt, law.state(*row)
+            ends = begin, (number + 1) * self.dt - begin, before, after
+            if self.ends == "line" or step is None:
+                yield Chord(*ends)
+            else:
+                yield _Cut(*ends, step, left)
+            before, left = after, after_left
 
     def _states(
         self, law: Law[float], start: State[float], limit: float
     ) -> Iterator[tuple[Components, Any]]:
-        """Yield the states at the steps, each with what the step before has left.
-
-        A flight is looked at twice, for its end and for the way there: the last one is kept.
-        """
+        """Yield the states at the steps, each with what the step before has left."""
+        # A flight is looked at twice, for its end and for the way there: the last one is kept.
         if not self._last or self._last[0] is not law or self._last[1] != start:
             steps = self._stepping(law, start, limit)
             self._last[:] = [law, start, steps, []]
@@ -373,81 +339,26 @@ class _Cut(Chord):
         return state
 
 
-class _Stepped(Path[float]):
-    """A flight of very many pieces, of which few are asked for, and so few are made.
-
-    Parameters
-    ----------
-    states
-        At the steps, each with what the step before it has left.
-    between
-        From a number, the state there and the next one to the piece between them.
-    dt
-        s.
-    """
-
-    def __init__(self, states: Iterator[Any], between: Callable[..., Chord], dt: float) -> None:
-        super().__init__(iter(()))
-        self._states, self._between, self._dt = states, between, dt
-        self._rows: list[Any] = []
-
-    def _piece(self, number: int) -> Chord | None:
-        while len(self._rows) < number + 2:
-            row = next(self._states, None)
-            if row is None:
-                return None
-            self._rows.append(row)
-        return self._between(number, *self._rows[number : number + 2])
-
-    def pieces(self, number: int = 0) -> Iterator[Chord]:
-        """Yield the pieces; see `longball.engines.path.Path.pieces`."""
-        while piece := self._piece(number):
-            yield piece
-            number += 1
-
-    def at(self, time: float) -> State[float]:
-        """Return the state at a time; see `longball.engines.path.Path.at`."""
-        number = max(0, math.ceil(time / self._dt) - 1)
-        if time > (number + 1) * self._dt:  # for the rounding of the quotient
-            number += 1
-        piece = None if time < 0 else self._piece(number)
-        if piece is None:
-            raise ValueError(f"the flight has no state at t = {time} s")
-        state: State[float] = piece.at(time - piece.begin)
-        return state
-
-
-# --- clocks ---------------------------------------------------------------------------------------
-
 # Steps that people choose: round numbers, and the rates of screens and cameras.
-ROUND_STEPS = tuple(
-    sorted(
-        {float(f"{m}e{k}") for m in (1, 1.25, 1.5, 2, 2.5, 3, 4, 5, 6, 8) for k in (-4, -3, -2)}
-        | {0.1, 0.2}
-        | {1 / n for n in (24, 25, 30, 50, 60, 90, 120, 144, 240, 480, 960)},
-        reverse=True,
-    )
-)
+_DECADE = (1, 1.25, 1.5, 2, 2.5, 3, 4, 5, 6, 8)
+_RATES = (24, 25, 30, 50, 60, 90, 120, 144, 240, 480, 960)
+_ROUND = {0.1, 0.2, *(float(f"{m}e{k}") for m in _DECADE for k in (-4, -3, -2))}
+ROUND_STEPS = tuple(sorted(_ROUND | {1 / n for n in _RATES}, reverse=True))
 
 SHORTEST = 1e-4  # s: of steps that are tried
-
 SHORTEST_STEP, LONGEST_STEP = 2e-5, 0.2  # s: of clocks
 
 
 def common_step(times: Sequence[float]) -> float | None:
-    """Return the largest step of which all times are multiples, s; None if there is none.
-
-    A multiple is met to a millionth of a step.
-    """
+    """Return the largest step of which all times are multiples, s; None without one."""
     distinct = sorted({time for time in times if time > LONGEST_STEP})
     if len(distinct) < 5:
         return None
     known = np.array(distinct[:12])
     counts = np.arange(math.ceil(known[0] / LONGEST_STEP), math.floor(known[0] / SHORTEST_STEP) + 1)
     multiples = known[1:, None] * counts / known[0]
-    fits = np.abs(multiples - np.round(multiples)).max(axis=0) < 1e-6 * np.maximum(
-        1.0, multiples.max(axis=0) / 1e4
-    )
+    near = 1e-6 * np.maximum(1.0, multiples.max(axis=0) / 1e4)
+    fits = np.abs(multiples - np.round(multiples)).max(axis=0) < near
     return float(known[0] / counts[np.argmax(fits)]) if fits.any() else None
 
 
@@ -456,28 +367,15 @@ def common_step(times: Sequence[float]) -> float | None:
 # The errors of a scheme of order p go with the p-th power of its step, so that one trial of each
 # tells which step fits best and how well; the best few are then tried with theirs.
 
-# s: the step of the first trial of each scheme, and the shortest one that is tried with others to
-# find the one that fits; what is shorter follows from the order.
-FIRST, FINE_STEP, LONGEST = 0.01, 1e-3, 0.2
+FIRST = 0.01  # s: the step of the first trial of each scheme
+FINE_STEP, LONGEST = 1e-3, 0.2  # s: of those that are tried; what is shorter follows from the order
+FEW, BEST = 3, 6  # trials of all schemes, and schemes that are tried with the step that fits them
+NEAR = 1.5  # round steps are tried that differ from a fitted one by less than this factor
+ALMOST = 1.1  # a round step may leave so many times what the one leaves that fits best
 
-# Trials that schemes are tried in, and schemes that are tried with the step that fits them best.
-FEW, BEST = 3, 6
-
-# Round steps are tried that differ from a fitted one by less than this factor.
-NEAR = 1.5
-
-# A round step may leave so many times what the one leaves that fits best.
-ALMOST = 1.1
-
-# Of the errors, what the scheme that a candidate has leaves, whose steps are the judge's own: with
-# more it is another one of that order.
-ITS_OWN = 1e-5
-
-# Of a scheme that errs so, and is not the candidate's own.
-LIKE = "errs as one who"
-
-# With steps longer than this, s, what a scheme leaves is seen in all trials, and not in a few.
-LONG = 2e-3
+ITS_OWN = 1e-5  # of the errors, what the candidate's own scheme leaves; others of its order more
+LIKE = "errs as one who"  # of a scheme that errs so, and is not the candidate's own
+LONG = 2e-3  # s: with longer steps what a scheme leaves is seen in all trials, and not in a few
 
 _SHORTER = "take shorter steps, or a method of higher order"
 _STAGES = (
@@ -532,15 +430,8 @@ class _Way:
 
 
 def schemes(sought: Sought, known: float | None, order: int | None) -> Iterator[Explanation]:
-    """Yield schemes with the step that fits best.
-
-    Parameters
-    ----------
-    known
-        The candidate's step, s, if it is known.
-    order
-        Of its errors, if that was measured: no scheme of another one is its own.
-    """
+    """Yield schemes with the step that fits best."""
+    # `known` is the candidate's step, s, and `order` that of its errors, if that was measured.
     few = sought.some(FEW)
     base = few.residual()
     if base is None:
@@ -587,11 +478,8 @@ def _by_order(found: list[Explanation]) -> list[Explanation]:
     if len(names) < 2:
         return found
     orders = sorted({SCHEMES[name].order for name in names})
-    order = " or ".join(map(str, orders))
-    return [replace(
-        best, name=f"order-{orders[0]}", sentence=f"errs as a method of order {order} does",
-        remedy=_ORDER, step=None,
-    )]  # fmt: skip
+    sentence = f"errs as a method of order {' or '.join(map(str, orders))} does"
+    return [replace(best, name=f"order-{orders[0]}", sentence=sentence, remedy=_ORDER, step=None)]
 
 
 def _chosen(dt: float, known: float | None) -> bool:
@@ -619,7 +507,7 @@ def _fitted(few: Sought, base: Array, way: _Way, dt: float) -> float:
         if new is None or new < FINE_STEP:
             break
         steps.append(new)
-        if _far(new, steps[-2]) < 1e-4:
+        if _far(*steps[-2:]) < 1e-4:
             break
     steps += [step for step in _round(steps[-1], 4) if step >= FINE_STEP]
 

@@ -24,10 +24,7 @@ from longball.model.result import Result
 
 
 def assert_case(
-    case: Case,
-    obtained: Any,
-    profile: Profile | str | None = None,
-    partial: bool = False,
+    case: Case, obtained: Any, profile: Profile | str | None = None, partial: bool = False
 ) -> None:
     """Assert that a result is right, to the case's own tolerance.
 

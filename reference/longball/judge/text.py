@@ -17,27 +17,19 @@ from longball.judge.sampling import Sampling
 from longball.judge.verdict import Fault, Row, Verdict
 from longball.text_table import aligned
 
-# How many of each list are printed; all are in the JSON.
-SHOWN = 5
-
-# A tolerance (m, s, m/s, J) by which nobody would judge says nothing.
-LOOSEST = 1.0
-
+SHOWN = 5  # how many of each list are printed; all are in the JSON
+LOOSEST = 1.0  # a tolerance (m, s, m/s, J) by which nobody would judge says nothing
 LONGEST_NAME = 120  # of a candidate: its command may hold a whole program
 
 
 def render(verdict: Verdict, shown: int = SHOWN) -> str:
     """Return a verdict as text of at most `shown` failed cases, issues and so on."""
     sections = [
-        _head(verdict),
-        _errors(verdict),
-        _contacts(verdict),
+        *(_head(verdict), _errors(verdict), _contacts(verdict)),
         _diagnosis(verdict.diagnosis) if verdict.diagnosis else (),
         _convergence(verdict.convergence) if verdict.convergence else (),
         _sampling(verdict.sampling) if verdict.sampling else (),
-        _failures(verdict, shown),
-        silence(verdict, shown),
-        _issues(verdict, shown),
+        *(_failures(verdict, shown), silence(verdict, shown), _issues(verdict, shown)),
     ]
     return "\n\n".join("\n".join(lines) for s in sections if (lines := list(s))) + "\n"
 
@@ -95,26 +87,13 @@ ERRORS = (
 
 def error_cells(row: Row) -> tuple[str, ...]:
     """Return a row's texts under the head `ERRORS`."""
-    return (
-        row.family,
-        row.quantity,
-        str(row.failed or "-"),
-        str(row.cases),
-        f"{row.worst_error:.1e}",
-        f"{row.median_error:.1e}",
-        row.unit,
-        _short(row.worst_ulps),
-        _short(row.median_ulps),
-        "" if row.digits_right is None else f"{row.digits_right:.1f}",
-        "" if row.digits_attainable is None else f"{row.digits_attainable:.1f}",
-        row.worst_case,
-    )
-
-
-def _short(ulps: float | None) -> str:
-    if ulps is None:
-        return ""
-    return f"{ulps:.0f}" if ulps < 1e5 else f"{ulps:.0e}"
+    ulps = ["" if x is None else f"{x:.0f}" if x < 1e5 else f"{x:.0e}"
+            for x in (row.worst_ulps, row.median_ulps)]  # fmt: skip
+    known = row.digits_right, row.digits_attainable
+    digits = ["" if x is None else f"{x:.1f}" for x in known]
+    errors = f"{row.worst_error:.1e}", f"{row.median_error:.1e}", row.unit
+    counts = str(row.failed or "-"), str(row.cases)
+    return (row.family, row.quantity, *counts, *errors, *ulps, *digits, row.worst_case)
 
 
 def _contacts(verdict: Verdict) -> Iterator[str]:
@@ -123,10 +102,8 @@ def _contacts(verdict: Verdict) -> Iterator[str]:
         table = [("outcome expected", "obtained", "scenes")]
         table += [(c.expected, c.obtained, str(c.cases)) for c in confused]
         yield from aligned(table, right=(2,))
-    for ids, what in (
-        (verdict.contacts_missed, "missed"),
-        (verdict.contacts_invented, "invented"),
-    ):
+    contacts = {"missed": verdict.contacts_missed, "invented": verdict.contacts_invented}
+    for what, ids in contacts.items():
         if ids:
             yield f"contacts {what}: {len(ids)} ({_some(ids, 5)})"
 
@@ -148,13 +125,10 @@ def _diagnosis(diagnosis: Diagnosis) -> Iterator[str]:
 
 def stage_sentences(diagnosis: Diagnosis) -> Iterator[str]:
     """Yield what follows from the candidate's own earlier values, and what does not."""
-    for row in diagnosis.stages:
-        if row.wrong:
-            yield (
-                f"  {row.stage} does not follow from what comes before it in {row.wrong} of "
-                f"{many(row.checked, 'scene')}, by up to {row.worst:.1e} of the quantity "
-                f"({row.example})"
-            )
+    for row in (row for row in diagnosis.stages if row.wrong):
+        where = f"in {row.wrong} of {many(row.checked, 'scene')}, by up to {row.worst:.1e}"
+        yield (f"  {row.stage} does not follow from what comes before it {where} of the quantity "
+               f"({row.example})")  # fmt: skip
     if diagnosis.clean:
         coarse = any(f.stage == "all" and f.names for f in diagnosis.findings)
         far = ", as far as its digits tell" if coarse else ""

@@ -56,29 +56,19 @@ from longball.model.schema import FOLDER, published, text
 _ALL = QUANTITIES | PATH
 
 
-# --- one answer -----------------------------------------------------------------------------------
-
-
 @dataclass(frozen=True)
 class Measured:
-    """One quantity of an answer beside the truth; lengths of vectors.
-
-    Attributes
-    ----------
-    error, tolerance, attainable
-        In the quantity's unit.
-    size
-        Of the expected value.
-    """
+    """One quantity of an answer beside the truth; lengths of vectors."""
 
     quantity: str
     expected: Value
     radius: Value
     obtained: Value
+    # In the quantity's unit.
     error: float
     tolerance: float
     attainable: float
-    size: float
+    size: float  # of the expected value
 
     @property
     def passed(self) -> bool:
@@ -109,54 +99,33 @@ class Measured:
         return _digits(self.attainable, self.size)
 
 
-# A double holds no more than this.
-_MOST_DIGITS = 17.0
+_MOST_DIGITS = 17.0  # a double holds no more than this
 
 
 def _digits(error: float, size: float) -> float | None:
-    if size == 0.0:
-        return None
-    if error == 0.0:
-        return _MOST_DIGITS
+    if not (size and error):
+        return _MOST_DIGITS if size else None
     return max(0.0, min(_MOST_DIGITS, math.log10(size) - math.log10(error)))
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """One answer beside the truth.
+    """One answer beside the truth."""
 
-    Attributes
-    ----------
-    case
-        What was asked.
-    answer
-        None if there was none.
-    judged
-        Whether there is a truth to judge by: the case has one, and not just in bits that double
-        precision does not have. A fragile case is judged if its outcome was hit; one whose
-        outcome hangs on errors that pass, if it was not refused.
-    outcome_wrong
-        Whether another outcome was given.
-    measured
-        Every quantity that both sides have.
-    missing
-        Quantities of the truth, or ``outcome``, that were left out; what need not be told, too.
-    unreadable
-        Quantities given that are no numbers.
-    superfluous
-        Blocks and quantities given that a scene with this outcome does not have.
-    untrue
-        What is told besides numbers, and is not so: its name, what is right, what was told.
-    """
-
-    case: Case
-    answer: Answer | None
+    case: Case  # what was asked
+    answer: Answer | None  # None if there was none
+    # Whether there is a truth to judge by: the case has one, and not just in bits that double
+    # precision does not have. A fragile case is judged if its outcome was hit; one whose outcome
+    # hangs on errors that pass, if it was not refused.
     judged: bool
-    outcome_wrong: bool = False
-    measured: tuple[Measured, ...] = ()
+    outcome_wrong: bool = False  # whether another outcome was given
+    measured: tuple[Measured, ...] = ()  # every quantity that both sides have
+    # Quantities of the truth, or ``outcome``, that were left out; what need not be told, too.
     missing: tuple[str, ...] = ()
-    unreadable: tuple[str, ...] = ()
+    unreadable: tuple[str, ...] = ()  # quantities given that are no numbers
+    # Blocks and quantities given that a scene with this outcome does not have.
     superfluous: tuple[str, ...] = ()
+    # What is told besides numbers, and is not so: its name, what is right, what was told.
     untrue: tuple[tuple[str, object, object], ...] = ()
 
     @property
@@ -167,13 +136,8 @@ class Comparison:
     @property
     def passed(self) -> bool:
         """Whether nothing is wrong; what is missing is not wrong."""
-        return not (
-            self.outcome_wrong
-            or self.unreadable
-            or self.superfluous
-            or self.untrue
-            or any(not m.passed for m in self.measured)
-        )
+        told = self.outcome_wrong or self.unreadable or self.superfluous or self.untrue
+        return not told and all(m.passed for m in self.measured)
 
     @property
     def empty(self) -> bool:
@@ -246,18 +210,13 @@ def compare(case: Case, answer: Answer | None, profile: Profile) -> Comparison:
 
 def _may_be_refused(case: Case, profile: Profile) -> bool:
     """Tell whether errors that pass leave open what happens: nobody need answer then."""
-    if (
-        FRAGILE in case.flags
-        or (TANGENTIAL in case.flags and touches_within_errors(case))
-        or (VERTEX in case.flags and passes_corner_within_errors(case))
-    ):
+    if FRAGILE in case.flags or (TANGENTIAL in case.flags and touches_within_errors(case)):
         return True
-    expected = values_of(case.expected)
-    return any(
-        length(expected[name]) <= profile.tolerance(case, name, expected[name])
-        for name in ("contact.margin", "fence.clearance")
-        if name in expected
-    )
+    if VERTEX in case.flags and passes_corner_within_errors(case):
+        return True
+    near = ("contact.margin", "fence.clearance")
+    known = {name: x for name, x in values_of(case.expected).items() if name in near}
+    return any(length(x) <= profile.tolerance(case, name, x) for name, x in known.items())
 
 
 # --- the verdict, as JSON has it ------------------------------------------------------------------
@@ -408,27 +367,13 @@ def schema() -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class Submission:
-    """What is known of a candidate.
+    """What is known of a candidate."""
 
-    Attributes
-    ----------
-    candidate
-        What it is called.
-    collected
-        Its answers, and what is wrong with its output or conduct.
-    standard_error
-        Of its run, if it was run.
-    convergence
-        How it converges, if a family of steps was run.
-    sampling
-        How it draws at-bats, if it gave some.
-    """
-
-    candidate: str
-    collected: Collector
-    standard_error: str = ""
-    convergence: ConvergenceReport | None = None
-    sampling: Sampling | None = None
+    candidate: str  # what it is called
+    collected: Collector  # its answers, and what is wrong with its output or conduct
+    standard_error: str = ""  # of its run, if it was run
+    convergence: ConvergenceReport | None = None  # how it converges, if a family of steps was run
+    sampling: Sampling | None = None  # how it draws at-bats, if it gave some
 
 
 def verdict(
@@ -439,31 +384,25 @@ def verdict(
     partial: bool = False,
     diagnosis: Diagnosis | None = None,
 ) -> Verdict:
-    """Return the verdict on a candidate.
+    """Return the verdict on a candidate, whose answers were held against `truth` by a `profile`.
 
-    Parameters
-    ----------
-    comparisons
-        From `compare`.
-    submission
-        What was compared, and what else is known of the candidate.
-    profile, truth
-        By which rule it was compared, and with what.
-    partial
-        Whether scenes and quantities may be left out.
-    diagnosis
-        From `longball.judge.diagnosis`.
+    If `partial`, scenes and quantities may be left out.
     """
     judged = [c for c in comparisons if c.judged and c.answer and not (c.refused or c.empty)]
     failures = sorted((failure(c) for c in judged if not c.passed), key=lambda f: -f.excess)
-    refused = [
-        Unsolved(id=c.case.id, reason=c.answer.error)
-        for c in comparisons
-        if c.judged and c.answer is not None and c.answer.error is not None
-    ]
+    errors = [(c.case.id, c.answer.error) for c in comparisons if c.judged and c.answer]
+    refused = [Unsolved(id=name, reason=error) for name, error in errors if error is not None]
     collected = submission.collected
     convergence, sampling = submission.convergence, submission.sampling
-    reasons = _reasons(comparisons, judged, failures, collected)
+    reasons = []
+    if comparisons and not judged:
+        empty = any(c.empty for c in comparisons)
+        what = "the answers hold nothing that could" if empty else "no answer could"
+        reasons.append(f"{what} be judged")
+    if failures:
+        reasons.append(f"{len(failures)} of {len(judged)} answers are wrong")
+    if collected.faults:
+        reasons.append(f"{many(collected.faults, 'issue')} with its output or conduct")
     if convergence:
         reasons += [f"convergence: {fault}" for fault in convergence.faults]
     if sampling:
@@ -474,58 +413,24 @@ def verdict(
     complete = sum(c.complete for c in whole)
     status: Literal["PASSED", "PARTIAL", "FAILED"] = "FAILED" if reasons else "PASSED"
     if complete < len(whole) and not partial:
-        reasons.append(
-            f"{complete} of {len(whole)} scenes are answered with all their quantities; --partial "
-            "judges what there is"
-        )
+        reasons.append(f"{complete} of {len(whole)} scenes are answered with all their quantities; "
+                       "--partial judges what there is")  # fmt: skip
         status = "PARTIAL" if status == "PASSED" else status
     return Verdict(
-        status=status,
-        passed=not reasons,
-        reasons=reasons,
-        candidate=submission.candidate,
-        profile=profile,
-        truth=truth,
-        would_pass_at=_would_pass_at(judged) if failures else None,
-        cases=len(comparisons),
-        complete=complete,
-        judged=len(judged),
-        right=len(judged) - len(failures),
-        rows=list(_rows(judged)),
-        outcomes=_confusions(judged),
+        status=status, passed=not reasons, reasons=reasons, candidate=submission.candidate,
+        profile=profile, truth=truth, would_pass_at=_would_pass_at(judged) if failures else None,
+        cases=len(comparisons), complete=complete, judged=len(judged),
+        right=len(judged) - len(failures), rows=list(_rows(judged)), outcomes=_confusions(judged),
         contacts_missed=[c.case.id for c in judged if _met(c) == (True, False)],
         contacts_invented=[c.case.id for c in judged if _met(c) == (False, True)],
-        failures=failures,
-        missing=_missing(comparisons),
-        unanswered=[c.case.id for c in comparisons if c.answer is None],
-        refused=refused,
+        failures=failures, missing=_missing(comparisons),
+        unanswered=[c.case.id for c in comparisons if c.answer is None], refused=refused,
         undecidable=[c.case.id for c in comparisons if not c.judged],
         complaints=sorted(collected.issues, key=lambda issue: issue.kind != "process"),
-        complaints_left_out=dict(collected.left_out),
-        standard_error=submission.standard_error,
+        complaints_left_out=dict(collected.left_out), standard_error=submission.standard_error,
         seconds=None,  # nobody knows before the last run
-        diagnosis=diagnosis,
-        convergence=convergence,
-        sampling=sampling,
-    )
-
-
-def _reasons(
-    comparisons: Sequence[Comparison],
-    judged: Sequence[Comparison],
-    failures: Sequence[Failure],
-    collected: Collector,
-) -> list[str]:
-    reasons = []
-    if comparisons and not judged:
-        empty = any(c.empty for c in comparisons)
-        what = "the answers hold nothing that could" if empty else "no answer could"
-        reasons.append(f"{what} be judged")
-    if failures:
-        reasons.append(f"{len(failures)} of {len(judged)} answers are wrong")
-    if collected.faults:
-        reasons.append(f"{many(collected.faults, 'issue')} with its output or conduct")
-    return reasons
+        diagnosis=diagnosis, convergence=convergence, sampling=sampling,
+    )  # fmt: skip
 
 
 def _would_pass_at(judged: Sequence[Comparison]) -> float | None:
@@ -537,7 +442,6 @@ def _would_pass_at(judged: Sequence[Comparison]) -> float | None:
     return float(f"{math.ceil(worst / place) * place:.2g}")
 
 
-# A ball that stays in the air was met if there is an impact.
 _MET = {"batted": True, "separating": True, "missed": False, "beyond_bat": False}
 
 
@@ -561,15 +465,9 @@ def _missing(comparisons: Iterable[Comparison]) -> list[Missing]:
 
 
 def _confusions(judged: Iterable[Comparison]) -> list[Confusion]:
-    pairs = Counter(
-        (str(c.case.expected.outcome), c.answer.outcome)
-        for c in judged
-        if c.answer is not None and c.answer.outcome is not None
-    )
-    return [
-        Confusion(expected=expected, obtained=obtained, cases=cases)
-        for (expected, obtained), cases in sorted(pairs.items())
-    ]
+    told = ((str(c.case.expected.outcome), c.answer and c.answer.outcome) for c in judged)
+    pairs = Counter((expected, obtained) for expected, obtained in told if obtained is not None)
+    return [Confusion(expected=a, obtained=b, cases=n) for (a, b), n in sorted(pairs.items())]
 
 
 def _rows(judged: Iterable[Comparison]) -> Iterable[Row]:
@@ -577,8 +475,7 @@ def _rows(judged: Iterable[Comparison]) -> Iterable[Row]:
     for comparison in judged:
         for measured in comparison.measured:
             groups[comparison.case.family, measured.quantity].append((comparison, measured))
-    families = dict.fromkeys(family for family, _ in groups)
-    for family in families:
+    for family in dict.fromkeys(family for family, _ in groups):
         for name, quantity in _ALL.items():
             if group := groups.get((family, name)):
                 yield _row(family, name, quantity.unit, group)
@@ -588,26 +485,16 @@ def _row(family: str, name: str, unit: str, group: list[tuple[Comparison, Measur
     measured = [m for _, m in group]
     worst = max(group, key=lambda pair: pair[1].error)
     ulps = [m.ulps for m in measured if m.ulps is not None]
-    lost = [
-        (m.digits_attainable - m.digits, m.digits, m.digits_attainable)
-        for m in measured
-        if m.digits is not None and m.digits_attainable is not None
-    ]
+    both = [(m.digits, m.digits_attainable) for m in measured]
+    lost = [(b - a, a, b) for a, b in both if a is not None and b is not None]
     _, digits_right, digits_attainable = max(lost, default=(None, None, None))
     return Row(
-        family=family,
-        quantity=name,
-        unit=unit,
-        cases=len(group),
-        failed=sum(not m.passed for m in measured),
-        worst_error=worst[1].error,
-        median_error=median(m.error for m in measured),
-        worst_ulps=max(ulps, default=None),
-        median_ulps=median(ulps) if ulps else None,
-        digits_right=digits_right,
-        digits_attainable=digits_attainable,
-        worst_case=worst[0].case.id,
-    )
+        family=family, quantity=name, unit=unit, cases=len(group),
+        failed=sum(not m.passed for m in measured), worst_error=worst[1].error,
+        median_error=median(m.error for m in measured), worst_ulps=max(ulps, default=None),
+        median_ulps=median(ulps) if ulps else None, digits_right=digits_right,
+        digits_attainable=digits_attainable, worst_case=worst[0].case.id,
+    )  # fmt: skip
 
 
 def failure(comparison: Comparison) -> Failure:
@@ -615,39 +502,26 @@ def failure(comparison: Comparison) -> Failure:
     case, answer = comparison.case, comparison.answer
     expected = values_of(case.expected)
     outcome = case.expected.outcome
+    none = [f"nothing: a {outcome} scene has none"]
     faults = []
     if comparison.outcome_wrong:
-        faults.append(_fault("outcome", [outcome], (), [answer.outcome if answer else None]))
+        faults.append(_fault("outcome", [outcome], [answer.outcome if answer else None]))
+    faults += [_fault(n, expected.get(n, ()), ["not a number"]) for n in comparison.unreadable]
+    faults += [_fault(name, [true], [told]) for name, true, told in comparison.untrue]
+    faults += [_fault(name, none, ["numbers"]) for name in comparison.superfluous]
     faults += [
-        _fault(name, expected.get(name, ()), (), ["not a number"]) for name in comparison.unreadable
-    ]
-    faults += [_fault(name, [true], (), [told]) for name, true, told in comparison.untrue]
-    faults += [
-        _fault(name, [f"nothing: a {outcome} scene has none"], (), ["numbers"])
-        for name in comparison.superfluous
-    ]
-    faults += [
-        _fault(m.quantity, m.expected, m.radius, m.obtained, m.error, m.tolerance)
+        _fault(m.quantity, m.expected, m.obtained, m.radius, m.error, m.tolerance)
         for m in sorted(comparison.measured, key=lambda m: -m.excess)
         if not m.passed
     ]
-    return Failure(
-        id=case.id,
-        family=case.family,
-        flags=list(case.flags),
-        scene=json.loads(case.scene.line()),
-        faults=faults,
-    )
+    scene: dict[str, Any] = json.loads(case.scene.line())
+    return Failure(id=case.id, family=case.family, flags=[*case.flags], scene=scene, faults=faults)
 
 
 def _fault(
-    what: str,
-    expected: Iterable[object],
-    radius: Iterable[object],
-    obtained: Iterable[object],
-    error: float | None = None,
-    tolerance: float | None = None,
-) -> Fault:
+    what: str, expected: Iterable[object], obtained: Iterable[object],
+    radius: Iterable[object] = (), error: float | None = None, tolerance: float | None = None,
+) -> Fault:  # fmt: skip
     numbers = {"expected": expected, "radius": radius, "obtained": obtained}
     texts = {name: [str(x) for x in held] for name, held in numbers.items()}
     return Fault(what=what, **texts, error=error, tolerance=tolerance)
