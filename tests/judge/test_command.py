@@ -214,3 +214,29 @@ def test_a_wrong_call_says_what_is_wrong(called, arguments: list[str], named: st
     assert named in said.stderr
     assert "Traceback" not in said.stderr
     assert "unexpected" not in said.stderr
+
+
+# --- CSV, and few digits --------------------------------------------------------------------------
+
+EULER = [sys.executable, str(CANDIDATE.with_name("euler_csv.py"))]
+
+
+def test_a_candidate_that_takes_csv_converges():
+    command = ["--golden", "flight-both", "--as-csv", "--", *EULER, "{dt}", "17"]
+    ran = subprocess.run(
+        [*LONGBALL, "converge", "--json", "--steps", "0.01:0.001:5", *command],
+        capture_output=True, text=True, timeout=300, check=False,
+    )  # fmt: skip
+    assert ran.returncode == 0, ran.stderr
+    orders = {one["quantity"]: one["order"] for one in json.loads(ran.stdout)["orders"]}
+    assert orders["landing point"] == pytest.approx(1.0, abs=0.01)
+    said = judge("--partial", "--steps", "0.01:0.001:5", *command)
+    assert "landing point  1.0" in said.stdout, said.stdout
+    assert "not JSON" not in said.stdout
+
+
+@pytest.mark.parametrize("step", ["0.01", "0.001"])
+def test_six_digits_hide_no_method_of_order_one(step: str):
+    said = judge("--golden", "flight-both", "--partial", "--as-csv", "--", *EULER, step, "6")
+    assert "flight: it errs as a method of order 1 does" in said.stdout, said.stdout
+    assert "writes its numbers with 6 digits only" in said.stdout

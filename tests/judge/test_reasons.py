@@ -424,6 +424,18 @@ def test_numbers_with_nine_digits_are_one_finding():
     assert "9 digits" in only.sentence
 
 
+@pytest.mark.parametrize("written", ["{:.6g}", "{:.9g}", "{:.5f}"])
+def test_few_digits_hide_no_density(written: str):
+    def thin(i: int, case: Case) -> dict[str, Any]:
+        air = case.scene.air.model_copy(update={"density": 0.95 * case.scene.air.density})
+        short = json.dumps(result(case.scene.model_copy(update={"air": air})))
+        return json.loads(short, parse_float=lambda x: float(written.format(float(x))))  # type: ignore[no-any-return]
+
+    names = [f.names[0] for f in told(solved([*flights(), *at_bats(6)], Ivp()), thin)]
+    assert "air.density=1.2255" in names or "air.density*0.95" in names, names
+    assert names[-1] in ("few-digits", "few-decimals")
+
+
 def test_one_quantity_that_is_wrong_is_named():
     def odd(i: int, case: Case) -> dict[str, Any]:
         right = result(case.scene)

@@ -102,6 +102,10 @@ Expected = Annotated[
     float | None,
     typer.Option(callback=_finite, help="The order of convergence that the method should have."),
 ]
+AsCsv = Annotated[
+    bool,
+    typer.Option("--as-csv", help="Send scenes to COMMAND as CSV, and read its results as CSV."),
+]
 Json = Annotated[bool, typer.Option("--json", help="Print JSON instead of text.")]
 
 

@@ -10,6 +10,7 @@ import typer
 
 from longball import engines
 from longball.cli.common import (
+    AsCsv,
     Expected,
     Json,
     Quiet,
@@ -70,6 +71,7 @@ def converge(
             min=2, help="Phases of the step to average over where an error jumps with them."
         ),
     ] = 8,
+    table: AsCsv = False,
     timeout: Annotated[float, typer.Option(min=0.001, help="s to wait for each answer.")] = 60.0,
     as_json: Json = False,
     csv: Annotated[Path | None, to_file("Write the error at every step here.")] = None,
@@ -96,7 +98,7 @@ def converge(
             if knob
             else StepSweep(parse_steps(steps), expected, phases, advance)
         )
-        report, issues = sweep.run(command, asked, proven, Limits(timeout))
+        report, issues = sweep.run(command, asked, proven, Limits(timeout), table)
     for issue in issues[:20]:
         tell(str(issue))
     if csv:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from longball.cli.common import (
+    AsCsv,
     Expected,
     Json,
     Quiet,
@@ -72,12 +73,7 @@ def judge(
     partial: Annotated[
         bool, typer.Option("--partial", help="Scenes and quantities may be left out.")
     ] = False,
-    table: Annotated[
-        bool,
-        typer.Option(
-            "--as-csv", help="Send scenes to COMMAND as CSV, and read its results as CSV."
-        ),
-    ] = False,
+    table: AsCsv = False,
     results: Annotated[
         Path | None,
         typer.Option(

@@ -76,7 +76,7 @@ class Judge:
         well = not any(issue.kind == "process" for issue in ran.collected.issues)
         report, conduct, smallest = None, list[str](), None
         if sweep and well:
-            report = self._converge(command, sweep, ran.collected, limits)
+            report = self._converge(command, sweep, ran.collected, limits, table)
         elif sweep:
             ran.collected.report("process", "for that, its convergence was not looked at")
 
@@ -155,12 +155,13 @@ class Judge:
         return {**smallest, "kind": start.kind}
 
     def _converge(
-        self, command: Sequence[str], sweep: StepSweep, collected: Collector, limits: Limits | None
-    ) -> ConvergenceReport:
+        self, command: Sequence[str], sweep: StepSweep, collected: Collector,
+        limits: Limits | None, table: bool,
+    ) -> ConvergenceReport:  # fmt: skip
         families = {case.family for case in self.cases}
         cases = sample(self.cases, FAMILIES if families > set(FAMILIES) else ())
         scenes, truth = [case.scene for case in cases], [case.expected for case in cases]
-        report, issues = sweep.run(command, scenes, truth, limits)
+        report, issues = sweep.run(command, scenes, truth, limits, table)
         for issue in issues:
             collected.report("process", issue)
         return report

@@ -176,6 +176,7 @@ class Sought:
         self.stage = stages[0]
         self._known: dict[tuple[int, Change], Array] = {}
         self._quantities: dict[int, frozenset[str]] = {}  # by the trial's identity
+        self._slips: dict[int, Array] = {}  # what few digits may do to each number of a row
 
     def rows(self, change: Change) -> list[Array]:
         """Return the relative errors that a change leaves in each trial."""
@@ -189,9 +190,11 @@ class Sought:
         """Return the relative errors of a trial under a chain."""
         # Of the quantities that are of the stages under the base: another chain may move some.
         if id(trial) not in self._quantities:
-            known = follow(trial, self.base, self.stages)
-            here = frozenset(check.quantity for check in known if check.stage in self.stages)
-            self._quantities[id(trial)] = here
+            known = [c for c in follow(trial, self.base, self.stages) if c.stage in self.stages]
+            self._quantities[id(trial)] = frozenset(c.quantity for c in known)
+            if trial.half_unit(1.0):
+                slips = [c.tolerance / c.scale for c in known for _ in c.expected]
+                self._slips[id(trial)] = np.array(slips)
         checks = self.work.checks(trial, full, self.stages)
         here = self._quantities[id(trial)]
         errors = np.array([(o - e) / c.scale for c in checks if c.quantity in here
@@ -218,10 +221,12 @@ class Sought:
 
     def sizes(self, change: Change) -> list[float]:
         """Return the errors that a change leaves in each trial, at most 1, then in those beside."""
+        rows = zip((*self.trials, *self.beside), self.rows(change), self.rows(NONE), strict=True)
         return [
-            float(np.minimum(np.abs(r), 1.0).sum()) if r.shape == f.shape else float(f.size)
-            for r, f in zip(self.rows(change), self.rows(NONE), strict=True)
-        ]
+            float(np.clip(np.abs(r) - self._slips.get(id(t), 0.0), 0.0, 1.0).sum())
+            if r.shape == f.shape else float(f.size)
+            for t, r, f in rows
+        ]  # fmt: skip
 
     def screened(self, change: Change) -> float | None:
         """Return what a change leaves; of a few trials only, if it leaves much of them."""
@@ -239,7 +244,7 @@ class Sought:
     def of(self, trials: Trials) -> Sought:
         """Return the same, sought in some of the trials."""
         few = Sought(trials, (), self.stages, self.base, self.work)
-        few._known, few._quantities = self._known, self._quantities
+        few._known, few._quantities, few._slips = self._known, self._quantities, self._slips
         return few
 
     def residual(self, change: Change = NONE) -> Array | None:

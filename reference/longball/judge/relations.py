@@ -273,6 +273,7 @@ def few_digits(trials: Trials) -> Finding | None:
     return found(
         "all", f"{said}; no error of that size, or that follows from it, is looked into",
         sum(not t.right for t in trials), len(trials), [name], remedy=DOUBLES, worst=worst,
+        share=0.0,
     )  # fmt: skip
 
 

@@ -14,6 +14,7 @@ landing.
 from __future__ import annotations
 
 import math
+import random
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
@@ -115,6 +116,29 @@ class Trial:
         """Return the trial as if the candidate said these values."""
         return replace(self, given={**self.given, **values})
 
+    @cached_property
+    def slips(self) -> Mapping[str, float]:
+        """What few digits do to each quantity and to what follows from it.
+
+        Found by moving all numbers by half a unit of their last digits, up or down at random.
+        """
+        draw = random.Random(0)
+        as_given = _residuals(self)
+        slips: dict[str, float] = {}
+        for _ in range(MOVES):
+            moved = {
+                name: tuple(x + draw.choice((-1, 1)) * self.half_unit(x) for x in value)
+                for name, value in self.given.items()
+            }
+            for quantity, residual in _residuals(self.saying(moved)).items():
+                slip = WORST_MOVE * math.dist(residual, as_given.get(quantity, residual))
+                slips[quantity] = max(slips.get(quantity, 0.0), slip)
+        return slips
+
+    def half_unit(self, x: float) -> float:
+        """Return half a unit in the last digit that a number is written with."""
+        return self.resolution + self.share * abs(x)
+
 
 Trials = Sequence[Trial]
 
@@ -202,7 +226,11 @@ def _resolution(answer: Answer) -> float:
     return 0.5 * 10.0**-places if places <= MOST_DIGITS else 0.0
 
 
-# What the rounding of the numbers handed on does to the next stage: a ball lands a hundred metres
+# How often the numbers of an answer are moved, and how much worse than the worst of these moves
+# their rounding may be.
+MOVES, WORST_MOVE = 4, 3.0
+
+# What few digits do where a move of the numbers has another outcome: a ball lands a hundred metres
 # away, and a change of energy is μ(Ṽ·n)², some 700 J, times one of ẽ.
 HANDED_ON = 1000.0
 
@@ -216,6 +244,15 @@ def follow(trial: Trial, change: Change = NONE, only: Iterable[str] = STAGES) ->
     with suppress(*_NO_STATE):  # beyond that nothing follows
         found.extend(_Following(trial, change).checks(frozenset(only)))
     return found
+
+
+def _residuals(trial: Trial) -> dict[str, Numbers]:
+    """Return how far each quantity is from what follows from the others."""
+    exact = replace(trial, resolution=0.0, share=0.0)
+    return {
+        c.quantity: tuple(x - y for x, y in zip(c.obtained, c.expected, strict=True))
+        for c in follow(exact)
+    }
 
 
 # Of which stage a quantity is, where it is told from the others by its block alone.
@@ -674,14 +711,13 @@ class _Following:
 
     def _tolerance(self, quantity: str, expected: Numbers) -> float:
         """Return what rounding may do to a quantity, and few digits to what follows from it."""
-        size, own = self.trial.bounds.get(quantity, (0.0, 0.0))
+        size, own = self.trial.bounds.get(quantity.partition(":")[0], (0.0, 0.0))
         # Numbers handed on have been rounded: a few hundred half ulps, where the truth has none.
         rounding = 1e-12 if self.exact else ANY_LAW_ERROR
         large = max(1.0, size, math.hypot(*expected))
-        few = self.trial.resolution + self.trial.share * large
-        # What is given alone follows from the scene, and not from numbers with few digits.
-        amplified = HANDED_ON if len(self.given) > 1 else 1.0
-        return max(SLACK * own, rounding * large, self.trial.granted) + amplified * few
+        few = self.trial.half_unit(large)
+        slip = self.trial.slips.get(quantity, HANDED_ON * few) if few else 0.0
+        return max(SLACK * own, rounding * large, self.trial.granted) + few + slip
 
     def _check(self, quantity: str, follows: Any, stage: str = "") -> Check:
         """Return a quantity beside what follows; its stage is the usual one if not given."""
@@ -696,7 +732,7 @@ class _Following:
             yield self._check(quantity, follows, stage)
 
     def _event(self, stage: str, quantity: str, expected: float, obtained: float) -> Check:
-        tolerance = self._tolerance(quantity, ())
+        tolerance = self._tolerance(f"{quantity}: event", ())
         return Check(stage, f"{quantity}: event", (expected,), (obtained,), tolerance, 1.0)
 
 

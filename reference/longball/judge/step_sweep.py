@@ -133,8 +133,9 @@ class StepSweep:
         scenes: Sequence[Scene],
         truth: Sequence[Result] | None = None,
         limits: Limits | None = None,
+        table: bool = False,
     ) -> tuple[ConvergenceReport, list[str]]:
-        """Run a command with every step; see `longball.convergence.converge`.
+        """Run a command with every step; see `converge` of `longball.convergence` and `run`.
 
         Beside how it converges, what is wrong with its conduct is returned, with the time steps.
         The limit of time in all is that of all runs together; none is begun after one that had to
@@ -150,7 +151,7 @@ class StepSweep:
             if stopped:
                 return []
             left = replace(limits, total_seconds=max(0.0, until - time.monotonic()))
-            ran = run(self._with(command, step), scenes, left)
+            ran = run(self._with(command, step), scenes, left, table=table)
             stopped = ran.status is None
             told = (issue for issue in ran.collected.issues if issue.kind != "unknown key")
             issues.extend(f"{self.knob} = {step:g}: {issue}" for issue in told)

@@ -416,11 +416,11 @@ class _Way:
             return Change(engine=Verlet(dt=dt, forces=treatment))
         return Change(engine=FixedStep(dt=dt, scheme=self.name, ends=self.ends))
 
-    def explanation(self, dt: float, left: float, known: float | None) -> Explanation:
+    def explanation(self, dt: float, left: float, known: float | None, coarse: bool) -> Explanation:
         """Return it as an explanation."""
         end = ", each event on the line between two of them" if self.ends == "line" else ""
         words = f"flies by {SCHEMES[self.name].words}, in steps of {dt:.4g} s{end}"
-        if not _chosen(dt, known) or (known is None and left > ITS_OWN):
+        if not _chosen(dt, known) or (known is None and (coarse or left > ITS_OWN)):
             words = f"{LIKE} {words}: of this order, and so much"
         remedy = _STAGES if self.name.startswith("rk4-") else _SHORTER
         return Explanation(
@@ -436,6 +436,8 @@ def schemes(sought: Sought, known: float | None, order: int | None) -> Iterator[
     base = few.residual()
     if base is None:
         return
+    # Numbers with few digits do not tell schemes apart that err alike.
+    coarse = any(t.half_unit(1.0) for t in sought.trials)
     ranked = []
     for way in (_Way(name, ends) for name in SCHEMES for ends in get_args(Ends)):
         if sought.work.spent:
@@ -464,17 +466,17 @@ def schemes(sought: Sought, known: float | None, order: int | None) -> Iterator[
         change = way.change(fitted)
         left = sought.screened(change) if fitted > LONG else sought.some(2).left(change)
         if left is not None:
-            found.append((_chosen(fitted, known), way.explanation(fitted, left, known)))
+            found.append((_chosen(fitted, known), way.explanation(fitted, left, known, coarse)))
     usual = any(chosen and e.named for chosen, e in found)
-    yield from _by_order([e for chosen, e in found if chosen or not usual])
+    yield from _by_order([e for chosen, e in found if chosen or not usual], coarse)
 
 
-def _by_order(found: list[Explanation]) -> list[Explanation]:
+def _by_order(found: list[Explanation], coarse: bool) -> list[Explanation]:
     """Return schemes; of several that err as the candidate does, and are not its own, the order."""
     best = min(found, key=lambda e: e.left, default=None)
     if best is None or not best.named or not best.sentence.startswith(LIKE):
         return found
-    names = {e.name for e in found if e.left <= ALIKE * best.left}
+    names = {e.name for e in found if e.left <= ALIKE * best.left or (coarse and e.named)}
     if len(names) < 2:
         return found
     orders = sorted({SCHEMES[name].order for name in names})
