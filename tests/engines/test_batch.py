@@ -591,6 +591,17 @@ def test_a_fall_between_turning_points_is_told_doubtful_or_none(
     assert math.isnan(least) or abs(off) < error
 
 
+@given(st.floats(0.1, 3.0), st.floats(-3.0, 3.0), st.floats(1e-12, 1e-5))
+def test_what_rises_from_zero_falls_only_later(rate: float, bend: float, error: float) -> None:
+    """As from the ground, whether it curves up or down: of ``t (rate + bend t - t²)``."""
+    p = np.array([0.0, rate, bend, -1.0])
+    zero = (bend + math.sqrt(bend * bend + 4.0 * rate)) / 2.0
+    slope = np.polynomial.polynomial.polyder(p)
+    time, least = first_fall(p, slope, np.zeros(6), 3, zero + 1.0, error)
+    assert time == pytest.approx(zero, rel=1e-9)
+    assert math.isnan(least)
+
+
 def test_a_root_where_the_bound_on_the_curvature_vanishes() -> None:
     """Of ``1/10 - t + t²/2 - t³/6``, of which -p'' = t - 1 is at most 0 up to 1."""
     p = np.array([0.1, -1.0, 0.5, -1 / 6])

@@ -279,6 +279,22 @@ def test_a_touching_long_before_the_plate_is_not_sought_backwards_through_thick_
     assert result.contact.time == pytest.approx(float(truth.contact.time), abs=1e-11)
 
 
+@pytest.mark.parametrize("name", ["ivp", "batch", "enclosure", "multiprecision"])
+def test_a_lob_that_is_as_close_before_the_bat_as_behind_it(name):
+    """Above x = 0 it is highest: z = h - x², m, closest to the bat's axis at x² = h - 1/2."""
+    scene = scene_of(
+        air=None,
+        gravity=8.0,
+        ball={"radius": 0.125},
+        bat={"radius": 0.25},
+        pitch={"release": [2.0, 0.0, 2.0], "velocity": [-2.0, 0.0, 8.0]},
+        swing={"height_offset": -0.625},
+    )
+    found = solve(scene, create(name))
+    assert found.outcome == "missed"
+    assert float(found.contact.margin) == pytest.approx(0.375 - math.sqrt(0.375), abs=1e-13)
+
+
 def test_the_ground_may_end_the_search():
     """A bat in the ground is never reached."""
     touch = approach_of(scene_of(swing={"height_offset": -1.5}), ENGINE).touch

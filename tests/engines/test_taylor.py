@@ -123,7 +123,7 @@ def test_too_many_steps_shorter_than_the_spacing_of_times_fail_as_scipy_has_it(m
     assert found.t.tolist() == [1.0]
 
 
-@pytest.mark.parametrize("speed", [1e-3, 1e-9, 1e-15, 1e-30])
+@pytest.mark.parametrize("speed", [1e-3, 1e-9, 1e-15, 1e-30, 1e-120])
 def test_a_ball_that_all_but_rests(speed):
     """Its coefficients grow like the powers of 1/V, beyond the range of doubles."""
     x, reach = Expander(BALL)(np.array([0.0, 1.0, speed, 0.0]))

@@ -291,8 +291,6 @@ class _Expansion(_Writer):
                 value = self.call(node.kind, self.zeroth[node.args[0]])
         if node in self.from_rest:
             value = self.number(0.0)
-        if node in self.blocks:
-            self.put(node, self.index(0), value)
         return value
 
     def combination(self, node: Node, values: Values) -> Value:
