@@ -436,6 +436,15 @@ def test_few_digits_hide_no_density(written: str):
     assert names[-1] in ("few-digits", "few-decimals")
 
 
+def test_one_end_off_the_ground_is_not_told_as_the_rule():
+    def high(i: int, case: Case) -> dict[str, Any]:
+        return ended(case, lambda there, time: at_time(there, time - 0.2 * (i == 0)))
+
+    found = diagnosis(solved(flights(), Ivp()), high)
+    assert found.first == "landing"
+    assert not [f for f in found.findings if "always" in f.sentence]
+
+
 def test_one_quantity_that_is_wrong_is_named():
     def odd(i: int, case: Case) -> dict[str, Any]:
         right = result(case.scene)

@@ -131,6 +131,8 @@ def ends(stage: str, chosen: Seen, trials: Trials, dt: float | None) -> Iterator
                     sentence = f"{sentence.partition(', whatever')[0]}, {_where(wrong, right)}"
                 yield Explanation(name, sentence, remedy, quantity=event)
         yield from _scaled_ground(wrong, trials, event)
+    if len(offs) < 2:  # of one scene it is not seen whether it is always so
+        return
     low, high = float(offs.min()), float(offs.max())
     if high - low <= 1e-6 * max(abs(low), abs(high)):
         size = told(float(offs.mean()), (high - low) / 2)

@@ -670,7 +670,7 @@ def _batted_spin(spin: Callable[[Any], Any]) -> Change:
 
 def _without_spin(given: Any, scene: Any, frame: Any, numbers: Any) -> Any:
     """Return strengths that the laws by spin have without one, too: by the paper's C_L."""
-    if frame.spin is None and hasattr(getattr(scene.air, "lift_coefficient", None), "law"):
+    if frame.spin is None and scene.air is not None and scene.air.lift_needs_spin:
         scene = with_values(scene, {"air.lift_coefficient": Air().lift_coefficient})
     return given(scene, frame, numbers)
 
@@ -681,7 +681,7 @@ def _pitch_without_spin(given: Any, scene: Any, frame: Any, numbers: Any) -> Any
     return _without_spin(given, scene, replace(frame, spin=None) if thrown else frame, numbers)
 
 
-_NO_SPIN = _strengths(_without_spin)
+_NO_SPIN = _strengths(_without_spin, lambda term: term is not LIFT)
 
 
 @lru_cache(maxsize=4096)
@@ -908,7 +908,7 @@ EXTENDED: tuple[Mistake, ...] = (
           ("pitch-spin-forgotten", "",
            scene_change(lambda scene: {"pitch.spin": None}).then(_NO_SPIN)),
           ("pitch-spin-not-in-flight", "; it comes to the bat with its spin",
-           _strengths(_pitch_without_spin)))),
+           _strengths(_pitch_without_spin, lambda term: term is not LIFT)))),
     Mistake("batted-without-spin", "lets the batted ball fly without spin",
             "the batted ball has the spin that the impact gives it",
             _batted_spin(lambda scene: (0.0, 0.0, 0.0))),

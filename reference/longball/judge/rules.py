@@ -50,6 +50,9 @@ def features(case: Case) -> Features:
         found["contact.normal[2]"] = float(contact.normal[2])
     if (velocity := getattr(getattr(scene, "pitch", None), "velocity", None)) is not None:
         found["pitch.speed"] = math.hypot(*velocity)
+    elif hasattr(scene, "pitch"):
+        rise = scene.pitch.aim[1] - scene.pitch.release[2]
+        found["pitch.aim[1] - pitch.release[2]"] = rise
     for block in ("launch", "pitch", "incoming"):
         if (spin := getattr(getattr(scene, block, None), "spin", None)) is not None:
             found[f"size of {block}.spin"] = math.hypot(*spin)

@@ -416,7 +416,9 @@ class _Way:
             return Change(engine=Verlet(dt=dt, forces=treatment))
         return Change(engine=FixedStep(dt=dt, scheme=self.name, ends=self.ends))
 
-    def explanation(self, dt: float, left: float, known: float | None, coarse: bool) -> Explanation:
+    def explanation(
+        self, dt: float, left: float, known: float | None, coarse: bool = False
+    ) -> Explanation:
         """Return it as an explanation."""
         end = ", each event on the line between two of them" if self.ends == "line" else ""
         words = f"flies by {SCHEMES[self.name].words}, in steps of {dt:.4g} s{end}"
@@ -471,7 +473,7 @@ def schemes(sought: Sought, known: float | None, order: int | None) -> Iterator[
     yield from _by_order([e for chosen, e in found if chosen or not usual], coarse)
 
 
-def _by_order(found: list[Explanation], coarse: bool) -> list[Explanation]:
+def _by_order(found: list[Explanation], coarse: bool = False) -> list[Explanation]:
     """Return schemes; of several that err as the candidate does, and are not its own, the order."""
     best = min(found, key=lambda e: e.left, default=None)
     if best is None or not best.named or not best.sentence.startswith(LIKE):

@@ -136,7 +136,7 @@ def stage_sentences(diagnosis: Diagnosis) -> Iterator[str]:
 
 
 # A sentence about the candidate begins with what it does: "flies", "takes", "acts".
-_VERB = re.compile(r"(?!its |axes |times )[a-z]+s ")
+_VERB = re.compile(r"(?!as |its |axes |times )[a-z]+s ")
 
 
 def finding_sentences(finding: Finding) -> Iterator[str]:

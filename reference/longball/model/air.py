@@ -234,14 +234,22 @@ class Air(Block):
         return value != 0.0
 
     @property
+    def lift_needs_spin(self) -> bool:
+        """Whether C_L means nothing without a spin."""
+        return _by_spin(self.lift_coefficient)
+
+    @property
     def needs_spin(self) -> str:
         """The first key that means nothing without a spin; empty if there is none."""
         if self.spin_decay_length is not None:
             return "air.spin_decay_length"
-        for key in ("drag_coefficient", "lift_coefficient"):
-            law = getattr(self, key)
-            name, of = getattr(law, "law", "constant"), getattr(law, "of", "")
-            by_spin = name in ("spin", "rational", "linear", "bilinear") or of == "spin_parameter"
-            if by_spin or getattr(law, "per_spin", 0.0) != 0.0:
-                return f"air.{key}"
-        return ""
+        if _by_spin(self.drag_coefficient):
+            return "air.drag_coefficient"
+        return "air.lift_coefficient" if self.lift_needs_spin else ""
+
+
+def _by_spin(law: Any) -> bool:
+    """Tell whether a coefficient, or its law, depends on the spin."""
+    name, of = getattr(law, "law", "constant"), getattr(law, "of", "")
+    named = name in ("spin", "rational", "linear", "bilinear") or of == "spin_parameter"
+    return named or getattr(law, "per_spin", 0.0) != 0.0
