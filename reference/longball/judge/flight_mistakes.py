@@ -354,6 +354,13 @@ _PAPERS_LAW: tuple[Mistake, ...] = (
             "drag", "V is the whole speed",
             _in_air(DRAG, lambda m, flow, p: scaled(
                 -_of_two(*_in_space(flow, p)[::2]), flow.velocity), _AXES)),
+    Mistake("speed-without-side", "leaves v_y, the speed across the field, out of V in drag and "
+            "lift", "V is the whole speed",
+            _in_air(DRAG, lambda m, flow, p: scaled(
+                -_of_two(*_in_space(flow, p)[::2]), flow.velocity), _AXES).then(
+            _in_air(LIFT, lambda m, flow, p: scaled(
+                _of_two(*_in_space(flow, p)[::2]),
+                (-flow.velocity[2], trace.ZERO, flow.velocity[0])), _AXES))),
     Mistake("drag-with-summed-speed", "takes the sum of the components' sizes for V in the drag",
             "V is the root of the sum of their squares",
             _in_air(DRAG, lambda m, flow, p: scaled(
@@ -418,6 +425,8 @@ _PAPERS_LAW: tuple[Mistake, ...] = (
       for name, sentence, remedy, axis in (
           ("lift-about-minus-y", "lifts about -y, whatever the ball's heading", _HEADING,
            lambda scene, frame: (0.0, -1.0, 0.0)),
+          ("lift-about-own-y", "lifts about y, up whatever the ball's heading", _HEADING,
+           lambda scene, frame: (0.0, math.copysign(1.0, -frame.cos), 0.0)),
           ("lift-axis-sign", "has the lift's axis the other way round, (-sin φ, cos φ, 0)",
            _HEADING, lambda scene, frame: (-frame.sin, frame.cos, 0.0)),
           ("lift-about-axis-of-pitch", "lifts a batted ball about the axis that the pitch had",
