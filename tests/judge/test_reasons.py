@@ -436,6 +436,15 @@ def test_few_digits_hide_no_density(written: str):
     assert names[-1] in ("few-digits", "few-decimals")
 
 
+def test_decimals_are_counted_in_numbers_with_exponents_too():
+    (case,) = solved(flights()[:1], Ivp())
+    collected = Collector([case.id])
+    landing = '{"position": [6.0E-4, 1.25, 0.0], "distance": 12.5}'
+    line = f'{{"id": "{case.id}", "outcome": "landed", "landing": {landing}}}'
+    collected.take_line(1, line.encode())
+    assert trial_of(case, collected.answers[case.id]).resolution == 0.5e-4
+
+
 def test_one_end_off_the_ground_is_not_told_as_the_rule():
     def high(i: int, case: Case) -> dict[str, Any]:
         return ended(case, lambda there, time: at_time(there, time - 0.2 * (i == 0)))

@@ -171,6 +171,8 @@ def _made(
     named = [name for f in known for name in f.names[:1] if f.stage != "outcome"]
     if named and base is not NONE and makes(base):
         return named[:1], "this follows from the above"
+    if base is not NONE and all(_explains(base, t) for t in wrong):
+        return None  # nothing else is behind these, though something is left of other trials
     clear = any("home_run" in (t.outcome, t.case.expected.outcome) for t in whole) and not any(
         "fence.clearance" in t.given for t in whole
     )

@@ -222,7 +222,8 @@ def digits(x: Decimal) -> int:
 def _resolution(answer: Answer) -> float:
     """Return half a unit in the last place written, if numbers are written with few decimals."""
     broken = [x for value in answer.values.values() for x in value if x != x.to_integral_value()]
-    places = max((-int(x.as_tuple().exponent) for x in broken), default=MOST_DIGITS + 1)
+    # Of 6.0E-4 four.
+    places = max((-int(x.normalize().as_tuple().exponent) for x in broken), default=MOST_DIGITS + 1)
     return 0.5 * 10.0**-places if places <= MOST_DIGITS else 0.0
 
 
