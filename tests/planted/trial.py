@@ -295,7 +295,7 @@ the judge. After each trial the judge was changed:
 | a sixth program, in Rust | 92 | 91 | 4, and 28 with another false statement | 5 |
 | the same program, other mistakes | 40 | 40 | 0 | 8, and 23 of a stage after the wrong one |
 | the same program, all that were left | 78 | 77 | 1 | 1 |
-| a seventh program, in Java | 170 | 170, one in real baseball only | 5, and 2 false rules of scenes | 1 |
+| a seventh program, in Java | 170 | 170, one on real data only | 5, and 2 false rules | 1 |
 
 Of the five that the fourth trial missed, two are no mistakes according to the model, and three
 showed in no golden case; there are cases for two of these now. At the one that the sixth missed
