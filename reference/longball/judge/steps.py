@@ -18,7 +18,9 @@ import numpy as np
 from numpy.polynomial.polynomial import polyval
 
 from longball.engines.engine import Launch
+from longball.engines.event import Event
 from longball.engines.ivp import Ivp
+from longball.engines.path import Flight, Path
 from longball.engines.polynomial import PolynomialPiece
 from longball.engines.verlet import TREATMENTS, Chord, Components, Verlet, plain_step
 from longball.judge.any_law import EFFORT
@@ -239,6 +241,14 @@ class FixedStep(Verlet):
         """Scheme and step."""
         return f"{self.scheme} dt={self.dt!r}"
 
+    def fly(
+        self, law: Law[float], start: State[float], events: Sequence[Event[float]], limit: float
+    ) -> Flight[float]:
+        """Fly until the first of several events; see `longball.engines.engine.Engine.fly`."""
+        flight = super().fly(law, start, events, limit)
+        between = partial(self._chord, law, None if self.scheme == "chords" else self._step(law))
+        return replace(flight, path=_Stepped(self._states(law, start, limit), between, self.dt))
+
     def rebound(self, frame: Any, touch: Any, delta_v: Any, law_in: Any, ground: Any) -> Any:
         """Strike at once, where ball and bat touch."""
         position, before = frame.position(touch.state), frame.velocity(touch.state)
@@ -257,19 +267,16 @@ class FixedStep(Verlet):
                 done, length, rows = done + length, min(2 * length, 4096), rows[-1:]
         yield done, np.array(rows).T
 
-    def _chords(self, law: Law[float], start: State[float], limit: float) -> Iterator[Chord]:
-        step = None if self.scheme == "chords" else self._step(law)
-        states = self._states(law, start, limit)
-        row, left = next(states)
-        before = law.state(*row)
-        for number, (row, after_left) in enumerate(states):
-            begin, after = number * self.dt, law.state(*row)
-            ends = begin, (number + 1) * self.dt - begin, before, after
-            if self.ends == "line" or step is None:
-                yield Chord(*ends)
-            else:
-                yield _Cut(*ends, step, left)
-            before, left = after, after_left
+    def _chord(
+        self, law: Law[float], step: Callable[..., Any] | None, number: int, before: Any, after: Any
+    ) -> Chord:
+        """Return what lies between two states, each with what the step before it has left."""
+        (row, left), (new, _) = before, after
+        begin = number * self.dt
+        length = (number + 1) * self.dt - begin
+        if self.ends == "line" or step is None:
+            return Chord(begin, length, law.state(*row), law.state(*new))
+        return _Cut(begin, length, law.state(*row), law.state(*new), step, left)
 
     def _states(
         self, law: Law[float], start: State[float], limit: float
@@ -336,6 +343,41 @@ class _Cut(Chord):
         if t == self.length:
             return self.after
         state: State[float] = type(self.before)(*self.step(tuple(self.before), t, self.left)[0])
+        return state
+
+
+class _Stepped(Path[float]):
+    """A flight of very many pieces, of which few are asked for, and so few are made."""
+
+    # From states at the steps; `between` makes the piece from a number's state to the next one.
+    def __init__(self, states: Iterator[Any], between: Callable[..., Chord], dt: float) -> None:
+        super().__init__(iter(()))
+        self._states, self._between, self._dt = states, between, dt
+        self._rows: list[Any] = []
+
+    def _piece(self, number: int) -> Chord | None:
+        while len(self._rows) < number + 2:
+            row = next(self._states, None)
+            if row is None:
+                return None
+            self._rows.append(row)
+        return self._between(number, *self._rows[number : number + 2])
+
+    def pieces(self, number: int = 0) -> Iterator[Chord]:
+        """Yield the pieces; see `longball.engines.path.Path.pieces`."""
+        while piece := self._piece(number):
+            yield piece
+            number += 1
+
+    def at(self, time: float) -> State[float]:
+        """Return the state at a time; see `longball.engines.path.Path.at`."""
+        number = max(0, math.ceil(time / self._dt) - 1)
+        if time > (number + 1) * self._dt:  # for the rounding of the quotient
+            number += 1
+        piece = None if time < 0 else self._piece(number)
+        if piece is None:
+            raise ValueError(f"the flight has no state at t = {time} s")
+        state: State[float] = piece.at(time - piece.begin)
         return state
 
 
