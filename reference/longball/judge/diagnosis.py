@@ -150,7 +150,7 @@ def diagnose(
     ]
     if other := relations.shifted(trials):
         return Diagnosis(sentence=other.sentence, first=None, stages=[], clean=[], findings=[other])
-    if 2 * sum(t.resolution > 0 or t.share > 0 for t in trials) <= len(trials):
+    if 2 * sum(t.coarse for t in trials) <= len(trials):
         # A few answers have short numbers by chance, such as those of the scene.
         trials = [replace(t, resolution=0.0, share=0.0) for t in trials]
     if single := relations.in_single_precision(answers.values()):

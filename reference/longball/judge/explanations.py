@@ -192,7 +192,7 @@ class Sought:
         if id(trial) not in self._quantities:
             known = [c for c in follow(trial, self.base, self.stages) if c.stage in self.stages]
             self._quantities[id(trial)] = frozenset(c.quantity for c in known)
-            if trial.half_unit(1.0):
+            if trial.coarse:
                 slips = [c.tolerance / c.scale for c in known for _ in c.expected]
                 self._slips[id(trial)] = np.array(slips)
         checks = self.work.checks(trial, full, self.stages)

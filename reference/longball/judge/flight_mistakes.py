@@ -208,6 +208,18 @@ def _of_two(x: Any, y: Any) -> Any:
     return trace.sqrt(x * x + y * y)
 
 
+def _without_side(flow: Flow, p: Any) -> Any:
+    """Return the speed without its part across the field."""
+    return _of_two(*_in_space(flow, p)[::2])
+
+
+_DRAG_WITHOUT_SIDE = _in_air(
+    DRAG, lambda m, flow, p: scaled(-_without_side(flow, p), flow.velocity), _AXES
+)
+_LIFT_WITHOUT_SIDE = _in_air(LIFT, lambda m, flow, p: scaled(
+    _without_side(flow, p), (-flow.velocity[2], trace.ZERO, flow.velocity[0])), _AXES)  # fmt: skip
+
+
 def _right_axis(scene: Any, frame: Any) -> Vector[Any]:
     return frame.sin, -frame.cos, 0.0
 
@@ -350,17 +362,11 @@ _PAPERS_LAW: tuple[Mistake, ...] = (
             _drag(lambda m, p: p.launch_speed, _LAUNCH)),
     Mistake("drag-with-horizontal-speed", "takes the horizontal speed for V in the drag",
             "V is the whole speed", _drag(lambda m, p: _of_two(*m.air.velocity[:2]))),
-    Mistake("drag-without-side-speed", "leaves v_y, the speed across the field, out of V in the "
-            "drag", "V is the whole speed",
-            _in_air(DRAG, lambda m, flow, p: scaled(
-                -_of_two(*_in_space(flow, p)[::2]), flow.velocity), _AXES)),
-    Mistake("speed-without-side", "leaves v_y, the speed across the field, out of V in drag and "
-            "lift", "V is the whole speed",
-            _in_air(DRAG, lambda m, flow, p: scaled(
-                -_of_two(*_in_space(flow, p)[::2]), flow.velocity), _AXES).then(
-            _in_air(LIFT, lambda m, flow, p: scaled(
-                _of_two(*_in_space(flow, p)[::2]),
-                (-flow.velocity[2], trace.ZERO, flow.velocity[0])), _AXES))),
+    *(Mistake(name, f"leaves v_y, the speed across the field, out of V in {where}",
+              "V is the whole speed", change)
+      for name, where, change in (
+          ("drag-without-side-speed", "the drag", _DRAG_WITHOUT_SIDE),
+          ("speed-without-side", "drag and lift", _DRAG_WITHOUT_SIDE.then(_LIFT_WITHOUT_SIDE)))),
     Mistake("drag-with-summed-speed", "takes the sum of the components' sizes for V in the drag",
             "V is the root of the sum of their squares",
             _in_air(DRAG, lambda m, flow, p: scaled(

@@ -127,7 +127,7 @@ class Trial:
         slips: dict[str, float] = {}
         for _ in range(MOVES):
             moved = {
-                name: tuple(x + draw.choice((-1, 1)) * self.half_unit(x) for x in value)
+                name: tuple(x + draw.choice((-1, 1)) * self.cut_off(x) for x in value)
                 for name, value in self.given.items()
             }
             for quantity, residual in _residuals(self.saying(moved)).items():
@@ -135,8 +135,13 @@ class Trial:
                 slips[quantity] = max(slips.get(quantity, 0.0), slip)
         return slips
 
-    def half_unit(self, x: float) -> float:
-        """Return half a unit in the last digit that a number is written with."""
+    @property
+    def coarse(self) -> bool:
+        """Whether its numbers are written with few digits."""
+        return self.resolution > 0 or self.share > 0
+
+    def cut_off(self, x: float) -> float:
+        """Return what few digits may leave out of a number: half a unit in its last one."""
         return self.resolution + self.share * abs(x)
 
 
@@ -716,8 +721,8 @@ class _Following:
         # Numbers handed on have been rounded: a few hundred half ulps, where the truth has none.
         rounding = 1e-12 if self.exact else ANY_LAW_ERROR
         large = max(1.0, size, math.hypot(*expected))
-        few = self.trial.half_unit(large)
-        slip = self.trial.slips.get(quantity, HANDED_ON * few) if few else 0.0
+        few = self.trial.cut_off(large)
+        slip = self.trial.slips.get(quantity, HANDED_ON * few) if self.trial.coarse else 0.0
         return max(SLACK * own, rounding * large, self.trial.granted) + few + slip
 
     def _check(self, quantity: str, follows: Any, stage: str = "") -> Check:

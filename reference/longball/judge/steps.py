@@ -481,7 +481,7 @@ def schemes(sought: Sought, known: float | None, order: int | None) -> Iterator[
     if base is None:
         return
     # Numbers with few digits do not tell schemes apart that err alike.
-    coarse = any(t.half_unit(1.0) for t in sought.trials)
+    coarse = any(t.coarse for t in sought.trials)
     ranked = []
     for way in (_Way(name, ends) for name in SCHEMES for ends in get_args(Ends)):
         if sought.work.spent:
