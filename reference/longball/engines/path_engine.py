@@ -23,7 +23,7 @@ from longball.engines.contact import (
     inside_bat,
     margin_error,
 )
-from longball.engines.engine import CannotSolve, Engine, Touch
+from longball.engines.engine import CannotSolve, Engine, TooLong, Touch
 from longball.engines.event import Event, Events, Piece, first_fall, past
 from longball.engines.path import Flight, Part, Path, Rest
 from longball.model.law import Law, State
@@ -64,6 +64,8 @@ class PathEngine(Engine[N], ABC):
         ------
         Undecided
             If a flight only touches such a place, within its error.
+        TooLong
+            If it takes so many pieces that to look for such places takes too long.
         """
         begin = self.numbers.exact(0.0)
         if not law.bends:
@@ -72,12 +74,19 @@ class PathEngine(Engine[N], ABC):
         law, start = law.in_polynomials(start, self.numbers)
         branches = branches_at(law, start, self.numbers)
         passed: _Level[N] | None = None  # on which the form begins
+        pieces = 0
         for _ in range(_MOST_BRANCHES):
             form = law.on(branches)
             ends = self._ends_of(form, branches)
             met, first = None, True
             stops = [*(event for event, *_ in ends), *events]
             for piece in self._smooth(form, start, begin, limit, stops):
+                pieces += 1
+                if pieces > _MOST_PIECES:
+                    raise TooLong(
+                        f"under a law with tables, or with wind above a height, the flight takes "
+                        f"over {_MOST_PIECES} steps; try a shorter time_limit"
+                    )
                 met = self._first_end(piece, ends, form, first, passed)
                 if met is None:
                     yield piece
@@ -281,6 +290,8 @@ class PathEngine(Engine[N], ABC):
 
 # A flight passes a table's node twice, or a few times more if it loops.
 _MOST_BRANCHES = 1000
+# Each piece is searched for the ends of the law's form, in up to a millisecond.
+_MOST_PIECES = 10_000
 
 
 @dataclass(frozen=True)
