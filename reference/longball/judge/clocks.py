@@ -156,6 +156,9 @@ _CONTACTS: tuple[tuple[str, str, str, Callable[[Sequence[float], float], float]]
 )  # fmt: skip
 
 
+_SAME_PATH = 1e-3  # of what a velocity is off, what may be left where it is that of another time
+
+
 def touchings(wrong: Seen, base: Change) -> Iterator[Explanation]:
     """Yield where else ball and bat touch, if that is so in every scene with such an error."""
     events = [c for _, cs in wrong for c in cs if c.quantity.endswith("event") and not c.follows]
@@ -173,6 +176,17 @@ def touchings(wrong: Seen, base: Change) -> Iterator[Explanation]:
     for name, sentence, remedy, off in _CONTACTS:
         if all(abs(off(way, reach)) <= 1e-7 * reach for way, reach in ways):
             yield Explanation(name, sentence, remedy)
+    apart = [math.hypot(way[0], way[2]) - reach for way, reach in ways]
+    on_path = all(c.follows for _, cs in wrong for c in cs if c.quantity == "contact.position")
+    if on_path and np.ptp(apart) > _SAME_PATH * max(map(abs, apart)):
+        late, early = max(apart) < 0, min(apart) > 0
+        if late or early:
+            at = "apart, as at the step before" if early else "in each other, as at a step's end"
+            yield Explanation(
+                f"contact-{'late' if late else 'early'}", "gives as the contact a place on the "
+                f"ball's way where ball and bat are up to {max(map(abs, apart)):.2g} m {at}",
+                "find the time of touching within the step, and the state there", rank=2,
+            )  # fmt: skip
 
 
 def fences(wrong: Seen, base: Change) -> Iterator[Explanation]:
@@ -349,9 +363,6 @@ def _rounded_to(times: Array, clock: Array) -> int:
     unit = 10.0**-decimals
     near = clock.min() < 0 < clock.max() and abs(clock).max() < 0.5 * unit + 1e-9
     return decimals if near and 0 < decimals <= FEW_DECIMALS else 0
-
-
-_SAME_PATH = 1e-3  # of what a velocity is off, what may be left where it is that of another time
 
 
 def velocities_of_another_time(wrong: Seen, base: Change) -> Iterator[Explanation]:

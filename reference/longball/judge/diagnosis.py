@@ -425,8 +425,14 @@ class _Search:
             where = f", where {told.scenes}" if told.scenes else ""
             sentence = f"{stage} alone{where}: {sentence}"
         names = list(dict.fromkeys(e.name for e in same))
+        other: dict[str, Any] = {}
+        if of_most:
+            part, whole = (sum(size_of(c) for _, cs in s for c in cs) for s in (plain, wrong))
+            other["share"] = (1 - best.left) * part / whole
+        elif best.change is not None and not alone:
+            other["scenes"] = None  # the explanation tells them
         self.findings.append(_with_name(told, best, names=names, sentence=sentence, step=best.step,
-                                        stage=best.stage or stage))  # fmt: skip
+                                        stage=best.stage or stage, **other))  # fmt: skip
         self.begun.setdefault(stage, worst)
         if best.stage:
             self.moved[stage] = best.stage
@@ -518,7 +524,7 @@ class _Search:
     ) -> tuple[int, list[Explanation]]:
         """Return those that the other stages bear out best, and how many checks they break."""
         others = [*self._elsewhere(stage), *evenly(good, SOUGHT)]
-        effects = [self._effect(e, stage, others) for e in found[:6]]
+        effects = [self._effect(e, stage, [*others, *_moved(e, good)]) for e in found[:6]]
         broken = min(b for b, _ in effects)
         mended = max(m for b, m in effects if b == broken)
         same = [e for e, effect in zip(found, effects, strict=False) if effect == (broken, mended)]
@@ -725,6 +731,14 @@ def _without_others(same: Sequence[Explanation]) -> list[Explanation]:
     others = (e for e in ranked if e is not strength and not fits.is_odd(e))
     kept = [e for e in others if not e.name.startswith("ball.") or e.rank < least]
     return sorted([strength, *kept], key=lambda e: "=" not in e.name)  # numbers before factors
+
+
+def _moved(e: Explanation, good: Seen) -> list[Checked]:
+    """Return some of the trials that pass whose scenes an explanation changes."""
+    if e.change is None:
+        return []
+    changed = e.change.scene
+    return evenly([one for one in good if changed(one[0].scene) != one[0].scene], OTHERS)
 
 
 def _keen(trial: Trial) -> bool:

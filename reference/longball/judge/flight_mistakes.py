@@ -234,25 +234,6 @@ def _about(axis: Callable[[Any, Any], Vector[Any]]) -> Change:
         flow.speed, cross((p.axis_s, p.axis_y, p.axis_z), flow.velocity)), in_frame)  # fmt: skip
 
 
-def _about_if_fixed(axis: Callable[[Any, Any], Vector[Any]]) -> Change:
-    """Return the change that adds a lift about the difference of axes, where not always up."""
-
-    def strengths(scene: Any, frame: Any, numbers: Any) -> tuple[Any, ...] | None:
-        found = LIFT.strengths(scene, frame, numbers)
-        if not found or scene.reading.lift_direction == "always_up":
-            return None
-        more = plus(axis(scene, frame), -1.0, _right_axis(scene, frame))
-        return (*found, *frame.turned(more))
-
-    def acceleration(motion: Motion, p: Any) -> Vector[Any]:
-        flow = motion.lift
-        across = cross((p.axis_s, p.axis_y, p.axis_z), flow.velocity)
-        return scaled(motion.density * p.lift_about_axis * flow.speed, across)
-
-    names = ("lift_about_axis", "axis_s", "axis_y", "axis_z")
-    return _terms(lambda term: term, Force(names, strengths, acceleration))
-
-
 def _is_batted(scene: Any, frame: Any) -> bool:
     """Tell whether a flight of an at-bat is that of the batted ball."""
     return scene.kind == "at-bat" and (frame.x, frame.y) != tuple(scene.pitch.release[:2])
@@ -427,7 +408,7 @@ _PAPERS_LAW: tuple[Mistake, ...] = (
             _lift_rate(lambda m, flow: flow.speed * _rising(m)), True),
     Mistake("lift-sign-falling", "lifts a falling ball the wrong way", _ACROSS,
             _lift_rate(lambda m, flow: flow.speed * (2.0 * _rising(m) - 1.0)), True),
-    *(Mistake(name, sentence + where, remedy, about(axis))
+    *(Mistake(name, sentence, remedy, _about(axis))
       for name, sentence, remedy, axis in (
           ("lift-about-minus-y", "lifts about -y, whatever the ball's heading", _HEADING,
            lambda scene, frame: (0.0, -1.0, 0.0)),
@@ -438,8 +419,7 @@ _PAPERS_LAW: tuple[Mistake, ...] = (
           ("lift-about-axis-of-pitch", "lifts a batted ball about the axis that the pitch had",
            _ANEW, _axis_of_pitch(straight=False)),
           ("lift-about-plus-y", "lifts a batted ball about +y, the axis of a straight pitch",
-           _ANEW, _axis_of_pitch(straight=True)))
-      for where, about in (("", _about), (", but not where it is always up", _about_if_fixed))),
+           _ANEW, _axis_of_pitch(straight=True)))),
     Mistake("heading-by-arctangent", "takes the heading for atan(v_y/v_x), which is the "
             "opposite one where v_x < 0: the lift then has the wrong sign", "take atan2(v_y, v_x), "
             "or divide the horizontal velocity by its size", _about(lambda scene, frame: scaled(
@@ -839,6 +819,13 @@ def _extrapolated(
     return [*low, *nodes, *high], [*ends[0], *values, *ends[1]]
 
 
+def _with_defaults(place: str, law: str, scene: Any) -> Mapping[str, Any]:
+    """Return a coefficient with the defaults of all its numbers, if it is of a law."""
+    held = at(scene, place)
+    fields = type(held).model_fields.items() if held.law == law else ()
+    return {f"{place}.{name}": f.default for name, f in fields if not f.is_required()}
+
+
 def _earth(key: str, change: Callable[[float], float]) -> Change:
     """Return the change of an angle of the Earth's rotation."""
     return scene_change(lambda scene: {f"earth.{key}": change(getattr(scene.earth, key))})
@@ -1124,6 +1111,10 @@ EXTENDED: tuple[Mistake, ...] = (
             "earth.azimuth is that of +x, clockwise from north", _earth("azimuth", operator.neg)),
     Mistake("azimuth-ignored", "takes +x for north", "earth.azimuth is that of +x",
             _earth("azimuth", lambda angle: 0.0)),
+    *(Mistake(f"{law}-defaults", f"takes the defaults of the {law} law of {place}, whatever the "
+              "scene says", _SCENE, scene_change(partial(_with_defaults, place, law)))
+      for place, law in (("air.drag_coefficient", "crisis"), ("air.lift_coefficient", "rational"),
+                         ("air.lift_coefficient", "linear"))),
     *(Mistake(f"table-{name}", f"takes a table's value at the {words}", _LINEAR,
               _stepped(jumps), True)
       for name, words, jumps in (

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from itertools import pairwise
 from typing import Any
 
@@ -141,6 +141,10 @@ IMPACT: tuple[Mistake, ...] = (
     Mistake("lever-of-size", "takes |y| for y in r̃", PIVOT,
             _met(lambda s, contact: {
                 "lever_arm": min(contact.lever_arm, s.bat.length - contact.lever_arm)})),
+    Mistake("free-lever-from-end", "measures a free bat's lever from its end, and not from its "
+            "centre", "bat.support = free: M_eff = 1/(1/M + y²/I) with I about the centre",
+            _met(lambda s, contact: {} if s.bat.support != "free" else {
+                "lever_arm": s.bat.length / 2 - contact.lever_arm})),
     Mistake("spin-of-release", "strikes the ball with the spin of the release",
             "spin falls by e along spin_decay_length, on the way to the bat too",
             _met(lambda s, contact: {} if s.kind != "at-bat" or contact.spin is None
@@ -186,18 +190,24 @@ def _by_angle(vertices: Sequence[Numbers]) -> Iterator[Numbers]:
     yield vertices[-1]
 
 
+def _level(
+    height: Callable[[float, float], float], vertices: Sequence[Numbers]
+) -> Iterator[Numbers]:
+    """Yield the vertices of a fence whose chords are level, from the heights at their ends."""
+    for (*a, low), (*b, high) in pairwise(vertices):
+        yield from ((*a, height(low, high)), (*b, height(low, high)))
+
+
 FENCE: tuple[Mistake, ...] = (
     Mistake("fence-by-angle", "bends the fence: its distance is linear in the angle",
             "vertices are joined by straight chords", _fence(_by_angle)),
     Mistake("fence-without-height", "takes the fence for a line on the ground",
             "the third number of a vertex is the fence's height there",
             _fence(lambda v: ((x, y, 0.0) for x, y, _ in v))),
-    Mistake("fence-height-of-first", "has a chord as high as its first vertex",
-            "the height is linear along a chord",
-            _fence(lambda v: [w for a, b in pairwise(v) for w in (a, (b[0], b[1], a[2]))])),
-    Mistake("fence-height-of-last", "has a chord as high as its last vertex",
-            "the height is linear along a chord",
-            _fence(lambda v: [w for a, b in pairwise(v) for w in ((a[0], a[1], b[2]), b)])),
+    *(Mistake(f"fence-height-of-{name}", f"has a chord as high as its {name} vertex",
+              "the height is linear along a chord", _fence(partial(_level, height)))
+      for name, height in (("first", lambda a, b: a), ("last", lambda a, b: b),
+                           ("higher", max), ("lower", min))),
     Mistake("fence-cleared-by-surface", "asks the ball's whole surface to clear the fence",
             "the centre does, unless the reading fence_clearance says surface",
             reading_change(fence_clearance="surface")),
