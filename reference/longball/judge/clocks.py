@@ -176,17 +176,32 @@ def touchings(wrong: Seen, base: Change) -> Iterator[Explanation]:
     for name, sentence, remedy, off in _CONTACTS:
         if all(abs(off(way, reach)) <= 1e-7 * reach for way, reach in ways):
             yield Explanation(name, sentence, remedy)
-    apart = [math.hypot(way[0], way[2]) - reach for way, reach in ways]
+    apart = np.array([c.obtained[0] for c in events])
     on_path = all(c.follows for _, cs in wrong for c in cs if c.quantity == "contact.position")
-    if on_path and np.ptp(apart) > _SAME_PATH * max(map(abs, apart)):
-        late, early = max(apart) < 0, min(apart) > 0
-        if late or early:
-            at = "apart, as at the step before" if early else "in each other, as at a step's end"
+    if not on_path or np.ptp(apart) < _SAME_PATH * np.abs(apart).max():
+        return
+    for name, side, where in (
+        ("late", -1, "within each other, as at the end of its step"),
+        ("early", 1, "apart, as at the step before"),
+    ):
+        if np.mean(side * apart > 0) >= 1 - FEW_OTHERS:
             yield Explanation(
-                f"contact-{'late' if late else 'early'}", "gives as the contact a place on the "
-                f"ball's way where ball and bat are up to {max(map(abs, apart)):.2g} m {at}",
+                f"contact-{name}", "gives as the contact a place on the ball's way where ball and "
+                f"bat are mostly {where}: by {np.median(np.abs(apart)):.2g} m in half of the scenes",
                 "find the time of touching within the step, and the state there", rank=2,
             )  # fmt: skip
+
+
+def margins(wrong: Seen) -> Iterator[Explanation]:
+    """Yield that balls are held to pass farther from the bat than they do, in all scenes."""
+    failing = [c for _, cs in wrong for c in cs if not c.follows]
+    short = [c.expected[0] - c.obtained[0] for c in failing if c.quantity == "contact.margin"]
+    if len(short) == len(failing) >= ENOUGH and min(short) > 0:
+        yield Explanation(
+            "margin-at-steps", f"contact.margin is too small, always, by up to {max(short):.2g} m: "
+            "as by the least of the distances at the steps", "find the least distance within the "
+            "step, where it changes from falling to rising", rank=3, quantity="contact.margin",
+        )  # fmt: skip
 
 
 def fences(wrong: Seen, base: Change) -> Iterator[Explanation]:

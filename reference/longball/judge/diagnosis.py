@@ -670,6 +670,8 @@ class _Search:
                     found += (e for e in some if e.change and e.change.engine != NONE.engine)
             if not any(e.named for e in found):
                 found += clocks.between_steps(stage, wrong, self.base)
+        if stage == "touching" and not any(e.named for e in found):
+            found += clocks.margins(wrong)
         if stage == "restitution" and not any(e.named for e in found):
             found += fits.one_after_another(sought, found)
         return found
