@@ -187,7 +187,7 @@ def touchings(wrong: Seen, base: Change) -> Iterator[Explanation]:
         if np.mean(side * apart > 0) >= 1 - FEW_OTHERS:
             yield Explanation(
                 f"contact-{name}", "gives as the contact a place on the ball's way where ball and "
-                f"bat are mostly {where}: by {np.median(np.abs(apart)):.2g} m in half of the scenes",
+                f"bat are {where}: by {np.median(np.abs(apart)):.2g} m in half of the scenes",
                 "find the time of touching within the step, and the state there", rank=2,
             )  # fmt: skip
 

@@ -456,7 +456,7 @@ class _Search:
         if not self.begun:
             return False
         worst = max((size_of(c) for _, cs in wrong for c in cs), default=0.0)
-        if not all(_keen(t) for t, _ in wrong):
+        if not all(_keen(t) or _is_wild(t) for t, _ in wrong):
             return few and worst < FINE
         # A graze makes of an error its square root.
         keen = len(wrong) + sum(_keen(t) for t, _ in good)
@@ -614,7 +614,8 @@ class _Search:
         self, stage: str, wrong: Seen, good: Seen, beside: Seen, checks: Seen
     ) -> list[Explanation]:
         """Return explanations, the cheap ones first, until some are named."""
-        wrong = [one for one in wrong if all(map(_known, one[1])) and not _keen(one[0])] or wrong
+        wrong = [one for one in wrong if all(map(_known, one[1])) and not (
+            _keen(one[0]) or _is_wild(one[0]))] or wrong  # fmt: skip
         chosen = evenly(wrong, SOUGHT)
         right = evenly([t for t, _ in good if not _keen(t)], BESIDE)
         sought = Sought([t for t, _ in chosen], right, (stage,), self.base, self.work)
@@ -746,6 +747,16 @@ def _moved(e: Explanation, good: Seen) -> list[Checked]:
 def _keen(trial: Trial) -> bool:
     """Tell whether a trial answers to the last digits of what is computed."""
     return not KEEN.isdisjoint(trial.case.flags)
+
+
+WILD = 1e3  # so many times the true size a value is of a ball that a wrong law drives on
+
+
+def _is_wild(trial: Trial) -> bool:
+    """Tell whether a trial gives a value beyond all measure: then its flight tells nothing."""
+    true = trial.expected
+    return any(math.hypot(*value) > WILD * (1 + math.hypot(*true[name]))
+               for name, value in trial.given.items() if name in true)  # fmt: skip
 
 
 def _known(check: Check) -> bool:

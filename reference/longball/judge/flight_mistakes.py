@@ -20,7 +20,15 @@ from longball.judge.changes import Mistake, reading_change, scene_change
 from longball.judge.findings import many
 from longball.judge.stages import Change, Numbers, with_values
 from longball.model import trace
-from longball.model.aerodynamics import CRISIS, DECAY_ALONG_PATH, DRAG, LIFT, spin_ratio
+from longball.model.aerodynamics import (
+    CRISIS,
+    DECAY_ALONG_PATH,
+    DRAG,
+    LIFT,
+    per_metre,
+    spin_across,
+    spin_ratio,
+)
 from longball.model.air import Air, CrisisDrag, Table, Weather
 from longball.model.atmosphere import (
     DRY_DENSITY,
@@ -46,6 +54,7 @@ from longball.model.force import (
     cross,
     scaled,
     size,
+    square,
     switched,
 )
 from longball.model.law import GRAVITY
@@ -234,6 +243,25 @@ def _about(axis: Callable[[Any, Any], Vector[Any]]) -> Change:
         flow.speed, cross((p.axis_s, p.axis_y, p.axis_z), flow.velocity)), in_frame)  # fmt: skip
 
 
+def _about_if_fixed(axis: Callable[[Any, Any], Vector[Any]]) -> Change:
+    """Return the change that adds a lift about the difference of axes, where not always up."""
+
+    def strengths(scene: Any, frame: Any, numbers: Any) -> tuple[Any, ...] | None:
+        found = LIFT.strengths(scene, frame, numbers)
+        if not found or scene.reading.lift_direction == "always_up":
+            return None
+        more = plus(axis(scene, frame), -1.0, _right_axis(scene, frame))
+        return (*found, *frame.turned(more))
+
+    def acceleration(motion: Motion, p: Any) -> Vector[Any]:
+        flow = motion.lift
+        across = cross((p.axis_s, p.axis_y, p.axis_z), flow.velocity)
+        return scaled(motion.density * p.lift_about_axis * flow.speed, across)
+
+    names = ("lift_about_axis", "axis_s", "axis_y", "axis_z")
+    return _terms(lambda term: term, Force(names, strengths, acceleration))
+
+
 def _is_batted(scene: Any, frame: Any) -> bool:
     """Tell whether a flight of an at-bat is that of the batted ball."""
     return scene.kind == "at-bat" and (frame.x, frame.y) != tuple(scene.pitch.release[:2])
@@ -408,7 +436,7 @@ _PAPERS_LAW: tuple[Mistake, ...] = (
             _lift_rate(lambda m, flow: flow.speed * _rising(m)), True),
     Mistake("lift-sign-falling", "lifts a falling ball the wrong way", _ACROSS,
             _lift_rate(lambda m, flow: flow.speed * (2.0 * _rising(m) - 1.0)), True),
-    *(Mistake(name, sentence, remedy, _about(axis))
+    *(Mistake(name, sentence + where, remedy, about(axis))
       for name, sentence, remedy, axis in (
           ("lift-about-minus-y", "lifts about -y, whatever the ball's heading", _HEADING,
            lambda scene, frame: (0.0, -1.0, 0.0)),
@@ -419,7 +447,8 @@ _PAPERS_LAW: tuple[Mistake, ...] = (
           ("lift-about-axis-of-pitch", "lifts a batted ball about the axis that the pitch had",
            _ANEW, _axis_of_pitch(straight=False)),
           ("lift-about-plus-y", "lifts a batted ball about +y, the axis of a straight pitch",
-           _ANEW, _axis_of_pitch(straight=True)))),
+           _ANEW, _axis_of_pitch(straight=True)))
+      for where, about in (("", _about), (", but not where it is always up", _about_if_fixed))),
     Mistake("heading-by-arctangent", "takes the heading for atan(v_y/v_x), which is the "
             "opposite one where v_x < 0: the lift then has the wrong sign", "take atan2(v_y, v_x), "
             "or divide the horizontal velocity by its size", _about(lambda scene, frame: scaled(
@@ -639,6 +668,60 @@ def _lift_times(share: Callable[[Flow, Any], Any]) -> Callable[[Any], Any]:
     )
 
 
+def _lift_limit(scene: Any, frame: Any, numbers: Any) -> tuple[Any] | None:
+    """Return k times the largest C_L that a scene carries."""
+    unit = None if scene.air is None else per_metre(scene, 1.0, numbers)
+    return None if unit is None else (unit * getattr(scene, "lift_limit", NO_LIMIT),)
+
+
+def _limited(form: Lift, m: Motion, p: Any) -> Any:
+    """Return what makes a lift one of the largest C_L, where it is of a larger one."""
+    most = p.lift_limit * square(m.lift.velocity)
+    return most / _larger(form.factor(m, p) * size(spin_across(m.lift, p)), most, NARROW * most)
+
+
+NO_LIMIT = 1e9  # a C_L that is never met
+NARROW = 1e-5  # relative: how wide the bend is in what stands for the larger of two
+
+_LIMITED = _terms(
+    _forms(lambda term: isinstance(term, Lift),
+           lambda form: _multiplied(form, lambda m, p: _limited(form, m, p))),
+    Term(("lift_limit",), _lift_limit),
+)  # fmt: skip
+
+
+def _limit_lift(most: Callable[[Any], float]) -> Change:
+    """Return the change of a spinning ball's C_L to at most a number, from the law."""
+
+    def change(scene: Any) -> Any:
+        law = getattr(getattr(scene, "air", None), "lift_coefficient", None)
+        return scene.model_copy(update={"lift_limit": most(law)}) if hasattr(law, "law") else scene
+
+    return Change(change).then(_LIMITED)
+
+
+def _lift_at(ratio: float, law: Any) -> float:
+    """Return the C_L of a law at a spin parameter; none is met if it does not depend on that."""
+    match law.law:
+        case "rational":
+            return float(law.numerator * ratio / (law.constant + law.slope * ratio))
+        case "linear":
+            return float(law.slope * ratio)
+        case "bilinear":
+            return min(1.5 * ratio, 0.09 + 0.6 * ratio)
+        case "table" if law.of == "spin_parameter":
+            return float(np.interp(ratio, law.at, law.values))
+    return NO_LIMIT
+
+
+def _lift_of(which: str, most: float, law: Any) -> float:
+    """Return a C_L if a law is the one; none is met if it is another."""
+    return most if which in ("", law.law) else NO_LIMIT
+
+
+_MOST = 0.2, 0.25, 0.3, 0.35, 0.4, 0.5  # what people may limit C_L, or S, to
+
+
 # 1 if the scene's lift is one by the whole spin, and else 0: None would keep the term from acting.
 _TOTAL = Term(("of_total",), lambda scene, frame, numbers: (
     float(scene.reading.spin_parameter == "total"),))  # fmt: skip
@@ -712,9 +795,9 @@ def _profile(rise: Callable[[Any, Any], Any]) -> Change:
 _BLEND = 5e-3  # m: a height at which two forms of the wind go over into each other is so wide
 
 
-def _larger(a: Any, b: Any) -> Any:
+def _larger(a: Any, b: Any, blend: Any = _BLEND) -> Any:
     """Return the larger of two, smoothly."""
-    return (a + b + trace.sqrt((a - b) * (a - b) + _BLEND * _BLEND)) * 0.5
+    return (a + b + trace.sqrt((a - b) * (a - b) + blend * blend)) * 0.5
 
 
 def _exchanged() -> Iterator[Mistake]:
@@ -832,6 +915,7 @@ def _earth(key: str, change: Callable[[float], float]) -> Change:
 
 
 _EARTH = "add -2 Ω × v, Ω = 7.292115e-5 rad/s (cos λ north + sin λ up)"
+_S = "C_L follows S = R ω_T/U by the scene's law, however large S is"
 _LINEAR = "a table is linear between its nodes, and constant outside"
 
 
@@ -914,6 +998,12 @@ EXTENDED: tuple[Mistake, ...] = (
     Mistake("batted-without-spin", "lets the batted ball fly without spin",
             "the batted ball has the spin that the impact gives it",
             _batted_spin(lambda scene: (0.0, 0.0, 0.0))),
+    *(Mistake(f"spin-parameter-at-most-{most:g}", f"takes at most {most:g} for S in the lift", _S,
+              _limit_lift(partial(_lift_at, most))) for most in (0.1, 0.15, *_MOST)),
+    *(Mistake(f"{law or 'spin'}-lift-at-most-{most:g}", f"has a C_L of at most {most:g} under "
+              f"{f'the {law} law' if law else 'every law'} of spin", _S,
+              _limit_lift(partial(_lift_of, law, most)))
+      for law in ("", "linear") for most in _MOST),
     Mistake("lift-of-whole-spin-across", "takes the C_L of the whole spin, gyro spin included, "
             "along ω × u", "S = R ω_T/U with ω_T = |ω × u|/U",
             reading_change(spin_parameter="total").then(
