@@ -668,6 +668,11 @@ def _lift_times(share: Callable[[Flow, Any], Any]) -> Callable[[Any], Any]:
     )
 
 
+# 1 if the scene's lift is one by the whole spin, and else 0: None would keep the term from acting.
+_TOTAL = Term(("of_total",), lambda scene, frame, numbers: (
+    float(scene.reading.spin_parameter == "total"),))  # fmt: skip
+
+
 def _lift_limit(scene: Any, frame: Any, numbers: Any) -> tuple[Any] | None:
     """Return k times the largest C_L that a scene carries."""
     unit = None if scene.air is None else per_metre(scene, 1.0, numbers)
@@ -677,16 +682,19 @@ def _lift_limit(scene: Any, frame: Any, numbers: Any) -> tuple[Any] | None:
 def _limited(form: Lift, m: Motion, p: Any) -> Any:
     """Return what makes a lift one of the largest C_L, where it is of a larger one."""
     most = p.lift_limit * square(m.lift.velocity)
-    return most / _larger(form.factor(m, p) * size(spin_across(m.lift, p)), most, NARROW * most)
+    active = size(spin_across(m.lift, p))
+    active += p.of_total * (p.spin * m.lift.speed - active)
+    return most / _larger(form.factor(m, p) * active, most, NARROW * most)
 
 
 NO_LIMIT = 1e9  # a C_L that is never met
-NARROW = 1e-5  # relative: how wide the bend is in what stands for the larger of two
+NARROW = 1e-7  # relative: how wide the bend is in what stands for the larger of two
 
 _LIMITED = _terms(
     _forms(lambda term: isinstance(term, Lift),
            lambda form: _multiplied(form, lambda m, p: _limited(form, m, p))),
     Term(("lift_limit",), _lift_limit),
+    _TOTAL,
 )  # fmt: skip
 
 
@@ -720,11 +728,6 @@ def _lift_of(which: str, most: float, law: Any) -> float:
 
 
 _MOST = 0.2, 0.25, 0.3, 0.35, 0.4, 0.5  # what people may limit C_L, or S, to
-
-
-# 1 if the scene's lift is one by the whole spin, and else 0: None would keep the term from acting.
-_TOTAL = Term(("of_total",), lambda scene, frame, numbers: (
-    float(scene.reading.spin_parameter == "total"),))  # fmt: skip
 
 
 def _by_whole_spin(f: Any) -> Any:
