@@ -1002,10 +1002,10 @@ EXTENDED: tuple[Mistake, ...] = (
             "the batted ball has the spin that the impact gives it",
             _batted_spin(lambda scene: (0.0, 0.0, 0.0))),
     *(Mistake(f"spin-parameter-at-most-{most:g}", f"takes at most {most:g} for S in the lift", _S,
-              _limit_lift(partial(_lift_at, most))) for most in (0.1, 0.15, *_MOST)),
+              _limit_lift(partial(_lift_at, most)), True) for most in (0.1, 0.15, *_MOST)),
     *(Mistake(f"{law or 'spin'}-lift-at-most-{most:g}", f"has a C_L of at most {most:g} under "
               f"{f'the {law} law' if law else 'every law'} of spin", _S,
-              _limit_lift(partial(_lift_of, law, most)))
+              _limit_lift(partial(_lift_of, law, most)), True)
       for law in ("", "linear") for most in _MOST),
     Mistake("lift-of-whole-spin-across", "takes the C_L of the whole spin, gyro spin included, "
             "along ω × u", "S = R ω_T/U with ω_T = |ω × u|/U",
