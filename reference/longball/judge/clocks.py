@@ -176,19 +176,25 @@ def touchings(wrong: Seen, base: Change) -> Iterator[Explanation]:
     for name, sentence, remedy, off in _CONTACTS:
         if all(abs(off(way, reach)) <= 1e-7 * reach for way, reach in ways):
             yield Explanation(name, sentence, remedy)
-    apart = np.array([c.obtained[0] for c in events])
-    on_path = all(c.follows for _, cs in wrong for c in cs if c.quantity == "contact.position")
-    if not on_path or np.ptp(apart) < _SAME_PATH * np.abs(apart).max():
+
+
+def contacts_at_steps(wrong: Seen) -> Iterator[Explanation]:
+    """Yield that contacts are on the ball's way, and as late or early as the ends of steps are."""
+    failing = [c for _, cs in wrong for c in cs if not c.follows]
+    lags = [c.obtained[0] - c.expected[0] for c in failing if c.quantity == "contact.time"]
+    if len(lags) < ENOUGH or any(c.quantity == "contact.position" for c in failing):
         return
+    least, most = np.quantile(np.abs(lags), (0.1, 1.0))
     for name, side, where in (
-        ("late", -1, "within each other, as at the end of its step"),
-        ("early", 1, "apart, as at the step before"),
+        ("late", 1, "after it, as at the end of its step"),
+        ("early", -1, "before it, as at the step before"),
     ):
-        if np.mean(side * apart > 0) >= 1 - FEW_OTHERS:
+        # The ends of steps are anywhere within a step.
+        if least < most / 3 and np.mean(side * np.array(lags) > 0) >= 1 - FEW_OTHERS:
             yield Explanation(
-                f"contact-{name}", "gives as the contact a place on the ball's way where ball and "
-                f"bat are {where}: by {np.median(np.abs(apart)):.2g} m in half of the scenes",
-                "find the time of touching within the step, and the state there", rank=2,
+                f"contact-{name}", "gives for the contact where the ball is up to "
+                f"{most:.2g} s {where}", "find the time of touching within the step, and the state "
+                "there", rank=2,
             )  # fmt: skip
 
 

@@ -672,7 +672,7 @@ class _Search:
             if not any(e.named for e in found):
                 found += clocks.between_steps(stage, wrong, self.base)
         if stage == "touching" and not any(e.named for e in found):
-            found += clocks.margins(wrong)
+            found += [*clocks.contacts_at_steps(wrong), *clocks.margins(wrong)]
         if stage == "restitution" and not any(e.named for e in found):
             found += fits.one_after_another(sought, found)
         return found
@@ -807,7 +807,9 @@ def _where_made(
 
 def _told_apart(seen: Seen, sizes: Sequence[float], minor: float) -> str | None:
     """Return a rule of the scenes with errors, or of those with errors that are not minor."""
-    known = [(t.case, size) for (t, cs), size in zip(seen, sizes, strict=True) if cs]
+    # Where a value is 0, an error in proportion does not show.
+    known = [(t.case, size) for (t, cs), size in zip(seen, sizes, strict=True)
+             if size or any(any(c.expected) for c in cs)]  # fmt: skip
     for least in (0.0, minor):
         wrong = [case for case, size in known if size > least]
         # How large an error is goes with how large a number is, and tells no cause apart.

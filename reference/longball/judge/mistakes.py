@@ -20,7 +20,7 @@ from longball.judge.formulas import EFFECTIVE, MU, PIVOT, PLAIN, misread
 from longball.judge.rubbing import STILL, rubbed
 from longball.judge.stages import Change, Numbers, with_values
 from longball.model.readings import Reading
-from longball.model.scene import parse_scene
+from longball.model.scene import Pitch, parse_scene
 
 # --- where ball and bat meet ----------------------------------------------------------------------
 
@@ -49,6 +49,7 @@ def _reaching(reach: Callable[[Any], float]) -> Change:
 
 
 _HEIGHT = "the bat's height is z'_b + σ_b: that of the ball at the plate, and swing.height_offset"
+_AIM = float((Pitch().aim or (0.0, 0.0))[1])  # m, what a program may have built in
 _REACH = "ball and bat touch where the ball's centre is R + r_b from the bat's axis"
 
 TOUCHING: tuple[Mistake, ...] = (
@@ -56,6 +57,8 @@ TOUCHING: tuple[Mistake, ...] = (
             _HEIGHT, _swung_at(lambda s: s.pitch.release[2] + s.swing.height_offset)),
     Mistake("height-from-aim", "puts the bat at swing.height_offset above the height aimed at",
             _HEIGHT, _swung_at(lambda s: s.pitch.aim[1] + s.swing.height_offset)),
+    Mistake("height-from-usual-aim", f"puts the bat at swing.height_offset above z = {_AIM:g} m",
+            _HEIGHT, _swung_at(lambda s: _AIM + s.swing.height_offset)),
     Mistake("height-of-offset-alone", "puts the bat at swing.height_offset above z = 0",
             _HEIGHT, _swung_at(lambda s: s.swing.height_offset)),
     Mistake("offset-sign", "counts swing.height_offset downwards", _HEIGHT,
