@@ -146,6 +146,24 @@ def test_a_linear_lift_that_ends_is_named():
     assert "linear-lift-at-most-0.3" in only.names
 
 
+def test_a_limit_of_the_spin_parameter_is_named_in_tables_of_drag_too():
+    def has_table(scene: Any) -> bool:
+        return getattr(scene.air.drag_coefficient, "of", "") == "spin_parameter"
+
+    by_spin = family("flight-kinks", has_table)
+    scenes = [with_values(case.scene, {"air.lift_coefficient": 0.2}) for case in by_spin]
+
+    def level(scene: Any) -> Any:
+        table = scene.air.drag_coefficient
+        nodes = sorted({*table.at, 0.1})
+        values = np.interp(np.minimum(nodes, 0.1), table.at, table.values)
+        return with_values(scene, {"air.drag_coefficient.at": tuple(nodes),
+                                   "air.drag_coefficient.values": tuple(values)})  # fmt: skip
+
+    (only,) = findings(solved(scenes, Ivp()), level)
+    assert "spin-parameter-at-most-0.1" in only.names
+
+
 def test_a_flight_driven_beyond_all_measure_hides_no_cause():
     cases = family("flight-kinks", lambda s: isinstance(s.air.drag_coefficient, Table))[:12]
 

@@ -717,8 +717,6 @@ def _lift_at(ratio: float, law: Any) -> float:
             return float(law.slope * ratio)
         case "bilinear":
             return min(1.5 * ratio, 0.09 + 0.6 * ratio)
-        case "table" if law.of == "spin_parameter":
-            return float(np.interp(ratio, law.at, law.values))
     return NO_LIMIT
 
 
@@ -905,6 +903,14 @@ def _extrapolated(
     return [*low, *nodes, *high], [*ends[0], *values, *ends[1]]
 
 
+def _level_from(
+    most: float, nodes: Sequence[float], values: Sequence[float], scene: Any
+) -> tuple[list[float], list[float]]:
+    """Return a table that keeps the value at a node from there on."""
+    more = sorted({*nodes, most})
+    return more, np.interp(np.minimum(more, most), nodes, values).tolist()
+
+
 def _with_defaults(place: str, law: str, scene: Any) -> Mapping[str, Any]:
     """Return a coefficient with the defaults of all its numbers, if it is of a law."""
     held = at(scene, place)
@@ -1001,8 +1007,9 @@ EXTENDED: tuple[Mistake, ...] = (
     Mistake("batted-without-spin", "lets the batted ball fly without spin",
             "the batted ball has the spin that the impact gives it",
             _batted_spin(lambda scene: (0.0, 0.0, 0.0))),
-    *(Mistake(f"spin-parameter-at-most-{most:g}", f"takes at most {most:g} for S in the lift", _S,
-              _limit_lift(partial(_lift_at, most)), True) for most in (0.1, 0.15, *_MOST)),
+    *(Mistake(f"spin-parameter-at-most-{most:g}", f"takes at most {most:g} for S", _S,
+              _tables(partial(_level_from, most), "spin_parameter").then(
+                  _limit_lift(partial(_lift_at, most))), True) for most in (0.1, 0.15, *_MOST)),
     *(Mistake(f"{law or 'spin'}-lift-at-most-{most:g}", f"has a C_L of at most {most:g} under "
               f"{f'the {law} law' if law else 'every law'} of spin", _S,
               _limit_lift(partial(_lift_of, law, most)), True)
