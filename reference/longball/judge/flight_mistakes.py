@@ -474,6 +474,10 @@ _PAPERS_LAW: tuple[Mistake, ...] = (
             _thrown(lambda pitch: {"pitch.aim": pitch.aim[::-1]})),
     Mistake("aim-level", "throws level: the height of the aim is ignored", _SCENE,
             _thrown(lambda pitch: {"pitch.aim[1]": pitch.release[2]})),
+    Mistake("throw-without-vertical", "leaves the vertical part of the throw's velocity out",
+            "the throw is towards the aim, its height too", _thrown(lambda pitch: {
+                "pitch.aim[1]": pitch.release[2], "pitch.speed":
+                    pitch.speed * math.hypot(*pitch.way[:2]) / math.hypot(*pitch.way)})),
     Mistake("aim-straight", "throws straight ahead: the side of the aim is ignored", _SCENE,
             _thrown(lambda pitch: {"pitch.aim[0]": pitch.release[1]})),
     Mistake("aim-side-from-release", "counts the side of the aim from the point of release",
