@@ -156,6 +156,9 @@ _CONTACTS: tuple[tuple[str, str, str, Callable[[Sequence[float], float], float]]
 )  # fmt: skip
 
 
+_SAME_PATH = 1e-3  # of what a velocity is off, what may be left where it is that of another time
+
+
 def touchings(wrong: Seen, base: Change) -> Iterator[Explanation]:
     """Yield where else ball and bat touch, if that is so in every scene with such an error."""
     events = [c for _, cs in wrong for c in cs if c.quantity.endswith("event") and not c.follows]
@@ -173,6 +176,38 @@ def touchings(wrong: Seen, base: Change) -> Iterator[Explanation]:
     for name, sentence, remedy, off in _CONTACTS:
         if all(abs(off(way, reach)) <= 1e-7 * reach for way, reach in ways):
             yield Explanation(name, sentence, remedy)
+
+
+def contacts_at_steps(wrong: Seen) -> Iterator[Explanation]:
+    """Yield that contacts are on the ball's way, and as late or early as the ends of steps are."""
+    failing = [c for _, cs in wrong for c in cs if not c.follows]
+    lags = [c.obtained[0] - c.expected[0] for c in failing if c.quantity == "contact.time"]
+    if len(lags) < ENOUGH or any(c.quantity == "contact.position" for c in failing):
+        return
+    least, most = np.quantile(np.abs(lags), (0.1, 1.0))
+    for name, side, where in (
+        ("late", 1, "after it, as at the end of its step"),
+        ("early", -1, "before it, as at the step before"),
+    ):
+        # The ends of steps are anywhere within a step.
+        if least < most / 3 and np.mean(side * np.array(lags) > 0) >= 1 - FEW_OTHERS:
+            yield Explanation(
+                f"contact-{name}", "gives for the contact where the ball is up to "
+                f"{most:.2g} s {where}", "find the time of touching within the step, and the state "
+                "there", rank=2,
+            )  # fmt: skip
+
+
+def margins(wrong: Seen) -> Iterator[Explanation]:
+    """Yield that balls are held to pass farther from the bat than they do, in all scenes."""
+    failing = [c for _, cs in wrong for c in cs if not c.follows]
+    short = [c.expected[0] - c.obtained[0] for c in failing if c.quantity == "contact.margin"]
+    if len(short) == len(failing) >= ENOUGH and min(short) > 0:
+        yield Explanation(
+            "margin-at-steps", f"contact.margin is too small, always, by up to {max(short):.2g} m: "
+            "as by the least of the distances at the steps", "find the least distance within the "
+            "step, where it changes from falling to rising", rank=3, quantity="contact.margin",
+        )  # fmt: skip
 
 
 def fences(wrong: Seen, base: Change) -> Iterator[Explanation]:
@@ -349,9 +384,6 @@ def _rounded_to(times: Array, clock: Array) -> int:
     unit = 10.0**-decimals
     near = clock.min() < 0 < clock.max() and abs(clock).max() < 0.5 * unit + 1e-9
     return decimals if near and 0 < decimals <= FEW_DECIMALS else 0
-
-
-_SAME_PATH = 1e-3  # of what a velocity is off, what may be left where it is that of another time
 
 
 def velocities_of_another_time(wrong: Seen, base: Change) -> Iterator[Explanation]:

@@ -425,8 +425,14 @@ class _Search:
             where = f", where {told.scenes}" if told.scenes else ""
             sentence = f"{stage} alone{where}: {sentence}"
         names = list(dict.fromkeys(e.name for e in same))
+        other: dict[str, Any] = {}
+        if of_most:
+            part, whole = (sum(size_of(c) for _, cs in s for c in cs) for s in (plain, wrong))
+            other["share"] = (1 - best.left) * part / whole
+        elif best.change is not None and not alone:
+            other["scenes"] = None  # the explanation tells them
         self.findings.append(_with_name(told, best, names=names, sentence=sentence, step=best.step,
-                                        stage=best.stage or stage))  # fmt: skip
+                                        stage=best.stage or stage, **other))  # fmt: skip
         self.begun.setdefault(stage, worst)
         if best.stage:
             self.moved[stage] = best.stage
@@ -450,7 +456,7 @@ class _Search:
         if not self.begun:
             return False
         worst = max((size_of(c) for _, cs in wrong for c in cs), default=0.0)
-        if not all(_keen(t) for t, _ in wrong):
+        if not all(_keen(t) or _is_wild(t) for t, _ in wrong):
             return few and worst < FINE
         # A graze makes of an error its square root.
         keen = len(wrong) + sum(_keen(t) for t, _ in good)
@@ -518,7 +524,7 @@ class _Search:
     ) -> tuple[int, list[Explanation]]:
         """Return those that the other stages bear out best, and how many checks they break."""
         others = [*self._elsewhere(stage), *evenly(good, SOUGHT)]
-        effects = [self._effect(e, stage, others) for e in found[:6]]
+        effects = [self._effect(e, stage, [*others, *_moved(e, good)]) for e in found[:6]]
         broken = min(b for b, _ in effects)
         mended = max(m for b, m in effects if b == broken)
         same = [e for e, effect in zip(found, effects, strict=False) if effect == (broken, mended)]
@@ -608,7 +614,8 @@ class _Search:
         self, stage: str, wrong: Seen, good: Seen, beside: Seen, checks: Seen
     ) -> list[Explanation]:
         """Return explanations, the cheap ones first, until some are named."""
-        wrong = [one for one in wrong if all(map(_known, one[1])) and not _keen(one[0])] or wrong
+        wrong = [one for one in wrong if all(map(_known, one[1])) and not (
+            _keen(one[0]) or _is_wild(one[0]))] or wrong  # fmt: skip
         chosen = evenly(wrong, SOUGHT)
         right = evenly([t for t, _ in good if not _keen(t)], BESIDE)
         sought = Sought([t for t, _ in chosen], right, (stage,), self.base, self.work)
@@ -664,6 +671,8 @@ class _Search:
                     found += (e for e in some if e.change and e.change.engine != NONE.engine)
             if not any(e.named for e in found):
                 found += clocks.between_steps(stage, wrong, self.base)
+        if stage == "touching" and not any(e.named for e in found):
+            found += [*clocks.contacts_at_steps(wrong), *clocks.margins(wrong)]
         if stage == "restitution" and not any(e.named for e in found):
             found += fits.one_after_another(sought, found)
         return found
@@ -727,9 +736,27 @@ def _without_others(same: Sequence[Explanation]) -> list[Explanation]:
     return sorted([strength, *kept], key=lambda e: "=" not in e.name)  # numbers before factors
 
 
+def _moved(e: Explanation, good: Seen) -> list[Checked]:
+    """Return some of the trials that pass whose scenes an explanation changes."""
+    if e.change is None:
+        return []
+    changed = e.change.scene
+    return evenly([one for one in good if changed(one[0].scene) != one[0].scene], OTHERS)
+
+
 def _keen(trial: Trial) -> bool:
     """Tell whether a trial answers to the last digits of what is computed."""
     return not KEEN.isdisjoint(trial.case.flags)
+
+
+WILD = 1e3  # so many times the true size a value is of a ball that a wrong law drives on
+
+
+def _is_wild(trial: Trial) -> bool:
+    """Tell whether a trial gives a value beyond all measure: then its flight tells nothing."""
+    true = trial.expected
+    return any(math.hypot(*value) > WILD * (1 + math.hypot(*true[name]))
+               for name, value in trial.given.items() if name in true)  # fmt: skip
 
 
 def _known(check: Check) -> bool:
@@ -780,7 +807,9 @@ def _where_made(
 
 def _told_apart(seen: Seen, sizes: Sequence[float], minor: float) -> str | None:
     """Return a rule of the scenes with errors, or of those with errors that are not minor."""
-    known = [(t.case, size) for (t, cs), size in zip(seen, sizes, strict=True) if cs]
+    # Where a value is 0, an error in proportion does not show.
+    known = [(t.case, size) for (t, cs), size in zip(seen, sizes, strict=True)
+             if size or any(any(c.expected) for c in cs)]  # fmt: skip
     for least in (0.0, minor):
         wrong = [case for case, size in known if size > least]
         # How large an error is goes with how large a number is, and tells no cause apart.

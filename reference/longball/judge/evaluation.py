@@ -101,7 +101,10 @@ class Judge:
         """Run some scenes again, backwards; say whether the answers are the same."""
         # They may differ by what passes, as sums by several threads do.
         known = [case for case in self.cases if case.id in answers and decidable(case)]
-        chosen = known[:: max(1, len(known) // AGAIN)][:AGAIN][::-1]
+        # No heading tells the axis of a lift straight up: there one that is kept shows, if it runs
+        # after another flight.
+        upright = [case for case in known if _is_upright(case.scene)][:1]
+        chosen = [*upright, *known[:: max(1, len(known) // AGAIN)][:AGAIN]][::-1]
         if len(chosen) < 2:
             return []
 
@@ -217,3 +220,9 @@ class Judge:
         rule = self.profile.told_of(self.cases)
         said = verdict(comparisons, submission, rule, truth, self.partial, diagnosis)
         return Evaluation(said, comparisons)
+
+
+def _is_upright(scene: Any) -> bool:
+    """Tell whether a scene is a flight straight up, or down, with a lift of its own axis."""
+    flies = scene.kind == "flight" and scene.air is not None and scene.launch.spin is None
+    return flies and not any(scene.launch.velocity[:2]) and bool(scene.air.lift_coefficient)

@@ -20,7 +20,15 @@ from longball.judge.changes import Mistake, reading_change, scene_change
 from longball.judge.findings import many
 from longball.judge.stages import Change, Numbers, with_values
 from longball.model import trace
-from longball.model.aerodynamics import CRISIS, DECAY_ALONG_PATH, DRAG, LIFT, spin_ratio
+from longball.model.aerodynamics import (
+    CRISIS,
+    DECAY_ALONG_PATH,
+    DRAG,
+    LIFT,
+    per_metre,
+    spin_across,
+    spin_ratio,
+)
 from longball.model.air import Air, CrisisDrag, Table, Weather
 from longball.model.atmosphere import (
     DRY_DENSITY,
@@ -46,6 +54,7 @@ from longball.model.force import (
     cross,
     scaled,
     size,
+    square,
     switched,
 )
 from longball.model.law import GRAVITY
@@ -465,6 +474,10 @@ _PAPERS_LAW: tuple[Mistake, ...] = (
             _thrown(lambda pitch: {"pitch.aim": pitch.aim[::-1]})),
     Mistake("aim-level", "throws level: the height of the aim is ignored", _SCENE,
             _thrown(lambda pitch: {"pitch.aim[1]": pitch.release[2]})),
+    Mistake("throw-without-vertical", "leaves the vertical part of the throw's velocity out",
+            "the throw is towards the aim, its height too", _thrown(lambda pitch: {
+                "pitch.aim[1]": pitch.release[2], "pitch.speed":
+                    pitch.speed * math.hypot(*pitch.way[:2]) / math.hypot(*pitch.way)})),
     Mistake("aim-straight", "throws straight ahead: the side of the aim is ignored", _SCENE,
             _thrown(lambda pitch: {"pitch.aim[0]": pitch.release[1]})),
     Mistake("aim-side-from-release", "counts the side of the aim from the point of release",
@@ -664,6 +677,61 @@ _TOTAL = Term(("of_total",), lambda scene, frame, numbers: (
     float(scene.reading.spin_parameter == "total"),))  # fmt: skip
 
 
+def _lift_limit(scene: Any, frame: Any, numbers: Any) -> tuple[Any] | None:
+    """Return k times the largest C_L that a scene carries."""
+    unit = None if scene.air is None else per_metre(scene, 1.0, numbers)
+    return None if unit is None else (unit * getattr(scene, "lift_limit", NO_LIMIT),)
+
+
+def _limited(form: Lift, m: Motion, p: Any) -> Any:
+    """Return what makes a lift one of the largest C_L, where it is of a larger one."""
+    most = p.lift_limit * square(m.lift.velocity)
+    active = size(spin_across(m.lift, p))
+    active += p.of_total * (p.spin * m.lift.speed - active)
+    return most / _larger(form.factor(m, p) * active, most, NARROW * most)
+
+
+NO_LIMIT = 1e9  # a C_L that is never met
+NARROW = 1e-7  # relative: how wide the bend is in what stands for the larger of two
+
+_LIMITED = _terms(
+    _forms(lambda term: isinstance(term, Lift),
+           lambda form: _multiplied(form, lambda m, p: _limited(form, m, p))),
+    Term(("lift_limit",), _lift_limit),
+    _TOTAL,
+)  # fmt: skip
+
+
+def _limit_lift(most: Callable[[Any], float]) -> Change:
+    """Return the change of a spinning ball's C_L to at most a number, from the law."""
+
+    def change(scene: Any) -> Any:
+        law = getattr(getattr(scene, "air", None), "lift_coefficient", None)
+        return scene.model_copy(update={"lift_limit": most(law)}) if hasattr(law, "law") else scene
+
+    return Change(change).then(_LIMITED)
+
+
+def _lift_at(ratio: float, law: Any) -> float:
+    """Return the C_L of a law at a spin parameter; none is met if it does not depend on that."""
+    match law.law:
+        case "rational":
+            return float(law.numerator * ratio / (law.constant + law.slope * ratio))
+        case "linear":
+            return float(law.slope * ratio)
+        case "bilinear":
+            return min(1.5 * ratio, 0.09 + 0.6 * ratio)
+    return NO_LIMIT
+
+
+def _lift_of(which: str, most: float, law: Any) -> float:
+    """Return a C_L if a law is the one; none is met if it is another."""
+    return most if which in ("", law.law) else NO_LIMIT
+
+
+_MOST = 0.2, 0.25, 0.3, 0.35, 0.4, 0.5  # what people may limit C_L, or S, to
+
+
 def _by_whole_spin(f: Any) -> Any:
     """Return a lift whose size goes with the whole spin, where it goes with spin at all."""
     by_spin = not {"linear_lift", "rational_lift"}.isdisjoint(f.parameters)
@@ -732,9 +800,9 @@ def _profile(rise: Callable[[Any, Any], Any]) -> Change:
 _BLEND = 5e-3  # m: a height at which two forms of the wind go over into each other is so wide
 
 
-def _larger(a: Any, b: Any) -> Any:
+def _larger(a: Any, b: Any, blend: Any = _BLEND) -> Any:
     """Return the larger of two, smoothly."""
-    return (a + b + trace.sqrt((a - b) * (a - b) + _BLEND * _BLEND)) * 0.5
+    return (a + b + trace.sqrt((a - b) * (a - b) + blend * blend)) * 0.5
 
 
 def _exchanged() -> Iterator[Mistake]:
@@ -839,12 +907,28 @@ def _extrapolated(
     return [*low, *nodes, *high], [*ends[0], *values, *ends[1]]
 
 
+def _level_from(
+    most: float, nodes: Sequence[float], values: Sequence[float], scene: Any
+) -> tuple[list[float], list[float]]:
+    """Return a table that keeps the value at a node from there on."""
+    more = sorted({*nodes, most})
+    return more, np.interp(np.minimum(more, most), nodes, values).tolist()
+
+
+def _with_defaults(place: str, law: str, scene: Any) -> Mapping[str, Any]:
+    """Return a coefficient with the defaults of all its numbers, if it is of a law."""
+    held = at(scene, place)
+    fields = type(held).model_fields.items() if held.law == law else ()
+    return {f"{place}.{name}": f.default for name, f in fields if not f.is_required()}
+
+
 def _earth(key: str, change: Callable[[float], float]) -> Change:
     """Return the change of an angle of the Earth's rotation."""
     return scene_change(lambda scene: {f"earth.{key}": change(getattr(scene.earth, key))})
 
 
 _EARTH = "add -2 Ω × v, Ω = 7.292115e-5 rad/s (cos λ north + sin λ up)"
+_S = "C_L follows S = R ω_T/U by the scene's law, however large S is"
 _LINEAR = "a table is linear between its nodes, and constant outside"
 
 
@@ -927,6 +1011,13 @@ EXTENDED: tuple[Mistake, ...] = (
     Mistake("batted-without-spin", "lets the batted ball fly without spin",
             "the batted ball has the spin that the impact gives it",
             _batted_spin(lambda scene: (0.0, 0.0, 0.0))),
+    *(Mistake(f"spin-parameter-at-most-{most:g}", f"takes at most {most:g} for S", _S,
+              _tables(partial(_level_from, most), "spin_parameter").then(
+                  _limit_lift(partial(_lift_at, most))), True) for most in (0.1, 0.15, *_MOST)),
+    *(Mistake(f"{law or 'spin'}-lift-at-most-{most:g}", f"has a C_L of at most {most:g} under "
+              f"{f'the {law} law' if law else 'every law'} of spin", _S,
+              _limit_lift(partial(_lift_of, law, most)), True)
+      for law in ("", "linear") for most in _MOST),
     Mistake("lift-of-whole-spin-across", "takes the C_L of the whole spin, gyro spin included, "
             "along ω × u", "S = R ω_T/U with ω_T = |ω × u|/U",
             reading_change(spin_parameter="total").then(
@@ -1124,6 +1215,10 @@ EXTENDED: tuple[Mistake, ...] = (
             "earth.azimuth is that of +x, clockwise from north", _earth("azimuth", operator.neg)),
     Mistake("azimuth-ignored", "takes +x for north", "earth.azimuth is that of +x",
             _earth("azimuth", lambda angle: 0.0)),
+    *(Mistake(f"{law}-defaults", f"takes the defaults of the {law} law of {place}, whatever the "
+              "scene says", _SCENE, scene_change(partial(_with_defaults, place, law)))
+      for place, law in (("air.drag_coefficient", "crisis"), ("air.lift_coefficient", "rational"),
+                         ("air.lift_coefficient", "linear"))),
     *(Mistake(f"table-{name}", f"takes a table's value at the {words}", _LINEAR,
               _stepped(jumps), True)
       for name, words, jumps in (

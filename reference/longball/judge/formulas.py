@@ -230,6 +230,15 @@ def _bare_pushed(v: View, c: float) -> Numbers:
     return _push(lambda v: v.m / (1 + _ratio_with(v, c)) if bare else v.mu)(v)
 
 
+def _of_ball_radius(v: View) -> float:
+    """Return c of the moment of inertia that has the ball's radius for the bat's."""
+    return 0.25 * float(v.scene.ball.radius / v.scene.bat.radius) ** 2
+
+
+def _with_component(vector: Numbers, i: int, value: float) -> Numbers:
+    return (*vector[:i], value, *vector[i + 1 :])
+
+
 # In the bat's parameters: names, sentences, remedies, and the switches of the reading that make
 # them.
 _MISREAD: dict[str, tuple[str, str, dict[str, str]]] = {
@@ -291,6 +300,10 @@ FORMULAS: tuple[Formula, ...] = (
          _swung(tilt=lambda t: _cos_sin(t)[::-1])),
         ("tilt-small-angle", "takes 1 for the cosine of the tilt, and the tilt for its sine",
          _swung(tilt=lambda t: (1.0, t))),
+        ("tilt-sine", "takes the sine of the tilt for the tilt",
+         _swung(tilt=lambda t: _cos_sin(math.sin(t)))),
+        ("tilt-tangent", "takes the tangent of the tilt for the tilt",
+         _swung(tilt=lambda t: _cos_sin(math.tan(t)))),
         ("tilt-cosine-left-out", "leaves the cosine of the tilt out",
          _swung(tilt=lambda t: (1.0, math.sin(t)))),
         ("tilt-in-degrees", "takes the tilt of the swing for degrees",
@@ -314,6 +327,9 @@ FORMULAS: tuple[Formula, ...] = (
     *_wrong("impact.restitution", EFFECTIVE,
         ("bat-mass-ratio", "takes the bat's whole mass for M_eff",
          _restitution(lambda v, e, r: _printed(e, v.m / v.M))),
+        ("bat-inertia-of-ball-radius", "takes the ball's radius for the bat's in its moment of "
+         "inertia", _restitution(lambda v, e, r: _printed(e, _ratio_with(v, _of_ball_radius(v)))),
+         _I),
         ("other-pivot", "measures r̃ from the bat's end A, at y = -L/2", _restitution(
             lambda v, e, r: _printed(e, r * ((v.scene.bat.length - v.lever) / v.lever) ** 2)),
          PIVOT),
@@ -326,6 +342,8 @@ FORMULAS: tuple[Formula, ...] = (
          _restitution(lambda v, e, r: (e - r) / (1 + r)))),
     *_wrong("impact.impulse", _J,
         ("reduced-mass", "takes μ from M_eff", _push(lambda v: v.bare), MU),
+        ("bat-inertia-of-ball-radius", "takes the ball's radius for the bat's in its moment of "
+         "inertia", lambda v: _bare_pushed(v, _of_ball_radius(v)), _I),
         ("ball-mass-for-mu", "takes the ball's mass for μ", _push(lambda v: v.m)),
         ("bat-mass-for-mu", "takes the bat's mass for μ", _push(lambda v: v.M)),
         ("sum-of-masses", "takes m + M for μ", _push(lambda v: v.m + v.M)),
@@ -350,6 +368,9 @@ FORMULAS: tuple[Formula, ...] = (
         ("impulse-over-reduced-mass", "divides the impulse by μ", _after(lambda v: 1 / v.mu)),
         ("relative-velocity", "starts from Ṽ instead of V",
          lambda v: plus(v.relative, 1 / v.m, v.kick)),
+        *((f"velocity-{axis}-kept", f"leaves v_{axis} as it was before the impact",
+           lambda v, i=i: _with_component(v["impact.velocity:follows"], i, v.before[i]))
+          for i, axis in enumerate("xyz")),
         ("velocity-along-normal", "keeps the velocity along the normal only",
          lambda v: tuple(n * dot(v["impact.velocity:follows"], v["contact.normal"])
                          for n in v["contact.normal"])),
@@ -383,6 +404,10 @@ FORMULAS: tuple[Formula, ...] = (
          "does", _energy(), "ΔE = P·(g + K P/2), with the whole impulse P")),
     *_wrong("impact.spin", _SPUN,
         ("spin-kept", "keeps the spin that the ball came with", lambda v: v["contact.spin"]),
+        ("spin-about-normal-lost", "leaves out the spin about the normal",
+         lambda v: plus(v["impact.spin:follows"], -dot(v["impact.spin:follows"],
+                                                       v["contact.normal"]), v["contact.normal"]),
+         "friction does not act on the spin about the normal: it stays as it was"),
         ("spin-change-sign", "changes the spin the other way", lambda v: plus(
             v["contact.spin"], -1.0, plus(v["impact.spin:follows"], -1.0, v["contact.spin"]))),
         ("spin-after-of-release", "adds to the spin of the release, not to that at the contact",
@@ -441,6 +466,9 @@ NUMBERED: tuple[Numbered, ...] = (
                                    v["contact.normal"]),
              lambda v, said: dot(plus(v["contact.position:follows"], -1.0, said),
                                  v["contact.normal"]) / v.scene.ball.radius),
+    Numbered("contact.normal", "normal-by-number", "divides the normal by {} m, not by its length",
+             "n is a unit vector", lambda v, length: tuple(x / length for x in v.axis),
+             lambda v, said: math.hypot(*v.axis) / math.hypot(*said)),
     Numbered("contact.normal", "normal-along-bat", "gives the normal a part along the bat: "
              "(x, {} y, z - z_b) stands for (x, 0, z - z_b)",
              "n is perpendicular to the bat's axis: its y is 0",

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from itertools import pairwise
 from typing import Any
 
@@ -20,7 +20,7 @@ from longball.judge.formulas import EFFECTIVE, MU, PIVOT, PLAIN, misread
 from longball.judge.rubbing import STILL, rubbed
 from longball.judge.stages import Change, Numbers, with_values
 from longball.model.readings import Reading
-from longball.model.scene import parse_scene
+from longball.model.scene import Pitch, parse_scene
 
 # --- where ball and bat meet ----------------------------------------------------------------------
 
@@ -49,6 +49,7 @@ def _reaching(reach: Callable[[Any], float]) -> Change:
 
 
 _HEIGHT = "the bat's height is z'_b + σ_b: that of the ball at the plate, and swing.height_offset"
+_AIM = float((Pitch().aim or (0.0, 0.0))[1])  # m, what a program may have built in
 _REACH = "ball and bat touch where the ball's centre is R + r_b from the bat's axis"
 
 TOUCHING: tuple[Mistake, ...] = (
@@ -56,6 +57,8 @@ TOUCHING: tuple[Mistake, ...] = (
             _HEIGHT, _swung_at(lambda s: s.pitch.release[2] + s.swing.height_offset)),
     Mistake("height-from-aim", "puts the bat at swing.height_offset above the height aimed at",
             _HEIGHT, _swung_at(lambda s: s.pitch.aim[1] + s.swing.height_offset)),
+    Mistake("height-from-usual-aim", f"puts the bat at swing.height_offset above z = {_AIM:g} m",
+            _HEIGHT, _swung_at(lambda s: _AIM + s.swing.height_offset)),
     Mistake("height-of-offset-alone", "puts the bat at swing.height_offset above z = 0",
             _HEIGHT, _swung_at(lambda s: s.swing.height_offset)),
     Mistake("offset-sign", "counts swing.height_offset downwards", _HEIGHT,
@@ -141,6 +144,10 @@ IMPACT: tuple[Mistake, ...] = (
     Mistake("lever-of-size", "takes |y| for y in r̃", PIVOT,
             _met(lambda s, contact: {
                 "lever_arm": min(contact.lever_arm, s.bat.length - contact.lever_arm)})),
+    Mistake("free-lever-from-end", "measures a free bat's lever from its end, and not from its "
+            "centre", "bat.support = free: M_eff = 1/(1/M + y²/I) with I about the centre",
+            _met(lambda s, contact: {} if s.bat.support != "free" else {
+                "lever_arm": s.bat.length / 2 - contact.lever_arm})),
     Mistake("spin-of-release", "strikes the ball with the spin of the release",
             "spin falls by e along spin_decay_length, on the way to the bat too",
             _met(lambda s, contact: {} if s.kind != "at-bat" or contact.spin is None
@@ -186,18 +193,24 @@ def _by_angle(vertices: Sequence[Numbers]) -> Iterator[Numbers]:
     yield vertices[-1]
 
 
+def _level(
+    height: Callable[[float, float], float], vertices: Sequence[Numbers]
+) -> Iterator[Numbers]:
+    """Yield the vertices of a fence whose chords are level, from the heights at their ends."""
+    for (*a, low), (*b, high) in pairwise(vertices):
+        yield from ((*a, height(low, high)), (*b, height(low, high)))
+
+
 FENCE: tuple[Mistake, ...] = (
     Mistake("fence-by-angle", "bends the fence: its distance is linear in the angle",
             "vertices are joined by straight chords", _fence(_by_angle)),
     Mistake("fence-without-height", "takes the fence for a line on the ground",
             "the third number of a vertex is the fence's height there",
             _fence(lambda v: ((x, y, 0.0) for x, y, _ in v))),
-    Mistake("fence-height-of-first", "has a chord as high as its first vertex",
-            "the height is linear along a chord",
-            _fence(lambda v: [w for a, b in pairwise(v) for w in (a, (b[0], b[1], a[2]))])),
-    Mistake("fence-height-of-last", "has a chord as high as its last vertex",
-            "the height is linear along a chord",
-            _fence(lambda v: [w for a, b in pairwise(v) for w in ((a[0], a[1], b[2]), b)])),
+    *(Mistake(f"fence-height-of-{name}", f"has a chord as high as its {name} vertex",
+              "the height is linear along a chord", _fence(partial(_level, height)))
+      for name, height in (("first", lambda a, b: a), ("last", lambda a, b: b),
+                           ("higher", max), ("lower", min))),
     Mistake("fence-cleared-by-surface", "asks the ball's whole surface to clear the fence",
             "the centre does, unless the reading fence_clearance says surface",
             reading_change(fence_clearance="surface")),

@@ -130,9 +130,9 @@ def outcome_findings(trials: Trials, base: Change, known: Sequence[Finding]) -> 
             sentence += ": as one who looks for the bat at the steps only"
             remedy = "find the closest approach within the step, where d·v changes sign, and test "
             remedy += "there"
-        elif {expected, obtained} in DIPS and all("dip" in t.case.flags for t in wrong):
-            own = "as one who looks for the ground at the steps only, or whose flight is off by "
-            own += "more than the ball dips below it"
+        elif flies and {expected, obtained} in DIPS and all("dip" in t.case.flags for t in wrong):
+            own = "as one whose flight is off by more than the ball dips below the ground, or who "
+            own += "looks for it at the steps only"
             sentence += f": {own}"
             remedy = "find the lowest point within the step, where v_z changes sign, and test there"
         elif not flies:
@@ -351,7 +351,8 @@ def told_findings(trials: Trials, base: Change) -> Iterator[Finding]:
         what = name if "." in name else f"the block {name}"
         sentence = f"gives {what} with the outcome {' or '.join(outcomes)}"
         if others := sum(t.case.expected.outcome in outcomes for t in same):
-            sentence += f" where the truth has none; in {others} more the truth has one, too"
+            sentence += f" where the truth has none; in {others} other scenes with that outcome "
+            sentence += "it belongs there"
         else:
             sentence += ", which has none"
         yield _told("outcome", name, [] if others else [f"{name}-given"], sentence, more, same)

@@ -120,12 +120,32 @@ def _images(quantity: str, expected: Array, obtained: Array) -> Iterator[tuple[s
             sentence = f"{quantity}: {shown} stands where (x, y, z) belongs"
             yield f"{quantity}:{shown}", sentence, image
         yield from _flat(quantity, expected, obtained)
+        yield from _on_surface(quantity, expected, obtained)
         return
+    yield from _limited(quantity, expected[:, 0], obtained[:, 0])
+    if not same and np.ptp(total := obtained + expected) < 1e-3 * abs(mean := float(total.mean())):
+        whole = roundest(mean, float(np.ptp(total)) / 2)
+        yield (f"{whole:.6g}-{quantity}", f"{quantity}: obtained = {whole:.8g} - expected",
+               lambda x: whole - x)  # fmt: skip
     shift = obtained - expected
     middle = float(np.median(shift))
     if middle and not same and np.ptp(shift) < 1e-3 * abs(middle):
         sentence = f"{quantity}: obtained = expected {'+-'[middle < 0]} {abs(middle):.8g}"
         yield f"{quantity}+{middle:.6g}", sentence, lambda x: x + middle
+
+
+def _limited(quantity: str, expected: Array, obtained: Array) -> Iterator[tuple[str, str, Image]]:
+    """Yield the number that a quantity is where it should be larger, or smaller."""
+    limit = float(np.median(obtained))
+    if len(expected) < FIRST or np.ptp(obtained) > SAME * abs(limit):
+        return
+    for symbol, word, bound, most in (
+        ("<=", "above", np.minimum, expected.max()), (">=", "below", np.maximum, -expected.min())
+    ):  # fmt: skip
+        if (bound(expected, limit) == limit).all():
+            name, sentence = f"{quantity}{symbol}{limit:.6g}", f"{quantity} is never {word} "
+            sentence += f"{limit:.6g}: it is that where up to {abs(most):.6g} is right"
+            yield name, sentence, lambda x, bound=bound: bound(x, limit)  # type: ignore[misc]
 
 
 def _flat(quantity: str, expected: Array, obtained: Array) -> Iterator[tuple[str, str, Image]]:
@@ -140,6 +160,29 @@ def _flat(quantity: str, expected: Array, obtained: Array) -> Iterator[tuple[str
             name = "first-below"
             told = "ends the flight at the first step below the ground, and says that it is at it"
         yield name, told, _turned((0, 1, 2), left_out.tolist())
+
+
+def _on_surface(
+    quantity: str, expected: Array, obtained: Array
+) -> Iterator[tuple[str, str, Image]]:
+    """Yield that a ball is said to be at the plate, or on the ground, at a time when it is not."""
+    axis = {"plate.position": 0, "landing.position": 2}.get(quantity)
+    off = expected - obtained
+    if axis is None or len(np.unique(obtained[:, axis])) > 1:
+        return
+    beside, there = np.delete(off, axis, axis=1), np.abs(off[:, axis])
+    if np.abs(beside).max() > SAME * max(float(there.max()), 1e-3):
+        return
+    side = "behind" if (off[:, axis] < 0).all() else "before" if (off[:, axis] > 0).all() else ""
+    where = f"{side or 'before or behind'} {'the ground' if axis else 'the plate'}"
+    step = {"behind": ", as at the end of its step", "before": ", as at the step before"}
+    sentence = f"gives time and place of a ball up to {there.max():.2g} m {where}"
+    sentence += f"{step.get(side, '')}, and says that it is there"
+    yield f"{quantity}-at-step", sentence, _with_axis(axis, float(obtained[0, axis]))
+
+
+def _with_axis(axis: int, value: float) -> Image:
+    return lambda x: np.where(np.arange(3) == axis, value, x)
 
 
 def _turned(order: Sequence[int], signs: Sequence[float]) -> Image:

@@ -155,9 +155,11 @@ RUBBING: tuple[Mistake, ...] = (
     Mistake("friction-same-inertia", "takes the bat's moment of inertia across its axis for that "
             "about it", _K, rubbed(arguments=lambda s, given: {
                 "axial_inertia": given["inertia"]})),
-    Mistake("friction-half-axial", "takes M r_b²/4 for the bat's moment of inertia about its axis, "
-            "M r_b²/2", _K, rubbed(arguments=lambda s, given: {
-                "axial_inertia": given["axial_inertia"] / 2})),
+    *(Mistake(f"friction-{name}-axial", f"{words} for the bat's moment of inertia about its axis, "
+              "M r_b²/2", _K, rubbed(arguments=lambda s, given, factor=factor: {
+                  "axial_inertia": factor * given["axial_inertia"]}))
+      for name, words, factor in (("half", "takes M r_b²/4", 0.5), ("double", "takes M r_b²", 2.0),
+                                  ("infinite", "takes infinity", math.inf))),
     Mistake("always-grips", "lets the ball grip always", _CONE, rubbed(grips=lambda grips: True)),
     Mistake("always-slides", "lets the ball slide always", _CONE,
             rubbed(grips=lambda grips: False)),

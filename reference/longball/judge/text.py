@@ -139,18 +139,24 @@ def stage_sentences(diagnosis: Diagnosis) -> Iterator[str]:
 _VERB = re.compile(r"(?!as |its |axes |times )[a-z]+s ")
 
 
+FEW = 2  # scenes of which another mistake might have made the same
+
+
 def finding_sentences(finding: Finding) -> Iterator[str]:
     """Yield what is behind the errors of a stage."""
     sentence = finding.beside_stage
     subject = "it " if _VERB.match(sentence) else ""
     word = {"named": subject, "probably": f"probably {subject}", "unexplained": "not explained: "}
     has_share = finding.share and finding.stage != "outcome"  # an outcome has no size
-    share = f" (explains {finding.share:.2%} of the error)" if has_share else ""
+    few = f", in {many(finding.wrong, 'scene')} only" if finding.wrong <= FEW else ""
+    share = f" (explains {finding.share:.2%} of the error{few})" if has_share else ""
     yield f"diagnosis: {finding.stage}: {word[finding.kind]}{sentence}{share}"
     if finding.remedy:
         yield f"  {finding.remedy}"
     if finding.scenes:
         yield f"  exactly the scenes with {finding.scenes}"
+        if finding.kind == "unexplained" and " and " in finding.scenes:
+            yield "  (so in the scenes that were judged: what they share need not be the cause)"
 
 
 def _convergence(report: ConvergenceReport) -> Iterator[str]:

@@ -233,9 +233,11 @@ class Law(Generic[N]):
         return sum((self.beyond(bend, x, numbers)(state) > 0 for x in levels), start=0)
 
     def without(self, force: Term) -> Law[N]:
-        """Return the law without one of its forces."""
-        strengths = {n: x for n, x in self.strengths.items() if n not in force.parameters}
-        return law_with(strengths, tuple(f for f in self.forces if f is not force))
+        """Return the law without a force, or what has its parameters in its place."""
+        kept = tuple(f for f in self.forces if not {*f.parameters} & {*force.parameters})
+        names = {name for f in kept for name in f.parameters}
+        strengths = {n: x for n, x in self.strengths.items() if n in names}
+        return law_with(strengths, kept, in_space="y" in self.program.variables)
 
     def straight(self, sense: N) -> Law[N] | None:
         """Return the law of a vertical flight; `sense` is 1 on the way up and -1 on the way down.

@@ -50,7 +50,7 @@ def fly(
 
 def lift_is_always_up(cases: Cases[N], law: Law[N]) -> Any:
     """Return the condition that there is a lift, and that it is always up."""
-    if cases.scene.reading.lift_direction != "always_up" or LIFT not in law.forces:
+    if cases.scene.reading.lift_direction != "always_up" or "lift" not in law.strengths:
         return False
     return cast(Any, law.strengths["lift"]) != 0
 
