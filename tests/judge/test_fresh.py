@@ -23,7 +23,7 @@ from longball.judge.fresh import as_csv, proven, random_scenes, usual_constants
 from longball.judge.paths import landed
 from longball.judge.step_sweep import StepSweep, parse_knob
 from longball.judge.verdict import Submission, compare
-from longball.model.scene import Scene, parse_scene
+from longball.model.scene import Launch, Scene, parse_scene
 from tests.judge.material import flights, pitches
 
 
@@ -241,6 +241,14 @@ def test_state_kept_between_scenes_and_random_answers_are_told(tmp_path: Path):
         source.write_text(text.replace("VALUE", value), encoding="utf-8")
         verdict = judge.evaluate_command([sys.executable, str(source)]).verdict
         assert any(why in reason for reason in verdict.reasons), verdict.reasons
+
+
+def test_a_flight_straight_up_is_run_twice_as_others_are():
+    first, second, *_ = flights()
+    up = first.model_copy(update={"launch": Launch(position=(0.0, 0.0, 1.0), velocity=(0, 0, 40))})
+    judge = Judge(solved([up, second], Ivp()), Exact())
+    verdict = judge.evaluate_command([sys.executable, "-m", "longball", "solve"]).verdict
+    assert verdict.passed, verdict.reasons
 
 
 def test_the_time_of_a_verdict_is_that_of_all_runs(monkeypatch):

@@ -104,7 +104,8 @@ class Judge:
         # No heading tells the axis of a lift straight up: there one that is kept shows, if it runs
         # after another flight.
         upright = [case for case in known if _is_upright(case.scene)][:1]
-        chosen = [*upright, *known[:: max(1, len(known) // AGAIN)][:AGAIN]][::-1]
+        some = [*upright, *known[:: max(1, len(known) // AGAIN)][:AGAIN]]
+        chosen = [*{case.id: case for case in some}.values()][::-1]
         if len(chosen) < 2:
             return []
 
