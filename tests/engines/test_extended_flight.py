@@ -512,6 +512,14 @@ def test_a_table_of_one_value_is_a_constant(engine, error):
     assert table.position == pytest.approx(plain.position, abs=1e-11)
 
 
+@pytest.mark.parametrize("engine", [Ivp(), Batch()], ids=["ivp", "batch"])
+def test_a_flight_in_too_many_pieces_is_declined(engine, monkeypatch):
+    monkeypatch.setattr("longball.engines.path_engine._MOST_PIECES", 3)
+    result = solve(scene(air={"drag_coefficient": TABLE}), engine)
+    assert result.code == "too_long"
+    assert "over 3 steps; try a shorter time_limit" in result.error
+
+
 @pytest.mark.parametrize("engine", [Ivp(), Enclosure(20), Multiprecision(20), Batch()])
 def test_a_ball_that_drifts_with_the_wind(engine):
     """It falls as it would in still air."""

@@ -99,6 +99,25 @@ def test_a_normal_by_another_length_is_named():
     assert named(cases, by_number, "normal").names == ["normal-by-number=0.07"]
 
 
+def test_a_bat_with_the_radius_of_the_ball_is_named():
+    thin = Reading(inertia="thin_rod")
+    cylinders = [with_values(s, {"id": f"{s.id}-{mass}", "ball.mass": mass})
+                 for s in impacts() for mass in (0.1, 0.2, 0.4)]  # fmt: skip
+    rods = [s.model_copy(update={"id": f"{s.id}-thin", "reading": thin}) for s in cylinders]
+
+    def wrong(scene: Any, given: dict[str, Any]) -> None:
+        if scene.reading.inertia == "thin_rod":
+            return
+        e, got = scene.ball.restitution, given["impact"]["restitution"]
+        right, other = (scene.bat.length**2 / 3 + r**2 / 4
+                        for r in (scene.bat.radius, scene.ball.radius))  # fmt: skip
+        ratio = (got - e) / (1 + e) * right / other  # m/M_eff, of ẽ = e + (1 + e) m/M_eff
+        given["impact"]["restitution"] = e + (1 + e) * ratio
+
+    only = named(solved([*cylinders, *rods], Ivp()), wrong, "restitution")
+    assert only.names[0] == "bat-inertia-of-ball-radius"
+
+
 @pytest.mark.parametrize(("name", "function"), [("sine", math.sin), ("tangent", math.tan)])
 def test_a_function_of_the_tilt_for_the_tilt_is_named(name: str, function: Any):
     def tilted(scene: Any) -> Any:

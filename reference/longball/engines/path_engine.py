@@ -65,7 +65,7 @@ class PathEngine(Engine[N], ABC):
         Undecided
             If a flight only touches such a place, within its error.
         TooLong
-            If it takes so many pieces that to look for such places takes too long.
+            If it has more pieces than can be searched for such places within seconds.
         """
         begin = self.numbers.exact(0.0)
         if not law.bends:

@@ -156,9 +156,6 @@ _CONTACTS: tuple[tuple[str, str, str, Callable[[Sequence[float], float], float]]
 )  # fmt: skip
 
 
-_SAME_PATH = 1e-3  # of what a velocity is off, what may be left where it is that of another time
-
-
 def touchings(wrong: Seen, base: Change) -> Iterator[Explanation]:
     """Yield where else ball and bat touch, if that is so in every scene with such an error."""
     events = [c for _, cs in wrong for c in cs if c.quantity.endswith("event") and not c.follows]
@@ -384,6 +381,9 @@ def _rounded_to(times: Array, clock: Array) -> int:
     unit = 10.0**-decimals
     near = clock.min() < 0 < clock.max() and abs(clock).max() < 0.5 * unit + 1e-9
     return decimals if near and 0 < decimals <= FEW_DECIMALS else 0
+
+
+_SAME_PATH = 1e-3  # of what a velocity is off, what may be left where it is that of another time
 
 
 def velocities_of_another_time(wrong: Seen, base: Change) -> Iterator[Explanation]:

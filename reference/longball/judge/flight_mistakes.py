@@ -21,6 +21,7 @@ from longball.judge.findings import many
 from longball.judge.stages import Change, Numbers, with_values
 from longball.model import trace
 from longball.model.aerodynamics import (
+    BILINEAR,
     CRISIS,
     DECAY_ALONG_PATH,
     DRAG,
@@ -720,7 +721,7 @@ def _lift_at(ratio: float, law: Any) -> float:
         case "linear":
             return float(law.slope * ratio)
         case "bilinear":
-            return min(1.5 * ratio, 0.09 + 0.6 * ratio)
+            return min(at_0 + slope * ratio for at_0, slope in BILINEAR[1])
     return NO_LIMIT
 
 

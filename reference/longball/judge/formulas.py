@@ -203,9 +203,12 @@ def _unit(v: Numbers) -> Numbers:
 
 def _slender(v: View) -> float:
     """Return the bat's moment of inertia without its part of r_b², by its mass, m²."""
-    bat = v.scene.bat
-    part = 0.0 if v.scene.reading.inertia == "thin_rod" else float(bat.radius) ** 2 / 4
-    return float(v.inertia / v.M - part)
+    return float(v.inertia / v.M - _round(v) * v.scene.bat.radius**2)
+
+
+def _round(v: View) -> float:
+    """Return c of the moment of inertia M(… + c r_b²)."""
+    return 0.0 if v.scene.reading.inertia == "thin_rod" else 0.25
 
 
 def _round_part(v: View, ratio: float) -> float:
@@ -232,7 +235,7 @@ def _bare_pushed(v: View, c: float) -> Numbers:
 
 def _of_ball_radius(v: View) -> float:
     """Return c of the moment of inertia that has the ball's radius for the bat's."""
-    return 0.25 * float(v.scene.ball.radius / v.scene.bat.radius) ** 2
+    return _round(v) * float(v.scene.ball.radius / v.scene.bat.radius) ** 2
 
 
 def _with_component(vector: Numbers, i: int, value: float) -> Numbers:

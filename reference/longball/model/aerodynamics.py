@@ -266,14 +266,14 @@ SPIN_TERMS: tuple[Term, ...] = (
 
 # Sawicki, Hubbard and Stronge, Am. J. Phys. 71 (2003) 1152: C_L = 1.5 S, from S = 0.1 on
 # 0.09 + 0.6 S.
-_BILINEAR = ((0.1,), ((0.0, 1.5), (0.09, 0.6)))
+BILINEAR = ((0.1,), ((0.0, 1.5), (0.09, 0.6)))
 
 
 def _lines(law: Any, numbers: Numbers[N]) -> tuple[tuple[N, ...], list[tuple[N, N]]]:
     """Return where the lines of a law meet, and the value at 0 and the slope of each line."""
     exact = numbers.exact
     if law.law == "bilinear":
-        nodes, lines = _BILINEAR
+        nodes, lines = BILINEAR
         return tuple(map(exact, nodes)), [(exact(a), exact(b)) for a, b in lines]
     at, values = [*map(exact, law.at)], [*map(exact, law.values)]
     nothing = exact(0.0)
