@@ -69,6 +69,10 @@ OTHERS = 3  # scenes of each kind in which it is seen what an explanation does t
 # hardly decide: beside a cause that is named, so few are not worth a line.
 FEW_UNSEEN = 0.05
 
+# What the axes or the unit of some scenes may leave of their errors: those are exact, and a throw to
+# the other side, for one, makes almost the same of them.
+EXACTLY = 1e-4
+
 RIGHT = {"wrong": 0, "worst": 0.0, "example": None}  # of errors made elsewhere
 
 # Where a wrong flight ends is seen to be on the surface, and no more: not that it is there in time.
@@ -364,7 +368,7 @@ class _Search:
         if searched and scenes:
             ids = {id(t) for t, _ in wrong}
             some = [t for t in self.trials if id(t) in ids]
-            if (meant := relations.conventions(some)) and meant.named:
+            if (meant := relations.conventions(some)) and meant.left < EXACTLY:
                 self._read(some, meant, told)
                 return True
         plain, of_most, rounded = _plain(wrong), False, False

@@ -24,7 +24,15 @@ from longball.engines.verlet import Verlet
 from longball.judge.changes import Mistake
 from longball.judge.explanations import JUMPED, NAMED, OWN_ERROR, Explanation, Sought
 from longball.judge.flight_mistakes import LAW, OWN, SINGLES, SPIN, with_density
-from longball.judge.mistakes import FENCE, IGNORED, IMPACT, READINGS, TOUCHING, TWO_STEP_PUSH
+from longball.judge.mistakes import (
+    BATTED,
+    FENCE,
+    IGNORED,
+    IMPACT,
+    READINGS,
+    TOUCHING,
+    TWO_STEP_PUSH,
+)
 from longball.judge.rubbing import RUBBING
 from longball.judge.stages import COLLISION, NONE, Change, Trial, with_values
 from longball.judge.steps import ITS_OWN, LIKE
@@ -511,6 +519,7 @@ def _library(stage: str) -> list[Mistake]:
     before = stage in ("pitch", "plate", "touching", "normal", "bat velocity")
     return [
         *(LAW if stage in ("pitch", "flight", "spin decay") else ()),
+        *(BATTED if stage == "flight" else ()),
         *(TOUCHING if stage in ("touching", "normal") else ()),
         *(FENCE if stage == "fence" else ()),
         *((*IMPACT, *RUBBING, *SPIN) if struck else ()),

@@ -322,6 +322,17 @@ def _thrown(values: Callable[[Any], Mapping[str, Any]]) -> Change:
     return scene_change(lambda scene: {} if scene.pitch.aim is None else values(scene.pitch))
 
 
+def _through(front: float) -> Callable[[Any], Mapping[str, Any]]:
+    """Return the change of the aim to where the throw is to go if it is to x = `front`, m."""
+
+    def values(pitch: Any) -> Mapping[str, Any]:
+        (x, *beside), farther = pitch.release, pitch.release[0] / (pitch.release[0] - front)
+        return {"pitch.aim": tuple(b + (a - b) * farther
+                                   for a, b in zip(pitch.aim, beside, strict=True))}  # fmt: skip
+
+    return values
+
+
 def _displaced(factors: Callable[[float], Mapping[str, float]]) -> Change:
     """Return the change of some values by factors of the share of the ball that air would weigh."""
 
@@ -484,6 +495,8 @@ _PAPERS_LAW: tuple[Mistake, ...] = (
     Mistake("aim-side-from-release", "counts the side of the aim from the point of release",
             "the aim is a point: y and z where the plate is",
             _thrown(lambda pitch: {"pitch.aim[0]": pitch.aim[0] + pitch.release[1]})),
+    Mistake("aim-at-front", "aims at a point above the front of home plate, x = 0.4318 m",
+            "the aim is a point of the plane x = 0", _thrown(_through(0.4318))),
     *(Mistake(f"pitch-speed-{name}", f"gives the ball pitch.speed {words}, and the rest of the way "
               "on top", "pitch.speed is the size of the velocity at the release",
               _thrown(lambda pitch, n=count: {  # type: ignore[misc]
@@ -713,6 +726,16 @@ def _limit_lift(most: Callable[[Any], float]) -> Change:
     return Change(change).then(_LIMITED)
 
 
+def _bilinear(
+    change: Callable[[Any], Any], given: Any, scene: Any, frame: Any, numbers: Any
+) -> Branches | None:
+    """Return the branches of a table of the lift, with other lines if it is the bilinear law."""
+    found = given(scene, frame, numbers)
+    if found is None or not found.levels or scene.air.lift_coefficient.law != "bilinear":
+        return found  # type: ignore[no-any-return]
+    return Branches(found.levels, change(found.strengths))
+
+
 def _lift_at(ratio: float, law: Any) -> float:
     """Return the C_L of a law at a spin parameter; none is met if it does not depend on that."""
     match law.law:
@@ -929,6 +952,8 @@ def _earth(key: str, change: Callable[[float], float]) -> Change:
 
 
 _EARTH = "add -2 Ω × v, Ω = 7.292115e-5 rad/s (cos λ north + sin λ up)"
+_BILINEAR = "C_L is 1.5 S, and 0.09 + 0.6 S from S = 0.1 on"
+_AZIMUTH = "earth.azimuth is that of +x, clockwise from north"
 _S = "C_L follows S = R ω_T/U by the scene's law, however large S is"
 _LINEAR = "a table is linear between its nodes, and constant outside"
 
@@ -1019,6 +1044,13 @@ EXTENDED: tuple[Mistake, ...] = (
               f"{f'the {law} law' if law else 'every law'} of spin", _S,
               _limit_lift(partial(_lift_of, law, most)), True)
       for law in ("", "linear") for most in _MOST),
+    *(Mistake(f"bilinear-{name}", f"{words} the bilinear lift", _BILINEAR, _strengths(
+          partial(_bilinear, change), lambda term: "lift_slope" in term.parameters), True)
+      for name, words, change in (
+          ("first-line", "has 1.5 S throughout in", lambda lines: (lines[0],) * 2),
+          ("second-line", "has 0.09 + 0.6 S throughout in", lambda lines: (lines[1],) * 2),
+          ("without-0.09", "leaves the 0.09 out of", lambda lines: (
+              lines[0], (lines[0][0], lines[1][1]))))),
     Mistake("lift-of-whole-spin-across", "takes the C_L of the whole spin, gyro spin included, "
             "along ω × u", "S = R ω_T/U with ω_T = |ω × u|/U",
             reading_change(spin_parameter="total").then(
@@ -1101,6 +1133,11 @@ EXTENDED: tuple[Mistake, ...] = (
               "the wind blows above the plane z = `above`", scene_change(
                   lambda s, level=level: {"air.wind.above": s.air.wind.above + level(s)}), True)  # type: ignore[misc]
       for name, sentence, level in _LEVELS),
+    Mistake("wind-below", "has a wind with `above` blow below that height, and not above it",
+            "the wind blows above the plane z = `above`", _strengths(
+                lambda given, *of: (found := given(*of)) and Branches(
+                    found.levels, found.strengths[::-1]),
+                lambda term: "above_s" in term.parameters), True),
     Mistake("wind-profile-without-offset", "lets the wind grow as ln(z/z_0)/ln(h/z_0)",
             _PROFILE, _profile(lambda z, p: trace.log(_larger(z, p.roughness) / p.roughness)
                                / trace.log(p.wind_height / p.roughness)), True),
@@ -1201,8 +1238,14 @@ EXTENDED: tuple[Mistake, ...] = (
             _turning_without("earth_s", "earth_y")),
     Mistake("colatitude", "counts the latitude from the pole", _EARTH,
             _earth("latitude", lambda angle: math.pi / 2 - angle)),
-    Mistake("azimuth-from-east", "counts the azimuth from the east", _EARTH,
-            _earth("azimuth", lambda angle: math.pi / 2 - angle)),
+    *(Mistake(f"azimuth{turn:+d}", f"{words} degrees in the azimuth", _AZIMUTH,
+              _earth("azimuth", lambda angle, turn=turn: angle + math.radians(turn)))  # type: ignore[misc]
+      for turn, words in ((90, "has 90 more"), (-90, "has 90 fewer"), (180, "has 180 more"))),
+    *(Mistake(f"azimuth-{name}", f"counts the azimuth {words}", _AZIMUTH,
+              _earth("azimuth", change))
+      for name, words, change in (
+          ("from-east", "from the east, counterclockwise", lambda angle: math.pi / 2 - angle),
+          ("sign", "the other way round", operator.neg))),
     Mistake("latitude-sign", "takes southern latitudes for northern ones", _EARTH,
             _earth("latitude", abs)),
     *(Mistake(f"{key}-in-degrees", f"takes the {key} for degrees", f"earth.{key} is in radians",
@@ -1212,9 +1255,7 @@ EXTENDED: tuple[Mistake, ...] = (
     Mistake("earth-in-degrees", "takes latitude and azimuth for degrees",
             "the angles of `earth` are in radians",
             _earth("latitude", math.radians).then(_earth("azimuth", math.radians))),
-    Mistake("azimuth-sign", "counts the azimuth the other way round",
-            "earth.azimuth is that of +x, clockwise from north", _earth("azimuth", operator.neg)),
-    Mistake("azimuth-ignored", "takes +x for north", "earth.azimuth is that of +x",
+    Mistake("azimuth-ignored", "takes +x for north", _AZIMUTH,
             _earth("azimuth", lambda angle: 0.0)),
     *(Mistake(f"{law}-defaults", f"takes the defaults of the {law} law of {place}, whatever the "
               "scene says", _SCENE, scene_change(partial(_with_defaults, place, law)))

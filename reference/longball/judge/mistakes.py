@@ -7,7 +7,7 @@ in `rubbing`. Numbers of the scene that are taken for others are not listed: `fi
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache, partial
 from itertools import pairwise
@@ -82,6 +82,32 @@ TWO_STEP_PUSH = Mistake(
     "strike at once, at the time and place of touching; only the impulse is meant",
     Change(push=True),
 )
+
+
+def _batted(change: Callable[[Any, Any], Mapping[str, Any]]) -> Change:
+    """Return the change of how the batted ball is set free, from the scene and its launch."""
+    return Change(launch=lambda scene, launch: replace(launch, **change(scene, launch)))
+
+
+def _bat_axis(scene: Any, launch: Any) -> dict[str, Any]:
+    _, y, _ = launch.position
+    return {"position": (0.0, y, _crossing(scene) + scene.swing.height_offset)}
+
+
+_FREE = "the batted ball flies from contact.position"
+
+BATTED: tuple[Mistake, ...] = (
+    Mistake("batted-above-origin", "lets the batted ball fly from above (0, 0)", _FREE,
+            _batted(lambda s, launch: {"position": (0.0, 0.0, launch.position[2])})),
+    Mistake("batted-from-bat-axis", "lets the batted ball fly from the bat's axis", _FREE,
+            _batted(_bat_axis)),
+    *(Mistake(f"batted-from-{height:g}", f"lets the batted ball fly from the height of {height:g} "
+              "m", _FREE, _batted(lambda s, launch, height=height: {  # type: ignore[misc]
+                  "position": (*launch.position[:2], height)})) for height in (0.0, 1.0)),
+    Mistake("batted-upwards", "lets a ball that is batted down fly upwards",
+            "the batted ball flies with impact.velocity", _batted(lambda s, launch: {
+                "velocity": (*launch.velocity[:2], abs(launch.velocity[2]))})),
+)  # fmt: skip
 
 # Mistakes that the parts after them hide if their own quantity is not answered: changes of the
 # whole chain, tried where a stage's inputs are longball's own.

@@ -91,6 +91,10 @@ def _fair_otherwise(trials: Iterable[Trial]) -> tuple[list[str], str] | None:
     return [name for name, *_ in ties], told_together([sentence for _, sentence, _ in ties])
 
 
+ABOVE = "this follows from the above"
+FLIES_WRONGLY = "its ball flies wrongly", "see whether this is so still when the flight is right"
+
+
 def outcome_findings(trials: Trials, base: Change, known: Sequence[Finding]) -> Iterator[Finding]:
     """Yield what is behind the other outcomes of some trials; `known` is what is found already."""
     kinds: dict[tuple[str, str], list[Trial]] = defaultdict(list)
@@ -98,23 +102,28 @@ def outcome_findings(trials: Trials, base: Change, known: Sequence[Finding]) -> 
         if t.confused:
             kinds[str(t.case.expected.outcome), str(t.outcome)].append(t)
     flies = {f.stage for f in known}.isdisjoint(("pitch", "flight"))
-    flown: dict[str, list[Trial]] = {}  # what nothing explains but that the ball flies wrongly
+    # What other mistakes make: by their names, what is said of it and its remedy.
+    following: dict[tuple[Any, ...], dict[str, list[Trial]]] = defaultdict(dict)
     for (expected, obtained), wrong in sorted(kinds.items(), key=lambda k: -len(k[1])):
         agreed = [t for t in trials if not t.confused]
         same = [t for t in agreed if t.case.expected.outcome == expected]
         held = [*evenly(same, RIGHT), *evenly([t for t in agreed if not t.right], RIGHT)]
-        sentence, remedy = f"says {obtained} where {expected} is right", None
+        what, remedy = f"{obtained} where {expected} is right", None
+        sentence = f"says {what}"
         names, own, against = list[str](), "", ""
-        made = _made(evenly(wrong, WRONG), held, agreed, base, known)
         if limit := _limit(obtained, wrong, trials):
             own = sentence = f"{sentence}: {limit}"
         elif against := _against_itself(wrong):
             sentence += f", against {against}"
-        elif made:
-            names, reason = made
-            sentence += f": {reason}"
+        elif made := _made(evenly(wrong, WRONG), held, agreed, base, known):
+            names, said = made
+            if not said:
+                following[tuple(names), ABOVE, None][what] = wrong
+                continue
+            sentence += f": {said}"
         elif own := _follows(wrong):
-            sentence += f": {own}"
+            following[(), own, None][what] = wrong
+            continue
         elif rule_ := next((r for r in RULES if flies and all(map(r[3], wrong))), None):
             name, said, remedy, _ = rule_
             names, sentence = [name], f"{sentence}: {said}"
@@ -136,27 +145,29 @@ def outcome_findings(trials: Trials, base: Change, known: Sequence[Finding]) -> 
             sentence += f": {own}"
             remedy = "find the lowest point within the step, where v_z changes sign, and test there"
         elif not flies:
-            flown[f"{obtained} where {expected} is right"] = wrong
+            following[(), *FLIES_WRONGLY][what] = wrong
             continue
         one = _told("outcome", "outcome", names, sentence, wrong, same)
         more: dict[str, Any] = {"kind": "unexplained", "remedy": remedy, "example": None}
         if names or own or against:
             more |= {"kind": "probably", "share": 1.0, "scenes": None}
         yield one.model_copy(update=more)
-    if flown:
+    for (named, reason, remedy), flown in following.items():
         whole = [t for wrong in flown.values() for t in wrong]
-        said = f"says {', '.join(flown)}, in {many(len(whole), 'scene')}: its ball flies wrongly"
-        one = _told("outcome", "outcome", [], said, whole, [])
-        more = {"remedy": "see whether this is so still when the flight is right"}
-        more |= {"kind": "probably", "scenes": None, "example": None}
-        yield one.model_copy(update=more)
+        said = f"says {', '.join(flown)}, in {many(len(whole), 'scene')}: {reason}"
+        one = _told("outcome", "outcome", [*named], said, whole, [])
+        more = {"kind": "probably", "share": 1.0, "remedy": remedy}
+        yield one.model_copy(update=more | {"scenes": None, "example": None})
 
 
 def _made(
     wrong: Trials, same: Trials, agreed: Trials, base: Change,
     known: Sequence[Finding]
 ) -> tuple[list[str], str] | None:  # fmt: skip
-    """Return names and sentence of what makes these outcomes, and those `agreed` on."""
+    """Return names and sentence of what makes these outcomes, and those `agreed` on.
+
+    What is known makes them without a sentence.
+    """
     whole = [*wrong, *same]
 
     def makes(change: Change) -> bool:
@@ -170,7 +181,7 @@ def _made(
 
     named = [name for f in known for name in f.names[:1] if f.stage != "outcome"]
     if named and base is not NONE and makes(base):
-        return named[:1], "this follows from the above"
+        return named[:1], ""
     if base is not NONE and all(_explains(base, t) for t in wrong):
         return None  # nothing else is behind these, though something is left of other trials
     clear = any("home_run" in (t.outcome, t.case.expected.outcome) for t in whole) and not any(

@@ -119,6 +119,7 @@ def _images(quantity: str, expected: Array, obtained: Array) -> Iterator[tuple[s
         for shown, image in TURNS:
             sentence = f"{quantity}: {shown} stands where (x, y, z) belongs"
             yield f"{quantity}:{shown}", sentence, image
+        yield from _moved(quantity, expected, obtained)
         yield from _flat(quantity, expected, obtained)
         yield from _on_surface(quantity, expected, obtained)
         return
@@ -132,6 +133,15 @@ def _images(quantity: str, expected: Array, obtained: Array) -> Iterator[tuple[s
     if middle and not same and np.ptp(shift) < 1e-3 * abs(middle):
         sentence = f"{quantity}: obtained = expected {'+-'[middle < 0]} {abs(middle):.8g}"
         yield f"{quantity}+{middle:.6g}", sentence, lambda x: x + middle
+
+
+def _moved(quantity: str, expected: Array, obtained: Array) -> Iterator[tuple[str, str, Image]]:
+    """Yield the vector that is added to all, if it is the same."""
+    by = np.median(obtained - expected, axis=0)
+    apart = np.linalg.norm(obtained - expected - by, axis=1)
+    if by.any() and len(apart) >= FIRST and apart.max() < 1e-3 * np.linalg.norm(by):
+        told = f"({', '.join(f'{roundest(x, float(apart.max())):.6g}' for x in by.tolist())})"
+        yield f"{quantity}+{told}", f"{quantity}: obtained = expected + {told}", lambda x: x + by
 
 
 def _limited(quantity: str, expected: Array, obtained: Array) -> Iterator[tuple[str, str, Image]]:
